@@ -241,7 +241,7 @@ class Viewer(QObject):
         window.speed_changed.connect(lambda speed: setattr(self.tow, "speed", speed))
         window.running_changed.connect(self.run)
         window.projector.toggled.connect(lambda large: self.panels.tell("projected", large))
-        window.may_close = self.saving.may_close
+        window.may_close = lambda: self.saving.may_close() and self.panels.may_close()
         window.closing.connect(self.close)
         self._clock.timeout.connect(self._tick)
 

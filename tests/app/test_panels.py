@@ -91,6 +91,7 @@ def test_every_folder_holds_a_panel() -> None:
     assert [panel.name for panel in found] == [
         "parameters",
         "plan",
+        "record",
         "chart",
         "comparison",
         "jobs",
@@ -113,6 +114,7 @@ def test_names_are_unique_and_the_order_is_stable(announce: Any) -> None:
     assert names == [
         "parameters",
         "plan",
+        "record",
         "chart",
         "comparison",
         "dummy",

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from enum import Enum
 from typing import TYPE_CHECKING, Any, ClassVar, NamedTuple, Protocol
@@ -19,6 +19,7 @@ if TYPE_CHECKING:
     from insonify_viewer.session import Session
     from insonify_viewer.simulator import Simulator, TracedPings
     from insonify_viewer.views.file_dialogs import FileDialogs
+    from insonify_viewer.views.waterfall_view import WaterfallView
 
 
 class Place(Enum):
@@ -80,6 +81,12 @@ class Workbench:
         Shows a sentence in the status bar.
     pause : callable
         Pauses the tow.
+    go_to : callable
+        Pauses the tow, and puts a ping on top of the record.
+    record_views : (WaterfallView, WaterfallView)
+        Views of the simulated record and of a recording.
+    add_actions : callable
+        Makes the keys of some actions work in the whole window.
     open_panel : callable
         Opens the panel of a name.
     inspection : Inspection
@@ -104,6 +111,9 @@ class Workbench:
     files: FileDialogs
     say: Callable[[str], None]
     pause: Callable[[], None]
+    go_to: Callable[[int], None]
+    record_views: tuple[WaterfallView, WaterfallView]
+    add_actions: Callable[[Sequence[Any]], None]
     open_panel: Callable[[str], None]
     inspection: Inspection
     jobs: JobList
@@ -205,6 +215,10 @@ class Panel(Protocol):
 
     def opened(self, shown: bool) -> None:
         """Follow the opening and closing of the panel."""
+
+    def may_close(self) -> bool:
+        """Whether the window may close; the panel may ask what becomes of unsaved work."""
+        return True
 
     def closing(self) -> None:
         """Stop all work; the window closes."""

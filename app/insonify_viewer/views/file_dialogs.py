@@ -77,6 +77,11 @@ class FileDialogs:
         """Let the person pick a measured cast; return its path, empty if none was picked."""
         return self._ask("Open a measured cast", "Measured casts", CASTS)
 
+    def ask_for_contacts(self, folder: str) -> str:
+        """Let the person pick a file of contacts; return its path, empty if none was picked."""
+        kinds = "Contacts (*.geojson *.csv);;All files (*)"
+        return QFileDialog.getOpenFileName(self._window, "Open contacts", folder, kinds)[0]
+
     def ask_for_mesh(self) -> str:
         """Let the person pick a mesh; return its path, the name of a bundled one, or an empty string."""
         path = self._ask("Open a mesh", "Meshes", MESHES, self._meshes)

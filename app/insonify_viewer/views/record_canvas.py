@@ -43,6 +43,7 @@ class RecordCanvas(QWidget):
     """
 
     moved = Signal(int)  # newest ping on screen
+    recoloured = Signal()  # the colours of amplitudes have changed
 
     def __init__(self, *, native: bool = False, parent: QWidget | None = None) -> None:
         super().__init__(parent)
@@ -173,6 +174,7 @@ class RecordCanvas(QWidget):
             self._fit()
         else:
             self._paint_rows(np.arange(self._record.pings))
+        self.recoloured.emit()
 
     def show_levels(self, levels: Levels) -> None:
         """Set the amplitudes at the ends of the palette, where the display options leave them to the record."""
@@ -180,6 +182,7 @@ class RecordCanvas(QWidget):
             self._levels = levels
             self._tone_map = make_tone_map(self._look, levels)
             self._paint_rows(np.arange(self._record.pings))
+            self.recoloured.emit()
 
     def show_zoom(self, zoom: Zoom) -> None:
         """Show a part of the record."""
@@ -240,6 +243,10 @@ class RecordCanvas(QWidget):
         pings = self._record.shown(self._top)
         rows = self._record.rows(pings)
         return self._image.columns(rows), self._record.ping[rows] == pings
+
+    def snapshot(self, mark: Mark) -> bytes:
+        """Picture of the record about a bin as PNG, without what is painted over it."""
+        return self._image.snapshot(self._plot(), self._projection, self.place_of(mark))
 
     def mark_at(self, place: QPoint) -> Mark | None:
         """Find the bin at a position of the widget; None outside the record."""

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 from numpy.typing import NDArray
-from PySide6.QtCore import QRect, QRectF
-from PySide6.QtGui import QImage, QPainter
+from PySide6.QtCore import QBuffer, QByteArray, QPoint, QRect, QRectF
+from PySide6.QtGui import QColor, QImage, QImageWriter, QPainter
 
 from insonify_viewer.record import Record, Rows
 from insonify_viewer.record_display.projection import Projection
@@ -14,6 +14,7 @@ from insonify_viewer.views.along_track_blur import blur_along_track
 from insonify_viewer.views.pixels import dimmed
 
 EMPTY = 0xFF0B1118
+SNAPSHOT = 128  # px, side of a picture about a place
 
 
 class RecordImage:
@@ -96,6 +97,19 @@ class RecordImage:
         if shown > above:
             lower = QRectF(plot.left(), seam, plot.width(), plot.bottom() + 1 - seam)
             painter.drawImage(lower, self._image, QRectF(0.0, 0.0, width, shown - above))
+
+    def snapshot(self, plot: QRect, projection: Projection, place: QPoint) -> bytes:
+        """Draw the surroundings of a place of the plot as PNG."""
+        picture = QImage(SNAPSHOT, SNAPSHOT, QImage.Format.Format_RGB32)
+        picture.fill(QColor.fromRgb(EMPTY))
+        painter = QPainter(picture)
+        painter.translate(QPoint(SNAPSHOT // 2, SNAPSHOT // 2) - place)
+        self.draw(painter, plot, projection)
+        painter.end()
+        buffer = QBuffer()
+        buffer.open(QBuffer.OpenModeFlag.WriteOnly)
+        QImageWriter(buffer, QByteArray(b"PNG")).write(picture)
+        return bytes(buffer.data().data())
 
     def _averaged(self, rows: Rows, projection: Projection) -> NDArray[np.float32]:
         record = self._record

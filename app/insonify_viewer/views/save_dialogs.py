@@ -32,11 +32,20 @@ def record_formats() -> list[tuple[str, str]]:
 
 def ask_about_changes(window: QWidget, title: str) -> Answer:
     """Ask what becomes of the unsaved changes of a scene; closing the question cancels."""
+    return _ask(window, "Unsaved changes", f"The scene “{title}” has changes that are not saved.")
+
+
+def ask_about_contacts(window: QWidget, number: int) -> Answer:
+    """Ask what becomes of unsaved contacts; closing the question cancels."""
+    return _ask(window, "Unsaved contacts", f"The list of {number} contacts has changes that are not saved.")
+
+
+def _ask(window: QWidget, title: str, sentence: str) -> Answer:
     buttons = QMessageBox.StandardButton
     pressed = QMessageBox.question(
         window,
-        "Unsaved changes",
-        f"The scene “{title}” has changes that are not saved.",
+        title,
+        sentence,
         buttons.Save | buttons.Discard | buttons.Cancel,
         buttons.Save,
     )

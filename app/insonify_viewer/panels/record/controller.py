@@ -1,0 +1,283 @@
+"""Shows records by the display options, measures on them, and keeps contacts."""
+
+from __future__ import annotations
+
+import time
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from insonify.scene import Scene, SceneError
+from insonify_viewer.contacts.contact import SIDES, Contact, ContactList
+from insonify_viewer.contacts.files import FORMATS, GEOJSON, read_contacts, write_contacts
+from insonify_viewer.job import in_one_sentence
+from insonify_viewer.measuring.location import (
+    Location,
+    degrees_of,
+    georeference_of,
+    locate_recorded,
+    locate_simulated,
+)
+from insonify_viewer.measuring.measurement import measure
+from insonify_viewer.panels.panel import Panel, Place, RecordGrowth, Workbench
+from insonify_viewer.panels.record.view.record_view import RecordView
+from insonify_viewer.record_display.layout import row_factors
+from insonify_viewer.record_display.projection import Zoom
+from insonify_viewer.session import Mark
+from insonify_viewer.views.save_dialogs import Answer, ask_about_contacts, ask_where_to_save
+
+if TYPE_CHECKING:
+    from insonify.io.georeference import Georeference
+    from insonify.simulation import Simulation
+    from insonify_viewer.recording import Recording
+    from insonify_viewer.views.waterfall_view import WaterfallView
+
+SAMPLED = 60_000  # amplitudes that the histogram counts
+OFTEN = 0.25  # s between two histograms of a record that grows
+ABOVE = 4  # a contact is shown this part of the screen below its edge
+
+
+class RecordPanel(Panel):
+    """Shows and changes how the simulated record and a recording are displayed."""
+
+    name = "record"
+    title = "Record"
+    place = Place.SIDE
+    rank = 30
+
+    def __init__(self, workbench: Workbench) -> None:
+        self._workbench, self._session = workbench, workbench.session
+        self._simulated, self._recorded = workbench.record_views
+        self._simulation: Simulation | None = None
+        self._hovered: tuple[WaterfallView, Mark] | None = None
+        self._counted = 0.0  # when the histogram was counted last
+        self.contacts = ContactList()
+        self.view = RecordView()
+        self._connect()
+
+    @property
+    def widget(self) -> RecordView:
+        """Sections of display, contrast, measuring and contacts."""
+        return self.view
+
+    def record_grown(self, growth: RecordGrowth) -> None:
+        """Follow the simulation, and count the levels anew now and then."""
+        if growth.answer.simulation is not self._simulation:
+            self._simulation = growth.answer.simulation
+            self._simulated.show_measured(None)
+        if growth.complete or time.perf_counter() - self._counted > OFTEN:
+            self._show_levels()
+
+    def scene_changed(self, scene: Scene, settled: bool) -> None:
+        """Show the contacts of the scene."""
+        if settled:
+            self._show_contacts()
+
+    def opened(self, shown: bool) -> None:
+        """Count the levels of what is shown."""
+        if shown:
+            self._show_levels()
+
+    def may_close(self) -> bool:
+        """Ask what becomes of unsaved contacts."""
+        if not self.contacts.unsaved:
+            return True
+        answer = ask_about_contacts(self.view.window(), len(self.contacts))
+        return answer is Answer.DISCARD or (answer is Answer.SAVE and self.save_contacts())
+
+    def save_contacts(self) -> bool:
+        """Write the contacts to a file that the person names, beside the scene at first; return whether they were."""
+        suggestion = self.contacts.file or _beside(self._session.file)
+        path = ask_where_to_save(self.view.window(), "Save the contacts", suggestion, FORMATS)
+        if path is None:
+            return False
+        try:
+            write_contacts(path, self.contacts.all)
+        except OSError as error:
+            self._workbench.say(in_one_sentence(error))
+            return False
+        self.contacts.mark_saved(str(path))
+        self._workbench.say(f"saved {path}")
+        return True
+
+    def open_contacts(self) -> None:
+        """Read contacts from a file that the person names, in place of the present ones."""
+        path = self._workbench.files.ask_for_contacts(str(Path(self._session.file or ".").parent))
+        if not path or not self.may_close():
+            return
+        try:
+            self.contacts.open(read_contacts(Path(path)), path)
+        except SceneError as error:
+            self._workbench.say(str(error))
+
+    def _connect(self) -> None:
+        view, session = self.view, self._session
+        self._workbench.add_actions(view.keys)
+        session.displayed.connect(self._show_display)
+        view.changed.connect(lambda options: session.show(**options))
+        view.histogram.dragged.connect(self._drag_ends)
+        view.measuring.connect(self._measure)
+        view.zoomed.connect(self._zoom)
+        view.contact_wanted.connect(lambda: self._mark_contact(self._hovered))
+        for each in (self._simulated, self._recorded):
+            each.measured.connect(lambda first, last, each=each: self._show_measured(each, first, last))
+            each.hovered.connect(lambda mark, each=each: self._hover(each, mark))
+            each.recoloured.connect(self._show_colours)
+        self._workbench.recordings.opened.connect(lambda _: self._show_contacts())
+        self.contacts.changed.connect(self._show_contacts)
+        listed = view.contacts
+        listed.mark_wanted.connect(self._mark_pinned)
+        listed.remove_wanted.connect(self.contacts.remove)
+        listed.jump_wanted.connect(self._jump)
+        listed.chosen.connect(lambda _: self._show_marks())
+        listed.edited.connect(lambda row, name, text: self.contacts.edit(row, **{name: text}))
+        listed.open_wanted.connect(self.open_contacts)
+        listed.save_wanted.connect(self.save_contacts)
+
+    @property
+    def _recording(self) -> Recording | None:
+        return self._workbench.recordings.recording
+
+    def _show_display(self, look: Any) -> None:
+        self.view.show_display(look)
+        self._show_colours()
+        self._show_levels()
+
+    def _show_colours(self) -> None:
+        self.view.histogram.show_colours(self._simulated.tone_map)
+
+    def _show_levels(self) -> None:
+        """Count the levels of the simulated record on screen."""
+        record = self._simulated.record
+        held = np.flatnonzero(record.ping >= 0)
+        if not held.size or not self.view.isVisible():
+            return
+        self._counted = time.perf_counter()
+        step = max(held.size * 2 * record.bins // SAMPLED, 1)
+        rows = held[:: max(int(step**0.5), 1)]
+        amplitude = record.amplitude[rows]
+        factors = row_factors(self._session.display, record.bins)
+        sample = (amplitude if factors is None else amplitude * factors).ravel()[:: max(int(step**0.5), 1)]
+        self.view.histogram.show_levels(20.0 * np.log10(sample[sample > 0.0].astype(np.float64)))
+        self._show_colours()
+
+    def _drag_ends(self, low: float, high: float) -> None:
+        """Set the ends of the palette; the gain on top stays."""
+        gain = 10.0 ** (self._session.display.gain / 20.0)
+        self._session.show(levels=(float(10.0 ** (low / 20.0)) * gain, float(10.0 ** (high / 20.0)) * gain))
+
+    def _measure(self, measuring: bool) -> None:
+        for each in (self._simulated, self._recorded):
+            each.measuring = measuring
+            each.show_measured(None)
+        self.view.show_measured("")
+        if measuring:
+            self._workbench.say("drag over the record to measure; M ends measuring")
+
+    def _show_measured(self, view: WaterfallView, first: Mark, last: Mark) -> None:
+        ends = self._locate(view, first), self._locate(view, last)
+        if ends[0] is not None and ends[1] is not None:
+            words = measure(ends[0], ends[1]).words
+            view.show_measured((first, last, words))
+            self.view.show_measured(words)
+
+    def _locate(self, view: WaterfallView, mark: Mark) -> Location | None:
+        """Place of a bin of one of the views; None while there is no record."""
+        if view is self._recorded:
+            recording = self._recording
+            return None if recording is None or mark.ping >= recording.pings else locate_recorded(recording, mark)
+        simulation = self._simulation
+        held = simulation is not None and mark.bin < simulation.scene.sonar.bins
+        return locate_simulated(simulation, mark) if simulation is not None and held else None
+
+    def _zoom(self, factor: float) -> None:
+        for each in (self._simulated, self._recorded):
+            if factor:
+                each.magnify(factor)
+            else:
+                each.show_zoom(Zoom())
+
+    def _hover(self, view: WaterfallView, mark: Mark | None) -> None:
+        self._hovered = None if mark is None else (view, mark)
+
+    def _mark_pinned(self) -> None:
+        mark = self._workbench.inspection.mark
+        self._mark_contact(None if mark is None else (self._simulated, mark))
+
+    def _mark_contact(self, at: tuple[WaterfallView, Mark] | None) -> None:
+        """Add a contact at a bin of one of the views."""
+        location = None if at is None else self._locate(*at)
+        if at is None or location is None:
+            self._workbench.say("point at the record and press C, or pin a pixel first")
+            return
+        view, mark = at
+        place = location.place or (None, None)
+        degrees = degrees_of(self._georeference(view), location.place) or (None, None)
+        self.contacts.add(
+            Contact(
+                name="",
+                note="",
+                source=self._source(view),
+                ping=mark.ping,
+                side=SIDES[mark.side],
+                range_bin=mark.bin,
+                slant_range=round(location.slant_range, 4),
+                ground_range=location.ground_range,
+                x=place[0],
+                y=place[1],
+                longitude=degrees[0],
+                latitude=degrees[1],
+                snapshot=view.snapshot(mark),
+            )
+        )
+        self._workbench.say(f"marked {self.contacts[-1].name}")
+
+    def _georeference(self, view: WaterfallView) -> Georeference | None:
+        if view is self._recorded:
+            return None if self._recording is None else georeference_of(self._recording)
+        return self._session.scene.georeference
+
+    def _source(self, view: WaterfallView) -> str:
+        """Say which record a view shows."""
+        if view is self._recorded:
+            return "" if self._recording is None else self._recording.path.name
+        return self._session.scene.title
+
+    def _show_contacts(self) -> None:
+        self.view.contacts.show_contacts(self.contacts.all)
+        self._show_marks()
+
+    def _show_marks(self) -> None:
+        """Draw the contacts of each record over it."""
+        chosen = self.view.contacts.list.currentRow()
+        for view in (self._simulated, self._recorded):
+            source, bins = self._source(view), view.record.bins
+            view.show_contacts(
+                [
+                    (each.mark, each.name, row == chosen)
+                    for row, each in enumerate(self.contacts.all)
+                    if each.source == source and each.range_bin < bins
+                ]
+            )
+
+    def _jump(self, row: int) -> None:
+        """Show a contact some way below the edge of its record."""
+        contact = self.contacts[row]
+        recorded = self._recording is not None and contact.source == self._recording.path.name
+        if not recorded and contact.source != self._session.scene.title:
+            self._workbench.say(f"{contact.name} belongs to “{contact.source}”; open that first")
+            return
+        view = self._recorded if recorded else self._simulated
+        ahead = contact.ping + view.record.pings // ABOVE
+        if recorded and self._recording is not None:
+            self._workbench.recordings.go_to(min(ahead, self._recording.pings - 1))
+        else:
+            self._workbench.go_to(ahead)
+        view.show_zoom(Zoom())
+        self.view.contacts.list.setCurrentRow(row)
+
+
+def _beside(scene_file: str) -> str:
+    """Name of the file of contacts beside that of a scene."""
+    return str(Path(scene_file or "contacts").with_suffix(f".contacts{GEOJSON}" if scene_file else GEOJSON))

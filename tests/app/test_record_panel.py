@@ -1,0 +1,207 @@
+"""The record panel: display options by clicks and keys, contrast by dragging, measuring, contacts and their files."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from PySide6.QtCore import QPoint, Qt
+from PySide6.QtGui import QAction, QPixmap
+from PySide6.QtTest import QTest
+from PySide6.QtWidgets import QFileDialog, QMessageBox
+from test_record_display import drag
+
+from insonify.scene import Scene, edit
+from insonify_viewer.contacts.files import read_contacts
+from insonify_viewer.panels.record.view.record_view import TICKS
+from insonify_viewer.session import Mark
+
+
+@pytest.fixture
+def viewer(open_viewer: Any, small: Scene) -> Any:
+    viewer = open_viewer(edit(small, {"sonar.bins": 400, "track.pings": 256}))
+    viewer.window.open_panel("record")
+    return viewer
+
+
+@pytest.fixture
+def panel(viewer: Any) -> Any:
+    return viewer.panels["record"]
+
+
+def press(viewer: Any, key: str) -> None:
+    """Trigger the one action of the window with a key; a window that no manager activates gets no shortcuts."""
+    (action,) = (each for each in viewer.window.findChildren(QAction) if each.shortcut().toString() == key.upper())
+    assert action in viewer.window.actions(), "the window itself holds the action, so that it works everywhere"
+    action.trigger()
+
+
+@pytest.mark.parametrize(("name", "key"), [(name, key) for name, _, key, _ in TICKS])
+def test_options_follow_ticks_and_keys(viewer: Any, panel: Any, name: str, key: str, qtbot: Any) -> None:
+    before = getattr(viewer.session.display, name)
+    panel.view.ticks[name].click()
+    assert getattr(viewer.session.display, name) is not before
+    viewer.window.open_panel("parameters")  # the keys work while the panel is hidden
+    press(viewer, key.lower())
+    qtbot.waitUntil(lambda: getattr(viewer.session.display, name) is before)
+    assert panel.view.ticks[name].isChecked() is before
+
+
+def test_sides_scale_and_palette(viewer: Any, panel: Any, qtbot: Any) -> None:
+    for key, side in (("2", "port"), ("3", "starboard"), ("1", "both")):
+        press(viewer, key)
+        qtbot.waitUntil(lambda side=side: viewer.session.display.side == side)
+        assert panel.view.choices["side"].combo.currentText() == side
+    press(viewer, "t")
+    qtbot.waitUntil(lambda: viewer.session.display.scale == "true")
+    combo = panel.view.choices["palette"].combo
+    combo.setCurrentIndex(2)
+    combo.activated.emit(2)
+    assert viewer.window.palettes.currentText() == viewer.session.display.palette == combo.currentText()
+
+
+def test_gains_of_each_side_are_typed(viewer: Any, panel: Any) -> None:
+    row = panel.view.gains[2]
+    row.field.setText("6")
+    row.field.setModified(True)
+    row.field.editingFinished.emit()
+    assert viewer.session.display.side_gains == (0.0, 6.0)
+    row.field.setText("loud")
+    row.field.setModified(True)
+    row.field.editingFinished.emit()
+    assert viewer.session.display.side_gains == (0.0, 6.0)
+    viewer.window.gain.setValue(45)
+    assert panel.view.gains[0].field.text() == "4.5 dB"
+
+
+def test_the_ends_of_the_colour_bar_are_dragged(viewer: Any, panel: Any) -> None:
+    histogram, view = panel.view.histogram, viewer.window.waterfall
+    assert histogram._counts.max() == 1.0
+    before = view.picture().copy()
+    middle = histogram.height() // 2
+    drag(
+        histogram,
+        QPoint(round(histogram.place_of(histogram.ends[1])), middle),
+        QPoint(round(histogram.place_of(20.0)), middle),
+    )
+    assert histogram.ends[1] == pytest.approx(20.0, abs=0.5)
+    assert viewer.session.display.levels[1] == pytest.approx(10.0, rel=0.05)
+    assert view.tone_map.ends[1] == pytest.approx(10.0, rel=0.05)
+    darker = view.picture().copy()
+    assert (darker != before).mean() > 0.5
+    histogram.setFocus()
+    QTest.keyClick(histogram, Qt.Key.Key_Left)
+    assert histogram.ends[1] == pytest.approx(19.5, abs=0.5)
+    viewer.find_levels()
+    assert viewer.session.display.levels is None
+    assert (view.picture() == before).all()
+
+
+def test_a_drag_measures_in_every_view(viewer: Any, panel: Any) -> None:
+    view = viewer.window.waterfall
+    first, last = Mark(200, 1, 200), Mark(180, 1, 300)
+    found = []
+    view.measured.connect(lambda a, b: found.append((a, b)))
+    press(viewer, "m")
+    assert view.measuring
+    for options in ({}, {"ground_range": True}, {"side": "starboard", "newest_on_top": False}, {"water_column": False}):
+        viewer.session.show(**options)
+        top = view.top
+        drag(view, view.place_of(first), view.place_of(last))
+        assert view.top == top, "a drag that measures does not move the record"
+        for mark, wanted in zip(found[-1], (first, last)):
+            assert (mark.ping, mark.bin) == (pytest.approx(wanted.ping, abs=1), pytest.approx(wanted.bin, abs=1))
+        along, across = (float(word.split()[0]) for word in panel.view.measured.text().split(": ")[1].split(", ")[:2])
+        slants = np.array([200.5, 300.5]) * 50.0 / 400
+        wide = np.diff(np.sqrt(slants**2 - 10.0**2))[0]
+        assert along == pytest.approx(20 * 0.2, abs=0.45)
+        assert across == pytest.approx(wide, abs=0.4)
+    press(viewer, "m")
+    assert not view.measuring
+    assert view._line is None
+
+
+def mark_two(viewer: Any, panel: Any, qtbot: Any) -> None:
+    view = viewer.window.waterfall
+    for number, mark in enumerate((Mark(240, 0, 300), Mark(60, 1, 200)), start=1):
+        QTest.mouseMove(view, view.place_of(mark))
+        qtbot.waitUntil(lambda: panel._hovered is not None)
+        panel._hovered = (view, mark)  # to the bin, which the mouse meets to a pixel
+        press(viewer, "c")
+        qtbot.waitUntil(lambda number=number: len(panel.contacts) == number)
+
+
+def test_contacts_are_marked_named_listed_and_found_again(viewer: Any, panel: Any, qtbot: Any) -> None:
+    view, listed = viewer.window.waterfall, panel.view.contacts
+    mark_two(viewer, panel, qtbot)
+    assert [listed.list.item(row).text().splitlines()[0] for row in range(2)] == ["contact 1", "contact 2"]
+    contact = panel.contacts[0]
+    assert (contact.ping, contact.side, contact.range_bin) == (240, "port", 300)
+    assert contact.y == pytest.approx(np.sqrt((300.5 / 8) ** 2 - 100.0), abs=0.05)
+    picture = QPixmap()
+    assert picture.loadFromData(contact.snapshot)
+    assert picture.width() == picture.height() == 128
+    listed.list.setCurrentRow(0)
+    listed.name.setText("wreck")
+    listed.name.editingFinished.emit()
+    listed.note.setText("two masts")
+    listed.note.editingFinished.emit()
+    assert (panel.contacts[0].name, panel.contacts[0].note) == ("wreck", "two masts")
+    assert (Mark(240, 0, 300), "wreck", True) in view._contacts
+    viewer.go_to(100)
+    assert (Mark(240, 0, 300), "wreck", True) in view._contacts, "contacts outlast scrolling"
+    listed.jump.click()
+    assert view._plot().contains(view.place_of(Mark(240, 0, 300)))
+    listed.remove.click()
+    assert [each.name for each in panel.contacts.all] == ["contact 2"]
+
+
+@pytest.mark.parametrize("suffix", [".geojson", ".csv"])
+def test_contacts_are_saved_and_opened(
+    viewer: Any, panel: Any, tmp_path: Path, suffix: str, qtbot: Any, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    mark_two(viewer, panel, qtbot)
+    path, listed = tmp_path / f"found{suffix}", panel.view.contacts
+    monkeypatch.setattr(QFileDialog, "getSaveFileName", lambda *_: (str(path), ""))
+    monkeypatch.setattr(QFileDialog, "getOpenFileName", lambda *_: (str(path), ""))
+    listed.save.click()
+    assert not panel.contacts.unsaved
+    assert len(read_contacts(path)) == 2
+    listed.remove.click()
+    assert panel.contacts.unsaved
+    listed.open.click()
+    assert [each.name for each in panel.contacts.all] == ["contact 1", "contact 2"]
+    path.write_text("nonsense", encoding="utf-8")
+    listed.open.click()
+    assert "is no file of contacts" in viewer.window._sentence.text()
+    assert len(panel.contacts) == 2
+
+
+def test_closing_asks_about_unsaved_contacts(
+    viewer: Any, panel: Any, tmp_path: Path, qtbot: Any, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    mark_two(viewer, panel, qtbot)
+    asked: list[str] = []
+
+    def answer(_: Any, title: str, *rest: Any) -> Any:
+        asked.append(title)
+        return answers.pop(0)
+
+    answers = [QMessageBox.StandardButton.Cancel, QMessageBox.StandardButton.Save]
+    monkeypatch.setattr(QMessageBox, "question", answer)
+    monkeypatch.setattr(QFileDialog, "getSaveFileName", lambda *_: (str(tmp_path / "found.geojson"), ""))
+    assert not viewer.window.close()
+    assert viewer.window.isVisible()
+    assert viewer.window.close()
+    assert asked == ["Unsaved contacts"] * 2
+    assert len(read_contacts(tmp_path / "found.geojson")) == 2
+
+
+def test_zoom_by_keys(viewer: Any, panel: Any, qtbot: Any) -> None:
+    zoom = lambda: viewer.window.waterfall.projection.zoom  # noqa: E731
+    press(viewer, "+")
+    qtbot.waitUntil(lambda: not zoom().whole)
+    press(viewer, "0")
+    qtbot.waitUntil(lambda: zoom().whole)
