@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from collections.abc import Sequence
+from typing import TYPE_CHECKING, Any
 
 from insonify.scene import Scene
 from insonify_viewer.panels.panel import Workbench
@@ -20,6 +21,10 @@ def make_workbench(viewer: Viewer) -> Workbench:
         viewer.open(scene, file)
         return True
 
+    def add_actions(actions: Sequence[Any]) -> None:
+        viewer.window.addActions(actions)
+        viewer.window.menus.group("Record", actions)
+
     return Workbench(
         session=viewer.session,
         simulator=viewer.simulator,
@@ -27,8 +32,8 @@ def make_workbench(viewer: Viewer) -> Workbench:
         say=viewer.window.say,
         pause=lambda: viewer.run(False),
         go_to=viewer.go_to,
-        record_views=(viewer.window.waterfall, viewer.window.recording),
-        add_actions=viewer.window.addActions,
+        record_views=(viewer.window.waterfall, viewer.window.record_a),
+        add_actions=add_actions,
         open_panel=viewer.window.open_panel,
         inspection=viewer.inspection,
         jobs=viewer.jobs,

@@ -13,7 +13,7 @@ from insonify_viewer.session import Mark
 
 if TYPE_CHECKING:
     from insonify.simulation import Simulation
-    from insonify_viewer.recording import Recording
+    from insonify_viewer.comparison.recording import Recording
 
 
 class Location(NamedTuple):

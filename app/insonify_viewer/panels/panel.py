@@ -84,9 +84,9 @@ class Workbench:
     go_to : callable
         Pauses the tow, and puts a ping on top of the record.
     record_views : (WaterfallView, WaterfallView)
-        Views of the simulated record and of a recording.
+        Views of the live record and of record A.
     add_actions : callable
-        Makes the keys of some actions work in the whole window.
+        Puts actions into the menu of the record, so that their keys work in the whole window.
     open_panel : callable
         Opens the panel of a name.
     inspection : Inspection

@@ -52,8 +52,7 @@ class RecordCanvas(QWidget):
             self.setAttribute(Qt.WidgetAttribute.WA_NativeWindow)
         self.setAttribute(Qt.WidgetAttribute.WA_OpaquePaintEvent)
         self.setMinimumSize(200, 140)
-        self._record = Record(1, 1)
-        self._image = RecordImage()
+        self._record, self._image = Record(1, 1), RecordImage()
         self._top = 0
         self._range, self._step = 1.0, 1.0
         self._look, self._levels, self._zoom = DisplayOptions(), (0.0, 1.0), Zoom()

@@ -30,7 +30,7 @@ from insonify_viewer.views.save_dialogs import Answer, ask_about_contacts, ask_w
 if TYPE_CHECKING:
     from insonify.io.georeference import Georeference
     from insonify.simulation import Simulation
-    from insonify_viewer.recording import Recording
+    from insonify_viewer.comparison.recording import Recording
     from insonify_viewer.views.waterfall_view import WaterfallView
 
 SAMPLED = 60_000  # amplitudes that the histogram counts
@@ -125,6 +125,7 @@ class RecordPanel(Panel):
             each.hovered.connect(lambda mark, each=each: self._hover(each, mark))
             each.recoloured.connect(self._show_colours)
         self._workbench.recordings.opened.connect(lambda _: self._show_contacts())
+        self._workbench.comparison.changed.connect(self._show_marks)
         self.contacts.changed.connect(self._show_contacts)
         listed = view.contacts
         listed.mark_wanted.connect(self._mark_pinned)
@@ -184,12 +185,16 @@ class RecordPanel(Panel):
 
     def _locate(self, view: WaterfallView, mark: Mark) -> Location | None:
         """Place of a bin of one of the views; None while there is no record."""
+        recording, kept = self._recording, self._workbench.comparison.kept
+        if view is self._recorded and recording is not None:
+            return locate_recorded(recording, mark) if mark.ping < recording.pings else None
         if view is self._recorded:
-            recording = self._recording
-            return None if recording is None or mark.ping >= recording.pings else locate_recorded(recording, mark)
-        simulation = self._simulation
-        held = simulation is not None and mark.bin < simulation.scene.sonar.bins
-        return locate_simulated(simulation, mark) if simulation is not None and held else None
+            simulation = None if kept is None or kept.simulated is None else kept.simulated.simulation
+        else:
+            simulation = self._simulation
+        if simulation is None or mark.bin >= simulation.scene.sonar.bins:
+            return None
+        return locate_simulated(simulation, mark)
 
     def _zoom(self, factor: float) -> None:
         for each in (self._simulated, self._recorded):
@@ -234,15 +239,20 @@ class RecordPanel(Panel):
         self._workbench.say(f"marked {self.contacts[-1].name}")
 
     def _georeference(self, view: WaterfallView) -> Georeference | None:
-        if view is self._recorded:
-            return None if self._recording is None else georeference_of(self._recording)
-        return self._session.scene.georeference
+        if view is self._recorded and self._recording is not None:
+            return georeference_of(self._recording)
+        kept = self._workbench.comparison.kept
+        scene = kept.scene if view is self._recorded and kept is not None else self._session.scene
+        return scene.georeference
 
     def _source(self, view: WaterfallView) -> str:
         """Say which record a view shows."""
-        if view is self._recorded:
-            return "" if self._recording is None else self._recording.path.name
-        return self._session.scene.title
+        if view is self._simulated:
+            return self._session.scene.title
+        kept = self._workbench.comparison.kept
+        if self._recording is not None:
+            return self._recording.path.name
+        return "" if kept is None else kept.scene.title
 
     def _show_contacts(self) -> None:
         self.view.contacts.show_contacts(self.contacts.all)

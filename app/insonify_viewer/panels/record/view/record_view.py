@@ -19,11 +19,11 @@ NARROWEST = 292  # px
 REACH = 30.0  # dB either way
 TICKS = (  # option, label, key, what it does
     ("ground_range", "Ground range", "G", "Ground range of a level bed in place of slant range"),
-    ("water_column", "Water column", "W", "Begin slant range at the sonar; else at the first echo of the bed"),
+    ("water_column", "Water column", "Shift+W", "Begin slant range at the sonar; else at the first echo of the bed"),
     ("bottom_line", "Bottom line", "B", "The slant range of the bed beneath the sonar"),
     ("range_lines", "Range lines", "L", "Lines of equal range"),
     ("newest_on_top", "Newest on top", "N", "Later pings above earlier ones; else below"),
-    ("decibels", "Decibels", "D", "Colours linear in decibels; else in amplitude"),
+    ("decibels", "Decibels", "Shift+D", "Colours linear in decibels; else in amplitude"),
     ("reverse", "Reversed colours", "I", "From bright to dark"),
 )
 CHOICES = (
