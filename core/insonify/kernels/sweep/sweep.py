@@ -18,7 +18,7 @@ from numpy.typing import DTypeLike, NDArray
 from insonify.kernels.beam.azimuth_sector import AzimuthSector
 from insonify.kernels.bed.profile import Profile, empty_profile, padded_count, profile_capacity
 from insonify.kernels.bed.slice import prefetch_strip, slice_bed, snap_to_grid
-from insonify.kernels.common.jit import NOTHING, inlined_uncounted, kernel, kernel_separate
+from insonify.kernels.common.jit import inlined_uncounted, kernel
 from insonify.kernels.common.prefetch import prefetch_row
 from insonify.kernels.common.range_bins import accumulate_bins
 from insonify.kernels.common.types import PORT, STARBOARD, SceneArrays
@@ -110,7 +110,7 @@ def _deposit_segments(profile, count, arrays, sector, zbuffer, cells, echoes, bi
     _deposit_behind_targets(profile, count, arrays, sector, zbuffer, cells, echoes, bins)
 
 
-@kernel_separate(NOTHING)
+@kernel
 def _deposit_behind_targets(profile, count, arrays, sector, zbuffer, cells, echoes, bins):
     """Spread the echoes of the segments that must be cut, less what targets hide of them."""
     occlusion = occlusion_of(zbuffer, cells)

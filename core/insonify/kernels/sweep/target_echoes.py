@@ -96,7 +96,7 @@ class BedHorizon(NamedTuple):
     knots: int
 
 
-@kernel_separate(NOTHING)
+@inlined_uncounted
 def deposit_targets(profile, knots, horizon, arrays, sector, plane, zbuffer, cells, bins):
     """Spread the echoes of the targets that one plane cuts over the range bins, less what the bed hides of them.
 
@@ -118,12 +118,19 @@ def deposit_targets(profile, knots, horizon, arrays, sector, plane, zbuffer, cel
     bins : ndarray of int64
         Difference array, in fixed-point units.
     """
+    bed, bodies = BedHorizon(profile.x, profile.z, horizon, knots), (arrays.solids, arrays.mesh, arrays.reflectivity)
+    # What is not needed is not handed over.
+    _deposit_cells(bed, bodies, arrays.pattern, arrays.law, arrays.bin_length, sector, plane, zbuffer, cells, bins)
+
+
+@kernel_separate(NOTHING)
+def _deposit_cells(bed, bodies, pattern, law, bin_length, sector, plane, zbuffer, cells, bins):
+    """Spread the echoes of the targets in all cells of a z-buffer over the range bins."""
     # Arrays are taken out of their tuples before the loop: doing so costs more than a facet.
-    solids, mesh, table, pattern = arrays.solids, arrays.mesh, arrays.reflectivity, arrays.pattern
-    law, bin_length, nearest = arrays.law, arrays.bin_length, zbuffer.nearest
-    edge, cosine, sine = zbuffer.edge, zbuffer.cosine, zbuffer.sine
+    solids, mesh, table = bodies
+    edge, cosine, sine, nearest = zbuffer.edge, zbuffer.cosine, zbuffer.sine, zbuffer.nearest
     near, distance, far, incidence = zbuffer.near, zbuffer.distance, zbuffer.far, zbuffer.incidence
-    bed, sources, knot = BedHorizon(profile.x, profile.z, horizon, knots), zbuffer.source, -1
+    sources, knot = zbuffer.source, -1
     for cell in range(cells):
         if nearest[cell] == NO_PRIMITIVE:
             continue

@@ -15,7 +15,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from insonify.kernels.common.jit import INTEGER, inlined_uncounted, kernel, kernel_separate, kernel_uncounted
+from insonify.kernels.common.jit import INTEGER, inlined_uncounted, kernel, kernel_separate
 from insonify.kernels.common.search import last_not_above
 from insonify.kernels.common.types import Mesh, Solids
 from insonify.kernels.geometry.cross_sections import may_cut_solid, section_solid
@@ -84,7 +84,7 @@ def empty_zbuffer(solids: Solids, mesh: Mesh) -> AngularZbuffer:
     )  # fmt: skip
 
 
-@kernel_separate(INTEGER)
+@inlined_uncounted
 def fill_zbuffer(arrays, plane, sector, reach, grid, table, zbuffer):
     """Collect the primitives that a plane cuts and find the nearest for every launch angle.
 
@@ -120,7 +120,7 @@ def fill_zbuffer(arrays, plane, sector, reach, grid, table, zbuffer):
         )
     if primitives == 0:
         return 0
-    return _fill_cells(arrays, plane, sector.bent, zbuffer, solid_primitives, primitives)
+    return _fill_cells(arrays.solids, arrays.mesh, plane, sector.bent, zbuffer, solid_primitives, primitives)
 
 
 @inlined_uncounted
@@ -138,17 +138,17 @@ def _cut_solids(solids, plane, reach, zbuffer):
     return primitives
 
 
-@kernel_uncounted
-def _fill_cells(arrays, plane, bent, zbuffer, solid_primitives, primitives):
+@kernel_separate(INTEGER)
+def _fill_cells(solids, mesh, plane, bent, zbuffer, solid_primitives, primitives):
     """Divide launch angles where primitives end, turn or cross and find the nearest in every cell; return the cells."""
     edges = _lay_edges(zbuffer, solid_primitives, primitives)
     cells = 0
     for crossings_known in (False, True):
         cells = _sort_edges(zbuffer, edges)
-        _find_nearest(arrays, plane, bent, zbuffer, primitives, cells)
+        _find_nearest(solids, mesh, plane, bent, zbuffer, primitives, cells)
         edges = cells + 1
         if not crossings_known and primitives > 1:
-            edges = _add_crossings(arrays, plane, bent, zbuffer, solid_primitives, primitives, cells)
+            edges = _add_crossings(solids, mesh, plane, bent, zbuffer, solid_primitives, primitives, cells)
         if edges == cells + 1:
             break
     _fit_nearness(cells, zbuffer)
@@ -201,16 +201,16 @@ def _sort(edge, edges):
 
 
 @inlined_uncounted
-def _find_nearest(arrays, plane, bent, zbuffer, primitives, cells):
+def _find_nearest(solids, mesh, plane, bent, zbuffer, primitives, cells):
     """Find the primitive that is nearest in every cell and the distances to it."""
     for p in range(primitives):
         source = load_apparent_source(bent, zbuffer.source[p])
-        primitive = load_primitive(arrays.solids, arrays.mesh, plane, zbuffer.body[p], zbuffer.line[p], source)
+        primitive = load_primitive(solids, mesh, plane, zbuffer.body[p], zbuffer.line[p], source)
         zbuffer.first[p] = max(last_not_above(zbuffer.edge[: cells + 1], zbuffer.low[p]), 0)
         _keep_nearest(p, primitive, cells, zbuffer)
     for p in range(primitives):
         source = load_apparent_source(bent, zbuffer.source[p])
-        primitive = load_primitive(arrays.solids, arrays.mesh, plane, zbuffer.body[p], zbuffer.line[p], source)
+        primitive = load_primitive(solids, mesh, plane, zbuffer.body[p], zbuffer.line[p], source)
         _measure_edges(p, primitive, cells, zbuffer)
 
 
@@ -246,7 +246,7 @@ def _measure_edges(p, primitive, cells, zbuffer):
 
 
 @inlined_uncounted
-def _add_crossings(arrays, plane, bent, zbuffer, solid_primitives, primitives, cells):
+def _add_crossings(solids, mesh, plane, bent, zbuffer, solid_primitives, primitives, cells):
     """Add an edge wherever a primitive comes before the one that is nearest in a cell's middle; return the edges."""
     edges = cells + 1
     for p in range(primitives):
@@ -254,7 +254,7 @@ def _add_crossings(arrays, plane, bent, zbuffer, solid_primitives, primitives, c
         if _is_behind(p, least, cells, zbuffer):
             continue
         source = load_apparent_source(bent, zbuffer.source[p])
-        primitive = load_primitive(arrays.solids, arrays.mesh, plane, zbuffer.body[p], zbuffer.line[p], source)
+        primitive = load_primitive(solids, mesh, plane, zbuffer.body[p], zbuffer.line[p], source)
         edges = _add_crossings_of(p, primitive, least, cells, zbuffer, edges)
     return edges
 
