@@ -42,6 +42,7 @@ def open_window(
     lesson: Lesson | None = None,
     recording: str = "",
     pair: Arrangement | None = None,
+    panel: str = "",
 ) -> int:
     """Open the viewer, run it until it is closed, and return an exit code.
 
@@ -57,6 +58,8 @@ def open_window(
         File of a record to show beside the scene; empty for none.
     pair : Arrangement, optional
         How the partner that the scene names is shown; it is not shown when left out.
+    panel : str
+        Name of a panel to open; empty for none.
     """
     settings = Settings()
     scale_text(settings.size)
@@ -64,7 +67,7 @@ def open_window(
     with main_thread_collection():
         viewer = Viewer(scene, accelerated=has_opengl())
         viewer.window.show()
-        _begin(viewer, pin, lesson, recording, pair)
+        _begin(viewer, pin, lesson, recording, pair, panel)
         QTimer.singleShot(0, viewer.start)
         signal.signal(signal.SIGINT, lambda *_: _close_on_interrupt(viewer))
         code = application.exec()
@@ -74,9 +77,13 @@ def open_window(
         return code
 
 
-def _begin(viewer: Viewer, pin: Mark | None, lesson: Lesson | None, recording: str, pair: Arrangement | None) -> None:
-    """Pin a pixel, begin a lesson, open a recording and show the partner of the scene, if they are given."""
+def _begin(
+    viewer: Viewer, pin: Mark | None, lesson: Lesson | None, recording: str, pair: Arrangement | None, panel: str
+) -> None:
+    """Pin a pixel, begin a lesson, open a recording, the partner of the scene and a panel, if they are given."""
     viewer.inspection.pin(pin)
+    if panel:
+        viewer.window.open_panel(panel)
     if lesson is not None:
         viewer.window.open_panel(LessonsPanel.name)
         panel = viewer.panels[LessonsPanel.name]
@@ -108,6 +115,7 @@ def draw_window(
     lesson: Lesson | None = None,
     recording: str = "",
     pair: Arrangement | None = None,
+    panel: str = "",
 ) -> None:
     """Draw the viewer's window into a PNG, without a screen; `open_window` explains the parameters.
 
@@ -119,7 +127,7 @@ def draw_window(
     application = make_application()
     with main_thread_collection():
         viewer = Viewer(scene, accelerated=False)
-        _draw(application, viewer, path, lambda: _begin(viewer, pin, lesson, recording, pair))
+        _draw(application, viewer, path, lambda: _begin(viewer, pin, lesson, recording, pair, panel))
 
 
 def _draw(application: QApplication, viewer: Viewer, path: Path, begin: Callable[[], None]) -> None:

@@ -45,6 +45,7 @@ def register(subparsers: Any) -> None:
         f"{', '.join(way.value for way in Arrangement)} (default: {Arrangement.WIPED.value})",
     )
     parser.add_argument("--snapshot", metavar="PNG", help="draw the window into this picture instead of opening it")
+    parser.add_argument("--panel", metavar="NAME", help="open a panel, such as record, pixel or water")
     parser.add_argument(
         "--pin",
         nargs=3,
@@ -65,8 +66,8 @@ def run(arguments: argparse.Namespace) -> int:
     Parameters
     ----------
     arguments : Namespace
-        Scene, settings, ``recording``, ``snapshot``, ``pin``, ``pair`` and ``lesson``. The file of a record may stand
-        for the scene.
+        Scene, settings, ``recording``, ``snapshot``, ``panel``, ``pin``, ``pair`` and ``lesson``. The file of a record
+        may stand for the scene.
 
     Returns
     -------
@@ -83,7 +84,7 @@ def run(arguments: argparse.Namespace) -> int:
         # lazy: loads Qt, which no other command needs
         from insonify_viewer.application import open_window
 
-        return open_window(scene, pin, lesson, recording, pair)
+        return open_window(scene, pin, lesson, recording, pair, _known_panel(arguments.panel))
     path = check_output(arguments.snapshot or FALLBACK, (".png",), "--snapshot")
     os.environ["QT_QPA_PLATFORM"] = "offscreen"
     if reason and sys.platform.startswith("linux"):
@@ -92,7 +93,7 @@ def run(arguments: argparse.Namespace) -> int:
     # lazy: loads Qt, which no other command needs
     from insonify_viewer.application import draw_window
 
-    draw_window(scene, path, pin, lesson, recording, pair)
+    draw_window(scene, path, pin, lesson, recording, pair, _known_panel(arguments.panel))
     if arguments.snapshot is None:
         sys.stdout.write(f"No window can be opened ({reason}); the window was drawn into {path}.\n")
     return 0
@@ -114,6 +115,17 @@ def _pairing(scene: Scene, arguments: argparse.Namespace) -> Arrangement | None:
     if load_partner(scene) is None:
         raise SceneError("--pair: the scene names no partner; give it one, such as partner = ['water.surface=none']")
     return Arrangement(arguments.pair)
+
+
+def _known_panel(name: str | None) -> str:
+    """Return the name of a panel that is opened from the start; empty for none."""
+    # lazy: loads Qt, which no other command needs
+    from insonify_viewer.panels import find_panels
+
+    known = sorted(panel.name for panel in find_panels()) if name else []
+    if name and name not in known:
+        raise SceneError(f"--panel {name}: is no panel; choose one of {', '.join(known)}")
+    return name or ""
 
 
 def _pinned(scene: Scene, ping: str, side: str, slant_range: str) -> Mark:

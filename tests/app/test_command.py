@@ -151,3 +151,8 @@ def test_a_recording_is_drawn_beside_the_scene(tmp_path: Path) -> None:
     assert ended.stderr.count("\n") == 1
     assert "not an XTF file" in ended.stderr
     assert not (tmp_path / "broken.png").exists()
+
+
+def test_a_panel_that_is_not_known_is_one_sentence(capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:
+    assert main(["view", "default", "--panel", "sauna", "--snapshot", str(tmp_path / "window.png")]) == 2
+    assert "--panel sauna: is no panel; choose one of" in capsys.readouterr().err

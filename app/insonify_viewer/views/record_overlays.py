@@ -14,6 +14,7 @@ from insonify_viewer.views.theme import EDGE, GROUND, MARK, QUIET, RAISED, TEXT
 
 BAR = 5  # px, thickness of the bar that shows which part of the range is seen
 LEAST_BAR = 24.0  # px
+MOST_POINTS = 200  # of the bottom line
 LINE = QColor(255, 255, 255, 70)  # of equal range
 BED = "#ffb000"  # distinct from the palettes' middle tones
 CONTACT = "#7dff5a"
@@ -27,9 +28,11 @@ def draw_range_lines(painter: QPainter, plot: QRect, projection: Projection, tex
 
 
 def draw_bottom_line(painter: QPainter, plot: QRect, projection: Projection) -> None:
-    """Draw the slant range of the bed beneath the sonar on both sides, at every pixel along the track."""
+    """Draw the slant range of the bed beneath the sonar on both sides."""
     upper, lower = projection.ages
-    ages = np.linspace(upper, lower, plot.height(), endpoint=False)
+    count = min(plot.height(), MOST_POINTS)
+    apart = plot.height() / count
+    ages = np.linspace(upper, lower, count, endpoint=False)
     pings = (projection.newest - np.floor(ages)).astype(np.int64)
     altitude = projection.altitude_of(np.maximum(pings, 0))
     known = np.flatnonzero((altitude > 0.0) & (pings >= 0))
@@ -39,7 +42,7 @@ def draw_bottom_line(painter: QPainter, plot: QRect, projection: Projection) -> 
         x = plot.left() + projection.across(sign * distance) * plot.width()
         inside = known[(x[known] >= plot.left()) & (x[known] <= plot.right())]
         for run in np.split(inside, np.flatnonzero(np.diff(inside) > 1) + 1):
-            painter.drawPolyline(QPolygonF([QPointF(x[k], plot.top() + k + 0.5) for k in run]))
+            painter.drawPolyline(QPolygonF([QPointF(x[k], plot.top() + (k + 0.5) * apart) for k in run]))
 
 
 def draw_cross(painter: QPainter, place: QPoint) -> None:
