@@ -86,9 +86,9 @@ def _begin(
         viewer.window.open_panel(panel)
     if lesson is not None:
         viewer.window.open_panel(LessonsPanel.name)
-        panel = viewer.panels[LessonsPanel.name]
-        assert isinstance(panel, LessonsPanel)
-        panel.begin(lesson)
+        lessons = viewer.panels[LessonsPanel.name]
+        assert isinstance(lessons, LessonsPanel)
+        lessons.begin(lesson)
     if recording:
         QTimer.singleShot(0, lambda: viewer.recordings.open(recording))  # once the window is laid out
     if pair is not None:
