@@ -6,10 +6,10 @@ from typing import Any
 
 import numpy as np
 import pytest
-from PySide6.QtCore import QPoint, Qt
+from PySide6.QtCore import QEvent, QObject, QPoint, Qt
 from PySide6.QtGui import QShortcut
 from PySide6.QtTest import QTest
-from PySide6.QtWidgets import QToolButton
+from PySide6.QtWidgets import QToolButton, QWidget
 
 from insonify.accuracy.record_errors import compute_errors, find_first_bin
 from insonify.display.normalisation import LevelBed
@@ -367,3 +367,22 @@ def test_a_target_is_duplicated_and_locked(open_viewer: Any, small: Scene, qtbot
     assert not session.scene.targets[4].locked
     press("targets.3", "lock")
     assert view.row("targets.3.radius").slider.isEnabled()
+
+
+def test_nothing_is_shown_as_a_window_of_its_own(open_viewer: Any, small: Scene, qapp: Any) -> None:
+    shown: list[str] = []
+
+    class Watch(QObject):
+        def eventFilter(self, watched: QObject, event: QEvent) -> bool:
+            if event.type() is QEvent.Type.Show and isinstance(watched, QWidget) and watched.parent() is None:
+                shown.append(type(watched).__name__)
+            return False
+
+    watch = Watch()
+    qapp.installEventFilter(watch)
+    viewer = open_viewer(small)
+    viewer.session.settle({"sonar.beam.kind": "array"})
+    panel(viewer).view.search.setText("beam")
+    viewer.session.settle({"sonar.beam.kind": "knife"})
+    qapp.removeEventFilter(watch)
+    assert set(shown) <= {"MainWindow"}

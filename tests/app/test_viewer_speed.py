@@ -142,3 +142,33 @@ def test_a_view_that_is_turned(open_viewer: Any, qtbot: Any) -> None:
     QTest.mouseRelease(canvas, Qt.MouseButton.LeftButton, pos=place)
     size, rate = f"{canvas.width()} × {canvas.height()} px", 1 / np.mean(seconds)
     print(f"\n3-D view of {size} while turned: {rate:.1f} frames/s, median {1e3 * np.median(seconds):.0f} ms")
+
+
+def test_a_target_that_is_dragged(open_viewer: Any, qtbot: Any) -> None:
+    viewer = open_viewer(load_scene("default"), prepare=None)
+    viewer.window.resize(1480, 900)
+    qtbot.wait(500)
+    record, handles = viewer.window.waterfall, viewer.targets.handles._handles
+    number = next(k for k, handle in enumerate(handles) if handle.target == 1)
+    place, gaps, coarse = record.handles.place(number), Gaps(viewer), []
+    QTest.mousePress(record, Qt.MouseButton.LeftButton, pos=place)
+    for _ in range(2 * MOVES):
+        place += QPoint(3, -2)
+        QTest.mouseMove(record, place)
+        coarse.append(seconds_until(qtbot, lambda: not viewer._missing().size))
+    QTest.mouseRelease(record, Qt.MouseButton.LeftButton, pos=place)
+    found = gaps.stop()
+    print(f"\ntarget dragged in the record: coarse picture in {1e3 * np.median(coarse):.0f} ms (median)")
+    print(f"main thread outside GL: p99 {1e3 * np.quantile(found, 0.99):.1f} ms, worst {1e3 * found.max():.1f} ms")
+
+
+def test_panel_that_follows_a_slider(open_viewer: Any) -> None:
+    viewer = open_viewer(load_scene("default"))
+    panel, seconds = viewer.panels["parameters"], []
+    for altitude in np.linspace(5.0, 15.0, 3 * MOVES):
+        viewer.session.drag({"track.altitude": float(altitude)})
+        began = time.perf_counter()
+        panel.view.show_at_once(panel._show)
+        seconds.append(time.perf_counter() - began)
+    seconds = 1e3 * np.array(seconds[1:])
+    print(f"\nall rows of the panel after a move: median {np.median(seconds):.1f} ms, worst {seconds.max():.1f} ms")

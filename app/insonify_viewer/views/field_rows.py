@@ -117,7 +117,8 @@ class NumberRow:
         self.label = _label(number.label, number.indent, number.tooltip, number.unit)
         self._tooltip = self.label.toolTip()
         self.slider = _Slider()
-        self.slider.setVisible(number.slider is not None)
+        if number.slider is None:
+            self.slider.hide()
         self.field = QLineEdit()
         self.field.setObjectName("value")
         self.field.setAlignment(Qt.AlignmentFlag.AlignRight)

@@ -17,33 +17,30 @@ class Resets:
     def __init__(self) -> None:
         self._opened: Scene | None = None
         self._first: dict[str, Parameter] = {}
+        self._values: dict[str, Any] = {}  # of the scene as it was opened
 
     def follow(self, opened: Scene) -> None:
         """Take the values of a scene that is opened."""
         if opened is not self._opened:
-            self._opened = opened
+            self._opened, self._values = opened, plain(opened)
             self._first = {row.path: row for section in sections_of(opened) for row in section.parameters}
 
     def changed(self, scene: Scene, parameters: Iterable[Parameter]) -> dict[str, str]:
         """Find the fields that can be reset, each with the text of the value that it had."""
-        if self._opened is None:
-            return {}
-        before, now = plain(self._opened), plain(scene)
+        now = plain(scene)
         return {
             row.path: _text(self._first[row.path])
             for row in parameters
             if row.path in self._first
             and type(row) is type(self._first[row.path])
-            and _value_at(now, row.path) != _value_at(before, row.path)
+            and _value_at(now, row.path) != _value_at(self._values, row.path)
             and self._is_same_part(scene, row.path)
         }
 
     def edit(self, paths: Iterable[str]) -> dict[str, Any]:
         """Edit that resets fields; a kind returns with all that belongs to it."""
-        assert self._opened is not None
-        values = plain(self._opened)
         owners = sorted({path.removesuffix(".kind") for path in paths}, key=len)
-        return {owner: _value_at(values, owner) for owner in owners}
+        return {owner: _value_at(self._values, owner) for owner in owners}
 
     def _is_same_part(self, scene: Scene, path: str) -> bool:
         """Whether a path leads into the same kind of target or volume: others may have been removed before it."""

@@ -257,10 +257,11 @@ def _neighbours(stations: tuple[tuple[float, float], ...], index: int) -> tuple[
 
 def _most(scene: Scene, path: str) -> float:
     """Largest value that the rest of the scene allows."""
-    limits = {"sonar.ping_rate": known_speed(scene) / (2.0 * scene.sonar.range)}
-    if not scene.seabed.relief.measured:
-        limits |= {"track.altitude": scene.seabed.depth, "track.depth": 0.999 * scene.seabed.depth}
-    return limits.get(path, math.inf)
+    if path == "sonar.ping_rate":
+        return known_speed(scene) / (2.0 * scene.sonar.range)
+    if scene.seabed.relief.measured:
+        return math.inf
+    return {"track.altitude": scene.seabed.depth, "track.depth": 0.999 * scene.seabed.depth}.get(path, math.inf)
 
 
 def _idle(scene: Scene, path: str) -> str:

@@ -151,9 +151,10 @@ class ParametersView(QScrollArea):
                 self._drop(section.key)
             box = SectionBox(section, self, unfolded=unfolded, more=more, tools=self._tools(section))
             self._sections[section.key] = box
-            box.setVisible(self._found is None)
             # Search and description stand first, and the effects between what is pinned and the rest.
             self._column.insertWidget(place + 2 if section.key == PINNED else place + 3, box)
+            if self._found is not None:
+                box.hide()
         self._light_rows()
 
     def show_changed(self, changed: Mapping[str, str]) -> None:
