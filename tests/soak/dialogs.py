@@ -16,6 +16,7 @@ KINDS = {
     "Open recorded navigation": ("tow-csv", "tow-gpx", "tow-xtf"),
     "Open a measured cast": ("cast-asvp", "cast-csv", "cast-cnv"),
     "Open a mesh": ("mesh-obj", "mesh-stl", "mesh-ply", "mesh-glb"),
+    "Open a recording": ("record-npz", "record-nc", "record-xtf", "record-jsf"),
     "Open a map of materials": ("image-png", "image-tif"),
 }
 
