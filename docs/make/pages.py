@@ -33,6 +33,7 @@ WIDTHS = {
     "convergence": 1000,
     "ghosts": 1200,
     "lesson": 1400,
+    "one-effect": 1400,
     "pixel": 1400,
     "rays": 1200,
     "recording": 1400,

@@ -14,6 +14,7 @@ from PySide6.QtCore import QPoint, Qt, QTimer
 from PySide6.QtTest import QTest
 
 from insonify.scene import edit, load_scene
+from insonify_viewer.comparison.arrangement import Arrangement
 from insonify_viewer.modelling import Modelling
 from insonify_viewer.simulator import PingRequest, Simulator
 
@@ -172,3 +173,45 @@ def test_panel_that_follows_a_slider(open_viewer: Any) -> None:
         seconds.append(time.perf_counter() - began)
     seconds = 1e3 * np.array(seconds[1:])
     print(f"\nall rows of the panel after a move: median {np.median(seconds):.1f} ms, worst {seconds.max():.1f} ms")
+
+
+@pytest.mark.parametrize("pings", [512, 2048])
+def test_a_and_b_change_places(open_viewer: Any, qtbot: Any, pings: int) -> None:
+    viewer = open_viewer(edit(load_scene("default"), {"track.pings": pings}), prepare=None)
+    viewer.window.resize(1480, 900)
+    qtbot.wait(200)
+    began = time.perf_counter()
+    viewer.comparison.keep()
+    kept = time.perf_counter() - began
+    viewer.session.settle({"sonar.beam.width": 2.0})
+    qtbot.waitUntil(lambda: viewer.complete and bool(viewer.comparison.difference), timeout=60000)
+    view, flips = viewer.window.waterfall, []
+    for turn in range(2 * TURNS):
+        key = QTest.keyRelease if turn % 2 else QTest.keyPress
+        began = time.perf_counter()
+        key(viewer.window, Qt.Key.Key_X)
+        view.repaint()
+        flips.append(time.perf_counter() - began)
+    size = f"{view.width()} × {view.height()} px"
+    print(f"\n{pings} pings of 2 × 1000 bins in {size}: kept in {1e3 * kept:.1f} ms")
+    print(f"A and B change places in {1e3 * np.median(flips):.1f} ms (median), {1e3 * max(flips):.1f} ms (worst)")
+    for arrangement in (Arrangement.WIPED, Arrangement.DIFFERENCE):
+        viewer.comparison.arrange(arrangement)
+        frames = []
+        for _ in range(TURNS):
+            viewer.window.overlay._difference_of = None  # so that it is computed anew
+            began = time.perf_counter()
+            view.repaint()
+            frames.append(time.perf_counter() - began)
+        print(f"{arrangement.value}: a frame in {1e3 * np.median(frames):.1f} ms (median), {1e3 * max(frames):.1f} ms")
+    for arrangement in (Arrangement.ALONE, Arrangement.DIFFERENCE):
+        viewer.comparison.arrange(arrangement)
+        row, gaps = viewer.panels["parameters"].view.row("sonar.beam.width"), Gaps(viewer)
+        row.slider.setSliderDown(True)
+        for position in np.linspace(300, 600, MOVES).astype(int):
+            row.slider.setValue(int(position))
+            seconds_until(qtbot, lambda: not viewer._missing().size)
+        found = gaps.stop()
+        row.slider.setSliderDown(False)
+        worst = 1e3 * np.quantile(found, 0.99)
+        print(f"slider with {arrangement.value}: main thread p99 {worst:.1f} ms of {len(found)}")

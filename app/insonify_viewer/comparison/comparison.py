@@ -213,10 +213,10 @@ class Comparison:
         if self.a is None:
             self.arrangement = Arrangement.ALONE
         scene = kept.scene
+        self._set(kept)  # first, so that the picture is computed once, for its place
+        self._view.show_levels(self._window.waterfall.levels)
         self._view.show_record(kept.record, scene.sonar.range, scene.track.speed / scene.sonar.ping_rate)
         self._view.show_title(scene.title)
-        self._view.show_levels(self._window.waterfall.levels)
-        self._set(kept)
         self._move(self._window.waterfall.top)
         self._measure()
 

@@ -46,8 +46,11 @@ class TitledWaterfall(WaterfallView):
         by_ping : bool
             Whether rows are paired by their pings, else by the distance from the newest one.
         """
+        known = self._live is live and self._by_ping is by_ping
         self._live, self._by_ping = live, by_ping
-        self._fit()
+        if not known:
+            self._fit()
+        self.follow()
 
     def follow(self) -> None:
         """Compute the picture anew if the place of the live record has changed."""
