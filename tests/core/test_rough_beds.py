@@ -91,6 +91,23 @@ def test_smooth_beds_are_hardly_divided():
     assert divided < 2e-3
 
 
+@pytest.mark.parametrize("heading", [5.0, 10.0, 37.0, 45.0, 80.0])
+@pytest.mark.parametrize(
+    "changes",
+    [
+        {},
+        {"seabed.material": LAMBERT},
+        {"sonar.law": "light"},
+        {"sonar.bins": 200},
+        {"sonar.bins": 5000},
+        {"seabed.material": {"kind": "patches", "of": ["fine_sand", "sandy_gravel"]}},
+    ],
+    ids=["sonar", "lambert", "light", "long bins", "short bins", "materials"],
+)
+def test_whole_segments_of_a_smooth_bed_have_linear_densities_at_any_heading(heading, changes):
+    assert errors(bare_knife(fractal(0.05, 1.8), **{"track.heading": heading}, **changes), math.inf)[0] < 1e-3
+
+
 REFRACTING = {
     # The fish above a thermocline, and at the axis of a channel.
     "thermocline": {"water": load_scene("thermocline").water, "seabed.depth": 40.0, "track.altitude": 26.0},

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from insonify.kernels.common.range_bins import FIXED_POINT, accumulate_bins, spread_energy, step_density
+from insonify.kernels.common.range_bins import FIXED_POINT, accumulate_bins, spread_energy, step_density, tilt_density
 
 
 def spread_over(pieces, count=20):
@@ -48,3 +48,17 @@ def test_faint_densities_that_change_within_a_bin_leave_none_below_zero():
         total = np.cumsum(bins)
         assert total[:20].min() >= 0
         assert total[20:].tolist() == [0, 0]
+
+
+@pytest.mark.parametrize(("near", "far"), [(3.2, 3.7), (3.2, 4.1), (3.0, 5.0), (2.6, 9.3), (17.5, 19.9)])
+@pytest.mark.parametrize("change", [-1.9, -0.3, 0.0, 0.7, 2.0])
+def test_a_tilted_density_is_the_integral_of_a_linear_one(near, far, change):
+    density, bins, out = 0.8, np.zeros(22, dtype=np.int64), np.zeros(20)
+    spread_energy(bins, near, far, density * (far - near) * FIXED_POINT, 20.0)
+    tilt_density(bins, near, far, density * FIXED_POINT, change, 20.0)
+    accumulate_bins(bins, np.ones(20), out)
+    edges = np.clip(np.linspace(0.0, 20.0, 20 * 1000 + 1), near, far)
+    middle = 0.5 * (edges[1:] + edges[:-1])
+    linear = density * (1.0 + change * ((middle - near) / (far - near) - 0.5)) * np.diff(edges)
+    np.testing.assert_allclose(out, linear.reshape(20, 1000).sum(axis=1), atol=1e-9)
+    assert out.sum() == pytest.approx(density * (far - near))

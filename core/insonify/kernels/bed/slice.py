@@ -21,8 +21,9 @@ from insonify.kernels.bed.subdivision import measure_segments
 from insonify.kernels.common.jit import inlined_uncounted
 from insonify.kernels.common.prefetch import LINE, prefetch_read
 
-# Slope of a plane against the grid's nearer axis from which on its strips are too short to be walked one by one.
-OBLIQUE = 0.15
+# Slope of a plane against the grid's nearer axis from which on its strips are too short to be walked one by one, and
+# segments bulge too much for an even density of their echo.
+OBLIQUE = 0.06
 
 
 class GridWalk(NamedTuple):
@@ -83,7 +84,7 @@ def slice_bed(bed, limits, x, y, z, ex, ey, reach, profile):
         near, far = clip_to_grid(v0, ey / bed.spacing, nodes.shape[1] - 1.0, near, far)
         if far - near <= MERGED * bed.spacing:
             return 0
-    if abs(ex) > OBLIQUE * abs(ey):
+    if is_oblique(ex, ey):
         rows = bed.heights if v_is_y else bed.transposed
         count = walk_oblique(
             rows, bed.materials, bed.mapped, bed.periodic, bed.spacing, v_is_y, u0, v0, z, ex, ey, near, far, profile
@@ -91,6 +92,22 @@ def slice_bed(bed, limits, x, y, z, ex, ey, reach, profile):
     else:
         count = _walk_strips(bed, GridWalk(nodes, v_is_y, u0, v0, z, ex, ey), near, far, profile)
     return measure_segments(count, ex, 1.0 / ey, bed, limits, profile) if count > 1 else count
+
+
+@inlined_uncounted
+def is_oblique(ex, ey):
+    """Whether a plane is so oblique to the grid that its segments bulge and are walked line by line.
+
+    Parameters
+    ----------
+    ex, ey : float
+        Its azimuth, a unit vector.
+
+    Returns
+    -------
+    bool
+    """
+    return min(abs(ex), abs(ey)) > OBLIQUE * max(abs(ex), abs(ey))
 
 
 @inlined_uncounted

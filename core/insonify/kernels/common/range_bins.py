@@ -67,6 +67,34 @@ def spread_energy(bins, near, far, energy, last):
 
 
 @inlined_uncounted
+def tilt_density(bins, near, far, density, change, last):
+    """Turn an even density that has been deposited into a linear one of the same energy.
+
+    Up to a border between bins the integral of the linear density exceeds that of the even one by a parabola, which is
+    zero at both ends: so much is moved from the bin behind the border to the one before it.
+
+    Parameters
+    ----------
+    bins : ndarray of int64
+        Difference array.
+    near, far : float
+        Positions between which the density lies, in bins, near < far.
+    density : float
+        Energy per bin, in fixed-point units.
+    change : float
+        Of the density from ``near`` to ``far``, as a share of its mean; negative where it falls.
+    last : int
+        Last bin that may take a step, two less than the array's size.
+    """
+    gain = 0.5 * density * change / (far - near)
+    for border in range(int(near) + 1, min(math.ceil(far), int(last) + 1)):
+        moved = np.int64(gain * (border - near) * (border - far))
+        bins[border - 1] += moved
+        bins[border] -= 2 * moved
+        bins[border + 1] += moved
+
+
+@inlined_uncounted
 def accumulate_bins(bins, factor, out):
     """Prefix-sum a difference array into intensities, apply what depends on range alone, and clear the array.
 

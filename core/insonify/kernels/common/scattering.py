@@ -8,10 +8,13 @@ from __future__ import annotations
 
 import math
 
+import numpy as np
+
 from insonify.kernels.common.jit import inlined_uncounted
 from insonify.kernels.common.types import LIGHT, SONAR
 
 INVERSE_PI = 1.0 / math.pi
+LEAST_MIRRORED = 0.1  # R·V below which a lobe is too faint for its steepness to count
 HIGHEST_POWER = 128  # one more than the greatest exponent of a lobe whose power is taken for many segments at once
 
 
@@ -214,3 +217,46 @@ def _scatter_whole_power(segments, diffuse, specular, power, cos_squared, scale,
             energy[i] = scale[i] * (diffuse * math.sqrt(cos_squared[i]) + specular * lobe)
         else:
             energy[i] = scale[i] * cos_squared[i] * (diffuse + specular * lobe)
+
+
+@inlined_uncounted
+def incidence_powers(segments, reflectors, law, cos_squared, scale, energy, out):
+    """Power of cos²α with which the strength of segments grows about their incidence: d ln(strength) / d ln(cos²α).
+
+    Parameters
+    ----------
+    segments : int
+    reflectors : tuple
+        The arguments ``material``, ``reflectivity`` and ``mapped`` of `scatter_segments`.
+    law : int
+    cos_squared, scale, energy : ndarray
+        Of `scatter_segments`, which has filled ``energy``.
+    out : ndarray
+        Takes the powers.
+    """
+    material, reflectivity, mapped = reflectors
+    if mapped:
+        for i in range(segments):
+            row = np.uint64(material[i])
+            diffuse, shininess = out.dtype.type(reflectivity[row, 0]), out.dtype.type(reflectivity[row, 2])
+            out[i] = _incidence_power(diffuse, shininess, law, cos_squared[i], scale[i], energy[i])
+        return
+    diffuse, shininess = out.dtype.type(reflectivity[material[0], 0]), out.dtype.type(reflectivity[material[0], 2])
+    for i in range(segments):
+        out[i] = _incidence_power(diffuse, shininess, law, cos_squared[i], scale[i], energy[i])
+
+
+@inlined_uncounted
+def _incidence_power(diffuse, shininess, law, cos_squared, scale, energy):
+    """Power of cos²α of Lambert's law, 1/2 or 1, raised by the share that Phong's lobe has in the strength."""
+    real = type(energy)
+    half, one, least = real(0.5), real(1.0), real(LEAST_MIRRORED)
+    if law == LIGHT:
+        lambert, base = diffuse * math.sqrt(cos_squared), half
+    else:
+        lambert, base = diffuse * cos_squared * real(INVERSE_PI), one
+    lobe = one - lambert * scale / energy
+    mirrored = cos_squared + cos_squared - one
+    steep = shininess * (cos_squared + cos_squared) / (mirrored if mirrored > least else least)
+    # Light: d ln cosα / d ln cos²α is 1/2, of the lobe 0. Sonar: both are multiplied by cos²α.
+    return base + lobe * (steep - half if law == LIGHT else steep)

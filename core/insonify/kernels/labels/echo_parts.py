@@ -15,9 +15,9 @@ from numpy.typing import NDArray
 
 from insonify.kernels.beam.azimuth_sector import in_plane_response, is_whole_beam, sector_weight
 from insonify.kernels.bed.profile import Profile
-from insonify.kernels.bed.slice import slice_bed
+from insonify.kernels.bed.slice import is_oblique, slice_bed
 from insonify.kernels.common.jit import INTEGER, TWO_INTEGERS, inlined, kernel, kernel_separate
-from insonify.kernels.common.range_bins import FIXED_POINT, step_density
+from insonify.kernels.common.range_bins import FIXED_POINT, step_density, tilt_density
 from insonify.kernels.common.scattering import backscatter_strength
 from insonify.kernels.common.search import last_not_above
 from insonify.kernels.common.types import BED, LIGHT
@@ -137,7 +137,7 @@ def _view_plane(arrays, plane, sector, reach, grid, workspace, knots):
     if count > 1:
         if sector.bent:
             apply_apparent_positions(table, grid, sector.angle == 0.0, profile, count)
-        find_visible_echoes(profile, count, arrays, sector, hidden_from, hidden_to, echoes)
+        find_visible_echoes(profile, count, plane, arrays, sector, hidden_from, hidden_to, echoes)
     return cells, count
 
 
@@ -147,6 +147,7 @@ def _list_bed(arrays, sector, view, cells, count, workspace, window, parts, n):
     profile, echoes, zbuffer = workspace.profile, workspace.echoes, workspace.zbuffer
     x, z, area, r, cut = profile.x, profile.z, profile.area, echoes.r, echoes.cut
     launch, horizon, crest = echoes.launch, echoes.horizon, 0
+    oblique = is_oblique(view.plane.ex, view.plane.ey)
     for i in range(count - 1):
         if launch[i] >= horizon[i]:
             crest = i
@@ -163,6 +164,8 @@ def _list_bed(arrays, sector, view, cells, count, workspace, window, parts, n):
             a, b = min(r[i], r[i + 1]) / arrays.bin_length, max(r[i], r[i + 1]) / arrays.bin_length
             step_density(parts.bins, a, energy, last)
             step_density(parts.bins, b, -energy, last)
+            if oblique and b > a:
+                tilt_density(parts.bins, a, b, echoes.energy[i], echoes.change[i], last)
             n = _list_stretch(arrays, sector, view, workspace, segment, place, x[i], x[i + 1], HEARD, NO_TARGET,
                               window, parts, n)  # fmt: skip
             continue

@@ -3,8 +3,8 @@
 Each visible stretch of a segment spreads its energy evenly over the slant range it covers: a density that steps up
 where the stretch begins and down where it ends. The steps go into a difference array of integers, one event per knot,
 and a prefix sum turns them into bins. Integers cancel exactly, so that a bin without energy is exactly zero and the sum
-is the same in any order. Spreading and absorption depend on range alone and multiply afterwards. Derived in
-docs/theory/sweep.md.
+is the same in any order. Whole segments of oblique planes have linear densities. Spreading and absorption depend on
+range alone and multiply afterwards. Derived in docs/theory/sweep.md.
 """
 
 from __future__ import annotations
@@ -17,7 +17,7 @@ from numpy.typing import DTypeLike, NDArray
 
 from insonify.kernels.beam.azimuth_sector import AzimuthSector
 from insonify.kernels.bed.profile import Profile, empty_profile, padded_count, profile_capacity
-from insonify.kernels.bed.slice import prefetch_strip, slice_bed, snap_to_grid
+from insonify.kernels.bed.slice import is_oblique, prefetch_strip, slice_bed, snap_to_grid
 from insonify.kernels.common.jit import inlined_uncounted, kernel
 from insonify.kernels.common.prefetch import prefetch_row
 from insonify.kernels.common.range_bins import accumulate_bins
@@ -29,6 +29,7 @@ from insonify.kernels.refraction.apparent_positions import (
     empty_table,
     prepare_table,
 )
+from insonify.kernels.sweep.linear_densities import tilt_densities
 from insonify.kernels.sweep.partial_segments import BedSegment, deposit_partial_segment
 from insonify.kernels.sweep.target_echoes import deposit_targets, deposit_visible_stretches
 from insonify.kernels.sweep.visibility import WORD, SegmentEchoes, empty_segment_echoes, find_visible_echoes
@@ -76,12 +77,12 @@ def empty_sweep_workspace(
     SweepWorkspace
     """
     capacity = profile_capacity(apparent.stretch * arrays.bins * arrays.bin_length, arrays.bed.spacing)
-    profile, echoes = empty_profile(capacity, dtype), empty_segment_echoes(capacity, dtype)
+    profile, echoes = empty_profile(capacity, dtype), empty_segment_echoes(capacity, arrays.bins, dtype)
     return SweepWorkspace(profile, echoes, empty_zbuffer(arrays.solids, arrays.mesh), empty_table(apparent))
 
 
 @inlined_uncounted
-def _deposit_segments(profile, count, arrays, sector, zbuffer, cells, echoes, bins):
+def _deposit_segments(profile, count, plane, arrays, sector, zbuffer, cells, echoes, bins):
     """Spread the echoes of all visible segments of a profile over the range bins.
 
     Neighbours that are visible whole share one event at their common knot.
@@ -92,6 +93,8 @@ def _deposit_segments(profile, count, arrays, sector, zbuffer, cells, echoes, bi
     _density_steps(knots, echoes.energy, echoes.early)
     _share_steps(knots, echoes.r, per_bin, last, echoes.early, echoes.late, echoes.place)
     _add_steps(count, echoes.place, echoes.early, echoes.late, bins)
+    if is_oblique(plane.ex, plane.ey):
+        tilt_densities(count - 1, echoes, per_bin, last, bins)
     # Arrays are taken out of their tuples before the loops: doing so costs as much as a segment.
     x, z, slope, area, facing = profile.x, profile.z, profile.slope, profile.area, profile.facing
     material, weights, launch, horizon, cut = profile.material, echoes.weight, echoes.launch, echoes.horizon, echoes.cut
@@ -242,8 +245,8 @@ def sweep_plane(arrays, plane, sector, reach, grid, workspace, bins):
     if count > 1:
         if sector.bent:
             apply_apparent_positions(table, grid, sector.angle == 0.0, profile, count)
-        find_visible_echoes(profile, count, arrays, sector, hidden_from, hidden_to, echoes)
-        _deposit_segments(profile, count, arrays, sector, zbuffer, cells, echoes, bins)
+        find_visible_echoes(profile, count, plane, arrays, sector, hidden_from, hidden_to, echoes)
+        _deposit_segments(profile, count, plane, arrays, sector, zbuffer, cells, echoes, bins)
     if cells > 0:
         deposit_targets(profile, count, echoes.horizon, arrays, sector, plane, zbuffer, cells, bins)
     return cells, count

@@ -15,10 +15,12 @@ from numpy.typing import DTypeLike, NDArray
 
 from insonify.kernels.beam.knot_weights import weigh_knots
 from insonify.kernels.bed.profile import padded_count
+from insonify.kernels.bed.slice import is_oblique
 from insonify.kernels.common.jit import inlined_uncounted
 from insonify.kernels.common.range_bins import FIXED_POINT
-from insonify.kernels.common.scattering import scatter_segments
+from insonify.kernels.common.scattering import incidence_powers, scatter_segments
 from insonify.kernels.common.types import LIGHT
+from insonify.kernels.sweep.linear_densities import fit_densities
 from insonify.kernels.sweep.partial_segments import FINE
 
 NADIR = -1e30  # slope of a ray straight down
@@ -36,18 +38,21 @@ class SegmentEchoes(NamedTuple):
     scale: NDArray[np.float32]  # what turns a scattering strength into energy per bin, segments
     energy: NDArray[np.float32]  # per bin in fixed-point units, of segments visible whole
     cut: NDArray[np.bool_]  # segments visible in part, or too long for one density; a word beyond them is unmarked
+    change: NDArray[np.float32]  # relative change of the density of energy from end to end, segments of oblique planes
     early: NDArray[np.int64]  # step of the density at a knot: what its own bin takes
     late: NDArray[np.int64]  # and what the next bin takes
     place: NDArray[np.int32]  # that bin
+    moved: NDArray[np.int64]  # energy that linear densities move over the beginning of each bin, to the bin before it
 
 
-def empty_segment_echoes(capacity: int, dtype: DTypeLike = np.float32) -> SegmentEchoes:
+def empty_segment_echoes(capacity: int, bins: int, dtype: DTypeLike = np.float32) -> SegmentEchoes:
     """Make room for the echoes of profiles.
 
     Parameters
     ----------
     capacity : int
         Knots at most.
+    bins : int
     dtype : dtype
         Single precision or, to measure its error, double.
 
@@ -55,15 +60,15 @@ def empty_segment_echoes(capacity: int, dtype: DTypeLike = np.float32) -> Segmen
     -------
     SegmentEchoes
     """
-    launch, horizon, weight, cos_squared, scale, energy = np.zeros((6, capacity), dtype)
+    launch, horizon, weight, cos_squared, scale, energy, change = np.zeros((7, capacity), dtype)
     r, cut = np.zeros(capacity), np.zeros(capacity + WORD, np.bool_)
     early, late = np.zeros((2, capacity), np.int64)
-    place = np.zeros(capacity, np.int32)
-    return SegmentEchoes(r, launch, horizon, weight, cos_squared, scale, energy, cut, early, late, place)
+    place, moved = np.zeros(capacity, np.int32), np.zeros(bins + 4, np.int64)
+    return SegmentEchoes(r, launch, horizon, weight, cos_squared, scale, energy, cut, change, early, late, place, moved)
 
 
 @inlined_uncounted
-def find_visible_echoes(profile, count, arrays, sector, hidden_from, hidden_to, echoes):
+def find_visible_echoes(profile, count, plane, arrays, sector, hidden_from, hidden_to, echoes):
     """Find which segments of a profile are visible whole, their energy, and which must be cut first.
 
     Parameters
@@ -71,6 +76,8 @@ def find_visible_echoes(profile, count, arrays, sector, hidden_from, hidden_to, 
     profile : Profile
     count : int
         Knots.
+    plane : HalfPlane
+        That of the profile.
     arrays : SceneArrays
     sector : AzimuthSector
         What the profile's plane stands for.
@@ -96,6 +103,10 @@ def find_visible_echoes(profile, count, arrays, sector, hidden_from, hidden_to, 
         _apply_weights(knots, echoes.weight, echoes.scale)
     cos_squared, scale, table = echoes.cos_squared, echoes.scale, arrays.reflectivity
     scatter_segments(knots, profile.material, table, arrays.bed.mapped, arrays.law, cos_squared, scale, echoes.energy)
+    if is_oblique(plane.ex, plane.ey):
+        reflectors = profile.material, table, arrays.bed.mapped
+        incidence_powers(knots, reflectors, arrays.law, cos_squared, scale, echoes.energy, echoes.change)
+        fit_densities(knots, profile, plane, arrays.law, echoes.r, echoes.change)
     _mark_cut(knots, echoes.launch, echoes.horizon, area, hidden_from, hidden_to, echoes.cut, echoes.energy)
     echoes.energy[count - 1] = 0.0
     echoes.cut[count - 1 : count - 1 + WORD] = False
