@@ -14,6 +14,7 @@ from insonify_viewer.job import Job
 from insonify_viewer.laid_scene import LaidScene, is_same_ground
 from insonify_viewer.line_of_sight import meet_bed
 from insonify_viewer.newest_wins import NewestWins
+from insonify_viewer.record_display.drape import RecordStrip, drape_record
 from insonify_viewer.session import Event
 from insonify_viewer.simulator import Simulator
 from insonify_viewer.views.qt_modules import load_qt_modules
@@ -60,6 +61,10 @@ class SeabedController:
         self._asked = self._shown = 0  # numbers of the newest bed that is made, and of the one on screen
         self._jobs: list[Job] = []
         self._fans = NewestWins("fan", simulator.call_later)
+        self._drapes = NewestWins("drape", simulator.call_later)
+        self._strip: RecordStrip | None = None  # what is laid over the bed
+        self._patch: BedPatch | None = None  # the bed on screen
+        self._drape_asked = self._drape_shown = 0
         self.picked, self.taken, self.pulled, self.released = Event(), Event(), Event(), Event()
         self._grips: Sequence[Grip] = ()
 
@@ -71,7 +76,8 @@ class SeabedController:
     @property
     def complete(self) -> bool:
         """Whether the view shows the present bed and targets."""
-        return self._view is not None and self._bed is not None and self._shown == self._asked
+        laid = self._view is not None and self._bed is not None and self._shown == self._asked
+        return laid and self._drape_shown == self._drape_asked
 
     def load(self, put: Callable[[SeabedView], None]) -> None:
         """Import the libraries on the worker, then make the view on the main thread and hand it to ``put``."""
@@ -117,6 +123,25 @@ class SeabedController:
         step = scene.track.speed / scene.sonar.ping_rate
         self._view.show_path(simulation.poses(path_pings(ping, step, reach)))
 
+    def drape(self, strip: RecordStrip | None) -> None:
+        """Lay a record over the bed, on a thread of its own; None shows the bed as it is."""
+        self._strip = strip
+        patch = self._patch
+        if patch is None or self._view is None:
+            return
+        self._drape_asked += 1
+        number = self._drape_asked
+
+        def make() -> NDArray[np.uint8]:
+            return patch.image if strip is None else drape_record(patch.image, patch.centre, patch.half, strip)
+
+        def show(image: NDArray[np.uint8] | None) -> None:
+            self._drape_shown = number
+            if self._view is not None and image is not None and patch is self._patch:
+                self._view.show_texture(image)
+
+        self._drapes.send(make, show)
+
     def show_mark(self, place: tuple[float, float, float] | None) -> None:
         """Mark a point of the bed; None removes the mark."""
         if self._view is not None:
@@ -158,6 +183,7 @@ class SeabedController:
     def close(self, patience: float | None = None) -> None:
         """Release the drawing resources, and wait for each bed that is being made, at most for a time in seconds."""
         self._fans.close(patience)
+        self._drapes.close(patience)
         for job in self._jobs:
             job.close(patience)
         if self._view is not None:
@@ -259,7 +285,10 @@ class SeabedController:
             return
         self._shown = number
         if not isinstance(made, SceneError):
+            self._patch = made[0]
             self._view.show_bed(made[0])
+            if self._strip is not None:
+                self.drape(self._strip)
             self._view.show_targets(made[1])
 
 

@@ -34,6 +34,7 @@ def make_workbench(viewer: Viewer) -> Workbench:
         go_to=viewer.go_to,
         record_views=(viewer.window.waterfall, viewer.window.record_a),
         add_actions=add_actions,
+        drape=lambda strip: viewer.seabed.drape(strip),
         open_panel=viewer.window.open_panel,
         inspection=viewer.inspection,
         jobs=viewer.jobs,

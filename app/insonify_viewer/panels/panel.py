@@ -16,6 +16,7 @@ if TYPE_CHECKING:
     from insonify_viewer.jobs.job_list import JobList
     from insonify_viewer.marked_point import MarkedPoint
     from insonify_viewer.record import Record
+    from insonify_viewer.record_display.drape import RecordStrip
     from insonify_viewer.session import Session
     from insonify_viewer.simulator import Simulator, TracedPings
     from insonify_viewer.views.file_dialogs import FileDialogs
@@ -87,6 +88,8 @@ class Workbench:
         Views of the live record and of record A.
     add_actions : callable
         Puts actions into the menu of the record, so that their keys work in the whole window.
+    drape : callable
+        Lays a `RecordStrip` over the bed of the 3-D view, or shows the bed as it is for None.
     open_panel : callable
         Opens the panel of a name.
     inspection : Inspection
@@ -114,6 +117,7 @@ class Workbench:
     go_to: Callable[[int], None]
     record_views: tuple[WaterfallView, WaterfallView]
     add_actions: Callable[[Sequence[Any]], None]
+    drape: Callable[[RecordStrip | None], None]
     open_panel: Callable[[str], None]
     inspection: Inspection
     jobs: JobList

@@ -43,11 +43,14 @@ class BedPatch:
         Nodes of the mesh.
     image : (TEXTURE_SIZE, TEXTURE_SIZE, 3) uint8
         Shaded colours, row 0 at the far y.
+    half : float
+        Half the side of the window, in metres.
     """
 
     centre: tuple[float, float]
     points: NDArray[np.float32]
     image: NDArray[np.uint8]
+    half: float
 
 
 def window_centre(line: TowLine, reach: float) -> tuple[float, float]:
@@ -82,7 +85,7 @@ def bed_patch(bed: AnyGround, centre: tuple[float, float], reach: float) -> BedP
     z = sample_heights(ground, x, y)
     z = np.where(np.isnan(z), np.nanmin(ground.heights), z)
     points = np.stack([*np.meshgrid(x, y), z], axis=-1).reshape(-1, 3).astype(np.float32)
-    return BedPatch(centre, points, bed_image(ground, centre, half, TEXTURE_SIZE))
+    return BedPatch(centre, points, bed_image(ground, centre, half, TEXTURE_SIZE), half)
 
 
 def bed_mesh(*, thinned: bool = False) -> Any:

@@ -88,13 +88,16 @@ class SeabedView(QWidget):
         """Show another bed."""
         self._bed.points = patch.points
         self._thinned_bed.points = pv_meshes.thinned_points(patch.points)
-        image = pv.Texture(patch.image).to_image()
-        # The same textures for all beds: OpenGL would keep the pixels of every other one until the window closes.
-        for actor in (self._bed_actor, self._thinned_actor):
-            actor.texture.SetInputData(image)
-            actor.texture.Modified()
+        self.show_texture(patch.image)
         self._bed_shown = True
         self._thin(self._held)
+
+    def show_texture(self, picture: NDArray[np.uint8]) -> None:
+        """Show other colours of the bed."""
+        image = pv.Texture(picture).to_image()
+        for actor in (self._bed_actor, self._thinned_actor):  # OpenGL would keep the pixels of other textures for good
+            actor.texture.SetInputData(image)
+            actor.texture.Modified()
         self._later()
 
     def show_targets(self, mesh: Any) -> None:

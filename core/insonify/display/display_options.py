@@ -65,6 +65,8 @@ class DisplayOptions(NamedTuple):
     scale : str
         Of the window: ``fit`` for true scale where most of the room is filled, ``true`` for true scale with a part of
         the track where the whole does not fill the room, ``fill`` for all of the room.
+    draped : bool
+        Of the window: whether the record is laid over the bed of the 3-D view.
     """
 
     side: str = "both"
@@ -81,6 +83,7 @@ class DisplayOptions(NamedTuple):
     bottom_line: bool = False
     range_lines: bool = False
     scale: str = SCALES[0]
+    draped: bool = False
 
 
 def read_display(settings: Sequence[str]) -> dict[str, Any]:

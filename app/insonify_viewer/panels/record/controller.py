@@ -22,6 +22,7 @@ from insonify_viewer.measuring.location import (
 from insonify_viewer.measuring.measurement import measure
 from insonify_viewer.panels.panel import Panel, Place, RecordGrowth, Workbench
 from insonify_viewer.panels.record.view.record_view import RecordView
+from insonify_viewer.record_display.drape import RecordStrip
 from insonify_viewer.record_display.layout import row_factors
 from insonify_viewer.record_display.projection import Zoom
 from insonify_viewer.session import Mark
@@ -51,7 +52,8 @@ class RecordPanel(Panel):
         self._simulated, self._recorded = workbench.record_views
         self._simulation: Simulation | None = None
         self._hovered: tuple[WaterfallView, Mark] | None = None
-        self._counted = 0.0  # when the histogram was counted last
+        self._followed = 0.0  # when histogram and drape last followed the record
+        self._draped = False
         self.contacts = ContactList()
         self.view = RecordView()
         self._connect()
@@ -66,8 +68,11 @@ class RecordPanel(Panel):
         if growth.answer.simulation is not self._simulation:
             self._simulation = growth.answer.simulation
             self._simulated.show_measured(None)
-        if growth.complete or time.perf_counter() - self._counted > OFTEN:
+        now = time.perf_counter()
+        if growth.complete or now - self._followed > OFTEN:
+            self._followed = now
             self._show_levels()
+            self._drape()
 
     def scene_changed(self, scene: Scene, settled: bool) -> None:
         """Show the contacts of the scene."""
@@ -144,6 +149,26 @@ class RecordPanel(Panel):
         self.view.show_display(look)
         self._show_colours()
         self._show_levels()
+        self._drape()
+
+    def _drape(self) -> None:
+        """Lay the simulated record over the bed, or take it off."""
+        wanted, simulation = self._session.display.draped, self._simulation
+        if wanted and simulation is not None:
+            record = self._simulated.record
+            pings = np.sort(record.ping[(record.ping >= 0) & (record.ping <= self._simulated.top)])
+            rows = record.rows(pings)
+            strip = RecordStrip(
+                simulation.poses(pings),
+                record.amplitude[rows],
+                record.altitude_of(pings),
+                simulation.arrays.bin_length,
+                self._simulated.tone_map,
+            )
+            self._workbench.drape(strip)
+        elif self._draped:
+            self._workbench.drape(None)
+        self._draped = wanted
 
     def _show_colours(self) -> None:
         self.view.histogram.show_colours(self._simulated.tone_map)
@@ -154,7 +179,6 @@ class RecordPanel(Panel):
         held = np.flatnonzero(record.ping >= 0)
         if not held.size or not self.view.isVisible():
             return
-        self._counted = time.perf_counter()
         step = max(held.size * 2 * record.bins // SAMPLED, 1)
         rows = held[:: max(int(step**0.5), 1)]
         amplitude = record.amplitude[rows]

@@ -25,6 +25,12 @@ TICKS = (  # option, label, key, what it does
     ("newest_on_top", "Newest on top", "N", "Later pings above earlier ones; else below"),
     ("decibels", "Decibels", "Shift+D", "Colours linear in decibels; else in amplitude"),
     ("reverse", "Reversed colours", "I", "From bright to dark"),
+    (
+        "draped",
+        "Draped in 3-D",
+        "Shift+B",
+        "The record over the bed of the 3-D view, by ground range",
+    ),
 )
 CHOICES = (
     ("side", "sides", SIDES, "Sides that are shown (keys 1, 2 and 3)"),
@@ -71,6 +77,8 @@ class RecordView(QScrollArea):
         self.measured = QLabel()
         self.measured.setObjectName("about")
         self.measured.setWordWrap(True)
+        self.measured.setMinimumHeight(5 * self.fontMetrics().lineSpacing())  # of the longest words, wrapped
+        self.measured.setAlignment(Qt.AlignmentFlag.AlignTop)
         self.measured.setTextInteractionFlags(Qt.TextInteractionFlag.TextSelectableByMouse)
         self.contacts = ContactListView()
         self.setWidget(self._body())

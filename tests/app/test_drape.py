@@ -1,0 +1,54 @@
+"""The record is laid over the bed of the 3-D view, where a level bed would put its echoes."""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+import numpy as np
+import pytest
+
+from insonify.display.display_options import DisplayOptions
+from insonify.packing.navigation import make_poses
+from insonify.scene import Scene, edit
+from insonify_viewer.record_display.drape import RecordStrip, drape_record
+from insonify_viewer.record_display.tone_map import make_tone_map
+
+
+@pytest.mark.parametrize("heading", [0.0, 30.0, 180.0])
+@pytest.mark.parametrize("side", [0, 1])
+def test_an_echo_lies_at_its_ground_range(small: Scene, heading: float, side: int) -> None:
+    from stand_in import ground_of
+
+    scene = edit(small, {"track.heading": heading, "track.start": [0.0, 0.0]})
+    pings, bins, altitude = np.arange(100), 400, 10.0
+    poses = make_poses(scene, ground_of(scene), pings)
+    amplitude = np.zeros((100, 2, bins), np.float32)
+    amplitude[40:60, side, 238:242] = 1.0
+    rows = np.concatenate([amplitude[:, 0, ::-1], amplitude[:, 1]], axis=1)
+    tone_map = make_tone_map(DisplayOptions(palette="grey", levels=(0.0, 1.0)), (0.0, 1.0))
+    strip = RecordStrip(poses, rows, np.full(100, altitude), 50.0 / bins, tone_map)
+    bed = np.full((360, 360, 3), 99, np.uint8)
+    draped = drape_record(bed, (0.0, 0.0), 90.0, strip)
+    row, column = np.nonzero(draped[..., 0] > 120)
+    x, y = (column + 0.5) * 0.5 - 90.0, 90.0 - (row + 0.5) * 0.5
+    ground = math.sqrt((240 * 50.0 / bins) ** 2 - altitude**2) * (1.0 if side == 0 else -1.0)
+    angle = math.radians(heading)
+    middle = 49.5 * 0.2
+    assert x.mean() == pytest.approx(middle * math.cos(angle) - ground * math.sin(angle), abs=0.5)
+    assert y.mean() == pytest.approx(middle * math.sin(angle) + ground * math.cos(angle), abs=0.5)
+    assert (draped[0, 0] == 99).all(), "the bed stays where nothing is heard"
+    assert (bed == 99).all()
+
+
+def test_the_option_lays_the_record_over_the_bed_and_takes_it_off(open_viewer: Any, small: Scene, qtbot: Any) -> None:
+    viewer = open_viewer(small)
+    shown: list[np.ndarray] = []
+    show = viewer.seabed.view.show_texture
+    viewer.seabed.view.show_texture = lambda image: (shown.append(image.copy()), show(image))
+    viewer.session.show(draped=True)
+    qtbot.waitUntil(lambda: len(shown) == 1)
+    assert (shown[0] != viewer.seabed._patch.image).mean() > 0.05
+    viewer.session.show(draped=False)
+    qtbot.waitUntil(lambda: len(shown) == 2)
+    assert (shown[1] == viewer.seabed._patch.image).all()
