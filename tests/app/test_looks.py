@@ -9,8 +9,9 @@ from PySide6.QtGui import QColor, QPalette
 from PySide6.QtWidgets import QApplication, QWidget
 
 from insonify.scene import Scene
+from insonify_viewer.panels.parameters.view.about_box import AboutBox
 from insonify_viewer.views.settings import Settings
-from insonify_viewer.views.theme import COLOURS, GROUND, Theme, apply_theme
+from insonify_viewer.views.theme import ACCENT, COLOURS, GROUND, Theme, apply_theme
 
 
 def contrast(one: str, other: str) -> float:
@@ -62,6 +63,17 @@ def test_the_theme_changes_in_the_open_window(open_viewer: Any, small: Scene, qa
         assert window.looks.themes[1].isChecked()
     finally:
         apply_theme(qapp)
+
+
+def test_links_of_a_description_take_the_colour_of_the_theme(
+    open_viewer: Any, small: Scene, qapp: QApplication
+) -> None:
+    viewer = open_viewer(small)
+    words = viewer.panels["parameters"].widget.findChild(AboutBox).label
+    apply_theme(qapp, Theme.LIGHT)
+    assert ACCENT.name() in words.text()
+    apply_theme(qapp, Theme.DARK)
+    assert ACCENT.name() in words.text()
 
 
 def test_settings_survive_nonsense() -> None:

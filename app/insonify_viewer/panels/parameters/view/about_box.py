@@ -5,7 +5,7 @@ from __future__ import annotations
 import html
 from collections.abc import Sequence
 
-from PySide6.QtCore import Qt
+from PySide6.QtCore import QEvent, Qt
 from PySide6.QtWidgets import QLabel
 
 from insonify.scene.links import Link
@@ -50,11 +50,17 @@ class AboutBox(FoldingBox):
                 text += html.escape(part)
                 continue
             words = html.escape(BACK * tried[number] + part.words)
-            text += f'<a href="{number}" style="color: {ACCENT}">{words}</a>'
+            text += f'<a href="{number}" style="color: {ACCENT.name()}">{words}</a>'
             number += 1
         if text != self.label.text():
             self.label.setText(text)
         self.setVisible(bool(parts))
+
+    def changeEvent(self, event: QEvent) -> None:
+        """Colour the links by another theme."""
+        if event.type() is QEvent.Type.StyleChange and self._shown[0]:
+            self.say(*self._shown)
+        super().changeEvent(event)
 
     def _explain(self, number: str) -> None:
         """Say in the tooltip what the link under the mouse does."""
