@@ -82,6 +82,8 @@ def _begin(
 ) -> None:
     """Pin a pixel, begin a lesson, open a recording, the partner of the scene and a panel, if they are given."""
     viewer.inspection.pin(pin)
+    if pin is not None:
+        viewer.targets.handles.choose_at(pin)
     if panel:
         viewer.window.open_panel(panel)
     if lesson is not None:

@@ -122,6 +122,13 @@ def test_a_click_on_a_handle_chooses_and_pins(open_viewer: Any, one_box: Scene, 
     assert viewer.session.undoable == ()
 
 
+def test_a_target_is_chosen_before_its_scene_is_traced(open_viewer: Any, one_box: Scene, qtbot: Any) -> None:
+    mark = echo_mark(prepare(one_box), (12.0, -20.0, 0.0))
+    viewer = open_viewer(one_box, until=lambda viewer: viewer.targets.handles.choose_at(mark) is None)
+    qtbot.waitUntil(lambda: viewer.complete)
+    assert viewer.targets.handles.chosen == 0
+
+
 def test_locked_targets_stay(open_viewer: Any, one_box: Scene, qtbot: Any) -> None:
     viewer = open_viewer(edit(one_box, {"targets.0.locked": True}))
     assert viewer.targets.handles._handles == ()

@@ -43,8 +43,9 @@ class TargetHandles:
         self._scene: Scene | None = None  # in which the drag began
         self._begun: Place | None = None  # place under the mouse then
         self._origin: Simulation | None = None  # in which places of the record are found during a drag
+        self._awaited: Mark | None = None  # point of the record whose target is chosen as soon as it is known
         self.chosen: int | None = None
-        waterfall.clicked.connect(self._choose_mark)
+        waterfall.clicked.connect(self.choose_at)
         waterfall.handles.taken.connect(self._take)
         waterfall.handles.pulled.connect(self._pull_mark)
         waterfall.handles.released.connect(self._release)
@@ -61,6 +62,8 @@ class TargetHandles:
         """Show the handles of a scene that was traced."""
         if simulation is not self._simulation:
             self._simulation = simulation
+            if self._awaited is not None:
+                self.choose_at(self._awaited)
             self._show()
 
     def choose(self, target: int | None) -> None:
@@ -87,7 +90,9 @@ class TargetHandles:
                 [(handle.place, handle.action, handle.target == self.chosen) for handle in self._handles]
             )
 
-    def _choose_mark(self, mark: Mark) -> None:
+    def choose_at(self, mark: Mark) -> None:
+        """Choose the target whose echo is at a point of the record, once its scene is traced."""
+        self._awaited = mark if self._simulation is None else None
         if self._simulation is not None:
             place = locate_mark(self._simulation, mark)[2]
             self.choose(None if place is None else target_at(self._simulation.scene, *place[:2]))
