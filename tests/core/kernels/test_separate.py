@@ -13,6 +13,7 @@ import numpy as np
 import pytest
 
 from insonify.kernels.common.jit import INTEGER, NOTHING, TWO_INTEGERS, kernel, kernel_on_demand
+from insonify.kernels.common.part_process import WORKER
 
 pytestmark = pytest.mark.skipif(bool(numba.config.DISABLE_JIT), reason="nothing is compiled")
 
@@ -100,21 +101,22 @@ def add_powers(x):
 """
 CALL = """
 import sys
-from insonify.kernels.common.part_process import start_process
+from insonify.kernels.common import part_process
 from powers import add_powers, cube, square
-start_process()  # of itself it starts for kernels of this package
+part_process.WORKER = sys.argv[2]
+part_process.start_process()  # of itself it starts for kernels of this package
 print(add_powers(int(sys.argv[1])), *(sum(called.machine_code.stats.cache_hits.values()) for called in (square, cube)))
 """
 
 
-def call(folder: Path, x: int, threads: int) -> list[str]:
+def call(folder: Path, x: int, threads: int, worker: str = WORKER) -> list[str]:
     """Sum of the powers of x in a new process, then how often the machine code of each power was read from disk."""
     (folder / "powers.py").write_text(SEPARATE)
     environment = os.environ | {
         "NUMBA_CACHE_DIR": str(folder / "cache"), "INSONIFY_THREADS": str(threads),
         "PYTHONPATH": os.pathsep.join([str(folder), *filter(None, sys.path)]),
     }  # fmt: skip
-    command = [sys.executable, "-c", CALL, str(x)]
+    command = [sys.executable, "-c", CALL, str(x), worker]
     return subprocess.run(command, env=environment, capture_output=True, check=True, text=True).stdout.split()
 
 
@@ -126,3 +128,7 @@ def test_machine_code_is_read_from_disk_by_later_processes(tmp_path: Path) -> No
 def test_a_second_process_compiles_what_is_not_left_to_the_first_call(tmp_path: Path) -> None:
     assert call(tmp_path, 2, threads=2) == ["12", "1", "0"]
     assert call(tmp_path, 0, threads=2) == ["0", "0", "0"]
+
+
+def test_a_second_process_that_ends_early_leaves_its_kernels_to_the_first(tmp_path: Path) -> None:
+    assert call(tmp_path, 2, threads=2, worker="insonify.kernels.no_such_module") == ["12", "0", "0"]
