@@ -1,8 +1,8 @@
 """Kernels with machine code of their own that other kernels call by its address, which is found at the first call.
 
 A part is compiled into each of its callers. A separate kernel is compiled once, whoever calls it: while its callers are
-compiled, by a second process; or not before a scene asks for it, for what most scenes lack. Every array is handed over as
-seven numbers and more: a whole scene costs half a microsecond. No inner loop should make such a call.
+compiled, by a second process; or not before a scene asks for it, for what most scenes lack. Every array is handed over
+as seven numbers and more: a whole scene costs half a microsecond. No inner loop should make such a call.
 """
 
 from __future__ import annotations
