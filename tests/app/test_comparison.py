@@ -320,6 +320,7 @@ def test_the_panel_keeps_arranges_and_leaves(open_viewer: Any, small: Scene, qtb
     assert viewer.session.scene == small
     QTest.mouseClick(panel.leave, Qt.MouseButton.LeftButton)
     assert viewer.comparison.a is None
+    assert viewer.window.record_a.record.pings == 1, "its memory is free"
     assert not viewer.window.overlay.isVisible()
     assert panel.title.text().startswith("Keep this record as A")
 
@@ -358,3 +359,15 @@ def test_a_pair_is_drawn_by_a_command(tmp_path: Any) -> None:
     with Image.open(path) as picture:
         assert picture.width > 800
     assert main(["view", "default", "--pair", "--snapshot", str(path)]) == 2
+
+
+def test_a_follows_a_tow_that_runs(compared: Any, qtbot: Any) -> None:
+    kept = compared.comparison.kept
+    compared.tow.speed = 4.0
+    compared.tow.restart(1000)  # past the targets, before which the tow would pause
+    compared.run(True)
+    qtbot.waitUntil(lambda: compared.window.waterfall.top > 1060, timeout=20000)
+    compared.run(False)
+    qtbot.waitUntil(lambda: compared.complete, timeout=20000)
+    assert compared.window.record_a.top == compared.window.waterfall.top
+    np.testing.assert_allclose(kept.record.amplitude * 2.0, compared.record.amplitude, rtol=1e-5)

@@ -16,13 +16,13 @@ from insonify_viewer.comparison.record_difference import RecordSnapshot, are_com
 from insonify_viewer.comparison.recording import Recording
 from insonify_viewer.modelling import Modelling
 from insonify_viewer.newest_wins import NewestWins
+from insonify_viewer.record import Record
 from insonify_viewer.session import Event
 from insonify_viewer.waiting import Waiting
 
 if TYPE_CHECKING:
     from insonify_viewer.comparison.recording_player import RecordingPlayer
     from insonify_viewer.panels.panel import RecordGrowth
-    from insonify_viewer.record import Record
     from insonify_viewer.session import Session
     from insonify_viewer.simulator import Simulator, TracedPings
     from insonify_viewer.views.main_window import MainWindow
@@ -223,6 +223,8 @@ class Comparison:
     def _set(self, a: KeptRecord | Recording | None) -> None:
         self.a, self.difference, self._compared = a, "", None
         self._asked = False
+        if a is None:
+            self._view.show_record(Record(1, 1), 1.0, 1.0)  # the one before may take hundreds of megabytes
         self._lay()
         self.changed.emit()
 

@@ -106,7 +106,7 @@ class RecordingPlayer:
 
     def close(self) -> None:
         """Leave the recording."""
-        self.recording = None
+        self.recording, self._record = None, Record(1, 1)
         self.pointed.emit(None)
         self.opened.emit(None)
 
