@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from insonify.scene import SceneError
 from insonify_viewer.fan_sheet import fan_sheet
+from insonify_viewer.gc_policy import leave_out_libraries
 from insonify_viewer.job import Job
 from insonify_viewer.laid_scene import LaidScene, is_same_ground
 from insonify_viewer.line_of_sight import meet_bed
@@ -201,6 +202,7 @@ class SeabedController:
         # lazy: the window opens before PyVista is loaded
         from insonify_viewer.views.seabed_view import SeabedView
 
+        leave_out_libraries()
         self._view = SeabedView(accelerated=self._accelerated)
         self._view.sighted.connect(self._pick)
         handles = self._view.handles
