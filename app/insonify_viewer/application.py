@@ -25,6 +25,7 @@ from insonify_viewer.panels.comparison.controller import ComparisonPanel
 from insonify_viewer.panels.lessons.controller import LessonsPanel
 from insonify_viewer.session import Mark
 from insonify_viewer.viewer import Viewer
+from insonify_viewer.views.crash_recovery import CrashRecovery
 from insonify_viewer.views.qt_modules import leave_sources_unread
 from insonify_viewer.views.save_dialogs import save_picture
 from insonify_viewer.views.settings import Settings
@@ -69,6 +70,8 @@ def open_window(
         viewer.window.show()
         _begin(viewer, pin, lesson, recording, pair, panel)
         QTimer.singleShot(0, viewer.start)
+        recovery = CrashRecovery(viewer.window, viewer.session, viewer.open)
+        QTimer.singleShot(0, recovery.offer)
         signal.signal(signal.SIGINT, lambda *_: _close_on_interrupt(viewer))
         code = application.exec()
         if is_working():

@@ -59,9 +59,9 @@ class TargetEditor:
         self._simulation = simulation
         self.handles.follow(simulation)
 
-    def add(self, kind: str) -> None:
-        """Place a target of a kind where the record shows it; a kind that is read from a file asks for it first."""
-        path = self._files.ask_for_mesh() if needs_file(kind) else ""
+    def add(self, kind: str, path: str = "") -> None:
+        """Place a target of a kind where the record shows it; one that is read from a file asks for it unless given."""
+        path = path or (self._files.ask_for_mesh() if needs_file(kind) else "")
         simulation, top = self._simulation, self._window.waterfall.top
         if simulation is not None and (path or not needs_file(kind)):
             if path:

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import gc
 import time
-from collections.abc import Callable
 from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -21,6 +20,7 @@ from insonify_viewer.auto_pause import next_pause
 from insonify_viewer.comparison.comparison import Comparison
 from insonify_viewer.comparison.recording_player import RecordingPlayer
 from insonify_viewer.contrast import Contrast
+from insonify_viewer.file_opening import FileOpening
 from insonify_viewer.gc_policy import return_free_memory
 from insonify_viewer.inspection import Inspection
 from insonify_viewer.jobs.job_list import JobList
@@ -169,7 +169,10 @@ class Viewer(QObject):
         self.seabed.reset_camera()
         self._freeing = True
         self.simulator.send(ARRAYS.clear, lambda _: None)  # tiles of the bed that is left may fill the store
-        self.session.open(scene, file, bundled=Path(file) in bundled_scenes().values())
+        bundled = Path(file) in bundled_scenes().values()
+        if file and not bundled:
+            self.window.settings.add_recent(file)
+        self.session.open(scene, file, bundled=bundled)
         self.window.say(scene.title)
 
     def run(self, running: bool) -> None:
@@ -223,11 +226,8 @@ class Viewer(QObject):
         window.waterfall.hovered.connect(session.point_at)
         window.waterfall.scrolled.connect(self.look_back)
         window.waterfall.scrubbed.connect(self.go_to)
-        window.scenes.wanted.connect(self._leaving(self.files.open_scene))
-        window.open_scene.triggered.connect(lambda: self._leaving(self.files.ask_for_scene)())
-        window.open_recording.triggered.connect(lambda: self.recordings.open(self.files.ask_for_recording()))
-        window.recording_wanted.connect(self.recordings.open)
-        window.open_dem.triggered.connect(lambda: self.files.ask_for_dem(session.scene))
+        parts = session, window, self.files, self.recordings, self.targets
+        FileOpening(*parts, may_leave=self.saving.may_leave)
         window.history.undone.connect(session.undo)
         window.history.redone.connect(session.redo)
         window.levels.triggered.connect(self.find_levels)
@@ -244,15 +244,6 @@ class Viewer(QObject):
         window.may_close = lambda: self.saving.may_close() and self.panels.may_close()
         window.closing.connect(self.close)
         self._clock.timeout.connect(self._tick)
-
-    def _leaving(self, action: Callable[..., None]) -> Callable[..., None]:
-        """Make an action ask first what becomes of unsaved changes."""
-
-        def ask_then_act(*values: Any) -> None:
-            if self.saving.may_leave():
-                action(*values)
-
-        return ask_then_act
 
     def _scene_changed(self, scene: Scene, settled: bool) -> None:
         traced = (scene, self.session.modelling)

@@ -20,19 +20,18 @@ from PySide6.QtWidgets import (
 )
 
 from insonify.display.display_options import DisplayOptions
-from insonify_viewer.comparison.recording import is_recording
 from insonify_viewer.panels.panel import Panel, Place
 from insonify_viewer.target_placement import target_menu
 from insonify_viewer.tow_clock import SPEEDS
 from insonify_viewer.views.comparison_actions import ComparisonActions
 from insonify_viewer.views.comparison_overlay import ComparisonOverlay
 from insonify_viewer.views.file_drop import take_drops
-from insonify_viewer.views.help_dialogs import HELD_KEYS, AboutDialog, KeysDialog
 from insonify_viewer.views.history_menus import HistoryMenus
 from insonify_viewer.views.icons import set_icon
 from insonify_viewer.views.job_bar import JobBar
-from insonify_viewer.views.looks_menu import LooksMenu
+from insonify_viewer.views.menu_contents import fill_menus
 from insonify_viewer.views.menus import Menus
+from insonify_viewer.views.recent_menu import RecentMenu
 from insonify_viewer.views.records_side_by_side import RecordsSideBySide
 from insonify_viewer.views.save_menu import SaveMenu
 from insonify_viewer.views.scene_menu import SceneMenu
@@ -71,7 +70,7 @@ class MainWindow(QMainWindow):
     running_changed = Signal(bool)
     target_wanted = Signal(str)
     closing = Signal()
-    recording_wanted = Signal(str)  # path
+    file_wanted = Signal(str)  # path
 
     def __init__(self, *, native: bool, palettes: tuple[str, ...]) -> None:
         super().__init__()
@@ -101,9 +100,10 @@ class MainWindow(QMainWindow):
         self.settings = Settings()
         self._add_tools(palettes)
         self.menus = Menus(self)
-        self._fill_menus()
+        self.recent = RecentMenu(self, self.settings)
+        self.looks = fill_menus(self, self.menus)
         self._add_status()
-        take_drops(self, lambda path: (self.recording_wanted if is_recording(path) else self.scenes.wanted).emit(path))
+        take_drops(self, self.file_wanted.emit)
         self.waterfall.setFocus()
 
     def mount(self, panels: Sequence[Panel]) -> None:
@@ -288,37 +288,6 @@ class MainWindow(QMainWindow):
         self.projector.toggled.connect(self._project)
         self._bar, self._after_buttons = bar, bar.addWidget(self.palettes)
         self._add_gain(bar)
-
-    def _fill_menus(self) -> None:
-        """Put the tools into the menus too, where every command stands; those of panels follow."""
-        menus = self.menus
-        menus.file.addMenu(self.scenes.menu()).setText("Scenes")
-        menus.group("File", [self.open_scene, self.open_recording, self.open_dem])
-        menus.group("File", [self.save.scene, self.save.record, self.save.picture])
-        menus.file.addSeparator()
-        menus.add("File", "Quit", "Close the window", "Ctrl+Q").triggered.connect(self.close)
-        menus.group("Edit", [self.undo, self.redo])
-        menus.edit.addSeparator()
-        menus.edit.addMenu(self.targets.menu()).setText("Add a target")
-        menus.group("Record", [self.pause, self.levels, self.trace])
-        menus.group("Record", self.comparison.actions)
-        menus.group("Tools", [self.save.jobs])
-        menus.group("View", [self.projector, self.reset_view])
-        self.looks = LooksMenu(self, menus.view, self.settings, self.say)
-        menus.view.addSeparator()
-        keys = menus.add("Help", "Keyboard shortcuts", "Every command that has a key", "?")
-        keys.triggered.connect(lambda: KeysDialog(self, menus.all, HELD_KEYS).show())
-        menus.add("Help", "About insonify", "Versions, licence, citation").triggered.connect(
-            lambda: AboutDialog(self).show()
-        )
-        for owner, name in (
-            (self.scenes, "scenes"), (self.targets, "target"), (self.save, "save"), (self.undo, "undo"),
-            (self.redo, "redo"), (self.pause, "pause"), (self.reset_view, "home"), (self.levels, "levels"),
-        ):  # fmt: skip
-            set_icon(owner, name)
-        for button in self._bar.findChildren(QToolButton):
-            button.setFocusPolicy(Qt.FocusPolicy.TabFocus)
-            button.setAccessibleName(button.toolTip())
 
     def _add_targets(self, bar: QToolBar) -> None:
         """Add the menu with every kind of target."""

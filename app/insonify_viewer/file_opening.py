@@ -1,0 +1,116 @@
+"""Opens files of every kind that a window takes: from dialogs, by drops, and from the list of recent ones."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from insonify.io.bathymetry import BATHYMETRY
+from insonify.io.meshes import MESHES
+from insonify.io.navigation import NAVIGATION
+from insonify.io.sound_speed_casts import CASTS, read_cast
+from insonify.scene import SceneError
+from insonify_viewer.comparison.recording import is_recording
+
+if TYPE_CHECKING:
+    from insonify_viewer.comparison.recording_player import RecordingPlayer
+    from insonify_viewer.session import Session
+    from insonify_viewer.target_editor import TargetEditor
+    from insonify_viewer.views.file_dialogs import FileDialogs
+    from insonify_viewer.views.main_window import MainWindow
+
+SCENE = ".toml"
+TAKES = "a scene (.toml), a recording, a grid of heights, a mesh, a measured cast or navigation"
+
+
+class FileOpening:
+    """Opens a file as what its suffix says it is.
+
+    Parameters
+    ----------
+    session : Session
+        The scene, which a bed, a cast, navigation or a mesh becomes a part of.
+    window : MainWindow
+        Its menus, its list of recent files and drops on it ask for files.
+    files : FileDialogs
+        Asks for files and reads them.
+    recordings : RecordingPlayer
+        Shows recordings.
+    targets : TargetEditor
+        Places meshes.
+    may_leave : callable
+        Asks what becomes of unsaved changes; returns whether another scene may be opened.
+    """
+
+    def __init__(
+        self,
+        session: Session,
+        window: MainWindow,
+        files: FileDialogs,
+        recordings: RecordingPlayer,
+        targets: TargetEditor,
+        may_leave: Callable[[], bool],
+    ) -> None:
+        self._session, self._window, self._files = session, window, files
+        self._recordings, self._targets, self._may_leave = recordings, targets, may_leave
+        window.file_wanted.connect(self.open)
+        window.scenes.wanted.connect(self.open_scene)
+        window.recent.wanted.connect(self.open_recent)
+        window.open_scene.triggered.connect(self.ask_for_scene)
+        window.open_recording.triggered.connect(lambda: self.open_recording(files.ask_for_recording()))
+        window.open_dem.triggered.connect(lambda: files.ask_for_dem(session.scene))
+
+    def open(self, path: str) -> None:
+        """Open a file by its suffix; a sentence says what is taken if that is none of them."""
+        suffix = Path(path).suffix.lower()
+        if suffix == SCENE:
+            self.open_scene(path)
+        elif is_recording(path):
+            self.open_recording(path)
+        elif suffix in BATHYMETRY.readable():
+            self._files.open_dem(self._session.scene, path)
+        elif suffix in MESHES.readable():
+            self._targets.add("mesh", path)
+        elif suffix in (*CASTS.readable(), *NAVIGATION.readable()):
+            self._use(path)
+        else:
+            self._window.say(f"{Path(path).name}: cannot be opened by its suffix; give {TAKES}")
+
+    def ask_for_scene(self) -> None:
+        """Let the person pick a scene, after the question about unsaved changes."""
+        if self._may_leave():
+            self._files.ask_for_scene()
+
+    def open_recent(self, path: str) -> None:
+        """Open a recent file, or say that it is gone and take it from the list."""
+        if Path(path).exists():
+            self.open(path)
+        else:
+            self._window.settings.forget_recent(path)
+            self._window.say(f"{path} is no longer there; it was taken from the recent files")
+
+    def open_scene(self, path: str) -> None:
+        """Open a scene, after the question about unsaved changes."""
+        if self._may_leave():
+            self._files.open_scene(path)
+
+    def open_recording(self, path: str) -> None:
+        """Show a recording; an empty path does nothing."""
+        if path and Path(path).exists():
+            self._window.settings.add_recent(path)
+        self._recordings.open(path)
+
+    def _use(self, path: str) -> None:
+        """Make a cast the water of the scene, or navigation its motion; both may be tables in CSV."""
+        suffix = Path(path).suffix.lower()
+        is_cast = suffix in CASTS.readable()
+        if is_cast and suffix in NAVIGATION.readable():
+            try:
+                read_cast(path)
+            except SceneError:
+                is_cast = False
+        if is_cast:
+            self._session.settle({"water": {"kind": "cast", "path": path}})
+        else:
+            self._session.settle({"track.motion": {"kind": "recorded", "path": path}})
