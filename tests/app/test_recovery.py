@@ -44,42 +44,33 @@ application.open_window(load_scene("default"))
 """
 
 
-def start(word: str, folder: Path) -> subprocess.Popen[str]:
+def run_until(word: str, last: str, folder: Path, seconds: float = 0.0) -> list[str]:
+    """Lines that a window writes up to one that begins with a word; it is killed some seconds later."""
     environment = os.environ | {
         "QT_QPA_PLATFORM": "offscreen", "XDG_STATE_HOME": str(folder), "XDG_CONFIG_HOME": str(folder)
     }  # fmt: skip
     command = [sys.executable, "-c", DRIVER, word]
-    return subprocess.Popen(command, env=environment, stdout=subprocess.PIPE, text=True)
-
-
-def lines_until(process: subprocess.Popen[str], word: str) -> list[str]:
-    assert process.stdout is not None
-    lines = []
-    for line in process.stdout:
-        lines.append(line.strip())
-        if line.startswith(word):
-            return lines
-    raise AssertionError(f"ended before {word}: {lines}")
+    lines: list[str] = []
+    with subprocess.Popen(command, env=environment, stdout=subprocess.PIPE, text=True) as process:
+        assert process.stdout is not None
+        for line in process.stdout:
+            lines.append(line.strip())
+            if line.startswith(last):
+                break
+        time.sleep(seconds)
+        assert process.poll() is None, "it ran until it was killed"
+        process.send_signal(signal.SIGKILL)
+    return lines
 
 
 @pytest.mark.skipif(not hasattr(signal, "SIGKILL"), reason="needs SIGKILL")
 def test_a_killed_window_loses_no_edit_older_than_5_s(tmp_path: Path) -> None:
-    killed = start("edit", tmp_path)
-    lines_until(killed, "EDITED")
-    time.sleep(5.0)
-    killed.send_signal(signal.SIGKILL)
-    killed.wait()
-    second = start("look", tmp_path)
-    said = lines_until(second, "READY")
-    second.send_signal(signal.SIGKILL)
-    second.wait()
+    run_until("edit", "EDITED", tmp_path, seconds=5.0)
+    said = run_until("look", "READY", tmp_path)
     assert len([line for line in said if line.startswith("ASKED")]) == 1
     assert "“A pipe that rests and spans”. Open it as it was?" in said[0]
     assert "ALTITUDE 7.25 True" in said
-    third = start("look", tmp_path)
-    said = lines_until(third, "READY")
-    third.kill()
-    third.wait()
+    said = run_until("look", "READY", tmp_path)
     assert "ALTITUDE 7.25 True" in said, "the second window had kept it anew before it was killed"
 
 
