@@ -66,7 +66,9 @@ class Scene(Declaration):
     def _controls_are_fields(cls, controls: tuple[str, ...]) -> tuple[str, ...]:
         for path in controls:
             if not is_field(cls, path):
-                raise ValueError(f"{path!r} is no field of a scene; write its dotted path, such as 'track.altitude'")
+                raise ValueError(
+                    f"{path[:40]!r} is no field of a scene; write its dotted path, such as 'track.altitude'"
+                )
         return controls
 
     @field_validator("description")
@@ -74,7 +76,7 @@ class Scene(Declaration):
     def _links_lead_to_fields(cls, description: str) -> str:
         for part in split_description(description):
             if isinstance(part, Link) and not is_field(cls, part.path):
-                raise ValueError(f"links to {part.path!r}, which is no field of a scene; write its dotted path")
+                raise ValueError(f"links to {part.path[:40]!r}, which is no field of a scene; write its dotted path")
         return description
 
     @model_validator(mode="after")
