@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import sys
 from collections.abc import Callable, Sequence
 from typing import TYPE_CHECKING, Any
 
@@ -33,6 +34,8 @@ if TYPE_CHECKING:
     _Bodies = tuple[Solids, Mesh, NDArray[np.uint8]]
     from insonify_viewer.views.seabed_view import SeabedView
 
+VIEW = "insonify_viewer.views.seabed_view"
+
 
 class SeabedController:
     """Loads the view and its libraries, and passes on only what has changed.
@@ -61,6 +64,7 @@ class SeabedController:
         self._bodies: _Bodies | None = None
         self._asked = self._shown = 0  # numbers of the newest bed that is made, and of the one on screen
         self._jobs: list[Job] = []
+        self._loading = False  # whether this window is the first of the process, which loads the libraries
         self._fans = NewestWins("fan", simulator.call_later)
         self._drapes = NewestWins("drape", simulator.call_later)
         self._strip: RecordStrip | None = None  # what is laid over the bed
@@ -82,6 +86,7 @@ class SeabedController:
 
     def load(self, put: Callable[[SeabedView], None]) -> None:
         """Import the libraries on the worker, then make the view on the main thread and hand it to ``put``."""
+        self._loading = VIEW not in sys.modules
         if self._accelerated:
             load_qt_modules()
         self._simulator.send(self._import, lambda _: self._build(put))
@@ -202,7 +207,8 @@ class SeabedController:
         # lazy: the window opens before PyVista is loaded
         from insonify_viewer.views.seabed_view import SeabedView
 
-        leave_out_libraries()
+        if self._loading:
+            leave_out_libraries()
         self._view = SeabedView(accelerated=self._accelerated)
         self._view.sighted.connect(self._pick)
         handles = self._view.handles
