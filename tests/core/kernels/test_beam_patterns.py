@@ -10,7 +10,7 @@ import pytest
 
 from beds import arrays_of, gaussian_pattern, poses_of, rough
 from insonify.kernels.beam.azimuth_sector import AzimuthSector, sector_weight
-from insonify.kernels.beam.knot_weights import sample_pattern, weigh_knots
+from insonify.kernels.beam.knot_weights import FINE_SINE, sample_pattern, weigh_knots
 from insonify.kernels.beam.pattern_integrals import integrated_response
 from insonify.kernels.common.jit import kernel
 from insonify.kernels.common.types import EVERY_GRAZING, GAUSSIAN, LIGHT, SONAR, TABLE, TOP_HAT, BeamPattern
@@ -190,7 +190,7 @@ def test_the_near_field_between_two_rows_is_that_of_the_array(length, distance):
 @kernel
 def integrate_along(pattern, x, z, r, sector, many, single):
     parts = pattern.centre, pattern.extent, pattern.integral, pattern.first_range, pattern.per_octave
-    sample_pattern(x, z, r, sector, pattern, SONAR, many)
+    sample_pattern(x, z, r, sector, pattern, FINE_SINE, many)
     for i in range(x.size):
         level, tip = sector.ahead_level * x[i] / r[i], sector.ahead_up * z[i] / r[i]
         single[i] = integrated_response(*parts, level * sector.s_low + tip, level * sector.s_high + tip, r[i])
@@ -256,6 +256,6 @@ def test_a_pattern_between_the_knots_where_it_is_read_is_that_of_each_knot(pitch
 
 @kernel
 def weigh(pattern, x, z, r, sector, law, weights, each):
-    weigh_knots(x, z, r, sector, pattern, law, weights)
+    weigh_knots(x, z, r, sector, pattern, law, FINE_SINE, weights)
     for i in range(x.size):
         each[i] = sector_weight(x[i], z[i], r[i], sector, pattern, law) if x[i] > 0.0 else 0.0

@@ -17,7 +17,7 @@ from insonify.kernels.beam.pattern import (
     widest_extent,
 )
 from insonify.kernels.beam.pattern_integrals import integrated_response
-from insonify.kernels.common.jit import inlined_uncounted, kernel, kernel_uncounted
+from insonify.kernels.common.jit import inlined_uncounted, kernel_uncounted
 from insonify.kernels.common.types import EVERY_GRAZING, LIGHT
 
 TRANSITION = 0.3  # of the near field, by which the far field takes over
@@ -238,7 +238,7 @@ def is_whole_beam(sector):
     return sector.tabulated and sector.angle > 0.0 and sector.s_high - sector.s_low >= 2.0
 
 
-@kernel
+@inlined_uncounted
 def paired_weight(x, one, other, sector, pattern, law):
     """Weight of a plane that stands for a whole beam, for sound that leaves by one image and returns by another.
 
@@ -260,42 +260,25 @@ def paired_weight(x, one, other, sector, pattern, law):
     float
         As of `sector_weight`.
     """
-    if not x > 0.0:
-        return 0.0
     vertical = in_plane_response(x / one[1], one[0] / one[1], sector, pattern)
     vertical *= in_plane_response(x / other[1], other[0] / other[1], sector, pattern)
-    if vertical == 0.0:
+    if not (vertical > 0.0 and x > 0.0):
         return 0.0
+    return math.sqrt(vertical) * paired_width(x, one, other, sector, pattern, law)
+
+
+@kernel_uncounted
+def paired_width(x, one, other, sector, pattern, law):
+    """Along-track width of `paired_weight`, or of law `light` the share of the azimuths; but for the vertical beam."""
     level_one, tip_one = sector.ahead_level * x / one[1], sector.ahead_up * one[0] / one[1]
     level_other, tip_other = sector.ahead_level * x / other[1], sector.ahead_up * other[0] / other[1]
     azimuths = shared_response(pattern, level_one, tip_one, one[1], level_other, tip_other, other[1])
     if law != LIGHT:
-        return math.sqrt(vertical) * azimuths * x
+        return azimuths * x
     # Law `light` averages over the azimuths inside the beam there.
     whole = azimuthal_response(pattern, level_one, tip_one, one[1])
     whole *= azimuthal_response(pattern, level_other, tip_other, other[1])
-    return math.sqrt(vertical / whole) * azimuths if whole > 0.0 else 0.0
-
-
-@kernel
-def weigh_paired_knots(x, images, sector, pattern, law):
-    """Weigh the knots of a profile, as two images see it, by what a plane that stands for a whole beam has of the pair.
-
-    Parameters
-    ----------
-    x : ndarray of float64
-        Ground ranges of the knots, m.
-    images : tuple of two ImageProfile
-        Their weights are filled.
-    sector : AzimuthSector
-    pattern : BeamPattern
-        Of a beam that sound passes twice.
-    law : int
-    """
-    one, other = images
-    for i in range(x.size):
-        weight = paired_weight(x[i], (one.rise[i], one.r[i]), (other.rise[i], other.r[i]), sector, pattern, law)
-        one.weight[i] = other.weight[i] = weight
+    return azimuths / math.sqrt(whole) if whole > 0.0 else 0.0
 
 
 @inlined_uncounted

@@ -8,11 +8,14 @@ Theory: docs/theory/beam.md.
 
 from __future__ import annotations
 
+import math
+
 import numpy as np
 
 from insonify.kernels.beam.azimuth_sector import (
     in_plane_lobe,
     in_plane_response,
+    paired_width,
     pattern_share,
     top_hat_share,
     top_hat_width,
@@ -22,16 +25,18 @@ from insonify.kernels.common.jit import NOTHING, inlined_uncounted, kernel_on_de
 from insonify.kernels.common.types import EVERY_GRAZING, LIGHT, TABLE
 
 MOST_STEPS = 32  # knots from one at which a pattern is read to the next
-# Up to the next one the sector's borders move by less than this share of half the main lobe, and the slant range by
-# less than this share of a row of the table.
-FINE_SINE, FINE_ROW = 1.0 / 8.0, 1.0
-OFF_AXIS = 0.25  # fineness across sidelobes, of that across the main lobe
+# Up to the next one the sector's borders move by less than this share of half the main lobe, on it and on sidelobes,
+# and the slant range by less than this share of a row of the table.
+FINE_SINE, FINE_ROW = (1.0 / 8.0, 1.0 / 2.0), 1.0
+# The same where the root of two responses counts, which is large where one of them is small.
+FINE_ROOT = (1.0 / 24.0, 1.0 / 24.0)
+FINE_PAIR = 0.02  # share of a slant range, a direction's level part and half the main lobe, for two images
 DOUBLED = 0.4  # of these limits, below which the next step is twice as long
 LEAST_HEIGHT = 0.01  # share of a ground range
 
 
 @inlined_uncounted
-def weigh_knots(x, z, r, sector, pattern, law, out):
+def weigh_knots(x, z, r, sector, pattern, law, fine, out):
     """Factor by which a plane's sector multiplies the echo of each knot, as `sector_weight` for one place.
 
     Parameters
@@ -41,11 +46,14 @@ def weigh_knots(x, z, r, sector, pattern, law, out):
     sector : AzimuthSector
     pattern : BeamPattern
     law : int
+    fine : tuple of two float
+        Share of half the main lobe by which a sector may move up to the next knot at which a pattern is read, where it
+        meets that lobe and where it does not.
     out : ndarray
         Takes the factors.
     """
     if sector.tabulated:
-        _weigh_pattern(x, z, r, sector, pattern, law, out)
+        _weigh_pattern(x, z, r, sector, pattern, law, fine, out)
     elif sector.angle == 0.0:
         for i in range(x.size):
             out[i] = 1.0  # a knife
@@ -58,15 +66,17 @@ def weigh_knots(x, z, r, sector, pattern, law, out):
 
 
 @kernel_on_demand(NOTHING)
-def _weigh_pattern(x, z, r, sector, pattern, law, out):
+def _weigh_pattern(x, z, r, sector, pattern, law, fine, out):
     """Weights of a tabulated pattern, along the track and in the plane."""
     if sector.angle == 0.0:
         for i in range(x.size):
             out[i] = 1.0
+    elif law == LIGHT:
+        for i in range(x.size):
+            out[i] = pattern_share(x[i], z[i], r[i], sector, pattern)
     else:
-        sample_pattern(x, z, r, sector, pattern, law, out)
-        if law != LIGHT:
-            _apply_ranges(x, r, sector, out)
+        sample_pattern(x, z, r, sector, pattern, fine, out)
+        _apply_ranges(x, r, sector, out)
     if pattern.vertical == TABLE:
         for i in range(x.size):
             out[i] *= in_plane_response(x[i] / r[i], z[i] / r[i], sector, pattern)
@@ -76,8 +86,67 @@ def _weigh_pattern(x, z, r, sector, pattern, law, out):
 
 
 @kernel_uncounted
-def sample_pattern(x, z, r, sector, pattern, law, out):
-    """Integral of a pattern over the sines of a sector's directions, or of law LIGHT its share of the beam, at knots.
+def weigh_paired_knots(x, one, other, sector, pattern, law):
+    """Weigh the knots of a profile by what a plane that stands for a whole beam has of two images, as `paired_weight`.
+
+    Parameters
+    ----------
+    x : ndarray of float64
+        Ground ranges of the knots, m.
+    one, other : ImageProfile
+        The lower and the higher image; the weights of the lower one are filled.
+    sector : AzimuthSector
+    pattern : BeamPattern
+        Of a beam that sound passes twice.
+    law : int
+    """
+    weight, ranges = one.weight, one.r
+    _sample_pair(x, one, other, sector, pattern, law, weight)
+    if law != LIGHT:
+        for i in range(x.size):
+            weight[i] *= ranges[i]
+    if pattern.vertical != EVERY_GRAZING:
+        rise, rise_other, ranges_other = one.rise, other.rise, other.r
+        for i in range(x.size):
+            vertical = in_plane_response(x[i] / ranges[i], rise[i] / ranges[i], sector, pattern)
+            vertical *= in_plane_response(x[i] / ranges_other[i], rise_other[i] / ranges_other[i], sector, pattern)
+            weight[i] *= math.sqrt(vertical)
+
+
+@inlined_uncounted
+def _sample_pair(x, one, other, sector, pattern, law, out):
+    """Sample the width for two images over the lower one's slant range, or the share, at some knots; linear between."""
+    level = level_other = tip = tip_other = r = value = 0.0
+    i, steps = -1, 1
+    while i < x.size - 1:
+        k = i + steps
+        levels, tips = sector.ahead_level * x[k] / one.r[k], sector.ahead_up * one.rise[k] / one.r[k]
+        levels_other, tips_other = sector.ahead_level * x[k] / other.r[k], sector.ahead_up * other.rise[k] / other.r[k]
+        moved = max(abs(levels - level) / (levels + sector.s_beam), abs(tips - tip) / sector.s_beam)
+        moved = max(moved, abs(levels_other - level_other) / (levels_other + sector.s_beam))
+        moved = max(moved, abs(tips_other - tip_other) / sector.s_beam, abs(one.r[k] - r) / one.r[k])
+        moved *= 1.0 / FINE_PAIR
+        if steps > 1 and not moved <= 1.0:
+            steps >>= 1
+            continue
+        last = value
+        value = 0.0
+        if x[k] > 0.0:
+            value = paired_width(x[k], (one.rise[k], one.r[k]), (other.rise[k], other.r[k]), sector, pattern, law)
+            value = value if law == LIGHT else value / one.r[k]
+        for m in range(1, steps):
+            out[i + m] = last + (value - last) * (m / steps)
+        out[k] = value
+        i, level, level_other, tip, tip_other, r = k, levels, levels_other, tips, tips_other, one.r[k]
+        if moved < DOUBLED and x[k] > 0.0 and steps < MOST_STEPS:
+            steps *= 2
+        if steps > x.size - 1 - k:
+            steps = max(x.size - 1 - k, 1)
+
+
+@kernel_uncounted
+def sample_pattern(x, z, r, sector, pattern, fine, out):
+    """Integral of a pattern over the sines of a sector's directions, at many knots.
 
     Parameters
     ----------
@@ -86,10 +155,11 @@ def sample_pattern(x, z, r, sector, pattern, law, out):
     sector : AzimuthSector
         Of a width.
     pattern : BeamPattern
-    law : int
+    fine : tuple of two float
+        As of `weigh_knots`.
     out : ndarray
-        Takes the integrals or the shares. They are read at knots between which the
-        sector's borders and the slant range move by little; between them they follow the cosine of the launch angle.
+        Takes the integrals. They are read at knots between which the sector's borders and the slant range move by
+        little; between them they follow the level part of the direction.
     """
     centre, extent, integral = pattern.centre, pattern.extent, pattern.integral
     first_range, per_octave, last_row = pattern.first_range, pattern.per_octave, extent.size - 1.0
@@ -104,8 +174,8 @@ def sample_pattern(x, z, r, sector, pattern, law, out):
         place = place_in_rows(last_row, first_range, per_octave, r[k]) if last_row > 0.0 else 0.0
         row = row_below(place, last_row)
         off = max(s_low - centre, centre - s_high, 0.0)
-        fine = _samples_per_sine(min(off, last_off), sector.s_beam, extent[np.uint64(row)])
-        moved = (abs(level - last_level) * farther + abs(tip - last_tip)) * fine
+        per_sine = _samples_per_sine(min(off, last_off), sector.s_beam, fine, extent[np.uint64(row)])
+        moved = (abs(level - last_level) * farther + abs(tip - last_tip)) * per_sine
         moved = max(moved, abs(place - last_place) * (1.0 / FINE_ROW))
         # NaN, a hole in the bed, compares false.
         if steps > 1 and not moved <= 1.0:
@@ -117,9 +187,6 @@ def sample_pattern(x, z, r, sector, pattern, law, out):
         rate = at_high * sector.s_high - at_low * sector.s_low
         if sector.ahead_up != 0.0:
             rate -= (at_high - at_low) * sector.ahead_up / sector.ahead_level * x[k] / _away_from_zero(z[k], x[k])
-        if law == LIGHT:
-            share = pattern_share(x[k], z[k], r[k], sector, pattern)
-            value, rate = share, rate * share / value if value > 0.0 else 0.0
         if steps > 1:
             chord = last_level, level - last_level, last_value, value - last_value, last_rate, rate - last_rate
             first, beyond = i + 1, k + 1
@@ -140,11 +207,11 @@ def _away_from_zero(height, x):
 
 
 @inlined_uncounted
-def _samples_per_sine(off, main, extent):
+def _samples_per_sine(off, main, fine, extent):
     """Return the samples of a pattern per change of s, where the nearer border of a sector is so far off the axis."""
     if off > extent:
         return 0.0
-    return (1.0 if off < main else OFF_AXIS) / (FINE_SINE * main)
+    return 1.0 / ((fine[0] if off < main else fine[1]) * main)
 
 
 @inlined_uncounted

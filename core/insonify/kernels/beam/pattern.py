@@ -10,7 +10,7 @@ import math
 import numpy as np
 
 from insonify.kernels.beam.pattern_integrals import integrated_response, row_of_range
-from insonify.kernels.common.jit import inlined_uncounted, kernel
+from insonify.kernels.common.jit import inlined_uncounted, kernel, kernel_uncounted
 from insonify.kernels.common.types import EVERY_GRAZING, LIGHT, TABLE, TOP_HAT
 
 SLICES = 16  # of the azimuths over which a pattern is averaged
@@ -182,7 +182,7 @@ def azimuthal_response(pattern, level, tip, r):
     return total
 
 
-@kernel
+@kernel_uncounted
 def shared_response(pattern, level_one, tip_one, r_one, level_other, tip_other, r_other):
     """Integral over azimuths of the response to sound that leaves in one direction and returns from another.
 

@@ -194,29 +194,41 @@ def _scatter_lambert(segments, diffuse, cos_squared, scale, law, energy):
 def _scatter_whole_power(segments, diffuse, specular, power, cos_squared, scale, law, energy):
     """Energy of segments of one material with an integer exponent, by repeated squaring over all segments."""
     real = energy.dtype.type
-    diffuse, specular, nothing, one = real(diffuse), real(specular), real(0.0), real(1.0)
-    bit_0, bit_1, bit_2, bit_3 = power & 1 != 0, power & 2 != 0, power & 4 != 0, power & 8 != 0
-    bit_4, bit_5, bit_6 = power & 16 != 0, power & 32 != 0, power & 64 != 0
+    diffuse, specular, one, bits = real(diffuse), real(specular), real(1.0), _bits(power)
     for i in range(segments):
-        mirrored = cos_squared[i] + cos_squared[i] - one
-        square = mirrored if mirrored > nothing else nothing
-        lobe = square if bit_0 else one
-        square *= square
-        lobe = lobe * square if bit_1 else lobe
-        square *= square
-        lobe = lobe * square if bit_2 else lobe
-        square *= square
-        lobe = lobe * square if bit_3 else lobe
-        square *= square
-        lobe = lobe * square if bit_4 else lobe
-        square *= square
-        lobe = lobe * square if bit_5 else lobe
-        square *= square
-        lobe = lobe * square if bit_6 else lobe
+        lobe = _whole_lobe(cos_squared[i] + cos_squared[i] - one, bits, one)
         if law == LIGHT:
             energy[i] = scale[i] * (diffuse * math.sqrt(cos_squared[i]) + specular * lobe)
         else:
             energy[i] = scale[i] * cos_squared[i] * (diffuse + specular * lobe)
+
+
+@inlined_uncounted
+def _bits(power):
+    """Binary digits of an exponent below HIGHEST_POWER, the last one first."""
+    return (
+        power & 1 != 0, power & 2 != 0, power & 4 != 0, power & 8 != 0,
+        power & 16 != 0, power & 32 != 0, power & 64 != 0,
+    )  # fmt: skip
+
+
+@inlined_uncounted
+def _whole_lobe(mirrored, bits, one):
+    """Phong's lobe max(0, R·V)ⁿ of an integer exponent by its binary digits, in the precision of ``one``."""
+    square = mirrored if mirrored > one - one else one - one
+    lobe = square if bits[0] else one
+    square *= square
+    lobe = lobe * square if bits[1] else lobe
+    square *= square
+    lobe = lobe * square if bits[2] else lobe
+    square *= square
+    lobe = lobe * square if bits[3] else lobe
+    square *= square
+    lobe = lobe * square if bits[4] else lobe
+    square *= square
+    lobe = lobe * square if bits[5] else lobe
+    square *= square
+    return lobe * square if bits[6] else lobe
 
 
 @inlined_uncounted
@@ -260,3 +272,55 @@ def _incidence_power(diffuse, shininess, law, cos_squared, scale, energy):
     steep = shininess * (cos_squared + cos_squared) / (mirrored if mirrored > least else least)
     # Light: d ln cosα / d ln cos²α is 1/2, of the lobe 0. Sonar: both are multiplied by cos²α.
     return base + lobe * (steep - half if law == LIGHT else steep)
+
+
+@inlined_uncounted
+def scatter_paired_segments(segments, material, reflectivity, mapped, law, facing, mirrored, scale, energy):
+    """Energy of many segments between two directions: bistatic strength times a scale per segment.
+
+    Parameters
+    ----------
+    segments : int
+        How many; the arrays may be longer.
+    material : ndarray of int64
+        Row of the reflectivity table of each segment.
+    reflectivity : ndarray of float64, shape (n, 3)
+        Lambert's share k_d, Phong's share k_s and its exponent n of each material.
+    mapped : bool
+        Whether segments may differ in material.
+    law : int
+        LIGHT or SONAR.
+    facing : ndarray
+        Product of the cosines of the angles to the normal; under law LIGHT that of the direction in.
+    mirrored : ndarray
+        R·V of each segment.
+    scale : ndarray
+        What turns strength into energy; zero where a surface is seen from behind.
+    energy : ndarray
+        Takes the result, in its own precision.
+    """
+    diffuse, specular, shininess = (
+        reflectivity[material[0], 0],
+        reflectivity[material[0], 1],
+        reflectivity[material[0], 2],
+    )
+    if mapped or (specular > 0.0 and (shininess != math.floor(shininess) or shininess >= HIGHEST_POWER)):
+        for i in range(segments):
+            row = material[i]
+            shine = reflectivity[row, 1] * _phong(mirrored[i], reflectivity[row, 2])
+            if law == LIGHT:
+                energy[i] = scale[i] * (reflectivity[row, 0] * facing[i] + shine)
+            else:
+                shine *= 0.5 * (reflectivity[row, 2] + 2.0)
+                energy[i] = scale[i] * facing[i] * (reflectivity[row, 0] + shine) * INVERSE_PI
+        return
+    real = energy.dtype.type
+    if law != LIGHT:
+        diffuse, specular = diffuse * INVERSE_PI, specular * (shininess + 2.0) * (0.5 * INVERSE_PI)
+    diffuse, specular, one, bits = real(diffuse), real(specular), real(1.0), _bits(int(shininess))
+    for i in range(segments):
+        lobe = _whole_lobe(mirrored[i], bits, one)
+        if law == LIGHT:
+            energy[i] = scale[i] * (diffuse * facing[i] + specular * lobe)
+        else:
+            energy[i] = scale[i] * facing[i] * (diffuse + specular * lobe)

@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from insonify.kernels.common.contributors import ContributorTable, open_contributor, spread_contribution
-from insonify.kernels.common.jit import inlined, kernel
+from insonify.kernels.common.jit import inlined_uncounted, kernel_uncounted
 from insonify.kernels.common.range_bins import FIXED_POINT, spread_energy
 from insonify.kernels.multipath.image_sources import PATH_COUNT
 
@@ -47,7 +47,7 @@ def empty_echo_list() -> NDArray[np.float64]:
     return np.zeros((ROOM, COLUMNS))
 
 
-@inlined
+@inlined_uncounted
 def list_echo(echoes, n, echo):
     """Append an echo to a list, if it brings energy and there is room.
 
@@ -71,7 +71,7 @@ def list_echo(echoes, n, echo):
     return n + 1
 
 
-@kernel
+@kernel_uncounted
 def deposit_echoes(echoes, n, facets, bin_length, path, sink):
     """Spread listed echoes over the range bins, facet by facet of the sea surface, and note their contributors.
 

@@ -9,7 +9,7 @@ from __future__ import annotations
 import math
 from typing import NamedTuple
 
-from insonify.kernels.common.jit import inlined, kernel
+from insonify.kernels.common.jit import inlined_uncounted, kernel, kernel_uncounted
 from insonify.kernels.common.scattering import bistatic_strength
 from insonify.kernels.common.types import LIGHT
 from insonify.kernels.rays.cell_walk import Ray, meet_bed
@@ -44,13 +44,13 @@ class ImagePath(NamedTuple):
     reach: float  # slant range over a calm sea up to which waves may bring an echo into the record, m
 
 
-@inlined
+@inlined_uncounted
 def _sonar_itself():
     """Return the sonar as its own image."""
     return ImageSource(0.0, False, 1.0, 0.0)
 
 
-@kernel
+@kernel_uncounted
 def surface_image(arrays, z):
     """Image of the sonar in the sea surface.
 
@@ -68,7 +68,7 @@ def surface_image(arrays, z):
     return ImageSource(2.0 * up, True, 1.0, up)
 
 
-@kernel
+@kernel_uncounted
 def bottom_image(arrays, x, y, z):
     """Image of the sonar in the bed beneath it, and of that in the sea surface.
 
@@ -90,7 +90,7 @@ def bottom_image(arrays, x, y, z):
     return ImageSource(2.0 * (up + down), False, arrays.interface[row, 0] ** 2, up + 2.0 * down)
 
 
-@kernel
+@kernel_uncounted
 def image_pair(arrays, path, x, y, z):
     """Pair of images that makes one propagation path.
 
@@ -120,6 +120,67 @@ def image_pair(arrays, path, x, y, z):
     return ImagePath(sonar, image, 2, passes, path, *common), multipath.second_bottom and image.share > 0.0
 
 
+@inlined_uncounted
+def higher_index(pair):
+    """Place of a path's higher image among its images, the lower one first; 0 if they are one.
+
+    Parameters
+    ----------
+    pair : ImagePath
+
+    Returns
+    -------
+    int
+    """
+    return 1 if pair.other.height > pair.one.height else 0
+
+
+@kernel_uncounted
+def highest_place(arrays):
+    """Height above the datum that nothing of a scene's bed and targets exceeds.
+
+    Parameters
+    ----------
+    arrays : SceneArrays
+
+    Returns
+    -------
+    float
+        m.
+    """
+    solids, highest = arrays.solids, arrays.bed.high
+    for k in range(solids.shape.size):
+        rise, growth = solids.length[k] * solids.axis[k, 2], solids.length[k] * solids.taper[k]
+        top = solids.start[k, 2] + max(rise, 0.0) + solids.radius[k] + max(growth, 0.0)
+        highest = max(highest, top)
+    if arrays.mesh.target.size > 0:
+        highest = max(highest, arrays.mesh.high[0, 2])
+    return highest
+
+
+@inlined_uncounted
+def farthest_ground_range(pair, drop):
+    """Ground range beyond which no echo returns within a path's reach.
+
+    Parameters
+    ----------
+    pair : ImagePath
+    drop : float
+        Height of the sonar above the highest place, m.
+
+    Returns
+    -------
+    float
+        m; 0 if none returns.
+    """
+    # Both legs are shortest to the highest places: R + R' = 2 r is an ellipse there.
+    lower, higher, sum_ = max(drop + pair.one.height, 0.0), max(drop + pair.other.height, 0.0), 2.0 * pair.reach
+    if not lower + higher < sum_:
+        return 0.0
+    leg = 0.5 * (sum_ - (higher * higher - lower * lower) / sum_)
+    return math.sqrt(max(leg * leg - lower * lower, 0.0))
+
+
 @kernel
 def wave_advance(multipath, passes):
     """Greatest slant range by which waves can shorten a path by way of the sea surface.
@@ -141,7 +202,7 @@ def wave_advance(multipath, passes):
     return -passes * multipath.rms_height * multipath.facets[passes - 1, :, 0].min()
 
 
-@inlined
+@inlined_uncounted
 def pair_response(one, other, tabulated, two_way):
     """Two-way response of the beam out by one image and back by the other, from those there and back by each.
 
@@ -165,7 +226,7 @@ def pair_response(one, other, tabulated, two_way):
     return math.sqrt(one * other) if two_way else 0.5 * (one + other)
 
 
-@inlined
+@inlined_uncounted
 def pair_strength(cos_one, cos_other, mirrored, diffuse, specular, shininess, pair):
     """Bistatic strength of a surface for a pair of images, times its orders and the share that mirrors reflect.
 
@@ -190,7 +251,7 @@ def pair_strength(cos_one, cos_other, mirrored, diffuse, specular, shininess, pa
     return value * pair.one.share * pair.other.share
 
 
-@inlined
+@inlined_uncounted
 def spreading_ratio(r_one, r_other, law):
     """Ratio of the spreading along two ways to the record's own 1/r⁴: r⁴ / (R² R'²) with r = (R + R') / 2.
 
@@ -211,7 +272,7 @@ def spreading_ratio(r_one, r_other, law):
     return (r * r / (r_one * r_other)) ** 2  # docs/theory/multipath.md
 
 
-@inlined
+@inlined_uncounted
 def height_delay(image, drop, r, rms_height):
     """Slant range that waves of rms height add to a leg: η sin θ for a height η, at the grazing angle θ on the surface.
 
@@ -233,7 +294,7 @@ def height_delay(image, drop, r, rms_height):
     return rms_height * drop / r if image.above > 0.0 else 0.0
 
 
-@inlined
+@inlined_uncounted
 def tilt_delay(image, drop, r, slope_variance):
     """Slant range that facets tilted by one standard deviation add to a leg.
 

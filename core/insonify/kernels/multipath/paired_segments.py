@@ -8,13 +8,14 @@ from __future__ import annotations
 import math
 from typing import NamedTuple
 
-from insonify.kernels.common.jit import inlined, kernel
+from insonify.kernels.common.jit import inlined_uncounted, kernel_uncounted
 from insonify.kernels.common.types import LIGHT
 from insonify.kernels.multipath.echo_list import SurfaceEcho, list_echo
 from insonify.kernels.multipath.image_sources import height_delay, pair_strength, spreading_ratio, tilt_delay
 from insonify.kernels.sweep.partial_segments import FINE
 
-HALVINGS = 40  # that find where a segment comes nearest to both images
+MOST_NEWTON = 40  # steps that find where a segment comes nearest to both images
+SAME_PLACE = 1e-10  # share of a stretch below which a step ends the search
 MOST_PARTS = 1024
 
 
@@ -39,7 +40,7 @@ class PairedSegment(NamedTuple):
     shininess: float
 
 
-@inlined
+@inlined_uncounted
 def echo_range(segment, x):
     """Slant range of the echo of a segment at a ground range: half the way by both images.
 
@@ -58,15 +59,19 @@ def echo_range(segment, x):
     return 0.5 * (math.sqrt(x * x + a * a) + math.sqrt(x * x + b * b))
 
 
-@inlined
+@inlined_uncounted
 def _range_rate(segment, x):
-    """Twice the rate at which the slant range of the echo grows with ground range."""
+    """Twice the rate at which the slant range of the echo grows with ground range, and how fast that grows."""
     slope = segment.one.slope
     a, b = segment.one.offset + slope * x, segment.other.offset + slope * x
-    return (x + slope * a) / math.sqrt(x * x + a * a) + (x + slope * b) / math.sqrt(x * x + b * b)
+    per_one, per_other = 1.0 / math.sqrt(x * x + a * a), 1.0 / math.sqrt(x * x + b * b)
+    rate_one, rate_other = (x + slope * a) * per_one, (x + slope * b) * per_other
+    tilt = 1.0 + slope * slope
+    growth = (tilt - rate_one * rate_one) * per_one + (tilt - rate_other * rate_other) * per_other
+    return rate_one + rate_other, growth
 
 
-@kernel
+@kernel_uncounted
 def list_stretch(segment, pair, x_from, x_to, near, far, echoes, n):
     """List the echo of a stretch of a segment that both images see.
 
@@ -97,24 +102,29 @@ def list_stretch(segment, pair, x_from, x_to, near, far, echoes, n):
     return _list_monotone(segment, pair, foot, x_to, echoes, n)
 
 
-@kernel
+@kernel_uncounted
 def _nearest_ground_range(segment, x_from, x_to):
     """Ground range of the nearest echo of a segment; slant range falls towards it and grows beyond."""
-    if _range_rate(segment, x_from) >= 0.0:
+    if _range_rate(segment, x_from)[0] >= 0.0:
         return x_from
-    if _range_rate(segment, x_to) <= 0.0:
+    if _range_rate(segment, x_to)[0] <= 0.0:
         return x_to
-    low, high = x_from, x_to
-    for _ in range(HALVINGS):
-        middle = 0.5 * (low + high)
-        if _range_rate(segment, middle) < 0.0:
-            low = middle
+    low, high, x = x_from, x_to, 0.5 * (x_from + x_to)
+    for _ in range(MOST_NEWTON):
+        rate, growth = _range_rate(segment, x)
+        if rate < 0.0:
+            low = x
         else:
-            high = middle
-    return 0.5 * (low + high)
+            high = x
+        nearer = x - rate / growth
+        nearer = nearer if low < nearer < high else 0.5 * (low + high)
+        if abs(nearer - x) <= SAME_PLACE * (x_to - x_from):
+            return nearer
+        x = nearer
+    return x
 
 
-@kernel
+@kernel_uncounted
 def _list_monotone(segment, pair, x_from, x_to, echoes, n):
     """List a stretch along which slant range grows or falls, in parts short against their range."""
     if not x_to > x_from:
@@ -131,7 +141,7 @@ def _list_monotone(segment, pair, x_from, x_to, echoes, n):
     return n
 
 
-@inlined
+@inlined_uncounted
 def _list_part(segment, pair, x_from, x_to, near, far, echoes, n):
     """List one part, whose energy is spread evenly over the slant ranges it spans, ``near`` to ``far``."""
     x, stretch, law = 0.5 * (x_from + x_to), math.sqrt(segment.area), pair.law

@@ -6,7 +6,7 @@ Theory: docs/theory/multipath.md.
 from __future__ import annotations
 
 from insonify.kernels.common.jit import kernel
-from insonify.kernels.multipath.image_sources import SURFACE_ECHO, image_pair
+from insonify.kernels.multipath.image_sources import SURFACE_ECHO, farthest_ground_range, highest_place, image_pair
 from insonify.kernels.multipath.surface_echo import add_surface_echo
 from insonify.kernels.multipath.surface_multipath import add_image_plane
 
@@ -39,6 +39,7 @@ def note_plane_echoes(arrays, poses, ping, side, path, fan, k, workspace, sink):
             add_surface_echo(arrays, poses, ping, side, workspace.echoes, sink)
         return arrays.multipath.surface_echo
     pair, wanted = image_pair(arrays, path, poses.x[ping], poses.y[ping], poses.z[ping])
-    if wanted:
-        add_image_plane(arrays, poses, ping, side, fan, k, pair, workspace, sink)
+    farthest = farthest_ground_range(pair, poses.z[ping] - highest_place(arrays))
+    if wanted and farthest > 0.0:
+        add_image_plane(arrays, poses, ping, side, fan, k, pair, farthest, workspace, sink)
     return wanted

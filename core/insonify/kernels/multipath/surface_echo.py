@@ -6,14 +6,14 @@ Theory: docs/theory/multipath.md.
 from __future__ import annotations
 
 from insonify.kernels.beam.pattern import two_way_response
-from insonify.kernels.common.jit import kernel
+from insonify.kernels.common.jit import kernel_uncounted
 from insonify.kernels.common.types import LIGHT, SONAR
 from insonify.kernels.multipath.echo_list import SurfaceEcho, deposit_echoes, list_echo
 from insonify.kernels.multipath.image_sources import SURFACE_ECHO, height_delay, surface_image, tilt_delay
 from insonify.kernels.rays.launch import orient_beam
 
 
-@kernel
+@kernel_uncounted
 def add_surface_echo(arrays, poses, ping, side, echoes, sink):
     """Add the echo of the sea surface straight above: of an image source twice as far away as the surface.
 

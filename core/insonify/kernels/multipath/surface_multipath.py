@@ -9,17 +9,16 @@ docs/theory/multipath.md.
 
 from __future__ import annotations
 
-import math
 from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import DTypeLike, NDArray
 
-from insonify.kernels.beam.azimuth_sector import is_whole_beam, raise_sector, weigh_paired_knots
-from insonify.kernels.beam.knot_weights import weigh_knots
-from insonify.kernels.bed.profile import Profile, empty_profile, profile_capacity
+from insonify.kernels.beam.azimuth_sector import is_whole_beam, raise_sector
+from insonify.kernels.beam.knot_weights import FINE_ROOT, FINE_SINE, weigh_knots, weigh_paired_knots
+from insonify.kernels.bed.profile import Profile, empty_profile, padded_count, profile_capacity
 from insonify.kernels.bed.slice import slice_bed
-from insonify.kernels.common.jit import inlined, kernel
+from insonify.kernels.common.jit import inlined_uncounted, kernel, kernel_uncounted
 from insonify.kernels.common.range_bins import accumulate_bins
 from insonify.kernels.common.types import SceneArrays
 from insonify.kernels.geometry.cross_sections import HalfPlane
@@ -32,17 +31,28 @@ from insonify.kernels.multipath.echo_list import (
 from insonify.kernels.multipath.image_sources import (
     SECOND_BOTTOM,
     SURFACE_BOTTOM,
+    farthest_ground_range,
+    higher_index,
+    highest_place,
     image_pair,
     pair_response,
     wave_advance,
 )
+from insonify.kernels.multipath.paired_profile import deposit_paired_profile
 from insonify.kernels.multipath.paired_segments import PairedSegment, SegmentLine, echo_range, list_stretch
 from insonify.kernels.multipath.surface_echo import add_surface_echo
 from insonify.kernels.multipath.target_multipath import list_target_echoes
 from insonify.kernels.refraction.apparent_positions import COLUMNS, straight_grid
 from insonify.kernels.sweep.sweep import LOWEST, aim_plane, visible_from
 from insonify.kernels.sweep.target_echoes import ground_range_at, launch_angle
-from insonify.kernels.sweep.visibility import NADIR
+from insonify.kernels.sweep.visibility import (
+    WORD,
+    SegmentEchoes,
+    empty_segment_echoes,
+    launch_slopes,
+    running_horizon,
+    slant_ranges,
+)
 from insonify.kernels.targets.angular_zbuffer import AngularZbuffer, empty_zbuffer, fill_zbuffer
 from insonify.kernels.targets.occlusion import next_visible, occluded_slopes, occlusion_of
 
@@ -53,11 +63,11 @@ class ImageProfile(NamedTuple):
     """A profile as one image sees it; one entry a knot."""
 
     z: NDArray[np.float64]  # height above the image, m
-    launch: NDArray[np.float64]  # tan of the launch angle above the horizontal
-    horizon: NDArray[np.float64]  # greatest launch slope so far
-    weight: NDArray[np.float64]  # what the plane stands for there
-    r: NDArray[np.float64]  # work space: slant range
-    rise: NDArray[np.float64]  # work space: height above the sonar of where the sound set out for
+    r: NDArray[np.float64]  # slant range, m
+    rise: NDArray[np.float64]  # height above the sonar of where the sound set out for, m
+    launch: NDArray[np.float32]  # tan of the launch angle above the horizontal
+    horizon: NDArray[np.float32]  # greatest launch slope so far
+    weight: NDArray[np.float32]  # what the plane stands for there; of the lower image, in the end that of the pair
 
 
 class MultipathWorkspace(NamedTuple):
@@ -66,6 +76,8 @@ class MultipathWorkspace(NamedTuple):
     profile: Profile
     images: tuple[ImageProfile, ImageProfile]
     zbuffers: tuple[AngularZbuffer, AngularZbuffer]
+    segments: SegmentEchoes
+    table: NDArray[np.float32]  # apparent positions, which water without refraction has none of
     echoes: NDArray[np.float64]  # a list of echoes
 
 
@@ -84,9 +96,13 @@ def empty_multipath_workspace(arrays: SceneArrays, dtype: DTypeLike = np.float32
     """
     reach = arrays.bins * arrays.bin_length + wave_advance(arrays.multipath, MOST_PASSES)
     capacity = profile_capacity(reach, arrays.bed.spacing)
-    images = ImageProfile(*np.zeros((6, capacity))), ImageProfile(*np.zeros((6, capacity)))
+    lower, higher = (ImageProfile(*np.zeros((3, capacity)), *np.zeros((3, capacity), dtype)) for _ in range(2))
     zbuffers = empty_zbuffer(arrays.solids, arrays.mesh), empty_zbuffer(arrays.solids, arrays.mesh)
-    return MultipathWorkspace(empty_profile(capacity, dtype), images, zbuffers, empty_echo_list())
+    segments = empty_segment_echoes(capacity, arrays.bins, dtype)
+    table = np.zeros((2, 2, COLUMNS), np.float32)
+    return MultipathWorkspace(
+        empty_profile(capacity, dtype), (lower, higher), zbuffers, segments, table, empty_echo_list()
+    )
 
 
 @kernel
@@ -117,7 +133,7 @@ def sweep_multipath(arrays, poses, fan, image_fan, workspace, contributions, out
                 out[ping, side, k] += line[k]
 
 
-@kernel
+@kernel_uncounted
 def add_multipath(arrays, poses, ping, side, fan, image_fan, workspace, sink):
     """Put the echoes by way of the sea surface of one side of one ping into a difference array.
 
@@ -133,19 +149,21 @@ def add_multipath(arrays, poses, ping, side, fan, image_fan, workspace, sink):
         Takes the echoes and, if asked to, their contributors.
     """
     x, y, z = poses.x[ping], poses.y[ping], poses.z[ping]
+    drop = z - highest_place(arrays)
     for path in range(SURFACE_BOTTOM, SECOND_BOTTOM + 1):
         pair, wanted = image_pair(arrays, path, x, y, z)
-        if not wanted:
+        farthest = farthest_ground_range(pair, drop)
+        if not wanted or farthest == 0.0:
             continue
         beam = image_fan if pair.one.mirrored else fan
         for k in range(beam.azimuth.size):
-            add_image_plane(arrays, poses, ping, side, beam, k, pair, workspace, sink)
+            add_image_plane(arrays, poses, ping, side, beam, k, pair, farthest, workspace, sink)
     if arrays.multipath.surface_echo:
         add_surface_echo(arrays, poses, ping, side, workspace.echoes, sink)
 
 
-@kernel
-def add_image_plane(arrays, poses, ping, side, fan, k, pair, workspace, sink):
+@kernel_uncounted
+def add_image_plane(arrays, poses, ping, side, fan, k, pair, farthest, workspace, sink):
     """Put the echoes by one pair of images in plane k of a fan into a difference array.
 
     Parameters
@@ -157,6 +175,8 @@ def add_image_plane(arrays, poses, ping, side, fan, k, pair, workspace, sink):
         Of the sonar, or of its image if the lower image is mirrored.
     k : int
     pair : ImagePath
+    farthest : float
+        Ground range beyond which no echo returns within the path's reach, m.
     workspace : MultipathWorkspace
     sink : EchoSink
         Takes the echoes and, if asked to, their contributors.
@@ -167,18 +187,15 @@ def add_image_plane(arrays, poses, ping, side, fan, k, pair, workspace, sink):
     # If sound passes the beam only once, the beam of the higher image counts, which reaches farther out.
     one_way = arrays.pattern.tabulated and not arrays.pattern.two_way
     highest = pair.other.height if one_way else pair.one.height
-    reach = min(per_height * (height + highest), pair.reach)
+    reach = min(per_height * (height + highest), farthest)
     profile, (x, y, z, ex, ey) = workspace.profile, plane
     count = slice_bed(arrays.bed, arrays.limits, x, y, z, ex, ey, reach, profile)
     one = raise_sector(sector, near_field * (height + pair.one.height))
     other = raise_sector(sector, near_field * (height + pair.other.height))
     cells_one = cells_other = _view_from_image(arrays, count, pair.one, plane, one, reach, workspace, 0)
-    if pair.other.height > pair.one.height:
+    if higher_index(pair) == 1:
         cells_other = _view_from_image(arrays, count, pair.other, plane, other, reach, workspace, 1)
-    else:
-        workspace = _with_one_image(workspace)
-    if is_whole_beam(one) and arrays.pattern.two_way:
-        weigh_paired_knots(workspace.profile.x[:count], workspace.images, one, arrays.pattern, arrays.law)
+    _weigh_pair(arrays, count, pair, (one, other), workspace)
     n = _list_bed(arrays, count, pair, (cells_one, cells_other), workspace, sink)
     if cells_one > 0:
         cells, sectors = (cells_one, cells_other), (one, other)
@@ -186,83 +203,103 @@ def add_image_plane(arrays, poses, ping, side, fan, k, pair, workspace, sink):
     _deposit(arrays, pair.passes, pair.path, workspace.echoes, n, sink)
 
 
-@inlined
-def _with_one_image(workspace):
-    """Return the workspace of a path out and back by the same image, the lower one."""
-    images, zbuffers = workspace.images, workspace.zbuffers
-    return MultipathWorkspace(workspace.profile, (images[0], images[0]), (zbuffers[0], zbuffers[0]), workspace.echoes)
-
-
-@inlined
+@inlined_uncounted
 def _deposit(arrays, passes, path, echoes, n, sink):
     """Deposit listed echoes, spread according to their passes of the sea surface."""
     deposit_echoes(echoes, n, arrays.multipath.facets[passes - 1], arrays.bin_length, path, sink)
 
 
-@kernel
+@kernel_uncounted
 def _view_from_image(arrays, count, image, plane, sector, reach, workspace, k):
     """Fill the profile and the z-buffer of targets of image k (0 the lower); return the cells of the z-buffer."""
-    profile, seen, zbuffer = workspace.profile, workspace.images[k], workspace.zbuffers[k]
-    x, profile_z = profile.x, profile.z
-    z, launch, horizon, r, rise = seen.z, seen.launch, seen.horizon, seen.r, seen.rise
-    highest = NADIR
-    for i in range(count):
-        z[i] = profile_z[i] - image.height
-        launch[i] = z[i] / x[i] if x[i] > 0.0 or z[i] != z[i] else NADIR
-        # NaN, a hole in the bed, compares false and hides nothing.
-        highest = launch[i] if launch[i] > highest else highest
-        horizon[i], r[i] = highest, math.sqrt(x[i] * x[i] + z[i] * z[i])
-        rise[i] = -z[i] if image.mirrored else z[i]
-    weigh_knots(x[:count], rise, r, sector, arrays.pattern, arrays.law, seen.weight)
+    seen, zbuffer = workspace.images[k], workspace.zbuffers[k]
+    _view_profile(workspace.profile.x, workspace.profile.z, padded_count(count), image, seen)
     if zbuffer.body.size == 0:
         return 0
     seen_from = HalfPlane(plane.x, plane.y, plane.z + image.height, plane.ex, plane.ey)
-    table = np.zeros((2, 2, COLUMNS), np.float32)
-    return max(fill_zbuffer(arrays, seen_from, sector, reach, straight_grid(), table, zbuffer), 0)
+    return max(fill_zbuffer(arrays, seen_from, sector, reach, straight_grid(), workspace.table, zbuffer), 0)
 
 
-@kernel
+@kernel_uncounted
+def _view_profile(x, z, count, image, seen):
+    """Fill the profile as an image sees it, but for its weights."""
+    height, turned, above, rise = image.height, -1.0 if image.mirrored else 1.0, seen.z, seen.rise
+    for i in range(count):
+        above[i] = z[i] - height
+        rise[i] = turned * (z[i] - height)
+    slant_ranges(count, x, seen.z, seen.r)
+    launch_slopes(count, x, seen.z, seen.launch)
+    running_horizon(count, seen.launch, seen.horizon)
+
+
+@kernel_uncounted
+def _weigh_pair(arrays, count, pair, sectors, workspace):
+    """Weigh the knots by the response of the beam to sound out by one image and back by the other."""
+    images, pattern = workspace.images, arrays.pattern
+    # Padding past the last knot may hold any number, which must not index a pattern's table.
+    x = workspace.profile.x[: count if pattern.tabulated else padded_count(count)]
+    higher = images[higher_index(pair)]
+    if is_whole_beam(sectors[0]) and pattern.two_way:
+        weigh_paired_knots(x, images[0], higher, sectors[0], pattern, arrays.law)
+        return
+    one, other, fine = images[0].weight, higher.weight, FINE_ROOT if pattern.two_way else FINE_SINE
+    weigh_knots(x, images[0].rise, images[0].r, sectors[0], pattern, arrays.law, fine, one)
+    if pattern.tabulated and higher_index(pair) == 1:
+        weigh_knots(x, higher.rise, higher.r, sectors[1], pattern, arrays.law, fine, other)
+        for i in range(count):
+            one[i] = pair_response(one[i], other[i], True, pattern.two_way)
+
+
+@kernel_uncounted
 def _list_bed(arrays, count, pair, cells, workspace, sink):
-    """List the echoes of the bed that both images see; return the number of echoes not deposited yet."""
-    profile, echoes, one, other = workspace.profile, workspace.echoes, workspace.images[0], workspace.images[1]
-    x, slope, area, material = profile.x, profile.slope, profile.area, profile.material
-    z_one, launch_one, horizon_one, r_one, weight_one = one.z, one.launch, one.horizon, one.r, one.weight
-    z_other, launch_other, horizon_other = other.z, other.launch, other.horizon
-    r_other, weight_other = other.r, other.weight
-    table, tabulated, two_way = arrays.reflectivity, arrays.pattern.tabulated, arrays.pattern.two_way
-    occlusions = occlusion_of(workspace.zbuffers[0], cells[0]), occlusion_of(workspace.zbuffers[1], cells[1])
-    from_one, to_one = occluded_slopes(workspace.zbuffers[0], cells[0])
-    from_other, to_other = occluded_slopes(workspace.zbuffers[1], cells[1])
-    n = 0
-    for i in range(count - 1):
-        if not (launch_one[i + 1] > horizon_one[i] and launch_other[i + 1] > horizon_other[i]):
+    """Add the echoes of the bed that both images see; return the number of those listed, but not deposited yet."""
+    if count < 2:
+        return 0
+    echoes, segments = workspace.echoes, workspace.segments
+    lower, higher = workspace.zbuffers[0], workspace.zbuffers[higher_index(pair)]
+    occlusions = occlusion_of(lower, cells[0]), occlusion_of(higher, cells[1])
+    hidden = occluded_slopes(lower, cells[0]) + occluded_slopes(higher, cells[1])
+    one, other = workspace.images[0], workspace.images[higher_index(pair)]
+    deposit_paired_profile(
+        workspace.profile, count, one, other, pair, hidden, arrays, sink.labelling, segments, sink.bins
+    )
+    n, words = 0, segments.cut[: (count - 1 + WORD - 1) // WORD * WORD].view(np.int64)
+    for word in range(words.size):
+        if words[word] == 0:
             continue
-        near = pair_response(weight_one[i], weight_other[i], tabulated, two_way)
-        far = pair_response(weight_one[i + 1], weight_other[i + 1], tabulated, two_way)
-        dx, rise = x[i + 1] - x[i], np.float64(slope[i])
-        beyond = 0.5 * (r_one[i] + r_other[i]) - dx * math.sqrt(1.0 + rise * rise) > pair.reach
-        if beyond or not near + far > 0.0 or not area[i] > 0.0:
-            continue
-        row, rate = material[i], (far - near) / dx
-        lower, higher = SegmentLine(z_one[i] - rise * x[i], rise), SegmentLine(z_other[i] - rise * x[i], rise)
-        segment = PairedSegment(
-            lower, higher, area[i], near - rate * x[i], rate, row, table[row, 0], table[row, 1], table[row, 2]
-        )
-        start = visible_from(lower, x[i], x[i + 1], launch_one[i], horizon_one[i])
-        start = max(start, visible_from(higher, x[i], x[i + 1], launch_other[i], horizon_other[i]))
-        covered = (launch_one[i + 1] > from_one) & (launch_one[i] < to_one)
-        if covered or ((launch_other[i + 1] > from_other) & (launch_other[i] < to_other)):
-            n = _list_visible_to_both(segment, pair, start, x[i + 1], occlusions, echoes, n)
-        else:
-            near, far = echo_range(segment, start), 0.5 * (r_one[i + 1] + r_other[i + 1])
-            n = list_stretch(segment, pair, start, x[i + 1], near, far, echoes, n)
+        for i in range(WORD * word, WORD * word + WORD):
+            if segments.cut[i]:
+                n = _list_segment(i, arrays.reflectivity, pair, hidden, occlusions, workspace, n)
         if n > ENOUGH:
             _deposit(arrays, pair.passes, pair.path, echoes, n, sink)
             n = 0
     return n
 
 
-@kernel
+@kernel_uncounted
+def _list_segment(i, table, pair, hidden, occlusions, workspace, n):
+    """List the echo of segment i of the bed, less what one of the images does not see of it."""
+    profile, echoes = workspace.profile, workspace.echoes
+    one, other = workspace.images[0], workspace.images[higher_index(pair)]
+    x, row, rise = profile.x, profile.material[i], np.float64(profile.slope[i])
+    near, far = np.float64(one.weight[i]), np.float64(one.weight[i + 1])
+    if not near + far > 0.0 or not profile.area[i] > 0.0:
+        return n
+    rate = (far - near) / (x[i + 1] - x[i])
+    lower, higher = SegmentLine(one.z[i] - rise * x[i], rise), SegmentLine(other.z[i] - rise * x[i], rise)
+    segment = PairedSegment(
+        lower, higher, profile.area[i], near - rate * x[i], rate, row, table[row, 0], table[row, 1], table[row, 2]
+    )
+    start = visible_from(lower, x[i], x[i + 1], one.launch[i], one.horizon[i])
+    start = max(start, visible_from(higher, x[i], x[i + 1], other.launch[i], other.horizon[i]))
+    covered = (one.launch[i + 1] > hidden[0]) & (one.launch[i] < hidden[1])
+    if covered or ((other.launch[i + 1] > hidden[2]) & (other.launch[i] < hidden[3])):
+        return _list_visible_to_both(segment, pair, start, x[i + 1], occlusions, echoes, n)
+    near, far = echo_range(segment, start), 0.5 * (one.r[i + 1] + other.r[i + 1])
+    return list_stretch(segment, pair, start, x[i + 1], near, far, echoes, n)
+
+
+@kernel_uncounted
 def _list_visible_to_both(segment, pair, x_from, x_to, occlusions, echoes, n):
     """List the echoes of a segment between two ground ranges that no target hides from either image."""
     low, high = launch_angle(segment.one, x_from), launch_angle(segment.one, x_to)
@@ -277,7 +314,7 @@ def _list_visible_to_both(segment, pair, x_from, x_to, occlusions, echoes, n):
     return n
 
 
-@kernel
+@kernel_uncounted
 def _list_visible_to_higher(segment, pair, x_from, x_to, occlusion, echoes, n):
     """List the echoes of a segment between two ground ranges that no target hides from the higher image."""
     low, high = launch_angle(segment.other, x_from), launch_angle(segment.other, x_to)

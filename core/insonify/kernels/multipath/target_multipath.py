@@ -11,12 +11,13 @@ from typing import NamedTuple
 import numpy as np
 
 from insonify.kernels.beam.azimuth_sector import is_whole_beam, paired_weight, sector_weight
-from insonify.kernels.common.jit import inlined, kernel
+from insonify.kernels.common.jit import inlined_uncounted, kernel_uncounted
 from insonify.kernels.common.types import LIGHT
 from insonify.kernels.geometry.cross_sections import NEVER, HalfPlane
 from insonify.kernels.multipath.echo_list import ENOUGH, SurfaceEcho, deposit_echoes, list_echo
 from insonify.kernels.multipath.image_sources import (
     height_delay,
+    higher_index,
     pair_response,
     pair_strength,
     spreading_ratio,
@@ -71,7 +72,7 @@ class HigherView(NamedTuple):
     cells: int
 
 
-@kernel
+@kernel_uncounted
 def list_target_echoes(arrays, knots, pair, plane, sectors, cells, workspace, n, sink):
     """List the echoes of targets that both images see, facet by facet, depositing them where the list gets full.
 
@@ -101,10 +102,11 @@ def list_target_echoes(arrays, knots, pair, plane, sectors, cells, workspace, n,
     solids, mesh, table, zbuffer = arrays.solids, arrays.mesh, arrays.reflectivity, workspace.zbuffers[0]
     x, echoes, bodies, knot = workspace.profile.x, workspace.echoes, arrays.solids.shape.size, -1
     bed = BedHorizon(x, workspace.images[0].z, workspace.images[0].horizon, knots)
-    bed_of_higher = BedHorizon(x, workspace.images[1].z, workspace.images[1].horizon, knots)
+    image, zbuffer_of_higher = workspace.images[higher_index(pair)], workspace.zbuffers[higher_index(pair)]
+    bed_of_higher = BedHorizon(x, image.z, image.horizon, knots)
     # Law `light` cuts facets where a body turns away from the higher image: that place must be sharp.
     before, raised = (ROUNDING if pair.law == LIGHT else BEFORE), pair.other.height - pair.one.height
-    higher = HigherView(raised, before, bed_of_higher, workspace.zbuffers[1], cells[1])
+    higher = HigherView(raised, before, bed_of_higher, zbuffer_of_higher, cells[1])
     seen_from = HalfPlane(plane.x, plane.y, plane.z + pair.one.height, plane.ex, plane.ey)
     for cell in range(cells[0]):
         p = zbuffer.nearest[cell]
@@ -137,7 +139,7 @@ def list_target_echoes(arrays, knots, pair, plane, sectors, cells, workspace, n,
     return n
 
 
-@inlined
+@inlined_uncounted
 def _cut_facet(facet, primitive, body, higher, knot):
     """Part of a facet that the higher image sees, as law `light` needs it.
 
@@ -159,7 +161,7 @@ def _cut_facet(facet, primitive, body, higher, knot):
     return intersect_facet(primitive, facet.low, clear) if begins else intersect_facet(primitive, clear, facet.high)
 
 
-@inlined
+@inlined_uncounted
 def _incidence_along(angle, primitive, body, higher, knot):
     """Cosine of the incidence from the higher image where a launch angle of the lower one meets a primitive."""
     c, s = math.cos(angle), math.sin(angle)
@@ -169,7 +171,7 @@ def _incidence_along(angle, primitive, body, higher, knot):
     return _incidence_at_higher(distance, c, s, primitive, body, higher, knot)
 
 
-@inlined
+@inlined_uncounted
 def _incidence_at_higher(distance, c, s, primitive, body, higher, knot):
     """Cosine of the incidence from the higher image, of a place given from the lower one; 0 if it is not seen."""
     r, incidence = _meet_from_higher(distance, c, s, primitive, higher.raised, higher.before)
@@ -187,7 +189,7 @@ def _incidence_at_higher(distance, c, s, primitive, body, higher, knot):
     return incidence
 
 
-@inlined
+@inlined_uncounted
 def _meet_from_higher(distance, c, s, primitive, raised, before):
     """Distance from the higher image to a place given from the lower one, and the cosine of the incidence there.
 
@@ -209,7 +211,7 @@ def _meet_from_higher(distance, c, s, primitive, raised, before):
     return r, incidence if met > r * (1.0 - before) else 0.0
 
 
-@inlined
+@inlined_uncounted
 def _list_facet(pattern, pair, facet, cos_other, surface, sectors, echoes, n):
     """List a facet that both images see, part by part."""
     raised, per_bin, numbers = pair.other.height - pair.one.height, 1.0 / pair.bin_length, surface.numbers
@@ -229,7 +231,7 @@ def _list_facet(pattern, pair, facet, cos_other, surface, sectors, echoes, n):
     return n
 
 
-@inlined
+@inlined_uncounted
 def _echo_of_facet(pattern, pair, facet, cos_other, contributor, sectors):
     """Slant ranges and delays of the echo of a facet, with the weight of its plane and spreading as its energy."""
     law, raised = pair.law, pair.other.height - pair.one.height
@@ -250,7 +252,7 @@ def _echo_of_facet(pattern, pair, facet, cos_other, contributor, sectors):
     return SurfaceEcho(near, far, weight, rise, tilt, x, min(facet.incidence, cos_other), contributor)
 
 
-@inlined
+@inlined_uncounted
 def _part_of_echo(whole, near, far, energy):
     """Echo of a part of a facet, of an energy before weight and spreading."""
     return SurfaceEcho(
@@ -258,7 +260,7 @@ def _part_of_echo(whole, near, far, energy):
     )
 
 
-@inlined
+@inlined_uncounted
 def _list_light(pair, facet, whole, parts, surface, echoes, n):
     """List a facet under law `light`: every part has the mean radiance of its ends over the slant range it spans.
 
@@ -275,7 +277,7 @@ def _list_light(pair, facet, whole, parts, surface, echoes, n):
     return n
 
 
-@inlined
+@inlined_uncounted
 def _radiance_along(surface, facet, share, pair, raised):
     """Slant range and radiance for a pair of images at a share of the launch angle of a facet, intersected there."""
     # At the very ends a body may be missed, or one face be taken for another.
@@ -289,7 +291,7 @@ def _radiance_along(surface, facet, share, pair, raised):
     return 0.5 * (distance + r_other), value
 
 
-@inlined
+@inlined_uncounted
 def _part_of_pair(facet, curve, k, parts, numbers, pair, raised):
     """Slant range at which part k of a facet ends and its energy, out by one image and back by the other."""
     angle = facet.low + (k + 0.5) / parts * curve.angle
@@ -306,13 +308,13 @@ def _part_of_pair(facet, curve, k, parts, numbers, pair, raised):
     return far, value * r * curve.angle / (parts * cosine)
 
 
-@inlined
+@inlined_uncounted
 def _pair_range(distance, angle, raised):
     """Slant range of an echo out by the lower image, in a direction and at a distance, and back by the higher one."""
     return 0.5 * (distance + _distance(distance, math.cos(angle), math.sin(angle), raised))
 
 
-@inlined
+@inlined_uncounted
 def _distance(distance, c, s, raised):
     """Distance from the higher image to a point in the direction (c, s) from the lower one."""
     height = distance * s - raised

@@ -16,7 +16,7 @@ import numpy as np
 from numpy.typing import DTypeLike, NDArray
 
 from insonify.kernels.beam.azimuth_sector import AzimuthSector
-from insonify.kernels.bed.profile import Profile, empty_profile, padded_count, profile_capacity
+from insonify.kernels.bed.profile import Profile, empty_profile, profile_capacity
 from insonify.kernels.bed.slice import is_oblique, prefetch_strip, slice_bed, snap_to_grid
 from insonify.kernels.common.jit import inlined_uncounted, kernel
 from insonify.kernels.common.prefetch import prefetch_row
@@ -31,6 +31,7 @@ from insonify.kernels.refraction.apparent_positions import (
 )
 from insonify.kernels.sweep.linear_densities import tilt_densities
 from insonify.kernels.sweep.partial_segments import BedSegment, deposit_partial_segment
+from insonify.kernels.sweep.segment_densities import deposit_densities
 from insonify.kernels.sweep.target_echoes import deposit_targets, deposit_visible_stretches
 from insonify.kernels.sweep.visibility import WORD, SegmentEchoes, empty_segment_echoes, find_visible_echoes
 from insonify.kernels.targets.angular_zbuffer import AngularZbuffer, empty_zbuffer, fill_zbuffer
@@ -83,18 +84,10 @@ def empty_sweep_workspace(
 
 @inlined_uncounted
 def _deposit_segments(profile, count, plane, arrays, sector, zbuffer, cells, echoes, bins):
-    """Spread the echoes of all visible segments of a profile over the range bins.
-
-    Neighbours that are visible whole share one event at their common knot.
-    """
-    last, per_bin = bins.size - 2.0, 1.0 / arrays.bin_length
-    # Energies become whole numbers first, so that what a knot adds its neighbour takes away exactly.
-    knots = padded_count(count)
-    _density_steps(knots, echoes.energy, echoes.early)
-    _share_steps(knots, echoes.r, per_bin, last, echoes.early, echoes.late, echoes.place)
-    _add_steps(count, echoes.place, echoes.early, echoes.late, bins)
+    """Spread the echoes of all visible segments of a profile over the range bins."""
+    deposit_densities(count, echoes, arrays.bin_length, bins)
     if is_oblique(plane.ex, plane.ey):
-        tilt_densities(count - 1, echoes, per_bin, last, bins)
+        tilt_densities(count - 1, echoes, 1.0 / arrays.bin_length, bins.size - 2.0, bins)
     # Arrays are taken out of their tuples before the loops: doing so costs as much as a segment.
     x, z, slope, area, facing = profile.x, profile.z, profile.slope, profile.area, profile.facing
     material, weights, launch, horizon, cut = profile.material, echoes.weight, echoes.launch, echoes.horizon, echoes.cut
@@ -175,40 +168,6 @@ def visible_from(segment, x_from, x_to, launch, horizon):
     if horizon > launch:
         return min(max(segment.offset / (horizon - segment.slope), x_from), x_to)
     return x_from
-
-
-@inlined_uncounted
-def _density_steps(count, energy, change):
-    """Change of the density of energy at each knot; beyond the last one there is no energy."""
-    change[0] = np.int64(energy[0])
-    for i in range(1, count):
-        change[i] = np.int64(energy[i]) - np.int64(energy[i - 1])
-
-
-@inlined_uncounted
-def _share_steps(count, r, per_bin, last, early, late, place):
-    """Share each step between the bin it falls in and the next.
-
-    Where there is a hole in the bed position is NaN, which compares false, and there is nothing to share.
-    """
-    for i in range(count):
-        position = r[i] * per_bin
-        whole = math.floor(position)
-        share = np.int64(math.floor((position - whole) * early[i]))
-        share = share if early[i] != 0 else np.int64(0)
-        late[i] = share
-        early[i] -= share
-        whole = whole if whole > 0.0 else 0.0
-        place[i] = np.int32(whole if whole < last else last)
-
-
-@inlined_uncounted
-def _add_steps(count, place, early, late, bins):
-    """Add each step to its bins, the places of which are whole numbers from 0."""
-    for i in range(count):
-        k = np.uint32(place[i])
-        bins[k] += early[i]
-        bins[k + np.uint32(1)] += late[i]
 
 
 @inlined_uncounted

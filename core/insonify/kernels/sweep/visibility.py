@@ -13,7 +13,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import DTypeLike, NDArray
 
-from insonify.kernels.beam.knot_weights import weigh_knots
+from insonify.kernels.beam.knot_weights import FINE_SINE, weigh_knots
 from insonify.kernels.bed.profile import padded_count
 from insonify.kernels.bed.slice import is_oblique
 from insonify.kernels.common.jit import inlined_uncounted
@@ -87,17 +87,16 @@ def find_visible_echoes(profile, count, plane, arrays, sector, hidden_from, hidd
         Filled.
     """
     x, z, area, knots = profile.x, profile.z, profile.area, padded_count(count)
-    _slant_ranges(knots, x, z, echoes.r)
-    _launch_slopes(knots, x, z, echoes.launch)
-    _running_horizon(count, echoes.launch, echoes.horizon)
+    slant_ranges(knots, x, z, echoes.r)
+    launch_slopes(knots, x, z, echoes.launch)
+    running_horizon(count, echoes.launch, echoes.horizon)
     _measure_segments(knots, profile, echoes, arrays.law, arrays.bin_length)
     if sector.bent:
         _measure_incidence(knots, profile.facing, area, echoes.r, echoes.cos_squared)
     if sector.angle > 0.0 or sector.tabulated or sector.bent:
         # Padding past the last knot may hold any number, which must not index a pattern's table.
-        weigh_knots(
-            x[: count if sector.tabulated else knots], z, echoes.r, sector, arrays.pattern, arrays.law, echoes.weight
-        )
+        x = x[: count if sector.tabulated else knots]
+        weigh_knots(x, z, echoes.r, sector, arrays.pattern, arrays.law, FINE_SINE, echoes.weight)
         if sector.bent and arrays.law != LIGHT:
             _apply_gain(knots, profile.gain, echoes.weight)
         _apply_weights(knots, echoes.weight, echoes.scale)
@@ -113,15 +112,33 @@ def find_visible_echoes(profile, count, plane, arrays, sector, hidden_from, hidd
 
 
 @inlined_uncounted
-def _slant_ranges(count, x, z, r):
-    """Slant range of each knot."""
+def slant_ranges(count, x, z, r):
+    """Slant range of each knot.
+
+    Parameters
+    ----------
+    count : int
+    x, z : ndarray of float64
+        Ground range and height of the knots, m.
+    r : ndarray of float64
+        Filled, m.
+    """
     for i in range(count):
         r[i] = math.sqrt(x[i] * x[i] + z[i] * z[i])
 
 
 @inlined_uncounted
-def _launch_slopes(count, x, z, launch):
-    """Launch slope of each knot, z / x."""
+def launch_slopes(count, x, z, launch):
+    """Launch slope of each knot, z / x.
+
+    Parameters
+    ----------
+    count : int
+    x, z : ndarray of float64
+        Ground range and height of the knots, m.
+    launch : ndarray
+        Filled.
+    """
     real = launch.dtype.type
     for i in range(count):
         launch[i] = real(z[i]) / real(x[i])
@@ -130,10 +147,17 @@ def _launch_slopes(count, x, z, launch):
 
 
 @inlined_uncounted
-def _running_horizon(count, launch, horizon):
+def running_horizon(count, launch, horizon):
     """Greatest launch slope up to each knot: along four stretches side by side, each then raised to those before it.
 
     NaN, a hole in the bed, compares false and hides nothing.
+
+    Parameters
+    ----------
+    count : int
+    launch : ndarray
+    horizon : ndarray
+        Filled.
     """
     quarter = count // 4
     two, three, four = 2 * quarter, 3 * quarter, 4 * quarter

@@ -1,0 +1,154 @@
+"""Echoes of a whole profile of the bed, out by one image of the sonar and back by another.
+
+Every pass touches few arrays, so that the compiler can use its vector units. Segments that both images see whole are
+summed here; what is seen in part, is too long for one density or may be land is marked, to be taken one by one.
+
+Theory: docs/theory/multipath.md.
+"""
+
+from __future__ import annotations
+
+import math
+
+from insonify.kernels.bed.profile import padded_count
+from insonify.kernels.common.jit import inlined_uncounted, kernel_uncounted
+from insonify.kernels.common.range_bins import FIXED_POINT, spread_energy
+from insonify.kernels.common.scattering import scatter_paired_segments
+from insonify.kernels.common.types import LIGHT
+from insonify.kernels.multipath.image_sources import height_delay, tilt_delay
+from insonify.kernels.sweep.partial_segments import FINE
+from insonify.kernels.sweep.segment_densities import deposit_densities
+from insonify.kernels.sweep.visibility import WORD
+
+
+@kernel_uncounted
+def deposit_paired_profile(profile, count, one, other, pair, hidden, arrays, labelling, echoes, bins):
+    """Spread the echoes of the segments that both images see whole over the range bins, and mark the others they see.
+
+    Parameters
+    ----------
+    profile : Profile
+    count : int
+        Knots, at least 2.
+    one, other : ImageProfile
+        The profile as the lower and the higher image see it; ``one`` has the weights of the pair.
+    pair : ImagePath
+    hidden : tuple of four float
+        Launch slopes between which targets may hide the bed, from the lower and from the higher image.
+    arrays : SceneArrays
+    labelling : bool
+        Whether all must be taken one by one, because their contributors are noted.
+    echoes : SegmentEchoes
+        Work space; ``cut`` takes the marks, a word beyond them is unmarked.
+    bins : ndarray of int64
+        Difference array, in fixed-point units.
+    """
+    knots = padded_count(count)
+    _half_ways(knots, one.r, other.r, echoes.r)
+    _measure_pairs(knots, profile, one, pair, echoes)
+    scatter_paired_segments(
+        knots,
+        profile.material,
+        arrays.reflectivity,
+        arrays.bed.mapped,
+        pair.law,
+        echoes.cos_squared,
+        echoes.launch,
+        echoes.scale,
+        echoes.energy,
+    )
+    _mark_parted(knots, profile.area, one, other, pair, hidden, labelling, echoes)
+    echoes.energy[count - 1] = 0.0
+    echoes.cut[count - 1 : count - 1 + WORD] = False
+    if pair.rms_height > 0.0 or pair.slope_variance > 0.0:
+        _deposit_on_waves(count, profile.x, one.z, pair, arrays.multipath.facets[pair.passes - 1], echoes, bins)
+    else:
+        deposit_densities(count, echoes, pair.bin_length, bins)
+
+
+@inlined_uncounted
+def _half_ways(count, r_one, r_other, r):
+    """Slant range of the echo of each knot: half the way by both images."""
+    for i in range(count):
+        r[i] = 0.5 * (r_one[i] + r_other[i])
+
+
+@inlined_uncounted
+def _measure_pairs(segments, profile, one, pair, echoes):
+    """Geometry of the echo of each segment at its middle, and marks of those too long for one density.
+
+    ``cos_squared`` takes the product of both cosines of the incidence, under law `light` their mean; ``launch`` takes
+    R·V; ``scale`` what turns strength into energy per bin.
+    """
+    x, slope, area, z, weight, r = profile.x, profile.slope, profile.area, one.z, one.weight, echoes.r
+    facing, mirrored, scale, uneven = echoes.cos_squared, echoes.launch, echoes.scale, echoes.cut
+    real, light = scale.dtype.type, pair.law == LIGHT
+    share = pair.orders * pair.one.share * pair.other.share * FIXED_POINT
+    unit, raised = real(share if light else share * pair.bin_length), real(pair.other.height - pair.one.height)
+    one_, half, two, nothing, fine = real(1.0), real(0.5), real(2.0), real(0.0), real(FINE * FINE)
+    for i in range(segments):
+        run, rise, r_middle = real(x[i + 1] - x[i]), real(r[i + 1] - r[i]), real(0.5 * (r[i] + r[i + 1]))
+        middle, a = real(0.5 * (x[i] + x[i + 1])), real(0.5 * (z[i] + z[i + 1]))
+        b, offset = a - raised, a - slope[i] * middle
+        squared, squared_other = middle * middle + a * a, middle * middle + b * b
+        per_ranges = one_ / math.sqrt(squared * squared_other)
+        per_area = one_ / area[i]
+        # docs/theory/multipath.md
+        product = offset * (offset - raised) * per_ranges * per_area
+        met = (offset < nothing) & (offset < raised)
+        mirrored[i] = two * product - (middle * middle + a * b) * per_ranges
+        weighed = half * (weight[i] + weight[i + 1]) * unit
+        weighed = weighed if met else nothing
+        if light:
+            cosines = -offset / math.sqrt(squared * area[i]) - (offset - raised) / math.sqrt(squared_other * area[i])
+            facing[i] = half * cosines
+            scale[i] = weighed if rise >= 0 else -weighed
+        else:
+            spreading = r_middle * r_middle * per_ranges
+            facing[i] = product
+            scale[i] = weighed * math.sqrt(area[i]) * run * spreading * spreading / rise
+        length_squared = run * run * (one_ + slope[i] * slope[i])
+        uneven[i] = (length_squared > abs(rise) * r_middle) | (length_squared > fine * r_middle * r_middle)
+
+
+@inlined_uncounted
+def _mark_parted(segments, area, one, other, pair, hidden, labelling, echoes):
+    """Mark segments seen by both images that must be taken one by one; leave energy only to those seen whole.
+
+    Comparisons with NaN, a hole in the bed, are false.
+    """
+    launch, horizon, launch_other, horizon_other = one.launch, one.horizon, other.launch, other.horizon
+    z, r, cut, energy, real = other.z, echoes.r, echoes.cut, echoes.energy, echoes.energy.dtype.type
+    from_one, to_one, from_other, to_other = hidden
+    reach, sea, nothing = pair.reach, -pair.other.above, real(0.0)
+    for i in range(segments):
+        seen = (launch[i + 1] > horizon[i]) & (launch_other[i + 1] > horizon_other[i]) & (area[i] == area[i])
+        seen &= (r[i] < reach) | (r[i + 1] < reach)
+        emerges = (horizon[i] > launch[i]) | (horizon_other[i] > launch_other[i])
+        covered = (launch[i + 1] > from_one) & (launch[i] < to_one)
+        covered |= (launch_other[i + 1] > from_other) & (launch_other[i] < to_other)
+        dry = (z[i] >= sea) | (z[i + 1] >= sea)
+        parted = seen & (emerges | covered | dry | cut[i] | labelling)
+        cut[i] = parted
+        energy[i] = energy[i] if seen & (not parted) else nothing
+
+
+@kernel_uncounted
+def _deposit_on_waves(count, x, z, pair, facets, echoes, bins):
+    """Spread the energies of segments over the range bins, facet by facet of a rough sea."""
+    energy, r, raised = echoes.energy, echoes.r, pair.other.height - pair.one.height
+    per_bin, share, last = 1.0 / pair.bin_length, 1.0 / facets.shape[0], bins.size - 2
+    rms, variance = pair.rms_height, pair.slope_variance
+    for i in range(count - 1):
+        if energy[i] == 0.0:
+            continue
+        near, far = min(r[i], r[i + 1]), max(r[i], r[i + 1])
+        whole = energy[i] * (r[i + 1] - r[i]) * per_bin * share
+        middle, drop = 0.5 * (x[i] + x[i + 1]), -0.5 * (z[i] + z[i + 1])
+        r_one, r_other = math.hypot(middle, drop), math.hypot(middle, drop + raised)
+        rise = height_delay(pair.one, drop, r_one, rms) + height_delay(pair.other, drop + raised, r_other, rms)
+        tilt = tilt_delay(pair.one, drop, r_one, variance) + tilt_delay(pair.other, drop + raised, r_other, variance)
+        for f in range(facets.shape[0]):
+            start = max(near + rise * facets[f, 0] + tilt * facets[f, 2], 0.0)
+            stop = max(far + rise * facets[f, 1] + tilt * facets[f, 3], start)
+            spread_energy(bins, start * per_bin, stop * per_bin, whole, last)
