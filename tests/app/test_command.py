@@ -48,7 +48,7 @@ def test_a_lesson_begins_in_the_picture(tmp_path: Path, monkeypatch: Any) -> Non
     drawn: list[Any] = []
     monkeypatch.setattr(application, "draw_window", lambda *given: drawn.append(given))
     assert main(["view", "--lesson", "target-height", "--snapshot", str(tmp_path / "window.png")]) == 0
-    ((scene, _, pin, lesson, recording),) = drawn
+    ((scene, _, pin, lesson, recording, *_),) = drawn
     assert (scene.title, pin, lesson.name, recording) == ("A block and its shadow", None, "target-height", "")
 
 
