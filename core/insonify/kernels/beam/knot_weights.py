@@ -165,21 +165,24 @@ def sample_pattern(x, z, r, sector, pattern, fine, out):
     first_range, per_octave, last_row = pattern.first_range, pattern.per_octave, extent.size - 1.0
     farther = max(abs(sector.s_low), abs(sector.s_high))
     level = tip = off = place = value = rate = 0.0
-    i, steps = -1, 1
+    i, steps, borders = -1, 1, 0
     while i < x.size - 1:
-        k, last_level, last_tip, last_off, last_place = i + steps, level, tip, off, place
+        k, last_level, last_tip, last_off, last_place, last_borders = i + steps, level, tip, off, place, borders
         per_range = 1.0 / r[k]
         level, tip = sector.ahead_level * x[k] * per_range, sector.ahead_up * z[k] * per_range
         s_low, s_high = level * sector.s_low + tip, level * sector.s_high + tip
         place = place_in_rows(last_row, first_range, per_octave, r[k]) if last_row > 0.0 else 0.0
         row = row_below(place, last_row)
         off = max(s_low - centre, centre - s_high, 0.0)
-        per_sine = _samples_per_sine(min(off, last_off), sector.s_beam, fine, extent[np.uint64(row)])
+        half = extent[np.uint64(row)]
+        borders = 3 * _side_of_beam(s_low - centre, half) + _side_of_beam(s_high - centre, half)
+        per_sine = _samples_per_sine(min(off, last_off), sector.s_beam, fine, half)
         moved = (abs(level - last_level) * farther + abs(tip - last_tip)) * per_sine
         moved = max(moved, abs(place - last_place) * (1.0 / FINE_ROW))
-        # NaN, a hole in the bed, compares false.
-        if steps > 1 and not moved <= 1.0:
-            steps, level, tip, off, place = steps >> 1, last_level, last_tip, last_off, last_place
+        # NaN, a hole in the bed, compares false. Where a border crosses the edge of a top-hat, the weight has a kink.
+        if steps > 1 and not (moved <= 1.0 and borders == last_borders):
+            steps, level, tip, off = steps >> 1, last_level, last_tip, last_off
+            place, borders = last_place, last_borders
             continue
         last_value, last_rate = value, rate
         value, at_low, at_high = response_between(centre, extent, integral, row, place - row, s_low, s_high)
@@ -207,10 +210,19 @@ def _away_from_zero(height, x):
 
 
 @inlined_uncounted
+def _side_of_beam(s, half):
+    """Side of the beam on which a direction lies: -1 or 1 beyond its edges, 0 within."""
+    return int(s > half) - int(s < -half)
+
+
+@inlined_uncounted
 def _samples_per_sine(off, main, fine, extent):
-    """Return the samples of a pattern per change of s, where the nearer border of a sector is so far off the axis."""
+    """Return the samples of a pattern per change of s, where the nearer border of a sector is so far off the axis.
+
+    A sector beside the whole beam may come as near as its edge, lest it cross the beam between two samples.
+    """
     if off > extent:
-        return 0.0
+        return 1.0 / (off - extent)
     return 1.0 / ((fine[0] if off < main else fine[1]) * main)
 
 
