@@ -28,6 +28,7 @@ ALL_CHANGED = DisplayOptions(
     bottom_line=True,
     range_lines=True,
     scale="true",
+    draped=True,
 )
 
 
