@@ -56,7 +56,7 @@ class Scene(Declaration):
     seabed: Seabed = parameter(Seabed(), description="the bed")
     targets: tuple[AnyTarget, ...] = parameter((), description="targets on the bed")
     volumes: tuple[AnyVolume, ...] = parameter((), description="schools and plumes in the water column")
-    water: AnyWater = parameter(UniformWater(), description="the water")
+    water: AnyWater = parameter(UniformWater(), description="speed of sound and absorption of the water")
     sonar: Sonar = parameter(Sonar(), description="the sonar")
     track: Track = parameter(Track(), description="the tow")
     receiver: Receiver = parameter(Receiver(), description="the receiver")

@@ -164,7 +164,7 @@ class Posed(Body):
     """A target that can be turned: first by heading, then by pitch, then by roll, about its centre."""
 
     heading: float = angle("direction of its bow, counter-clockwise from +x")
-    pitch: float = angle("bow up", rare=True)
+    pitch: float = angle("angle of the bow upwards", rare=True)
     roll: float = angle("port side up", rare=True)
 
     @property

@@ -24,7 +24,7 @@ class Pipe(Target):
     rank = 1
     kind: Literal["pipe"] = "pipe"
     radius: float = parameter(
-        0.5, unit="m", description="outer radius", ge=LEAST, le=100.0, slider=(0.05, 2.0), log=True
+        0.5, unit="m", description="outer radius of the pipe", ge=LEAST, le=100.0, slider=(0.05, 2.0), log=True
     )
     length: float = parameter(
         20.0, unit="m", description="length along the axis", ge=LEAST, le=1e5, slider=(1.0, 200.0), log=True

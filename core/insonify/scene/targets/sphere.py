@@ -14,7 +14,9 @@ class Sphere(Posed):
 
     rank = 2
     kind: Literal["sphere"] = "sphere"
-    radius: float = parameter(0.5, unit="m", description="radius", ge=LEAST, le=100.0, slider=(0.05, 2.0), log=True)
+    radius: float = parameter(
+        0.5, unit="m", description="radius of the sphere", ge=LEAST, le=100.0, slider=(0.05, 2.0), log=True
+    )
 
     def shape(self) -> Shape:
         """Return one ball."""
