@@ -6,6 +6,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from insonify.scene import Scene
+from insonify_viewer.quantities import format_quantity
 
 
 @dataclass(frozen=True)
@@ -32,6 +33,10 @@ class NumberField:
         Why the number has no effect at present; empty if it has.
     rare : bool
         Whether few people change it, so that it is folded away.
+    name : str
+        Full name, understood without the rows around it; empty if that is the label.
+    bounds : (float or None, float or None)
+        Smallest and largest value that the scene accepts; None where there is no bound.
     """
 
     path: str
@@ -45,6 +50,23 @@ class NumberField:
     integer: bool
     idle: str = ""
     rare: bool = False
+    name: str = ""
+    bounds: tuple[float | None, float | None] = (None, None)
+
+    @property
+    def about(self) -> str:
+        """Tooltip with the unit and the range of the number."""
+        return f"{self.tooltip} ({self.unit or 'no unit'}; {self._range()})"
+
+    def _range(self) -> str:
+        """Values that the scene accepts, or the ends of the slider where it accepts more."""
+        low, high = (None if bound is None else format_quantity(bound, self.unit) for bound in self.bounds)
+        if low is not None and high is not None:
+            return f"{low} to {high}"
+        if self.slider is not None:
+            first, last = (format_quantity(end, self.unit) for end in self.slider)
+            return f"slider from {first} to {last}"
+        return f"from {low}" if low is not None else f"up to {high}" if high is not None else "any number"
 
 
 @dataclass(frozen=True)
@@ -58,6 +80,7 @@ class ChoiceField:
     value: str | int
     options: tuple[str | int, ...]
     rare: bool = False
+    name: str = ""
 
 
 @dataclass(frozen=True)
@@ -70,6 +93,7 @@ class FileField:
     indent: int
     value: str
     rare: bool = False
+    name: str = ""
 
 
 Parameter = NumberField | ChoiceField | FileField

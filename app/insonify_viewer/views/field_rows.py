@@ -15,7 +15,9 @@ from insonify_viewer.quantities import format_quantity, parse_quantity, slider_p
 from insonify_viewer.views.lighting import set_property
 
 STEPS = 1000
-NARROWEST, WIDEST = 44, 132  # px, of a slider and of a name
+NARROWEST = 44  # px, of a slider
+WIDEST = 22  # average widths of a letter, of a name
+LONGEST = "123.4 dB/km"  # value for which a field has room
 INDENT = 12
 Change = Callable[[str, Any], None]
 
@@ -62,15 +64,21 @@ class NameLabel(QLabel):
     Parameters
     ----------
     text, about : str
-        The name, and the tooltip.
+        The name, which is cut if it is long, and the tooltip.
+    indent : int
+        Nesting depth.
     """
 
-    def __init__(self, text: str, about: str) -> None:
-        super().__init__(text)
+    def __init__(self, text: str, about: str, indent: int) -> None:
+        super().__init__()
         self.setObjectName("name")
-        self._about, self._before = about, ""
+        self._text, self._before = text, ""
         self.reset: Callable[[], None] = lambda: None
-        self.setToolTip(about)
+        self.ensurePolished()
+        widest = WIDEST * self.fontMetrics().averageCharWidth() - INDENT * indent
+        self.setText(self.fontMetrics().elidedText(text, Qt.TextElideMode.ElideRight, widest))
+        self.setContentsMargins(INDENT * indent, 0, 0, 0)
+        self.explain(about)
 
     def show_reset(self, before: str, reset: Callable[[], None]) -> None:
         """Mark the field as changed from a value, or with an empty text as unchanged."""
@@ -83,7 +91,8 @@ class NameLabel(QLabel):
     def explain(self, about: str) -> None:
         """Show another tooltip, with what a double click does."""
         self._about = about
-        self.setToolTip(f"{about}; was {self._before}, double-click to reset" if self._before else about)
+        whole = about if self.text() == self._text else f"{self._text}: {about}"
+        self.setToolTip(f"{whole}; was {self._before}, double-click to reset" if self._before else whole)
 
     def mouseDoubleClickEvent(self, event: QMouseEvent) -> None:
         """Reset the field."""
@@ -114,18 +123,20 @@ class NumberRow:
     def __init__(self, number: NumberField, dragged: Change, settled: Change) -> None:
         self._number, self._dragged, self._settled = number, dragged, settled
         self._showing = False
-        self.label = _label(number.label, number.indent, number.tooltip, number.unit)
-        self._tooltip = self.label.toolTip()
+        self.label = NameLabel(number.label, number.about, number.indent)
+        self._about = ""
         self.slider = _Slider()
         if number.slider is None:
             self.slider.hide()
         self.field = QLineEdit()
         self.field.setObjectName("value")
         self.field.setAlignment(Qt.AlignmentFlag.AlignRight)
-        self.field.setFixedWidth(76)
+        self.field.ensurePolished()
+        self.field.setFixedWidth(self.field.fontMetrics().horizontalAdvance(LONGEST) + 6)
         self.slider.valueChanged.connect(self._moved)
         self.slider.sliderReleased.connect(self._released)
-        self.field.setFocusPolicy(Qt.FocusPolicy.ClickFocus)
+        for widget in (self.slider, self.field):
+            widget.setAccessibleName(number.name or number.label)
         self.field.editingFinished.connect(self._typed)
         # The keyboard focus returns to the window, where Space pauses.
         self.field.returnPressed.connect(self.field.clearFocus)
@@ -152,7 +163,10 @@ class NumberRow:
 
     def _let_be(self, idle: str) -> None:
         """Disable the row while its number has no effect, with the reason as tooltip."""
-        about = f"{self._tooltip}; {idle}" if idle else self._tooltip
+        about = f"{self._number.about}; {idle}" if idle else self._number.about
+        if about == self._about:
+            return
+        self._about = about
         for widget in (self.label, self.slider, self.field):
             widget.setEnabled(not idle)
         self.label.explain(about)
@@ -196,9 +210,10 @@ class ChoiceRow:
 
     def __init__(self, choice: ChoiceField, settled: Change) -> None:
         self._choice, self._settled = choice, settled
-        self.label = _label(choice.label, choice.indent, choice.tooltip, "")
+        self.label = NameLabel(choice.label, choice.tooltip, choice.indent)
         self.combo = Combo()
         self.combo.setToolTip(choice.tooltip)
+        self.combo.setAccessibleName(choice.name or choice.label)
         for option in choice.options:
             name = ("off", "on")[option] if isinstance(option, bool) else str(option).replace("_", " ")
             self.combo.addItem(name, option)
@@ -233,10 +248,11 @@ class FileRow:
     """
 
     def __init__(self, file: FileField, asked: Callable[[str], None]) -> None:
-        self.label = _label(file.label, file.indent, file.tooltip, "")
+        self.label = NameLabel(file.label, file.tooltip, file.indent)
         self.button = QPushButton()
         self.button.setObjectName("file")
-        self.button.setFocusPolicy(Qt.FocusPolicy.NoFocus)
+        self.button.setFocusPolicy(Qt.FocusPolicy.TabFocus)
+        self.button.setAccessibleName(file.name or file.label)
         self.button.setSizePolicy(QSizePolicy.Policy.Ignored, QSizePolicy.Policy.Fixed)  # a long name is clipped
         self.button.clicked.connect(lambda: asked(file.path))
         self.show_value(file)
@@ -249,16 +265,4 @@ class FileRow:
     def show_value(self, file: FileField) -> None:
         """Show another name."""
         self.button.setText(f"{Path(file.value).name} …")
-        self.button.setToolTip(file.value)
-
-
-def _label(text: str, indent: int, tooltip: str, unit: str) -> NameLabel:
-    about = f"{tooltip} ({unit})" if unit else tooltip
-    label = NameLabel("", about)
-    label.ensurePolished()
-    shown = label.fontMetrics().elidedText(text, Qt.TextElideMode.ElideRight, WIDEST - INDENT * indent)
-    label.setText(shown)
-    if shown != text:
-        label.explain(f"{text}: {about}")
-    label.setContentsMargins(INDENT * indent, 0, 0, 0)
-    return label
+        self.button.setToolTip(f"{file.tooltip}: {file.value}")

@@ -25,7 +25,7 @@ class FoldingBox(QWidget):
         super().__init__()
         self._heading = QToolButton()
         self._heading.setObjectName("heading")
-        self._heading.setText(title)
+        self.entitle(title)
         self._heading.setCheckable(True)
         self._heading.setChecked(unfolded)
         self._heading.setToolButtonStyle(Qt.ToolButtonStyle.ToolButtonTextBesideIcon)
@@ -56,6 +56,7 @@ class FoldingBox(QWidget):
     def entitle(self, title: str) -> None:
         """Change the heading."""
         self._heading.setText(title)
+        self._heading.setToolTip(f"Show or hide “{title}”")
 
     def _fold(self, unfolded: bool) -> None:
         self._body.setVisible(unfolded)

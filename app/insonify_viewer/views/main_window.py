@@ -5,9 +5,10 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from itertools import pairwise
 
-from PySide6.QtCore import QSize, Qt, QTimer, Signal
-from PySide6.QtGui import QAction, QCloseEvent, QKeySequence
+from PySide6.QtCore import QEvent, QSize, Qt, QTimer, Signal
+from PySide6.QtGui import QAction, QCloseEvent, QKeyEvent, QKeySequence
 from PySide6.QtWidgets import (
+    QAbstractButton,
     QDockWidget,
     QLabel,
     QMainWindow,
@@ -29,7 +30,7 @@ from insonify_viewer.views.file_drop import take_drops
 from insonify_viewer.views.history_menus import HistoryMenus
 from insonify_viewer.views.icons import set_icon
 from insonify_viewer.views.job_bar import JobBar
-from insonify_viewer.views.menu_contents import fill_menus
+from insonify_viewer.views.menu_contents import fill_menus, name_button
 from insonify_viewer.views.menus import Menus
 from insonify_viewer.views.recent_menu import RecentMenu
 from insonify_viewer.views.records_side_by_side import RecordsSideBySide
@@ -165,6 +166,15 @@ class MainWindow(QMainWindow):
         tip = "Pause the tow; the mouse wheel then looks back" if running else "Tow on from the ping on top"
         self.pause.setToolTip(_with_key(tip, self.pause.shortcut()))
 
+    def event(self, event: QEvent) -> bool:
+        """Leave Space to the button or tick that has the keyboard; anywhere else it is a key of the window."""
+        if event.type() is QEvent.Type.ShortcutOverride and isinstance(event, QKeyEvent):
+            plain = event.modifiers() == Qt.KeyboardModifier.NoModifier
+            if event.key() == Qt.Key.Key_Space and plain and isinstance(self.focusWidget(), QAbstractButton):
+                event.accept()
+                return True
+        return super().event(event)
+
     def closeEvent(self, event: QCloseEvent) -> None:
         """Signal the end while all widgets exist, unless the person stays; the worker may need a moment to finish."""
         if self._closed:
@@ -230,6 +240,7 @@ class MainWindow(QMainWindow):
         if panel.button.icon:
             set_icon(action, panel.button.icon)
             self._bar.insertAction(self._after_buttons, action)
+            name_button(_button(self._bar, action))
         self._buttons[panel.name] = action
 
     def _show_dock(self, panel: Panel, shown: bool) -> None:
@@ -296,7 +307,6 @@ class MainWindow(QMainWindow):
         self.targets.setToolButtonStyle(Qt.ToolButtonStyle.ToolButtonTextBesideIcon)
         self.targets.setToolTip("Add a target on the bed, abeam of the track")
         self.targets.setPopupMode(QToolButton.ToolButtonPopupMode.InstantPopup)
-        self.targets.setFocusPolicy(Qt.FocusPolicy.NoFocus)
         menu = QMenu(self.targets)
         for kind, name in target_menu().items():
             action = QAction(name, menu)

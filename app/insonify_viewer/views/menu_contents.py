@@ -49,5 +49,10 @@ def _show_icons(window: MainWindow) -> None:
     ):  # fmt: skip
         set_icon(owner, name)
     for button in window.findChildren(QToolButton):
-        button.setFocusPolicy(Qt.FocusPolicy.TabFocus)
-        button.setAccessibleName(button.toolTip())
+        name_button(button)
+
+
+def name_button(button: QToolButton) -> None:
+    """Let the keyboard reach a tool, and give it a name for screen readers."""
+    button.setFocusPolicy(Qt.FocusPolicy.TabFocus)
+    button.setAccessibleName(button.toolTip())

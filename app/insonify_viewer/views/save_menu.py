@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from PySide6.QtCore import Qt
 from PySide6.QtGui import QAction, QKeySequence
 from PySide6.QtWidgets import QMenu, QToolButton, QWidget
 
@@ -28,7 +27,6 @@ class SaveMenu(QToolButton):
         self.setText("Save")
         self.setToolTip("Save scene, record or window")
         self.setPopupMode(QToolButton.ToolButtonPopupMode.InstantPopup)
-        self.setFocusPolicy(Qt.FocusPolicy.NoFocus)
         menu = QMenu(self)
         menu.setToolTipsVisible(True)
         self.scene = _action(menu, "Save scene…", "The scene as a TOML file, to be opened again", "Ctrl+S")

@@ -32,7 +32,6 @@ class SceneMenu(QToolButton):
         self.setToolButtonStyle(Qt.ToolButtonStyle.ToolButtonTextBesideIcon)
         self.setToolTip("Open a scene")
         self.setPopupMode(QToolButton.ToolButtonPopupMode.InstantPopup)
-        self.setFocusPolicy(Qt.FocusPolicy.NoFocus)
         self._files = (from_file, recording)
         menu = QMenu(self)
         menu.setToolTipsVisible(True)

@@ -93,6 +93,7 @@ class ListPage(QWidget):
         self.lessons = QListWidget()
         self.lessons.setObjectName("lessons")
         self.lessons.setAccessibleName("Lessons")
+        self.lessons.setToolTip("A double click, or Enter, starts the lesson")
         self.lessons.setWordWrap(True)
         self.lessons.setFrameShape(QFrame.Shape.NoFrame)
         self.lessons.itemActivated.connect(self._start)
@@ -216,6 +217,6 @@ def _button(text: str, tip: str) -> QPushButton:
     button = QPushButton(text)
     button.setObjectName("tool")
     button.setToolTip(tip)
-    button.setFocusPolicy(Qt.FocusPolicy.NoFocus)  # Space pauses the tow
+    button.setFocusPolicy(Qt.FocusPolicy.TabFocus)
     button.setSizePolicy(QSizePolicy.Policy.Expanding, QSizePolicy.Policy.Fixed)
     return button

@@ -87,7 +87,13 @@ def sections_of(scene: Scene) -> tuple[FieldSection, ...]:
             if name == "seabed":
                 parameters += tuple(_of_field(scene, scene, "seed", "", 0))
             found.append(FieldSection(name, name.rpartition(".")[2].capitalize(), parameters))
-    return tuple(section for section in found if section.parameters)
+    return tuple(_with_names(scene, section) for section in found if section.parameters)
+
+
+def _with_names(scene: Scene, section: FieldSection) -> FieldSection:
+    """Section whose fields have full names."""
+    named = tuple(replace(each, name=name_field(scene, each.path)) for each in section.parameters)
+    return replace(section, parameters=named)
 
 
 def pinned_section(scene: Scene, sections: tuple[FieldSection, ...]) -> FieldSection | None:
@@ -95,7 +101,7 @@ def pinned_section(scene: Scene, sections: tuple[FieldSection, ...]) -> FieldSec
     there = {
         parameter.path: parameter for section in sections if not section.locked for parameter in section.parameters
     }
-    pinned = tuple(_alone(scene, there[path]) for path in scene.controls if path in there)
+    pinned = tuple(_alone(there[path]) for path in scene.controls if path in there)
     return FieldSection(PINNED, "This scene", pinned) if pinned else None
 
 
@@ -104,17 +110,17 @@ def found_section(scene: Scene, sections: tuple[FieldSection, ...], words: str) 
     wanted = words.lower().split()
     found = []
     for parameter in (each for section in sections if not section.locked for each in section.parameters):
-        name = name_field(scene, parameter.path)
+        name = parameter.name
         text = f"{name} {parameter.path} {parameter.tooltip}".lower()
         if all(word in text for word in wanted):
-            found.append((not all(word in name.lower() for word in wanted), _alone(scene, parameter)))
+            found.append((not all(word in name.lower() for word in wanted), _alone(parameter)))
     parameters = tuple(parameter for _, parameter in sorted(found, key=lambda pair: pair[0])[:MOST_FOUND])
     return FieldSection("found", "Found" if parameters else f"No parameter is named “{words}”", parameters)
 
 
-def _alone(scene: Scene, parameter: Parameter) -> Parameter:
+def _alone(parameter: Parameter) -> Parameter:
     """Field as it is shown outside of its section, by its full name."""
-    return replace(parameter, label=name_field(scene, parameter.path), indent=0, rare=False)
+    return replace(parameter, label=parameter.name, indent=0, rare=False)
 
 
 def needs_file(scene: Scene, path: str, value: Any) -> bool:
@@ -244,7 +250,18 @@ def _number(
         slider=slider,
         log=bool(extra.get("log")) and ends is None,
         integer=field.annotation is int,
+        bounds=_bounds(field),
     )
+
+
+def _bounds(field: FieldInfo) -> tuple[float | None, float | None]:
+    """Smallest and largest value that a field accepts; None where it declares no bound."""
+    found: dict[str, float] = {}
+    for rule in field.metadata:
+        for bound in ("ge", "gt", "le", "lt"):
+            if hasattr(rule, bound):
+                found[bound[0]] = float(getattr(rule, bound))
+    return found.get("g"), found.get("l")
 
 
 def _neighbours(stations: tuple[tuple[float, float], ...], index: int) -> tuple[float, float]:

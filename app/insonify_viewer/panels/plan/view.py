@@ -166,7 +166,7 @@ class PlanLine(QWidget):
             _words(name) for name in ("choice", "name", "numbers", "change")
         )
         self.combo = Combo()
-        self.combo.setFocusPolicy(Qt.FocusPolicy.NoFocus)
+        self.combo.setFocusPolicy(Qt.FocusPolicy.TabFocus)
         self.combo.setFixedWidth(104)
         self.combo.activated.connect(lambda _: force(self._subject, self.combo.currentData()))
         grid = QGridLayout(self)
@@ -195,6 +195,7 @@ class PlanLine(QWidget):
             self.combo.addItem(option, option)
         self.combo.setCurrentIndex(0 if forced is None else self.combo.findData(forced))
         self.combo.setVisible(bool(options))
+        self.combo.setAccessibleName(entry.subject)
         self.combo.setToolTip(f"Force {entry.subject}, or leave it to the plan")
 
     def light(self, lit: bool) -> None:
@@ -271,6 +272,6 @@ def _button(text: str, tip: str) -> QPushButton:
     button = QPushButton(text)
     button.setObjectName("file")
     button.setToolTip(tip)
-    button.setFocusPolicy(Qt.FocusPolicy.NoFocus)
+    button.setFocusPolicy(Qt.FocusPolicy.TabFocus)
     button.setSizePolicy(QSizePolicy.Policy.Expanding, QSizePolicy.Policy.Fixed)
     return button

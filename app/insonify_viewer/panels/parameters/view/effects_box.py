@@ -51,6 +51,7 @@ class EffectsBox(FoldingBox):
     def _add(self, row: EffectRow) -> None:
         tick, figure = QCheckBox(row.name), QLabel()
         tick.setToolTip(row.meaning)
+        tick.setFocusPolicy(Qt.FocusPolicy.TabFocus)  # a click leaves the keyboard to the record, where Space pauses
         tick.clicked.connect(lambda on, name=row.name: self._ticked(name, on))
         figure.setObjectName("figure")
         figure.setAlignment(Qt.AlignmentFlag.AlignRight | Qt.AlignmentFlag.AlignVCenter)

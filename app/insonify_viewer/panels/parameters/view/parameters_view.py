@@ -262,7 +262,7 @@ def _search_line(view: ParametersView) -> QLineEdit:
     line.setPlaceholderText("Search a parameter (Ctrl+F)")
     line.setAccessibleName("Search a parameter")
     line.setClearButtonEnabled(True)
-    line.setFocusPolicy(Qt.FocusPolicy.ClickFocus)
+    line.setToolTip("Find a parameter by words of its name or description (Ctrl+F)")
 
     def begin() -> None:
         view.verticalScrollBar().setValue(0)

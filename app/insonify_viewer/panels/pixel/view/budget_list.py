@@ -39,7 +39,7 @@ class BudgetList(QTreeWidget):
         self.setIndentation(10)
         self.setRootIsDecorated(False)
         self.setUniformRowHeights(True)
-        self.setFocusPolicy(Qt.FocusPolicy.ClickFocus)
+        self.setToolTip("Terms in decibels that add up to the level of the pixel")
         self.setMinimumWidth(150)
         self.header().setStretchLastSection(True)
         for column in (LEVEL, NAME):

@@ -208,4 +208,4 @@ def _gain(row: int, look: DisplayOptions) -> NumberField:
     name, place, label, about = GAINS[row]
     value = getattr(look, name) if place is None else getattr(look, name)[place]
     path = name if place is None else f"{name}.{place}"
-    return NumberField(path, label, about, "dB", 0, value, (-REACH, REACH), log=False, integer=False)
+    return NumberField(path, label, about, "dB", 0, value, (-REACH, REACH), log=False, integer=False, name=about)

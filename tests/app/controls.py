@@ -1,0 +1,51 @@
+"""Controls of a window, as the person and assistive technology meet them."""
+
+from __future__ import annotations
+
+from PySide6.QtGui import QAccessible
+from PySide6.QtWidgets import (
+    QAbstractButton,
+    QAbstractItemView,
+    QAbstractSlider,
+    QAbstractSpinBox,
+    QComboBox,
+    QHeaderView,
+    QLineEdit,
+    QScrollBar,
+    QWidget,
+)
+
+CONTROLS = (QAbstractSlider, QAbstractSpinBox, QLineEdit, QComboBox, QAbstractButton, QAbstractItemView)
+WHOLE = (QComboBox, QAbstractSpinBox, QLineEdit, QAbstractItemView)  # what is inside belongs to them
+
+
+def controls_of(window: QWidget) -> list[QWidget]:
+    """Every slider, field, combo box, tick, button and list below a widget, without their own parts."""
+    return [child for child in window.findChildren(QWidget) if is_control(child)]
+
+
+def is_control(widget: QWidget) -> bool:
+    """Whether a person acts on a widget itself."""
+    if not isinstance(widget, CONTROLS) or isinstance(widget, (QScrollBar, QHeaderView)):
+        return False
+    if any(isinstance(parent, WHOLE) for parent in _parents(widget)):
+        return False
+    return not widget.objectName().startswith(("qt_", "ScrollLeft", "ScrollRight"))
+
+
+def accessible_name(widget: QWidget) -> str:
+    """Name of a widget, as a screen reader says it."""
+    return QAccessible.queryAccessibleInterface(widget).text(QAccessible.Text.Name).strip()
+
+
+def place_of(widget: QWidget) -> str:
+    """Class, name and texts of a widget, by which a person finds it."""
+    text = widget.text() if isinstance(widget, (QAbstractButton, QLineEdit)) else ""
+    parents = "/".join(type(parent).__name__ for parent in _parents(widget)[:4])
+    return f"{type(widget).__name__} {widget.objectName()!r} {text!r} {widget.toolTip()[:30]!r} in {parents}"
+
+
+def _parents(widget: QWidget) -> list[QWidget]:
+    """Widgets in which a widget is, the nearest first."""
+    parent = widget.parentWidget()
+    return [] if parent is None else [parent, *_parents(parent)]

@@ -1,0 +1,152 @@
+"""Every control of the window explains itself, has a name for screen readers, and is reached by the keyboard."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import pytest
+from controls import accessible_name, controls_of, place_of
+from PySide6.QtCore import Qt
+from PySide6.QtWidgets import QApplication, QCheckBox, QLineEdit, QSlider, QTabBar, QWidget
+from test_menus import activate
+
+from insonify.scene import Scene
+from insonify_viewer.fields import NumberField
+from insonify_viewer.views.main_window import MainWindow
+
+PANELS = ("parameters", "plan", "record", "comparison", "lessons", "pixel", "water", "chart", "jobs")
+SIDE = ("parameters", "plan", "record")
+
+
+@pytest.fixture
+def window(open_viewer: Any, small: Scene) -> MainWindow:
+    """Window in which every panel was opened."""
+    opened: MainWindow = open_viewer(small).window
+    for name in PANELS:
+        opened.open_panel(name)
+    return opened
+
+
+def numbers_of(window: QWidget) -> list[QWidget]:
+    """Sliders and texts of the numbers."""
+    found = [
+        child for child in controls_of(window) if child.objectName() == "value" or type(child).__name__ == "_Slider"
+    ]
+    assert len(found) > 100
+    return found
+
+
+def test_every_control_has_a_tooltip(window: MainWindow) -> None:
+    controls = controls_of(window)
+    assert len(controls) > 250
+    assert [place_of(control) for control in controls if not control.toolTip()] == []
+
+
+def test_the_tooltip_of_a_number_has_a_sentence_a_unit_and_a_range(window: MainWindow) -> None:
+    for control in numbers_of(window):
+        sentence, _, rest = control.toolTip().rpartition(" (")
+        unit, _, extent = rest.partition("; ")
+        assert len(sentence) > 8, control.toolTip()
+        assert unit, control.toolTip()
+        assert "to" in extent or "from" in extent, control.toolTip()
+
+
+@pytest.mark.parametrize(
+    ("bounds", "slider", "text"),
+    [
+        ((1e3, 2e6), (5e4, 1.2e6), "carrier frequency (Hz; 1 kHz to 2 MHz)"),
+        ((0.0, None), (5e4, 1.2e6), "carrier frequency (Hz; slider from 50 kHz to 1.2 MHz)"),
+        ((0.0, None), None, "carrier frequency (Hz; from 0 Hz)"),
+        ((None, 10.0), None, "carrier frequency (Hz; up to 10 Hz)"),
+        ((None, None), None, "carrier frequency (Hz; any number)"),
+    ],
+)
+def test_a_range_is_that_of_the_bounds_or_of_the_slider(bounds: Any, slider: Any, text: str) -> None:
+    number = NumberField(
+        "sonar.frequency",
+        "frequency",
+        "carrier frequency",
+        "Hz",
+        0,
+        4e5,
+        slider,
+        log=True,
+        integer=False,
+        bounds=bounds,
+    )
+    assert number.about == text
+
+
+def test_a_number_without_unit_says_so() -> None:
+    number = NumberField("seed", "seed", "seed", "", 0, 1, None, log=False, integer=True, bounds=(0, 9))
+    assert number.about == "seed (no unit; 0 to 9)"
+
+
+def test_every_control_has_a_name(window: MainWindow) -> None:
+    nameless = [place_of(control) for control in controls_of(window) if not accessible_name(control)]
+    assert nameless == []
+    names = [accessible_name(control) for control in numbers_of(window)]
+    assert {"beam width", "sphere 2 position x", "bed depth"} <= set(names)
+
+
+def test_every_control_takes_the_keyboard(window: MainWindow) -> None:
+    deaf = [child for child in controls_of(window) if not child.focusPolicy() & Qt.FocusPolicy.TabFocus]
+    assert [place_of(child) for child in deaf] == []
+
+
+@pytest.mark.parametrize("panel", SIDE)
+def test_tab_reaches_every_control_in_view(panel: str, open_viewer: Any, small: Scene, qtbot: Any) -> None:
+    window = open_viewer(small).window
+    activate(window, qtbot)
+    bring_to_front(window, panel)
+    wanted = {child for child in controls_of(window) if in_reach(child)}
+    kinds = {type(child).__name__ for child in wanted}
+    assert {"QToolButton", "QComboBox", "_Slider", "QLineEdit"} <= kinds
+    window.waterfall.setFocus()
+    reached: set[QWidget] = set()
+    while window.waterfall not in reached:
+        qtbot.keyClick(window.focusWidget(), Qt.Key.Key_Tab)
+        focus = QApplication.focusWidget()
+        assert focus is not None
+        reached.add(focus)
+        assert len(reached) < 1000
+    assert [place_of(child) for child in wanted - reached] == []
+    assert all(accessible_name(child) for child in reached & wanted)
+
+
+def bring_to_front(window: MainWindow, panel: str) -> None:
+    """Show the panel of a tab at the side."""
+    for bar in window.findChildren(QTabBar):
+        for index in range(bar.count()):
+            if bar.tabText(index) == window._panels[panel].title:
+                bar.setCurrentIndex(index)
+
+
+def in_reach(widget: QWidget) -> bool:
+    """Whether a control is shown and enabled."""
+    return widget.isVisible() and widget.isEnabled() and not widget.visibleRegion().isNull()
+
+
+def test_space_acts_on_the_focused_tick_and_pauses_elsewhere(open_viewer: Any, small: Scene, qtbot: Any) -> None:
+    window = open_viewer(small).window
+    activate(window, qtbot)
+    paused = window.pause.isChecked()
+    tick = next(child for child in window.findChildren(QCheckBox) if child.isVisible())
+    before = tick.isChecked()
+    tick.setFocus()
+    qtbot.keyClick(tick, Qt.Key.Key_Space)
+    assert (tick.isChecked(), window.pause.isChecked()) == (not before, paused)
+    for elsewhere in (window.waterfall, next(child for child in window.findChildren(QSlider) if child.isVisible())):
+        paused = window.pause.isChecked()
+        elsewhere.setFocus()
+        qtbot.keyClick(elsewhere, Qt.Key.Key_Space)
+        assert window.pause.isChecked() is not paused
+
+
+def test_space_is_a_letter_in_the_search(open_viewer: Any, small: Scene, qtbot: Any) -> None:
+    window = open_viewer(small).window
+    activate(window, qtbot)
+    paused, line = window.pause.isChecked(), window.findChild(QLineEdit, "search")
+    line.setFocus()
+    qtbot.keyClicks(line, "beam width")
+    assert (line.text(), window.pause.isChecked()) == ("beam width", paused)
