@@ -27,7 +27,7 @@ from insonify.kernels.common.types import EVERY_GRAZING, LIGHT, TABLE
 MOST_STEPS = 32  # knots from one at which a pattern is read to the next
 # Up to the next one the sector's borders move by less than this share of half the main lobe, on it and on sidelobes,
 # and the slant range by less than this share of a row of the table.
-FINE_SINE, FINE_ROW = (1.0 / 8.0, 1.0 / 2.0), 1.0 / 4.0
+FINE_SINE, FINE_ROW = (1.0 / 8.0, 1.0 / 2.0), 1.0 / 2.0
 # The same where the root of two responses counts, which is large where one of them is small.
 FINE_ROOT = (1.0 / 24.0, 1.0 / 24.0)
 FINE_PAIR = 0.02  # share of a slant range, a direction's level part and half the main lobe, for two images
