@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from typing import Any
 
 import pytest
 from controls import accessible_name, controls_of, place_of
 from PySide6.QtCore import Qt
-from PySide6.QtWidgets import QApplication, QCheckBox, QLineEdit, QSlider, QTabBar, QWidget
+from PySide6.QtWidgets import QApplication, QCheckBox, QLabel, QLineEdit, QSlider, QTabBar, QWidget
 from test_menus import activate
 
 from insonify.scene import Scene
@@ -150,3 +151,31 @@ def test_space_is_a_letter_in_the_search(open_viewer: Any, small: Scene, qtbot: 
     line.setFocus()
     qtbot.keyClicks(line, "beam width")
     assert (line.text(), window.pause.isChecked()) == ("beam width", paused)
+
+
+@pytest.fixture
+def _large_text(qapp: QApplication) -> Iterator[None]:
+    """Text twice as large as usual, as a system may ask for."""
+    usual, large = qapp.font(), qapp.font()
+    large.setPointSizeF(2.0 * usual.pointSizeF())
+    qapp.setFont(large)
+    yield
+    qapp.setFont(usual)
+
+
+@pytest.mark.usefixtures("_large_text")
+def test_large_text_has_room(open_viewer: Any, small: Scene, qapp: QApplication) -> None:
+    window = open_viewer(small).window
+    qapp.processEvents()
+    metrics = window.waterfall.fontMetrics()
+    panel = window._panels["parameters"].widget
+    names = {label.text() for label in panel.findChildren(QLabel, "name") if label.isVisible()}
+    assert {"altitude", "beam width", "pulse duration"} <= names
+    bar = next(bar for bar in window.findChildren(QTabBar) if bar.isVisible() and bar.count() > 2)
+    assert bar.sizeHint().width() <= panel.width()
+    field = panel.findChild(QLineEdit, "value")
+    assert field.width() > field.fontMetrics().horizontalAdvance("400.5 kHz")
+    plot = window.waterfall._plot()
+    assert plot.left() - 9 >= metrics.horizontalAdvance("1000 m")
+    assert plot.top() >= metrics.height()
+    assert window.waterfall._scaled(16) >= metrics.height()

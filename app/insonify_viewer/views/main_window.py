@@ -37,6 +37,7 @@ from insonify_viewer.views.records_side_by_side import RecordsSideBySide
 from insonify_viewer.views.save_menu import SaveMenu
 from insonify_viewer.views.scene_menu import SceneMenu
 from insonify_viewer.views.settings import Settings
+from insonify_viewer.views.text_scale import scaled
 from insonify_viewer.views.titled_waterfall import TitledWaterfall
 from insonify_viewer.views.tool_widgets import GainSlider, make_combo
 from insonify_viewer.views.waterfall_view import WaterfallView
@@ -44,7 +45,7 @@ from insonify_viewer.views.waterfall_view import WaterfallView
 SMALLEST = (760, 420)  # px, which fits half of a screen of 1600 × 900 at twice the scale
 READING_TIME = 12_000  # ms, of a sentence in the status bar
 GAIN_REACH = 30  # dB either way
-SIDE = 332  # px, width of the panels at the side
+SIDE = 332  # px at the usual size of the text, width of the panels at the side
 BELOW_HEIGHT = 260  # px, of a panel below when it is first opened
 LARGE = 1.6  # factor on the text of the record for a projector
 
@@ -204,7 +205,7 @@ class MainWindow(QMainWindow):
             self.tabifyDockWidget(one, next_one)
         self.setTabPosition(side, QTabWidget.TabPosition.North)
         self.setDocumentMode(True)
-        self.resizeDocks(docks, [SIDE] * len(docks), Qt.Orientation.Horizontal)
+        self.resizeDocks(docks, [scaled(self, SIDE)] * len(docks), Qt.Orientation.Horizontal)
         for dock in docks[:1]:
             dock.raise_()
 

@@ -22,6 +22,7 @@ from insonify_viewer.views.pixel_marks import draw_lit, draw_pin
 from insonify_viewer.views.record_image import RecordImage
 from insonify_viewer.views.rulers import draw_ping_ruler, draw_range_ruler
 from insonify_viewer.views.scrub_handle import ScrubHandle
+from insonify_viewer.views.text_scale import text_scale
 from insonify_viewer.views.theme import GROUND
 from insonify_viewer.views.true_scale import name_scale, plot_at_true_scale
 from insonify_viewer.views.waiting_bar import draw_waiting
@@ -63,7 +64,8 @@ class RecordCanvas(QWidget):
         self._contacts: Sequence[tuple[Mark, str, bool]] = ()
         self._traced = True  # whether the echo of one ping is drawn below
         self._waiting: Waiting | None = None
-        self._text = 1.0  # factor on the size of the text, and of the margins that hold it
+        self._enlarged = 1.0  # factor on the size of the font
+        self._text = text_scale(self)  # factor on the margins that hold the text
         self._handle = ScrubHandle()
         self._fit()
 
@@ -282,15 +284,16 @@ class RecordCanvas(QWidget):
         if not room_for_trace(self.height()):
             return None
         plot, area = self._plot(), self.trace_area()
-        top = plot.bottom() + 21 if area is None else area.top() - CAPTION - 1
-        return QRect(plot.left(), top, WIDE, CAPTION)
+        top = plot.bottom() + self._scaled(21) if area is None else area.top() - CAPTION - 1
+        return QRect(plot.left(), top, self._scaled(WIDE), CAPTION)
 
     def enlarge_text(self, factor: float) -> None:
         """Draw the text of the rulers by a factor larger than usual."""
         font = self.font()
-        font.setPointSizeF(font.pointSizeF() * factor / self._text)
+        font.setPointSizeF(font.pointSizeF() * factor / self._enlarged)
         self.setFont(font)
-        self._text = factor
+        self._enlarged = factor
+        self._text = text_scale(self)
         self._fit()
 
     def _scaled(self, pixels: int) -> int:

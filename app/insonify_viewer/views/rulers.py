@@ -37,7 +37,8 @@ def draw_range_ruler(painter: QPainter, plot: QRect, projection: Projection, sca
         place = _lines(x - round(40 * text), base + 6, round(80 * text), text)
         painter.drawText(place, Qt.AlignmentFlag.AlignHCenter, f"{abs(value):g}")
     painter.setPen(QColor(QUIET))
-    line = _lines(plot.left(), base + round(20 * text), plot.width(), text)
+    beyond = round(24 * text)  # the margins hold what is longer than the record is wide
+    line = _lines(plot.left() - beyond, base + round(20 * text), plot.width() + 2 * beyond, text)
     painter.drawText(line, Qt.AlignmentFlag.AlignHCenter, f"{NAMES[projection.axis.kind]} (m)  ·  {scale}")
     painter.setPen(QColor(TEXT))
     line = _lines(plot.left(), plot.top() - round(20 * text), plot.width(), text)

@@ -25,6 +25,7 @@ from insonify_viewer.comparison.pairs import find_pairs
 from insonify_viewer.views.field_rows import Combo
 from insonify_viewer.views.folding_box import FoldingBox
 from insonify_viewer.views.save_dialogs import ask_where_to_save
+from insonify_viewer.views.text_scale import scaled
 
 if TYPE_CHECKING:
     from insonify_viewer.comparison.recording import Recording
@@ -63,7 +64,7 @@ class ComparisonView(QScrollArea):
         self.setWidgetResizable(True)
         self.setFrameShape(QFrame.Shape.NoFrame)
         self.setHorizontalScrollBarPolicy(Qt.ScrollBarPolicy.ScrollBarAlwaysOff)
-        self.setMinimumWidth(NARROWEST)
+        self.setMinimumWidth(scaled(self, NARROWEST))
         self.title = _words("about")
         self.changes = _words("change")
         self.keep = _button("Keep as A", "Keep this record as A, to compare others with it (K)")

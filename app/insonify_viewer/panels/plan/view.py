@@ -24,6 +24,7 @@ from insonify_viewer.quantities import format_duration
 from insonify_viewer.views.field_rows import Combo, NumberRow
 from insonify_viewer.views.folding_box import FoldingBox
 from insonify_viewer.views.lighting import light
+from insonify_viewer.views.text_scale import scaled
 
 if TYPE_CHECKING:
     from insonify.planning import Plan, PlanEntry
@@ -47,7 +48,7 @@ class PlanView(QScrollArea):
         self.setWidgetResizable(True)
         self.setFrameShape(QFrame.Shape.NoFrame)
         self.setHorizontalScrollBarPolicy(Qt.ScrollBarPolicy.ScrollBarAlwaysOff)
-        self.setMinimumWidth(NARROWEST)
+        self.setMinimumWidth(scaled(self, NARROWEST))
         body = QWidget()
         body.setObjectName("panel")
         column = QVBoxLayout(body)
@@ -167,7 +168,7 @@ class PlanLine(QWidget):
         )
         self.combo = Combo()
         self.combo.setFocusPolicy(Qt.FocusPolicy.TabFocus)
-        self.combo.setFixedWidth(104)
+        self.combo.setFixedWidth(scaled(self.combo, 104))
         self.combo.activated.connect(lambda _: force(self._subject, self.combo.currentData()))
         grid = QGridLayout(self)
         grid.setContentsMargins(0, 0, 0, 0)

@@ -17,6 +17,7 @@ from insonify_viewer.panels.parameters.view.effects_box import EffectsBox
 from insonify_viewer.panels.parameters.view.section_box import Row, SectionBox, make_tool
 from insonify_viewer.views.icons import set_icon
 from insonify_viewer.views.lighting import light
+from insonify_viewer.views.text_scale import scaled
 
 NARROWEST = 316  # px
 DELAY = 20  # ms, by which the other numbers follow a slider that moves
@@ -44,7 +45,7 @@ class ParametersView(QScrollArea):
         self.setWidgetResizable(True)
         self.setFrameShape(QFrame.Shape.NoFrame)
         self.setHorizontalScrollBarPolicy(Qt.ScrollBarPolicy.ScrollBarAlwaysOff)
-        self.setMinimumWidth(NARROWEST)
+        self.setMinimumWidth(scaled(self, NARROWEST))
         self._body = QWidget()
         self._body.setObjectName("panel")
         self._column = QVBoxLayout(self._body)

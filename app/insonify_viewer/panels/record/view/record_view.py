@@ -14,6 +14,7 @@ from insonify_viewer.panels.record.view.contact_list import ContactListView
 from insonify_viewer.panels.record.view.histogram_view import HistogramView
 from insonify_viewer.views.field_rows import ChoiceRow, NumberRow
 from insonify_viewer.views.folding_box import FoldingBox
+from insonify_viewer.views.text_scale import scaled
 
 NARROWEST = 292  # px
 REACH = 30.0  # dB either way
@@ -66,7 +67,7 @@ class RecordView(QScrollArea):
         self.setWidgetResizable(True)
         self.setFrameShape(QFrame.Shape.NoFrame)
         self.setHorizontalScrollBarPolicy(Qt.ScrollBarPolicy.ScrollBarAlwaysOff)
-        self.setMinimumWidth(NARROWEST)
+        self.setMinimumWidth(scaled(self, NARROWEST))
         self._look = DisplayOptions()
         self.keys: list[QAction] = []
         self.ticks: dict[str, QCheckBox] = {}
