@@ -52,6 +52,15 @@ def test_far_field_of_a_line_array(default: Scene) -> None:
     np.testing.assert_allclose(curve.y[loud], expected[loud], atol=0.05)
 
 
+def test_near_field_of_a_long_array_has_a_width_too(default: Scene) -> None:
+    """There no direction is within 3 dB of the far field's axis."""
+    scene = edit(default, {"sonar.beam": {"kind": "array", "length": 2.0}, "sonar.frequency": 1e6, "sonar.range": 10.0})
+    curve = beam_curve(scene)
+    assert curve is not None
+    assert curve.y.max() < -3.0
+    assert float(curve.note.split()[2].rstrip("°,")) > 0.0
+
+
 @pytest.mark.parametrize("vertical", VERTICALS, ids=lambda spec: spec["kind"])
 @pytest.mark.parametrize("two_way", [True, False])
 def test_vertical_beam_is_that_of_the_tracers(default: Scene, vertical: dict[str, object], two_way: bool) -> None:

@@ -84,7 +84,7 @@ def beam_curve(scene: Scene) -> Curve | None:
     angle = np.linspace(-reach, reach, table.energy.shape[1])
     sines = np.linspace(-table.extent[0], table.extent[0], table.energy.shape[1])
     level = _decibels(np.interp(np.sin(angle), sines, table.energy[0], left=0.0, right=0.0))
-    width = _width_at(angle, level, -3.0)
+    width = _width_at(angle, level)
     across = 2.0 * scene.sonar.range * math.tan(0.5 * width)
     note = f"−3 dB: {math.degrees(width):.3g}°, {across:.3g} m at {scene.sonar.range:g} m"
     return Curve(_ways("Beam along the track", beam.passes), note, np.degrees(angle), level, "°", "dB")
@@ -106,7 +106,7 @@ def vertical_beam_curve(scene: Scene) -> Curve | None:
     energy = vertical_energy(vertical, wavelength, scene.sonar.beam.passes, depression)
     level = _decibels(energy)
     peak = math.degrees(depression[int(np.argmax(level))])
-    width = math.degrees(_width_at(depression, level - level.max(), -3.0))
+    width = math.degrees(_width_at(depression, level))
     note = f"loudest {peak:.3g}° below the horizon, −3 dB: {width:.3g}°"
     return Curve(_ways("Vertical beam", scene.sonar.beam.passes), note, np.degrees(depression), level, "°", "dB")
 
@@ -144,7 +144,7 @@ def pulse_spectrum_curve(scene: Scene) -> Curve | None:
     shown = np.abs(away) <= 0.5 * SPECTRAL_WIDTHS / pulse.resolution
     level = _decibels(power[shown] / power.max())
     frequency = 1e-3 * (scene.sonar.frequency + away[shown])
-    width = _width_at(frequency, level, -3.0)
+    width = _width_at(frequency, level)
     return Curve("Spectrum of the echo", f"−3 dB: {width:.3g} kHz", frequency, level, "kHz", "dB")
 
 
@@ -184,16 +184,17 @@ def _decibels(energy: NDArray[np.float64]) -> NDArray[np.float64]:
     return 10.0 * np.log10(np.maximum(energy, 10.0 ** (0.1 * FLOOR)))
 
 
-def _width_at(x: NDArray[np.float64], level: NDArray[np.float64], least: float) -> float:
-    """Span about the peak within which a level is not below the least, with straight lines between points."""
+def _width_at(x: NDArray[np.float64], level: NDArray[np.float64]) -> float:
+    """Span about the peak within which a level is not 3 dB below it, with straight lines between points."""
     peak = int(np.argmax(level))
-    return abs(_crossing(x[peak:], level[peak:], least) - _crossing(x[peak::-1], level[peak::-1], least))
+    below = level - level[peak] + 3.0
+    return abs(_crossing(x[peak:], below[peak:]) - _crossing(x[peak::-1], below[peak::-1]))
 
 
-def _crossing(x: NDArray[np.float64], level: NDArray[np.float64], least: float) -> float:
-    """Where a level, which begins above the least, first falls below it; the last place if it never does."""
-    below = np.flatnonzero(level < least)
+def _crossing(x: NDArray[np.float64], height: NDArray[np.float64]) -> float:
+    """Where a height, which begins above zero, first falls below it; the last place if it never does."""
+    below = np.flatnonzero(height < 0.0)
     if below.size == 0:
         return float(x[-1])
     after = int(below[0])
-    return float(np.interp(least, level[after - 1 : after + 1][::-1], x[after - 1 : after + 1][::-1]))
+    return float(np.interp(0.0, height[after - 1 : after + 1][::-1], x[after - 1 : after + 1][::-1]))
