@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import sys
 import tempfile
 import time
@@ -9,7 +10,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from PySide6.QtCore import QTimer
+from PySide6.QtCore import QSettings, QTimer
 
 from insonify.scene import load_scene
 from insonify_viewer.application import has_opengl, main_thread_collection, make_application
@@ -93,9 +94,18 @@ class Person:
 
 def soak(seconds: float, seed: int) -> int:
     """Use the window for a time; print figures, and return the number of kinds of faults."""
+    with tempfile.TemporaryDirectory() as folder:
+        # Settings and states of windows are the person's own elsewhere.
+        QSettings.setPath(QSettings.Format.IniFormat, QSettings.Scope.UserScope, folder)
+        os.environ["XDG_STATE_HOME"] = folder
+        return _soak_in(folder, seconds, seed)
+
+
+def _soak_in(folder: str, seconds: float, seed: int) -> int:
+    """Use the window; its files lie in a folder."""
     application: Any = make_application()
     faults, gaps = Faults(), Gaps()
-    with tempfile.TemporaryDirectory() as folder, main_thread_collection():
+    with main_thread_collection():
         Answers(np.random.default_rng([seed, 1]), Path(folder))
         viewer = Viewer(load_scene("default"), accelerated=has_opengl())
         viewer.window.show()
