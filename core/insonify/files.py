@@ -24,6 +24,11 @@ def bundled_scenes() -> dict[str, Path]:
     return {path.stem: path for path in sorted((resources() / "scenes").glob("*.toml"))}
 
 
+def scene_picture(name: str) -> Path:
+    """Return the small picture of a bundled scene's record, 150 × 100 px."""
+    return resources() / "scenes" / "pictures" / f"{name}.jpg"
+
+
 def bundled_lessons() -> dict[str, Path]:
     """Return the lessons that come with the package, by name."""
     return {path.stem: path for path in sorted((resources() / "lessons").glob("*.md"))}

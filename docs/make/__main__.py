@@ -1,8 +1,8 @@
 """Regenerate what the documentation prints and shows: reference pages, outputs of commands, pictures, figures.
 
 ``python docs/make`` makes all anew; ``python docs/make PAGE …`` makes the named ones alone (``reference``,
-``figures``, ``gallery``, or a path below ``docs`` such as ``tutorial/python``). ``--check`` changes nothing: it
-compares what is quick to make with the files as they are, names what is out of date, and exits with 1.
+``figures``, ``gallery``, ``scene-pictures``, or a path below ``docs`` such as ``tutorial/python``). ``--check`` changes
+nothing: it compares what is quick to make with the files as they are, names what is out of date, and exits with 1.
 """
 
 from __future__ import annotations
@@ -21,6 +21,7 @@ import gallery
 import packages
 import pages
 import reference
+import scene_pictures
 
 DOCS = Path(__file__).resolve().parents[1]
 GENERATED = {
@@ -36,6 +37,7 @@ TIMES = re.compile(
 DRAWN: dict[str, Callable[[], None]] = {
     "figures": lambda: figures.draw(DOCS / "pictures"),
     "gallery": lambda: gallery.draw(DOCS),
+    "scene-pictures": lambda: scene_pictures.draw(DOCS.parent / "resources" / "scenes" / "pictures"),
 }
 
 

@@ -9,6 +9,7 @@ from PySide6.QtGui import QAction
 from PySide6.QtWidgets import QMenu, QToolButton, QWidget
 
 from insonify.scene import bundled_scenes, load_scene
+from insonify_viewer.views.scene_gallery import SceneGallery
 
 FAILURE = "breaks-"  # prefix of scenes on which a method fails
 
@@ -33,6 +34,9 @@ class SceneMenu(QToolButton):
         self.setToolTip("Open a scene")
         self.setPopupMode(QToolButton.ToolButtonPopupMode.InstantPopup)
         self._files = (from_file, recording)
+        self.pictures = QAction("Show pictures of all…", self)
+        self.pictures.setToolTip("The record of every bundled scene, to pick one")
+        self.pictures.triggered.connect(self._show_pictures)
         menu = QMenu(self)
         menu.setToolTipsVisible(True)
         menu.aboutToShow.connect(self.fill)
@@ -45,6 +49,7 @@ class SceneMenu(QToolButton):
         if menu.actions():
             return
         menu.addActions(self._files)
+        menu.addAction(self.pictures)
         menu.addSeparator()
         failures = QMenu("Where it breaks", menu)
         failures.setToolTipsVisible(True)
@@ -58,5 +63,10 @@ class SceneMenu(QToolButton):
         menu.addMenu(failures)
 
     def _picked(self, action: QAction) -> None:
-        if action not in self._files:
-            self.wanted.emit(action.data())
+        if path := action.data():
+            self.wanted.emit(path)
+
+    def _show_pictures(self) -> None:
+        gallery = SceneGallery(self.window())
+        gallery.wanted.connect(self.wanted)
+        gallery.show()

@@ -97,8 +97,9 @@ QComboBox QAbstractItemView {{ background: {RAISED}; color: {TEXT}; selection-ba
     selection-color: {TEXT}; outline: 0; }}
 QTreeWidget#budget {{ background: {GROUND}; color: {TEXT}; border: 0; selection-background-color: {EDGE};
     selection-color: {TEXT}; outline: 0; }}
-QListWidget#contacts {{ background: {GROUND}; border: 1px solid {EDGE}; border-radius: 4px; }}
-QListWidget#contacts::item:selected {{ background: {EDGE}; color: {TEXT}; }}
+QListWidget#contacts, QListWidget#scenes {{ background: {GROUND}; border: 1px solid {EDGE}; border-radius: 4px; }}
+QListWidget#contacts::item:selected, QListWidget#scenes::item:hover, QListWidget#scenes::item:selected {{
+    background: {EDGE}; color: {TEXT}; }}
 QSlider::groove:horizontal {{ height: 3px; background: {EDGE}; border-radius: 1px; }}
 QSlider::sub-page:horizontal {{ background: {TRAIL}; border-radius: 1px; }}
 QSlider::sub-page:horizontal:disabled {{ background: {EDGE}; }}

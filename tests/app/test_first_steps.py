@@ -1,0 +1,164 @@
+"""What a person reaches who never saw the window: each within three actions, counted, from the window as it opens."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from PySide6.QtCore import QPoint, Qt, QTimer
+from PySide6.QtGui import QImage
+from PySide6.QtTest import QTest
+from PySide6.QtWidgets import QApplication, QFileDialog, QLineEdit, QMenu
+
+from insonify.scene import load_scene
+from insonify_viewer.session import Mark
+from insonify_viewer.views.scene_gallery import SceneGallery
+
+MOST = 3  # actions
+ROLE = Qt.ItemDataRole.UserRole
+
+
+class Hand:
+    """Does what a person does with mouse and keys, and counts it: a click, a drag, a key, or a typed line is one."""
+
+    def __init__(self) -> None:
+        self.actions = 0
+
+    def click(self, widget: Any, place: QPoint) -> None:
+        self.actions += 1
+        QTest.mouseMove(widget, place)
+        QTest.mouseClick(widget, Qt.MouseButton.LeftButton, pos=place)
+
+    def drag(self, widget: Any, start: QPoint, end: QPoint) -> None:
+        self.actions += 1
+        QTest.mouseMove(widget, start)
+        QTest.mousePress(widget, Qt.MouseButton.LeftButton, pos=start)
+        for k in range(1, 9):
+            QTest.mouseMove(widget, start + (end - start) * k / 8)
+        QTest.mouseRelease(widget, Qt.MouseButton.LeftButton, pos=end)
+
+    def key(self, widget: Any, key: Qt.Key, held: Any = Qt.KeyboardModifier.NoModifier) -> None:
+        self.actions += 1
+        QTest.keyClick(widget, key, held)
+
+    def type(self, line: QLineEdit, text: str) -> None:
+        self.actions += 1
+        line.selectAll()
+        QTest.keyClicks(line, text)
+
+
+@pytest.fixture
+def hand() -> Hand:
+    return Hand()
+
+
+@pytest.fixture
+def viewer(open_viewer: Any, qtbot: Any) -> Any:
+    """The window on the default scene, as it opens: the tow runs."""
+    viewer = open_viewer(load_scene("default"), prepare=None)
+    window = viewer.window
+    window.windowHandle().requestActivate()
+    window.activateWindow()
+    qtbot.waitUntil(window.isActiveWindow)
+    viewer.run(True)
+    return viewer
+
+
+def when_it_opens(
+    window_type: type, do: Callable[[Any], None], on_top: Callable[[], Any] = QApplication.activeModalWidget
+) -> None:
+    """Do something in a dialog or a menu as soon as it stands on the screen, up to 10 s from now."""
+
+    def look(left: int = 200) -> None:
+        dialog = on_top()
+        if isinstance(dialog, window_type) and dialog.isVisible():
+            do(dialog)
+        elif left:
+            QTimer.singleShot(50, lambda: look(left - 1))
+
+    look()
+
+
+def handle(viewer: Any) -> QPoint:
+    """Place of the handle nearest to the middle of the record."""
+    record = viewer.window.waterfall
+    places = [record.handles.place(k) for k in range(len(viewer.targets.handles._handles))]
+    middle = QPoint(record.width() // 2, record.height() // 2)
+    return min(places, key=lambda place: (place - middle).manhattanLength())
+
+
+def dark(viewer: Any) -> QPoint:
+    """Middle of the longest shadow on screen."""
+    record = viewer.window.waterfall
+    pings = record.top - np.arange(20, viewer.record.pings // 2, 8)
+    shadow = viewer._answer.simulation.truth(pings).shadow == 1.0
+    row, side = np.unravel_index(int(shadow.sum(axis=2).argmax()), shadow.shape[:2])
+    bins = np.flatnonzero(shadow[row, side])
+    place = record.place_of(Mark(int(pings[row]), int(side), int(np.median(bins))))
+    assert place is not None
+    return place
+
+
+def test_the_first_record_is_there(viewer: Any, hand: Hand, qtbot: Any) -> None:
+    picture = viewer.window.waterfall.picture()
+    assert len(np.unique(picture.reshape(-1, picture.shape[-1]), axis=0)) > 100, "a record with its shades"
+    assert hand.actions == 0
+
+
+def test_another_scene_gives_its_record(viewer: Any, hand: Hand, qtbot: Any) -> None:
+    window = viewer.window
+
+    def show_pictures(menu: QMenu) -> None:
+        hand.click(menu, menu.actionGeometry(window.scenes.pictures).center())
+
+    when_it_opens(QMenu, show_pictures, QApplication.activePopupWidget)
+    hand.click(window.scenes, window.scenes.rect().center())
+    qtbot.waitUntil(lambda: window.findChild(SceneGallery) is not None)
+    pictures = window.findChild(SceneGallery).list
+    item = next(item for k in range(pictures.count()) if "pipe-on-bed" in (item := pictures.item(k)).data(ROLE))
+    qtbot.waitUntil(lambda: pictures.visualItemRect(item).isValid())
+    hand.click(pictures.viewport(), pictures.visualItemRect(item).center())
+    assert viewer.session.scene == load_scene("pipe-on-bed")
+    qtbot.waitUntil(lambda: viewer.complete, timeout=240000)
+    assert hand.actions <= MOST
+
+
+def test_a_target_is_moved(viewer: Any, hand: Hand, qtbot: Any) -> None:
+    before = viewer.session.scene.targets
+    hand.key(viewer.window.waterfall, Qt.Key.Key_Space)
+    assert not viewer.tow.running
+    start = handle(viewer)
+    hand.drag(viewer.window.waterfall, start, start + QPoint(30, 20))
+    assert viewer.session.undoable[0].endswith("moved")
+    moved = [a.position != b.position for a, b in zip(before, viewer.session.scene.targets)]
+    assert moved.count(True) == 1
+    qtbot.waitUntil(lambda: viewer.complete, timeout=60000)
+    assert hand.actions <= MOST
+
+
+def test_a_picture_is_saved(viewer: Any, hand: Hand, qtbot: Any, tmp_path: Path) -> None:
+    path = tmp_path / "mine.png"
+
+    def name(dialog: QFileDialog) -> None:
+        line = dialog.findChild(QLineEdit)
+        hand.type(line, str(path))
+        hand.key(line, Qt.Key.Key_Return)
+
+    when_it_opens(QFileDialog, name)
+    hand.key(viewer.window, Qt.Key.Key_P, Qt.KeyboardModifier.ControlModifier)
+    qtbot.waitUntil(path.exists)
+    assert not QImage(str(path)).isNull()
+    assert hand.actions <= MOST
+
+
+def test_a_shadow_is_explained(viewer: Any, hand: Hand, qtbot: Any) -> None:
+    hand.key(viewer.window.waterfall, Qt.Key.Key_Space)
+    hand.click(viewer.window.waterfall, dark(viewer))
+    panel = viewer.panels["pixel"]
+    qtbot.waitUntil(lambda: panel.complete, timeout=240000)
+    assert panel.view.isVisible()
+    assert "shadow of" in panel.view.summary.text()
+    assert hand.actions <= MOST
