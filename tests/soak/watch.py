@@ -20,6 +20,7 @@ from PySide6.QtWidgets import QApplication
 from vtkmodules.vtkCommonCore import vtkOutputWindow, vtkStringOutputWindow
 
 TICK = 5  # ms
+DEPTH = 4  # functions of a stack that are told
 LIMIT = 250.0  # ms, above which gaps are counted
 LONG = 0.15  # s, a gap whose cause is looked for
 HARMLESS = ("This plugin does not support propagateSizeHints", "QXcbConnection: XCB error")
@@ -135,10 +136,14 @@ class Gaps(QObject):
                 self._seen = "; ".join(f"{name}: {place}" for name, place in reversed(found) if not _rests(place))
 
 
-def _place(frame: FrameType) -> str:
+def _place(frame: FrameType | None) -> str:
     """The innermost functions of a stack, in words."""
-    calls = traceback.extract_stack(frame)[:-5:-1]
-    return " < ".join(f"{Path(call.filename).name}:{call.lineno} {call.name}" for call in calls)
+    calls, caller = [], frame
+    # By hand: the traceback module reads sources, and while it does, the function returns and its painter lives on.
+    while caller is not None and len(calls) < DEPTH:
+        calls.append((caller.f_code.co_filename, caller.f_lineno, caller.f_code.co_name))
+        caller = caller.f_back
+    return " < ".join(f"{Path(file).name}:{line} {name}" for file, line, name in calls)
 
 
 def _rests(place: str) -> bool:
