@@ -34,6 +34,7 @@ from insonify_viewer.views.theme import Theme, apply_theme
 SNAPSHOT_SIZE = (1600, 1000)
 COLLECTION_INTERVAL = 200  # ms
 REST = 20.0  # s, for what is measured in the background before a snapshot
+TOUR = 2000  # ms, from the first start of all to the tour, by when the seabed mostly is in view
 PATIENCE = 240.0  # s, for a snapshot on a slow machine that compiles the kernels first
 
 
@@ -72,6 +73,9 @@ def open_window(
         QTimer.singleShot(0, viewer.start)
         recovery = CrashRecovery(viewer.window, viewer.session, viewer.open)
         QTimer.singleShot(0, recovery.offer)
+        if not (settings.toured or pin or lesson or recording or pair or panel):
+            settings.toured = True
+            QTimer.singleShot(TOUR, viewer.window.tour.begin)
         signal.signal(signal.SIGINT, lambda *_: _close_on_interrupt(viewer))
         code = application.exec()
         if is_working():

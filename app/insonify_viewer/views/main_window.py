@@ -40,6 +40,7 @@ from insonify_viewer.views.settings import Settings
 from insonify_viewer.views.text_scale import scaled
 from insonify_viewer.views.titled_waterfall import TitledWaterfall
 from insonify_viewer.views.tool_widgets import GainSlider, make_combo
+from insonify_viewer.views.tour import Tour, tour_steps
 from insonify_viewer.views.waterfall_view import WaterfallView
 
 SMALLEST = (760, 420)  # px, which fits half of a screen of 1600 × 900 at twice the scale
@@ -103,6 +104,7 @@ class MainWindow(QMainWindow):
         self._add_tools(palettes)
         self.menus = Menus(self)
         self.recent = RecentMenu(self, self.settings)
+        self.tour = Tour(self, tour_steps(self))
         self.looks = fill_menus(self, self.menus)
         self._add_status()
         take_drops(self, self.file_wanted.emit)
@@ -132,6 +134,15 @@ class MainWindow(QMainWindow):
         elif name in self._docks:
             self._show_dock(panel, True)
             self._docks[name].raise_()
+
+    @property
+    def seabed(self) -> QWidget | None:
+        """The view of the seabed, or what stands in its place until it is there."""
+        return self._splitter.widget(0)
+
+    def panel_widget(self, name: str) -> QWidget:
+        """Return the widget of a panel that stands at a side of the window."""
+        return self._docks[name]
 
     def put_seabed(self, view: QWidget) -> None:
         """Put the view of the seabed into its place."""

@@ -35,6 +35,7 @@ def fill_menus(window: MainWindow, menus: Menus) -> LooksMenu:
     menus.view.addSeparator()
     keys = menus.add("Help", "Keyboard shortcuts", "Every command that has a key", "?")
     keys.triggered.connect(lambda: KeysDialog(window, menus.all, HELD_KEYS).show())
+    menus.add("Help", "Tour", "Five steps through the window").triggered.connect(window.tour.begin)
     about = menus.add("Help", "About insonify", "Versions, licence, citation")
     about.triggered.connect(lambda: AboutDialog(window).show())
     _show_icons(window)

@@ -42,6 +42,15 @@ class Settings:
         self._store.setValue("size", size)
 
     @property
+    def toured(self) -> bool:
+        """Whether the tour was shown."""
+        return str(self._store.value("toured", "")).lower() == "true"
+
+    @toured.setter
+    def toured(self, toured: bool) -> None:
+        self._store.setValue("toured", toured)
+
+    @property
     def recent(self) -> list[str]:
         """Files that were opened last, the newest first."""
         kept = self._store.value("recent")

@@ -83,6 +83,7 @@ QTabBar::tab {{ background: {GROUND}; color: {QUIET}; padding: 5px 14px; border:
     border-bottom: 2px solid {EDGE}; }}
 QTabBar::tab:selected {{ color: {TEXT}; border-bottom-color: {ACCENT}; }}
 QTabBar::tab:hover {{ color: {TEXT}; }}
+QFrame#tour {{ background: {RAISED}; border: 1px solid {ACCENT}; border-radius: 6px; }}
 QPushButton#tool {{ background: {RAISED}; border: 1px solid {EDGE}; border-radius: 4px; padding: 4px 12px; }}
 QPushButton#tool:hover {{ border-color: {ACCENT}; }}
 QPushButton:disabled {{ color: {FAINT}; }}

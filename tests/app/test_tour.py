@@ -1,0 +1,68 @@
+"""The tour of the window: five steps, each beside its part, left at any time."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any
+
+import pytest
+from PySide6.QtCore import QRect, Qt
+
+from insonify.scene import Scene
+from insonify_viewer import application
+from insonify_viewer.viewer import Viewer
+from insonify_viewer.views.settings import Settings
+
+Opener = Callable[..., Viewer]
+
+
+def begin(viewer: Viewer) -> Any:
+    """Begin the tour by the menu, as a person does."""
+    (action,) = [action for action in viewer.window.menus.help.actions() if action.text() == "Tour"]
+    action.trigger()
+    return viewer.window.tour
+
+
+def test_five_steps_lead_through_the_window(open_viewer: Opener, small: Scene, qtbot: Any) -> None:
+    viewer = open_viewer(small)
+    tour = begin(viewer)
+    titles = []
+    while tour.card is not None:
+        titles.append(tour.card.title.text())
+        assert viewer.window.rect().contains(QRect(tour.card.pos(), tour.card.size()))
+        assert tour.card.words.height() >= tour.card.words.heightForWidth(tour.card.words.width())
+        qtbot.mouseClick(tour.card.next, Qt.MouseButton.LeftButton)
+    assert [title.split(":")[0] for title in titles] == [f"{number} of 5" for number in range(1, 6)]
+
+
+def test_back_and_skip(open_viewer: Opener, small: Scene, qtbot: Any) -> None:
+    tour = begin(open_viewer(small))
+    assert not tour.card.back.isEnabled()
+    qtbot.mouseClick(tour.card.next, Qt.MouseButton.LeftButton)
+    qtbot.mouseClick(tour.card.back, Qt.MouseButton.LeftButton)
+    assert tour.card.title.text().startswith("1 of 5")
+    qtbot.mouseClick(tour.card.skip, Qt.MouseButton.LeftButton)
+    assert tour.card is None
+
+
+def test_the_window_stays_free_during_the_tour(open_viewer: Opener, small: Scene) -> None:
+    viewer = open_viewer(small)
+    begin(viewer)
+    assert viewer.session.settle({"track.altitude": 7.0})
+    viewer.window.resize(960, 600)
+    assert viewer.window.rect().contains(viewer.window.tour.card.geometry())
+
+
+@pytest.mark.parametrize(("toured", "panel", "shown"), [(False, "", 1), (True, "", 0), (False, "record", 0)])
+def test_the_first_start_alone_shows_the_tour(
+    small: Scene, qapp: Any, monkeypatch: pytest.MonkeyPatch, toured: bool, panel: str, shown: int
+) -> None:
+    begun: list[int] = []
+    Settings().toured = toured
+    monkeypatch.setattr(application, "TOUR", 0)
+    monkeypatch.setattr("insonify_viewer.views.tour.Tour.begin", lambda _: begun.append(1))
+    monkeypatch.setattr("insonify_viewer.viewer.Viewer.start", lambda self: self.window.close())
+    monkeypatch.setattr(type(qapp), "exec", lambda *_: [qapp.processEvents() for _ in range(20)] and 0)
+    assert application.open_window(small, panel=panel) == 0
+    assert len(begun) == shown
+    assert Settings().toured == (toured or shown > 0)
