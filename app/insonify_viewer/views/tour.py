@@ -6,8 +6,9 @@ from collections.abc import Callable
 from typing import TYPE_CHECKING, NamedTuple
 
 from PySide6.QtCore import QEvent, QObject, QPoint, QRect, QSize, Qt
-from PySide6.QtWidgets import QFrame, QHBoxLayout, QLabel, QPushButton, QVBoxLayout, QWidget
+from PySide6.QtWidgets import QFrame, QHBoxLayout, QLabel, QVBoxLayout, QWidget
 
+from insonify_viewer.views.push_button import push_button
 from insonify_viewer.views.theme import ACCENT
 
 if TYPE_CHECKING:
@@ -115,9 +116,9 @@ class TourCard(QFrame):
         self.title, self.words = QLabel(), QLabel()
         self.title.setObjectName("choice")
         self.words.setWordWrap(True)
-        self.skip = _button("Skip", "Leave the tour; Help, Tour shows it again")
-        self.back = _button("Back", "To the step before")
-        self.next = _button("Next", "To the next step")
+        self.skip = push_button("Skip", "Leave the tour; Help, Tour shows it again")
+        self.back = push_button("Back", "To the step before")
+        self.next = push_button("Next", "To the next step")
         row = QHBoxLayout()
         row.addWidget(self.skip)
         row.addStretch(1)
@@ -218,10 +219,3 @@ def _place_beside(part: QRect, width: int, height: int, window: QRect) -> QPoint
         min(max(inside.x(), inner.left()), most.x()),
         min(max(inside.y(), inner.top()), most.y()),
     )
-
-
-def _button(text: str, tip: str) -> QPushButton:
-    button = QPushButton(text)
-    button.setObjectName("tool")
-    button.setToolTip(tip)
-    return button

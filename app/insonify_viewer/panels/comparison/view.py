@@ -13,7 +13,6 @@ from PySide6.QtWidgets import (
     QHBoxLayout,
     QLabel,
     QMenu,
-    QPushButton,
     QScrollArea,
     QVBoxLayout,
     QWidget,
@@ -24,6 +23,7 @@ from insonify_viewer.comparison.changed_fields import Change
 from insonify_viewer.comparison.pairs import find_pairs
 from insonify_viewer.views.field_rows import Combo
 from insonify_viewer.views.folding_box import FoldingBox
+from insonify_viewer.views.push_button import push_button
 from insonify_viewer.views.save_dialogs import ask_where_to_save
 from insonify_viewer.views.text_scale import scaled
 
@@ -67,12 +67,12 @@ class ComparisonView(QScrollArea):
         self.setMinimumWidth(scaled(self, NARROWEST))
         self.title = _words("about")
         self.changes = _words("change")
-        self.keep = _button("Keep as A", "Keep this record as A, to compare others with it (K)")
-        self.open = _button("Open…", "Open a recording as A (Ctrl+Shift+O)")
-        self.back = _button("Return to A", "Return to the scene of A (Shift+K); undo comes back")
-        self.leave = _button("Close A", "Leave record A")
-        self.partner = _button("Partner as A", "Trace the partner that this scene names, as A (P)")
-        self.pairs = _button("Pairs", "Scenes that are opened together with their partners")
+        self.keep = push_button("Keep as A", "Keep this record as A, to compare others with it (K)")
+        self.open = push_button("Open…", "Open a recording as A (Ctrl+Shift+O)")
+        self.back = push_button("Return to A", "Return to the scene of A (Shift+K); undo comes back")
+        self.leave = push_button("Close A", "Leave record A")
+        self.partner = push_button("Partner as A", "Trace the partner that this scene names, as A (P)")
+        self.pairs = push_button("Pairs", "Scenes that are opened together with their partners")
         self._pairs_menu = QMenu(self.pairs)
         self._pairs_menu.aboutToShow.connect(self._fill_pairs)
         self._pairs_menu.triggered.connect(lambda action: self.pair_wanted.emit(action.data()))
@@ -85,7 +85,7 @@ class ComparisonView(QScrollArea):
             (self.leave, self.close_wanted),
         ):
             button.clicked.connect(wanted)
-        self.learn = _button(
+        self.learn = push_button(
             "Make a scene like this…", "Learn a scene whose record resembles the recording, and open it"
         )
         self.learn.clicked.connect(self._ask_for_scene)
@@ -279,14 +279,6 @@ def _words(name: str) -> QLabel:
     label.setObjectName(name)
     label.setWordWrap(True)
     return label
-
-
-def _button(text: str, tooltip: str) -> QPushButton:
-    button = QPushButton(text)
-    button.setObjectName("tool")
-    button.setToolTip(tooltip)
-    button.setFocusPolicy(Qt.FocusPolicy.TabFocus)
-    return button
 
 
 def _combo(tooltip: str) -> Combo:

@@ -14,7 +14,6 @@ from PySide6.QtWidgets import (
     QListWidgetItem,
     QPushButton,
     QScrollArea,
-    QSizePolicy,
     QStackedWidget,
     QVBoxLayout,
     QWidget,
@@ -22,6 +21,7 @@ from PySide6.QtWidgets import (
 
 from insonify.lessons import Lesson
 from insonify_viewer.views.lighting import light
+from insonify_viewer.views.push_button import push_button
 
 USUAL, LARGE = 1.2, 1.9  # factors on the size of the text, without and with a projector
 HEADING = 1.25  # factor on the size of headings
@@ -97,7 +97,7 @@ class ListPage(QWidget):
         self.lessons.setWordWrap(True)
         self.lessons.setFrameShape(QFrame.Shape.NoFrame)
         self.lessons.itemActivated.connect(self._start)
-        self.start = _button("Start", "Open the scene of this lesson, and show its first step")
+        self.start = push_button("Start", "Open the scene of this lesson, and show its first step", wide=True)
         self.start.clicked.connect(lambda: self._start(self.lessons.currentItem()))
         self.projector = _projector()
         column = QVBoxLayout(self)
@@ -127,15 +127,15 @@ class StepPage(QWidget):
 
     def __init__(self) -> None:
         super().__init__()
-        self.left = _button("‹ Lessons", "Leave this lesson; the scene stays as it is")
+        self.left = push_button("‹ Lessons", "Leave this lesson; the scene stays as it is", wide=True)
         self.projector = _projector()
         self.lesson, self.step, self.introduction, self.text = _words("lesson"), _words("step"), _words(), _words()
         self.tick, self.look_for, self.question, self.answer = _words("tick"), _words(), _words(), _words()
-        self.show_me = _button("Show me", "Move it as this step asks")
-        self.reveal = _button("Show the answer", "Show the answer to the question")
+        self.show_me = push_button("Show me", "Move it as this step asks", wide=True)
+        self.reveal = push_button("Show the answer", "Show the answer to the question", wide=True)
         self.reveal.clicked.connect(lambda: self._show_answer(True))
-        self.back = _button("Back", "Return to the step before (Page Up)")
-        self.next = _button("Next", "Go to the next step (Page Down)")
+        self.back = push_button("Back", "Return to the step before (Page Up)", wide=True)
+        self.next = push_button("Next", "Go to the next step (Page Down)", wide=True)
         for key, button in (("PgUp", self.back), ("PgDown", self.next)):  # which remote controls of projectors send
             QShortcut(QKeySequence(key), self, button.click)
         self.tick.setAlignment(Qt.AlignmentFlag.AlignCenter)
@@ -208,15 +208,6 @@ def _words(name: str = "") -> QLabel:
 
 
 def _projector() -> QPushButton:
-    button = _button("Projector", "Full screen, in large type (F11)")
+    button = push_button("Projector", "Full screen, in large type (F11)", wide=True)
     button.setCheckable(True)
-    return button
-
-
-def _button(text: str, tip: str) -> QPushButton:
-    button = QPushButton(text)
-    button.setObjectName("tool")
-    button.setToolTip(tip)
-    button.setFocusPolicy(Qt.FocusPolicy.TabFocus)
-    button.setSizePolicy(QSizePolicy.Policy.Expanding, QSizePolicy.Policy.Fixed)
     return button

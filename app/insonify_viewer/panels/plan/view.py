@@ -13,7 +13,6 @@ from PySide6.QtWidgets import (
     QLabel,
     QPushButton,
     QScrollArea,
-    QSizePolicy,
     QVBoxLayout,
     QWidget,
 )
@@ -24,6 +23,7 @@ from insonify_viewer.quantities import format_duration
 from insonify_viewer.views.field_rows import Combo, NumberRow
 from insonify_viewer.views.folding_box import FoldingBox
 from insonify_viewer.views.lighting import light
+from insonify_viewer.views.push_button import push_button
 from insonify_viewer.views.text_scale import scaled
 
 if TYPE_CHECKING:
@@ -57,9 +57,13 @@ class PlanView(QScrollArea):
         self._tolerance = ToleranceRow(self.tolerated.emit)
         self._totals = _words("about")
         self._change = _words("change")
-        self.automatic = _button("Back to automatic", "Leave every choice to the plan again")
+        self.automatic = push_button(
+            "Back to automatic", "Leave every choice to the plan again", style="file", wide=True
+        )
         self.automatic.clicked.connect(self.left_to_plan)
-        self.chart = _button("Chart…", "Measure speed and accuracy of every method on this scene")
+        self.chart = push_button(
+            "Chart…", "Measure speed and accuracy of every method on this scene", style="file", wide=True
+        )
         self.chart.clicked.connect(self.chart_wanted)
         buttons = QHBoxLayout()
         buttons.addWidget(self.automatic)
@@ -269,10 +273,5 @@ def _words(name: str) -> QLabel:
     return label
 
 
-def _button(text: str, tip: str) -> QPushButton:
-    button = QPushButton(text)
-    button.setObjectName("file")
-    button.setToolTip(tip)
-    button.setFocusPolicy(Qt.FocusPolicy.TabFocus)
-    button.setSizePolicy(QSizePolicy.Policy.Expanding, QSizePolicy.Policy.Fixed)
-    return button
+def _wide(text: str, tip: str) -> QPushButton:
+    return push_button(text, tip, style="file", wide=True)

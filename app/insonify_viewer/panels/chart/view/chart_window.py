@@ -9,7 +9,6 @@ from PySide6.QtWidgets import (
     QHBoxLayout,
     QLabel,
     QProgressBar,
-    QPushButton,
     QSplitter,
     QVBoxLayout,
     QWidget,
@@ -17,6 +16,7 @@ from PySide6.QtWidgets import (
 
 from insonify_viewer.panels.chart.chart_details import ChartPicture, RowDetails, details_in_words, nearest_row
 from insonify_viewer.panels.chart.view.strips_view import StripsView
+from insonify_viewer.views.push_button import push_button
 from insonify_viewer.views.theme import ACCENT, GROUND, QUIET
 
 SIZE, SMALLEST = (1120, 860), (560, 460)
@@ -44,9 +44,9 @@ class ChartWindow(QWidget):
         self.setWindowTitle("Chart · insonify")
         self.resize(*SIZE)
         self.setMinimumSize(*SMALLEST)
-        self.measure = _button("Measure here", "Measure every method on the scene as it is now")
-        self.stop = _button("Stop", "Stop the measurement")
-        self.save = _button("Save…", "Write the chart as .png, .svg, .csv or .json")
+        self.measure = push_button("Measure here", "Measure every method on the scene as it is now")
+        self.stop = push_button("Stop", "Stop the measurement")
+        self.save = push_button("Save…", "Write the chart as .png, .svg, .csv or .json")
         self._progress = QProgressBar()
         self._progress.setRange(0, 1000)
         self._progress.setTextVisible(False)
@@ -204,10 +204,3 @@ class _ChartPictureView(QWidget):
         scale = min(self.width() / self._image.width(), self.height() / self._image.height())
         width, height = scale * self._image.width(), scale * self._image.height()
         return QRectF((self.width() - width) / 2.0, (self.height() - height) / 2.0, width, height)
-
-
-def _button(text: str, tip: str) -> QPushButton:
-    button = QPushButton(text)
-    button.setObjectName("tool")
-    button.setToolTip(tip)
-    return button

@@ -4,10 +4,11 @@ from __future__ import annotations
 
 from PySide6.QtCore import Qt, QUrl
 from PySide6.QtGui import QDesktopServices
-from PySide6.QtWidgets import QGridLayout, QLabel, QProgressBar, QPushButton, QWidget
+from PySide6.QtWidgets import QGridLayout, QLabel, QProgressBar, QWidget
 
 from insonify_viewer.jobs.command_job import CommandJob, State
 from insonify_viewer.quantities import format_time_left
+from insonify_viewer.views.push_button import push_button
 
 STEPS = 1000
 
@@ -24,9 +25,9 @@ class JobRow(QWidget):
         self.words.setTextInteractionFlags(Qt.TextInteractionFlag.TextSelectableByMouse)
         self.bar = QProgressBar()
         self.bar.setTextVisible(False)
-        self.stop = _button("Stop", "End this job; nothing half-written is left")
+        self.stop = push_button("Stop", "End this job; nothing half-written is left")
         self.stop.clicked.connect(job.stop)
-        self.show_result = _button("Show", f"Open the folder of {job.result.name}")
+        self.show_result = push_button("Show", f"Open the folder of {job.result.name}")
         self.show_result.clicked.connect(lambda: QDesktopServices.openUrl(QUrl.fromLocalFile(str(job.result.parent))))
         grid = QGridLayout(self)
         grid.setContentsMargins(0, 4, 0, 6)
@@ -59,10 +60,3 @@ def _words(job: CommandJob) -> str:
     share = f"{100.0 * stage.share:.0f} %" if stage.share is not None and not stage.unit else ""
     told = "" if left is None else f"{format_time_left(left)} left"
     return ", ".join(part for part in (stage.doing, counted, share, told) if part)
-
-
-def _button(text: str, tip: str) -> QPushButton:
-    button = QPushButton(text)
-    button.setObjectName("tool")
-    button.setToolTip(tip)
-    return button

@@ -14,6 +14,7 @@ from insonify.accuracy.charts.kinds import list_chart_kinds
 from insonify_viewer.jobs.command_job import CommandJob
 from insonify_viewer.panels.jobs.view.dataset_question import DatasetQuestion
 from insonify_viewer.panels.jobs.view.job_row import JobRow
+from insonify_viewer.views.push_button import push_button
 from insonify_viewer.views.save_dialogs import Formats, ask_where_to_save, record_formats
 
 SIZE, SMALLEST = (620, 420), (420, 240)
@@ -130,9 +131,7 @@ class JobsView(QWidget):
 
 
 def _button(text: str, tip: str, clicked: Callable[[], None] | None = None) -> QPushButton:
-    button = QPushButton(text)
-    button.setObjectName("tool")
-    button.setToolTip(tip)
+    button = push_button(text, tip)
     if clicked is not None:
         button.clicked.connect(lambda: clicked())
     return button

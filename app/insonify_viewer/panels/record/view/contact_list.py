@@ -4,11 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from PySide6.QtCore import QSize, Qt, Signal
+from PySide6.QtCore import QSize, Signal
 from PySide6.QtGui import QIcon, QPixmap
-from PySide6.QtWidgets import QGridLayout, QLabel, QLineEdit, QListWidget, QListWidgetItem, QPushButton, QWidget
+from PySide6.QtWidgets import QGridLayout, QLabel, QLineEdit, QListWidget, QListWidgetItem, QWidget
 
 from insonify_viewer.contacts.contact import Contact
+from insonify_viewer.views.push_button import push_button
 
 ICON = 56  # px
 HINT = "Point at the record and press C, or pin a pixel and click Mark."
@@ -44,11 +45,11 @@ class ContactListView(QWidget):
         self.name, self.note = _line("Name of the contact"), _line("Note on the contact")
         self.name.editingFinished.connect(lambda: self._edit("name", self.name))
         self.note.editingFinished.connect(lambda: self._edit("note", self.note))
-        self.mark = _button("Mark", "Mark a contact at the pinned pixel; C marks one under the mouse")
-        self.jump = _button("Show", "Show the contact in its record")
-        self.remove = _button("Remove", "Remove the contact from the list")
-        self.open = _button("Open…", "Open a file of contacts in place of these")
-        self.save = _button("Save…", "Save the contacts as GeoJSON with their pictures, or as a CSV table")
+        self.mark = push_button("Mark", "Mark a contact at the pinned pixel; C marks one under the mouse")
+        self.jump = push_button("Show", "Show the contact in its record")
+        self.remove = push_button("Remove", "Remove the contact from the list")
+        self.open = push_button("Open…", "Open a file of contacts in place of these")
+        self.save = push_button("Save…", "Save the contacts as GeoJSON with their pictures, or as a CSV table")
         self.hint = QLabel(HINT)
         self.hint.setObjectName("about")
         self.hint.setWordWrap(True)
@@ -125,11 +126,3 @@ def _line(name: str) -> QLineEdit:
     line.setToolTip(name)
     line.returnPressed.connect(line.clearFocus)
     return line
-
-
-def _button(text: str, tooltip: str) -> QPushButton:
-    button = QPushButton(text)
-    button.setObjectName("tool")
-    button.setToolTip(tooltip)
-    button.setFocusPolicy(Qt.FocusPolicy.TabFocus)
-    return button
