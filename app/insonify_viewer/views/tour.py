@@ -204,12 +204,12 @@ def _is_in_view(part: QWidget | None) -> bool:
 
 def _place_beside(part: QRect, width: int, height: int, window: QRect) -> QPoint:
     """Place a card below a part, left or right of it, or over it where there is no room; always within the window."""
+    inner = window.adjusted(APART, APART, -APART, -APART)
     wanted = [
-        QPoint(part.left(), part.bottom() + APART),
+        QPoint(max(part.left(), inner.left()), part.bottom() + APART),
         QPoint(part.left() - width - APART, part.top() + APART),
         QPoint(part.right() + APART, part.top() + APART),
     ]
-    inner = window.adjusted(APART, APART, -APART, -APART)
     for place in wanted:
         if inner.contains(QRect(place, QSize(width, height))):
             return place
