@@ -11,7 +11,7 @@ from PySide6.QtWidgets import QWidget
 
 from insonify.scene import Scene, bundled_scenes, edit, load_scene
 from insonify_viewer.panels.parameters.sections import sections_of
-from insonify_viewer.panels.parameters.view.parameters_view import NARROWEST, ParametersView
+from insonify_viewer.panels.parameters.view.parameters_view import ParametersView
 from insonify_viewer.session import Mark
 from insonify_viewer.views.field_rows import Combo
 from insonify_viewer.views.theme import apply_theme
@@ -30,7 +30,7 @@ def test_no_row_is_cut_off(name: str, qtbot: Any, qapp: Any) -> None:
     view = ParametersView()
     qtbot.addWidget(view)
     view.show_sections(sections_of(load_scene(name)))
-    view.resize(NARROWEST, 900)
+    view.resize(ParametersView.narrowest, 900)
     view.show()
     for box in view._sections.values():
         box.unfold(True)

@@ -121,7 +121,7 @@ def test_a_drag_measures_in_every_view(viewer: Any, panel: Any) -> None:
         assert across == pytest.approx(wide, abs=0.4)
     press(viewer, "m")
     assert not view.measuring
-    assert view._line is None
+    assert view._marks.line is None
 
 
 def mark_two(viewer: Any, panel: Any, qtbot: Any) -> None:
@@ -150,9 +150,9 @@ def test_contacts_are_marked_named_listed_and_found_again(viewer: Any, panel: An
     listed.note.setText("two masts")
     listed.note.editingFinished.emit()
     assert (panel.contacts[0].name, panel.contacts[0].note) == ("wreck", "two masts")
-    assert (Mark(240, 0, 300), "wreck", True) in view._contacts
+    assert (Mark(240, 0, 300), "wreck", True) in view._marks.contacts
     viewer.go_to(100)
-    assert (Mark(240, 0, 300), "wreck", True) in view._contacts, "contacts outlast scrolling"
+    assert (Mark(240, 0, 300), "wreck", True) in view._marks.contacts, "contacts outlast scrolling"
     listed.jump.click()
     assert view._plot().contains(view.place_of(Mark(240, 0, 300)))
     listed.remove.click()

@@ -18,8 +18,8 @@ from insonify_viewer.record_display.tone_map import ToneMap, make_tone_map
 from insonify_viewer.session import Mark
 from insonify_viewer.views import record_overlays as overlays
 from insonify_viewer.views.echo_trace import CAPTION, GAP, WIDE, draw_caption, draw_trace, room_for_trace
-from insonify_viewer.views.pixel_marks import draw_lit, draw_pin
 from insonify_viewer.views.record_image import RecordImage
+from insonify_viewer.views.record_marks import RecordMarks
 from insonify_viewer.views.rulers import draw_ping_ruler, draw_range_ruler
 from insonify_viewer.views.scrub_handle import ScrubHandle
 from insonify_viewer.views.text_scale import text_scale
@@ -57,11 +57,7 @@ class RecordCanvas(QWidget):
         self._top = 0
         self._range, self._step = 1.0, 1.0
         self._look, self._levels, self._zoom = DisplayOptions(), (0.0, 1.0), Zoom()
-        self._mark: Mark | None = None
-        self._pin: Mark | None = None
-        self._lit: tuple[Mark, ...] = ()
-        self._line: tuple[Mark, Mark, str] | None = None  # measured, in words
-        self._contacts: Sequence[tuple[Mark, str, bool]] = ()
+        self._marks = RecordMarks()
         self._traced = True  # whether the echo of one ping is drawn below
         self._waiting: Waiting | None = None
         self._enlarged = 1.0  # factor on the size of the font
@@ -193,27 +189,27 @@ class RecordCanvas(QWidget):
 
     def show_mark(self, mark: Mark | None) -> None:
         """Draw a cross through a point of the record."""
-        self._mark = mark
+        self._marks.cross = mark
         self.update()
 
     def show_pin(self, mark: Mark | None) -> None:
         """Draw a ring about the pinned pixel."""
-        self._pin = mark
+        self._marks.pin = mark
         self.update()
 
     def show_lit(self, marks: tuple[Mark, ...]) -> None:
         """Light up pixels."""
-        self._lit = marks
+        self._marks.lit = marks
         self.update()
 
     def show_measured(self, line: tuple[Mark, Mark, str] | None) -> None:
         """Draw a measured line with its words, or none."""
-        self._line = line
+        self._marks.line = line
         self.update()
 
     def show_contacts(self, contacts: Sequence[tuple[Mark, str, bool]]) -> None:
         """Draw contacts with their names; True for the chosen one."""
-        self._contacts = contacts
+        self._marks.contacts = contacts
         self.update()
 
     def toggle_trace(self) -> None:
@@ -376,24 +372,14 @@ class RecordCanvas(QWidget):
         overlays.draw_range_bar(painter, plot, self._projection)
         if self._waiting is not None:
             draw_waiting(painter, plot, self._waiting)
-        draw_lit(painter, (place for place in map(self.place_of, self._lit) if plot.contains(place)))
-        overlays.draw_contacts(
-            painter, plot, ((self.place_of(mark), name, chosen) for mark, name, chosen in self._contacts)
-        )
-        if self._pin is not None and plot.contains(self.place_of(self._pin)):
-            draw_pin(painter, self.place_of(self._pin))
-        if self._mark is not None and plot.contains(self.place_of(self._mark)):
-            overlays.draw_cross(painter, self.place_of(self._mark))
-        if self._line is not None:
-            near, far, words = self._line
-            overlays.draw_measured(painter, plot, (self.place_of(near), self.place_of(far)), words)
+        self._marks.draw(painter, plot, self.place_of)
 
     def _draw_trace(self, painter: QPainter) -> None:
         """Draw the echo of the pinned ping, else of the one under the mouse, else of the newest one."""
         area, record, caption = self.trace_area(), self._record, self.trace_caption()
         if area is None and caption is not None:
             draw_caption(painter, caption, "▸ echo")
-        mark = self._pin or self._mark
+        mark = self._marks.pointed
         ping = self._top if mark is None else mark.ping
         row = int(record.rows(np.array([ping]))[0])
         if area is None or record.ping[row] != ping:

@@ -8,13 +8,10 @@ from typing import TYPE_CHECKING
 from PySide6.QtCore import Qt, Signal
 from PySide6.QtGui import QAction
 from PySide6.QtWidgets import (
-    QFrame,
     QGridLayout,
     QHBoxLayout,
     QLabel,
     QMenu,
-    QScrollArea,
-    QVBoxLayout,
     QWidget,
 )
 
@@ -25,13 +22,12 @@ from insonify_viewer.views.field_rows import Combo
 from insonify_viewer.views.folding_box import FoldingBox
 from insonify_viewer.views.push_button import push_button
 from insonify_viewer.views.save_dialogs import ask_where_to_save
-from insonify_viewer.views.text_scale import scaled
+from insonify_viewer.views.side_panel import SidePanel
 
 if TYPE_CHECKING:
     from insonify_viewer.comparison.recording import Recording
     from insonify_viewer.panels.comparison.measurement import Measured
 
-NARROWEST = 292  # px
 HINT = (
     "Keep this record as A, then change the scene or its plan, or open another scene: the live record is B. Hold X to "
     "see A in its place.\nOr open a recording as A: of a real sonar (XTF, JSF) or written here (.nc, .npz, .zarr)."
@@ -40,7 +36,7 @@ PARTS = ("recorded", "simulated")
 MOST = 8  # changes that are listed
 
 
-class ComparisonView(QScrollArea):
+class ComparisonView(SidePanel):
     """Shows what is known of record A and its differences, and signals what the person asks for.
 
     Parameters
@@ -61,10 +57,6 @@ class ComparisonView(QScrollArea):
 
     def __init__(self, parent: QWidget | None = None) -> None:
         super().__init__(parent)
-        self.setWidgetResizable(True)
-        self.setFrameShape(QFrame.Shape.NoFrame)
-        self.setHorizontalScrollBarPolicy(Qt.ScrollBarPolicy.ScrollBarAlwaysOff)
-        self.setMinimumWidth(scaled(self, NARROWEST))
         self.title = _words("about")
         self.changes = _words("change")
         self.keep = push_button("Keep as A", "Keep this record as A, to compare others with it (K)")
@@ -98,7 +90,7 @@ class ComparisonView(QScrollArea):
         self._point_box = FoldingBox("Point", self.point, unfolded=True)
         self._statistics_box = FoldingBox("Statistics", self.statistics, unfolded=True)
         self._found: dict[str, Measured] = {}
-        self.setWidget(self._body())
+        self._lay_out()
         self.show_recording(None)
 
     def show_recording(self, recording: Recording | None) -> None:
@@ -189,12 +181,7 @@ class ComparisonView(QScrollArea):
         if frequencies and recording is not None:
             self.frequency.setCurrentIndex(self.frequency.findData(float(recording.dataset.attrs["frequency"])))
 
-    def _body(self) -> QWidget:
-        body = QWidget()
-        body.setObjectName("panel")
-        column = QVBoxLayout(body)
-        column.setContentsMargins(8, 8, 8, 8)
-        column.setSpacing(6)
+    def _lay_out(self) -> None:
         rows = (
             (self.keep, self.open),
             (self.pairs, self.partner),
@@ -206,11 +193,10 @@ class ComparisonView(QScrollArea):
             line = QHBoxLayout()
             for part in row:
                 line.addWidget(part)
-            column.addLayout(line)
+            self.column.addLayout(line)
         for box in (self.title, self.changes, self._point_box, self._statistics_box):
-            column.addWidget(box)
-        column.addStretch(1)
-        return body
+            self.column.addWidget(box)
+        self.column.addStretch(1)
 
 
 class _Table(QWidget):

@@ -13,7 +13,6 @@ from PySide6.QtWidgets import (
     QListWidget,
     QListWidgetItem,
     QPushButton,
-    QScrollArea,
     QStackedWidget,
     QVBoxLayout,
     QWidget,
@@ -22,6 +21,7 @@ from PySide6.QtWidgets import (
 from insonify.lessons import Lesson
 from insonify_viewer.views.lighting import light
 from insonify_viewer.views.push_button import push_button
+from insonify_viewer.views.side_panel import ScrollColumn
 
 USUAL, LARGE = 1.2, 1.9  # factors on the size of the text, without and with a projector
 HEADING = 1.25  # factor on the size of headings
@@ -170,9 +170,8 @@ class StepPage(QWidget):
         self.reveal.setVisible(not shown)
 
     def _lay_out(self) -> None:
-        body = QWidget()
-        body.setObjectName("panel")
-        column = QVBoxLayout(body)
+        self._scroll = ScrollColumn()
+        column = self._scroll.column
         column.setSpacing(10)
         done = _row(self.tick, self.show_me)
         for part in (self.lesson, self.introduction, self.step, self.text, done, self.look_for, self.question):
@@ -180,11 +179,6 @@ class StepPage(QWidget):
         column.addWidget(self.reveal)
         column.addWidget(self.answer)
         column.addStretch(1)
-        self._scroll = QScrollArea()
-        self._scroll.setWidgetResizable(True)
-        self._scroll.setFrameShape(QFrame.Shape.NoFrame)
-        self._scroll.setHorizontalScrollBarPolicy(Qt.ScrollBarPolicy.ScrollBarAlwaysOff)
-        self._scroll.setWidget(body)
         page = QVBoxLayout(self)
         page.addLayout(_row(self.left, self.projector))
         page.addWidget(self._scroll, 1)

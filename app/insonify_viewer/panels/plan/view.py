@@ -7,12 +7,10 @@ from typing import TYPE_CHECKING
 
 from PySide6.QtCore import Qt, Signal
 from PySide6.QtWidgets import (
-    QFrame,
     QGridLayout,
     QHBoxLayout,
     QLabel,
     QPushButton,
-    QScrollArea,
     QVBoxLayout,
     QWidget,
 )
@@ -24,6 +22,7 @@ from insonify_viewer.views.field_rows import Combo, NumberRow
 from insonify_viewer.views.folding_box import FoldingBox
 from insonify_viewer.views.lighting import light
 from insonify_viewer.views.push_button import push_button
+from insonify_viewer.views.side_panel import SidePanel
 from insonify_viewer.views.text_scale import scaled
 
 if TYPE_CHECKING:
@@ -31,11 +30,10 @@ if TYPE_CHECKING:
 
 Force = Callable[[str, str | None], None]
 AUTOMATIC = "automatic"
-NARROWEST = 292  # px
 TOLERANCES = (0.2, 50.0)  # %
 
 
-class PlanView(QScrollArea):
+class PlanView(SidePanel):
     """Shows a plan, and signals choices that the person forces."""
 
     forced = Signal(str, object)  # subject, and a choice or None
@@ -45,15 +43,6 @@ class PlanView(QScrollArea):
 
     def __init__(self, parent: QWidget | None = None) -> None:
         super().__init__(parent)
-        self.setWidgetResizable(True)
-        self.setFrameShape(QFrame.Shape.NoFrame)
-        self.setHorizontalScrollBarPolicy(Qt.ScrollBarPolicy.ScrollBarAlwaysOff)
-        self.setMinimumWidth(scaled(self, NARROWEST))
-        body = QWidget()
-        body.setObjectName("panel")
-        column = QVBoxLayout(body)
-        column.setContentsMargins(8, 8, 8, 8)
-        column.setSpacing(6)
         self._tolerance = ToleranceRow(self.tolerated.emit)
         self._totals = _words("about")
         self._change = _words("change")
@@ -70,12 +59,11 @@ class PlanView(QScrollArea):
         buttons.addWidget(self.chart)
         self._groups = {True: PlanGroup("Modelled"), False: PlanGroup("Left out")}
         for part in (self._tolerance, self._totals, self._change):
-            column.addWidget(part)
-        column.addLayout(buttons)
+            self.column.addWidget(part)
+        self.column.addLayout(buttons)
         for group in self._groups.values():
-            column.addWidget(group)
-        column.addStretch(1)
-        self.setWidget(body)
+            self.column.addWidget(group)
+        self.column.addStretch(1)
         self._predicted = ""
         self._lit: set[str] = set()
         self.show_change("", "")

@@ -7,8 +7,8 @@ from functools import partial
 from pathlib import Path
 from typing import NamedTuple
 
-from PySide6.QtCore import Qt, Signal
-from PySide6.QtWidgets import QFrame, QHBoxLayout, QLabel, QMenu, QPushButton, QScrollArea, QVBoxLayout, QWidget
+from PySide6.QtCore import Signal
+from PySide6.QtWidgets import QHBoxLayout, QLabel, QMenu, QPushButton, QVBoxLayout, QWidget
 
 from insonify.accuracy.charts.kinds import list_chart_kinds
 from insonify_viewer.jobs.command_job import CommandJob
@@ -16,6 +16,7 @@ from insonify_viewer.panels.jobs.view.dataset_question import DatasetQuestion
 from insonify_viewer.panels.jobs.view.job_row import JobRow
 from insonify_viewer.views.push_button import push_button
 from insonify_viewer.views.save_dialogs import Formats, ask_where_to_save, record_formats
+from insonify_viewer.views.side_panel import ScrollColumn
 
 SIZE, SMALLEST = (620, 420), (420, 240)
 CHARTS: Formats = (("Pictures", ".png"), ("Drawings", ".svg"), ("Tables", ".csv"), ("Tables", ".json"))
@@ -115,15 +116,9 @@ class JobsView(QWidget):
             tools.addWidget(button)
         tools.addStretch(1)
         tools.addWidget(self.forget)
-        body = QWidget()
-        body.setObjectName("panel")
-        self._list = QVBoxLayout(body)
+        scroll = ScrollColumn()
+        self._list = scroll.column
         self._list.addStretch(1)
-        scroll = QScrollArea()
-        scroll.setWidgetResizable(True)
-        scroll.setFrameShape(QFrame.Shape.NoFrame)
-        scroll.setHorizontalScrollBarPolicy(Qt.ScrollBarPolicy.ScrollBarAlwaysOff)
-        scroll.setWidget(body)
         column = QVBoxLayout(self)
         column.addLayout(tools)
         column.addWidget(self._hint)

@@ -6,7 +6,7 @@ from collections.abc import Callable, Mapping, Sequence
 
 from PySide6.QtCore import Qt, QTimer, QVariantAnimation, Signal
 from PySide6.QtGui import QKeySequence, QShortcut
-from PySide6.QtWidgets import QFrame, QLineEdit, QScrollArea, QToolButton, QVBoxLayout, QWidget
+from PySide6.QtWidgets import QLineEdit, QToolButton, QWidget
 
 from insonify.scene import Scene
 from insonify.scene.links import Link
@@ -17,17 +17,18 @@ from insonify_viewer.panels.parameters.view.effects_box import EffectsBox
 from insonify_viewer.panels.parameters.view.section_box import Row, SectionBox, make_tool
 from insonify_viewer.views.icons import set_icon
 from insonify_viewer.views.lighting import light
-from insonify_viewer.views.text_scale import scaled
+from insonify_viewer.views.side_panel import SidePanel
 
-NARROWEST = 316  # px
 DELAY = 20  # ms, by which the other numbers follow a slider that moves
 STILL = 400  # ms without another call, before what takes longer begins
 GLIDE = 900  # ms, in which a value that is tried is reached
 OPEN_AT_FIRST = (PINNED, "sonar", "seabed", "track")
 
 
-class ParametersView(QScrollArea):
+class ParametersView(SidePanel):
     """Shows the fields of a scene and signals the edits of the person."""
+
+    narrowest = 316
 
     dragged = Signal(str, object)
     settled = Signal(str, object)
@@ -42,32 +43,22 @@ class ParametersView(QScrollArea):
 
     def __init__(self, parent: QWidget | None = None) -> None:
         super().__init__(parent)
-        self.setWidgetResizable(True)
-        self.setFrameShape(QFrame.Shape.NoFrame)
-        self.setHorizontalScrollBarPolicy(Qt.ScrollBarPolicy.ScrollBarAlwaysOff)
-        self.setMinimumWidth(scaled(self, NARROWEST))
-        self._body = QWidget()
-        self._body.setObjectName("panel")
-        self._column = QVBoxLayout(self._body)
-        self._column.setContentsMargins(8, 8, 8, 8)
-        self._column.setSpacing(6)
         self.search = _search_line(self)
         self.search.textChanged.connect(self.searched)
-        self._column.addWidget(self.search)
+        self.column.addWidget(self.search)
         self._found: SectionBox | None = None
         self._about = AboutBox()
         self._about.label.linkActivated.connect(lambda number: self.followed.emit(int(number)))
-        self._column.addWidget(self._about)
+        self.column.addWidget(self._about)
         self.effects = EffectsBox(self.ticked.emit)
-        self._column.addWidget(self.effects)
+        self.column.addWidget(self.effects)
         self._glide: QVariantAnimation | None = None
         self._still = QTimer(self)
         self._still.setSingleShot(True)
         self._still.setInterval(STILL)
         self._still.timeout.connect(lambda: self._when_still())
         self._when_still: Callable[[], None] = _nothing
-        self._column.addStretch(1)
-        self.setWidget(self._body)
+        self.column.addStretch(1)
         self._sections: dict[str, SectionBox] = {}
         self._lit: tuple[str, ...] = ()
         self._show: Callable[[], None] = _nothing
@@ -153,7 +144,7 @@ class ParametersView(QScrollArea):
             box = SectionBox(section, self, unfolded=unfolded, more=more, tools=self._tools(section))
             self._sections[section.key] = box
             # Search and description stand first, and the effects between what is pinned and the rest.
-            self._column.insertWidget(place + 2 if section.key == PINNED else place + 3, box)
+            self.column.insertWidget(place + 2 if section.key == PINNED else place + 3, box)
             if self._found is not None:
                 box.hide()
         self._light_rows()
@@ -169,13 +160,13 @@ class ParametersView(QScrollArea):
             self._found.show_values(section)
             return
         if self._found is not None:
-            self._column.removeWidget(self._found)
+            self.column.removeWidget(self._found)
             self._found.hide()
             self._found.deleteLater()
         self._found = None
         if section is not None:
             self._found = SectionBox(section, self, unfolded=True, tools=[])
-            self._column.insertWidget(1, self._found)
+            self.column.insertWidget(1, self._found)
         self._about.setVisible(section is None and bool(self._about.words))
         for box in (self.effects, *self._sections.values()):
             box.setVisible(section is None)
@@ -241,8 +232,8 @@ class ParametersView(QScrollArea):
 
     def _lay_out(self) -> None:
         """Lay the sections out now: the scroll bar reaches a new one only after that."""
-        self._column.activate()
-        self._body.resize(self._body.width(), self._body.sizeHint().height())
+        self.column.activate()
+        self.body.resize(self.body.width(), self.body.sizeHint().height())
 
     def _light_rows(self) -> None:
         for box in self._sections.values():
@@ -251,7 +242,7 @@ class ParametersView(QScrollArea):
 
     def _drop(self, key: str) -> None:
         box = self._sections.pop(key)
-        self._column.removeWidget(box)
+        self.column.removeWidget(box)
         box.hide()
         box.deleteLater()
 

@@ -6,7 +6,7 @@ from typing import Any
 
 from PySide6.QtCore import Qt, Signal
 from PySide6.QtGui import QAction, QKeySequence
-from PySide6.QtWidgets import QCheckBox, QFrame, QGridLayout, QLabel, QScrollArea, QVBoxLayout, QWidget
+from PySide6.QtWidgets import QCheckBox, QGridLayout, QLabel, QVBoxLayout, QWidget
 
 from insonify.display.display_options import PALETTES, SCALES, SIDES, DisplayOptions
 from insonify_viewer.fields import ChoiceField, NumberField
@@ -14,9 +14,8 @@ from insonify_viewer.panels.record.view.contact_list import ContactListView
 from insonify_viewer.panels.record.view.histogram_view import HistogramView
 from insonify_viewer.views.field_rows import ChoiceRow, NumberRow
 from insonify_viewer.views.folding_box import FoldingBox
-from insonify_viewer.views.text_scale import scaled
+from insonify_viewer.views.side_panel import SidePanel
 
-NARROWEST = 292  # px
 REACH = 30.0  # dB either way
 TICKS = (  # option, label, key, what it does
     ("ground_range", "Ground range", "G", "Ground range of a level bed in place of slant range"),
@@ -48,7 +47,7 @@ GAINS = (  # option, place in it, label, what it does
 KEYS = (("1", "both"), ("2", "port"), ("3", "starboard"))
 
 
-class RecordView(QScrollArea):
+class RecordView(SidePanel):
     """Shows the display options, and signals their changes.
 
     Parameters
@@ -64,10 +63,6 @@ class RecordView(QScrollArea):
 
     def __init__(self, parent: QWidget | None = None) -> None:
         super().__init__(parent)
-        self.setWidgetResizable(True)
-        self.setFrameShape(QFrame.Shape.NoFrame)
-        self.setHorizontalScrollBarPolicy(Qt.ScrollBarPolicy.ScrollBarAlwaysOff)
-        self.setMinimumWidth(scaled(self, NARROWEST))
         self._look = DisplayOptions()
         self.keys: list[QAction] = []
         self.ticks: dict[str, QCheckBox] = {}
@@ -82,7 +77,7 @@ class RecordView(QScrollArea):
         self.measured.setAlignment(Qt.AlignmentFlag.AlignTop)
         self.measured.setTextInteractionFlags(Qt.TextInteractionFlag.TextSelectableByMouse)
         self.contacts = ContactListView()
-        self.setWidget(self._body())
+        self._lay_out()
         self._add_keys()
         self.show_display(self._look)
         self.show_measured("")
@@ -121,12 +116,7 @@ class RecordView(QScrollArea):
             value = tuple(pair) if place else number
         self.changed.emit({name: value})
 
-    def _body(self) -> QWidget:
-        body = QWidget()
-        body.setObjectName("panel")
-        column = QVBoxLayout(body)
-        column.setContentsMargins(8, 8, 8, 8)
-        column.setSpacing(6)
+    def _lay_out(self) -> None:
         shown, measuring = QWidget(), QWidget()
         self._lay_shown(QGridLayout(shown))
         lines = QVBoxLayout(measuring)
@@ -140,9 +130,8 @@ class RecordView(QScrollArea):
             ("Measure", measuring),
             ("Contacts", self.contacts),
         ):
-            column.addWidget(FoldingBox(title, part, unfolded=True))
-        column.addStretch(1)
-        return body
+            self.column.addWidget(FoldingBox(title, part, unfolded=True))
+        self.column.addStretch(1)
 
     def _lay_shown(self, grid: QGridLayout) -> None:
         grid.setContentsMargins(6, 6, 2, 6)

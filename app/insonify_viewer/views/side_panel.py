@@ -1,0 +1,55 @@
+"""Base of the panels at the sides of the window: a column that scrolls down and never sideways."""
+
+from __future__ import annotations
+
+from typing import ClassVar
+
+from PySide6.QtCore import Qt
+from PySide6.QtWidgets import QFrame, QScrollArea, QVBoxLayout, QWidget
+
+from insonify_viewer.views.text_scale import scaled
+
+
+class ScrollColumn(QScrollArea):
+    """A column of widgets that scrolls down and never sideways.
+
+    Parameters
+    ----------
+    parent : QWidget, optional
+        Owner.
+
+    Attributes
+    ----------
+    body : QWidget
+        Holds the column.
+    column : QVBoxLayout
+        The layout to which widgets are added.
+    """
+
+    def __init__(self, parent: QWidget | None = None) -> None:
+        super().__init__(parent)
+        self.setWidgetResizable(True)
+        self.setFrameShape(QFrame.Shape.NoFrame)
+        self.setHorizontalScrollBarPolicy(Qt.ScrollBarPolicy.ScrollBarAlwaysOff)
+        self.body = QWidget()
+        self.body.setObjectName("panel")
+        self.column = QVBoxLayout(self.body)
+        self.setWidget(self.body)
+
+
+class SidePanel(ScrollColumn):
+    """A column at a side of the window, never too narrow for its rows.
+
+    Attributes
+    ----------
+    narrowest : int
+        Least width in pixels at the usual size of the text.
+    """
+
+    narrowest: ClassVar[int] = 292
+
+    def __init__(self, parent: QWidget | None = None) -> None:
+        super().__init__(parent)
+        self.setMinimumWidth(scaled(self, self.narrowest))
+        self.column.setContentsMargins(8, 8, 8, 8)
+        self.column.setSpacing(6)
