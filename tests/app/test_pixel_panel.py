@@ -11,6 +11,7 @@ from PySide6.QtCore import QPoint, Qt
 from PySide6.QtGui import QColor
 from PySide6.QtTest import QTest
 
+from insonify.explanation import compilation
 from insonify.scene import Scene, edit, load_scene
 from insonify_viewer.panels.pixel.view.section_view import BED as GROUND
 from insonify_viewer.panels.pixel.view.section_view import BLOCKED, HEARD, HIDDEN, WATER
@@ -207,3 +208,19 @@ def test_a_small_window_stays_usable(viewer: Any, qtbot: Any) -> None:
     assert view.budget.height() >= 80
     assert waterfall._plot().height() >= 120
     assert viewer.seabed.view.height() >= 140
+
+
+def test_kernels_of_the_first_click_are_compiled_once_for_a_set_of_effects(
+    open_viewer: Any, small: Scene, qtbot: Any, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    compiled: list[Scene] = []
+    monkeypatch.setattr(compilation, "compile_explanations", lambda simulation: compiled.append(simulation.scene))
+    viewer = open_viewer(small)
+    qtbot.waitUntil(lambda: compiled == [small])
+    assert viewer.inspection.mark is None, "before anything is clicked"
+    assert viewer.session.settle({"track.altitude": 8.0})
+    qtbot.waitUntil(lambda: viewer.complete)
+    qtbot.wait(100)
+    assert compiled == [small], "the same effects need the same kernels"
+    assert viewer.session.settle({"water": {"surface": "flat"}})
+    qtbot.waitUntil(lambda: len(compiled) == 2)

@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 from insonify.cli import main
+from insonify.explanation import compilation
 from insonify.explanation.cross_section import cut_cross_section
 from insonify.explanation.listeners import find_listeners
 from insonify.explanation.pixel import explain_pixel
@@ -326,3 +327,15 @@ def test_the_command_prints_the_terms_and_their_sum(capsys):
 def test_the_command_refuses_what_the_record_lacks(where, said, capsys):
     assert main(["explain", "default", "--ping", "1", "--range", "20", *where]) == 2
     assert said in capsys.readouterr().err
+
+
+def test_the_pixels_that_compile_kernels_lie_abeam_of_every_target(monkeypatch: pytest.MonkeyPatch) -> None:
+    explained = []
+    monkeypatch.setattr(compilation, "explain_pixel", lambda *at: explained.append(at[1:3]) or explain_pixel(*at))
+    compilation.compile_explanations(prepare(scene(sonar__ping_rate=10.0)))
+    pings = {0, *(round(target["position"][0] / 0.2) for target in (PIPE, BALL))}
+    assert set(explained) == {(ping, side) for ping in pings for side in (0, 1)}
+
+
+def test_kernels_are_compiled_for_scenes_without_targets_too() -> None:
+    compilation.compile_explanations(prepare(scene(targets=[])))

@@ -44,6 +44,8 @@ class PixelPanel(Panel):
     def __init__(self, workbench: Workbench) -> None:
         self._workbench = workbench
         self._thread = NewestWins("pixel", workbench.simulator.call_later)
+        self._compiler = NewestWins("pixel kernels", workbench.simulator.call_later)
+        self._compiled: set[frozenset[str]] = set()  # modelled effects whose kernels are compiled
         self._simulation: Simulation | None = None
         self._shown: tuple[Simulation, Mark] | None = None
         self._asked: tuple[Simulation, Mark] | None = None
@@ -73,6 +75,8 @@ class PixelPanel(Panel):
         if growth.current and growth.answer.simulation is not self._simulation:
             self._simulation = growth.answer.simulation
             self._explain()
+        if growth.current and growth.complete:
+            self._compile(growth.answer.simulation)
 
     def scene_changed(self, scene: Scene, settled: bool) -> None:
         """Let go of a pixel that the record no longer has."""
@@ -81,8 +85,16 @@ class PixelPanel(Panel):
             self._workbench.inspection.pin(None)
 
     def closing(self) -> None:
-        """End the thread."""
+        """End the threads."""
         self._thread.close(PATIENCE)
+        self._compiler.close(PATIENCE)
+
+    def _compile(self, simulation: Simulation) -> None:
+        """Compile the kernels that the first click needs while nobody waits; each set of effects has its own."""
+        effects = frozenset(entry.subject for entry in simulation.plan.entries if entry.modelled)
+        if effects not in self._compiled:
+            self._compiled.add(effects)
+            self._compiler.send(lambda: _compile(simulation), lambda _: None)
 
     def _pin(self, mark: Mark | None) -> None:
         """Open the panel for a pinned pixel, and explain it."""
@@ -140,6 +152,13 @@ def _words(direct: int, ghosts: int) -> str:
         return "no pixel of the record hears this place: it is hidden or outside the beam"
     told = f"{direct} {'pixel hears' if direct == 1 else 'pixels hear'} this place"
     return told + (f", and {ghosts} by way of the sea surface" if ghosts else "")
+
+
+def _compile(simulation: Simulation) -> None:
+    # lazy: loads Numba on the thread of the panel; the window opens before
+    from insonify.explanation.compilation import compile_explanations
+
+    compile_explanations(simulation)
 
 
 def _explained(simulation: Simulation, mark: Mark) -> Any:
