@@ -30,6 +30,7 @@ from insonify_viewer.views.qt_modules import leave_sources_unread
 from insonify_viewer.views.save_dialogs import save_picture
 from insonify_viewer.views.settings import Settings
 from insonify_viewer.views.theme import Theme, apply_theme
+from insonify_viewer.views.uncaught_errors import told_errors
 
 SNAPSHOT_SIZE = (1600, 1000)
 COLLECTION_INTERVAL = 200  # ms
@@ -77,7 +78,8 @@ def open_window(
             settings.toured = True
             QTimer.singleShot(TOUR, viewer.window.tour.begin)
         signal.signal(signal.SIGINT, lambda *_: _close_on_interrupt(viewer))
-        code = application.exec()
+        with told_errors(viewer.window.complain):
+            code = application.exec()
         if is_working():
             # A thread compiles, which cannot be interrupted; Python would wait for it.
             os._exit(code)

@@ -12,6 +12,7 @@ from insonify.io.navigation import NAVIGATION
 from insonify.io.sound_speed_casts import CASTS, read_cast
 from insonify.scene import SceneError
 from insonify_viewer.comparison.recording import is_recording
+from insonify_viewer.errors.failure import Failure
 
 if TYPE_CHECKING:
     from insonify_viewer.comparison.recording_player import RecordingPlayer
@@ -75,7 +76,7 @@ class FileOpening:
         elif suffix in (*CASTS.readable(), *NAVIGATION.readable()):
             self._use(path)
         else:
-            self._window.say(f"{Path(path).name}: cannot be opened by its suffix; give {TAKES}")
+            self._window.complain(Failure(f"{Path(path).name}: cannot be opened by its suffix; give {TAKES}"))
 
     def ask_for_scene(self) -> None:
         """Let the person pick a scene, after the question about unsaved changes."""

@@ -6,7 +6,7 @@ import threading
 from collections.abc import Callable
 from typing import Any
 
-from insonify.scene import SceneError
+from insonify_viewer.errors.failure import Failure, describe_error
 from insonify_viewer.thread_priority import yield_to_window
 
 Progress = Callable[[float], None]
@@ -31,7 +31,7 @@ class Job:
     done : callable
         Receives the result.
     failed : callable
-        Receives one sentence, empty if the work was stopped.
+        Receives a `Failure`; its sentence is empty if the work was stopped.
     name : str
         Of the thread.
     """
@@ -43,7 +43,7 @@ class Job:
         *,
         progressed: Progress,
         done: Callable[[Any], None],
-        failed: Callable[[str], None],
+        failed: Callable[[Failure], None],
         name: str,
     ) -> None:
         self._do, self._name = work, name
@@ -74,20 +74,11 @@ class Job:
         try:
             self._call_later(self._done, self._do(self._report))
         except StoppedError:
-            self._call_later(self._failed, "")
-        except (SceneError, OSError) as error:
-            self._call_later(self._failed, in_one_sentence(error))
+            self._call_later(self._failed, Failure(""))
         except Exception as error:  # an exception that ends the thread would leave the window waiting
-            self._call_later(self._failed, f"the {self._name} failed ({type(error).__name__}: {error})")
+            self._call_later(self._failed, describe_error(error, f"the {self._name}"))
 
     def _report(self, share: float) -> None:
         if self._stopping:
             raise StoppedError
         self._call_later(self._progressed, share)
-
-
-def in_one_sentence(error: SceneError | OSError) -> str:
-    """Say what is wrong with a scene, or with a file that cannot be written."""
-    if isinstance(error, SceneError):
-        return str(error)
-    return f"{error.filename}: {error.strerror or error}; check that the folder can be written to"

@@ -9,7 +9,6 @@ from typing import TYPE_CHECKING
 
 from insonify.io.atomic import replacing
 from insonify.scene import Scene, scene_to_toml
-from insonify_viewer.job import in_one_sentence
 from insonify_viewer.jobs.job_list import JobList
 from insonify_viewer.session import Session
 from insonify_viewer.views.save_dialogs import (
@@ -88,7 +87,7 @@ class Saving:
         try:
             save()
         except OSError as error:
-            self._window.say(in_one_sentence(error))
+            self._window.complain(error)
             return False
         self._window.say(f"saved {path}")
         return True

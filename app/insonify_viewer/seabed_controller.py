@@ -281,7 +281,7 @@ class SeabedController:
             self._simulator.call_later,
             progressed=lambda _: None,
             done=show,
-            failed=lambda sentence: show(SceneError(sentence)),
+            failed=lambda failure: show(SceneError(failure.sentence)),
             name="bed",
         )
         self._jobs = [*(each for each in self._jobs if each.running), job]

@@ -75,6 +75,8 @@ class Session:
         Called with (scene, settled) after every change.
     said : Event
         Called with one sentence for the person.
+    refused : Event
+        Called with the `SceneError` of an edit that is not valid.
     marked : Event
         Called with the marked point of the record, or None.
     displayed : Event
@@ -85,6 +87,7 @@ class Session:
 
     def __init__(self, scene: Scene) -> None:
         self.changed, self.said, self.marked, self.displayed = Event(), Event(), Event(), Event()
+        self.refused = Event()
         self._display = DisplayOptions()
         self._scene, self._settled = scene, _State(scene, Modelling(), scene)
         self._dragged = ""
@@ -261,7 +264,7 @@ class Session:
             complete, remark = add_dependent_edits(self._settled.scene, changes)
             scene = edit(self._settled.scene, complete)
         except SceneError as error:
-            self.said.emit(str(error))
+            self.refused.emit(error)
             return None
         self.said.emit(remark)
         return scene

@@ -17,6 +17,7 @@ from PySide6.QtCore import QObject, Qt, Signal
 from insonify.kernels.common.compilation import Compilation, watch_compilation
 from insonify.scene import Scene, SceneError
 from insonify_viewer.comparison.kept_record import SimulatedScene, find_altitude
+from insonify_viewer.errors.failure import describe_error
 from insonify_viewer.laid_scene import is_same_ground
 from insonify_viewer.modelling import Modelling
 from insonify_viewer.thread_priority import yield_to_window
@@ -115,7 +116,7 @@ class Simulator(QObject):
 
     answered = Signal(object)
     laid = Signal(int, object)  # number of a request, and its scene on a new bed
-    refused = Signal(int, str)
+    refused = Signal(int, object)  # number of a request, and a `Failure`
     _called_back = Signal(object, object)
 
     def __init__(
@@ -256,10 +257,8 @@ class Simulator(QObject):
                 self._called_back.emit(self.answered.emit, answer)
                 if self._waiting is not None or self._closing:
                     return
-        except SceneError as error:
-            self._called_back.emit(refuse, str(error))
         except Exception as error:  # an exception that ends the thread would freeze the picture silently
-            self._called_back.emit(refuse, f"this scene cannot be simulated ({type(error).__name__}: {error})")
+            self._called_back.emit(refuse, describe_error(error, "the simulation of this scene"))
 
     def _trace(self, request: PingRequest) -> Iterator[TracedPings]:
         modelling = request.modelling if request.fine else request.modelling.coarse
@@ -375,4 +374,6 @@ def _result(errand: Callable[[], Any]) -> Any:
     except SceneError as error:
         return error
     except Exception as error:
-        return SceneError(f"this cannot be shown ({type(error).__name__}: {error}); open another scene")
+        refusal = SceneError(f"this cannot be shown ({type(error).__name__}: {error}); open another scene")
+        refusal.__cause__ = error
+        return refusal

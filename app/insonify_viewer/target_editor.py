@@ -70,7 +70,7 @@ class TargetEditor:
 
     def _put(self, target: dict[str, Any] | SceneError) -> None:
         if isinstance(target, SceneError):
-            self._window.say(str(target))
+            self._window.complain(target)
             return
         targets = plain(self._session.scene)["targets"]
         name = f"{target['kind'].replace('_', ' ')} added"

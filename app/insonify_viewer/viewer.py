@@ -15,11 +15,12 @@ from PySide6.QtGui import QGuiApplication
 
 from insonify.array_cache import ARRAYS
 from insonify.display.picture import PALETTES
-from insonify.scene import Scene, SceneError, bundled_scenes
+from insonify.scene import Scene, SceneError, bundled_scenes, scene_to_toml
 from insonify_viewer.auto_pause import next_pause
 from insonify_viewer.comparison.comparison import Comparison
 from insonify_viewer.comparison.recording_player import RecordingPlayer
 from insonify_viewer.contrast import Contrast
+from insonify_viewer.errors.failure import Failure, describe_error
 from insonify_viewer.file_opening import FileOpening
 from insonify_viewer.gc_policy import return_free_memory
 from insonify_viewer.inspection import Inspection
@@ -82,7 +83,7 @@ class Viewer(QObject):
         native = accelerated and QGuiApplication.platformName() == "xcb"
         self.window = MainWindow(native=native, palettes=PALETTES)
         self.record = Record(pings_held(scene), scene.sonar.bins)
-        self.files = FileDialogs(self.window, self.simulator, self.open, self.window.say)
+        self.files = FileDialogs(self.window, self.simulator, self.open)
         self.jobs = JobList(self.simulator.call_later)
         self.saving = Saving(self.session, self.window, self.jobs)
         pause = partial(self.run, False)
@@ -133,7 +134,7 @@ class Viewer(QObject):
         """Show the scene as soon as it is prepared, before the first pings are traced."""
         self._prepared = True
         if isinstance(simulation, SceneError):
-            self._refuse(self._number, str(simulation))
+            self._refuse(self._number, describe_error(simulation))
             return
         self._seabed.show_sonar(simulation, self.tow.top, silence(simulation), at_once=True)
         self._ask()
@@ -219,6 +220,8 @@ class Viewer(QObject):
         self.targets.handles.connect_seabed(self._seabed)
         session.changed.connect(self._scene_changed)
         session.said.connect(window.say)
+        session.refused.connect(window.complain)
+        window.status.describe_scene = lambda: scene_to_toml(session.scene)
         session.marked.connect(self._show_mark)
         self.simulator.answered.connect(self._take)
         self.simulator.laid.connect(self._show_laid)
@@ -233,7 +236,7 @@ class Viewer(QObject):
         window.levels.triggered.connect(self.find_levels)
         window.reset_view.triggered.connect(self._seabed.reset_view)
         self.jobs.watch(lambda _: window.jobs.show_jobs(self.jobs.running))
-        self.jobs.watch(lambda job: None if job.running else window.say(job.sentence))
+        self.jobs.watch(window.status.show_end)
         window.gain_changed.connect(lambda decibels: session.show(gain=decibels))
         window.palette_changed.connect(lambda name: session.show(palette=name))
         session.displayed.connect(lambda look: window.show_display(look))
@@ -347,18 +350,18 @@ class Viewer(QObject):
         """Ping to show on top: while the tow runs, the newest that has arrived."""
         return min(self.tow.top, int(self.record.ping.max())) if self.tow.running else self.tow.top
 
-    def _refuse(self, number: int, sentence: str) -> None:
+    def _refuse(self, number: int, failure: Failure) -> None:
         """Return from a scene that the core refused to the one before it."""
         if number != self._number:
             return
         self._refused = number
         if not self._started:
-            self.failure = sentence
-            self.window.say(sentence, lasting=True)
+            self.failure = failure.sentence
+            self.window.complain(failure, lasting=True)
         else:
             self.session.take_back()
             self.panels.tell("scene_refused")
-            self.window.say(sentence)
+            self.window.complain(failure)
 
     def _settle_levels(self) -> None:
         """Set the contrast of a newly opened scene, until its record fills the screen."""

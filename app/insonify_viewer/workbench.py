@@ -30,6 +30,8 @@ def make_workbench(viewer: Viewer) -> Workbench:
         simulator=viewer.simulator,
         files=viewer.files,
         say=viewer.window.say,
+        complain=viewer.window.complain,
+        copy_details=viewer.window.status.copy_details,
         pause=lambda: viewer.run(False),
         go_to=viewer.go_to,
         record_views=(viewer.window.waterfall, viewer.window.record_a),

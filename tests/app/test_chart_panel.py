@@ -19,6 +19,7 @@ from insonify.accuracy.charts.reference import Reference
 from insonify.accuracy.displacement import measure_displacement
 from insonify.accuracy.record_errors import compare_records
 from insonify.scene import Scene, SceneError
+from insonify_viewer.jobs.background_job import State
 from insonify_viewer.panels.chart.chart_details import (
     ChartPoint,
     details_in_words,
@@ -97,10 +98,31 @@ def test_the_window_lives_while_it_is_measured_and_stops(window: Any, qtbot: Any
     assert not view.measure.isEnabled()
     window.session.settle({"track.altitude": 7.0})
     qtbot.waitUntil(lambda: window.complete)
+    job = window.jobs.running[0]
+    assert job.title == f"chart of {window.session.scene.title}"
+    assert window.window.jobs.isVisible()
+    qtbot.waitUntil(lambda: "left: measuring" in view._sentence.text())
     view.stop.click()
     qtbot.waitUntil(lambda: not window.panels["chart"].busy)
     assert view._sentence.text() == "stopped"
+    assert job.state is State.STOPPED
     assert view.measure.isEnabled()
+
+
+def test_a_measurement_is_stopped_among_the_jobs(window: Any, qtbot: Any) -> None:
+    def endless(scene: Scene, progress: Callable[[float], None]) -> AccuracyChart:
+        while True:
+            progress(0.1)
+
+    window.panels["chart"].measure = endless
+    window.panels["chart"].view.measure.click()
+    window.window.open_panel("jobs")
+    (row,) = window.panels["jobs"].view.rows
+    qtbot.waitUntil(lambda: row.bar.value() == 100)
+    row.stop.click()
+    qtbot.waitUntil(lambda: not window.panels["chart"].busy)
+    assert not row.show_result.isVisible(), "a chart in a window is no file"
+    assert window.panels["chart"].view._sentence.text() == "stopped"
 
 
 def test_a_viewer_closed_meanwhile_leaves_no_thread(window: Any, qtbot: Any) -> None:

@@ -149,7 +149,7 @@ def test_a_kept_record_stays_while_the_scene_changes(compared: Any) -> None:
     assert compared.comparison.titles == ("material diffuse 0.2", "material diffuse 0.4")
     # Amplitudes twice as high are four times the energy.
     assert compared.comparison.difference == "changes the record by 300 %, its mean level by +6 dB"
-    said = compared.window._sentence.text()
+    said = compared.window.status.sentence.text()
     assert said == f"material diffuse 0.2 → 0.4: {compared.comparison.difference}"
     shown = compared.panels["comparison"].view
     assert "0.2 → 0.4" in shown.changes.text()
@@ -287,7 +287,7 @@ def test_a_scene_is_traced_as_a(open_viewer: Any, small: Scene, qtbot: Any) -> N
     qtbot.waitUntil(lambda: viewer.complete, timeout=60000)
     np.testing.assert_allclose(viewer.comparison.kept.record.amplitude * 2.0, viewer.record.amplitude, rtol=1e-5)
     viewer.comparison.keep_scene(edit(small, {"seed": 666}))
-    qtbot.waitUntil(lambda: "666 is refused" in viewer.window._sentence.text(), timeout=20000)
+    qtbot.waitUntil(lambda: "666 is refused" in viewer.window.status.sentence.text(), timeout=20000)
     assert viewer.comparison.a is None
 
 
@@ -295,7 +295,7 @@ def test_without_a_the_keys_say_how_to_keep_one(open_viewer: Any, small: Scene) 
     viewer = open_viewer(small)
     for key in ("W", "D", "Shift+K"):
         press(viewer, key)
-        assert "press K" in viewer.window._sentence.text()
+        assert "press K" in viewer.window.status.sentence.text()
     before = viewer.window.waterfall.grab().toImage()
     QTest.keyPress(viewer.window, Qt.Key.Key_X)
     assert viewer.window.waterfall.grab().toImage() == before
@@ -345,10 +345,10 @@ def test_one_action_opens_a_pair(open_viewer: Any, small: Scene, qtbot: Any, nam
 def test_a_scene_without_partner_says_so(open_viewer: Any, small: Scene) -> None:
     viewer = open_viewer(small)
     press(viewer, "P")
-    assert "names no partner" in viewer.window._sentence.text()
+    assert "names no partner" in viewer.window.status.sentence.text()
     viewer.session.open(edit(small, {"partner": ["no-such-scene"]}))
     press(viewer, "P")
-    assert "no-such-scene" in viewer.window._sentence.text()
+    assert "no-such-scene" in viewer.window.status.sentence.text()
     assert viewer.comparison.a is None
 
 

@@ -63,7 +63,7 @@ def test_another_file_is_refused_in_one_sentence(open_viewer: Any, small: Scene,
     (tmp_path / "letter.txt").write_text("x", encoding="utf-8")
     viewer = open_viewer(small)
     drop(viewer.window, tmp_path / "letter.txt")
-    assert viewer.window._sentence.text().startswith("letter.txt: cannot be opened by its suffix; give a scene")
+    assert viewer.window.status.sentence.text().startswith("letter.txt: cannot be opened by its suffix; give a scene")
     assert viewer.session.scene == small
 
 
@@ -83,7 +83,8 @@ def test_recent_files_are_kept_and_vanished_ones_said_so(open_viewer: Any, small
     menu.fill()
     assert [action.text() for action in menu.actions()[:2]] == ["one.toml", "two.toml  (no longer there)"]
     menu.actions()[1].trigger()
-    assert viewer.window._sentence.text().endswith("two.toml is no longer there; it was taken from the recent files")
+    said = viewer.window.status.sentence.text()
+    assert said.endswith("two.toml is no longer there; it was taken from the recent files")
     assert Settings().recent == [str(paths[0])]
     menu.fill()
     next(action for action in menu.actions() if action.text() == "Clear the list").trigger()

@@ -17,7 +17,8 @@ from insonify.commands.render import write
 from insonify.display.display_options import DisplayOptions
 from insonify.io.records import read_record
 from insonify.scene import Scene, edit
-from insonify_viewer.jobs.command_job import CommandJob, State
+from insonify_viewer.jobs.background_job import State
+from insonify_viewer.jobs.command_job import CommandJob
 from insonify_viewer.panels.jobs.view import JobsView, WantedChart, WantedDataset
 from insonify_viewer.quantities import format_time_left
 from insonify_viewer.viewer import Viewer
@@ -123,7 +124,7 @@ def test_a_mistake_is_one_sentence(open_viewer: Opener, knife: Scene, qtbot: Any
     assert job.state is State.FAILED
     assert "there is no folder" in job.sentence
     assert view.rows[0].words.text() == job.sentence
-    assert viewer.window._sentence.text() == job.sentence
+    assert viewer.window.status.sentence.text() == job.sentence
 
 
 def test_charts_data_sets_and_pages_are_commands(

@@ -83,12 +83,12 @@ def test_sentences_go_when_they_are_read(open_viewer: Any, small: Scene, qtbot: 
     viewer = open_viewer(small)
     viewer.window._fading.setInterval(30)
     viewer.window.say("saved it")
-    qtbot.waitUntil(lambda: viewer.window._sentence.text() == "")
+    qtbot.waitUntil(lambda: viewer.window.status.sentence.text() == "")
     viewer.window.say("this scene cannot be simulated", lasting=True)
     qtbot.wait(60)
-    assert viewer.window._sentence.text() == "this scene cannot be simulated"
+    assert viewer.window.status.sentence.text() == "this scene cannot be simulated"
     viewer.run(True)
-    assert viewer.window._sentence.text() == ""
+    assert viewer.window.status.sentence.text() == ""
 
 
 def test_wheel_looks_back_only_when_paused(open_viewer: Any, small: Scene, qtbot: Any) -> None:

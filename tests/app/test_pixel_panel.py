@@ -157,12 +157,12 @@ def test_a_click_in_three_dimensions_lights_up_the_pixels_that_hear_the_place(
     assert {mark.ping for mark in lit[-1]} >= {round(picked[-1][0] / 0.2)}
     away = np.linalg.norm(np.array(picked[-1][1:]) - [0.0, 10.0])
     assert all(abs((mark.bin + 0.5) * 0.05 - away) < 0.15 for mark in lit[-1])
-    assert "hear" in viewer.window._sentence.text()
+    assert "hear" in viewer.window.status.sentence.text()
 
 
 def test_a_place_in_the_shadow_is_heard_by_no_pixel(viewer: Any, qtbot: Any) -> None:
     viewer.inspection.pick((6.0, -31.0, 0.0))
-    qtbot.waitUntil(lambda: "no pixel" in viewer.window._sentence.text(), timeout=240000)
+    qtbot.waitUntil(lambda: "no pixel" in viewer.window.status.sentence.text(), timeout=240000)
 
 
 def test_the_echo_trace_is_aligned_with_the_record(viewer: Any) -> None:

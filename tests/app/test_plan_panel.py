@@ -77,7 +77,7 @@ def test_what_cannot_be_done_is_said_and_taken_back(open_viewer: Any, small: Sce
     viewer = open_viewer(edit(small, {"receiver.speckle": "coherent"}))
     viewer.session.model(Modelling(forced=(("method", "rays"),)))
     qtbot.waitUntil(lambda: viewer.session.modelling == Modelling(), timeout=20000)
-    assert "coherent" in viewer.window._sentence.text()
+    assert "coherent" in viewer.window.status.sentence.text()
 
 
 def test_the_tolerance_is_final_when_it_is_let_go(open_viewer: Any, small: Scene, qtbot: Any) -> None:
@@ -103,7 +103,7 @@ def test_a_forced_choice_tells_what_it_changed_and_is_what_the_command_writes(
     wait(viewer, qtbot)
     after = viewer._answer.simulation.intensity(pings)
     assert (after != before).any()
-    said = viewer.window._sentence.text()
+    said = viewer.window.status.sentence.text()
     assert said.startswith("planes 2: changes the record by")
     assert said.endswith("× the time")
     assert viewer.panels["plan"].view.line("planes")._change.text() == said.partition(": ")[2]

@@ -176,7 +176,7 @@ def test_contacts_are_saved_and_opened(
     assert [each.name for each in panel.contacts.all] == ["contact 1", "contact 2"]
     path.write_text("nonsense", encoding="utf-8")
     listed.open.click()
-    assert "is no file of contacts" in viewer.window._sentence.text()
+    assert "is no file of contacts" in viewer.window.status.sentence.text()
     assert len(panel.contacts) == 2
 
 

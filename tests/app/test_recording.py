@@ -14,13 +14,12 @@ from PySide6.QtWidgets import QApplication, QFileDialog
 
 from insonify.accuracy.record_statistics import measure_statistics
 from insonify.cli import main
-from insonify.inversion.findings import Finding
-from insonify.inversion.learning import Learned
 from insonify.io.records import read_record
 from insonify.scene import Scene, edit, load_scene
 from insonify_viewer.comparison import recording_player
 from insonify_viewer.comparison.arrangement import Arrangement
 from insonify_viewer.comparison.recording import MAX_PINGS, Recording, compass_heading, describe_point
+from insonify_viewer.jobs.background_job import State
 from insonify_viewer.session import Mark
 
 REAL = Path("../shared/data/xtf/scotsman-iver2.xtf")
@@ -209,11 +208,11 @@ def test_a_broken_file_is_one_sentence_and_leaves_the_recording(
     broken = tmp_path / "broken.xtf"
     broken.write_bytes(b"no recording" * 200)
     viewer.recordings.open(str(broken))
-    qtbot.waitUntil(lambda: "not an XTF file" in viewer.window._sentence.text(), timeout=60000)
+    qtbot.waitUntil(lambda: "not an XTF file" in viewer.window.status.sentence.text(), timeout=60000)
     assert not viewer.window.record_a.isVisible()
     recording = open_recording(viewer, folder / "record.xtf", qtbot)
     viewer.recordings.open(str(broken))
-    qtbot.waitUntil(lambda: "not an XTF file" in viewer.window._sentence.text(), timeout=60000)
+    qtbot.waitUntil(lambda: "not an XTF file" in viewer.window.status.sentence.text(), timeout=60000)
     assert viewer.recordings.recording is recording
     assert viewer.window.record_a.isVisible()
     assert viewer.window.record_a.waiting is None
@@ -312,33 +311,46 @@ def test_a_recording_of_a_real_sonar_is_shown_with_its_navigation(viewer: Any, q
     assert len(np.unique(viewer.window.record_a.picture())) > 100
 
 
-def test_a_scene_is_learned_from_a_recording_and_opened(
+def test_a_scene_is_learned_as_a_job_and_opened(
     viewer: Any, folder: Path, tmp_path: Path, qtbot: Any, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    asked = []
-
-    def learn_at_once(record: Any) -> Any:
-        asked.append(record)
-        scene = edit(load_scene("default"), {"title": "Learned", "track.pings": 64})
-        findings = (Finding("level", "1", "1", "matched"), Finding("shadows", "none", "3 dB", "differs"))
-        return Learned(scene, findings)
-
-    monkeypatch.setattr("insonify.inversion.learning.learn", learn_at_once)
     recording = open_recording(viewer, folder / "record.nc", qtbot)
     named = tmp_path / "learned.toml"
     monkeypatch.setattr(QFileDialog, "getSaveFileName", lambda *_: (str(named), ""))
     panel = viewer.panels["comparison"].view
     QTest.mouseClick(panel.learn, Qt.MouseButton.LeftButton)
     assert not panel.learn.isEnabled()
-    assert viewer.window.record_a.waiting.what == "learning a scene from record.nc, a minute or more"
-    qtbot.waitUntil(lambda: viewer.complete, timeout=120000)
-    assert asked == [recording.dataset]
+    assert viewer.window.record_a.waiting.what.startswith("learning a scene")
+    job = viewer.jobs.jobs[-1]
+    assert (job.title, job.arguments[0]) == ("scene like record.nc", "learn")
+    qtbot.waitUntil(lambda: job.seconds_left is not None, timeout=240000)
+    assert viewer.window.jobs.isVisible()
+    assert viewer.window.record_a.waiting.share == job.stage.share
+    qtbot.waitUntil(lambda: viewer.complete, timeout=240000)
+    assert job.state is State.DONE
     assert viewer.session.scene == load_scene(named)
-    assert viewer.session.scene.title == "Learned"
+    assert viewer.session.scene.title.startswith("Learned from")
     assert not viewer.session.unsaved
-    assert viewer.window._sentence.text().endswith("differs from the recording in: shadows")
+    assert job.sentence.startswith(f"{named}: its record ")
+    assert viewer.window.status.sentence.text() == job.sentence
     assert panel.learn.isEnabled()
     assert viewer.recordings.recording is recording
+
+
+def test_learning_is_stopped_and_leaves_nothing(
+    viewer: Any, folder: Path, tmp_path: Path, qtbot: Any, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    open_recording(viewer, folder / "record.nc", qtbot)
+    monkeypatch.setattr(QFileDialog, "getSaveFileName", lambda *_: (str(tmp_path / "learned.toml"), ""))
+    panel, scene = viewer.panels["comparison"].view, viewer.session.scene
+    QTest.mouseClick(panel.learn, Qt.MouseButton.LeftButton)
+    viewer.window.open_panel("jobs")
+    QTest.mouseClick(viewer.panels["jobs"].view.rows[0].stop, Qt.MouseButton.LeftButton)
+    qtbot.waitUntil(lambda: not viewer.jobs.running, timeout=20000)
+    assert viewer.jobs.jobs[-1].state is State.STOPPED
+    assert panel.learn.isEnabled()
+    assert viewer.session.scene is scene
+    assert list(tmp_path.iterdir()) == []
 
 
 def test_what_cannot_be_learned_is_one_sentence(
@@ -351,7 +363,7 @@ def test_what_cannot_be_learned_is_one_sentence(
     scene = viewer.session.scene
     QTest.mouseClick(viewer.panels["comparison"].view.learn, Qt.MouseButton.LeftButton)
     qtbot.waitUntil(lambda: viewer.complete, timeout=240000)
-    assert "pings" in viewer.window._sentence.text()
+    assert "pings" in viewer.window.status.sentence.text()
     assert viewer.session.scene is scene
     assert not (tmp_path / "learned.toml").exists()
 
@@ -377,7 +389,7 @@ def test_targets_that_leave_the_simulated_record_do_not_stop_the_recording(
     viewer.run(True)
     qtbot.waitUntil(lambda: not viewer.tow.running, timeout=20000)
     stopped = viewer.tow.newest
-    assert "before the targets leave" in viewer.window._sentence.text()
+    assert "before the targets leave" in viewer.window.status.sentence.text()
     viewer.tow.restart(255)
     open_recording(viewer, folder / "record.xtf", qtbot)
     viewer.run(True)

@@ -63,7 +63,7 @@ def test_a_scene_that_cannot_be_written_stays_unsaved(
     viewer.session.settle({"track.altitude": 7.0})
     name(tmp_path / "nowhere" / "saved.toml")
     viewer.window.save.scene.trigger()
-    assert "check that the folder can be written to" in viewer.window._sentence.text()
+    assert "check that the folder can be written to" in viewer.window.status.sentence.text()
     assert viewer.session.unsaved
 
 
@@ -78,7 +78,7 @@ def test_a_record_is_written_as_the_command_writes_it(
     viewer.window.save.record.trigger()
     assert viewer.window.jobs.isVisible()
     qtbot.waitUntil(lambda: not viewer.jobs.running, timeout=240000)
-    assert viewer.window._sentence.text() == f"{path}: {small.track.pings} pings of 2 x {small.sonar.bins} bins"
+    assert viewer.window.status.sentence.text() == f"{path}: {small.track.pings} pings of 2 x {small.sonar.bins} bins"
     assert not viewer.window.jobs.isVisible()
     if suffix == ".png":
         assert np.ptp(np.asarray(Image.open(path).convert("L"))) > 100

@@ -89,7 +89,7 @@ def test_a_wrong_mesh_is_said_and_nothing_added(
     pick_file(monkeypatch, str(tmp_path / "empty.obj"))
     viewer = open_viewer(small)
     viewer.window.target_wanted.emit("mesh")
-    qtbot.waitUntil(lambda: "holds no triangles" in viewer.window._sentence.text(), timeout=60000)
+    qtbot.waitUntil(lambda: "holds no triangles" in viewer.window.status.sentence.text(), timeout=60000)
     assert viewer.session.scene == small
 
 

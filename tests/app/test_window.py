@@ -100,7 +100,7 @@ def test_the_tow_pauses_once_before_the_targets_leave(open_viewer: Any, small: S
     qtbot.waitUntil(lambda: not viewer.tow.running, timeout=5000)
     # The pipe begins 12 m along the track, at ping 60; 124 of the 128 on screen lie above it.
     assert viewer.tow.newest == 60 + 123
-    assert "Space tows on" in viewer.window._sentence.text()
+    assert "Space tows on" in viewer.window.status.sentence.text()
     assert viewer.window.pause.isChecked()
     viewer.open(edit(small, {"seed": 7}))
     assert viewer.tow.running
@@ -164,7 +164,7 @@ def test_refused_edit_is_said_and_the_slider_returns(open_viewer: Any, small: Sc
     row = number_row(viewer, "seabed.depth")
     home = row.slider.value()
     drag(viewer, "seabed.depth", 0).setSliderDown(False)
-    assert "above the surface" in viewer.window._sentence.text()
+    assert "above the surface" in viewer.window.status.sentence.text()
     assert viewer.session.scene == small
     assert row.slider.value() == home
     assert row.field.text() == "30 m"
@@ -174,14 +174,14 @@ def test_core_refusal_goes_back(open_viewer: Any, small: Scene, qtbot: Any) -> N
     viewer = open_viewer(small)
     viewer.session.settle({"seed": 666})
     qtbot.waitUntil(lambda: viewer.session.scene == small)
-    assert "666" in viewer.window._sentence.text()
+    assert "666" in viewer.window.status.sentence.text()
 
 
 def test_range_takes_the_ping_rate_along(open_viewer: Any, small: Scene) -> None:
     viewer = open_viewer(small)
     viewer.session.drag({"sonar.range": 150.0})
     assert viewer.session.scene.sonar.ping_rate == 5.0
-    assert "ping rate lowered to 5 Hz" in viewer.window._sentence.text()
+    assert "ping rate lowered to 5 Hz" in viewer.window.status.sentence.text()
     viewer.session.drag({"sonar.range": 60.0})
     assert viewer.session.scene.sonar.ping_rate == 10.0
     viewer.session.settle()
@@ -195,7 +195,7 @@ def test_typing_a_value_and_nonsense(open_viewer: Any, small: Scene) -> None:
         QTest.keyClicks(field, text)
         QTest.keyClick(field, Qt.Key.Key_Return)
         assert viewer.session.scene.sonar.frequency == pytest.approx(expected)
-    assert "frequency" in viewer.window._sentence.text()
+    assert "frequency" in viewer.window.status.sentence.text()
     assert field.text() == "300 kHz"
 
 
@@ -318,9 +318,10 @@ def test_dem_is_opened_and_the_tow_ends_with_it(open_viewer: Any, small: Scene, 
     viewer.tow.speed = 16.0
     viewer.run(True)
     qtbot.waitUntil(lambda: not viewer.tow.running, timeout=5000)
-    assert "left the measured bed" in viewer.window._sentence.text()
+    assert "left the measured bed" in viewer.window.status.sentence.text()
     viewer.files.open_dem(scene, str(tmp_path / "none.npy"))
-    qtbot.waitUntil(lambda: "none.npy" in viewer.window._sentence.text() and "…" not in viewer.window._sentence.text())
+    said = viewer.window.status.sentence
+    qtbot.waitUntil(lambda: "none.npy" in said.text() and "…" not in said.text())
     assert viewer.session.scene == scene
 
 
@@ -328,7 +329,7 @@ def test_scene_file_that_cannot_be_read_is_said(open_viewer: Any, small: Scene, 
     viewer = open_viewer(small)
     (tmp_path / "bad.toml").write_text("[sonar]\nrang = 3\n")
     viewer.files.open_scene(str(tmp_path / "bad.toml"))
-    assert "did you mean 'range'" in viewer.window._sentence.text()
+    assert "did you mean 'range'" in viewer.window.status.sentence.text()
     assert viewer.session.scene == small
 
 

@@ -14,6 +14,7 @@ from insonify_viewer.comparison.changed_fields import Change, list_changes
 from insonify_viewer.comparison.kept_record import KeptRecord, SimulatedScene, Traced
 from insonify_viewer.comparison.record_difference import RecordSnapshot, are_comparable, compare_records
 from insonify_viewer.comparison.recording import Recording
+from insonify_viewer.errors.failure import Failure
 from insonify_viewer.modelling import Modelling
 from insonify_viewer.newest_wins import NewestWins
 from insonify_viewer.record import Record
@@ -125,7 +126,7 @@ class Comparison:
         try:
             partner = load_partner(self._session.scene)
         except SceneError as error:
-            self._window.say(str(error))
+            self._window.complain(error)
             return
         if partner is None:
             self._window.say("this scene names no partner; press K to keep its record as A")
@@ -267,7 +268,7 @@ class Comparison:
         self._asked = False
         if isinstance(found, SceneError):
             self._set(None)
-            self._window.say(str(found))
+            self._window.complain(found)
         else:
             kept.simulated = found
             self._fill()
@@ -278,7 +279,7 @@ class Comparison:
         self._asked = False
         if traced is None:
             self._view.show_waiting(None, -1)
-            self._window.say("record A cannot be traced any further; keep another one")
+            self._window.complain(Failure("record A cannot be traced any further; keep another one"))
             return
         self._view.show_rows(kept.put(pings, *traced))
         self._fill()

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 
 from insonify_viewer.comparison.recording import Recording, load_recording
 from insonify_viewer.contrast import Contrast
+from insonify_viewer.errors.failure import Failure
 from insonify_viewer.job import Job
 from insonify_viewer.record import Record
 from insonify_viewer.session import Event, Mark, Session
@@ -115,9 +116,9 @@ class RecordingPlayer:
         for job in self._reading.values():
             job.close(patience)
 
-    def wait_for(self, what: str) -> None:
-        """Show a bar over the recording with what it waits for; an empty text removes it."""
-        self._view.show_waiting(Waiting(what) if what else None, -1)
+    def wait_for(self, what: str, share: float | None = None) -> None:
+        """Show a bar over the recording with what it waits for and the share done; an empty text removes it."""
+        self._view.show_waiting(Waiting(what, share) if what else None, -1)
 
     def go_to(self, ping: int) -> None:
         """Pause, and put a ping of the recording on top."""
@@ -167,12 +168,12 @@ class RecordingPlayer:
         self._window.say("")
         self.opened.emit(recording)
 
-    def _refuse(self, number: int, sentence: str) -> None:
+    def _refuse(self, number: int, failure: Failure) -> None:
         """Say why a file could not be read, and show what was shown before."""
         if not self._finish(number):
             return
-        self.failure = sentence
-        self._window.say(sentence, lasting=True)
+        self.failure = failure.sentence
+        self._window.complain(failure, lasting=True)
         self.opened.emit(self.recording)
 
     def _finish(self, number: int) -> bool:

@@ -8,45 +8,20 @@ import signal
 import subprocess
 import sys
 import threading
-import time
+from collections import deque
 from collections.abc import Callable, Sequence
-from enum import Enum
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import Any
 
 from insonify.progress import VARIABLE
+from insonify_viewer.jobs.background_job import BackgroundJob, Stage, State
 from insonify_viewer.thread_priority import yield_to_window
 
 SAID_BY = "insonify: "  # begins a sentence of the command on standard error
-FEW = 0.02  # share done from which the time left is told
+LINES = 200  # of what the command said on standard error that are kept
 
 
-class State(Enum):
-    """How far a job is."""
-
-    RUNNING = "running"
-    STOPPING = "stopping"
-    DONE = "done"
-    FAILED = "failed"
-    STOPPED = "stopped"
-
-
-class Stage(NamedTuple):
-    """What a job does now, how much of it is done, and when it began (monotonic seconds)."""
-
-    doing: str = "starting"
-    done: float = 0.0
-    total: float = 0.0
-    unit: str = ""
-    began: float = 0.0
-
-    @property
-    def share(self) -> float | None:
-        """Share done; None where that is not known."""
-        return min(self.done / self.total, 1.0) if self.total > 0.0 else None
-
-
-class CommandJob:
+class CommandJob(BackgroundJob):
     """A command of ``insonify``, run as from a shell; the results are the same to the bit.
 
     Parameters
@@ -57,17 +32,8 @@ class CommandJob:
         Of the command.
     result : Path
         The file or folder that it makes.
-    call_later : callable
-        Calls (receive, value) on the main thread.
-    changed : callable
-        Receives the job whenever it has something new to show, on the main thread.
-
-    Attributes
-    ----------
-    state : State
-    stage : Stage
-    sentence : str
-        What the command said at its end: its result, or what is wrong.
+    call_later, changed
+        As of `BackgroundJob`.
     """
 
     def __init__(
@@ -76,26 +42,12 @@ class CommandJob:
         arguments: Sequence[str],
         result: Path,
         call_later: Callable[[Callable[[Any], None], Any], None],
-        changed: Callable[[CommandJob], None],
+        changed: Callable[[BackgroundJob], None],
     ) -> None:
-        self.title, self.arguments, self.result = title, tuple(arguments), result
-        self._call_later, self._changed = call_later, changed
-        self.state, self.stage, self.sentence = State.RUNNING, Stage(began=time.monotonic()), ""
+        super().__init__(title, result, call_later, changed)
+        self.arguments = tuple(arguments)
         self._process: subprocess.Popen[str] | None = None
         self._reader = threading.Thread(target=self._read, name="insonify job", daemon=True)
-
-    @property
-    def running(self) -> bool:
-        """Whether the process still works."""
-        return self.state in (State.RUNNING, State.STOPPING)
-
-    @property
-    def seconds_left(self) -> float | None:
-        """Seconds that the stage will take at the rate so far; None while nobody can tell."""
-        share = self.stage.share
-        if share is None or share < FEW or not self.running:
-            return None
-        return (time.monotonic() - self.stage.began) * (1.0 - share) / share
 
     def start(self) -> None:
         """Start the process, at a lower priority than the window."""
@@ -113,13 +65,6 @@ class CommandJob:
         yield_to_window(self._process.pid)
         self._reader.start()
 
-    def stop(self) -> None:
-        """Ask the process to end; it leaves nothing half-written."""
-        if self.state is State.RUNNING:
-            self.state = State.STOPPING
-            self._send("SIGTERM")
-            self._changed(self)
-
     def close(self, patience: float) -> None:
         """Stop, and end the process if it has not ended after a time in seconds."""
         if self._process is None:
@@ -131,6 +76,9 @@ class CommandJob:
         self._reader.join()
         if self.running:  # its end is not taken over any more
             self.state = State.STOPPED
+
+    def _ask_to_end(self) -> None:
+        self._send("SIGTERM")
 
     def _send(self, name: str) -> None:
         """Send a signal to the process and those that it started; end the process where there are no signals."""
@@ -151,33 +99,27 @@ class CommandJob:
         assert process is not None
         assert process.stderr is not None
         assert process.stdout is not None
-        complaint = ""
+        heard: deque[str] = deque(maxlen=LINES)
         with process:
             for line in process.stderr:
                 if stage := _stage_of(line):
                     self._call_later(self._advance, stage)
-                elif line.startswith(SAID_BY):
-                    complaint = line.removeprefix(SAID_BY).strip()
+                else:
+                    heard.append(line)
             said = process.stdout.read().strip()
-        self._call_later(self._end, (process.returncode, said.rpartition("\n")[2], complaint))
+        self._call_later(self._end, (process.returncode, said.rpartition("\n")[2], list(heard)))
 
-    def _advance(self, stage: Stage) -> None:
-        """Take over how far the process is."""
-        before = self.stage
-        same = (stage.unit, stage.total) == (before.unit, before.total)
-        self.stage = stage._replace(began=before.began if same else time.monotonic())
-        self._changed(self)
-
-    def _end(self, outcome: tuple[int, str, str]) -> None:
+    def _end(self, outcome: tuple[int, str, list[str]]) -> None:
         """Take over how the process ended."""
-        code, said, complaint = outcome
+        code, said, heard = outcome
         if code == 0:
-            self.state, self.sentence = State.DONE, said or f"{self.result} is finished"
-        elif self.state is State.STOPPING:
-            self.state, self.sentence = State.STOPPED, f"{self.title}: stopped"
+            self._finish(State.DONE, said or f"{self.result} is finished")
+            return
+        complaints = [line.removeprefix(SAID_BY).strip() for line in heard if line.startswith(SAID_BY)]
+        if complaints:
+            self._finish(State.FAILED, complaints[-1])
         else:
-            self.state, self.sentence = State.FAILED, complaint or f"{self.title}: ended with code {code}"
-        self._changed(self)
+            self._finish(State.FAILED, f"{self.title}: ended with code {code}", "".join(heard))
 
 
 def _stage_of(line: str) -> Stage | None:

@@ -10,14 +10,17 @@ from typing import Any
 from insonify.commands.render import PICTURE
 from insonify.display.display_options import display_settings
 from insonify.scene import Scene, scene_to_toml
+from insonify_viewer.job import Progress
+from insonify_viewer.jobs.background_job import BackgroundJob
 from insonify_viewer.jobs.command_job import CommandJob
+from insonify_viewer.jobs.thread_job import ThreadJob
 from insonify_viewer.session import Session
 
-Watcher = Callable[[CommandJob], None]
+Watcher = Callable[[BackgroundJob], None]
 
 
 class JobList:
-    """Commands that a window has started, the newest last.
+    """Commands and other long work that a window has started, the newest last.
 
     Parameters
     ----------
@@ -26,7 +29,7 @@ class JobList:
 
     Attributes
     ----------
-    jobs : list of CommandJob
+    jobs : list of BackgroundJob
     """
 
     def __init__(self, call_later: Callable[[Callable[[Any], None], Any], None]) -> None:
@@ -34,10 +37,10 @@ class JobList:
         self._watchers: list[Watcher] = []
         self._folder: tempfile.TemporaryDirectory[str] | None = None
         self._scenes = 0
-        self.jobs: list[CommandJob] = []
+        self.jobs: list[BackgroundJob] = []
 
     @property
-    def running(self) -> tuple[CommandJob, ...]:
+    def running(self) -> tuple[BackgroundJob, ...]:
         """Jobs that have not ended, the newest last."""
         return tuple(job for job in self.jobs if job.running)
 
@@ -48,9 +51,13 @@ class JobList:
     def begin(self, title: str, arguments: Sequence[str], result: Path) -> CommandJob:
         """Start a command; arguments as of `CommandJob`."""
         job = CommandJob(title, arguments, result, self._call_later, self._tell)
-        self.jobs.append(job)
-        job.start()
-        self._tell(job)
+        self._begin(job)
+        return job
+
+    def begin_work(self, title: str, work: Callable[[Progress], Any]) -> ThreadJob:
+        """Start work whose result the window goes on with; arguments as of `ThreadJob`."""
+        job = ThreadJob(title, work, self._call_later, self._tell)
+        self._begin(job)
         return job
 
     def write_scene(self, scene: Scene) -> str:
@@ -85,6 +92,11 @@ class JobList:
             self._folder.cleanup()
             self._folder = None
 
-    def _tell(self, job: CommandJob) -> None:
+    def _begin(self, job: BackgroundJob) -> None:
+        self.jobs.append(job)
+        job.start()
+        self._tell(job)
+
+    def _tell(self, job: BackgroundJob) -> None:
         for watcher in self._watchers:
             watcher(job)

@@ -12,6 +12,7 @@ if TYPE_CHECKING:
     from insonify.scene import Scene
     from insonify_viewer.comparison.comparison import Comparison
     from insonify_viewer.comparison.recording_player import RecordingPlayer
+    from insonify_viewer.errors.failure import Failure
     from insonify_viewer.inspection import Inspection
     from insonify_viewer.jobs.job_list import JobList
     from insonify_viewer.marked_point import MarkedPoint
@@ -80,6 +81,10 @@ class Workbench:
         Dialogs that ask for files.
     say : callable
         Shows a sentence in the status bar.
+    complain : callable
+        Shows an error in the status bar, a `Failure` or an exception, with a button that copies details.
+    copy_details : callable
+        Copies the details of a `Failure` that is shown elsewhere.
     pause : callable
         Pauses the tow.
     go_to : callable
@@ -113,6 +118,8 @@ class Workbench:
     simulator: Simulator
     files: FileDialogs
     say: Callable[[str], None]
+    complain: Callable[[Failure | Exception], None]
+    copy_details: Callable[[Failure], None]
     pause: Callable[[], None]
     go_to: Callable[[int], None]
     record_views: tuple[WaterfallView, WaterfallView]

@@ -9,6 +9,7 @@ from PySide6.QtCore import QLockFile, QObject, QTimer
 from PySide6.QtWidgets import QMessageBox
 
 from insonify.scene import Scene
+from insonify_viewer.errors.failure import Failure, format_trace
 from insonify_viewer.recovery import INTERVAL, LeftScene, Recovery
 from insonify_viewer.session import Session
 from insonify_viewer.views.main_window import MainWindow
@@ -60,7 +61,8 @@ class CrashRecovery(QObject):
             self._recovery.keep(self._session.scene, unsaved=self._session.unsaved)
         except OSError as error:
             self._clock.stop()  # one sentence, not one every two seconds
-            self._window.say(f"the scene cannot be kept against a crash ({error.strerror}); save it")
+            sentence = f"the scene cannot be kept against a crash ({error.strerror}); save it"
+            self._window.complain(Failure(sentence, format_trace(error)))
 
     def _end(self) -> None:
         self._clock.stop()

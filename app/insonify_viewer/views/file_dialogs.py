@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
-from PySide6.QtWidgets import QFileDialog, QWidget
+from PySide6.QtWidgets import QFileDialog
 
 from insonify.io.bathymetry import BATHYMETRY
 from insonify.io.formats import FormatRegistry
@@ -18,6 +18,9 @@ from insonify.scene import Scene, SceneError, bundled_meshes, bundled_scenes, lo
 from insonify_viewer.dem_scene import scene_over_dem
 from insonify_viewer.simulator import Simulator
 
+if TYPE_CHECKING:
+    from insonify_viewer.views.main_window import MainWindow
+
 MAPS = "Pictures (*.png *.tif *.tiff);;All files (*)"
 
 
@@ -26,20 +29,16 @@ class FileDialogs:
 
     Parameters
     ----------
-    window : QWidget
-        Owner of the dialogs.
+    window : MainWindow
+        Owner of the dialogs, which shows errors.
     simulator : Simulator
         The worker that reads measured beds.
     opened : callable
         Receives a scene that was opened, and its file; empty for a scene that is in no file.
-    say : callable
-        Receives a sentence.
     """
 
-    def __init__(
-        self, window: QWidget, simulator: Simulator, opened: Callable[[Scene, str], None], say: Callable[[str], None]
-    ) -> None:
-        self._window, self._simulator, self._opened, self._say = window, simulator, opened, say
+    def __init__(self, window: MainWindow, simulator: Simulator, opened: Callable[[Scene, str], None]) -> None:
+        self._window, self._simulator, self._opened = window, simulator, opened
         self._folder = str(next(iter(bundled_scenes().values())).parent)
         self._meshes = str(next(iter(bundled_meshes().values())).parent)
 
@@ -105,18 +104,18 @@ class FileDialogs:
         try:
             scene = load_scene(path)
         except SceneError as error:
-            self._say(str(error))
+            self._window.complain(error)
             return
         self._folder = str(Path(path).parent)
         self._opened(scene, path)
 
     def open_dem(self, scene: Scene, path: str) -> None:
         """Lay a scene over a measured bed, which the worker reads."""
-        self._say(f"reading {Path(path).name} …")
+        self._window.say(f"reading {Path(path).name} …")
         self._simulator.send(lambda: scene_over_dem(scene, path), self._read)
 
     def _read(self, result: Scene | SceneError) -> None:
         if isinstance(result, SceneError):
-            self._say(str(result))
+            self._window.complain(result)
         else:
             self._opened(result, "")

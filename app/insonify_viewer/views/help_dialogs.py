@@ -2,9 +2,6 @@
 
 from __future__ import annotations
 
-import platform
-from importlib.metadata import PackageNotFoundError, version
-
 from PySide6.QtCore import Qt
 from PySide6.QtGui import QAction, QGuiApplication, QKeySequence
 from PySide6.QtWidgets import (
@@ -18,7 +15,8 @@ from PySide6.QtWidgets import (
     QWidget,
 )
 
-PARTS = ("insonify", "numpy", "numba", "PySide6-Essentials", "vtk", "pyvista")
+from insonify_viewer.errors.versions import list_versions, version_of
+
 _NATIVE = QKeySequence.SequenceFormat.NativeText
 HELD_KEYS = (("show record A while held", "X"), ("look back along a paused record", "mouse wheel"))
 LICENCE = "MIT licence: free to use, change and pass on, without warranty."
@@ -84,27 +82,18 @@ class AboutDialog(QDialog):
 
 def about() -> str:
     """Describe the program: the versions it runs with, its licence, and how to cite it."""
-    versions = [f"{part} {_version(part)}" for part in PARTS]
     return "\n".join(
         [
             "insonify: a side-scan sonar simulator",
             "",
-            *versions,
-            f"Python {platform.python_version()}, {platform.platform(terse=True)}",
+            *list_versions(),
             "",
             LICENCE,
             "",
             "To cite it:",
-            f"The insonify authors. insonify: a side-scan sonar simulator (version {_version('insonify')}).",
+            f"The insonify authors. insonify: a side-scan sonar simulator (version {version_of('insonify')}).",
         ]
     )
-
-
-def _version(part: str) -> str:
-    try:
-        return version(part)
-    except PackageNotFoundError:
-        return "(version unknown)"
 
 
 def _closing(dialog: QDialog) -> QDialogButtonBox:

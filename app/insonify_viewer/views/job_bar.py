@@ -8,7 +8,7 @@ from PySide6.QtCore import Signal
 from PySide6.QtGui import QMouseEvent
 from PySide6.QtWidgets import QProgressBar
 
-from insonify_viewer.jobs.command_job import CommandJob
+from insonify_viewer.jobs.background_job import BackgroundJob
 from insonify_viewer.quantities import format_time_left
 
 
@@ -24,7 +24,7 @@ class JobBar(QProgressBar):
         self.setToolTip("What runs beside the window; click for all of it (Ctrl+J)")
         self.setVisible(False)
 
-    def show_jobs(self, running: Sequence[CommandJob]) -> None:
+    def show_jobs(self, running: Sequence[BackgroundJob]) -> None:
         """Show how far the newest of the running jobs is."""
         self.setVisible(bool(running))
         if not running:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from itertools import pairwise
 
-from PySide6.QtCore import QEvent, QSize, Qt, QTimer, Signal
+from PySide6.QtCore import QEvent, QSize, Qt, Signal
 from PySide6.QtGui import QAction, QCloseEvent, QKeyEvent, QKeySequence
 from PySide6.QtWidgets import (
     QAbstractButton,
@@ -21,6 +21,7 @@ from PySide6.QtWidgets import (
 )
 
 from insonify.display.display_options import DisplayOptions
+from insonify_viewer.errors.failure import Failure
 from insonify_viewer.panels.panel import Panel, Place
 from insonify_viewer.target_placement import target_menu
 from insonify_viewer.tow_clock import SPEEDS
@@ -37,6 +38,7 @@ from insonify_viewer.views.records_side_by_side import RecordsSideBySide
 from insonify_viewer.views.save_menu import SaveMenu
 from insonify_viewer.views.scene_menu import SceneMenu
 from insonify_viewer.views.settings import Settings
+from insonify_viewer.views.status_line import StatusLine
 from insonify_viewer.views.text_scale import scaled
 from insonify_viewer.views.titled_waterfall import TitledWaterfall
 from insonify_viewer.views.tool_widgets import GainSlider, make_combo
@@ -44,7 +46,6 @@ from insonify_viewer.views.tour import Tour, tour_steps
 from insonify_viewer.views.waterfall_view import WaterfallView
 
 SMALLEST = (760, 420)  # px, which fits half of a screen of 1600 × 900 at twice the scale
-READING_TIME = 12_000  # ms, of a sentence in the status bar
 GAIN_REACH = 30  # dB either way
 SIDE = 332  # px at the usual size of the text, width of the panels at the side
 BELOW_HEIGHT = 260  # px, of a panel below when it is first opened
@@ -154,11 +155,11 @@ class MainWindow(QMainWindow):
 
     def say(self, sentence: str, *, lasting: bool = False) -> None:
         """Show a sentence in the status bar until the next one, and for some seconds unless it is to last."""
-        self._fading.stop()
-        if sentence and not lasting:
-            self._fading.start()
-        self._sentence.setText(sentence)
-        self._sentence.setToolTip(sentence)
+        self.status.say(sentence, lasting=lasting)
+
+    def complain(self, error: Failure | Exception, *, lasting: bool = False) -> None:
+        """Show an error in the status bar like a sentence, with a button that copies its details."""
+        self.status.complain(error, lasting=lasting)
 
     def show_display(self, look: DisplayOptions) -> None:
         """Set palette and gain among the tools to the display options."""
@@ -195,7 +196,7 @@ class MainWindow(QMainWindow):
             event.ignore()
             return
         self._closed = True
-        self._fading.stop()
+        self.status.stop()
         self.hide()
         self.closing.emit()
         super().closeEvent(event)
@@ -357,16 +358,11 @@ class MainWindow(QMainWindow):
     def _add_status(self) -> None:
         status = self.statusBar()
         status.setSizeGripEnabled(False)
-        self._sentence = QLabel()
-        self._fading = QTimer(self)
-        self._fading.setSingleShot(True)
-        self._fading.setInterval(READING_TIME)
-        self._fading.timeout.connect(lambda: self.say(""))
-        self._sentence.setMinimumWidth(1)  # so that a long sentence does not widen the window
+        self.status = StatusLine()
         self.jobs = JobBar()
         self.jobs.clicked.connect(lambda: self.open_panel("jobs"))
         self.save.jobs.triggered.connect(lambda: self.open_panel("jobs"))
-        status.addWidget(self._sentence, 1)
+        status.addWidget(self.status, 1)
         status.addPermanentWidget(self.jobs)
 
     def _tool(self, bar: QToolBar, text: str, tip: str, shortcut: QKeySequence) -> QAction:

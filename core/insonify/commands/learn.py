@@ -8,6 +8,7 @@ from typing import Any
 from insonify.commands.options import add_frequency, add_output, chosen_output, is_record, say
 from insonify.errors import SceneError
 from insonify.io.records import RECORDS, read_record
+from insonify.progress import report_progress
 from insonify.scene import read_setting
 
 EXAMPLE = "example: insonify learn recording.xtf -o scene.toml --set sonar.beam.width=0.5"
@@ -46,8 +47,11 @@ def run(arguments: argparse.Namespace) -> None:
     # lazy: the other commands need neither SciPy nor the kernels
     from insonify.inversion.learning import learn
 
-    learned = learn(record, changes)
+    with report_progress("learning", 1.0, delay=1.0) as progress:
+        learned = learn(record, changes, progress=progress.reach)
     for line in learned.lines():
         say(line)
-    for written in learned.write(path):
+    scene_file, *others = learned.write(path)
+    for written in others:
         say(str(written))
+    say(f"{scene_file}: its record {learned.summarise()}")

@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 import xarray as xr
 
-from insonify.inversion.findings import Finding, format_table, report_findings
+from insonify.inversion.findings import DIFFERS, Finding, format_table, report_findings
 from insonify.inversion.matching import Matching, speed_of_sound
 from insonify.inversion.recorded_sonar import RecordedSonar, declare_sonar
 from insonify.inversion.segment_spectra import SegmentSpectra, SoundedBed, measure_segment_spectra, sound_bed
@@ -44,12 +44,22 @@ class Learned:
         """Lay out the findings as lines of a table."""
         return format_table(self.findings)
 
+    def summarise(self) -> str:
+        """Say in one clause how the record of the scene compares with that which it is learned from."""
+        differing = [found.quantity for found in self.findings if found.verdict == DIFFERS]
+        return f"differs from the recording in: {', '.join(differing)}" if differing else "matches the recording"
+
     def write(self, path: str | Path) -> list[Path]:
         """Write the scene as TOML, and its track as CSV beside it where that is not straight; return the files."""
         return write_learned(path, self.scene, self.navigation)
 
 
-def learn(record: xr.Dataset, changes: Mapping[str, Any] | None = None) -> Learned:
+def learn(
+    record: xr.Dataset,
+    changes: Mapping[str, Any] | None = None,
+    *,
+    progress: Callable[[float], None] | None = None,
+) -> Learned:
     """Learn a scene from a record.
 
     Sonar and track are taken as declared. Relief, material, speckle and level are fitted; then the scene is simulated,
@@ -62,6 +72,8 @@ def learn(record: xr.Dataset, changes: Mapping[str, Any] | None = None) -> Learn
         From ``records.read_record`` or `simulate`.
     changes : mapping of str to object, optional
         Fields of the scene by dotted path that the record does not tell, such as ``{"sonar.beam.width": 0.5}``.
+    progress : callable, optional
+        Called now and then with the share done, from 0 to 1; may raise to stop.
 
     Returns
     -------
@@ -78,10 +90,14 @@ def learn(record: xr.Dataset, changes: Mapping[str, Any] | None = None) -> Learn
     spectra = measure_segment_spectra(bed)
     sonar = _estimate_sonar(sonar, bed, spectra)
     with staged_track(sonar.scene, sonar.navigation) as scene:
-        candidate, fit = Matching(scene, sonar, bed, spectra).match()
+        candidate, fit = Matching(scene, sonar, bed, spectra, progress or _ignore).match()
         own = simulate(candidate.set_on(scene))
     learned = edit(candidate.set_on(sonar.scene), _title(record))
     return Learned(learned, report_findings(record, own, sonar, learned, fit), sonar.navigation)
+
+
+def _ignore(share: float) -> None:
+    """Take no notice of progress."""
 
 
 def _middle(record: xr.Dataset) -> xr.Dataset:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -22,6 +23,7 @@ from insonify.simulation import simulate
 # Share of the difference by which each simulation corrects the parameters: first those of an even bed, then once more
 # if patches of material are added; the last steps average over simulations.
 FIRST_STEPS, STEPS = (1.0, 1.0), (1.0, 1.0 / 2.0, 1.0 / 3.0, 1.0 / 4.0)
+MOST_SIMULATIONS = 2 * len(FIRST_STEPS) + len(STEPS) + 1  # the last one is compared with the record
 SPECKLE_STEP = 0.5  # the same for speckle, which comes in steps of whole looks
 LARGEST_STEP = 2.0  # of a logarithm of a level
 EXPONENTS = (0.1, 3.0)
@@ -71,9 +73,19 @@ class Matching:
     recorded : SoundedBed
     spectra : SegmentSpectra
         Of the same record.
+    progress : callable
+        Called with the share done before every simulation.
     """
 
-    def __init__(self, scene: Scene, sonar: RecordedSonar, recorded: SoundedBed, spectra: SegmentSpectra) -> None:
+    def __init__(
+        self,
+        scene: Scene,
+        sonar: RecordedSonar,
+        recorded: SoundedBed,
+        spectra: SegmentSpectra,
+        progress: Callable[[float], None],
+    ) -> None:
+        self._progress, self._left = progress, MOST_SIMULATIONS
         self._scene, self._sonar, self._recorded, self._spectra = scene, sonar, recorded, spectra
         self._footprint = footprint_of(scene, speed_of_sound(scene))
         self._number = 0  # of simulations
@@ -87,6 +99,7 @@ class Matching:
             bed = replace(candidate.bed, patches=PowerLaw(*patchy.patches[:2]))
             candidate, fit = replace(candidate, bed=bed), patchy
             candidate, _ = self._refine(candidate, fit, FIRST_STEPS)
+        self._left = len(STEPS) + 1
         return self._refine(candidate, fit, STEPS)[0], fit
 
     def _first(self, fit: RoughnessFit) -> Candidate:
@@ -107,6 +120,8 @@ class Matching:
         """Correct a candidate by simulations with seeds of their own; return also the last one's spectra."""
         for step in steps:
             self._number += 1
+            self._progress(1.0 - self._left / MOST_SIMULATIONS)
+            self._left -= 1
             simulated = self._simulate(candidate, self._number)
             spectra = measure_segment_spectra(simulated)
             found = fit_roughness(spectra, self._footprint, patches=target.patches is not None, near=target)

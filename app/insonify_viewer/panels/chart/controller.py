@@ -2,10 +2,14 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+from functools import partial
 from typing import TYPE_CHECKING, Any
 
 from insonify.scene import Scene, SceneError
-from insonify_viewer.job import Job, Progress
+from insonify_viewer.job import Progress
+from insonify_viewer.jobs.background_job import BackgroundJob, State
+from insonify_viewer.jobs.thread_job import ThreadJob
 from insonify_viewer.panels.chart.chart_details import ChartPicture, RowDetails, draw_chart, row_details
 from insonify_viewer.panels.chart.view.chart_window import ChartWindow
 from insonify_viewer.panels.panel import Button, Panel, Place, Workbench
@@ -13,8 +17,6 @@ from insonify_viewer.panels.panel import Button, Panel, Place, Workbench
 if TYPE_CHECKING:
     from insonify.accuracy.charts.kinds.accuracy import AccuracyChart
     from insonify.accuracy.charts.measurement import AccuracyRow
-
-PATIENCE = 0.25  # s, for a measurement that is under way when the window closes
 
 
 class ChartPanel(Panel):
@@ -32,7 +34,8 @@ class ChartPanel(Panel):
         self._workbench = workbench
         self.measure: Any = None
         self.view: ChartWindow | None = None
-        self._measurement: Job | None = None
+        self._measurement: ThreadJob | None = None
+        workbench.jobs.watch(self._follow)
         self._picture: ChartPicture | None = None
 
     @property
@@ -49,7 +52,7 @@ class ChartPanel(Panel):
     @property
     def busy(self) -> bool:
         """Whether a chart is being measured."""
-        return self._measurement is not None
+        return self._measurement is not None and self._measurement.running
 
     def begin(self) -> None:
         """Measure the current scene."""
@@ -57,16 +60,9 @@ class ChartPanel(Panel):
             return
         self._workbench.pause()
         scene, measure = self._workbench.session.scene, self.measure or _measured
-        self._measurement = Job(
-            lambda report: draw_chart(measure(scene, report)),
-            self._workbench.simulator.call_later,
-            progressed=self.widget.show_progress,
-            done=self._take,
-            failed=self._fail,
-            name="chart",
-        )
         self.widget.show_busy(True)
-        self._measurement.start()
+        work = partial(_measure_and_draw, measure, scene)
+        self._measurement = self._workbench.jobs.begin_work(f"chart of {scene.title or 'the scene'}", work)
 
     def stop(self) -> None:
         """Stop the measurement."""
@@ -88,38 +84,39 @@ class ChartPanel(Panel):
             self._workbench.simulator.send(lambda: _written(chart, path), self._tell)
 
     def closing(self) -> None:
-        """Stop the measurement, wait a moment for its thread, and close the window."""
-        if self._measurement is not None:
-            self._measurement.close(PATIENCE)
-            self._measurement = None
+        """Close the window; the measurement ends with the other jobs."""
         if self.view is not None:
             self.view.close()
 
-    def _take(self, picture: ChartPicture) -> None:
-        if self.busy:  # else the window closed while the picture was on its way
-            self._end()
-            self._picture = picture
-            self.widget.show_chart(picture)
-
-    def _fail(self, sentence: str) -> None:
-        if self.busy:
-            self._end()
-            self.widget.say(sentence or "stopped")
-
-    def _end(self) -> None:
-        if self._measurement is not None:
-            self._measurement.close()
-            self._measurement = None
+    def _follow(self, job: BackgroundJob) -> None:
+        """Show how far the measurement is, and what came of it."""
+        if job is not self._measurement or not isinstance(job, ThreadJob):
+            return
+        if job.running:
+            self.widget.show_progress(job.stage.share or 0.0, job.seconds_left)
+            return
         self.widget.show_busy(False)
+        if job.state is State.DONE:
+            self._picture = job.value
+            self.widget.show_chart(job.value)
+        else:
+            self.widget.say("stopped" if job.state is State.STOPPED else job.sentence)
 
     def _show_details(self, details: RowDetails | SceneError) -> None:
         if isinstance(details, SceneError):
+            self._workbench.complain(details)
             self.widget.say(str(details))
         else:
             self.widget.show_details(details)
 
     def _tell(self, written: str | SceneError) -> None:
+        if isinstance(written, SceneError):
+            self._workbench.complain(written)
         self.widget.say(str(written) if isinstance(written, SceneError) else f"written to {written}")
+
+
+def _measure_and_draw(measure: Callable[[Scene, Progress], AccuracyChart], scene: Scene, report: Progress) -> Any:
+    return draw_chart(measure(scene, report))
 
 
 def _written(chart: AccuracyChart, path: str) -> str:

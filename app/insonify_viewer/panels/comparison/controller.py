@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from insonify.scene import bundled_scenes, load_scene
 from insonify_viewer.comparison.recording import Recording, describe_point
-from insonify_viewer.job import Job
+from insonify_viewer.jobs.background_job import BackgroundJob, State
 from insonify_viewer.newest_wins import NewestWins
-from insonify_viewer.panels.comparison.learning import LearnedScene, learn_scene
+from insonify_viewer.panels.comparison.learning import begin_learning
 from insonify_viewer.panels.comparison.measurement import Measured, measure_record, measure_simulation
 from insonify_viewer.panels.comparison.view import ComparisonView
 from insonify_viewer.panels.panel import Panel, Place, RecordGrowth, Workbench
@@ -35,7 +36,8 @@ class ComparisonPanel(Panel):
         self._simulation: Simulation | None = None  # that of the whole record on screen
         self._wanted: dict[str, Any] = {}  # what is to be measured: a recording, a simulation
         self._measured: dict[str, Any] = {}
-        self._learning: Job | None = None
+        self._learning: BackgroundJob | None = None
+        workbench.jobs.watch(self._follow_learning)
         self.view = ComparisonView()
         self._player.opened.connect(self._show_recording)
         self._player.pointed.connect(self._show_point)
@@ -64,22 +66,12 @@ class ComparisonPanel(Panel):
         recording = self._player.recording
         if recording is None or self._learning is not None:
             return
-        self._learning = Job(
-            lambda _: learn_scene(recording.dataset, file),
-            self._workbench.simulator.call_later,
-            progressed=lambda _: None,
-            done=self._open_learned,
-            failed=self._end_learning,
-            name="learning",
-        )
         self.view.show_learning(True)
-        self._player.wait_for(f"learning a scene from {recording.path.name}, a minute or more")
-        self._learning.start()
+        self._player.wait_for(f"learning a scene from {recording.path.name}")
+        self._learning = begin_learning(self._workbench.jobs, recording, Path(file))
 
     def closing(self) -> None:
         """End the threads."""
-        if self._learning is not None:
-            self._learning.close(PATIENCE)
         for thread in self._threads.values():
             thread.close(PATIENCE)
 
@@ -120,16 +112,18 @@ class ComparisonPanel(Panel):
         if self._comparison.kept is not None:
             self.view.show_changes(self._comparison.changes, self._comparison.difference or "measuring …")
 
-    def _open_learned(self, learned: LearnedScene) -> None:
-        """Open a learned scene, unless unsaved changes keep the present one."""
-        opened = self._workbench.open_scene(learned.scene, learned.file, ask=True)
-        self._end_learning(learned.summary() if opened else f"saved {learned.file}")
-
-    def _end_learning(self, sentence: str) -> None:
+    def _follow_learning(self, job: BackgroundJob) -> None:
+        """Show how far a scene is learned; open it at the end, unless unsaved changes keep the present one."""
+        if job is not self._learning:
+            return
+        if job.running:
+            self._player.wait_for(f"learning a scene: {job.stage.doing}", job.stage.share)
+            return
         self._learning = None
         self.view.show_learning(False)
         self._player.wait_for("")
-        self._workbench.say(sentence)
+        if job.state is State.DONE and job.result is not None:
+            self._workbench.open_scene(load_scene(job.result), str(job.result), ask=True)
 
     def _open_frequency(self, frequency: float) -> None:
         """Read the present file anew for another frequency."""

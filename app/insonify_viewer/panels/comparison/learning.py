@@ -3,58 +3,27 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import TYPE_CHECKING, NamedTuple
-
-from insonify.scene import Scene, load_scene
+from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
-    import xarray as xr
+    from insonify_viewer.comparison.recording import Recording
+    from insonify_viewer.jobs.background_job import BackgroundJob
+    from insonify_viewer.jobs.job_list import JobList
 
 
-class LearnedScene(NamedTuple):
-    """A learned scene, as it was written.
-
-    Attributes
-    ----------
-    scene : Scene
-        As it is in its file.
-    file : str
-        The file.
-    differing : tuple of str
-        Quantities in which its record differs from the recording.
-    """
-
-    scene: Scene
-    file: str
-    differing: tuple[str, ...]
-
-    def summary(self) -> str:
-        """Say in one sentence how the record of the scene compares with the recording."""
-        if not self.differing:
-            return "learned a scene whose record matches the recording in all that is compared"
-        return f"learned a scene; its record differs from the recording in: {', '.join(self.differing)}"
-
-
-def learn_scene(record: xr.Dataset, file: str) -> LearnedScene:
-    """Learn a scene from a record, and write it with its track beside it.
+def begin_learning(jobs: JobList, recording: Recording, file: Path) -> BackgroundJob:
+    """Start to learn a scene from a recording, which is read anew at the frequency that is shown.
 
     Parameters
     ----------
-    record : Dataset
-        From ``records.read_record``.
-    file : str
+    jobs : JobList
+        Lists the job.
+    recording : Recording
+        What is learned from.
+    file : Path
         TOML file to make or replace; it appears only when whole.
-
-    Raises
-    ------
-    SceneError
-        If the record shows too little bed.
     """
-    # lazy: loads SciPy and kernels on a thread of its own; the window opens before
-    from insonify.inversion.findings import DIFFERS
-    from insonify.inversion.learning import learn
-
-    learned = learn(record)
-    learned.write(file)
-    differing = tuple(found.quantity for found in learned.findings if found.verdict == DIFFERS)
-    return LearnedScene(load_scene(Path(file)), file, differing)
+    arguments = ["learn", str(recording.path), "-o", str(file)]
+    if recording.dataset.attrs.get("frequencies"):
+        arguments += ["--frequency", repr(float(recording.dataset.attrs["frequency"]))]
+    return jobs.begin(f"scene like {recording.path.name}", arguments, file)

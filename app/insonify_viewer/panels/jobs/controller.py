@@ -5,7 +5,8 @@ from __future__ import annotations
 from pathlib import Path
 
 from insonify.files import bundled_specifications
-from insonify_viewer.jobs.command_job import CommandJob
+from insonify_viewer.errors.failure import Failure
+from insonify_viewer.jobs.background_job import BackgroundJob
 from insonify_viewer.panels.jobs.view import JobsView, WantedChart, WantedDataset
 from insonify_viewer.panels.panel import Panel, Place, Workbench
 
@@ -27,12 +28,14 @@ class JobsPanel(Panel):
     def widget(self) -> JobsView:
         """The window, made when it is first asked for."""
         if self.view is None:
+            workbench = self._workbench
             self.view = view = JobsView(sorted(bundled_specifications("datasets")))
             view.record_wanted.connect(self.write_record)
             view.chart_wanted.connect(self.measure_chart)
             view.dataset_wanted.connect(self.make_dataset)
             view.stability_wanted.connect(self.write_stability_page)
             view.forget_wanted.connect(self._forget)
+            view.details_wanted.connect(lambda job: workbench.copy_details(Failure(job.sentence, job.trace)))
             view.show_jobs(self._jobs.jobs)
         return self.view
 
@@ -60,7 +63,7 @@ class JobsPanel(Panel):
         if self.view is not None:
             self.view.close()
 
-    def _show(self, job: CommandJob) -> None:
+    def _show(self, job: BackgroundJob) -> None:
         if self.view is not None:
             self.view.show_job(job)
 

@@ -126,7 +126,7 @@ class PixelPanel(Panel):
             self._workbench.inspection.drawn.emit(_drawing(found.explanation))
         else:
             self.view.show_nothing()
-            self._workbench.say(str(found or "this pixel cannot be explained; pin another one"))
+            self._workbench.complain(found or SceneError("this pixel cannot be explained; pin another one"))
 
     def _pick(self, place: ScenePlace | None) -> None:
         """Light up the pixels that hear a picked place."""

@@ -11,7 +11,6 @@ import numpy as np
 from insonify.scene import Scene, SceneError
 from insonify_viewer.contacts.contact import SIDES, Contact, ContactList
 from insonify_viewer.contacts.files import FORMATS, GEOJSON, read_contacts, write_contacts
-from insonify_viewer.job import in_one_sentence
 from insonify_viewer.measuring.location import (
     Location,
     degrees_of,
@@ -100,7 +99,7 @@ class RecordPanel(Panel):
         try:
             write_contacts(path, self.contacts.all)
         except OSError as error:
-            self._workbench.say(in_one_sentence(error))
+            self._workbench.complain(error)
             return False
         self.contacts.mark_saved(str(path))
         self._workbench.say(f"saved {path}")
@@ -114,7 +113,7 @@ class RecordPanel(Panel):
         try:
             self.contacts.open(read_contacts(Path(path)), path)
         except SceneError as error:
-            self._workbench.say(str(error))
+            self._workbench.complain(error)
 
     def _connect(self) -> None:
         view, session = self.view, self._session

@@ -99,7 +99,7 @@ class WaterPanel(Panel):
     def _show(self, diagram: RayDiagram | SceneError) -> None:
         self._busy = False
         if isinstance(diagram, SceneError):
-            self._workbench.say(str(diagram))
+            self._workbench.complain(diagram)
         else:
             assert self._shown is not None
             self.view.show_diagram(diagram, _points(self._shown[0]))

@@ -16,6 +16,7 @@ from PySide6.QtWidgets import (
 
 from insonify_viewer.panels.chart.chart_details import ChartPicture, RowDetails, details_in_words, nearest_row
 from insonify_viewer.panels.chart.view.strips_view import StripsView
+from insonify_viewer.quantities import format_time_left
 from insonify_viewer.views.push_button import push_button
 from insonify_viewer.views.theme import ACCENT, GROUND, QUIET
 
@@ -27,6 +28,7 @@ INVITATION = (
     "“Measure here” times every method on this scene and compares its record with a converged reference. "
     "It takes a minute or two."
 )
+BUSY = "measuring; the tow is paused; other programs that run here lengthen the times …"
 HINT = "Click a point for its record, the reference and the difference."
 
 
@@ -81,11 +83,12 @@ class ChartWindow(QWidget):
         self._progress.setVisible(busy)
         if busy:
             self._progress.setValue(0)
-            self.say("measuring; the tow is paused; other programs that run here lengthen the times …")
+            self.say(BUSY)
 
-    def show_progress(self, share: float) -> None:
-        """Show the share of the measurement that is done."""
+    def show_progress(self, share: float, seconds_left: float | None) -> None:
+        """Show the share of the measurement that is done, and the time left if that is known."""
         self._progress.setValue(round(1000.0 * share))
+        self.say(BUSY if seconds_left is None else f"{format_time_left(seconds_left)} left: {BUSY}")
 
     def show_chart(self, chart_picture: ChartPicture) -> None:
         """Show a measured chart."""

@@ -11,7 +11,7 @@ from PySide6.QtCore import Signal
 from PySide6.QtWidgets import QHBoxLayout, QLabel, QMenu, QPushButton, QVBoxLayout, QWidget
 
 from insonify.accuracy.charts.kinds import list_chart_kinds
-from insonify_viewer.jobs.command_job import CommandJob
+from insonify_viewer.jobs.background_job import BackgroundJob
 from insonify_viewer.panels.jobs.view.dataset_question import DatasetQuestion
 from insonify_viewer.panels.jobs.view.job_row import JobRow
 from insonify_viewer.views.push_button import push_button
@@ -45,6 +45,7 @@ class JobsView(QWidget):
     dataset_wanted = Signal(object)  # WantedDataset
     stability_wanted = Signal(object)  # Path
     forget_wanted = Signal()
+    details_wanted = Signal(object)  # BackgroundJob that failed
 
     def __init__(self, specifications: list[str]) -> None:
         super().__init__()
@@ -62,7 +63,7 @@ class JobsView(QWidget):
         self._hint = QLabel(HINT)
         self._hint.setObjectName("name")
         self._hint.setWordWrap(True)
-        self._rows: dict[CommandJob, JobRow] = {}
+        self._rows: dict[BackgroundJob, JobRow] = {}
         self._lay_out()
 
     @property
@@ -70,7 +71,7 @@ class JobsView(QWidget):
         """The rows, the oldest first."""
         return tuple(self._rows.values())
 
-    def show_jobs(self, jobs: list[CommandJob]) -> None:
+    def show_jobs(self, jobs: list[BackgroundJob]) -> None:
         """Show these jobs and no others."""
         for job in [job for job in self._rows if job not in jobs]:
             row = self._rows.pop(job)
@@ -79,10 +80,11 @@ class JobsView(QWidget):
         for job in jobs:
             self.show_job(job)
 
-    def show_job(self, job: CommandJob) -> None:
+    def show_job(self, job: BackgroundJob) -> None:
         """Show how far a job is; a new one gets a row on top."""
         if job not in self._rows:
             self._rows[job] = JobRow(job)
+            self._rows[job].details_wanted.connect(self.details_wanted)
             self._list.insertWidget(0, self._rows[job])
         self._rows[job].show_job(job)
 

@@ -1,0 +1,1 @@
+"""Errors as the person meets them: one sentence, and details to copy."""
