@@ -69,6 +69,7 @@ def open_window(
     application = make_application(settings.theme)
     with main_thread_collection():
         viewer = Viewer(scene, accelerated=has_opengl())
+        keep_display(viewer)
         viewer.window.show()
         _begin(viewer, pin, lesson, recording, pair, panel)
         QTimer.singleShot(0, viewer.start)
@@ -84,6 +85,13 @@ def open_window(
             # A thread compiles, which cannot be interrupted; Python would wait for it.
             os._exit(code)
         return code
+
+
+def keep_display(viewer: Viewer) -> None:
+    """Show the record by the display options of the last start, and keep every change of them for the next."""
+    settings = viewer.window.settings
+    viewer.session.show(**settings.display)
+    viewer.session.displayed.connect(settings.keep_display)
 
 
 def _begin(

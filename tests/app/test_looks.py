@@ -5,10 +5,13 @@ from __future__ import annotations
 from typing import Any
 
 import pytest
+from PySide6.QtCore import QSettings, Qt
 from PySide6.QtGui import QColor, QPalette
 from PySide6.QtWidgets import QApplication, QWidget
 
-from insonify.scene import Scene
+from insonify.display.display_options import DisplayOptions
+from insonify.scene import Scene, scene_to_toml
+from insonify_viewer.application import keep_display
 from insonify_viewer.panels.parameters.view.about_box import AboutBox
 from insonify_viewer.views.settings import Settings
 from insonify_viewer.views.theme import ACCENT, COLOURS, GROUND, Theme, apply_theme
@@ -85,3 +88,39 @@ def test_settings_survive_nonsense() -> None:
     assert isinstance(settings.recent, list)
     settings.size, settings.theme = 150, Theme.LIGHT
     assert (Settings().size, Settings().theme) == (150, Theme.LIGHT)
+
+
+def test_the_display_of_the_record_is_kept_between_starts(open_viewer: Any, small: Scene, qtbot: Any) -> None:
+    first = open_viewer(small)
+    keep_display(first)
+    view = first.panels["record"].view
+    first.window.open_panel("record")
+    for name in ("newest_on_top", "water_column", "decibels"):
+        view.ticks[name].click()
+    first.window.palettes.setCurrentText("grey")
+    first.window.palettes.activated.emit(0)
+    first.session.show(gain=6.0, levels=(0.1, 4.0))
+    second = open_viewer(small)
+    assert second.session.display == DisplayOptions(), "a snapshot shows the usual display"
+    keep_display(second)
+    kept = DisplayOptions(newest_on_top=False, water_column=False, decibels=True, palette="grey")
+    assert second.session.display == kept, "without the gain and contrast of one record"
+    assert second.window.palettes.currentText() == "grey"
+    assert "display" not in scene_to_toml(second.session.scene)
+    second.session.show(gain=6.0, levels=(0.1, 4.0))
+    second.window.open_panel("record")
+    qtbot.mouseClick(second.panels["record"].view.usual, Qt.MouseButton.LeftButton)
+    assert second.session.display == DisplayOptions()
+    assert Settings().display == {}
+    (entry,) = [action for action in second.window.menus.record.actions() if action.text() == "Usual display"]
+    second.session.show(range_lines=True)
+    assert Settings().display == {"range_lines": True}
+    entry.trigger()
+    assert Settings().display == {}
+
+
+@pytest.mark.parametrize("spoilt", ["palette=none-such", 7, ["range_lines=3"], "levels=[0, 1]", "pings"])
+def test_a_spoilt_display_reads_as_the_usual_one(spoilt: Any) -> None:
+    store = QSettings(QSettings.Format.IniFormat, QSettings.Scope.UserScope, "insonify", "insonify")
+    store.setValue("display", spoilt)
+    assert Settings().display == {}

@@ -3,17 +3,24 @@
 from __future__ import annotations
 
 from pathlib import Path
+from typing import Any
 
 from PySide6.QtCore import QSettings
 
+from insonify.display.display_options import DisplayOptions, display_settings, read_display
+from insonify.scene import SceneError
 from insonify_viewer.views.theme import Theme
 
 RECENT = 10  # files
+KEPT = (  # display options; gains and contrast suit one record, and begin anew
+    *("side", "ground_range", "palette", "water_column", "reverse", "decibels", "newest_on_top", "bottom_line"),
+    *("range_lines", "scale", "draped"),
+)
 SIZES = (100, 125, 150, 200)  # %, of the text and of all that is drawn with it
 
 
 class Settings:
-    """Theme, size of the text and recent files, in the settings file of the person.
+    """Theme, size of the text, display of the record and recent files, in the settings file of the person.
 
     Every value that is not understood, as of a file that was edited by hand, reads as the usual one.
     """
@@ -49,6 +56,23 @@ class Settings:
     @toured.setter
     def toured(self, toured: bool) -> None:
         self._store.setValue("toured", toured)
+
+    @property
+    def display(self) -> dict[str, Any]:
+        """Display options of the record that differ from the usual ones, of those that are `KEPT`."""
+        kept = self._store.value("display")
+        texts = [kept] if isinstance(kept, str) else kept  # a list of one is read as its entry
+        try:
+            options = read_display(texts if isinstance(texts, list) else [])
+        except (SceneError, TypeError):
+            return {}
+        return {name: value for name, value in options.items() if name in KEPT}
+
+    def keep_display(self, look: DisplayOptions) -> None:
+        """Keep display options for the next start."""
+        usual = DisplayOptions()
+        kept = usual._replace(**{name: getattr(look, name) for name in KEPT})
+        self._store.setValue("display", display_settings(kept))
 
     @property
     def recent(self) -> list[str]:

@@ -14,6 +14,7 @@ from insonify_viewer.panels.record.view.contact_list import ContactListView
 from insonify_viewer.panels.record.view.histogram_view import HistogramView
 from insonify_viewer.views.field_rows import ChoiceRow, NumberRow
 from insonify_viewer.views.folding_box import FoldingBox
+from insonify_viewer.views.push_button import push_button
 from insonify_viewer.views.side_panel import SidePanel
 
 REACH = 30.0  # dB either way
@@ -68,6 +69,8 @@ class RecordView(SidePanel):
         self.ticks: dict[str, QCheckBox] = {}
         self.choices = {name: ChoiceRow(_choice(name, self._look), self._settle) for name, *_ in CHOICES}
         self.gains = [NumberRow(_gain(row, self._look), self._settle, self._settle) for row in range(len(GAINS))]
+        self.usual = push_button("Usual display", "Put all display options back, gains and contrast too", wide=True)
+        self.usual.clicked.connect(self._show_usual)
         self.histogram = HistogramView()
         self.measure = self._tick("Measure by a drag", "M", "Drag over the record to measure", self.measuring)
         self.measured = QLabel()
@@ -98,6 +101,10 @@ class RecordView(SidePanel):
     def show_measured(self, words: str) -> None:
         """Show what was measured last, or how to measure."""
         self.measured.setText(words or "Drag over the record: distance, and the height of a target from its shadow.")
+
+    def _show_usual(self) -> None:
+        """Put every display option back, the contrast to that of the record."""
+        self.changed.emit(DisplayOptions()._asdict())
 
     def _settle(self, path: str, value: Any) -> None:
         """Signal an option that a row changes; a slider that is let go has none, a number may be no number."""
@@ -149,6 +156,7 @@ class RecordView(SidePanel):
         for number, row in enumerate(self.choices.values()):
             row.place(inner, number)
         grid.addWidget(rows, len(TICKS), 0, 1, 2)
+        grid.addWidget(self.usual, len(TICKS) + 1, 0, 1, 2)
 
     def _gain_rows(self) -> QWidget:
         rows = QWidget()
@@ -177,6 +185,7 @@ class RecordView(SidePanel):
         self._key("Zoom out", "-", lambda: self.zoomed.emit(1.0 / 1.5))
         self._key("Whole record", "0", lambda: self.zoomed.emit(0.0))
         self._key("Mark a contact", "C", self.contact_wanted.emit)
+        self._key("Usual display", "", self._show_usual)
 
     def _key(self, text: str, key: str, act: Any) -> None:
         action = QAction(text, self)
