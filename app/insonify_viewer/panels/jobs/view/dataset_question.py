@@ -58,7 +58,11 @@ class DatasetQuestion(QDialog):
         self.scenes = QSpinBox()
         self.scenes.setRange(1, MOST_SCENES)
         self.scenes.setValue(USUAL_SCENES)
+        self.scenes.setToolTip("Number of scenes that are drawn at random")
         self.folder = QLineEdit(str(Path.home() / (bundled[0] if bundled else "dataset")))
+        self.folder.setToolTip("Folder to make, or one in which a stopped data set goes on")
+        for name, field in (("Specification", self.specification), ("Scenes", self.scenes), ("Folder", self.folder)):
+            field.setAccessibleName(name)
         self.buttons = QDialogButtonBox(QDialogButtonBox.StandardButton.Ok | QDialogButtonBox.StandardButton.Cancel)
         self.buttons.accepted.connect(self.accept)
         self.buttons.rejected.connect(self.reject)

@@ -29,9 +29,12 @@ class AboutBox(FoldingBox):
         self.label.setObjectName("about")
         self.label.setWordWrap(True)
         self.label.setTextFormat(Qt.TextFormat.RichText)
+        flag = Qt.TextInteractionFlag
         self.label.setTextInteractionFlags(
-            Qt.TextInteractionFlag.TextSelectableByMouse | Qt.TextInteractionFlag.LinksAccessibleByMouse
+            flag.TextSelectableByMouse | flag.LinksAccessibleByMouse | flag.LinksAccessibleByKeyboard
         )
+        self.label.setFocusPolicy(Qt.FocusPolicy.TabFocus)  # a click leaves the keyboard where it is
+        self.label.setAccessibleName("About this scene")
         self.label.linkHovered.connect(self._explain)
         self._shown: tuple[Sequence[str | Link], Sequence[bool]] = ((), ())
         super().__init__("About this scene", self.label, unfolded=True)
@@ -53,7 +56,10 @@ class AboutBox(FoldingBox):
             text += f'<a href="{number}" style="color: {ACCENT.name()}">{words}</a>'
             number += 1
         if text != self.label.text():
+            start, length = self.label.selectionStart(), len(self.label.selectedText())
             self.label.setText(text)
+            if self.label.hasFocus() and start >= 0:
+                self.label.setSelection(start, length)  # the Tab key goes on from the link that was followed
         self.setVisible(bool(parts))
 
     def changeEvent(self, event: QEvent) -> None:
