@@ -65,6 +65,61 @@ def test_drags_move_turn_and_resize() -> None:
     assert twice == {"targets.0.size": [8.0, 4.0, 3.0]}
 
 
+@pytest.mark.parametrize(
+    ("target", "edited"),
+    [
+        ({"kind": "pipe", "radius": 0.5, "length": 20.0}, {"radius": 0.75}),
+        ({"kind": "box", "size": [4.0, 2.0, 1.5]}, {"size": [4.0, 3.0, 2.25]}),
+        ({"kind": "cone", "radius": 0.5, "height": 1.2}, {"height": 1.8}),
+    ],
+)
+def test_a_drag_thickens_and_keeps_the_length(target: Any, edited: Any) -> None:
+    scene = edit(load_scene("default"), {"targets": [{"position": [12.0, -20.0], **target}]})
+    aside = (12.0, -16.0, 0.0)
+    changes = drag_edit(scene, Handle(0, "thicken", aside), aside, (12.0, -14.0, 0.0))
+    assert changes == {f"targets.0.{name}": value for name, value in edited.items()}
+
+
+def test_what_is_thickened_has_a_handle_beside_it() -> None:
+    """It stands off the target by 3 m of a range of 50 m, to port, and never on the handle that moves."""
+    kinds = ({"kind": "pipe", "heading": 90.0}, {"kind": "sphere"}, {"kind": "cone"}, {"kind": "mesh", "path": "wreck"})
+    for kind in kinds:
+        simulation = prepare(edit(load_scene("default"), {"targets": [{"position": [12.0, -20.0], **kind}]}))
+        beside = [handle.place for handle in handles_of(simulation, 0) if handle.action == "thicken"]
+        assert bool(beside) is (kind["kind"] in ("pipe", "cone"))
+        if kind["kind"] == "pipe":
+            assert beside[0][:2] == pytest.approx((12.0 - 0.5 - 3.0, -20.0))
+
+
+def test_a_pipe_is_thickened_in_the_record(open_viewer: Any, small: Scene, qtbot: Any) -> None:
+    pipe = {"kind": "pipe", "position": [12.0, -20.0], "radius": 0.5, "length": 6.0, "heading": 0.0}
+    scene = edit(small, {"targets": [pipe], "sonar.bins": 400})
+    viewer = open_viewer(scene)
+    viewer.targets.handles.choose(0)
+    record = viewer.window.waterfall
+    handle, centre = (record.handles.place(number_of(viewer, action)) for action in ("thicken", "move"))
+    assert (handle - centre).manhattanLength() > 2 * 9, "each is held for itself"
+    drag(record, handle, handle + (handle - centre))
+    assert viewer.session.undoable == ("pipe 1 radius",)
+    thick = viewer.session.scene.targets[0]
+    assert 0.8 < thick.radius < 1.4
+    assert thick.length == 6.0
+    viewer.session.undo()
+    assert viewer.session.scene == scene
+
+
+def test_a_pipe_is_thickened_in_three_dimensions(open_viewer: Any, small: Scene, qtbot: Any) -> None:
+    pipe = {"kind": "pipe", "position": [12.0, -20.0], "radius": 0.5, "length": 6.0, "heading": 0.0}
+    viewer = open_viewer(edit(small, {"targets": [pipe], "sonar.bins": 400}), solid=True)
+    viewer.targets.handles.choose(0)
+    viewer.seabed.draw_now()
+    view = viewer.seabed.view
+    handle, centre = (view.handles.place(number_of(viewer, action)).toPoint() for action in ("thicken", "move"))
+    drag(view._canvas.widget, handle, handle + (handle - centre))
+    assert viewer.session.undoable == ("pipe 1 radius",)
+    assert viewer.session.scene.targets[0].radius > 0.6
+
+
 def test_a_target_is_found_by_a_place_within_it() -> None:
     scene = load_scene("default")
     assert target_at(scene, 40.0, 22.0) == 0
@@ -98,7 +153,7 @@ def test_a_click_into_an_echo_chooses_its_target(open_viewer: Any, one_box: Scen
     beside = record.handles.place(0) + QPoint(10, 0)
     QTest.mouseClick(record, Qt.MouseButton.LeftButton, pos=beside)
     assert handles.chosen == 0
-    assert [handle.action for handle in handles._handles] == ["move", "turn", "resize"]
+    assert [handle.action for handle in handles._handles] == ["move", "turn", "resize", "thicken"]
     turn = record.handles.place(number_of(viewer, "turn"))
     centre = record.handles.place(number_of(viewer, "move"))
     drag(record, turn, turn + QPoint(0, 2 * (centre.y() - turn.y())))

@@ -7,7 +7,15 @@ from typing import TYPE_CHECKING
 from insonify_viewer.field_names import name_field
 from insonify_viewer.marked_point import locate_mark
 from insonify_viewer.session import Mark, Session
-from insonify_viewer.target_handles.geometry import Handle, Place, drag_edit, echo_mark, handles_of, target_at
+from insonify_viewer.target_handles.geometry import (
+    THICKNESSES,
+    Handle,
+    Place,
+    drag_edit,
+    echo_mark,
+    handles_of,
+    target_at,
+)
 
 if TYPE_CHECKING:
     from insonify.scene import Scene
@@ -127,6 +135,7 @@ class TargetHandles:
         """End the drag, as one step of undo."""
         held, self._held = self._held, None
         if held is not None and self._scene is not None and self._session.scene != self._scene:
-            name = f"{name_field(self._scene, f'targets.{held.target}')} {DONE[held.action]}"
-            self._session.settle(None, name)
+            target = name_field(self._scene, f"targets.{held.target}")
+            kind = self._scene.targets[held.target].kind
+            self._session.settle(None, f"{target} {DONE.get(held.action) or THICKNESSES[kind]}")
         self._show()

@@ -16,9 +16,11 @@ if TYPE_CHECKING:
     from insonify.simulation import Simulation
 
 Place = tuple[float, float, float]
-Action = Literal["move", "turn", "resize"]
+Action = Literal["move", "turn", "resize", "thicken"]
 SIZES = {"pipe": "length", "box": "size", "sphere": "radius", "cone": "radius", "mesh": "scale"}
+THICKNESSES = {"pipe": "radius", "box": "width and height", "cone": "height"}  # in words, of what thickens a target
 BESIDE = 0.06  # slant ranges by which the handle that turns stands beyond the end of a target
+ASIDE = 0.1  # slant ranges by which the handle that thickens stands off its side, clear of the one that moves
 NEAR = 0.03  # slant ranges about a target within which a place belongs to it
 AROUND = 96  # pings about the one that straight tow lines give, in which an echo is looked for
 SMALLEST, LARGEST = 0.02, 50.0  # factors by which one drag resizes
@@ -34,7 +36,7 @@ class Handle:
     target : int
         Position of the target in the scene.
     action : str
-        What a drag does: ``move``, ``turn`` or ``resize``.
+        What a drag does: ``move``, ``turn``, ``resize``, or ``thicken`` across the heading alone.
     place : (float, float, float)
         Local coordinates, in metres.
     """
@@ -58,12 +60,20 @@ def handles_of(simulation: Simulation, chosen: int | None) -> tuple[Handle, ...]
                 found.append(Handle(number, "turn", _place(simulation, target, beyond)))
             if target.kind in SIZES:
                 found.append(Handle(number, "resize", _place(simulation, target, half)))
+            if target.kind in THICKNESSES:
+                aside = half_width(target) + ASIDE * scene.sonar.range
+                found.append(Handle(number, "thicken", _place(simulation, target, 0.0, aside)))
     return tuple(found)
 
 
 def half_length(target: Target) -> float:
     """Half of the length of a target along its heading, in metres."""
     return target.outline.extent((1.0, 0.0, 0.0))
+
+
+def half_width(target: Target) -> float:
+    """Half of the width of a target across its heading, in metres."""
+    return target.outline.extent((0.0, 1.0, 0.0))
 
 
 def target_at(scene: Scene, x: float, y: float) -> int | None:
@@ -103,12 +113,23 @@ def drag_edit(scene: Scene, handle: Handle, begun: Place, now: Place) -> dict[st
         turned = math.degrees(math.atan2(last[1], last[0]) - math.atan2(first[1], first[0]))
         heading = float(target.attitude[0]) + turned
         return {f"{path}.heading": round((heading + 180.0) % 360.0 - 180.0, 1)}
-    name = SIZES[target.kind]
     factor = min(max(math.hypot(*last) / max(math.hypot(*first), 1e-6), SMALLEST), LARGEST)
+    if handle.action == "thicken":
+        return _thickened(target, path, factor)
+    name = SIZES[target.kind]
     size = getattr(target, name)
     scaled = [_scaled(side, factor) for side in size] if isinstance(size, tuple) else _scaled(size, factor)
     changes = {f"{path}.{name}": scaled}
     return changes | ({f"{path}.height": _scaled(target.height, factor)} if hasattr(target, "height") else {})
+
+
+def _thickened(target: Any, path: str, factor: float) -> dict[str, Any]:
+    """Edit that scales a target across its heading, or the height of one that is round in plan."""
+    if target.kind == "box":
+        length, *others = target.size
+        return {f"{path}.size": [length, *(_scaled(side, factor) for side in others)]}
+    name = THICKNESSES[target.kind]
+    return {f"{path}.{name}": _scaled(getattr(target, name), factor)}
 
 
 def echo_mark(simulation: Simulation, place: Place) -> Mark | None:
@@ -147,10 +168,11 @@ def echo_mark(simulation: Simulation, place: Place) -> Mark | None:
     return Mark(int(pings[k]), int(left[k] < 0.0), int(slant[k] / arrays.bin_length))
 
 
-def _place(simulation: Simulation, target: Target, ahead: float) -> Place:
-    """Place at half the height of a target, some way ahead of its centre."""
+def _place(simulation: Simulation, target: Target, ahead: float, aside: float = 0.0) -> Place:
+    """Place at half the height of a target, some way ahead of its centre and to its port side."""
     angle = math.radians(float(target.attitude[0]))
-    x, y = target.position[0] + ahead * math.cos(angle), target.position[1] + ahead * math.sin(angle)
+    x = target.position[0] + ahead * math.cos(angle) - aside * math.sin(angle)
+    y = target.position[1] + ahead * math.sin(angle) + aside * math.cos(angle)
     if len(target.position) == 3:
         return x, y, target.position[2] - simulation.ground.datum
     bed = float(simulation.ground.height_at(np.array([x]), np.array([y]))[0])
@@ -163,7 +185,7 @@ def _distance(target: Target, x: float, y: float) -> float:
     angle = math.radians(float(target.attitude[0]))
     dx, dy = x - target.position[0], y - target.position[1]
     along = abs(dx * math.cos(angle) + dy * math.sin(angle)) - half_length(target)
-    across = abs(dy * math.cos(angle) - dx * math.sin(angle)) - target.outline.extent((0.0, 1.0, 0.0))
+    across = abs(dy * math.cos(angle) - dx * math.sin(angle)) - half_width(target)
     return math.hypot(max(along, 0.0), max(across, 0.0))
 
 

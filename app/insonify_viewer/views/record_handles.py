@@ -13,7 +13,14 @@ from insonify_viewer.views.theme import GROUND, MARK
 GRIP = 9  # px from a handle at which the mouse takes hold of it
 SEEN = 48  # px from the mouse within which the handles of targets that are not chosen are drawn
 SIZE = 5.0  # px, half the size of a handle
-TIPS = {"move": "Drag to move this target", "turn": "Drag to turn it", "resize": "Drag to resize it"}
+TIPS = {
+    "move": "Drag to move this target",
+    "turn": "Drag to turn it",
+    "resize": "Drag to resize it",
+    "thicken": "Drag to thicken it",
+}
+DIAMOND = ((0.0, -1.0), (1.0, 0.0), (0.0, 1.0), (-1.0, 0.0))
+TRIANGLE = ((0.0, -1.1), (1.0, 0.8), (-1.0, 0.8))
 Shown = tuple[int, Mark, str, bool]
 
 
@@ -106,7 +113,7 @@ class RecordHandles(QObject):
 
 
 def _draw(painter: QPainter, place: QPointF, action: str, *, chosen: bool) -> None:
-    """Draw a handle: a diamond moves, a circle turns, a square resizes."""
+    """Draw a handle: a diamond moves, a circle turns, a square resizes, a triangle thickens."""
     for colour, width in ((GROUND, 4.0), (MARK, 2.0 if chosen else 1.2)):
         painter.setPen(QPen(QColor(colour), width))
         painter.setBrush(Qt.BrushStyle.NoBrush)
@@ -115,5 +122,5 @@ def _draw(painter: QPainter, place: QPointF, action: str, *, chosen: bool) -> No
         elif action == "resize":
             painter.drawRect(QRectF(place.x() - SIZE + 1, place.y() - SIZE + 1, 2 * SIZE - 2, 2 * SIZE - 2))
         else:
-            corners = ((0.0, -1.0), (1.0, 0.0), (0.0, 1.0), (-1.0, 0.0))
+            corners = TRIANGLE if action == "thicken" else DIAMOND
             painter.drawPolygon([place + QPointF(SIZE * dx, SIZE * dy) for dx, dy in corners])
