@@ -46,7 +46,7 @@ def test_a_bed_is_dropped(open_viewer: Any, small: Scene, qtbot: Any, tmp_path: 
     np.save(path, -20.0 + np.random.default_rng(1).normal(0.0, 0.1, (300, 300)))
     viewer = open_viewer(small)
     drop(viewer.window, path)
-    said = viewer.window._sentence
+    said = viewer.window.status.sentence
     qtbot.waitUntil(lambda: not said.text().startswith("reading"), timeout=20000)
     assert viewer.session.scene.seabed.relief.kind == "dem"
 

@@ -81,7 +81,7 @@ def test_the_button_says_what_it_does(open_viewer: Any, small: Scene) -> None:
 
 def test_sentences_go_when_they_are_read(open_viewer: Any, small: Scene, qtbot: Any) -> None:
     viewer = open_viewer(small)
-    viewer.window._fading.setInterval(30)
+    viewer.window.status._fading.setInterval(30)
     viewer.window.say("saved it")
     qtbot.waitUntil(lambda: viewer.window.status.sentence.text() == "")
     viewer.window.say("this scene cannot be simulated", lasting=True)

@@ -202,9 +202,10 @@ def test_refused_scene_leaves_no_way_forward(default: Scene) -> None:
 
 def test_refusal_is_one_sentence(default: Scene) -> None:
     session = Session(default)
-    sentences = heard(session)
+    refused: list[SceneError] = []
+    session.refused.connect(refused.append)
     assert not session.settle({"seabed.depth": 5.0})
-    assert "above the surface" in sentences[-1]
+    assert "above the surface" in str(refused[-1])
     assert session.scene == default
 
 

@@ -227,7 +227,7 @@ def test_learn_writes_a_scene_and_says_how_it_compares(record, tmp_path, capsys)
     lines = capsys.readouterr().out.splitlines()
     assert lines[0].split() == ["record", "scene"]
     assert any(line.startswith("relief") and line.endswith("matched") for line in lines)
-    assert lines[-1] == str(out)
+    assert lines[-1] == f"{out}: its record matches the recording"
     learned = load_scene(out)
     assert learned.title == "Learned from known bed 7"
     assert learned.sonar.range == 40.0
@@ -238,7 +238,9 @@ def test_a_track_that_bends_is_written_beside_the_scene(scene, tmp_path, monkeyp
     towed = edit(scene, {"track.motion": motion, "track.pings": 300})
     write_record(tmp_path / "line.xtf", [insonify.simulate(towed)])
     assert main(["learn", str(tmp_path / "line.xtf"), "-o", str(tmp_path / "s.toml")]) == 0
-    assert capsys.readouterr().out.splitlines()[-1] == str(tmp_path / "s-track.csv")
+    *_, track, summary = capsys.readouterr().out.splitlines()
+    assert track == str(tmp_path / "s-track.csv")
+    assert summary.startswith(f"{tmp_path / 's.toml'}: its record ")
     monkeypatch.chdir(tmp_path.parent)
     own = insonify.simulate(edit(load_scene(tmp_path / "s.toml"), {"track.pings": 200}))
     altitude = own["platform_altitude"].values
