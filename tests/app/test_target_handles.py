@@ -81,14 +81,14 @@ def test_a_drag_thickens_and_keeps_the_length(target: Any, edited: Any) -> None:
 
 
 def test_what_is_thickened_has_a_handle_beside_it() -> None:
-    """It stands off the target by 3 m of a range of 50 m, to port, and never on the handle that moves."""
+    """It stands off the target by 5 m of a range of 50 m, to port, and never on the handle that moves."""
     kinds = ({"kind": "pipe", "heading": 90.0}, {"kind": "sphere"}, {"kind": "cone"}, {"kind": "mesh", "path": "wreck"})
     for kind in kinds:
         simulation = prepare(edit(load_scene("default"), {"targets": [{"position": [12.0, -20.0], **kind}]}))
         beside = [handle.place for handle in handles_of(simulation, 0) if handle.action == "thicken"]
         assert bool(beside) is (kind["kind"] in ("pipe", "cone"))
         if kind["kind"] == "pipe":
-            assert beside[0][:2] == pytest.approx((12.0 - 0.5 - 3.0, -20.0))
+            assert beside[0][:2] == pytest.approx((12.0 - 0.5 - 5.0, -20.0))
 
 
 def test_a_pipe_is_thickened_in_the_record(open_viewer: Any, small: Scene, qtbot: Any) -> None:
