@@ -202,7 +202,7 @@ def test_refused_scene_leaves_no_way_forward(default: Scene) -> None:
 
 def test_refusal_is_one_sentence(default: Scene) -> None:
     session = Session(default)
-    refused: list[SceneError] = []
+    refused: list[Exception] = []
     session.refused.connect(refused.append)
     assert not session.settle({"seabed.depth": 5.0})
     assert "above the surface" in str(refused[-1])
