@@ -86,7 +86,7 @@ def _weigh_pattern(x, z, r, sector, pattern, law, fine, out):
 
 
 @kernel_uncounted
-def weigh_paired_knots(x, one, other, sector, pattern, law):
+def weigh_paired_knots(x, one, other, sector, pattern, law, weight):
     """Weigh the knots of a profile by what a plane that stands for a whole beam has of two images, as `paired_weight`.
 
     Parameters
@@ -94,13 +94,15 @@ def weigh_paired_knots(x, one, other, sector, pattern, law):
     x : ndarray of float64
         Ground ranges of the knots, m.
     one, other : ImageProfile
-        The lower and the higher image; the weights of the lower one are filled.
+        The lower and the higher image.
     sector : AzimuthSector
     pattern : BeamPattern
         Of a beam that sound passes twice.
     law : int
+    weight : ndarray
+        Takes the weights.
     """
-    weight, ranges = one.weight, one.r
+    ranges = one.r
     _sample_pair(x, one, other, sector, pattern, law, weight)
     if law != LIGHT:
         for i in range(x.size):

@@ -18,6 +18,7 @@ DEEPEST = 1e6  # m, for a sonar without a bed beneath it
 
 # Propagation paths; 0 is the direct one.
 SURFACE_BOTTOM, SURFACE_BOTTOM_SURFACE, SECOND_BOTTOM, SURFACE_ECHO, PATH_COUNT = 1, 2, 3, 4, 5
+PAIRS = 3  # paths that are made by two images
 
 
 class ImageSource(NamedTuple):
@@ -42,6 +43,7 @@ class ImagePath(NamedTuple):
     rms_height: float  # of the waves, m
     slope_variance: float  # of the waves, along one direction
     reach: float  # slant range over a calm sea up to which waves may bring an echo into the record, m
+    farthest: float  # ground range beyond which no echo returns within the reach, m; 0 if the path is not traced
 
 
 @inlined_uncounted
@@ -91,48 +93,39 @@ def bottom_image(arrays, x, y, z):
 
 
 @kernel_uncounted
-def image_pair(arrays, path, x, y, z):
-    """Pair of images that makes one propagation path.
+def image_pairs(arrays, x, y, z):
+    """Pairs of images that make the propagation paths by way of the sea surface and back from the bed.
 
     Parameters
     ----------
     arrays : SceneArrays
-    path : int
-        SURFACE_BOTTOM, SURFACE_BOTTOM_SURFACE or SECOND_BOTTOM.
     x, y, z : float
         Of the sonar, m.
 
     Returns
     -------
-    tuple
-        ImagePath, and whether the path is traced at all.
+    tuple of three ImagePath
+        Of SURFACE_BOTTOM, SURFACE_BOTTOM_SURFACE and SECOND_BOTTOM.
     """
-    multipath, sonar = arrays.multipath, _sonar_itself()
-    passes = 2 if path == SURFACE_BOTTOM_SURFACE else 1
-    reach = arrays.bins * arrays.bin_length + wave_advance(multipath, passes)
-    common = arrays.law, arrays.bin_length, multipath.rms_height, multipath.slope_variance, reach
-    if path == SURFACE_BOTTOM:
-        return ImagePath(sonar, surface_image(arrays, z), 2, passes, path, *common), multipath.surface_bottom
-    if path == SURFACE_BOTTOM_SURFACE:
-        image = surface_image(arrays, z)
-        return ImagePath(image, image, 1, passes, path, *common), multipath.surface_bottom_surface
-    image = bottom_image(arrays, x, y, z)
-    return ImagePath(sonar, image, 2, passes, path, *common), multipath.second_bottom and image.share > 0.0
+    multipath, sonar, drop = arrays.multipath, _sonar_itself(), z - highest_place(arrays)
+    surface, bottom = surface_image(arrays, z), bottom_image(arrays, x, y, z)
+    is_by_bottom = multipath.second_bottom and bottom.share > 0.0
+    return (
+        _image_pair(arrays, SURFACE_BOTTOM, sonar, surface, drop, multipath.surface_bottom),
+        _image_pair(arrays, SURFACE_BOTTOM_SURFACE, surface, surface, drop, multipath.surface_bottom_surface),
+        _image_pair(arrays, SECOND_BOTTOM, sonar, bottom, drop, is_by_bottom),
+    )
 
 
 @inlined_uncounted
-def higher_index(pair):
-    """Place of a path's higher image among its images, the lower one first; 0 if they are one.
-
-    Parameters
-    ----------
-    pair : ImagePath
-
-    Returns
-    -------
-    int
-    """
-    return 1 if pair.other.height > pair.one.height else 0
+def _image_pair(arrays, path, one, other, drop, is_traced):
+    """Pair of images that makes one propagation path; ``drop`` is the height of the sonar above the highest place."""
+    multipath, twice = arrays.multipath, path == SURFACE_BOTTOM_SURFACE
+    passes, orders = (2, 1) if twice else (1, 2)
+    reach = arrays.bins * arrays.bin_length + wave_advance(multipath, passes)
+    farthest = _farthest_ground_range(drop + one.height, drop + other.height, reach) if is_traced else 0.0
+    waves = multipath.rms_height, multipath.slope_variance
+    return ImagePath(one, other, orders, passes, path, arrays.law, arrays.bin_length, *waves, reach, farthest)
 
 
 @kernel_uncounted
@@ -159,22 +152,10 @@ def highest_place(arrays):
 
 
 @inlined_uncounted
-def farthest_ground_range(pair, drop):
-    """Ground range beyond which no echo returns within a path's reach.
-
-    Parameters
-    ----------
-    pair : ImagePath
-    drop : float
-        Height of the sonar above the highest place, m.
-
-    Returns
-    -------
-    float
-        m; 0 if none returns.
-    """
+def _farthest_ground_range(lower, higher, reach):
+    """Ground range beyond which no echo returns within a reach to two images so high above the highest place."""
     # Both legs are shortest to the highest places: R + R' = 2 r is an ellipse there.
-    lower, higher, sum_ = max(drop + pair.one.height, 0.0), max(drop + pair.other.height, 0.0), 2.0 * pair.reach
+    lower, higher, sum_ = max(lower, 0.0), max(higher, 0.0), 2.0 * reach
     if not lower + higher < sum_:
         return 0.0
     leg = 0.5 * (sum_ - (higher * higher - lower * lower) / sum_)

@@ -31,7 +31,7 @@ def deposit_paired_profile(profile, count, one, other, pair, hidden, arrays, lab
     count : int
         Knots, at least 2.
     one, other : ImageProfile
-        The profile as the lower and the higher image see it; ``one`` has the weights of the pair.
+        The profile as the lower and the higher image see it.
     pair : ImagePath
     hidden : tuple of four float
         Launch slopes between which targets may hide the bed, from the lower and from the higher image.
@@ -39,7 +39,7 @@ def deposit_paired_profile(profile, count, one, other, pair, hidden, arrays, lab
     labelling : bool
         Whether all must be taken one by one, because their contributors are noted.
     echoes : SegmentEchoes
-        Work space; ``cut`` takes the marks, a word beyond them is unmarked.
+        Work space with the weights of the pair; ``cut`` takes the marks, a word beyond them is unmarked.
     bins : ndarray of int64
         Difference array, in fixed-point units.
     """
@@ -80,7 +80,7 @@ def _measure_pairs(segments, profile, one, pair, echoes):
     ``cos_squared`` takes the product of both cosines of the incidence, under law `light` their mean; ``launch`` takes
     R·V; ``scale`` what turns strength into energy per bin.
     """
-    x, slope, area, z, weight, r = profile.x, profile.slope, profile.area, one.z, one.weight, echoes.r
+    x, slope, area, z, weight, r = profile.x, profile.slope, profile.area, one.z, echoes.weight, echoes.r
     facing, mirrored, scale, uneven = echoes.cos_squared, echoes.launch, echoes.scale, echoes.cut
     real, light = scale.dtype.type, pair.law == LIGHT
     share = pair.orders * pair.one.share * pair.other.share * FIXED_POINT

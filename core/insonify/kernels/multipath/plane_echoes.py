@@ -6,9 +6,16 @@ Theory: docs/theory/multipath.md.
 from __future__ import annotations
 
 from insonify.kernels.common.jit import kernel
-from insonify.kernels.multipath.image_sources import SURFACE_ECHO, farthest_ground_range, highest_place, image_pair
+from insonify.kernels.multipath.image_sources import (
+    SECOND_BOTTOM,
+    SURFACE_BOTTOM,
+    SURFACE_BOTTOM_SURFACE,
+    SURFACE_ECHO,
+    image_pairs,
+)
 from insonify.kernels.multipath.surface_echo import add_surface_echo
-from insonify.kernels.multipath.surface_multipath import add_image_plane
+from insonify.kernels.multipath.surface_multipath import add_image_plane, plane_reach
+from insonify.kernels.sweep.sweep import LOWEST
 
 
 @kernel
@@ -38,8 +45,13 @@ def note_plane_echoes(arrays, poses, ping, side, path, fan, k, workspace, sink):
         if arrays.multipath.surface_echo:
             add_surface_echo(arrays, poses, ping, side, workspace.echoes, sink)
         return arrays.multipath.surface_echo
-    pair, wanted = image_pair(arrays, path, poses.x[ping], poses.y[ping], poses.z[ping])
-    farthest = farthest_ground_range(pair, poses.z[ping] - highest_place(arrays))
-    if wanted and farthest > 0.0:
-        add_image_plane(arrays, poses, ping, side, fan, k, pair, farthest, workspace, sink)
-    return wanted
+    pairs = image_pairs(arrays, poses.x[ping], poses.y[ping], poses.z[ping])
+    pair, height = pairs[path - SURFACE_BOTTOM], max(poses.z[ping] - arrays.bed.low, LOWEST)
+    reach = plane_reach(arrays, pair, fan.reach[k], height)
+    reaches = (
+        reach if path == SURFACE_BOTTOM else 0.0,
+        reach if path == SURFACE_BOTTOM_SURFACE else 0.0,
+        reach if path == SECOND_BOTTOM else 0.0,
+    )
+    add_image_plane(arrays, poses, ping, side, fan, k, pairs, reaches, workspace, sink)
+    return pair.farthest > 0.0

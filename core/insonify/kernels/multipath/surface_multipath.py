@@ -20,6 +20,7 @@ from insonify.kernels.bed.profile import Profile, empty_profile, padded_count, p
 from insonify.kernels.bed.slice import slice_bed
 from insonify.kernels.common.jit import inlined_uncounted, kernel, kernel_uncounted
 from insonify.kernels.common.range_bins import accumulate_bins
+from insonify.kernels.common.search import last_not_above
 from insonify.kernels.common.types import SceneArrays
 from insonify.kernels.geometry.cross_sections import HalfPlane
 from insonify.kernels.multipath.echo_list import (
@@ -29,12 +30,9 @@ from insonify.kernels.multipath.echo_list import (
     empty_echo_list,
 )
 from insonify.kernels.multipath.image_sources import (
+    PAIRS,
     SECOND_BOTTOM,
-    SURFACE_BOTTOM,
-    farthest_ground_range,
-    higher_index,
-    highest_place,
-    image_pair,
+    image_pairs,
     pair_response,
     wave_advance,
 )
@@ -57,6 +55,7 @@ from insonify.kernels.targets.angular_zbuffer import AngularZbuffer, empty_zbuff
 from insonify.kernels.targets.occlusion import next_visible, occluded_slopes, occlusion_of
 
 MOST_PASSES = 2  # of the sea surface
+NOT_SEEN = -1  # cells of a z-buffer that is not filled yet
 
 
 class ImageProfile(NamedTuple):
@@ -67,11 +66,11 @@ class ImageProfile(NamedTuple):
     rise: NDArray[np.float64]  # height above the sonar of where the sound set out for, m
     launch: NDArray[np.float32]  # tan of the launch angle above the horizontal
     horizon: NDArray[np.float32]  # greatest launch slope so far
-    weight: NDArray[np.float32]  # what the plane stands for there; of the lower image, in the end that of the pair
+    weight: NDArray[np.float32]  # what the plane stands for there
 
 
 class MultipathWorkspace(NamedTuple):
-    """Work space for one plane as two images of the sonar see it, the lower one first."""
+    """Work space for one plane as two images see it: the sonar itself, and one in the sea surface or in the bed."""
 
     profile: Profile
     images: tuple[ImageProfile, ImageProfile]
@@ -148,23 +147,69 @@ def add_multipath(arrays, poses, ping, side, fan, image_fan, workspace, sink):
     sink : EchoSink
         Takes the echoes and, if asked to, their contributors.
     """
-    x, y, z = poses.x[ping], poses.y[ping], poses.z[ping]
-    drop = z - highest_place(arrays)
-    for path in range(SURFACE_BOTTOM, SECOND_BOTTOM + 1):
-        pair, wanted = image_pair(arrays, path, x, y, z)
-        farthest = farthest_ground_range(pair, drop)
-        if not wanted or farthest == 0.0:
-            continue
-        beam = image_fan if pair.one.mirrored else fan
+    pairs, alike = image_pairs(arrays, poses.x[ping], poses.y[ping], poses.z[ping]), _are_alike(fan, image_fan)
+    for of_image in range(1 if alike else 2):
+        beam, height = (image_fan if of_image == 1 else fan), max(poses.z[ping] - arrays.bed.low, LOWEST)
         for k in range(beam.azimuth.size):
-            add_image_plane(arrays, poses, ping, side, beam, k, pair, farthest, workspace, sink)
+            reaches = _reaches(arrays, pairs, beam.reach[k], height, of_image == 1, alike)
+            add_image_plane(arrays, poses, ping, side, beam, k, pairs, reaches, workspace, sink)
     if arrays.multipath.surface_echo:
         add_surface_echo(arrays, poses, ping, side, workspace.echoes, sink)
 
 
-@kernel_uncounted
-def add_image_plane(arrays, poses, ping, side, fan, k, pair, farthest, workspace, sink):
-    """Put the echoes by one pair of images in plane k of a fan into a difference array.
+@inlined_uncounted
+def _are_alike(fan, image_fan):
+    """Whether two fans have the same planes, as those of a top-hat."""
+    if fan.azimuth.size != image_fan.azimuth.size:
+        return False
+    alike = True
+    for k in range(fan.azimuth.size):
+        alike &= fan.azimuth[k] == image_fan.azimuth[k] and fan.angle[k] == image_fan.angle[k]
+        alike &= fan.reach[k] == image_fan.reach[k] and fan.near_field[k] == image_fan.near_field[k]
+    return alike
+
+
+@inlined_uncounted
+def _reaches(arrays, pairs, per_height, height, of_image, alike):
+    """Ground range to which a plane of one of both fans takes part in each path, m; 0 if it does not."""
+    by_surface, twice, by_bottom = pairs
+    mixed, mirrored = alike or not of_image, alike or of_image
+    return (
+        plane_reach(arrays, by_surface, per_height, height) if mixed else 0.0,
+        plane_reach(arrays, twice, per_height, height) if mirrored else 0.0,
+        plane_reach(arrays, by_bottom, per_height, height) if mixed else 0.0,
+    )
+
+
+@inlined_uncounted
+def plane_reach(arrays, pair, per_height, height):
+    """Ground range to which a plane takes in anything of a propagation path.
+
+    Parameters
+    ----------
+    arrays : SceneArrays
+    pair : ImagePath
+    per_height : float
+        Ground range to which the sonar's beam takes in the plane, per metre of its height above the lowest bed.
+    height : float
+        That height, m.
+
+    Returns
+    -------
+    float
+        m; 0 if the path is not traced.
+    """
+    # If sound passes the beam only once, the beam of the higher image counts, which reaches farther out.
+    one_way = arrays.pattern.tabulated and not arrays.pattern.two_way
+    highest = pair.other.height if one_way else pair.one.height
+    return min(per_height * (height + highest), pair.farthest)
+
+
+@inlined_uncounted
+def add_image_plane(arrays, poses, ping, side, fan, k, pairs, reaches, workspace, sink):
+    """Put the echoes by several pairs of images in plane k of a fan into a difference array.
+
+    They share the slice of the bed, and what an image sees of it and of the targets.
 
     Parameters
     ----------
@@ -174,33 +219,49 @@ def add_image_plane(arrays, poses, ping, side, fan, k, pair, farthest, workspace
     fan : AzimuthFan
         Of the sonar, or of its image if the lower image is mirrored.
     k : int
-    pair : ImagePath
-    farthest : float
-        Ground range beyond which no echo returns within the path's reach, m.
+    pairs : tuple of three ImagePath
+        By `image_pairs`.
+    reaches : tuple of three float
+        Ground range to which the plane takes part in each path, m; 0 leaves a path out.
     workspace : MultipathWorkspace
     sink : EchoSink
         Takes the echoes and, if asked to, their contributors.
     """
     plane, sector, _ = aim_plane(arrays, poses, ping, side, fan, k, straight_grid())
-    near_field, per_height = fan.near_field[k], fan.reach[k]
-    height = max(plane.z - arrays.bed.low, LOWEST)
-    # If sound passes the beam only once, the beam of the higher image counts, which reaches farther out.
-    one_way = arrays.pattern.tabulated and not arrays.pattern.two_way
-    highest = pair.other.height if one_way else pair.one.height
-    reach = min(per_height * (height + highest), farthest)
-    profile, (x, y, z, ex, ey) = workspace.profile, plane
-    count = slice_bed(arrays.bed, arrays.limits, x, y, z, ex, ey, reach, profile)
-    one = raise_sector(sector, near_field * (height + pair.one.height))
-    other = raise_sector(sector, near_field * (height + pair.other.height))
-    cells_one = cells_other = _view_from_image(arrays, count, pair.one, plane, one, reach, workspace, 0)
-    if higher_index(pair) == 1:
-        cells_other = _view_from_image(arrays, count, pair.other, plane, other, reach, workspace, 1)
-    _weigh_pair(arrays, count, pair, (one, other), workspace)
-    n = _list_bed(arrays, count, pair, (cells_one, cells_other), workspace, sink)
-    if cells_one > 0:
-        cells, sectors = (cells_one, cells_other), (one, other)
-        n = list_target_echoes(arrays, count, pair, plane, sectors, cells, workspace, n, sink)
-    _deposit(arrays, pair.passes, pair.path, workspace.echoes, n, sink)
+    near_field, height, profile = fan.near_field[k], max(plane.z - arrays.bed.low, LOWEST), workspace.profile
+    farthest = max(reaches)
+    if farthest == 0.0:
+        return
+    x, y, z, ex, ey = plane
+    count = slice_bed(arrays.bed, arrays.limits, x, y, z, ex, ey, farthest, profile)
+    cells_of_sonar = cells_of_image = NOT_SEEN
+    for path in range(PAIRS):
+        pair, reach = pairs[path], reaches[path]
+        if reach == 0.0:
+            continue
+        one = raise_sector(sector, near_field * (height + pair.one.height))
+        other = raise_sector(sector, near_field * (height + pair.other.height))
+        # Both paths before that by the bed have the sea surface's image.
+        if cells_of_image == NOT_SEEN or pair.path == SECOND_BOTTOM:
+            cells_of_image = _view_from_image(arrays, count, pair.other, plane, other, farthest, workspace, 1)
+        if cells_of_sonar == NOT_SEEN and not pair.one.mirrored:
+            cells_of_sonar = _view_from_image(arrays, count, pair.one, plane, one, farthest, workspace, 0)
+        lower = 1 if pair.one.mirrored else 0
+        cells, images = (cells_of_image if lower == 1 else cells_of_sonar, cells_of_image), workspace.images
+        views, zbuffers = (images[lower], images[1]), (workspace.zbuffers[lower], workspace.zbuffers[1])
+        knots = _knots_within(profile.x, count, reach)
+        _weigh_pair(arrays, knots, pair, one, views[0], views[1], workspace)
+        n = _list_bed(arrays, knots, pair, views, zbuffers, cells, workspace, sink)
+        if cells[0] > 0:
+            sectors, x, echoes = (one, other), profile.x, workspace.echoes
+            n = list_target_echoes(arrays, knots, pair, plane, sectors, cells, x, views, zbuffers, echoes, n, sink)
+        _deposit(arrays, pair.passes, pair.path, workspace.echoes, n, sink)
+
+
+@inlined_uncounted
+def _knots_within(x, count, reach):
+    """Knots of a profile of which the last one alone may lie beyond a ground range."""
+    return min(last_not_above(x[:count], reach) + 2, count) if count > 0 else 0
 
 
 @inlined_uncounted
@@ -209,18 +270,25 @@ def _deposit(arrays, passes, path, echoes, n, sink):
     deposit_echoes(echoes, n, arrays.multipath.facets[passes - 1], arrays.bin_length, path, sink)
 
 
-@kernel_uncounted
+@inlined_uncounted
 def _view_from_image(arrays, count, image, plane, sector, reach, workspace, k):
-    """Fill the profile and the z-buffer of targets of image k (0 the lower); return the cells of the z-buffer."""
-    seen, zbuffer = workspace.images[k], workspace.zbuffers[k]
-    _view_profile(workspace.profile.x, workspace.profile.z, padded_count(count), image, seen)
+    """Fill the profile and the z-buffer of targets of image k (0 the sonar); return the cells of the z-buffer."""
+    seen, zbuffer, pattern = workspace.images[k], workspace.zbuffers[k], arrays.pattern
+    x = workspace.profile.x
+    _view_profile(x, workspace.profile.z, padded_count(count), image, seen)
+    # The bed's image is never the lower one of a pair, whose weights alone count without a pattern.
+    if pattern.tabulated or image.mirrored or k == 0:
+        # Padding past the last knot may hold any number, which must not index a pattern's table.
+        x, fine = x[: count if pattern.tabulated else padded_count(count)], FINE_ROOT if pattern.two_way else FINE_SINE
+        if not (is_whole_beam(sector) and pattern.two_way):
+            weigh_knots(x, seen.rise, seen.r, sector, pattern, arrays.law, fine, seen.weight)
     if zbuffer.body.size == 0:
         return 0
     seen_from = HalfPlane(plane.x, plane.y, plane.z + image.height, plane.ex, plane.ey)
     return max(fill_zbuffer(arrays, seen_from, sector, reach, straight_grid(), workspace.table, zbuffer), 0)
 
 
-@kernel_uncounted
+@inlined_uncounted
 def _view_profile(x, z, count, image, seen):
     """Fill the profile as an image sees it, but for its weights."""
     height, turned, above, rise = image.height, -1.0 if image.mirrored else 1.0, seen.z, seen.rise
@@ -232,34 +300,29 @@ def _view_profile(x, z, count, image, seen):
     running_horizon(count, seen.launch, seen.horizon)
 
 
-@kernel_uncounted
-def _weigh_pair(arrays, count, pair, sectors, workspace):
+@inlined_uncounted
+def _weigh_pair(arrays, count, pair, sector, one, other, workspace):
     """Weigh the knots by the response of the beam to sound out by one image and back by the other."""
-    images, pattern = workspace.images, arrays.pattern
-    # Padding past the last knot may hold any number, which must not index a pattern's table.
-    x = workspace.profile.x[: count if pattern.tabulated else padded_count(count)]
-    higher = images[higher_index(pair)]
-    if is_whole_beam(sectors[0]) and pattern.two_way:
-        weigh_paired_knots(x, images[0], higher, sectors[0], pattern, arrays.law)
-        return
-    one, other, fine = images[0].weight, higher.weight, FINE_ROOT if pattern.two_way else FINE_SINE
-    weigh_knots(x, images[0].rise, images[0].r, sectors[0], pattern, arrays.law, fine, one)
-    if pattern.tabulated and higher_index(pair) == 1:
-        weigh_knots(x, higher.rise, higher.r, sectors[1], pattern, arrays.law, fine, other)
+    pattern, x, weight = arrays.pattern, workspace.profile.x, workspace.segments.weight
+    lower, higher = one.weight, other.weight
+    if is_whole_beam(sector) and pattern.two_way:
+        weigh_paired_knots(x[:count], one, other, sector, pattern, arrays.law, weight)
+    elif pattern.tabulated and pair.orders == 2:
         for i in range(count):
-            one[i] = pair_response(one[i], other[i], True, pattern.two_way)
+            weight[i] = pair_response(lower[i], higher[i], True, pattern.two_way)
+    else:
+        for i in range(count):
+            weight[i] = lower[i]
 
 
-@kernel_uncounted
-def _list_bed(arrays, count, pair, cells, workspace, sink):
+@inlined_uncounted
+def _list_bed(arrays, count, pair, images, zbuffers, cells, workspace, sink):
     """Add the echoes of the bed that both images see; return the number of those listed, but not deposited yet."""
     if count < 2:
         return 0
-    echoes, segments = workspace.echoes, workspace.segments
-    lower, higher = workspace.zbuffers[0], workspace.zbuffers[higher_index(pair)]
+    (one, other), (lower, higher), echoes, segments = images, zbuffers, workspace.echoes, workspace.segments
     occlusions = occlusion_of(lower, cells[0]), occlusion_of(higher, cells[1])
     hidden = occluded_slopes(lower, cells[0]) + occluded_slopes(higher, cells[1])
-    one, other = workspace.images[0], workspace.images[higher_index(pair)]
     deposit_paired_profile(
         workspace.profile, count, one, other, pair, hidden, arrays, sink.labelling, segments, sink.bins
     )
@@ -269,20 +332,21 @@ def _list_bed(arrays, count, pair, cells, workspace, sink):
             continue
         for i in range(WORD * word, WORD * word + WORD):
             if segments.cut[i]:
-                n = _list_segment(i, arrays.reflectivity, pair, hidden, occlusions, workspace, n)
+                profile, weight = workspace.profile, segments.weight
+                n = _list_segment(
+                    i, arrays.reflectivity, pair, hidden, occlusions, profile, weight, one, other, echoes, n
+                )
         if n > ENOUGH:
             _deposit(arrays, pair.passes, pair.path, echoes, n, sink)
             n = 0
     return n
 
 
-@kernel_uncounted
-def _list_segment(i, table, pair, hidden, occlusions, workspace, n):
+@inlined_uncounted
+def _list_segment(i, table, pair, hidden, occlusions, profile, weight, one, other, echoes, n):
     """List the echo of segment i of the bed, less what one of the images does not see of it."""
-    profile, echoes = workspace.profile, workspace.echoes
-    one, other = workspace.images[0], workspace.images[higher_index(pair)]
     x, row, rise = profile.x, profile.material[i], np.float64(profile.slope[i])
-    near, far = np.float64(one.weight[i]), np.float64(one.weight[i + 1])
+    near, far = np.float64(weight[i]), np.float64(weight[i + 1])
     if not near + far > 0.0 or not profile.area[i] > 0.0:
         return n
     rate = (far - near) / (x[i + 1] - x[i])

@@ -8,16 +8,14 @@ from __future__ import annotations
 import math
 from typing import NamedTuple
 
-import numpy as np
-
 from insonify.kernels.beam.azimuth_sector import is_whole_beam, paired_weight, sector_weight
 from insonify.kernels.common.jit import inlined_uncounted, kernel_uncounted
+from insonify.kernels.common.search import last_not_above
 from insonify.kernels.common.types import LIGHT
 from insonify.kernels.geometry.cross_sections import NEVER, HalfPlane
 from insonify.kernels.multipath.echo_list import ENOUGH, SurfaceEcho, deposit_echoes, list_echo
 from insonify.kernels.multipath.image_sources import (
     height_delay,
-    higher_index,
     pair_response,
     pair_strength,
     spreading_ratio,
@@ -73,7 +71,7 @@ class HigherView(NamedTuple):
 
 
 @kernel_uncounted
-def list_target_echoes(arrays, knots, pair, plane, sectors, cells, workspace, n, sink):
+def list_target_echoes(arrays, knots, pair, plane, sectors, cells, x, views, zbuffers, echoes, n, sink):
     """List the echoes of targets that both images see, facet by facet, depositing them where the list gets full.
 
     Parameters
@@ -88,8 +86,13 @@ def list_target_echoes(arrays, knots, pair, plane, sectors, cells, workspace, n,
         What the plane stands for, as the lower and the higher image have it.
     cells : tuple of two int
         Cells of both images' z-buffers.
-    workspace : MultipathWorkspace
-        Filled for this plane.
+    x : ndarray of float64
+        Ground ranges of the knots, m.
+    views : tuple of two ImageProfile
+        The bed as the lower and the higher image see it.
+    zbuffers : tuple of two AngularZbuffer
+        Of the lower and the higher image.
+    echoes : ndarray of float64, shape (ROOM, COLUMNS)
     n : int
         Echoes that are listed already.
     sink : EchoSink
@@ -99,14 +102,12 @@ def list_target_echoes(arrays, knots, pair, plane, sectors, cells, workspace, n,
     int
         Echoes in the list that are not deposited yet.
     """
-    solids, mesh, table, zbuffer = arrays.solids, arrays.mesh, arrays.reflectivity, workspace.zbuffers[0]
-    x, echoes, bodies, knot = workspace.profile.x, workspace.echoes, arrays.solids.shape.size, -1
-    bed = BedHorizon(x, workspace.images[0].z, workspace.images[0].horizon, knots)
-    image, zbuffer_of_higher = workspace.images[higher_index(pair)], workspace.zbuffers[higher_index(pair)]
-    bed_of_higher = BedHorizon(x, image.z, image.horizon, knots)
+    solids, mesh, table, zbuffer = arrays.solids, arrays.mesh, arrays.reflectivity, zbuffers[0]
+    bodies, knot, (one, other) = arrays.solids.shape.size, -1, views
+    bed, bed_of_higher = BedHorizon(x, one.z, one.horizon, knots), BedHorizon(x, other.z, other.horizon, knots)
     # Law `light` cuts facets where a body turns away from the higher image: that place must be sharp.
     before, raised = (ROUNDING if pair.law == LIGHT else BEFORE), pair.other.height - pair.one.height
-    higher = HigherView(raised, before, bed_of_higher, zbuffer_of_higher, cells[1])
+    higher = HigherView(raised, before, bed_of_higher, zbuffers[1], cells[1])
     seen_from = HalfPlane(plane.x, plane.y, plane.z + pair.one.height, plane.ex, plane.ey)
     for cell in range(cells[0]):
         p = zbuffer.nearest[cell]
@@ -182,7 +183,7 @@ def _incidence_at_higher(distance, c, s, primitive, body, higher, knot):
     if horizon_at(higher.bed, knot_before(higher.bed, level, knot), level) * c > s:
         return 0.0
     zbuffer, cells = higher.zbuffer, higher.cells
-    cell = np.searchsorted(zbuffer.edge[: cells + 1], math.atan2(height, level), side="right") - 1
+    cell = last_not_above(zbuffer.edge[: cells + 1], math.atan2(height, level))
     if 0 <= cell < cells and zbuffer.nearest[cell] != NO_PRIMITIVE and zbuffer.body[zbuffer.nearest[cell]] != body:
         if (zbuffer.nearness_cosine[cell] * c + zbuffer.nearness_sine[cell] * s) * r > 1.0 + BEFORE:
             return 0.0
