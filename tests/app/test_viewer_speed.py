@@ -4,8 +4,9 @@
 
 from __future__ import annotations
 
+import sys
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from typing import Any
 
 import numpy as np
@@ -21,6 +22,7 @@ from insonify_viewer.simulator import PingRequest, Simulator
 pytestmark = pytest.mark.bench
 MOVES = 12
 TURNS = 20
+RATE = 60  # moves of a slider in a second
 
 
 def seconds_until(qtbot: Any, condition: Callable[[], bool], timeout: int = 20000) -> float:
@@ -29,12 +31,28 @@ def seconds_until(qtbot: Any, condition: Callable[[], bool], timeout: int = 2000
     return time.perf_counter() - start
 
 
+@pytest.fixture(autouse=True)
+def _threads_take_turns_as_in_the_program() -> Iterator[None]:
+    before = sys.getswitchinterval()
+    sys.setswitchinterval(0.001)
+    yield
+    sys.setswitchinterval(before)
+
+
 class Gaps:
-    """Time between turns of the main loop, without what OpenGL took of it."""
+    """Time between turns of the main loop, without what OpenGL took of it; the processor time does not tell of waits.
+
+    Attributes
+    ----------
+    gaps, busy : list of float
+        Seconds of each turn, and seconds of processor time of the main thread.
+    """
 
     def __init__(self, viewer: Any) -> None:
         self.gaps: list[float] = []
-        self._last, self._drawing, self._drawn = time.perf_counter(), 0.0, 0.0
+        self.busy: list[float] = []
+        self._last = self._drawing = _clocks()
+        self._drawn = np.zeros(2)
         renderer = viewer.seabed.view._canvas.plotter.renderer
         renderer.AddObserver("StartEvent", self._start)
         renderer.AddObserver("EndEvent", self._end)
@@ -42,20 +60,33 @@ class Gaps:
         self._timer.timeout.connect(self._turn)
         self._timer.start()
 
-    def stop(self) -> np.ndarray:
+    def stop(self) -> None:
         self._timer.stop()
-        return np.array(self.gaps[5:])
+
+    def sentence(self) -> str:
+        """Say how long the main thread was away; to be called once the gaps have stopped."""
+        wall, busy = 1e3 * np.array(self.gaps[5:]), 1e3 * np.array(self.busy[5:])
+        return (
+            f"main thread outside GL: p99 {np.quantile(wall, 0.99):.1f} ms, worst {wall.max():.1f} ms of {len(wall)}; "
+            f"processor p99 {np.quantile(busy, 0.99):.1f} ms, worst {busy.max():.1f} ms"
+        )
 
     def _start(self, *_: Any) -> None:
-        self._drawing = time.perf_counter()
+        self._drawing = _clocks()
 
     def _end(self, *_: Any) -> None:
-        self._drawn += time.perf_counter() - self._drawing
+        self._drawn += _clocks() - self._drawing
 
     def _turn(self) -> None:
-        now = time.perf_counter()
-        self.gaps.append(max(now - self._last - self._drawn, 0.0))
-        self._last, self._drawn = now, 0.0
+        now = _clocks()
+        wall, busy = np.maximum(now - self._last - self._drawn, 0.0)
+        self.gaps.append(float(wall))
+        self.busy.append(float(busy))
+        self._last, self._drawn = now, np.zeros(2)
+
+
+def _clocks() -> np.ndarray:
+    return np.array([time.perf_counter(), time.thread_time()])
 
 
 @pytest.mark.parametrize(
@@ -69,7 +100,9 @@ class Gaps:
     ],
 )
 def test_a_coarse_picture(qapp: Any, path: str, ends: tuple[float, float]) -> None:
+    """After a fine picture, whose plan serves while a slider moves."""
     simulator, pings = Simulator(), np.arange(511, -1, -1, dtype=np.int64)
+    list(simulator._trace(PingRequest(0, load_scene("default"), Modelling(), pings, fine=True)))
     wall, busy, alike = [], [], 1
     for value in np.linspace(*ends, 2 * MOVES + 1):
         scene = edit(load_scene("default"), {path: float(value)})
@@ -103,13 +136,59 @@ def test_slider_to_picture(open_viewer: Any, qtbot: Any) -> None:
             coarse.append(seconds_until(qtbot, lambda: not viewer._missing().size))
         row.slider.setSliderDown(False)
         fine.append(seconds_until(qtbot, lambda: not viewer._missing().size))
-    found = gaps.stop()
+    gaps.stop()
     print(f"\nslider to coarse picture: median {np.median(coarse):.3f} s, worst {max(coarse):.3f} s")
     print(f"release to fine picture: median {np.median(fine):.3f} s, worst {max(fine):.3f} s")
-    print(
-        f"main thread while dragging, outside GL: p99 {1e3 * np.quantile(found, 0.99):.1f} ms, "
-        f"worst {1e3 * found.max():.1f} ms of {len(found)}"
-    )
+    print(gaps.sentence())
+
+
+@pytest.mark.parametrize(
+    ("name", "path"),
+    [
+        ("default", "seabed.relief.beta"),
+        ("default", "track.altitude"),
+        ("default", "sonar.beam.width"),
+        ("figure-4a", "seabed.relief.beta"),
+        ("figure-4a", "track.altitude"),
+        ("endless", "seabed.relief.of.0.rms"),
+        ("endless", "sonar.beam.width"),
+    ],
+)
+def test_slider_at_60_hz(open_viewer: Any, qtbot: Any, name: str, path: str) -> None:
+    """A slider that moves 60 times a second: delay of the pictures, and gaps of the main thread."""
+    viewer = open_viewer(load_scene(name), prepare=None)
+    viewer.window.resize(1480, 900)
+    row = viewer.panels["parameters"].view.row(path)
+    moved: dict[int, float] = {}
+    delays, traced = [], []
+
+    def show(answer: Any) -> None:
+        if not answer.fine and (begun := moved.pop(answer.number, None)) is not None:
+            delays.append(time.perf_counter() - begun)
+            traced.append(answer.seconds)
+
+    viewer.simulator.answered.connect(show)  # after the viewer, which has painted the record by then
+    positions = iter(np.concatenate([np.linspace(200, 400, RATE), np.linspace(400, 200, RATE)]).astype(int))
+
+    def move() -> None:
+        position = next(positions, None)
+        if position is None:
+            timer.stop()
+            return
+        begun = time.perf_counter()
+        row.slider.setValue(int(position))
+        moved[viewer._number] = begun
+
+    timer, gaps = QTimer(interval=1000 // RATE), Gaps(viewer)
+    timer.timeout.connect(move)
+    row.slider.setSliderDown(True)
+    timer.start()
+    qtbot.waitUntil(lambda: not timer.isActive(), timeout=60000)
+    gaps.stop()
+    row.slider.setSliderDown(False)
+    after, of_it = 1e3 * np.median(delays), 1e3 * np.median(traced)
+    print(f"\n{name}, {path}: {len(delays)} pictures of {2 * RATE} moves, {after:.0f} ms after their move (median;")
+    print(f"best {1e3 * min(delays):.0f}), of which {of_it:.0f} ms traced; {gaps.sentence()}")
 
 
 def test_live_tow(open_viewer: Any, qtbot: Any) -> None:
@@ -120,11 +199,11 @@ def test_live_tow(open_viewer: Any, qtbot: Any) -> None:
     qtbot.wait(500)
     gaps, before = Gaps(viewer), viewer.tow.newest
     qtbot.wait(3000)
-    found = gaps.stop()
+    gaps.stop()
     viewer.run(False)
     rate, drawing = (viewer.tow.newest - before) / 3.0, 1e3 * viewer.seabed.view.draw_time
     print(f"\n{rate:.0f} pings a second; 3-D drawing {drawing:.0f} ms")
-    print(f"main thread outside GL: p99 {1e3 * np.quantile(found, 0.99):.1f} ms, worst {1e3 * found.max():.1f} ms")
+    print(gaps.sentence())
 
 
 def test_a_view_that_is_turned(open_viewer: Any, qtbot: Any) -> None:
@@ -158,9 +237,9 @@ def test_a_target_that_is_dragged(open_viewer: Any, qtbot: Any) -> None:
         QTest.mouseMove(record, place)
         coarse.append(seconds_until(qtbot, lambda: not viewer._missing().size))
     QTest.mouseRelease(record, Qt.MouseButton.LeftButton, pos=place)
-    found = gaps.stop()
+    gaps.stop()
     print(f"\ntarget dragged in the record: coarse picture in {1e3 * np.median(coarse):.0f} ms (median)")
-    print(f"main thread outside GL: p99 {1e3 * np.quantile(found, 0.99):.1f} ms, worst {1e3 * found.max():.1f} ms")
+    print(gaps.sentence())
 
 
 def test_panel_that_follows_a_slider(open_viewer: Any) -> None:
@@ -211,7 +290,6 @@ def test_a_and_b_change_places(open_viewer: Any, qtbot: Any, pings: int) -> None
         for position in np.linspace(300, 600, MOVES).astype(int):
             row.slider.setValue(int(position))
             seconds_until(qtbot, lambda: not viewer._missing().size)
-        found = gaps.stop()
+        gaps.stop()
         row.slider.setSliderDown(False)
-        worst = 1e3 * np.quantile(found, 0.99)
-        print(f"slider with {arrangement.value}: main thread p99 {worst:.1f} ms of {len(found)}")
+        print(f"slider with {arrangement.value}: {gaps.sentence()}")
