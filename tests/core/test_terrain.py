@@ -1,9 +1,12 @@
 """Grounds: where they lie, what they share, what they are made of."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
-from insonify.scene import SceneError, build, load_scene
+from insonify.packing.scene_arrays import make_bed
+from insonify.scene import SceneError, build, edit, load_scene
 from insonify.scene.materials import MATERIALS, Material
 from insonify.scene.materials.fractal import FractalMap
 from insonify.scene.materials.patches import Patches
@@ -188,3 +191,14 @@ def test_bundled_scene_has_a_bed_under_its_whole_track(name):
     heights = ground.height_at(x.ravel(), y.ravel()).reshape(x.shape)
     assert np.isfinite(heights).all()
     assert bundled.altitude > heights[1].max() + 1.0
+
+
+def test_beds_of_the_same_heights_share_their_transposed_copy():
+    grounds = [build_ground(edit(load_scene("default"), {"sonar.beam.width": width})) for width in (1.0, 2.0)]
+    one, other = map(make_bed, grounds)
+    assert one.heights is other.heights
+    assert one.transposed is other.transposed
+    np.testing.assert_array_equal(one.transposed, one.heights.T)
+    copied = make_bed(replace(grounds[0], heights=grounds[0].heights.copy()))
+    assert copied.transposed is not one.transposed
+    np.testing.assert_array_equal(copied.transposed, one.transposed)
