@@ -1,5 +1,8 @@
 """Scenes over endless ground: windows that no record shows."""
 
+import gc
+import weakref
+
 import numpy as np
 import pytest
 
@@ -151,3 +154,26 @@ def test_picture_is_of_a_piece():
     picture = relief_picture(SCENE)
     assert picture.shape == (1024, 1024)
     assert (picture.min(), picture.max()) == (0, 255)
+
+
+def test_scenes_on_the_same_ground_share_its_windows(record):
+    simulation, other = prepare(SCENE), prepare(edit(SCENE, {"sonar.beam": {"kind": "fan", "width": 2.0}}))
+    poses = simulation.poses(PINGS)
+    windows = [list(each.tiles.split(each.reduced, poses)) for each in (simulation, other)]
+    assert len(windows[0]) == 3
+    for (some, one), (same, another) in zip(*windows, strict=True):
+        np.testing.assert_array_equal(some, same)
+        assert one.bed is another.bed
+    rougher = prepare(edit(SCENE, {"seabed.relief.rms": 0.2}))
+    assert next(rougher.tiles.split(rougher.reduced, poses))[1].bed is not windows[0][0][1].bed
+    np.testing.assert_array_equal(simulation.intensity(PINGS), record)
+
+
+def test_windows_go_with_the_last_scene_on_their_ground():
+    simulation = prepare(edit(SCENE, {"seed": 77}))
+    simulation.intensity(PINGS[:1])
+    held = weakref.ref(next(simulation.tiles.split(simulation.reduced, simulation.poses(PINGS)))[1].bed.transposed)
+    assert held() is not None
+    del simulation
+    gc.collect()
+    assert held() is None

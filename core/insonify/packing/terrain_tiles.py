@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Hashable, Iterator, Sequence
 from functools import lru_cache
 from typing import Any
+from weakref import WeakValueDictionary
 
 import numpy as np
 from numpy.typing import NDArray
@@ -15,10 +16,12 @@ from insonify.packing.scene_arrays import make_bed
 from insonify.terrain import AnyGround, EndlessGround
 
 Column = NDArray[Any]
+Beds = Callable[[int, int], Bed]
 
 # Refracted rays may go farther in the time of a slant range than straight ones.
 MARGIN = 1.1
 KEPT_BEDS = 3
+_SHARED: WeakValueDictionary[Hashable, Beds] = WeakValueDictionary()
 
 
 class TerrainTiles:
@@ -34,7 +37,7 @@ class TerrainTiles:
 
     def __init__(self, ground: AnyGround, reach: float) -> None:
         self._ground, self.reach = ground, reach
-        self._bed = lru_cache(maxsize=KEPT_BEDS)(self._made_bed)
+        self._bed = _beds_of(ground, reach) if isinstance(ground, EndlessGround) else None
 
     def map(
         self, trace: Callable[[SceneArrays, Poses], tuple[Column, ...]], arrays: SceneArrays, poses: Poses
@@ -74,16 +77,27 @@ class TerrainTiles:
         arrays : SceneArrays
             The scene over the tile beneath them.
         """
-        if not isinstance(self._ground, EndlessGround) or poses.x.size == 0:
+        if self._bed is None or poses.x.size == 0:
             yield slice(None), arrays
             return
+        assert isinstance(self._ground, EndlessGround)
         cells, which = np.unique(self._ground.cell(poses.x, poses.y), axis=0, return_inverse=True)
         for k, (row, column) in enumerate(cells):
             yield np.flatnonzero(which.reshape(-1) == k), arrays._replace(bed=self._bed(int(row), int(column)))
 
-    def _made_bed(self, row: int, column: int) -> Bed:
-        assert isinstance(self._ground, EndlessGround)
-        return make_bed(self._ground.window(row, column, MARGIN * self.reach))
+
+def _beds_of(ground: EndlessGround, reach: float) -> Beds:
+    """Beds of the windows of endless ground; scenes on the same ground share them while one of them lives."""
+    key = ground.heights, ground.materials, ground.spacing, len(ground.reflectivities), reach
+    if (known := _SHARED.get(key)) is not None:
+        return known
+
+    @lru_cache(maxsize=KEPT_BEDS)
+    def make(row: int, column: int) -> Bed:
+        return make_bed(ground.window(row, column, MARGIN * reach))
+
+    _SHARED[key] = make
+    return make
 
 
 def _join(places: Sequence[NDArray[np.int64] | slice], columns: Sequence[Column]) -> Column:
