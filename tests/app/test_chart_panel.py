@@ -79,6 +79,17 @@ def test_a_click_on_a_point_shows_its_record(window: Any, qtbot: Any) -> None:
     assert len({image.pixel(x, y) for x in range(0, image.width(), 5) for y in range(0, image.height(), 5)}) > 4
 
 
+def test_points_are_stepped_through_by_keys(window: Any, qtbot: Any) -> None:
+    measure(window, qtbot)
+    panel = window.panels["chart"]
+    points, picked = panel._picture.points, []
+    panel.view.picked.connect(picked.append)
+    for key in (Qt.Key.Key_Right, Qt.Key.Key_Right, Qt.Key.Key_Left, Qt.Key.Key_Left):
+        qtbot.keyClick(panel.view.picture, key)
+        qtbot.waitUntil(lambda: panel.view.picture._chosen is picked[-1], timeout=20000)
+    assert [id(row) for row in picked] == [id(points[k].row) for k in (0, 1, 0, len(points) - 1)]
+
+
 def test_the_window_lives_while_it_is_measured_and_stops(window: Any, qtbot: Any) -> None:
     going, seen = threading.Event(), []
 

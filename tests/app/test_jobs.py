@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import threading
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -180,3 +181,22 @@ def test_closing_asks_about_jobs_and_ends_them_at_once(
 
 def test_times_to_wait_are_whole_numbers() -> None:
     assert [format_time_left(seconds) for seconds in (0.2, 40.4, 170.0, 7300.0)] == ["1 s", "40 s", "3 min", "2 h"]
+
+
+def test_the_bar_shortens_the_title_and_keeps_the_time_left(open_viewer: Opener, knife: Scene, qtbot: Any) -> None:
+    viewer = open_viewer(knife)
+    going = threading.Event()
+
+    def work(report: Callable[[float], None]) -> None:
+        while not going.wait(0.01):
+            report(0.4)
+
+    viewer.jobs.begin_work(f"chart of {' '.join(30 * ['balls'])}", work)
+    bar = viewer.window.jobs
+    qtbot.waitUntil(lambda: "left" in bar.format())
+    words = bar.text()
+    assert words.startswith("chart of balls")
+    assert "…: 40 %, " in words
+    assert bar.fontMetrics().horizontalAdvance(words) <= bar.width()
+    going.set()
+    qtbot.waitUntil(lambda: not bar.isVisible())

@@ -103,3 +103,28 @@ def test_the_record_of_the_default_scene_is_at_true_scale(open_viewer: Any, smal
 @pytest.fixture
 def default() -> Scene:
     return load_scene("default")
+
+
+@pytest.mark.parametrize("width", [780, 900, 1000, 1600])
+@pytest.mark.parametrize("panel", ["lessons", None])
+def test_panels_at_both_sides_stay_within_the_window(
+    width: int, panel: str | None, open_viewer: Any, small: Scene, qtbot: Any
+) -> None:
+    viewer = open_viewer(small)
+    window = viewer.window
+    window.resize(width, 540)
+    if panel is not None:
+        window.open_panel(panel)
+    qtbot.waitUntil(lambda: window.width() == width)
+    qtbot.wait(100)
+    side = viewer.panels["parameters"].widget
+    shown = [side, window.waterfall] + ([viewer.panels[panel].widget] if panel else [])
+    places = [part.rect().translated(part.mapTo(window, QPoint(0, 0))) for part in shown]
+    for one, place in enumerate(places):
+        assert 0 <= place.left() <= place.right() < width
+        assert not any(place.intersects(other) for other in places[:one])
+    assert window.waterfall.width() >= 200
+    assert window.seabed.isVisible() is (panel is None or width >= 1000)
+    if panel is not None:
+        window._buttons[panel].setChecked(False)
+        qtbot.waitUntil(window.seabed.isVisible)

@@ -2,19 +2,23 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from typing import Any
 
+import numpy as np
 import pytest
-from PySide6.QtCore import QSettings, Qt
-from PySide6.QtGui import QColor, QPalette
+from PySide6.QtCore import QPoint, QSettings, Qt
+from PySide6.QtGui import QColor, QImage, QPainter, QPalette
 from PySide6.QtWidgets import QApplication, QWidget
 
 from insonify.display.display_options import DisplayOptions
 from insonify.scene import Scene, scene_to_toml
 from insonify_viewer.application import keep_display
 from insonify_viewer.panels.parameters.view.about_box import AboutBox
+from insonify_viewer.panels.record.view.histogram_view import HistogramView
+from insonify_viewer.views.pixel_marks import draw_pin
 from insonify_viewer.views.settings import Settings
-from insonify_viewer.views.theme import ACCENT, COLOURS, GROUND, Theme, apply_theme
+from insonify_viewer.views.theme import ACCENT, COLOURS, GROUND, MARK_IN_WATER, Theme, apply_theme
 
 
 def contrast(one: str, other: str) -> float:
@@ -124,3 +128,45 @@ def test_a_spoilt_display_reads_as_the_usual_one(spoilt: Any) -> None:
     store = QSettings(QSettings.Format.IniFormat, QSettings.Scope.UserScope, "insonify", "insonify")
     store.setValue("display", spoilt)
     assert Settings().display == {}
+
+
+@pytest.fixture(params=[Theme.DARK, Theme.LIGHT], ids=["dark", "light"])
+def theme(request: Any, qapp: QApplication) -> Iterator[Theme]:
+    apply_theme(qapp, request.param)
+    yield request.param
+    apply_theme(qapp)
+
+
+def test_a_histogram_stands_out(theme: Theme, qtbot: Any) -> None:
+    histogram = HistogramView()
+    qtbot.addWidget(histogram)
+    histogram.resize(320, 112)
+    histogram.show_levels(np.zeros(1000, dtype=np.float32))
+    picture = histogram.grab().toImage()
+    peak, beside = (picture.pixelColor(round(histogram.place_of(level)), 60).name() for level in (0.25, 30.0))
+    assert contrast(peak, beside) >= 3.0
+
+
+def test_angles_over_the_water_are_written_on_the_ground_of_the_window(
+    theme: Theme, open_viewer: Any, small: Scene, qtbot: Any, qapp: QApplication
+) -> None:
+    viewer = open_viewer(small)
+    apply_theme(qapp, theme)
+    viewer.window.open_panel("water")
+    qtbot.waitUntil(lambda: viewer.complete, timeout=60000)
+    view = viewer.panels["water"].view
+    picture = view.grab().toImage()
+    above = [picture.pixelColor(x, y).name() for x in range(view.width() // 2, view.width()) for y in range(2, 20)]
+    assert max(contrast(colour, GROUND.name()) for colour in above) >= 4.5
+
+
+def test_marks_of_a_record_stand_out_from_their_halos(theme: Theme, qtbot: Any) -> None:
+    picture = QImage(60, 60, QImage.Format.Format_RGB32)
+    for echo in ("#000000", "#b06a28", "#ffffff"):
+        picture.fill(QColor(echo))
+        painter = QPainter(picture)
+        draw_pin(painter, QPoint(30, 30))
+        painter.end()
+        drawn = {picture.pixelColor(x, y).name() for x in range(60) for y in range(60)}
+        assert max(contrast(one, echo) for one in drawn) >= 3.0
+        assert max(contrast(MARK_IN_WATER, one) for one in drawn) >= 3.0, "against the echo or the halo"

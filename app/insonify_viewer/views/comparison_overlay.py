@@ -11,7 +11,7 @@ from PySide6.QtWidgets import QWidget
 from insonify_viewer.comparison.arrangement import Arrangement
 from insonify_viewer.views.difference_picture import DifferencePicture, decibels_between, draw_difference
 from insonify_viewer.views.record_image import EMPTY
-from insonify_viewer.views.theme import ACCENT, GROUND, MARK, TEXT
+from insonify_viewer.views.theme import ACCENT, ACCENT_IN_WATER, GROUND, MARK, TEXT
 from insonify_viewer.views.titled_waterfall import TitledWaterfall
 from insonify_viewer.views.two_sided_palette import two_sided_table
 from insonify_viewer.views.waterfall_view import WaterfallView
@@ -162,9 +162,9 @@ class ComparisonOverlay(QWidget):
 
     def _draw_split(self, painter: QPainter, plot: QRect) -> None:
         x = self.split
-        painter.setPen(QPen(QColor(ACCENT), 2))
+        painter.setPen(QPen(QColor(ACCENT_IN_WATER), 2))
         painter.drawLine(x, plot.top(), x, plot.bottom())
-        painter.setBrush(QColor(ACCENT))
+        painter.setBrush(QColor(ACCENT_IN_WATER))
         painter.drawEllipse(QPoint(x, plot.center().y()), GRIP, GRIP)
         left, right = QRect(plot), QRect(plot)
         left.setRight(x - 8)

@@ -4,12 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from PySide6.QtCore import Signal
+from PySide6.QtCore import Qt, Signal
 from PySide6.QtGui import QMouseEvent
 from PySide6.QtWidgets import QProgressBar
 
 from insonify_viewer.jobs.background_job import BackgroundJob
 from insonify_viewer.quantities import format_time_left
+
+MARGIN = 12  # px beside the words
 
 
 class JobBar(QProgressBar):
@@ -31,10 +33,15 @@ class JobBar(QProgressBar):
             return
         newest, others = running[-1], len(running) - 1
         share, left = newest.stage.share, newest.seconds_left
-        told = "" if left is None else f", {format_time_left(left)} left"
+        told = ("" if left is None else f", {format_time_left(left)} left") + (f" (+{others})" if others else "")
         self.setRange(0, 0 if share is None else 100)
         self.setValue(0 if share is None else int(100 * share))
-        self.setFormat(f"{newest.title}: %p %{told}" + (f" (+{others})" if others else ""))
+        self.setFormat(f"{self._shortened(newest.title, f': 100 %{told}')}: %p %{told}")
+
+    def _shortened(self, title: str, rest: str) -> str:
+        """Shorten a title so that what follows it fits the bar too; a percent sign would be read as a place."""
+        room = self.width() - MARGIN - self.fontMetrics().horizontalAdvance(rest)
+        return self.fontMetrics().elidedText(title, Qt.TextElideMode.ElideRight, max(room, 0)).replace("%", "")
 
     def mousePressEvent(self, event: QMouseEvent) -> None:
         """Signal a click."""

@@ -33,6 +33,7 @@ from insonify_viewer.views.icons import set_icon
 from insonify_viewer.views.job_bar import JobBar
 from insonify_viewer.views.menu_contents import fill_menus, name_button
 from insonify_viewer.views.menus import Menus
+from insonify_viewer.views.panel_room import PanelRoom
 from insonify_viewer.views.recent_menu import RecentMenu
 from insonify_viewer.views.records_side_by_side import RecordsSideBySide
 from insonify_viewer.views.save_menu import SaveMenu
@@ -93,6 +94,7 @@ class MainWindow(QMainWindow):
         self._splitter.setChildrenCollapsible(False)
         self.record_a = TitledWaterfall(native=native)
         self.records = RecordsSideBySide(self._splitter, self.waterfall, self.record_a)
+        self._room = PanelRoom(self, self._splitter)
         self.overlay = ComparisonOverlay(self.record_a, self.waterfall)
         self.comparison = ComparisonActions(self)
         self.setCentralWidget(self._splitter)
@@ -151,6 +153,7 @@ class MainWindow(QMainWindow):
         self._splitter.replaceWidget(0, view)
         self._splitter.setSizes(sizes)
         view.show()
+        self._room.make()
         self._placeholder.deleteLater()
 
     def say(self, sentence: str, *, lasting: bool = False) -> None:
@@ -229,6 +232,7 @@ class MainWindow(QMainWindow):
         dock.setTitleBarWidget(QWidget())
         dock.setWidget(panel.widget)
         self.addDockWidget(side, dock)
+        self._room.watch(dock)
         self._docks[panel.name] = dock
         return dock
 

@@ -14,7 +14,7 @@ def push_button(text: str, tip: str, *, style: str = "tool", wide: bool = False)
     text, tip : str
         On the button, and in its tooltip.
     style : str
-        ``tool`` or ``file``, as the style sheet names them.
+        ``tool``, ``file`` or ``small``, as the style sheet names them.
     wide : bool
         Whether it takes all the width there is.
     """

@@ -8,7 +8,7 @@ from PySide6.QtCore import QObject, QPoint, QPointF, QRectF, Qt, Signal
 from PySide6.QtGui import QColor, QPainter, QPen
 
 from insonify_viewer.session import Mark
-from insonify_viewer.views.theme import GROUND, MARK
+from insonify_viewer.views.theme import HALO, MARK_IN_WATER
 
 GRIP = 9  # px from a handle at which the mouse takes hold of it
 SEEN = 48  # px from the mouse within which the handles of targets that are not chosen are drawn
@@ -114,7 +114,7 @@ class RecordHandles(QObject):
 
 def _draw(painter: QPainter, place: QPointF, action: str, *, chosen: bool) -> None:
     """Draw a handle: a diamond moves, a circle turns, a square resizes, a triangle thickens."""
-    for colour, width in ((GROUND, 4.0), (MARK, 2.0 if chosen else 1.2)):
+    for colour, width in ((HALO, 4.0), (MARK_IN_WATER, 2.0 if chosen else 1.2)):
         painter.setPen(QPen(QColor(colour), width))
         painter.setBrush(Qt.BrushStyle.NoBrush)
         if action == "turn":

@@ -10,7 +10,7 @@ from PySide6.QtGui import QColor, QPainter, QPen, QPolygonF
 
 from insonify_viewer.record_display.projection import Projection
 from insonify_viewer.views.rulers import range_ticks
-from insonify_viewer.views.theme import EDGE, GROUND, MARK, QUIET, RAISED, TEXT
+from insonify_viewer.views.theme import EDGE, HALO, MARK_IN_WATER, QUIET, RAISED, TEXT
 
 BAR = 5  # px, thickness of the bar that shows which part of the range is seen
 LEAST_BAR = 24.0  # px
@@ -47,7 +47,7 @@ def draw_bottom_line(painter: QPainter, plot: QRect, projection: Projection) -> 
 
 def draw_cross(painter: QPainter, place: QPoint) -> None:
     """Draw a cross about the point under the mouse."""
-    for colour, width in ((GROUND, 4), (MARK, 2)):
+    for colour, width in ((HALO, 4), (MARK_IN_WATER, 2)):
         painter.setPen(QPen(QColor(colour), width))
         for dx, dy in ((1, 0), (-1, 0), (0, 1), (0, -1)):
             painter.drawLine(place + QPoint(5 * dx, 5 * dy), place + QPoint(14 * dx, 14 * dy))
@@ -56,7 +56,7 @@ def draw_cross(painter: QPainter, place: QPoint) -> None:
 def draw_measured(painter: QPainter, plot: QRect, ends: tuple[QPoint, QPoint], words: str) -> None:
     """Draw a measured line with its length in words, inside the plot."""
     painter.setRenderHint(QPainter.RenderHint.Antialiasing)
-    for colour, width in ((GROUND, 4.0), (MARK, 2.0)):
+    for colour, width in ((HALO, 4.0), (MARK_IN_WATER, 2.0)):
         painter.setPen(QPen(QColor(colour), width))
         painter.drawLine(*ends)
         for end in ends:
@@ -80,14 +80,14 @@ def draw_contacts(painter: QPainter, plot: QRect, contacts: Iterable[tuple[QPoin
     for place, name, chosen in contacts:
         if not plot.contains(place):
             continue
-        for colour, width in ((GROUND, 4.0), (CONTACT, 2.5 if chosen else 1.5)):
+        for colour, width in ((HALO, 4.0), (CONTACT, 2.5 if chosen else 1.5)):
             painter.setPen(QPen(QColor(colour), width))
             for dx, dy in ((-1, -1), (1, -1), (-1, 1), (1, 1)):
                 corner = place + QPoint(9 * dx, 9 * dy)
                 painter.drawPolyline([corner - QPoint(5 * dx, 0), corner, corner - QPoint(0, 5 * dy)])
         right = place.x() + 14 + painter.fontMetrics().horizontalAdvance(name) <= plot.right()
         x = place.x() + 14 if right else place.x() - 14 - painter.fontMetrics().horizontalAdvance(name)
-        painter.setPen(QColor(GROUND))
+        painter.setPen(QColor(HALO))
         painter.drawText(x + 1, place.y() + 5, name)
         painter.setPen(QColor(CONTACT))
         painter.drawText(x, place.y() + 4, name)

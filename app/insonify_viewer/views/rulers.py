@@ -39,7 +39,10 @@ def draw_range_ruler(painter: QPainter, plot: QRect, projection: Projection, sca
     painter.setPen(QColor(QUIET))
     beyond = round(24 * text)  # the margins hold what is longer than the record is wide
     line = _lines(plot.left() - beyond, base + round(20 * text), plot.width() + 2 * beyond, text)
-    painter.drawText(line, Qt.AlignmentFlag.AlignHCenter, f"{NAMES[projection.axis.kind]} (m)  ·  {scale}")
+    name = f"{NAMES[projection.axis.kind]} (m)"
+    whole = f"{name}  ·  {scale}"
+    fits = painter.fontMetrics().horizontalAdvance(whole) <= line.width()
+    painter.drawText(line, Qt.AlignmentFlag.AlignHCenter, whole if fits else name)
     painter.setPen(QColor(TEXT))
     line = _lines(plot.left(), plot.top() - round(20 * text), plot.width(), text)
     first, last = projection.shown

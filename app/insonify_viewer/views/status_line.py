@@ -35,7 +35,9 @@ class StatusLine(QWidget):
         super().__init__()
         self.sentence = QLabel()
         self.sentence.setMinimumWidth(1)  # so that a long sentence does not widen the window
-        self.copy = push_button("Copy details", "Copy versions, scene and what went wrong, to be sent with a report")
+        self.copy = push_button(
+            "Copy details", "Copy versions, scene and what went wrong, to be sent with a report", style="small"
+        )
         self.copy.clicked.connect(self._copy)
         self.copy.hide()
         self.describe_scene: Callable[[], str] = str

@@ -31,8 +31,9 @@ COLOURS = {
 }
 # Views hold these objects; `apply_theme` changes them in place, so that the next paint shows another theme.
 GROUND, RAISED, EDGE, TEXT, QUIET, ACCENT, MARK, FAINT, TRAIL = (QColor(dark) for dark, _ in COLOURS.values())
-# Over pictures of the water, which stay dark in both themes.
+# Over records and pictures of the water, which stay dark in both themes; the halo sets marks off bright echoes.
 OVER_WATER, MARK_IN_WATER, ACCENT_IN_WATER = COLOURS["TEXT"][0], COLOURS["MARK"][0], COLOURS["ACCENT"][0]
+HALO = COLOURS["GROUND"][0]
 
 STYLE = """
 QMainWindow, QDockWidget, QScrollArea, QWidget#panel {{ background: {GROUND}; }}
@@ -85,11 +86,15 @@ QTabBar::tab:selected {{ color: {TEXT}; border-bottom-color: {ACCENT}; }}
 QTabBar::tab:hover {{ color: {TEXT}; }}
 QFrame#tour {{ background: {RAISED}; border: 1px solid {ACCENT}; border-radius: 6px; }}
 QPushButton#tool {{ background: {RAISED}; border: 1px solid {EDGE}; border-radius: 4px; padding: 4px 12px; }}
+QPushButton#small {{ background: {RAISED}; border: 1px solid {EDGE}; border-radius: 4px; padding: 0 10px; }}
+QPushButton#small:hover {{ border-color: {ACCENT}; }}
+QDialogButtonBox {{ dialogbuttonbox-buttons-have-icons: 0; }}
 QPushButton#tool:hover {{ border-color: {ACCENT}; }}
 QPushButton:disabled {{ color: {FAINT}; }}
 QLabel#about {{ color: {QUIET}; padding: 5px 4px 7px 6px; }}
-QLineEdit#search {{ background: {RAISED}; border: 1px solid {EDGE}; border-radius: 4px; padding: 3px 6px; }}
-QLineEdit#search:focus {{ border-color: {ACCENT}; }}
+QLineEdit#search, QLineEdit#line {{ background: {RAISED}; border: 1px solid {EDGE}; border-radius: 4px;
+    padding: 3px 6px; }}
+QLineEdit#search:focus, QLineEdit#line:focus {{ border-color: {ACCENT}; }}
 QLineEdit#value {{ background: transparent; border: 1px solid transparent; border-radius: 3px; padding: 1px 2px; }}
 QLineEdit#value:hover, QLineEdit#value:focus {{ border-color: {EDGE}; background: {RAISED}; }}
 QComboBox {{ background: {RAISED}; border: 1px solid {EDGE}; border-radius: 4px; padding: 2px 6px; min-height: 18px; }}

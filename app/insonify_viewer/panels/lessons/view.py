@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Collection, Sequence
 
-from PySide6.QtCore import Qt, Signal
+from PySide6.QtCore import QSize, Qt, Signal
 from PySide6.QtGui import QKeySequence, QShortcut
 from PySide6.QtWidgets import (
     QFrame,
@@ -25,7 +25,7 @@ from insonify_viewer.views.side_panel import ScrollColumn
 
 USUAL, LARGE = 1.2, 1.9  # factors on the size of the text, without and with a projector
 HEADING = 1.25  # factor on the size of headings
-NARROWEST = 300  # px, at the usual size
+NARROWEST, WIDE = 230, 300  # px, least and preferred width at the usual size
 
 
 class LessonsView(QStackedWidget):
@@ -69,6 +69,10 @@ class LessonsView(QStackedWidget):
         """Tick the step that is shown."""
         self.page.show_done(done)
 
+    def sizeHint(self) -> QSize:
+        """Preferred size."""
+        return QSize(self._wide, super().sizeHint().height())
+
     def enlarge(self, large: bool) -> None:
         """Show text as large as a projector asks for, or at the usual size."""
         factor = LARGE if large else USUAL
@@ -79,6 +83,7 @@ class LessonsView(QStackedWidget):
             "QLabel#step { font-weight: 600; }"
         )
         self.setMinimumWidth(round(NARROWEST * factor / USUAL))
+        self._wide = round(WIDE * factor / USUAL)
         for page in (self.list, self.page):
             page.projector.setChecked(large)
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from PySide6.QtCore import QPointF, QRectF, Qt, Signal
-from PySide6.QtGui import QColor, QImage, QMouseEvent, QPainter, QPaintEvent, QPen
+from PySide6.QtGui import QColor, QImage, QKeyEvent, QMouseEvent, QPainter, QPaintEvent, QPen
 from PySide6.QtWidgets import (
     QFileDialog,
     QHBoxLayout,
@@ -29,7 +29,7 @@ INVITATION = (
     "It takes a minute or two."
 )
 BUSY = "measuring; the tow is paused; other programs that run here lengthen the times …"
-HINT = "Click a point for its record, the reference and the difference."
+HINT = "Click a point, or press ← → in the chart, for its record, the reference and the difference."
 
 
 class ChartWindow(QWidget):
@@ -150,6 +150,9 @@ class _ChartPictureView(QWidget):
         self._image = QImage()
         self._chosen: object = None
         self.setMouseTracking(True)
+        self.setFocusPolicy(Qt.FocusPolicy.TabFocus)
+        self.setAccessibleName("Chart")
+        self.setToolTip("Click a point, or step through the points with ← →, for the record behind it")
 
     def show_chart(self, chart_picture: ChartPicture) -> None:
         height, width = chart_picture.pixels.shape[:2]
@@ -189,6 +192,16 @@ class _ChartPictureView(QWidget):
         """Signal the point under the mouse."""
         if (row := self._under(event.position())) is not None:
             self.picked.emit(row)
+
+    def keyPressEvent(self, event: QKeyEvent) -> None:
+        """Signal the point before or after the chosen one; the first one if none is chosen."""
+        turn = {Qt.Key.Key_Left: -1, Qt.Key.Key_Right: 1}.get(Qt.Key(event.key()))
+        if turn is None or self._chart_picture is None or not self._chart_picture.points:
+            super().keyPressEvent(event)
+            return
+        rows = [point.row for point in self._chart_picture.points]
+        at = next((number for number, row in enumerate(rows) if row is self._chosen), None)
+        self.picked.emit(rows[0 if at is None else (at + turn) % len(rows)])
 
     def mouseMoveEvent(self, event: QMouseEvent) -> None:
         """Change the cursor over a point."""

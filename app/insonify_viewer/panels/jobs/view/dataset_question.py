@@ -60,6 +60,7 @@ class DatasetQuestion(QDialog):
         self.scenes.setValue(USUAL_SCENES)
         self.scenes.setToolTip("Number of scenes that are drawn at random")
         self.folder = QLineEdit(str(Path.home() / (bundled[0] if bundled else "dataset")))
+        self.folder.setObjectName("line")
         self.folder.setToolTip("Folder to make, or one in which a stopped data set goes on")
         for name, field in (("Specification", self.specification), ("Scenes", self.scenes), ("Folder", self.folder)):
             field.setAccessibleName(name)

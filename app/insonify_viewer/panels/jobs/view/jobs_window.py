@@ -21,7 +21,7 @@ from insonify_viewer.views.side_panel import ScrollColumn
 SIZE, SMALLEST = (620, 420), (420, 240)
 CHARTS: Formats = (("Pictures", ".png"), ("Drawings", ".svg"), ("Tables", ".csv"), ("Tables", ".json"))
 PAGES: Formats = (("Pages", ".html"),)
-HINT = "Each job is a command in a process of its own; the window stays free. What is made is the command's to the bit."
+HINT = "Jobs run beside the window, which stays free. What a command makes here is the same as in a shell, to the bit."
 
 
 class WantedChart(NamedTuple):

@@ -122,6 +122,7 @@ def _item(contact: Contact) -> QListWidgetItem:
 
 def _line(name: str) -> QLineEdit:
     line = QLineEdit()
+    line.setObjectName("line")
     line.setAccessibleName(name)
     line.setToolTip(name)
     line.returnPressed.connect(line.clearFocus)

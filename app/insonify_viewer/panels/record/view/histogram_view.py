@@ -9,7 +9,7 @@ from PySide6.QtGui import QColor, QImage, QKeyEvent, QMouseEvent, QPainter, QPai
 from PySide6.QtWidgets import QWidget
 
 from insonify_viewer.record_display.tone_map import ToneMap
-from insonify_viewer.views.theme import ACCENT, EDGE, GROUND, QUIET, RAISED, TEXT
+from insonify_viewer.views.theme import ACCENT, GROUND, QUIET, RAISED, TEXT
 
 LOWEST, HIGHEST, STEP = -40.0, 40.0, 20.0  # dB re level bed
 BAR, SCALE, MARGIN = 14, 16, 8  # px
@@ -100,7 +100,7 @@ class HistogramView(QWidget):
 
     def _draw_counts(self, painter: QPainter, area: QRectF) -> None:
         painter.setPen(Qt.PenStyle.NoPen)
-        painter.setBrush(QColor(EDGE).lighter(150))
+        painter.setBrush(QColor(QUIET))
         x = np.linspace(area.left(), area.right(), self._counts.size)
         y = area.bottom() - self._counts * (area.height() - 4.0)
         line = [QPointF(a, b) for a, b in zip(x.tolist(), y.tolist())]

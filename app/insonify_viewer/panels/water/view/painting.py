@@ -129,10 +129,11 @@ def _label_rays(painter: QPainter, diagram: RayDiagram, frame: PlotScales) -> No
         taken.append(end)
         text = f"{path.angle:.3g}°".replace("-", "−")
         leaves = path.range[-1] >= diagram.reach * (1.0 - 1e-9)
-        painter.setPen(QColor(QUIET if leaves else RAY))
+        on_bed = not leaves and path.depth[-1] > 0.5 * diagram.bottom
+        painter.setPen(QColor(RAY if on_bed else QUIET))  # all others stand outside the picture
         if leaves:
             painter.drawText(QPointF(end.x() + 3.0, end.y() + 4.0), text)
-        elif path.depth[-1] > 0.5 * diagram.bottom:
+        elif on_bed:
             painter.drawText(QRectF(end.x() - 30.0, end.y() + 2.0, 60.0, 16.0), Qt.AlignmentFlag.AlignHCenter, text)
         else:
             painter.drawText(QRectF(end.x() - 30.0, end.y() - 18.0, 60.0, 16.0), Qt.AlignmentFlag.AlignHCenter, text)

@@ -1,0 +1,57 @@
+"""Room for panels at both sides of a narrow window."""
+
+from __future__ import annotations
+
+from PySide6.QtCore import QEvent, QObject, Qt
+from PySide6.QtWidgets import QDockWidget, QMainWindow, QSplitter
+
+HANDLES = 24  # px, of the lines between the parts
+
+
+class PanelRoom(QObject):
+    """Leaves out the 3-D view while panels at both sides and the record need its room.
+
+    Parameters
+    ----------
+    window : QMainWindow
+        Window with docks at its sides.
+    splitter : QSplitter
+        Its middle; the 3-D view is its first part.
+    """
+
+    def __init__(self, window: QMainWindow, splitter: QSplitter) -> None:
+        super().__init__(window)
+        self._window, self._splitter = window, splitter
+        window.installEventFilter(self)
+
+    def watch(self, dock: QDockWidget) -> None:
+        """Make room whenever a dock opens or closes."""
+        dock.installEventFilter(self)
+
+    def make(self) -> None:
+        """Show the 3-D view, unless the window is too narrow for it beside both panels."""
+        views = [self._splitter.widget(place) for place in range(self._splitter.count())]
+        solid, *records = [view for view in views if view is not None]
+        left = self._narrowest(Qt.DockWidgetArea.LeftDockWidgetArea)
+        right = self._narrowest(Qt.DockWidgetArea.RightDockWidgetArea)
+        middle = sum(view.minimumWidth() for view in [solid, *(each for each in records if not each.isHidden())])
+        fits = left + right + middle + HANDLES <= self._window.width()
+        solid.setVisible(fits or not left)
+
+    def eventFilter(self, watched: QObject, event: QEvent) -> bool:
+        """Make room when the window changes its width, or a dock opens or closes."""
+        kind = QEvent.Type
+        on_window = watched is self._window and event.type() is kind.Resize
+        on_dock = watched is not self._window and event.type() in (kind.ShowToParent, kind.HideToParent)
+        if on_window or on_dock:
+            self.make()
+        return False
+
+    def _narrowest(self, area: Qt.DockWidgetArea) -> int:
+        """Least width of the panels that are open at a side, 0 without any."""
+        docks = [
+            dock
+            for dock in self._window.findChildren(QDockWidget)
+            if not dock.isHidden() and self._window.dockWidgetArea(dock) is area
+        ]
+        return max((dock.minimumSizeHint().width() for dock in docks), default=0)
