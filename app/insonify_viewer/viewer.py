@@ -294,6 +294,7 @@ class Viewer(QObject):
         waiting = self._waiting.look(
             now,
             number=self._number,
+            arrived=-1 if self._answer is None else self._answer.number,
             missing=0 if self._refused == self._number else int(self._missing().size),
             shown=len(self.record.shown(self.tow.top)),
             running=self.tow.running,

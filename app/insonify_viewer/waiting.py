@@ -36,11 +36,12 @@ class WaitingWatch:
     """Decides whether the record waits, from looks at it at any times."""
 
     _number: int = -1
+    _arrived: int = -1
     _since: float | None = None
     _at_first: int = 0
 
     def look(
-        self, now: float, *, number: int, missing: int, shown: int, running: bool, activity: Activity
+        self, now: float, *, number: int, arrived: int, missing: int, shown: int, running: bool, activity: Activity
     ) -> Waiting | None:
         """Return what the record waits for; None while it does not wait, or not for long.
 
@@ -50,6 +51,9 @@ class WaitingWatch:
             Time in seconds.
         number : int
             Number of the edit that the pings are wanted for.
+        arrived : int
+            Number of the edit that the newest pings were traced for; a wait begins anew with it, so that there is none
+            while the record follows a slider.
         missing, shown : int
             Pings on screen that are not traced for it, and all pings on screen.
         running : bool
@@ -60,8 +64,9 @@ class WaitingWatch:
         if missing <= (FEW if running else 0):
             self._since = None
             return None
-        if self._since is None:
+        if self._since is None or arrived != self._arrived:
             self._since, self._at_first = now, missing
+        self._arrived = arrived
         if number != self._number:
             self._number, self._at_first = number, missing
         self._at_first = max(self._at_first, missing)

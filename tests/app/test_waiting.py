@@ -18,7 +18,7 @@ from insonify_viewer.waiting import DELAY, FEW, Activity, Waiting, WaitingWatch
 
 
 def look(watch: WaitingWatch, now: float, missing: int, **given: Any) -> Waiting | None:
-    state = {"number": 1, "shown": 512, "running": False, "activity": Activity()}
+    state = {"number": 1, "arrived": 0, "shown": 512, "running": False, "activity": Activity()}
     return watch.look(now, missing=missing, **state | given)
 
 
@@ -37,6 +37,13 @@ def test_the_share_is_that_of_the_present_edit() -> None:
     look(watch, 0.0, 512)
     assert look(watch, 1.0, 128) == Waiting("tracing pings, 384 of 512", 0.75)
     assert look(watch, 1.1, 512, number=2) == Waiting("tracing pings, 0 of 512", 0.0), "and the wait goes on"
+
+
+def test_a_record_that_follows_a_slider_is_not_waited_for() -> None:
+    watch = WaitingWatch()
+    moves = range(40)
+    assert [look(watch, 0.1 * k, 512, number=k + 1, arrived=k) for k in moves] == [None] * len(moves)
+    assert look(watch, 4.0 + DELAY, 512, number=60, arrived=39) is not None, "but a slider that it does not follow is"
 
 
 def test_a_running_tow_always_misses_a_few_pings() -> None:

@@ -189,28 +189,29 @@ class RecordCanvas(QWidget):
 
     def show_mark(self, mark: Mark | None) -> None:
         """Draw a cross through a point of the record."""
-        self._marks.cross = mark
-        self.update()
+        self._change_mark("cross", mark)
 
     def show_pin(self, mark: Mark | None) -> None:
         """Draw a ring about the pinned pixel."""
-        self._marks.pin = mark
-        self.update()
+        self._change_mark("pin", mark)
 
     def show_lit(self, marks: tuple[Mark, ...]) -> None:
         """Light up pixels."""
-        self._marks.lit = marks
-        self.update()
+        self._change_mark("lit", marks)
 
     def show_measured(self, line: tuple[Mark, Mark, str] | None) -> None:
         """Draw a measured line with its words, or none."""
-        self._marks.line = line
-        self.update()
+        self._change_mark("line", line)
 
     def show_contacts(self, contacts: Sequence[tuple[Mark, str, bool]]) -> None:
         """Draw contacts with their names; True for the chosen one."""
-        self._marks.contacts = contacts
-        self.update()
+        self._change_mark("contacts", contacts)
+
+    def _change_mark(self, name: str, value: object) -> None:
+        """Change one of the marks, and draw the record anew unless it is as before."""
+        if value != getattr(self._marks, name):
+            setattr(self._marks, name, value)
+            self.update()
 
     def toggle_trace(self) -> None:
         """Show the echo of one ping under the record, or give its room to the record."""
