@@ -55,19 +55,24 @@ class RecordImage:
         if reach is not None and rows.size:
             bins = projection.bins_of_columns(projection.newest, means.shape[1])
             means = blur_along_track(means, reach[bins] / alike)
-        self._columns[rows] = means if alike == 1 else np.repeat(means, alike, axis=0)[: rows.size]
-        self.paint(rows, projection, tone_map)
+        painted = _coloured(means, projection, tone_map)
+        if alike > 1:
+            means = np.repeat(means, alike, axis=0)[: rows.size]
+            painted = np.repeat(painted, alike, axis=0)[: rows.size]
+        self._columns[rows] = means
+        self._put_colours(rows, painted, projection)
 
     def paint(self, rows: Rows, projection: Projection, tone_map: ToneMap) -> None:
         """Colour rows anew; blank those whose ping is missing or not in the picture."""
-        record, columns = self._record, self._columns[rows]
-        painted = tone_map.colours(columns)
+        self._put_colours(rows, _coloured(self._columns[rows], projection, tone_map), projection)
+
+    def _put_colours(self, rows: Rows, painted: NDArray[np.uint32], projection: Projection) -> None:
+        """Show rows by their colours, which are written to; blank or dim some of them."""
+        record = self._record
         stale = record.stamp[rows] < self.oldest
         painted[stale] = dimmed(painted[stale])
         age = projection.newest - record.ping[rows]
         painted[(age < 0) | (age >= record.pings) | (record.ping[rows] < 0)] = EMPTY
-        if not projection.axis.shows_water:
-            painted[columns < 0.0] = EMPTY
         self.pixels[self._places(rows)] = painted
         self.version += 1
 
@@ -130,3 +135,11 @@ class RecordImage:
     def _places(self, rows: Rows) -> Rows:
         """Rows of the picture that show rows of the record."""
         return rows if self._downwards else self._record.pings - 1 - rows
+
+
+def _coloured(columns: NDArray[np.float32], projection: Projection, tone_map: ToneMap) -> NDArray[np.uint32]:
+    """Colours of display columns, blank beyond the last bin."""
+    painted = tone_map.colours(columns)
+    if not projection.axis.shows_water:
+        painted[columns < 0.0] = EMPTY
+    return painted
