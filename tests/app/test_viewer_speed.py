@@ -53,9 +53,11 @@ class Gaps:
         self.busy: list[float] = []
         self._last = self._drawing = _clocks()
         self._drawn = np.zeros(2)
-        renderer = viewer.seabed.view._canvas.plotter.renderer
-        renderer.AddObserver("StartEvent", self._start)
-        renderer.AddObserver("EndEvent", self._end)
+        canvas = viewer.seabed.view._canvas.plotter
+        canvas.renderer.AddObserver("StartEvent", self._start)
+        canvas.renderer.AddObserver("EndEvent", self._end)
+        canvas.aboutToCompose.connect(self._start)
+        canvas.frameSwapped.connect(self._end)
         self._timer = QTimer(interval=1)
         self._timer.timeout.connect(self._turn)
         self._timer.start()
