@@ -129,6 +129,11 @@ class SeabedController:
         step = scene.track.speed / scene.sonar.ping_rate
         self._view.show_path(simulation.poses(path_pings(ping, step, reach)))
 
+    def show_later(self, show: Callable[[], None]) -> None:
+        """Call a function that shows the sonar before the next drawing; drawings are rarer than moves of a slider."""
+        if self._view is not None:
+            self._view.draw_after(show)
+
     def drape(self, strip: RecordStrip | None) -> None:
         """Lay a record over the bed, on a thread of its own; None shows the bed as it is."""
         self._strip = strip

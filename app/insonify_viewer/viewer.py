@@ -333,9 +333,11 @@ class Viewer(QObject):
         self._settle_levels()
         self.window.waterfall.show_rows(rows, answer.alike if on_screen.all() else 1, answer.reach)
         self.window.waterfall.show_top(self._newest_held())
-        if not answer.fine:
+        if answer.fine:
+            self._show_sonar()
+        else:
             self.window.waterfall.repaint()  # immediately, because the person who drags a slider watches the record
-        self._show_sonar()
+            self._seabed.show_later(self._show_sonar)
         self._show_mark(self.session.mark)
         current = answer.fine and answer.number == self._number
         if self._freeing and not self._missing().size:

@@ -168,3 +168,29 @@ def test_a_view_that_is_turned_draws_a_lighter_bed_of_the_same_shape(
 
 def _drawn_beds(view: Any) -> tuple[bool, bool]:
     return bool(view._bed_actor.visibility), bool(view._thinned_actor.visibility)
+
+
+def test_a_slider_moves_the_fish_once_for_each_drawing(open_viewer: Any, small: Scene, qtbot: Any) -> None:
+    viewer = open_viewer(small)
+    view, places = viewer.seabed.view, []
+    show = view.show_sonar
+    view.show_sonar = lambda ground, arrays, pose, heading, tones: (
+        places.append(float(pose.z[0])),
+        show(ground, arrays, pose, heading, tones),
+    )
+    view.draw_now()
+    for altitude in (8.0, 9.0, 11.0):
+        viewer.session.drag({"track.altitude": altitude})
+        qtbot.waitUntil(lambda: not viewer._missing().size)
+    places.clear()
+    viewer._take(viewer._answer)
+    viewer._take(viewer._answer)
+    assert not places
+    view.draw_now()
+    assert len(places) == 1
+    assert places[0] == pytest.approx(11.0, abs=0.1)
+    view.draw_now()
+    assert len(places) == 1
+    viewer.session.settle()
+    qtbot.waitUntil(lambda: viewer.complete)
+    assert len(places) > 1, "the record that is settled moves it at once"

@@ -12,12 +12,12 @@ import numpy as np
 import pyvista
 from numpy.typing import NDArray
 from PySide6.QtCore import QTimer, Signal
-from PySide6.QtGui import QImage, QMouseEvent, QPainter, QPaintEvent, QResizeEvent
 from PySide6.QtWidgets import QVBoxLayout, QWidget
 
 from insonify_viewer.views import pv_meshes
 from insonify_viewer.views.pixel_marks import LIT
 from insonify_viewer.views.pv_meshes import BedPatch, ScanFan
+from insonify_viewer.views.seabed_canvas import InteractiveCanvas, OffScreenCanvas
 from insonify_viewer.views.seabed_handles import SeabedHandles
 from insonify_viewer.views.sound_actors import SoundActors
 from insonify_viewer.views.theme import MARK_IN_WATER
@@ -37,7 +37,6 @@ VIEW_ANGLE = 54.0
 FISH = 0.075  # length in slant ranges: larger than life, so that it shows
 NEAREST, FARTHEST = 0.05, 6.0  # distance of the camera from its focus, in slant ranges
 ANISOTROPY = 4  # of the bed's texture, so that it is sharp far away
-STILL = 3  # px by which the mouse may move in a click
 REST = 4.0  # pause between two drawings, in drawing times, which leaves time for the window
 
 
@@ -63,7 +62,7 @@ class SeabedView(QWidget):
     def __init__(self, *, accelerated: bool, parent: QWidget | None = None) -> None:
         super().__init__(parent)
         self.setMinimumSize(200, 140)
-        self._canvas = _interactive(self) if accelerated else _OffScreen(self)
+        self._canvas = InteractiveCanvas(self) if accelerated else OffScreenCanvas(self)
         layout = QVBoxLayout(self)
         layout.setContentsMargins(0, 0, 0, 0)
         layout.addWidget(self._canvas.widget)
@@ -79,6 +78,7 @@ class SeabedView(QWidget):
         self._canvas.on_hold(self._thin)
         self._canvas.on_click(self.look_at)
         self._drawn, self._took = 0.0, 0.05
+        self._awaited: Callable[[], None] | None = None
         self._due = QTimer(self)
         self._due.setSingleShot(True)
         self._due.timeout.connect(self.draw_now)
@@ -248,8 +248,16 @@ class SeabedView(QWidget):
             rest = self._drawn + REST * self._took - time.perf_counter()
             self._due.start(max(int(1000 * rest), 15))
 
+    def draw_after(self, update: Callable[[], None]) -> None:
+        """Draw soon, and call a function just before, in place of one that still waits for the drawing."""
+        self._awaited = update
+        self._later()
+
     def draw_now(self) -> None:
         """Draw immediately."""
+        update, self._awaited = self._awaited, None
+        if update is not None:
+            update()
         self._due.stop()
         self._canvas.draw()
         self._took = max(self._canvas.draw_time(), 0.01)
@@ -280,121 +288,3 @@ def _pin() -> Any:
     ball = pv.Sphere(center=(0, 0, 0.07), radius=0.011)
     needle = pv.Cylinder(center=(0, 0, 0.035), direction=(0, 0, 1), radius=0.002, height=0.07)
     return pv.merge([ball, needle]).extract_surface(algorithm=None)
-
-
-class _Interactive:
-    """An OpenGL widget that the mouse turns."""
-
-    def __init__(self, parent: QWidget) -> None:
-        from pyvistaqt import QtInteractor
-
-        make: Any = QtInteractor
-        self.plotter: Any = make(parent, auto_update=False, multi_samples=0)
-        self.plotter.enable_terrain_style(mouse_wheel_zooms=True)
-        # VTK's keys would close the view or turn on stereo; the keys belong to the window.
-        for event in ("CharEvent", "KeyPressEvent", "KeyReleaseEvent"):
-            self.plotter.iren.interactor.RemoveObservers(event)
-        self.widget: QWidget = self.plotter
-
-    def on_turn(self, turned: Callable[[], None]) -> None:
-        """Call a function whenever the person has turned or zoomed the view."""
-        self.plotter.iren.interactor.GetInteractorStyle().AddObserver("InteractionEvent", lambda *_: turned())
-        for event in ("MouseWheelForwardEvent", "MouseWheelBackwardEvent"):
-            self.plotter.iren.interactor.AddObserver(event, lambda *_: turned(), -1.0)
-
-    def on_hold(self, held: Callable[[bool], None]) -> None:
-        """Call a function with True when the person takes hold of the view, and with False when it is let go."""
-        style = self.plotter.iren.interactor.GetInteractorStyle()
-        style.AddObserver("StartInteractionEvent", lambda *_: held(True))
-        style.AddObserver("EndInteractionEvent", lambda *_: held(False))
-
-    def on_click(self, clicked: Callable[[float, float], None]) -> None:
-        """Call a function with the place of a click that does not turn the view."""
-        interactor, begun = self.plotter.iren.interactor, [(0, 0)]
-
-        def release() -> None:
-            place = interactor.GetEventPosition()
-            if abs(place[0] - begun[0][0]) + abs(place[1] - begun[0][1]) <= STILL:
-                clicked(*place)
-
-        style = interactor.GetInteractorStyle()
-        style.AddObserver("StartInteractionEvent", lambda *_: begun.__setitem__(0, interactor.GetEventPosition()))
-        style.AddObserver("EndInteractionEvent", lambda *_: release())
-
-    def draw(self) -> None:
-        self.widget.update()
-
-    def draw_time(self) -> float:
-        return float(self.plotter.renderer.GetLastRenderTimeInSeconds())
-
-    def close(self) -> None:
-        self.plotter.close()
-        # The plotter lives until it is collected. Its reference to a surface, which Qt deletes with the window, would
-        # then point to whatever object Qt makes at the same address.
-        self.plotter._cleanup_context()
-
-
-def _interactive(parent: QWidget) -> _Interactive:
-    return _Interactive(parent)
-
-
-class _OffScreen:
-    """Pictures drawn in memory, without an OpenGL widget."""
-
-    def __init__(self, parent: QWidget) -> None:
-        self.plotter: Any = pv.Plotter(off_screen=True, window_size=[640, 480])
-        self.widget = _PixelsWidget(self._resize, parent)
-        self._took = 0.0
-
-    def on_turn(self, turned: Callable[[], None]) -> None:
-        """Nobody turns a picture."""
-
-    def on_hold(self, held: Callable[[bool], None]) -> None:
-        """Nobody takes hold of a picture."""
-
-    def on_click(self, clicked: Callable[[float, float], None]) -> None:
-        """Call a function with the place of a click."""
-        self.widget.clicked = clicked
-
-    def _resize(self, width: int, height: int) -> None:
-        self.plotter.window_size = [max(width, 2), max(height, 2)]
-        self.draw()
-
-    def draw(self) -> None:
-        start = time.perf_counter()
-        self.plotter.render()
-        self.widget.show_pixels(np.ascontiguousarray(self.plotter.screenshot(return_img=True)))
-        self._took = time.perf_counter() - start
-
-    def draw_time(self) -> float:
-        return self._took
-
-    def close(self) -> None:
-        self.plotter.close()
-
-
-class _PixelsWidget(QWidget):
-    """A widget that shows an array of pixels."""
-
-    def __init__(self, resized: Any, parent: QWidget) -> None:
-        super().__init__(parent)
-        self._resized = resized
-        self._image = QImage()
-        self.clicked: Callable[[float, float], None] = lambda x, y: None
-
-    def show_pixels(self, pixels: NDArray[np.uint8]) -> None:
-        height, width, _ = pixels.shape
-        self._image = QImage(pixels.data, width, height, 3 * width, QImage.Format.Format_RGB888).copy()
-        self.update()
-
-    def resizeEvent(self, event: QResizeEvent) -> None:
-        self._resized(self.width(), self.height())
-
-    def mousePressEvent(self, event: QMouseEvent) -> None:
-        place = event.position()
-        self.clicked(place.x(), self.height() - 1.0 - place.y())
-
-    def paintEvent(self, event: QPaintEvent) -> None:
-        painter = QPainter(self)
-        painter.drawImage(self.rect(), self._image)
-        painter.end()
