@@ -123,6 +123,14 @@ def test_the_display_of_the_record_is_kept_between_starts(open_viewer: Any, smal
     assert Settings().display == {}
 
 
+def test_a_gain_that_is_dragged_writes_no_file(monkeypatch: pytest.MonkeyPatch) -> None:
+    settings, written = Settings(), []
+    monkeypatch.setattr(settings._store, "setValue", lambda *pair: written.append(pair))
+    for gain in (1.0, 2.0, 3.0):
+        settings.keep_display(DisplayOptions(gain=gain))
+    assert written == []
+
+
 @pytest.mark.parametrize("spoilt", ["palette=none-such", 7, ["range_lines=3"], "levels=[0, 1]", "pings"])
 def test_a_spoilt_display_reads_as_the_usual_one(spoilt: Any) -> None:
     store = QSettings(QSettings.Format.IniFormat, QSettings.Scope.UserScope, "insonify", "insonify")

@@ -69,10 +69,10 @@ class Settings:
         return {name: value for name, value in options.items() if name in KEPT}
 
     def keep_display(self, look: DisplayOptions) -> None:
-        """Keep display options for the next start."""
-        usual = DisplayOptions()
-        kept = usual._replace(**{name: getattr(look, name) for name in KEPT})
-        self._store.setValue("display", display_settings(kept))
+        """Keep display options for the next start; a gain that is dragged writes no file."""
+        kept = display_settings(DisplayOptions()._replace(**{name: getattr(look, name) for name in KEPT}))
+        if read_display(kept) != self.display:
+            self._store.setValue("display", kept)
 
     @property
     def recent(self) -> list[str]:
