@@ -70,6 +70,15 @@ def test_the_planes_keep_what_they_promise(changes, tolerance):
     assert compare_records(simulation.arrays, poses, record, fine).beyond < 1.2 * tolerance
 
 
+@pytest.mark.parametrize("changes", [{}, {"targets": []}, {"seed": 5, "seabed.relief.rms": 0.1}])
+def test_the_loud_echo_of_the_surface_itself_changes_nothing_else(changes):
+    # Its 20 m above the sonar lie beyond 1.4 altitudes, where errors are measured.
+    loud = plan(edit(DEFAULT, {"water.surface": "flat"} | changes)).model
+    silent = plan(edit(DEFAULT, {"water.surface": {"kind": "flat", "surface_echo": False}} | changes)).model
+    assert silent == loud._replace(ways=loud.ways - {"surface_echo"})
+    assert silent.ways
+
+
 def test_too_few_planes_comb_a_small_target_and_the_plan_raises_them():
     # A ball of 5 cm in a beam 1.7 m wide: a ping hears it where a plane meets it, and not in between.
     ball = {"kind": "sphere", "position": [5.0, 38.0], "radius": 0.05}

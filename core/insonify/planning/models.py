@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from insonify.kernels.common.types import Bed, Poses, SceneArrays, still_water
+from insonify.kernels.sweep.partial_segments import FINE
 from insonify.packing.reduced_scene import reduce_scene
 from insonify.packing.scene_arrays import make_bed, pack_scene
 from insonify.packing.terrain_tiles import TerrainTiles
@@ -18,12 +19,19 @@ from insonify.terrain import AnyGround, build_ground
 from insonify.tracers.registry import Tracer, make_tracer
 
 # Work of a ping in knots of one plane over uniform water: of a plane besides its knots, of the planes of the near field
-# that several planes need, of a target in a plane, and factors of refraction and of one path by the sea surface.
-PLANE, TARGET, REFRACTED, SURFACE_PATH = 300.0, 100.0, 1.5, 10.0
+# that several planes need, of a target in a plane, and the factor of refraction.
+PLANE, TARGET, REFRACTED = 300.0, 100.0, 1.5
+# Of a path by a calm sea over that of the direct one, and what each facet of a rough sea adds.
+SURFACE_PATH, FACET = 1.0, 0.25
+# Of a segment too long against its range for one density, taken by itself, and of each of its parts.
+CUT_SEGMENT, PART = 7.0, 2.5
 NEAR_PLANES, NEAR_PLANES_OF_PATTERN = 4.0, 12.0
 # Work of a profile whose segments are divided until they misplace a share of a bin's echo, over that of a whole one.
 KNOTS = {math.inf: 1.0, 0.03: 2.5, 0.01: 3.0, 0.003: 4.5}
 RAY, REFRACTED_RAY, STEP = 20.0, 300.0, 0.6  # of a ray, of a refracted one, of a step of the march
+
+
+SURFACE_ECHO = "surface_echo"  # of the multipaths, the one that has no plane and takes no time
 
 
 class Model(NamedTuple):
@@ -117,7 +125,7 @@ class PackedScene:
 
     def work(self, model: Model) -> float:
         """Work of a ping, both sides, by which models are compared; a count, the same on every machine."""
-        arrays, paths = self.arrays, len(model.ways)
+        arrays, paths = self.arrays, len(model.ways - {SURFACE_ECHO})
         reach = arrays.bins * arrays.bin_length
         if model.method != "sweep":
             of_ray = REFRACTED_RAY if model.bent else RAY
@@ -125,11 +133,43 @@ class PackedScene:
             return 2.0 * model.rays * of_ray * (1.0 + paths) * (1.0 + model.bounces)
         heading = math.radians(self.scene.track.heading)
         across = abs(math.cos(heading)) + abs(math.sin(heading))  # a plane crosses both families of grid lines
-        knots = across * reach / (arrays.bed.spacing * model.every) * KNOTS[model.misplaced]
+        spacing = arrays.bed.spacing * model.every / across
+        segments, parts, beyond = divide_profile(reach, spacing, self.scene.altitude)
+        knots = (CUT_SEGMENT * segments + PART * parts + beyond) * KNOTS[model.misplaced]
         profile = PLANE + knots * (REFRACTED if model.bent else 1.0) + TARGET * len(model.targets)
         near = NEAR_PLANES_OF_PATTERN if arrays.pattern.tabulated else NEAR_PLANES
         planes = 1.0 if model.planes == 1 else model.planes + near
-        return 2.0 * planes * profile * (1.0 + SURFACE_PATH * paths)
+        return 2.0 * planes * profile * (1.0 + weigh_path(arrays) * paths)
+
+
+def divide_profile(reach: float, spacing: float, height: float) -> tuple[float, float, float]:
+    """Count the segments of a profile that are too long for one density of echo, their parts, and the other segments.
+
+    Parameters
+    ----------
+    reach : float
+        Ground range, m.
+    spacing : float
+        Length of a segment, m.
+    height : float
+        Of the sonar above the bed, m.
+
+    Returns
+    -------
+    tuple of three float
+        Long segments lie nearer than their length over `FINE`, and each is divided into one part more than parts of
+        that share of the range fit in.
+    """
+    height = max(height, spacing)
+    nearer = min(math.sqrt(max((spacing / FINE) ** 2 - height**2, 0.0)), reach)
+    segments = nearer / spacing
+    return segments, math.asinh(nearer / height) / FINE + 0.5 * segments, (reach - nearer) / spacing
+
+
+def weigh_path(arrays: SceneArrays) -> float:
+    """Work of one path by the sea surface of a scene, over that of the direct one."""
+    facets = arrays.multipath.facets.shape[1]
+    return SURFACE_PATH + (FACET * facets if facets > 1 else 0.0)
 
 
 def pack(scene: Scene) -> PackedScene:

@@ -14,7 +14,7 @@ from insonify.acoustics.flat_bed import compute_flat_bed_curves
 from insonify.kernels.common.types import Poses, SceneArrays
 from insonify.packing.navigation import make_poses, take_poses
 from insonify.parallel import in_parallel
-from insonify.planning.models import Model, PackedScene
+from insonify.planning.models import SURFACE_ECHO, Model, PackedScene
 from insonify.planning.probe_pings import ProbePings
 from insonify.scene import SceneError
 
@@ -94,6 +94,7 @@ class Probe:
         cautious : bool
             Whether the standard error is added, by which it varies from ping to ping.
         """
+        coarse, fine = _without_surface_echo(coarse, fine)
         key = coarse, fine, nearer, cautious
         if key not in self._differences:
             count = self.count(max(coarse, fine, key=self._packed.work))
@@ -121,8 +122,9 @@ class Probe:
         Changes at random are at right angles and give 0; those of a bias that falls with the first power, a half.
         This is the vector form of Aitken's process (Wynn 1962).
         """
-        count = self.count(fine)
-        records = [self._trace(model, count).record[:count, :, self._beyond :] for model in (coarser, coarse, fine)]
+        models = _without_surface_echo(coarser, coarse, fine)
+        count = self.count(models[-1])
+        records = [self._trace(model, count).record[:count, :, self._beyond :] for model in models]
         before, last = records[0] - records[1], records[1] - records[2]
         square = float(np.square(before).sum(dtype=np.float64))
         return float((before * last).sum(dtype=np.float64)) / square if square > 0.0 else 0.0
@@ -161,6 +163,13 @@ class Probe:
         parts = in_parallel(block, count, least=OF_A_THREAD)
         record = np.concatenate([part for part, _ in parts])[:, :, self._near :] * self._scale[:count]
         return Traced(record, count, float(np.median([seconds for _, seconds in parts])))
+
+
+def _without_surface_echo(*models: Model) -> tuple[Model, ...]:
+    """Models without the echo of the sea surface itself if all have it: alike in all, it may outweigh the bed."""
+    if not all(SURFACE_ECHO in model.ways for model in models):
+        return models
+    return tuple(model._replace(ways=model.ways - {SURFACE_ECHO}) for model in models)
 
 
 def scale_to_flat_bed(arrays: SceneArrays, poses: Poses, first: int) -> Record:

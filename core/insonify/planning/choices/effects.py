@@ -7,7 +7,7 @@ from collections.abc import Iterator
 
 from insonify.planning.checks import check_refraction
 from insonify.planning.choices.base import FEWEST_RAYS, NEGLIGIBLE, Case, Choice, percent
-from insonify.planning.models import Model
+from insonify.planning.models import SURFACE_ECHO, Model
 from insonify.planning.plan_entries import PlanEntry
 from insonify.scene.surfaces import WAYS
 
@@ -139,8 +139,8 @@ class SurfacePath(Choice):
         wish, off = self.wish(case), model.ways - {self.subject}
         if self.subject not in case.paths:
             return (off,)
-        if self.subject == "surface_echo" and wish is None:
-            return (off | {self.subject},)  # it lies before the first return of the bed, where no error is measured
+        if self.subject == SURFACE_ECHO and wish is None:
+            return (off | {self.subject},)  # it takes no time
         return (off, off | {self.subject}) if wish is None else (off | {self.subject},)
 
     def error(self, case: Case, model: Model, cautious: bool = True) -> float:
