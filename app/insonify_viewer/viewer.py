@@ -31,7 +31,7 @@ from insonify_viewer.marked_point import MarkedPoint
 from insonify_viewer.panel_set import PanelSet
 from insonify_viewer.panels.panel import RecordGrowth
 from insonify_viewer.record import Record, pings_held
-from insonify_viewer.record_display.projection import compile_columns
+from insonify_viewer.record_display.projection import compile_picture
 from insonify_viewer.saving import Saving
 from insonify_viewer.seabed_controller import SeabedController, silence
 from insonify_viewer.session import Mark, Session
@@ -125,7 +125,7 @@ class Viewer(QObject):
     def start(self) -> None:
         """Start the worker and the clock; the window shows by now."""
         self._seabed.load(self.window.put_seabed)
-        self.simulator.send(compile_columns, lambda _: None)
+        self.simulator.send(compile_picture, lambda _: None)
         self.simulator.prepare(self.session.scene, self.session.modelling, self._show_first)
         self._ticked = time.perf_counter()
         self._clock.start()

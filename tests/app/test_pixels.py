@@ -6,14 +6,13 @@ import numpy as np
 import pytest
 
 from insonify.display.normalisation import LevelBed
-from insonify.display.picture import choose_contrast
+from insonify.display.picture import choose_contrast, colour_rows
 from insonify.scene import edit, load_scene
 from insonify.simulation import prepare
 from insonify_viewer.views.pixels import (
     HEADROOM,
     KNEE,
     colour_table,
-    colours,
     column_means,
     compress_highlights,
     round_steps,
@@ -33,7 +32,7 @@ def test_display_columns_drop_no_echo(width: int) -> None:
 
 def test_colours_run_from_low_to_high() -> None:
     table = colour_table(np.repeat(np.arange(256, dtype=np.uint8)[:, None], 3, axis=1))
-    painted = colours(np.array([[-1.0, 1.0, 2.0, 3.0, 9.0]], np.float32), 1.0, 3.0, table)
+    painted = colour_rows(np.array([[-1.0, 1.0, 2.0, 3.0, 9.0]], np.float32), 1.0, 3.0, table)
     assert [hex(int(word)) for word in painted[0]] == [
         "0xff000000",
         "0xff000000",
@@ -50,7 +49,7 @@ def test_highlights_are_told_apart_and_the_bed_keeps_its_tones() -> None:
     assert (np.diff(targets) > 0.03).all()
     assert targets[-1] == pytest.approx(1.0)
     table = with_highlights(colour_table(np.repeat(np.arange(256, dtype=np.uint8)[:, None], 3, axis=1)))
-    painted = colours(np.array([[-1.0, 0.0, 0.5, 2.0, 5.0, 99.0]], np.float32), 0.0, 1.0, table)
+    painted = colour_rows(np.array([[-1.0, 0.0, 0.5, 2.0, 5.0, 99.0]], np.float32), 0.0, 1.0, table)
     grey = [int(word) & 0xFF for word in painted[0]]
     assert grey[:3] == [0, 0, 127]
     assert grey[2] < grey[3] < grey[4] < grey[5] == 255

@@ -14,7 +14,7 @@ from PySide6.QtGui import QImage
 
 from insonify.display.display_options import DisplayOptions
 from insonify_viewer.record import Record
-from insonify_viewer.record_display.projection import Zoom, compile_columns
+from insonify_viewer.record_display.projection import Zoom, compile_picture
 from insonify_viewer.views.waterfall_view import WaterfallView
 
 pytestmark = pytest.mark.bench
@@ -35,7 +35,7 @@ VIEWS = {
 @pytest.mark.parametrize("name", VIEWS)
 def test_a_scrolling_record(qtbot: Any, name: str) -> None:
     """A frame takes a new ping over, scrolls and is painted at 1000 × 1000 px."""
-    compile_columns()
+    compile_picture()
     options, zoom = VIEWS[name]
     view, record, rng = WaterfallView(), Record(PINGS, BINS), np.random.default_rng(1)
     qtbot.addWidget(view)

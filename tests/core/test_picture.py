@@ -17,6 +17,7 @@ from insonify.display.picture import (
     average_columns,
     choose_contrast,
     colour_amplitudes,
+    colour_rows,
     compute_column_edges,
     load_palette,
     map_tones,
@@ -326,3 +327,16 @@ def test_a_palette_linear_in_decibels() -> None:
     assert (upright == turned[::-1]).all()
     for place, text in place_decibel_ticks((0.1, 1.0), gain=0.0, decibels=True):
         assert place == pytest.approx(1.0 + float(text.replace("−", "-")) / 20.0)
+
+
+@pytest.mark.parametrize("colours", [2, 256, 6121])
+def test_colours_are_looked_up_by_the_place_between_both_levels(colours):
+    rng = np.random.default_rng(colours)
+    low, high, table = 0.3, 1.7, rng.integers(0, 2**32, colours, dtype=np.uint32)
+    values = rng.rayleigh(2.0, (40, 50)).astype(np.float32)
+    values[0, :5] = -1.0, low, high, np.inf, -np.inf
+    place = (values - np.float32(low)) * np.float32(255.0 / (high - low))
+    expected = table[np.clip(place, 0.0, colours - 1.0).astype(np.int64)]
+    np.testing.assert_array_equal(colour_rows(values, low, high, table), expected)
+    assert colour_rows(np.full((1, 1), np.nan, np.float32), low, high, table) == table[0]
+    assert colour_rows(values[:0], low, high, table).shape == (0, 50)

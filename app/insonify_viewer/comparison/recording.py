@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from insonify.io.records import RECORDS
 from insonify_viewer.record import MAX_CELLS, MAX_PINGS
-from insonify_viewer.record_display.projection import compile_columns
+from insonify_viewer.record_display.projection import compile_picture
 from insonify_viewer.session import Mark
 
 if TYPE_CHECKING:
@@ -114,7 +114,7 @@ def load_recording(path: str, frequency: float | None = None) -> Recording:
     from insonify.io.records import read_record
     from insonify.io.records.bottom_track import find_altitude
 
-    compile_columns()
+    compile_picture()
     dataset = read_record(path, frequency)
     intensity = dataset["intensity"].transpose("ping_time", "channel", "range_sample").values
     return Recording(Path(path), dataset, normalise(intensity, compute_median_curve(dataset)), find_altitude(dataset))

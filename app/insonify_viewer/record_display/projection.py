@@ -10,7 +10,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from insonify.display.picture import average_columns, place_columns
+from insonify.display.picture import average_columns, colour_rows, place_columns
 from insonify.display.range_axis import RangeAxis
 from insonify_viewer.session import Mark
 
@@ -191,9 +191,10 @@ class Projection:
         return found
 
 
-def compile_columns() -> None:
-    """Compile the kernel that averages bins into columns, which takes a moment, away from the main thread."""
-    average_columns(np.zeros((1, 2), dtype=np.float32), np.array([[0.0, 1.0, 2.0]]))
+def compile_picture() -> None:
+    """Compile the kernels that average bins into columns and colour them, away from the main thread."""
+    columns = average_columns(np.zeros((1, 2), dtype=np.float32), np.array([[0.0, 1.0, 2.0]]))
+    colour_rows(columns, 0.0, 1.0, np.zeros(256, dtype=np.uint32))
 
 
 def _loudest(values: NDArray[np.float32], at: Values) -> NDArray[np.float32]:

@@ -8,8 +8,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from insonify.display.display_options import DisplayOptions, Levels
-from insonify.display.picture import shown_palette, span_decibels
-from insonify_viewer.views.pixels import colour_table, colours, compress_highlights, with_highlights
+from insonify.display.picture import colour_rows, shown_palette, span_decibels
+from insonify_viewer.views.pixels import colour_table, compress_highlights, with_highlights
 
 SILENT = np.float32(1e-15)  # amplitude that stands for silence in decibels
 
@@ -33,7 +33,7 @@ class ToneMap(NamedTuple):
 
     def colours(self, amplitude: NDArray[np.float32]) -> NDArray[np.uint32]:
         """Colour amplitudes, as 0xffRRGGBB."""
-        return colours(self._scaled(amplitude), *self.ends, self.table)
+        return colour_rows(self._scaled(amplitude), *self.ends, self.table)
 
     def tones(self, amplitude: NDArray[np.float32]) -> NDArray[np.float32]:
         """Brightness of amplitudes, 0 to 1."""

@@ -7,7 +7,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from insonify_viewer.views.pixels import colours
+from insonify.display.picture import colour_rows
 
 FLOOR = 1e-4  # energy relative to a level bed, 40 dB below it: fainter differences fade
 SPANS = (0.1, 0.2, 0.5, 1.0, 2.0, 3.0, 6.0, 12.0, 24.0, 40.0)  # dB at the ends of the palette
@@ -75,6 +75,6 @@ def draw_difference(decibels: NDArray[np.float32], table: NDArray[np.uint32], em
     sizes = sizes[np.isfinite(sizes)]
     large = float(np.quantile(sizes, 1.0 - CLIPPED)) if sizes.size else 0.0
     span = next((span for span in SPANS if span >= large), SPANS[-1])
-    pixels = colours(np.where(unknown, np.float32(0.0), decibels), -span, span, table)
+    pixels = colour_rows(np.where(unknown, np.float32(0.0), decibels), -span, span, table)
     pixels[unknown] = empty
     return DifferencePicture(np.ascontiguousarray(pixels), span)

@@ -58,13 +58,6 @@ def with_highlights(table: NDArray[np.uint32]) -> NDArray[np.uint32]:
     return np.asarray(table[np.floor(255.0 * tones + 1e-3).astype(np.int64)])
 
 
-def colours(amplitude: NDArray[np.float32], low: float, high: float, table: NDArray[np.uint32]) -> NDArray[np.uint32]:
-    """Colour amplitudes: ``low`` takes the first colour of the table, ``high`` the one after 255 more."""
-    scale = 255.0 / max(high - low, 1e-30)
-    index = (amplitude - np.float32(low)) * np.float32(scale)
-    return np.asarray(table[np.clip(index, 0.0, len(table) - 1.0).astype(np.uint16)])
-
-
 def dimmed(words: NDArray[np.uint32]) -> NDArray[np.uint32]:
     """Colours 0xffRRGGBB at 3/8 of their brightness."""
     quarter, eighth = (words >> 2) & 0x3F3F3F, (words >> 3) & 0x1F1F1F

@@ -63,7 +63,8 @@ class RecordImage:
         self._put_colours(rows, painted, projection)
 
     def paint(self, rows: Rows, projection: Projection, tone_map: ToneMap) -> None:
-        """Colour rows anew; blank those whose ping is missing or not in the picture."""
+        """Colour rows that hold a ping anew; blank those whose ping is not in the picture."""
+        rows = rows[self._record.ping[rows] >= 0]
         self._put_colours(rows, _coloured(self._columns[rows], projection, tone_map), projection)
 
     def _put_colours(self, rows: Rows, painted: NDArray[np.uint32], projection: Projection) -> None:
@@ -72,7 +73,7 @@ class RecordImage:
         stale = record.stamp[rows] < self.oldest
         painted[stale] = dimmed(painted[stale])
         age = projection.newest - record.ping[rows]
-        painted[(age < 0) | (age >= record.pings) | (record.ping[rows] < 0)] = EMPTY
+        painted[(age < 0) | (age >= record.pings)] = EMPTY
         self.pixels[self._places(rows)] = painted
         self.version += 1
 

@@ -16,7 +16,7 @@ from skimage import exposure
 
 from insonify.display.display_options import PALETTES, DisplayOptions, Levels, find_palettes
 from insonify.display.range_axis import RangeAxis
-from insonify.kernels.display.rows import ROWS_A_THREAD, average_bins
+from insonify.kernels.display.rows import ROWS_A_THREAD, average_bins, colour_values
 from insonify.parallel import in_parallel
 from insonify.scene import SceneError
 
@@ -25,6 +25,7 @@ __all__ = [
     "average_columns",
     "choose_contrast",
     "colour_amplitudes",
+    "colour_rows",
     "compute_column_edges",
     "load_palette",
     "map_tones",
@@ -225,6 +226,31 @@ def average_columns(rows: NDArray[np.float32], edges: NDArray[np.float64]) -> ND
 
     in_parallel(block, len(rows), least=ROWS_A_THREAD)
     return out
+
+
+def colour_rows(values: NDArray[np.float32], low: float, high: float, table: NDArray[np.uint32]) -> NDArray[np.uint32]:
+    """Colour values by a table whose colours go on beyond the upper end.
+
+    Parameters
+    ----------
+    values : (..., columns) float32
+    low, high : float
+        Values of the first colour, and of the one after 255 more.
+    table : (colours,) uint32
+
+    Returns
+    -------
+    (..., columns) uint32
+    """
+    scale = np.float32(255.0 / max(high - low, 1e-30))
+    rows = np.ascontiguousarray(values).reshape(-1, values.shape[-1])
+    out = np.empty(rows.shape, np.uint32)
+
+    def block(first: int, last: int) -> None:
+        colour_values(rows[first:last], np.float32(low), scale, table, out[first:last])
+
+    in_parallel(block, len(rows), least=ROWS_A_THREAD)
+    return out.reshape(values.shape)
 
 
 def colour_amplitudes(

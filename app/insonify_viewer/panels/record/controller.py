@@ -170,7 +170,9 @@ class RecordPanel(Panel):
         self._draped = wanted
 
     def _show_colours(self) -> None:
-        self.view.histogram.show_colours(self._simulated.tone_map)
+        """Show the colours of levels, unless the panel is hidden, as before the window shows."""
+        if self.view.isVisible():
+            self.view.histogram.show_colours(self._simulated.tone_map)
 
     def _show_levels(self) -> None:
         """Count the levels of the simulated record on screen."""

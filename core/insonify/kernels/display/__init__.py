@@ -1,1 +1,1 @@
-"""Display of a record: amplitudes relative to a curve, and their averages over columns."""
+"""Display of a record: amplitudes relative to a curve, their averages over columns, and their colours."""

@@ -1,4 +1,4 @@
-"""Rows of a picture: amplitudes of one channel of a ping relative to a curve, and their averages over columns.
+"""Rows of a picture: amplitudes of a ping relative to a curve, their averages over columns, and their colours.
 
 Theory: docs/theory/error.md.
 """
@@ -59,3 +59,29 @@ def average_bins(rows, edges, edges_of, out):
             for bin_ in range(first, last):
                 total += values[bin_]
             means[k] = max(total / (far - near), 0.0) if far > near else 0.0
+
+
+@kernel
+def colour_values(values, low, scale, table, out):
+    """Look values up in a table of colours, those beyond its ends at its ends.
+
+    Parameters
+    ----------
+    values : ndarray of float32, shape (n, columns)
+    low : float32
+        Value of the first colour.
+    scale : float32
+        Colours over a value of 1.
+    table : ndarray of uint32, shape (colours,)
+    out : ndarray of uint32, shape (n, columns)
+        Takes the colours.
+    """
+    last = table.size - 1
+    for row in range(values.shape[0]):
+        given, words = values[row], out[row]
+        for k in range(given.size):
+            place = (given[k] - low) * scale
+            if place >= last:
+                words[k] = table[last]
+            else:  # what is no number takes the first colour
+                words[k] = table[int(place) if place > 0.0 else 0]

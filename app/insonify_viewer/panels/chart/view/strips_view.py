@@ -8,9 +8,9 @@ from PySide6.QtCore import QRect, Qt
 from PySide6.QtGui import QColor, QImage, QPainter, QPaintEvent
 from PySide6.QtWidgets import QWidget
 
-from insonify.display.picture import PALETTES, choose_contrast, load_palette
+from insonify.display.picture import PALETTES, choose_contrast, colour_rows, load_palette
 from insonify_viewer.panels.chart.chart_details import RowDetails
-from insonify_viewer.views.pixels import colour_table, colours, column_means, round_steps
+from insonify_viewer.views.pixels import colour_table, column_means, round_steps
 from insonify_viewer.views.theme import ACCENT, EDGE, GROUND, MARK, QUIET, TEXT
 from insonify_viewer.views.two_sided_palette import two_sided_table
 
@@ -81,7 +81,7 @@ class StripsView(QWidget):
             painter.setPen(QColor(colour))
             painter.drawText(line, Qt.AlignmentFlag.AlignLeft, words)
             line.setLeft(line.left() + painter.fontMetrics().horizontalAdvance(words))
-        pixels = np.ascontiguousarray(colours(column_means(strip, place.width()), *ends, table))
+        pixels = colour_rows(column_means(strip, place.width()), *ends, table)
         rows, width = pixels.shape
         painter.drawImage(place, QImage(pixels.data, width, rows, 4 * width, QImage.Format.Format_RGB32))
 
