@@ -164,6 +164,15 @@ def test_columns_keep_the_mean(bins, columns):
     assert shown.max() <= rows.max() * (1 + 1e-6)
 
 
+def test_bins_of_picked_rows_are_averaged_from_near_to_far():
+    rng = np.random.default_rng(3)
+    rows, picked = rng.random((7, 60), dtype=np.float32), np.array([5, 0, 5, 3])
+    edges = np.sort(rng.uniform(0.0, 30.0, (4, 12)), axis=1)
+    for bins, held in ((range(29, -1, -1), rows[:, 29::-1]), (range(30, 60), rows[:, 30:])):
+        expected = average_columns(np.ascontiguousarray(held[picked]), edges)
+        np.testing.assert_array_equal(average_columns(rows, edges, picked=picked, bins=bins), expected)
+
+
 def test_no_narrow_echo_is_dropped():
     rows = np.zeros((1, 1000), dtype=np.float32)
     rows[0, 517] = 10.0

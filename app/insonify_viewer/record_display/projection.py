@@ -128,17 +128,21 @@ class Projection:
         signed = distance if mark.side else -distance
         return float(self.across(np.array(signed))), float(self.down(np.array(mark.ping - 0.5)))
 
-    def columns(self, amplitude: NDArray[np.float32], altitude: Values, width: int) -> NDArray[np.float32]:
+    def columns(
+        self, amplitude: NDArray[np.float32], altitude: Values, width: int, rows: NDArray[np.int64] | None = None
+    ) -> NDArray[np.float32]:
         """Average bins into the columns of the plot, or repeat them where there are more columns than bins.
 
         Parameters
         ----------
-        amplitude : (n, 2 bins) float32
+        amplitude : (m, 2 bins) float32
             Rows of a record, from far port to far starboard.
         altitude : (n,) float64
-            Their altitudes in metres.
+            Altitudes of those that are wanted, in metres.
         width : int
             Columns of the plot.
+        rows : (n,) int64, optional
+            Those that are wanted; all when left out.
 
         Returns
         -------
@@ -146,12 +150,13 @@ class Projection:
             `BEYOND` beyond the last bin.
         """
         edges, nadir = self._edges(width)
-        out = np.empty((len(amplitude), width), dtype=np.float32)
+        out = np.empty((len(altitude), width), dtype=np.float32)
         bins = self.axis.bins
+        port, starboard = range(bins - 1, -1, -1), range(bins, 2 * bins)
         if nadir > 0:
-            out[:, :nadir] = self._side(amplitude[:, bins - 1 :: -1], -edges[nadir::-1], altitude)[:, ::-1]
+            out[:, :nadir] = self._side(amplitude, port, -edges[nadir::-1], altitude, rows)[:, ::-1]
         if nadir < width:
-            out[:, nadir:] = self._side(amplitude[:, bins:], edges[nadir:], altitude)
+            out[:, nadir:] = self._side(amplitude, starboard, edges[nadir:], altitude, rows)
         return out
 
     def bins_of_columns(self, ping: int, width: int) -> NDArray[np.int64]:
@@ -183,9 +188,16 @@ class Projection:
         edges[nadir] = 0.0
         return edges, nadir
 
-    def _side(self, amplitude: NDArray[np.float32], distance: Values, altitude: Values) -> NDArray[np.float32]:
+    def _side(
+        self,
+        amplitude: NDArray[np.float32],
+        bins: range,
+        distance: Values,
+        altitude: Values,
+        rows: NDArray[np.int64] | None,
+    ) -> NDArray[np.float32]:
         position = place_columns(np.maximum(distance, 0.0), altitude, self.axis)
-        found = average_columns(np.ascontiguousarray(amplitude), position)
+        found = average_columns(amplitude, position, picked=rows, bins=bins)
         if not self.axis.shows_water:
             found[position[:, :-1] >= self.axis.bins] = BEYOND
         return found

@@ -199,17 +199,27 @@ def place_columns(distance: NDArray[np.float64], altitude: NDArray[np.float64], 
     return axis.bins_at(distance[None, :], altitude[:, None])
 
 
-def average_columns(rows: NDArray[np.float32], edges: NDArray[np.float64]) -> NDArray[np.float32]:
-    """Average every row between successive edges, with parts of bins weighted by their width.
+def average_columns(
+    rows: NDArray[np.float32],
+    edges: NDArray[np.float64],
+    *,
+    picked: NDArray[np.int64] | None = None,
+    bins: range | None = None,
+) -> NDArray[np.float32]:
+    """Average rows between successive edges, with parts of bins weighted by their width.
 
     Columns wider than a bin average it, so that no narrow echo is lost; columns narrower than a bin repeat it.
 
     Parameters
     ----------
-    rows : (n, bins) float32
+    rows : (m, columns of rows) float32
         Amplitudes.
     edges : (n, columns + 1) float64
         Increasing positions in bins; equal edges give 0.
+    picked : (n,) int64, optional
+        Rows to average, instead of all.
+    bins : range, optional
+        Columns of rows that hold the bins, near to far, in steps of 1 or -1; all when left out.
 
     Returns
     -------
@@ -217,14 +227,17 @@ def average_columns(rows: NDArray[np.float32], edges: NDArray[np.float64]) -> ND
     """
     # Rows that share their edges are views of one row.
     grids = edges[:1] if edges.strides[0] == 0 else edges
-    which = np.minimum(np.arange(len(rows)), len(grids) - 1)
+    places = np.arange(len(rows)) if picked is None else picked
+    which = np.minimum(np.arange(len(places)), len(grids) - 1)
     values, at = np.ascontiguousarray(rows), np.ascontiguousarray(grids)
-    out = np.empty((len(rows), edges.shape[1] - 1), np.float32)
+    held = range(rows.shape[1]) if bins is None else bins
+    out = np.empty((len(places), edges.shape[1] - 1), np.float32)
 
     def block(first: int, last: int) -> None:
-        average_bins(values[first:last], at, which[first:last], out[first:last])
+        some = slice(first, last)
+        average_bins(values, places[some], held.start, held.step, len(held), at, which[some], out[some])
 
-    in_parallel(block, len(rows), least=ROWS_A_THREAD)
+    in_parallel(block, len(places), least=ROWS_A_THREAD)
     return out
 
 

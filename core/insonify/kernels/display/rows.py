@@ -36,28 +36,33 @@ def relate_amplitudes(intensity, inverse, curve_of, out):
 
 
 @kernel
-def average_bins(rows, edges, edges_of, out):
+def average_bins(rows, picked, nearest, step, bins, edges, edges_of, out):
     """Average rows between successive edges, parts of bins weighted by their width.
 
     Parameters
     ----------
-    rows : ndarray of float32, shape (n, bins)
+    rows : ndarray of float32, shape (m, columns of rows)
+    picked : ndarray of int64, shape (n,)
+        Which of the rows to average.
+    nearest, step, bins : int
+        Column of a row that holds the first bin, from there to the next bin (1 or -1), and number of bins.
     edges : ndarray of float64, shape (grids, columns + 1)
         Increasing positions in bins, from 0 to ``bins``; equal edges give 0.
     edges_of : ndarray of int64, shape (n,)
-        Which of the grids each row has.
+        Which of the grids each picked row has.
     out : ndarray of float32, shape (n, columns)
         Takes the averages.
     """
-    bins = rows.shape[1]
-    for row in range(rows.shape[0]):
-        values, at, means = rows[row], edges[edges_of[row]], out[row]
+    for row in range(picked.size):
+        values, at, means = rows[picked[row]], edges[edges_of[row]], out[row]
         for k in range(means.size):
             near, far = at[k], at[k + 1]
             first, last = min(int(near), bins - 1), min(int(far), bins - 1)
-            total = values[last] * (far - last) - values[first] * (near - first)
-            for bin_ in range(first, last):
-                total += values[bin_]
+            place = nearest + step * first
+            total = values[nearest + step * last] * (far - last) - values[place] * (near - first)
+            for _ in range(first, last):
+                total += values[place]
+                place += step
             means[k] = max(total / (far - near), 0.0) if far > near else 0.0
 
 
