@@ -7,6 +7,7 @@ the optional extra `embree`. Times are those of the thread itself, so that what 
 from __future__ import annotations
 
 import sys
+from dataclasses import replace
 from functools import partial
 from importlib.util import find_spec
 from time import thread_time
@@ -18,6 +19,7 @@ from floor import floor_call
 from insonify.accuracy.charts.embree import TriangulatedScene
 from insonify.accuracy.record_errors import compare_records
 from insonify.accuracy.timing import time_calls
+from insonify.kernels.common.types import no_surface_multipath
 from insonify.kernels.rays.first_echoes import empty_bundle, empty_launch
 from insonify.kernels.rays.launch import aim_rays, orient_beam, rotate_to_world
 from insonify.scene import edit, load_scene
@@ -63,6 +65,11 @@ def trace_call(simulation, pings=PINGS, **settings):
     return partial(sweep.trace, simulation.reduced, poses, **settings)
 
 
+def without_paths(simulation):
+    """Return a simulation by the same model, less the paths by the sea surface."""
+    return replace(simulation, reduced=simulation.reduced._replace(multipath=no_surface_multipath()))
+
+
 def planes_of(simulation, planes):
     return lay_planes_of_images(simulation.reduced, simulation.poses(PINGS[:1]), planes)[0][1].azimuth.size
 
@@ -99,15 +106,14 @@ def cases():
     calls["fan of as many planes"] = trace_call(fan, planes=alike), PINGS.size
     pairs.append(("array, two-way", "fan of as many planes", laid / planes_of(fan, alike), "1.5"))
     for name, scene in (("fan", edit(DEFAULT, BARE)), ("ghosts", load_scene("ghosts"))):
-        below = edit(scene, {"water.surface": "flat"})
-        silent = edit(scene, {"water.surface": "none"})
-        calls[f"{name} by the surface"] = trace_call(prepare(below), SOME, planes=PLANES), SOME.size
-        calls[f"{name} without"] = trace_call(prepare(silent), SOME, planes=PLANES), SOME.size
+        below = prepare(edit(scene, {"water.surface": "flat"}))
+        calls[f"{name} by the surface"] = trace_call(below, SOME, planes=PLANES), SOME.size
+        calls[f"{name} without"] = trace_call(without_paths(below), SOME, planes=PLANES), SOME.size
         pairs.append((f"{name} by the surface", f"{name} without", 1.0, "3"))
     wreck = edit(load_scene("rough-ground"), {"sonar.beam": ARRAY, "sonar.vertical": {"kind": "uniform"}})
-    for name, changes in (("ghosts of a mesh", {}), ("the mesh without", {"water.surface": "none"})):
-        simulation = prepare(edit(wreck, changes), tolerance=0.2)
-        pings = crossing(simulation, 20.0, 3.0)[::4]
+    below = prepare(wreck, tolerance=0.2)
+    pings = crossing(below, 20.0, 3.0)[::4]
+    for name, simulation in (("ghosts of a mesh", below), ("the mesh without", without_paths(below))):
         calls[f"{name}, array"] = trace_call(simulation, pings, planes=PLANES), pings.size
     pairs.append(("ghosts of a mesh, array", "the mesh without, array", 1.0, "3"))
     return calls, pairs
