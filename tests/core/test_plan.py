@@ -10,7 +10,11 @@ import pytest
 
 from insonify.accuracy.record_errors import compare_records
 from insonify.acoustics.straightness import estimate_refraction
-from insonify.planning import MOST_PLANES, plan
+from insonify.planning import MOST_PLANES, plan, probe
+from insonify.planning.choices import CHOICES
+from insonify.planning.choices.base import Case
+from insonify.planning.models import Model, PackedScene, pack
+from insonify.planning.probe import FEW, MOST
 from insonify.scene import SceneError, edit, load_scene
 from insonify.simulation import prepare
 from insonify.tracers import sweep
@@ -97,7 +101,7 @@ def test_too_few_planes_comb_a_small_target_and_the_plan_raises_them():
 
 @pytest.mark.parametrize("method", ["sweep", "march", "rays"])
 def test_a_method_asked_for_is_taken_and_explained(method):
-    chosen = plan(DEFAULT, 0.5, method=method)  # a coarse one, for finer marches take half a minute to measure
+    chosen = plan(DEFAULT, 0.5, method=method)
     assert chosen.method == method
     assert "as requested" in "\n".join(chosen.lines())
     assert all(len(line) < 200 and "\n" not in line for line in chosen.lines())
@@ -118,6 +122,34 @@ def test_a_finer_tolerance_takes_more_rays_and_shorter_steps():
     assert plan(DEFAULT, 0.01, method="rays").settings["rays"] > plan(DEFAULT, 0.1, method="rays").settings["rays"]
     small = edit(DEFAULT, {"sonar.bins": 100})
     assert plan(small, 0.1, method="march").settings["step"] < plan(small, 1.0, method="march").settings["step"]
+
+
+@pytest.mark.parametrize("tolerance", [0.5, 0.2, 0.01, 1e-4, 1e-9])
+@pytest.mark.parametrize("method", ["march", "rays"])
+def test_models_of_any_fineness_are_judged_by_little_work(method, tolerance, monkeypatch):
+    traced = []
+
+    def trace(packed, model, poses):
+        traced.append(poses.x.size * packed.work(model))
+        return whole(packed, model, poses)
+
+    whole = PackedScene.trace
+    monkeypatch.setattr(PackedScene, "trace", trace)
+    plan(DEFAULT, tolerance, method=method)
+    assert max(traced) <= MOST
+    assert sum(traced) <= 2.5 * MOST  # each finer model takes twice the work
+
+
+@pytest.mark.parametrize(("method", "field", "steps"), [("march", "step", -2), ("rays", "rays", 3)])
+def test_errors_predicted_beyond_those_measured_are_near_them(method, field, steps, monkeypatch):
+    case = Case(pack(edit(DEFAULT, {"sonar.bins": 200})), method, {})
+    choice = next(one for one in CHOICES if one.field == field)
+    start = Model(method, rays=200 if method == "march" else 8000, step=0.1 * (method == "march"))
+    fine = start._replace(**{field: getattr(start, field) * 2**steps})
+    measured = choice.error(case, fine)
+    monkeypatch.setattr(probe, "MOST", FEW * case.packed.work(start._replace(rays=2 * start.rays)) * 2.0)
+    assert choice.error(case, fine) == pytest.approx(measured, rel=0.5)
+    assert choice.error(case, fine) != measured
 
 
 @pytest.mark.parametrize("tolerance", [0.0, -0.1, math.nan, math.inf])

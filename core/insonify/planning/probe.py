@@ -21,6 +21,7 @@ from insonify.scene import SceneError
 Record = NDArray[np.float32]
 FEW = 12  # pings on which models of much work are compared
 LITTLE = 1e6  # work of some milliseconds, up to which models are compared on all pings
+MOST = 1e8  # work of half a second, up to which finer and finer models are traced to judge coarser ones
 OF_A_THREAD = 4  # pings worth handing to a thread
 _LOADED: set[tuple[str, bool, bool]] = set()  # kernels that a probe of this process has called: method, bent, paths
 
@@ -83,6 +84,10 @@ class Probe:
         every = self._is_across.size
         return every if every * self._packed.work(model) <= LITTLE else min(every, FEW)
 
+    def affords(self, model: Model) -> bool:
+        """Whether a model may be traced to judge a coarser one; errors of more work are predicted from its order."""
+        return self.count(model) * self._packed.work(model) <= MOST
+
     def difference(self, coarse: Model, fine: Model, *, nearer: float = 0.0, cautious: bool = False) -> float:
         """Error of a model against a finer one: the greater of that over the track and that across targets.
 
@@ -95,6 +100,8 @@ class Probe:
             Whether the standard error is added, by which it varies from ping to ping.
         """
         coarse, fine = _without_surface_echo(coarse, fine)
+        if coarse == fine:
+            return 0.0
         key = coarse, fine, nearer, cautious
         if key not in self._differences:
             count = self.count(max(coarse, fine, key=self._packed.work))

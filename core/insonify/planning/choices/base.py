@@ -255,15 +255,16 @@ class Ladder(Number):
         changes: list[dict[str, Any]] = [{self.field: number} for number in (rung, 2 * rung)]
         return model._replace(**changes[0]), model._replace(**changes[1])
 
-    def rung(self, model: Model) -> int:
-        """Greatest rung that is not finer than a model."""
+    def rung(self, case: Case, model: Model) -> int:
+        """Greatest rung that is not finer than a model, which is measured."""
+        del case
         return int(self.first * 2 ** math.floor(math.log2(max(getattr(model, self.field) / self.first, 1.0))))
 
     def error(self, case: Case, model: Model, cautious: bool = True) -> float:
         """Error of the rung below; from there it falls with the power, of 0.5 to 1, with which it fell to that rung."""
         if model.method != self.method:
             return 0.0
-        rung = self.rung(model)
+        rung = self.rung(case, model)
         error = case.probe.difference(*self.pair(case, model, rung), cautious=cautious)
         finer = max(getattr(model, self.field) / rung, 1.0)
         if rung == self.first or error == 0.0:
@@ -275,7 +276,7 @@ class Ladder(Number):
 
     def measured(self, case: Case, model: Model, words: str, error: float) -> str:
         """Reason with what was measured."""
-        rung = self.rung(model)
+        rung = self.rung(case, model)
         coarse, fine = self.pair(case, model, rung)
         said = f"on {case.pings(fine)} {rung} {words} are {percent(case.probe.difference(coarse, fine))} from "
         said += f"{getattr(fine, self.field)}"

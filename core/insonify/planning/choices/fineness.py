@@ -1,4 +1,4 @@
-"""Choices of the tracer and its fineness: planes, rays, steps and nodes of the relief."""
+"""Choices of the tracer and its fineness: planes, rays and nodes of the relief."""
 
 from __future__ import annotations
 
@@ -9,7 +9,6 @@ from itertools import takewhile
 from insonify.planning.choices.base import (
     FEW_PLANES,
     FEWEST_RAYS,
-    FINENESS,
     GRID,
     TRACER,
     Case,
@@ -110,7 +109,7 @@ class Planes(Ladder):
         if not case.scene.sonar.beam.has_width:
             yield self.entry(case, "1 plane", "a knife-edge beam has no width")
             return
-        reason = self.measured(case, model, "planes" if self.rung(model) > 1 else "plane", error)
+        reason = self.measured(case, model, "planes" if self.rung(case, model) > 1 else "plane", error)
         cost = case.probe.seconds(model) - case.probe.seconds(model._replace(planes=1))
         choice = f"{model.planes} plane{'s' * (model.planes > 1)}"
         yield self.entry(case, choice, reason, error=error, cost=max(cost, 0.0), options=self.offered)
@@ -134,6 +133,13 @@ class Rays(Ladder):
         if model.method == "rays":
             return tuple(self.first << n for n in range(13))
         return FOLDED_RAYS if case.folds else FOLDED_RAYS[:1]
+
+    def rung(self, case: Case, model: Model) -> int:
+        """Greatest rung not finer than a model, and not so fine that to judge it takes longer than the probe may."""
+        rung = super().rung(case, model)
+        while rung > self.first and not case.probe.affords(self.pair(case, model, rung)[1]):
+            rung //= 2
+        return rung
 
     def error(self, case: Case, model: Model, cautious: bool = True) -> float:
         """Error of single rays; with the sweep of those pings only that it leaves to rays."""
@@ -162,38 +168,6 @@ class Rays(Ladder):
         elif model.rays:
             reason = f"where several eigenrays or none reach a place, a ping is traced with {model.rays} rays per side"
             yield self.entry(case, f"{model.rays} rays", reason, error=error, options=self.offered)
-
-
-class Step(Number):
-    """Steps of the march, with rays as dense."""
-
-    subject, field, stage, rank, whole = "step", "step", FINENESS, 3, False
-    low, high = 1e-6, 1e4
-    offered = ("0.02", "0.05", "0.1", "0.2", "0.5", "1", "2")
-
-    def settings(self, case: Case, model: Model) -> tuple[float, ...]:
-        """Return steps of a cell, its half, a quarter and so on."""
-        if model.method != "march":
-            return (0.0,)
-        wish, spacing = self.wish(case), case.packed.arrays.bed.spacing
-        return tuple(spacing / 2**n for n in range(7)) if wish is None else (wish,)
-
-    def error(self, case: Case, model: Model, cautious: bool = True) -> float:
-        """Error measured from half the step."""
-        if model.method != "march":
-            return 0.0
-        plain = _single(case, model)._replace(step=model.step, rays=model.rays)
-        finer = plain._replace(step=0.5 * plain.step, rays=2 * plain.rays)
-        return case.probe.difference(plain, finer, cautious=cautious)
-
-    def entries(self, case: Case, model: Model, error: float) -> Iterator[PlanEntry]:
-        """Entry of the step."""
-        if model.method == "march":
-            reason = (
-                f"{model.rays} rays per side; on {case.pings(model)} {percent(error)} from half the step and twice "
-                "the rays; the march can step over anything thinner than a step"
-            )
-            yield self.entry(case, f"steps of {model.step:.3g} m", reason, error=error, options=self.offered)
 
 
 class Segments(Choice):
@@ -340,8 +314,7 @@ def _single(case: Case, model: Model) -> Model:
         return _swept(case)
     return Model(
         model.method,
-        rays=model.rays if model.method == "march" else FEWEST_RAYS,
-        step=model.step,
+        rays=FEWEST_RAYS,
         bent=case.bent,
         bounces=model.bounces,
         targets=case.targets,
@@ -377,4 +350,4 @@ def _planes_that_meet(case: Case, model: Model) -> int:
     return planes
 
 
-CHOICES: tuple[Choice, ...] = (Method(), Planes(), Rays(), Step(), Segments(), Spacing())
+CHOICES: tuple[Choice, ...] = (Method(), Planes(), Rays(), Segments(), Spacing())
