@@ -187,15 +187,17 @@ def write(
         blocks = one_ahead(simulate_blocks(scene, **asked, truth=truth))
         write_record(path, track(blocks, pings, lambda block: block.sizes["ping_time"]), **(choices or {}))
         return
-    # lazy: the other commands need neither Matplotlib nor the kernels
+    # lazy: the other commands need no kernels
     from insonify.display.normalisation import LevelBed
-    from insonify.display.page import caption_scene, write_page
     from insonify.display.sheet import gather_sheet, trace_sheet_pings
 
     # Without Datasets: importing xarray and pandas takes as long as the picture.
     simulation = prepare(scene, **asked)
     shown = track(one_ahead(trace_sheet_pings(simulation)), pings, lambda block: len(block.intensity))
     sheet = gather_sheet(shown, LevelBed(simulation).normalise, pings, look)
+    # lazy: Matplotlib takes as long to import as all before the first ping, and only the finished sheet needs it
+    from insonify.display.page import caption_scene, write_page
+
     write_page(path, sheet, look, caption_scene(scene, look))
 
 

@@ -11,7 +11,6 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.ndimage import gaussian_filter1d, median_filter
 
 from insonify.acoustics.flat_bed import flat_bed_curve
 from insonify.array_cache import keep_arrays
@@ -151,6 +150,8 @@ def estimate_median_curve(
     if known.size == 0:
         return np.ones((len(altitude), 1, len(r)))
     logarithm = np.interp(np.arange(len(r)), known, np.log(curve[known]))
+    from scipy.ndimage import gaussian_filter1d, median_filter  # lazy: only recordings need SciPy
+
     steady = median_filter(logarithm, size=len(r) // _SMOOTH + 1)  # removes marks that recorders put at the edges
     smooth = np.exp(gaussian_filter1d(steady, len(r) / _SMOOTH))
     return (smooth * sine**2)[:, None, :]
