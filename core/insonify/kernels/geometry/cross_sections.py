@@ -85,12 +85,39 @@ def may_cut_solid(solids, k, plane, reach):
     -------
     bool
     """
+    mx, my, _, bound = _ball_around(solids, k, plane)
+    along, across = mx * plane.ex + my * plane.ey, mx * plane.ey - my * plane.ex
+    return abs(across) < bound and along > -bound and along < reach + bound
+
+
+@inlined_uncounted
+def solid_distance_bound(solids, k, plane):
+    """Lower bound on the distance of a body from the sonar, by a ball around the body.
+
+    Parameters
+    ----------
+    solids : Solids
+    k : int
+        Row of the body.
+    plane : HalfPlane
+
+    Returns
+    -------
+    float
+        m, less by more than distances along rays are rounded; not above 0 if the sonar is inside the ball.
+    """
+    mx, my, mz, bound = _ball_around(solids, k, plane)
+    return math.sqrt(mx * mx + my * my + mz * mz) * (1.0 - ROUNDING) - bound
+
+
+@inlined_uncounted
+def _ball_around(solids, k, plane):
+    """Centre of a ball around a body, from the sonar, and its radius."""
     half = 0.5 * solids.length[k]
     mx = solids.start[k, 0] + half * solids.axis[k, 0] - plane.x
     my = solids.start[k, 1] + half * solids.axis[k, 1] - plane.y
-    along, across = mx * plane.ex + my * plane.ey, mx * plane.ey - my * plane.ex
-    bound = half + solids.radius[k] + max(solids.taper[k] * solids.length[k], 0.0)
-    return abs(across) < bound and along > -bound and along < reach + bound
+    mz = solids.start[k, 2] + half * solids.axis[k, 2] - plane.z
+    return mx, my, mz, half + solids.radius[k] + max(solids.taper[k] * solids.length[k], 0.0)
 
 
 @kernel_uncounted

@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 from insonify.kernels.common.jit import INTEGER, inlined_uncounted, kernel, kernel_separate
 from insonify.kernels.common.search import last_not_above
 from insonify.kernels.common.types import Mesh, Solids
-from insonify.kernels.geometry.cross_sections import may_cut_solid, section_solid
+from insonify.kernels.geometry.cross_sections import may_cut_solid, section_solid, solid_distance_bound
 from insonify.kernels.targets.apparent_targets import FIELDS, apply_apparent_sources, load_apparent_source
 from insonify.kernels.targets.mesh_sections import SAME, cut_mesh
 from insonify.kernels.targets.primitives import (
@@ -145,7 +145,7 @@ def _fill_cells(solids, mesh, plane, bent, zbuffer, solid_primitives, primitives
     cells = 0
     for crossings_known in (False, True):
         cells = _sort_edges(zbuffer, edges)
-        _find_nearest(solids, mesh, plane, bent, zbuffer, primitives, cells)
+        _find_nearest(solids, mesh, plane, bent, zbuffer, solid_primitives, primitives, cells)
         edges = cells + 1
         if not crossings_known and primitives > 1:
             edges = _add_crossings(solids, mesh, plane, bent, zbuffer, solid_primitives, primitives, cells)
@@ -201,13 +201,15 @@ def _sort(edge, edges):
 
 
 @inlined_uncounted
-def _find_nearest(solids, mesh, plane, bent, zbuffer, primitives, cells):
+def _find_nearest(solids, mesh, plane, bent, zbuffer, solid_primitives, primitives, cells):
     """Find the primitive that is nearest in every cell and the distances to it."""
     for p in range(primitives):
+        straight = p < solid_primitives and not bent
+        least = solid_distance_bound(solids, zbuffer.body[p], plane) if straight else 0.0
         source = load_apparent_source(bent, zbuffer.source[p])
         primitive = load_primitive(solids, mesh, plane, zbuffer.body[p], zbuffer.line[p], source)
         zbuffer.first[p] = max(last_not_above(zbuffer.edge[: cells + 1], zbuffer.low[p]), 0)
-        _keep_nearest(p, primitive, cells, zbuffer)
+        _keep_nearest(p, primitive, least, cells, zbuffer)
     for p in range(primitives):
         source = load_apparent_source(bent, zbuffer.source[p])
         primitive = load_primitive(solids, mesh, plane, zbuffer.body[p], zbuffer.line[p], source)
@@ -215,13 +217,16 @@ def _find_nearest(solids, mesh, plane, bent, zbuffer, primitives, cells):
 
 
 @inlined_uncounted
-def _keep_nearest(p, primitive, cells, zbuffer):
-    """Enter a primitive in the cells where nothing nearer is; of two at one distance the first stays."""
+def _keep_nearest(p, primitive, least, cells, zbuffer):
+    """Enter a primitive in the cells where nothing nearer is; of two at one distance the first stays.
+
+    Cells that hold something nearer than ``least``, which no point of it is, are passed over.
+    """
     edge, cosine, sine = zbuffer.edge, zbuffer.cosine, zbuffer.sine
     nearest, distance, incidence = zbuffer.nearest, zbuffer.distance, zbuffer.incidence
     low, high, cell = zbuffer.low[p], zbuffer.high[p], zbuffer.first[p]
     while cell < cells and edge[cell] < high:
-        if low < 0.5 * (edge[cell] + edge[cell + 1]) < high:
+        if least < distance[cell] and low < 0.5 * (edge[cell] + edge[cell + 1]) < high:
             c, s = bisect_directions(cosine[cell], sine[cell], cosine[cell + 1], sine[cell + 1])
             here, cos_incidence = intersect_primitive(primitive, c, s)
             if here < distance[cell]:
@@ -250,7 +255,10 @@ def _add_crossings(solids, mesh, plane, bent, zbuffer, solid_primitives, primiti
     """Add an edge wherever a primitive comes before the one that is nearest in a cell's middle; return the edges."""
     edges = cells + 1
     for p in range(primitives):
-        least = nearest_distance(zbuffer.line[p]) if p >= solid_primitives else 0.0
+        if p >= solid_primitives:
+            least = nearest_distance(zbuffer.line[p])
+        else:
+            least = 0.0 if bent else solid_distance_bound(solids, zbuffer.body[p], plane)
         if _is_behind(p, least, cells, zbuffer):
             continue
         source = load_apparent_source(bent, zbuffer.source[p])

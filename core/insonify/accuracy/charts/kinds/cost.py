@@ -41,7 +41,8 @@ RAYS = (500, 1000, 2000, 4000, 8000)
 SWEPT, CAST = 32, 4  # pings of a call of the sweep, and of rays
 CAST_RAYS = 2000  # rays per side where another size grows
 SECONDS = 15.0
-RADIUS = 0.5  # m, of the targets
+RADIUS = 0.5  # m, of the ball of triangles
+SMALL = 0.15  # m, radius of the targets, of which the most in one beam stand clear of one another
 WHOLE = ("pings", "pings of a streamed record")  # axes of which the time is that of all pings
 COLUMNS = ("method", "axis", "size", "microseconds", "spread", "megabytes", "exponent", "exponent_spread")
 
@@ -280,11 +281,11 @@ def _of_bins(scene: Scene, planes: int) -> Calls:
 
 
 def _of_targets(scene: Scene, planes: int) -> Calls:
-    """Trace scenes with spheres on both sides of the timed pings, which all lie within a few metres."""
+    """Trace scenes with spheres on both sides of the timed pings, all of which meet them."""
     calls: Calls = {}
-    near = {"track.speed": min(scene.track.speed, scene.sonar.ping_rate * RADIUS / SWEPT), "track.pings": SWEPT}
+    near = {"track.speed": min(scene.track.speed, scene.sonar.ping_rate * SMALL / SWEPT), "track.pings": SWEPT}
     for count in TARGETS:
-        arrays, poses = pack_for_chart(edit(scene, {**near, "targets": _spheres(scene, count)}), SWEPT)
+        arrays, poses = pack_for_chart(edit(scene, {**near, "targets": _spheres(scene, count, SMALL)}), SWEPT)
         calls |= _both("targets in the beam", count, arrays, poses, planes)
     return calls
 
@@ -295,7 +296,7 @@ def _of_triangles(scene: Scene, planes: int) -> Calls:
 
     calls: Calls = {}
     near = {"track.speed": min(scene.track.speed, scene.sonar.ping_rate * RADIUS / SWEPT), "track.pings": SWEPT}
-    (ball,) = _spheres(scene, 1)
+    (ball,) = _spheres(scene, 1, RADIUS)
     arrays, poses = pack_for_chart(edit(scene, {**near, "targets": []}), SWEPT)
     for divisions in DIVISIONS:
         corners = trimesh.creation.icosphere(subdivisions=divisions, radius=RADIUS).triangles + ball["position"]
@@ -305,13 +306,13 @@ def _of_triangles(scene: Scene, planes: int) -> Calls:
     return calls
 
 
-def _spheres(scene: Scene, count: int) -> list[Mapping[str, Any]]:
+def _spheres(scene: Scene, count: int, radius: float) -> list[Mapping[str, Any]]:
     """Spheres athwart the track's start, port and starboard in turn, from 1.2 altitudes to most of the range."""
     heading = np.radians(scene.track.heading)
     out: list[Mapping[str, Any]] = []
-    for k, away in enumerate(np.geomspace(1.2 * abs(scene.altitude), 0.9 * scene.sonar.range, count)):
+    for k, away in enumerate(np.linspace(1.2 * abs(scene.altitude), 0.9 * scene.sonar.range, count)):
         across = float(away) * (1.0 if k % 2 == 0 else -1.0)
         x, y = scene.track.start[0] - across * np.sin(heading), scene.track.start[1] + across * np.cos(heading)
-        height = -scene.seabed.depth + RADIUS
-        out.append({"kind": "sphere", "radius": RADIUS, "position": [float(x), float(y), height]})
+        height = -scene.seabed.depth + radius
+        out.append({"kind": "sphere", "radius": radius, "position": [float(x), float(y), height]})
     return out
