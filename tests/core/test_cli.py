@@ -281,6 +281,23 @@ def test_a_picture_needs_no_tables(tmp_path):
     assert (done.returncode, done.stderr) == (0, "")
 
 
+def test_the_first_pings_of_a_picture_wait_for_no_library_that_draws_it(tmp_path):
+    """Matplotlib and SciPy take longer to import than the pings take to trace."""
+    code = (
+        "import sys; from pathlib import Path; from insonify.commands.render import write;"
+        "from insonify.display.display_options import DisplayOptions; from insonify.scene import edit, load_scene;"
+        "loaded = [];"
+        "note = lambda block: loaded.extend({'matplotlib', 'scipy.ndimage'} & set(sys.modules)) or block;"
+        "track = lambda blocks, pings, count: map(note, blocks);"
+        "write(edit(load_scene('default'), {'track.pings': 8}), Path(sys.argv[1]), DisplayOptions(), track=track);"
+        "sys.exit(f'loaded {loaded}' if loaded else 0)"
+    )
+    path = tmp_path / "record.png"
+    done = subprocess.run([sys.executable, "-c", code, str(path)], capture_output=True, text=True, check=False)
+    assert (done.returncode, done.stderr) == (0, "")
+    assert path.stat().st_size > 1000
+
+
 def test_what_an_encoding_lacks_is_escaped():
     """A plan's costs are in microseconds."""
     done = subprocess.run(

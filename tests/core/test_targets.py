@@ -8,6 +8,7 @@ import pytest
 from beds import arrays_of
 from insonify.kernels.common.types import FRUSTUM, Mesh
 from insonify.kernels.geometry.bvh import build_mesh
+from insonify.kernels.geometry.cross_sections import HalfPlane, solid_distance_bound
 from insonify.scene import SceneError, edit, load_scene, scene_from_toml
 from insonify.scene.rotation import rotation_matrix
 from insonify.scene.targets import TARGETS, Target
@@ -213,3 +214,19 @@ def test_all_bodies_take_the_same_pose(kind):
     upright = edit(scene, {f"targets.0.{angle}": 0.0 for angle in ("heading", "pitch", "roll")})
     alike = simulate(scene).intensity.equals(simulate(upright).intensity)
     assert alike == (kind == "sphere")
+
+
+@pytest.mark.parametrize(
+    "kind", ['kind = "sphere"\nradius = 0.7', 'kind = "pipe"\nlength = 4.0\nradius = 0.3', 'kind = "cone"']
+)
+def test_no_point_of_a_body_is_nearer_than_its_bound(kind):
+    solids = arrays(f"{kind}\nposition = [3.0, 5.0]\n{turned(20, 30, 40) if 'sphere' not in kind else ''}").solids
+    rng = np.random.default_rng(5)
+    for k in range(solids.shape.size):
+        middle = solids.start[k] + 0.5 * solids.length[k] * solids.axis[k]
+        points = middle + rng.uniform(-3.0, 3.0, (100_000, 3))
+        points = points[body_depth(solids, k, points) <= 0.0]
+        for sonar in middle + rng.normal(0.0, 5.0, (20, 3)):
+            nearest = np.linalg.norm(points - sonar, axis=1).min()
+            bound = solid_distance_bound(solids, k, HalfPlane(*sonar, 1.0, 0.0))
+            assert nearest - 4.0 * solids.radius[k] - solids.length[k] <= bound <= nearest
