@@ -188,9 +188,10 @@ def test_slider_at_60_hz(open_viewer: Any, qtbot: Any, name: str, path: str) -> 
     qtbot.waitUntil(lambda: not timer.isActive(), timeout=60000)
     gaps.stop()
     row.slider.setSliderDown(False)
-    after, of_it = 1e3 * np.median(delays), 1e3 * np.median(traced)
-    print(f"\n{name}, {path}: {len(delays)} pictures of {2 * RATE} moves, {after:.0f} ms after their move (median;")
-    print(f"best {1e3 * min(delays):.0f}), of which {of_it:.0f} ms traced; {gaps.sentence()}")
+    print(f"\n{name}, {path}: {len(delays)} pictures of {2 * RATE} moves; {gaps.sentence()}")
+    if delays:
+        after, best, of_it = (1e3 * float(each) for each in (np.median(delays), min(delays), np.median(traced)))
+        print(f"pictures {after:.0f} ms after their move (median; best {best:.0f}), of which {of_it:.0f} ms traced")
 
 
 def test_live_tow(open_viewer: Any, qtbot: Any) -> None:

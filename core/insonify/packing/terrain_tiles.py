@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+from collections import OrderedDict
 from collections.abc import Callable, Hashable, Iterator, Sequence
-from functools import lru_cache
+from threading import Lock
 from typing import Any
 from weakref import WeakValueDictionary
 
@@ -16,12 +17,11 @@ from insonify.packing.scene_arrays import make_bed
 from insonify.terrain import AnyGround, EndlessGround
 
 Column = NDArray[Any]
-Beds = Callable[[int, int], Bed]
 
 # Refracted rays may go farther in the time of a slant range than straight ones.
 MARGIN = 1.1
-KEPT_BEDS = 3
-_SHARED: WeakValueDictionary[Hashable, Beds] = WeakValueDictionary()
+KEPT_BEDS, MOST_BEDS = 3, 6  # of pings that follow one another, and of a call over many windows; some 23 MB each
+_SHARED: WeakValueDictionary[Hashable, _WindowBeds] = WeakValueDictionary()
 
 
 class TerrainTiles:
@@ -37,7 +37,7 @@ class TerrainTiles:
 
     def __init__(self, ground: AnyGround, reach: float) -> None:
         self._ground, self.reach = ground, reach
-        self._bed = _beds_of(ground, reach) if isinstance(ground, EndlessGround) else None
+        self._beds = _beds_of(ground, reach) if isinstance(ground, EndlessGround) else None
 
     def map(
         self, trace: Callable[[SceneArrays, Poses], tuple[Column, ...]], arrays: SceneArrays, poses: Poses
@@ -77,27 +77,57 @@ class TerrainTiles:
         arrays : SceneArrays
             The scene over the tile beneath them.
         """
-        if self._bed is None or poses.x.size == 0:
+        if self._beds is None or poses.x.size == 0:
             yield slice(None), arrays
             return
         assert isinstance(self._ground, EndlessGround)
         cells, which = np.unique(self._ground.cell(poses.x, poses.y), axis=0, return_inverse=True)
+        self._beds.make_room(len(cells))
         for k, (row, column) in enumerate(cells):
-            yield np.flatnonzero(which.reshape(-1) == k), arrays._replace(bed=self._bed(int(row), int(column)))
+            yield np.flatnonzero(which.reshape(-1) == k), arrays._replace(bed=self._beds.bed(int(row), int(column)))
 
 
-def _beds_of(ground: EndlessGround, reach: float) -> Beds:
+class _WindowBeds:
+    """Beds of the windows of endless ground; the least recently used are dropped.
+
+    Parameters
+    ----------
+    ground : EndlessGround
+    reach : float
+        Greatest slant range of the record, in metres.
+    """
+
+    def __init__(self, ground: EndlessGround, reach: float) -> None:
+        self._ground, self._reach = ground, reach
+        self._beds: OrderedDict[tuple[int, int], Bed] = OrderedDict()
+        self._room = KEPT_BEDS
+        self._lock = Lock()
+
+    def make_room(self, windows: int) -> None:
+        """Keep as many beds as are needed together, within `MOST_BEDS`."""
+        self._room = max(self._room, min(windows, MOST_BEDS))
+
+    def bed(self, row: int, column: int) -> Bed:
+        """Bed of one window."""
+        with self._lock:
+            if (row, column) in self._beds:
+                self._beds.move_to_end((row, column))
+                return self._beds[row, column]
+        made = make_bed(self._ground.window(row, column, MARGIN * self._reach))
+        with self._lock:
+            self._beds[row, column] = made
+            while len(self._beds) > self._room:
+                self._beds.popitem(last=False)
+        return made
+
+
+def _beds_of(ground: EndlessGround, reach: float) -> _WindowBeds:
     """Beds of the windows of endless ground; scenes on the same ground share them while one of them lives."""
     key = ground.heights, ground.materials, ground.spacing, len(ground.reflectivities), reach
-    if (known := _SHARED.get(key)) is not None:
-        return known
-
-    @lru_cache(maxsize=KEPT_BEDS)
-    def make(row: int, column: int) -> Bed:
-        return make_bed(ground.window(row, column, MARGIN * reach))
-
-    _SHARED[key] = make
-    return make
+    beds = _SHARED.get(key)
+    if beds is None:
+        beds = _SHARED[key] = _WindowBeds(ground, reach)
+    return beds
 
 
 def _join(places: Sequence[NDArray[np.int64] | slice], columns: Sequence[Column]) -> Column:

@@ -27,6 +27,7 @@ from insonify.terrain.periodic_relief import periodic_heights
 # A level bed has no period of its own: a few cells suffice unless a map of materials needs more.
 FLAT_CELLS = 4
 FLAT_CELLS_AT_MOST = 4096
+GROUNDS = 16  # endless grounds whose tiles are found again: a scene and its variants that lack an effect
 FEWEST_CELLS = 3  # of a period, so that it holds a wave below the Nyquist frequency
 
 # Heights above the datum, their lattice, and the datum.
@@ -184,13 +185,13 @@ def _kept_materials(
     return material_indices(layout, lattice, seed, place)
 
 
-@lru_cache(maxsize=2)
+@lru_cache(maxsize=GROUNDS)
 def _kept_tiles(parts: tuple[RandomRelief, ...], spacing: float, seed: int) -> Tiles:
     tiles = endless_heights(parts, spacing, seed)
     return keep_arrays(lambda row, column: tiles(row, column).astype(np.float32))
 
 
-@lru_cache(maxsize=2)
+@lru_cache(maxsize=GROUNDS)
 def _kept_map_tiles(
     layout: MaterialMap,
     version: tuple[int, int] | None,
