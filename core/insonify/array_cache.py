@@ -14,7 +14,7 @@ import numpy as np
 
 Arguments = ParamSpec("Arguments")
 Kept = TypeVar("Kept")
-LIMIT = 224 * 2**20  # bytes; the first window of endless ground takes three times as long with 160 MiB
+LIMIT = 208 * 2**20  # bytes; endless ground takes three times as long with 160 MiB
 
 
 class ArrayCache:
@@ -59,8 +59,7 @@ class ArrayCache:
                         return self._newest(key)
                 return self._make(key, lambda: function(*given, **named))
 
-        # A finalizer may run wherever memory is allocated, even while this thread holds the lock: it only takes a note.
-        weakref.finalize(kept, self._dead.append, token)
+        weakref.finalize(kept, self._drop, token)
         return kept
 
     def clear(self) -> None:
@@ -86,8 +85,7 @@ class ArrayCache:
                 self._making.pop(key, None)
 
     def _put(self, key: Hashable, made: Any) -> None:
-        while self._dead:
-            self._forget(self._dead.popleft())
+        self._drop_dead()
         if key in self._results:  # made by a thread that had begun before the store was cleared
             return
         size = _bytes_of(made)
@@ -95,6 +93,22 @@ class ArrayCache:
         self._bytes += size
         while self._bytes > self.limit and len(self._results) > 1:
             self._bytes -= self._results.popitem(last=False)[1][1]
+
+    def _drop(self, token: object) -> None:
+        """Drop the results of a function that is gone, now or with the next result.
+
+        A finalizer runs wherever memory is allocated, even while this thread holds the lock.
+        """
+        self._dead.append(token)
+        if self._lock.acquire(blocking=False):
+            try:
+                self._drop_dead()
+            finally:
+                self._lock.release()
+
+    def _drop_dead(self) -> None:
+        while self._dead:
+            self._forget(self._dead.popleft())
 
     def _forget(self, token: object) -> None:
         """Drop the results of a function."""

@@ -6,10 +6,11 @@ import weakref
 import numpy as np
 import pytest
 
+from insonify.array_cache import ARRAYS
 from insonify.scene import build, edit
 from insonify.simulation import prepare, simulate_blocks
 from insonify.terrain import EndlessGround, Ground, build_ground, relief, relief_picture
-from insonify.terrain.endless_field import TILE, gather_tiles
+from insonify.terrain.endless_field import PART, TILE, EndlessField, gather_tiles
 from insonify.tracers import sweep
 
 FRACTAL = {
@@ -167,6 +168,22 @@ def test_scenes_on_the_same_ground_share_its_windows(record):
     rougher = prepare(edit(SCENE, {"seabed.relief.rms": 0.2}))
     assert next(rougher.tiles.split(rougher.reduced, poses))[1].bed is not windows[0][0][1].bed
     np.testing.assert_array_equal(simulation.intensity(PINGS), record)
+
+
+def test_waves_and_filters_of_a_field_are_kept_and_go_with_it_at_once():
+    ARRAYS.clear()
+    field = EndlessField(SCENE.seabed.random_reliefs[0].bands(), 0.025, 5, 1)
+    whole = field.tile(0, 0)
+    assert whole.nbytes < ARRAYS.bytes <= ARRAYS.limit
+    parts = [key for key in ARRAYS._results if isinstance(key[1], tuple) and len(key[1]) == 4]
+    assert {side for _, (_, side, _, _), _ in parts} >= {TILE, PART}, "of coarse lattices parts are kept"
+    filters = ARRAYS.bytes - sum(ARRAYS._results[key][1] for key in parts)
+    gc.disable()
+    try:
+        del field
+        assert ARRAYS.bytes == filters, "waves wait for no collection of cycles"
+    finally:
+        gc.enable()
 
 
 def test_windows_go_with_the_last_scene_on_their_ground():

@@ -31,6 +31,7 @@ Field = NDArray[np.float64]
 ComplexField = NDArray[np.complex128]
 
 TILE = 512  # nodes along a side of a tile, on every lattice
+PART = 128  # nodes along a side of the smallest part of a tile that is kept
 TAPS = 128  # along a side of the filter of a band
 HIGHEST = 0.75  # share of its Nyquist frequency that the waves of an interpolated lattice reach
 FEATURE = 6.0  # frequency steps of the coarsest filter across the finest feature of the density
@@ -58,12 +59,11 @@ class EndlessField:
         # A pyramid reaches to 0.75 of the Nyquist frequency of its first lattice; moved, it stays within the finest's.
         self._first = max(1, math.ceil(math.log2(HIGHEST / room)))
         self._spacing, self._bands = spacing, bands
-        self._top = _Lattice(self._above, spacing, TAPS << (self._first - 1), seed, stream)
+        self._top = _Lattice(_Filter(self._above, spacing, TAPS << (self._first - 1)), seed, stream)
         self._moved = [
-            tuple(
-                _Pyramid(band, spacing, self._first, seed, stream + RELIEF_BAND * (2 * k + 1 + part)) for part in parts
-            )
+            tuple(_Pyramid(filters, seed, stream + RELIEF_BAND * (2 * k + 1 + part)) for part in parts)
             for k, band in enumerate(bands)
+            for filters in [_band_filters(band, spacing, self._first)]
             for parts in [(0,) if band.wave is None else (0, 1)]
         ]
 
@@ -121,27 +121,10 @@ class EndlessField:
 class _Pyramid:
     """Lattices of one band, each of twice the spacing of the one before, summed by interpolation."""
 
-    def __init__(self, band: Band, spacing: float, first: int, seed: int, stream: int) -> None:
-        last = max(first, math.ceil(math.log2(FEATURE / (TAPS * spacing * band.feature))))
-        # Two fields make one modulated band; each holds half of the waves of either sign of frequency.
-        share = 1.0 if band.wave is None else 2.0
-        self._lattices = {
-            level: _Lattice(
-                _between(
-                    band.density,
-                    share,
-                    0.0 if level == last else _crossing(spacing, level),
-                    _crossing(spacing, level - 1),
-                ),
-                spacing * 2.0**level,
-                TAPS,
-                seed,
-                stream,
-            )
-            for level in range(first, last + 1)
-        }
-        self._last = last
-        self._tile = keep_arrays(lambda level, row, column: self._lattices[level].tile(row, column))
+    def __init__(self, filters: dict[int, _Filter], seed: int, stream: int) -> None:
+        lattices = {level: _Lattice(kernel, seed, stream) for level, kernel in filters.items()}
+        self._lattices, self._first, self._last = lattices, min(lattices), max(lattices)
+        self._part = keep_arrays(lambda level, side, row, column: lattices[level].part(side, row, column))
 
     @cached_property
     def variance(self) -> float:
@@ -158,7 +141,8 @@ class _Pyramid:
         if lattice is None or lattice.variance <= FAINT * self.variance:
             own = np.zeros(shape)
         else:
-            own = gather_tiles(lambda row, column: self._tile(level, row, column), first, shape)
+            side = _side_of_parts(level - self._first)
+            own = gather_tiles(lambda row, column: self._part(level, side, row, column), first, shape, side)
         return own + self._from_coarser(level, first, shape) if level < self._last else own
 
     def _from_coarser(self, level: int, first: tuple[int, int], shape: tuple[int, int]) -> Field:
@@ -173,40 +157,82 @@ class _Pyramid:
         return fine[row : row + shape[0], column : column + shape[1]]
 
 
-class _Lattice:
-    """Filtered white noise on one lattice."""
+class _Filter:
+    """Filter that gives white noise on one lattice a density."""
 
-    def __init__(self, density: Density, spacing: float, taps: int, seed: int, stream: int) -> None:
-        self._spacing, self._taps, self._seed, self._stream = spacing, taps, seed, stream
+    def __init__(self, density: Density, spacing: float, taps: int) -> None:
+        self.spacing, self.taps = spacing, taps
         fx = np.asarray(np.fft.rfftfreq(taps, spacing), np.float64)[np.newaxis, :]
         fy = np.asarray(np.fft.fftfreq(taps, spacing), np.float64)[:, np.newaxis]
         # Noise of unit variance has the density spacing².
         response = np.sqrt(density(fx, fy)) / spacing
-        self._filter = np.fft.irfft2(response, s=(taps, taps))
+        self._kernel = np.fft.irfft2(response, s=(taps, taps))
         # Taps half a side away have no counterpart on the other side.
-        self._filter[taps // 2], self._filter[:, taps // 2] = 0.0, 0.0
-        self.variance = float((self._filter**2).sum())
+        self._kernel[taps // 2], self._kernel[:, taps // 2] = 0.0, 0.0
+        self.variance = float((self._kernel**2).sum())
 
-    def tile(self, row: int, column: int) -> Field:
-        """Filter the noise of one tile by overlap-save: the margin that wraps around is discarded."""
-        side, margin = TILE + self._taps, self._taps // 2
-        rows, columns = (range(place * TILE - margin, place * TILE - margin + side) for place in (row, column))
-        noise = lattice_noise(self._seed, self._stream, self._spacing, rows, columns)
-        waves = np.fft.rfft2(noise)
-        waves *= self._transfer
-        return np.ascontiguousarray(np.fft.irfft2(waves, s=(side, side))[margin:-margin, margin:-margin])
-
-    @cached_property
-    def _transfer(self) -> Field:
+    @property
+    def transfer(self) -> Field:
         """Transform of the filter over one block; real, because the filter is even."""
-        half = self._taps // 2
-        block = np.zeros((TILE + self._taps,) * 2)
-        block[: self._taps, : self._taps] = np.roll(self._filter, (half, half), axis=(0, 1))
+        return _kept_transfer(self)
+
+    def make_transfer(self) -> Field:
+        """Transform the filter, as `transfer` keeps it."""
+        half = self.taps // 2
+        block = np.zeros((TILE + self.taps,) * 2)
+        block[: self.taps, : self.taps] = np.roll(self._kernel, (half, half), axis=(0, 1))
         return np.ascontiguousarray(np.fft.rfft2(np.roll(block, (-half, -half), axis=(0, 1))).real)
 
 
+_kept_transfer = keep_arrays(_Filter.make_transfer)
+
+
+class _Lattice:
+    """Filtered white noise on one lattice."""
+
+    def __init__(self, kernel: _Filter, seed: int, stream: int) -> None:
+        self._filter, self._seed, self._stream = kernel, seed, stream
+        self.variance = kernel.variance
+
+    def tile(self, row: int, column: int) -> Field:
+        """Filter the noise of one tile by overlap-save: the margin that wraps around is discarded."""
+        side, margin = TILE + self._filter.taps, self._filter.taps // 2
+        rows, columns = (range(place * TILE - margin, place * TILE - margin + side) for place in (row, column))
+        noise = lattice_noise(self._seed, self._stream, self._filter.spacing, rows, columns)
+        waves = np.fft.rfft2(noise)
+        waves *= self._filter.transfer
+        return np.ascontiguousarray(np.fft.irfft2(waves, s=(side, side))[margin:-margin, margin:-margin])
+
+    def part(self, side: int, row: int, column: int) -> Field:
+        """Square of some nodes a side, as many as divide a tile."""
+        (tile_row, j), (tile_column, i) = divmod(row * side, TILE), divmod(column * side, TILE)
+        tile = self.tile(tile_row, tile_column)
+        return tile if side == TILE else tile[j : j + side, i : i + side].copy()
+
+
+def _band_filters(band: Band, spacing: float, first: int) -> dict[int, _Filter]:
+    """Make the filters of a band, by the level of their lattice; level 0 is the finest lattice of all."""
+    last = max(first, math.ceil(math.log2(FEATURE / (TAPS * spacing * band.feature))))
+    # Two fields make one modulated band; each holds half of the waves of either sign of frequency.
+    share = 1.0 if band.wave is None else 2.0
+
+    def density(level: int) -> Density:
+        low = 0.0 if level == last else _crossing(spacing, level)
+        return _between(band.density, share, low, _crossing(spacing, level - 1))
+
+    return {level: _Filter(density(level), spacing * 2.0**level, TAPS) for level in range(first, last + 1)}
+
+
+def _side_of_parts(coarser: int) -> int:
+    """Nodes along a side of the parts that are kept of a lattice, by the lattices of its pyramid that are finer.
+
+    A window takes few nodes of a coarse lattice, about the corner of four tiles as a rule, but most of a fine one.
+    """
+    return max(min(TILE, 2 * TILE >> coarser), PART)
+
+
 def gather_tiles(
-    tile: Callable[[int, int], NDArray[Any]], first: tuple[int, int], shape: tuple[int, int]
+    tile: Callable[[int, int], NDArray[Any]], first: tuple[int, int], shape: tuple[int, int], side: int = TILE
 ) -> NDArray[Any]:
     """Rectangle of nodes assembled from tiles.
 
@@ -218,13 +244,15 @@ def gather_tiles(
         Lowest node along y and x.
     shape : (ny, nx)
         Nodes.
+    side : int
+        Nodes along a side of a tile.
 
     Returns
     -------
     (ny, nx) array
         Values of the nodes, in the data type of the tiles.
     """
-    rows, columns = (_pieces(low, count) for low, count in zip(first, shape))
+    rows, columns = (_pieces(low, count, side) for low, count in zip(first, shape))
     whole = np.empty(shape, dtype=tile(rows[0].tile, columns[0].tile).dtype)
     for row in rows:
         for column in columns:
@@ -240,12 +268,12 @@ class _Piece(NamedTuple):
     whole: slice  # nodes within the requested row
 
 
-def _pieces(first: int, count: int) -> list[_Piece]:
+def _pieces(first: int, count: int, side: int) -> list[_Piece]:
     """Split a row of nodes at the borders of tiles."""
-    tiles = range(first // TILE, (first + count - 1) // TILE + 1)
-    runs = [(k, max(first, k * TILE), min(first + count, (k + 1) * TILE)) for k in tiles]
+    tiles = range(first // side, (first + count - 1) // side + 1)
+    runs = [(k, max(first, k * side), min(first + count, (k + 1) * side)) for k in tiles]
     return [
-        _Piece(k, slice(low - k * TILE, high - k * TILE), slice(low - first, high - first)) for k, low, high in runs
+        _Piece(k, slice(low - k * side, high - k * side), slice(low - first, high - first)) for k, low, high in runs
     ]
 
 

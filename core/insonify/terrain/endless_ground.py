@@ -22,7 +22,7 @@ Tiles = Callable[[int, int], NDArray[Any]]
 
 TILE_BYTES = 4 * TILE**2  # of heights
 FARTHEST = 2**31  # tiles along an axis, farther than any tow
-KEPT_WINDOWS = 2  # windows of heights and materials kept
+KEPT_THINNED = 4  # heights and materials of two grounds that are thinned
 
 
 @dataclass(frozen=True, eq=False)
@@ -136,7 +136,7 @@ class EndlessGround:
 AnyGround = Ground | EndlessGround
 
 
-@lru_cache(maxsize=2 * KEPT_WINDOWS)
+@lru_cache(maxsize=KEPT_THINNED)
 def _thinned(tiles: Tiles, every: int) -> Tiles:
     """Tiles of every n-th node."""
     side = every * TILE
@@ -145,7 +145,6 @@ def _thinned(tiles: Tiles, every: int) -> Tiles:
     )
 
 
-@lru_cache(maxsize=KEPT_WINDOWS)
 def _torus(tiles: Tiles, first: tuple[int, int], side: int) -> NDArray[Any]:
     """Square of nodes, each stored at its indices modulo the size of the square."""
     rows, columns = (range(low // TILE, (low + side - 1) // TILE + 1) for low in first)
