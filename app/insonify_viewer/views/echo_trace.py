@@ -44,7 +44,8 @@ def draw_trace(painter: QPainter, area: QRect, loudest: NDArray[np.float32], tit
     painter.setClipRect(area)
     _draw_scale(painter, area, top)
     heights = area.bottom() - (np.maximum(levels, FLOOR) - FLOOR) / (top - FLOOR) * area.height()
-    line = QPolygonF([QPointF(area.left() + x + 0.5, y) for x, y in enumerate(heights.tolist())])
+    places = area.left() + 0.5 + np.arange(heights.size)
+    line = QPolygonF(list(map(QPointF, places.tolist(), heights.tolist())))
     painter.setPen(QPen(QColor(ACCENT), 1.0))
     painter.drawPolyline(line)
     if at is not None:
