@@ -126,15 +126,18 @@ QToolTip {{ background: {RAISED}; color: {TEXT}; border: 1px solid {EDGE}; paddi
 
 
 def apply_theme(application: QApplication, theme: Theme = Theme.DARK) -> None:
-    """Set style, colours and style sheet of the application; widgets are painted anew."""
+    """Set style, colours and style sheet of the application; widgets are painted anew if these change."""
     light = is_light(theme)
     named = {"GROUND": GROUND, "RAISED": RAISED, "EDGE": EDGE, "TEXT": TEXT, "QUIET": QUIET, "ACCENT": ACCENT}
     named |= {"MARK": MARK, "FAINT": FAINT, "TRAIL": TRAIL}
     for name, colour in named.items():
         colour.setRgb(QColor(COLOURS[name][light]).rgb())
+    sheet = STYLE.format(**{name: colour.name() for name, colour in named.items()})
+    if application.styleSheet() == sheet:
+        return
     application.setStyle("Fusion")
     application.setPalette(_palette())
-    application.setStyleSheet(STYLE.format(**{name: colour.name() for name, colour in named.items()}))
+    application.setStyleSheet(sheet)
 
 
 def is_light(theme: Theme) -> bool:
