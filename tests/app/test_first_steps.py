@@ -70,11 +70,11 @@ def viewer(open_viewer: Any, qtbot: Any) -> Any:
 def when_it_opens(
     window_type: type, do: Callable[[Any], None], on_top: Callable[[], Any] = QApplication.activeModalWidget
 ) -> None:
-    """Do something in a dialog or a menu as soon as it stands on the screen, up to 10 s from now."""
+    """Do something in a dialog or a menu as soon as it takes keys, up to 10 s from now."""
 
     def look(left: int = 200) -> None:
         dialog = on_top()
-        if isinstance(dialog, window_type) and dialog.isVisible():
+        if isinstance(dialog, window_type) and (dialog.isActiveWindow() or isinstance(dialog, QMenu)):
             do(dialog)
         elif left:
             QTimer.singleShot(50, lambda: look(left - 1))
