@@ -14,13 +14,14 @@ from types import FrameType
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 from PySide6.QtCore import QObject, Qt, QTimer, qInstallMessageHandler
 from PySide6.QtGui import QOpenGLContext
 from PySide6.QtWidgets import QApplication
 from vtkmodules.vtkCommonCore import vtkOutputWindow, vtkStringOutputWindow
 
 TICK = 5  # ms
-DEPTH = 4  # functions of a stack that are told
+DEPTH = 7  # functions of a stack that are told
 LIMIT = 250.0  # ms, above which gaps are counted
 LONG = 0.15  # s, a gap whose cause is looked for
 HARMLESS = ("This plugin does not support propagateSizeHints", "QXcbConnection: XCB error")
@@ -68,15 +69,23 @@ class Faults:
 
 
 class Gaps(QObject):
-    """Time between turns of the main loop without the 3-D drawing, and where the long ones come from."""
+    """Time between turns of the main loop without the 3-D drawing, and where the long ones come from.
+
+    Attributes
+    ----------
+    gaps, busy : list of float
+        Seconds of each turn by the clock, and of processor time of the main thread.
+    causes : Counter
+        Long gaps in words.
+    """
 
     def __init__(self) -> None:
         super().__init__()
         self.gaps: list[float] = []
-        self.busy: list[float] = []  # processor time of the main thread, drawing included
+        self.busy: list[float] = []
         self.causes: Counter[str] = Counter()
-        self._last, self._drawing, self._drawn = time.perf_counter(), 0.0, 0.0
-        self._ending, self._used = threading.Event(), time.thread_time()
+        self._last, self._ending = _now(), threading.Event()
+        self._begun, self._drawn = self._last, np.zeros(2)
         self._seen = ""
         timer = QTimer(self)
         timer.setTimerType(Qt.TimerType.PreciseTimer)
@@ -87,7 +96,7 @@ class Gaps(QObject):
 
     def leave_out_drawing(self, renderer: Any) -> None:
         """Do not count the time between the start and the end of a drawing."""
-        renderer.AddObserver("StartEvent", lambda *_: setattr(self, "_drawing", time.perf_counter()))
+        renderer.AddObserver("StartEvent", lambda *_: setattr(self, "_begun", _now()))
         renderer.AddObserver("EndEvent", self._drew)
 
     def close(self) -> None:
@@ -97,26 +106,20 @@ class Gaps(QObject):
 
     def in_words(self) -> str:
         """The gaps as one sentence."""
-        found = 1e3 * np.array(self.gaps)
-        late, over, busy = np.quantile(found, 0.99), np.sum(found > LIMIT), 1e3 * np.array(self.busy)
-        return (
-            f"gaps p99 {late:.1f}, greatest {found.max():.0f} ms, {over} over {LIMIT:g} ms; "
-            f"of processor time p99 {np.quantile(busy, 0.99):.1f}, greatest {busy.max():.0f} ms"
-        )
+        found, busy = 1e3 * np.array(self.gaps), 1e3 * np.array(self.busy)
+        return f"gaps {_spread(found)}; of processor time {_spread(busy)}"
 
     def _drew(self, *_: Any) -> None:
-        self._drawn += time.perf_counter() - self._drawing
+        self._drawn += _now() - self._begun
 
     def _turn(self) -> None:
-        now = time.perf_counter()
-        gap, busy = max(now - self._last - self._drawn, 0.0), time.thread_time() - self._used
+        gap, busy = np.maximum(_now() - self._last - self._drawn, 0.0)
         self.gaps.append(gap)
         self.busy.append(busy)
         if gap > LONG:
-            self.causes[
-                f"{1e3 * gap:5.0f} ms, {1e3 * busy:4.0f} of processor time: {self._seen or 'not in Python'}"
-            ] += 1
-        self._last, self._drawn, self._seen, self._used = time.perf_counter(), 0.0, "", time.thread_time()
+            told = f"{1e3 * gap:5.0f} ms, {1e3 * busy:4.0f} of processor time: {self._seen or 'not in Python'}"
+            self.causes[told] += 1
+        self._last, self._drawn, self._seen = _now(), np.zeros(2), ""
 
     def clear(self) -> None:
         """Forget all gaps so far."""
@@ -128,12 +131,23 @@ class Gaps(QObject):
         """Note where the threads are while a gap lasts: the main thread, and those that may hold the interpreter."""
         own = threading.get_ident()
         while not self._ending.wait(0.02):
-            if time.perf_counter() - self._last > 0.6 * LONG:
+            if time.perf_counter() - self._last[0] > 0.6 * LONG:
                 frames = sys._current_frames()
                 names = {thread.ident: thread.name for thread in threading.enumerate()}
                 found = [(names.get(ident, "?"), _place(frame)) for ident, frame in frames.items() if ident != own]
                 del frames  # the widgets' painters among their variables would outlive their functions
                 self._seen = "; ".join(f"{name}: {place}" for name, place in reversed(found) if not _rests(place))
+
+
+def _now() -> NDArray[np.float64]:
+    """Time of day and of the processor in this thread, in seconds: on a busy machine they part."""
+    return np.array([time.perf_counter(), time.thread_time()])
+
+
+def _spread(found: NDArray[np.float64]) -> str:
+    """Describe times in milliseconds."""
+    over = np.sum(found > LIMIT)
+    return f"p99 {np.quantile(found, 0.99):.1f}, greatest {found.max():.0f} ms, {over} over {LIMIT:g} ms"
 
 
 def _place(frame: FrameType | None) -> str:
