@@ -19,6 +19,8 @@ from insonify_viewer.effects import EFFECTS
 from insonify_viewer.field_names import name_edit, name_field
 from insonify_viewer.panels.parameters.sections import pinned_section, sections_of
 from insonify_viewer.panels.parameters.trying import Trials, row_of
+from insonify_viewer.panels.parameters.view.parameters_view import ParametersView
+from insonify_viewer.panels.parameters.view.section_box import SectionBox
 from insonify_viewer.session import Session
 
 
@@ -386,3 +388,34 @@ def test_nothing_is_shown_as_a_window_of_its_own(open_viewer: Any, small: Scene,
     viewer.session.settle({"sonar.beam.kind": "knife"})
     qapp.removeEventFilter(watch)
     assert set(shown) <= {"MainWindow"}
+
+
+def test_rows_are_built_section_by_section(qtbot: Any, monkeypatch: Any) -> None:
+    built: list[str] = []
+    grid = SectionBox._grid
+    monkeypatch.setattr(SectionBox, "_grid", lambda box, rows, to: (built.append(rows[0].path), grid(box, rows, to))[1])
+    view = ParametersView()
+    qtbot.addWidget(view)
+    view.show_sections(sections_of(load_scene("wreck")))
+    view.show()
+    boxes = view._sections
+    assert sum(box._built for box in boxes.values()) == 1, "the others wait for their turn"
+    assert view.row("track.altitude").label.text() == "altitude", "unless a row is asked for"
+    qtbot.waitUntil(lambda: not any(box.waits for box in boxes.values()))
+    assert not any(path.startswith(("targets", "water", "receiver")) for path in built), "what is folded waits for that"
+    boxes["targets.0"].unfold(True)
+    qtbot.waitUntil(view.row("targets.0.position.0").field.isVisible)
+
+
+def test_rows_built_later_are_marked_and_lit(qtbot: Any) -> None:
+    view = ParametersView()
+    qtbot.addWidget(view)
+    view.show_sections(sections_of(load_scene("wreck")))
+    view.show_changed({"water.sound_speed": "1450 m/s"})
+    view._lit = ("water.sound_speed",)
+    view._light_rows()
+    box = next(box for box in view._sections.values() if box.holds("water.sound_speed"))
+    assert not box._built
+    label = box.rows["water.sound_speed"].label
+    assert label.property("changed")
+    assert label.property("lit")

@@ -16,7 +16,6 @@ from insonify_viewer.panels.parameters.view.about_box import AboutBox
 from insonify_viewer.panels.parameters.view.effects_box import EffectsBox
 from insonify_viewer.panels.parameters.view.section_box import Row, SectionBox, make_tool
 from insonify_viewer.views.icons import set_icon
-from insonify_viewer.views.lighting import light
 from insonify_viewer.views.side_panel import SidePanel
 
 DELAY = 20  # ms, by which the other numbers follow a slider that moves
@@ -61,6 +60,8 @@ class ParametersView(SidePanel):
         self.column.addStretch(1)
         self._sections: dict[str, SectionBox] = {}
         self._lit: tuple[str, ...] = ()
+        self._building = QTimer(self)
+        self._building.timeout.connect(self._build)
         self._show: Callable[[], None] = _nothing
         self._due = QTimer(self)
         self._due.setSingleShot(True)
@@ -87,6 +88,7 @@ class ParametersView(SidePanel):
         """Drop what waits."""
         self._due.stop()
         self._still.stop()
+        self._building.stop()
         self.drop_glide()
 
     def show_about(self, parts: Sequence[str | Link], tried: Sequence[bool]) -> None:
@@ -128,7 +130,7 @@ class ParametersView(SidePanel):
         self._still.start()
 
     def show_sections(self, sections: tuple[FieldSection, ...]) -> None:
-        """Show these fields; only sections whose rows change are rebuilt."""
+        """Show these fields; only sections whose rows change are rebuilt, at most one of them at once."""
         keys = [section.key for section in sections]
         for key in [key for key in self._sections if key not in keys]:
             self._drop(key)
@@ -148,6 +150,17 @@ class ParametersView(SidePanel):
             if self._found is not None:
                 box.hide()
         self._light_rows()
+        self._build()
+
+    def _build(self) -> None:
+        """Build the rows of the first section that waits; the others follow when events have been handled."""
+        waiting = [box for box in self._sections.values() if box.waits]
+        if waiting:
+            waiting[0].build()
+        if len(waiting) > 1:
+            self._building.start()
+        else:
+            self._building.stop()
 
     def show_changed(self, changed: Mapping[str, str]) -> None:
         """Mark the fields that differ from the scene as it was opened, given the texts of those values."""
@@ -166,6 +179,7 @@ class ParametersView(SidePanel):
         self._found = None
         if section is not None:
             self._found = SectionBox(section, self, unfolded=True, tools=[])
+            self._found.build()
             self.column.insertWidget(1, self._found)
         self._about.setVisible(section is None and bool(self._about.words))
         for box in (self.effects, *self._sections.values()):
@@ -177,8 +191,7 @@ class ParametersView(SidePanel):
     def show_pictures(self, scene: Scene) -> None:
         """Show the curves of a scene, and the spectrum of its bed."""
         for box in self._sections.values():
-            for picture in box.pictures:
-                picture.show_scene(scene)
+            box.show_pictures(scene)
 
     def turn_to(self, key: str) -> None:
         """Unfold the section of a target, fold those of the others, and scroll to it."""
@@ -213,7 +226,7 @@ class ParametersView(SidePanel):
 
     def _boxes(self, path: str) -> list[SectionBox]:
         """Sections that hold the row of a field, the pinned one first."""
-        boxes = [box for box in self._sections.values() if path in box.rows]
+        boxes = [box for box in self._sections.values() if box.holds(path)]
         return sorted(boxes, key=lambda box: box is not self._sections.get(PINNED))
 
     def _tools(self, section: FieldSection) -> list[QToolButton]:
@@ -237,8 +250,7 @@ class ParametersView(SidePanel):
 
     def _light_rows(self) -> None:
         for box in self._sections.values():
-            for path, row in box.rows.items():
-                light(row.label, path in self._lit)
+            box.light(self._lit)
 
     def _drop(self, key: str) -> None:
         box = self._sections.pop(key)

@@ -9,10 +9,12 @@ from typing import Any, Protocol
 from PySide6.QtCore import SignalInstance
 from PySide6.QtWidgets import QGridLayout, QHBoxLayout, QSizePolicy, QToolButton, QVBoxLayout, QWidget
 
+from insonify.scene import Scene
 from insonify_viewer.fields import ChoiceField, NumberField, Parameter
 from insonify_viewer.panels.parameters.sections import PINNED, FieldSection
 from insonify_viewer.views.field_rows import ChoiceRow, FileRow, NumberRow
 from insonify_viewer.views.folding_box import FoldingBox
+from insonify_viewer.views.lighting import light
 from insonify_viewer.views.setting_pictures.base import SettingPicture
 from insonify_viewer.views.setting_pictures.registry import pictures_of_settings
 
@@ -32,16 +34,12 @@ class RowSignals(Protocol):
 class SectionBox(FoldingBox):
     """The rows of one section, under a heading that folds.
 
+    The rows are built when they are first asked for or unfolded: a scene may have hundreds of them.
+
     Attributes
     ----------
-    rows : dict of str to row
-        By dotted path.
-    pictures : list of SettingPicture
-        Below the rows of the settings that they show.
     structure, removable : tuple, bool
         Of the section it was built from.
-    more : QToolButton or None
-        Shows the rare fields; None if there are none.
     """
 
     def __init__(
@@ -54,58 +52,109 @@ class SectionBox(FoldingBox):
         tools: list[QToolButton],
     ) -> None:
         self.structure, self.removable = section.structure, section.removable
-        self.rows: dict[str, Row] = {}
-        self.more: QToolButton | None = None
-        self._rare: frozenset[str] = frozenset(each.path for each in section.parameters if each.rare)
-        body = QWidget()
-        column = QVBoxLayout(body)
-        column.setContentsMargins(6, 4, 2, 4)
-        column.setSpacing(4)
-        usual = [each for each in section.parameters if not each.rare]
-        grid = self._grid(usual, signals)
-        self.pictures = [] if section.key == PINNED else _pictures(usual, grid, signals)
-        column.addLayout(grid)
-        if self._rare:
-            self._add_more(column, [each for each in section.parameters if each.rare], signals, more)
+        self._section, self._signals = section, signals
+        self._paths = {each.path: each.rare for each in section.parameters}
+        self._rows: dict[str, Row] = {}
+        self._pictures: list[SettingPicture] = []
+        self._more: QToolButton | None = None
+        self._shows_more, self._built = more, False
+        self._changed: dict[str, str] = {}
+        self._lit: tuple[str, ...] = ()
+        self._scene: Scene | None = None
         self._reset = make_tool("reset", "↺", "Reset this section to the scene as it was opened", self._reset_all)
         self._reset.hide()
-        self._changed: dict[str, str] = {}
-        self._signals = signals
-        super().__init__(section.title, body, unfolded=unfolded, beside=_side_by_side([self._reset, *tools]))
+        super().__init__(section.title, QWidget(), unfolded=unfolded, beside=_side_by_side([self._reset, *tools]))
         self._body.setEnabled(not section.locked)
+        self._heading.toggled.connect(lambda on: self.build() if on else None)
+
+    @property
+    def rows(self) -> dict[str, Row]:
+        """The rows by dotted path."""
+        self.build()
+        return self._rows
+
+    @property
+    def more(self) -> QToolButton | None:
+        """Button that shows the rare fields; None if there are none."""
+        self.build()
+        return self._more
+
+    @property
+    def waits(self) -> bool:
+        """Whether the rows should be seen and are not built yet."""
+        return self.unfolded and not self._built
+
+    def holds(self, path: str) -> bool:
+        """Whether a field has a row here."""
+        return path in self._paths
+
+    def build(self) -> None:
+        """Build the rows, unless that is done."""
+        if self._built:
+            return
+        self._built = True
+        column = QVBoxLayout(self._body)
+        column.setContentsMargins(6, 4, 2, 4)
+        column.setSpacing(4)
+        usual = [each for each in self._section.parameters if not each.rare]
+        grid = self._grid(usual, self._signals)
+        self._pictures = [] if self._section.key == PINNED else _pictures(usual, grid, self._signals)
+        column.addLayout(grid)
+        if rare := [each for each in self._section.parameters if each.rare]:
+            self._add_more(column, rare, self._signals, self._shows_more)
+        self._mark_changed()
+        self.light(self._lit)
+        if self._scene is not None:
+            self.show_pictures(self._scene)
 
     def show_changed(self, changed: Mapping[str, str]) -> None:
         """Mark the fields that differ from the scene as it was opened, given the texts of those values."""
-        self._changed = {path: before for path, before in changed.items() if path in self.rows}
-        for path, row in self.rows.items():
-            row.label.show_reset(self._changed.get(path, ""), partial(self._signals.reset.emit, (path,)))
+        self._changed = {path: before for path, before in changed.items() if path in self._paths}
+        self._mark_changed()
         self._reset.setVisible(bool(self._changed))
+
+    def _mark_changed(self) -> None:
+        for path, row in self._rows.items():
+            row.label.show_reset(self._changed.get(path, ""), partial(self._signals.reset.emit, (path,)))
 
     def _reset_all(self) -> None:
         self._signals.reset.emit(tuple(self._changed))
 
     def show_values(self, section: FieldSection) -> None:
         """Show other values in the same rows."""
+        self._section = section
         self.entitle(section.title)
         self._body.setEnabled(not section.locked)
-        for parameter in section.parameters:
-            row: Any = self.rows[parameter.path]
+        for parameter in section.parameters if self._built else ():
+            row: Any = self._rows[parameter.path]
             row.show_value(parameter)
+
+    def show_pictures(self, scene: Scene) -> None:
+        """Show a scene in the pictures below the rows of the settings that they show."""
+        self._scene = scene
+        for picture in self._pictures:
+            picture.show_scene(scene)
+
+    def light(self, paths: tuple[str, ...]) -> None:
+        """Light the rows of these fields and no others."""
+        self._lit = paths
+        for path, row in self._rows.items():
+            light(row.label, path in paths)
 
     @property
     def shows_more(self) -> bool:
         """Whether the rare fields are shown."""
-        return self.more is not None and self.more.isChecked()
+        return self._shows_more if self._more is None else self._more.isChecked()
 
     def reveal(self, path: str) -> None:
         """Unfold what hides the row of a field."""
         self.unfold(True)
-        if path in self._rare and self.more is not None:
+        if self._paths[path] and self.more is not None:
             self.more.setChecked(True)
 
     def _add_more(self, column: QVBoxLayout, rare: list[Parameter], signals: RowSignals, shown: bool) -> None:
         """Add the rare fields below a button that shows and hides them."""
-        self.more = more = QToolButton()
+        self._more = more = QToolButton()
         more.setObjectName("more")
         more.setCheckable(True)
         more.setToolTip("Fields that are rarely changed")
@@ -133,7 +182,7 @@ class SectionBox(FoldingBox):
         for line, parameter in enumerate(parameters):
             row = _row(parameter, signals)
             row.place(grid, 2 * line)
-            self.rows[parameter.path] = row
+            self._rows[parameter.path] = row
         return grid
 
 
