@@ -26,6 +26,8 @@ KEPT = 32  # pings whose labels are kept
 class MarkController:
     """Looks marked points up; their labels come from a thread of their own, a moment later.
 
+    On endless ground, whose heights may take a second, the points come from another thread too.
+
     Parameters
     ----------
     show : callable
@@ -41,12 +43,18 @@ class MarkController:
     ) -> None:
         self._show = show
         self._thread = NewestWins("labels", call_later)
+        self._lookups = NewestWins("points", call_later)
+        self._wanted: Mark | None = None
         self._simulation: Simulation | None = None
         self._labels: OrderedDict[int, RecordLabels | None] = OrderedDict()
         self._point: MarkedPoint | None = None
 
     def show(self, mark: Mark | None, answer: TracedPings | None, record: Record) -> None:
         """Show a point of the record; nothing where the record holds nothing."""
+        # lazy: the window opens before Numba is loaded
+        from insonify.terrain import EndlessGround
+
+        self._wanted = mark
         if mark is None or answer is None:
             self._show_point(None)
             return
@@ -54,13 +62,29 @@ class MarkController:
         if simulation is not self._simulation:
             self._simulation = simulation
             self._labels.clear()
-        self._show_point(marked_point(simulation, record, answer.level, mark))
-        if self._point is not None and mark.ping not in self._labels:
-            self._ask(simulation, mark.ping)
+
+        def find() -> MarkedPoint | None:
+            return marked_point(simulation, record, answer.level, mark)
+
+        def take(point: MarkedPoint | None) -> None:
+            if mark == self._wanted and simulation is self._simulation:
+                self._take(simulation, point)
+
+        if isinstance(simulation.ground, EndlessGround):
+            self._lookups.send(find, take)
+        else:
+            take(find())
 
     def close(self, patience: float | None = None) -> None:
-        """End the thread of the labels."""
+        """End the threads."""
         self._thread.close(patience)
+        self._lookups.close(patience)
+
+    def _take(self, simulation: Simulation, point: MarkedPoint | None) -> None:
+        """Show a point, and ask for its label."""
+        self._show_point(point)
+        if point is not None and point.mark.ping not in self._labels:
+            self._ask(simulation, point.mark.ping)
 
     def _ask(self, simulation: Simulation, ping: int) -> None:
         def take(labels: RecordLabels | None) -> None:

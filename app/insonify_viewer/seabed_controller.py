@@ -22,11 +22,11 @@ from insonify_viewer.simulator import Simulator
 from insonify_viewer.views.qt_modules import load_qt_modules
 
 if TYPE_CHECKING:
-    from insonify.kernels.common.types import Mesh, Solids
+    from insonify.kernels.common.types import Mesh, Poses, Solids
     from insonify.simulation import Simulation
     from insonify.terrain import AnyGround
     from insonify_viewer.inspection import SoundDrawing
-    from insonify_viewer.views.pv_meshes import BedPatch
+    from insonify_viewer.views.pv_meshes import BedPatch, ScanLine
 
     Vector = NDArray[np.float64]
     Grip = tuple[tuple[float, float, float], str, bool]
@@ -66,6 +66,7 @@ class SeabedController:
         self._jobs: list[Job] = []
         self._loading = False  # whether this window is the first of the process, which loads the libraries
         self._fans = NewestWins("fan", simulator.call_later)
+        self._scans = NewestWins("scan", simulator.call_later)
         self._drapes = NewestWins("drape", simulator.call_later)
         self._strip: RecordStrip | None = None  # what is laid over the bed
         self._patch: BedPatch | None = None  # the bed on screen
@@ -117,14 +118,13 @@ class SeabedController:
         sent = np.array([ping], dtype=np.int64)
         pose, line = simulation.poses(sent), simulation.line(sent)
         reach = simulation.arrays.bins * simulation.arrays.bin_length
-        ground, bed = simulation.ground, (simulation.ground, window_centre(line, reach), reach)
+        bed = simulation.ground, window_centre(line, reach), reach
         bodies = (simulation.arrays.solids, simulation.arrays.mesh, target_colours(simulation.scene))
         if not _is_same_bed(self._bed, bed) or not _same(self._bodies, bodies):
             self._bed, self._bodies = bed, bodies
             self._bake(bed, bodies, at_once=at_once)
-        self._view.show_sonar(ground, simulation.arrays, pose, float(line.heading[0]), tones)
-        if not at_once:
-            self._cut_fan(simulation, ping)  # later than the first pings, whose kernels must not wait for its own
+        self._view.show_sonar(simulation.arrays, pose, float(line.heading[0]))
+        self._scan(pose)
         scene = simulation.scene
         step = scene.track.speed / scene.sonar.ping_rate
         self._view.show_path(simulation.poses(path_pings(ping, step, reach)))
@@ -194,6 +194,7 @@ class SeabedController:
     def close(self, patience: float | None = None) -> None:
         """Release the drawing resources, and wait for each bed that is being made, at most for a time in seconds."""
         self._fans.close(patience)
+        self._scans.close(patience)
         self._drapes.close(patience)
         for job in self._jobs:
             job.close(patience)
@@ -225,6 +226,28 @@ class SeabedController:
         if self._latest is not None:
             simulation, ping, tones, at_once = self._latest
             self.show_sonar(simulation, ping, tones, at_once=at_once)
+
+    def _scan(self, pose: Poses) -> None:
+        """Lay the fan on the bed; heights of endless ground may take a second, on a thread of their own."""
+        # lazy: the window opens before PyVista and Numba are loaded
+        from insonify.terrain import EndlessGround
+        from insonify_viewer.views.pv_meshes import scan_line
+
+        assert self._latest is not None
+        latest = simulation, ping, tones, at_once = self._latest
+        arrays, ground = simulation.arrays, simulation.ground
+
+        def show(scanned: ScanLine | None) -> None:
+            if self._view is None or scanned is None:
+                return
+            self._view.show_scan(arrays, pose, scanned, tones)
+            if not at_once and self._latest is latest:  # the kernels of the first pings must not wait for its own
+                self._cut_fan(simulation, ping)
+
+        if isinstance(ground, EndlessGround):
+            self._scans.send(lambda: scan_line(ground, arrays, pose), show)
+        else:
+            show(scan_line(ground, arrays, pose))
 
     def _cut_fan(self, simulation: Simulation | LaidScene, ping: int) -> None:
         """Cut the fan by what shades it, on a thread of its own."""

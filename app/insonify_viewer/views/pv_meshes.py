@@ -199,6 +199,9 @@ def triangles_mesh(triangles: NDArray[np.float64]) -> Any:
     return pv.PolyData.from_regular_faces(corners, faces)
 
 
+ScanLine = tuple[NDArray[np.float64], NDArray[np.float64]]
+
+
 class ScanFan:
     """The current scan: a sheet from the fish to the bed, and its footprint.
 
@@ -217,21 +220,27 @@ class ScanFan:
         self.footprint = pv.PolyData(np.zeros((2 * n, 3), np.float32), faces=quads.ravel())
         self.footprint.point_data["colour"] = np.full((2 * n, 3), 255, np.uint8)
 
-    def move(self, ground: AnyGround, arrays: SceneArrays, pose: Poses, tones: NDArray[np.float32]) -> None:
+    def move(
+        self,
+        arrays: SceneArrays,
+        pose: Poses,
+        scanned: ScanLine,
+        tones: NDArray[np.float32],
+    ) -> None:
         """Move sheet and footprint to a pose.
 
         Parameters
         ----------
-        ground : AnyGround
-            The bed.
         arrays : SceneArrays
             Packed scene, for range and beam width.
         pose : Poses
             One pose.
+        scanned : ScanLine
+            From `scan_line` for the pose.
         tones : (2 bins,) float32
             Brightness of the record's newest row, 0 to 1, far port to far starboard.
         """
-        line, slant = scan_line(ground, arrays, pose)
+        line, slant = scanned
         ahead = np.array([math.cos(pose.heading[0]), math.sin(pose.heading[0]), 0.0])
         reach = arrays.bins * arrays.bin_length
         half = np.maximum(slant * math.sin(arrays.half_width), 0.006 * reach)[:, None]
@@ -252,7 +261,7 @@ def scan_colours(tones: NDArray[np.float32]) -> NDArray[np.uint8]:
     return np.asarray((dark + tones[:, None] * (bright - dark)).astype(np.uint8))
 
 
-def scan_line(ground: AnyGround, arrays: SceneArrays, pose: Poses) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+def scan_line(ground: AnyGround, arrays: SceneArrays, pose: Poses) -> ScanLine:
     """Points of the bed under the beam, far port to far starboard, and their slant ranges.
 
     Returns

@@ -16,7 +16,7 @@ from PySide6.QtWidgets import QVBoxLayout, QWidget
 
 from insonify_viewer.views import pv_meshes
 from insonify_viewer.views.pixel_marks import LIT
-from insonify_viewer.views.pv_meshes import BedPatch, ScanFan
+from insonify_viewer.views.pv_meshes import BedPatch, ScanFan, ScanLine
 from insonify_viewer.views.seabed_canvas import InteractiveCanvas, OffScreenCanvas
 from insonify_viewer.views.seabed_handles import SeabedHandles
 from insonify_viewer.views.sound_actors import SoundActors
@@ -24,7 +24,6 @@ from insonify_viewer.views.theme import MARK_IN_WATER
 
 if TYPE_CHECKING:
     from insonify.kernels.common.types import Poses, SceneArrays
-    from insonify.terrain import AnyGround
     from insonify_viewer.inspection import SoundDrawing
 
 # PyVista is untyped.
@@ -107,18 +106,20 @@ class SeabedView(QWidget):
             self._targets_actor.mapper.SetInputData(mesh)
         self._later()
 
-    def show_sonar(
-        self, ground: AnyGround, arrays: SceneArrays, pose: Poses, heading: float, tones: NDArray[np.float32]
-    ) -> None:
-        """Move fish and fan; the camera follows and turns with the heading of the track."""
+    def show_sonar(self, arrays: SceneArrays, pose: Poses, heading: float) -> None:
+        """Move the fish; the camera follows and turns with the heading of the track."""
         reach = arrays.bins * arrays.bin_length
         self._fish_actor.user_matrix = pv_meshes.pose_matrix(pose, FISH * reach)
         self._cable_actor.user_matrix = pv_meshes.pose_matrix(pose, FISH * reach, level=True)
-        self._fan.move(ground, arrays, pose, tones)
-        self._sheet_actor.mapper.SetInputData(self._fan.sheet)  # until what shades it is known
-        for actor in (self._fish_actor, self._cable_actor, self._sheet_actor, self._footprint_actor):
-            actor.visibility = True
+        self._fish_actor.visibility = self._cable_actor.visibility = True
         self._follow(np.array([pose.x[0], pose.y[0], pose.z[0]], dtype=np.float64), heading, reach)
+        self._later()
+
+    def show_scan(self, arrays: SceneArrays, pose: Poses, scanned: ScanLine, tones: NDArray[np.float32]) -> None:
+        """Move fan and footprint to the line of the bed that is scanned."""
+        self._fan.move(arrays, pose, scanned, tones)
+        self._sheet_actor.mapper.SetInputData(self._fan.sheet)  # until what shades it is known
+        self._sheet_actor.visibility = self._footprint_actor.visibility = True
         self._later()
 
     def show_sheet(self, triangles: NDArray[np.float64]) -> None:
