@@ -13,7 +13,7 @@ import numpy as np
 from PySide6.QtCore import QSettings, QTimer
 
 from insonify.scene import load_scene
-from insonify_viewer.application import has_opengl, main_thread_collection, make_application
+from insonify_viewer.application import has_opengl, main_thread_collection, make_application, stop_compiling_ahead
 from insonify_viewer.viewer import Viewer
 from soak.actions import Steps, draw_action
 from soak.dialogs import Answers
@@ -114,6 +114,7 @@ def _soak_in(folder: str, seconds: float, seed: int) -> int:
         application.exec()
         say(f"seed {seed}: {person.actions} actions, {gaps.in_words()}; closed in {person.closing:.2f} s")
         gaps.close()
+        stop_compiling_ahead()
         for stack in left_threads(PATIENCE):
             faults.add(f"a thread is left: {stack}")
     faults.close()

@@ -8,6 +8,7 @@ import sys
 import threading
 import time
 import traceback
+import warnings
 from collections import Counter
 from pathlib import Path
 from types import FrameType
@@ -28,7 +29,7 @@ HARMLESS = ("This plugin does not support propagateSizeHints", "QXcbConnection: 
 
 
 class Faults:
-    """Gathers exceptions of every thread and messages of Qt and VTK, those of OpenGL among them."""
+    """Gathers exceptions and warnings of every thread, and messages of Qt and VTK, those of OpenGL among them."""
 
     def __init__(self) -> None:
         self.found: Counter[str] = Counter()
@@ -37,6 +38,7 @@ class Faults:
         sys.excepthook = lambda _, error, __: self._take(error)
         sys.unraisablehook = lambda hook: self._take(hook.exc_value)
         threading.excepthook = lambda hook: self._take(hook.exc_value)
+        warnings.showwarning = self._take_warning
         qInstallMessageHandler(self._take_message)
 
     def add(self, told: str) -> None:
@@ -62,6 +64,9 @@ class Faults:
 
     def _take(self, error: BaseException | None) -> None:
         self.add("".join(traceback.format_exception(error)) if error else "an exception without a value")
+
+    def _take_warning(self, warning: Warning | str, *_: Any) -> None:
+        self.add(f"{warning!r}\n{''.join(traceback.format_stack()[:-1])}")
 
     def _take_message(self, kind: Any, _: Any, message: str) -> None:
         if not message.startswith(HARMLESS):

@@ -1,0 +1,72 @@
+"""Actions in the record's panel: display options, contrast, measuring and contacts."""
+
+from __future__ import annotations
+
+from PySide6.QtCore import QEvent
+
+from insonify_viewer.session import Mark
+from insonify_viewer.viewer import Viewer
+from insonify_viewer.views.field_rows import STEPS
+from soak.actions import Random, Steps, action
+from soak.input import LEFT, mouse, pick
+
+
+@action(2.0)
+def change_display(viewer: Viewer, random: Random) -> Steps:
+    """Change a few display options, and now and then put them back."""
+    viewer.window.open_panel("record")
+    view = viewer.panels["record"].view
+    for _ in range(random.integers(1, 4)):
+        combo = pick([row.combo for row in view.choices.values() if row.combo.isEnabled()], random)
+        index = int(random.integers(combo.count()))
+        combo.setCurrentIndex(index)
+        combo.activated.emit(index)
+        yield float(random.choice([30.0, 300.0]))
+    gain = pick(view.gains, random)
+    gain.slider.setValue(int(random.integers(STEPS)))
+    yield 50.0
+    low, high = sorted(random.uniform(-50.0, 20.0, 2))
+    view.histogram.dragged.emit(float(low), float(high) + 1.0)
+    view.zoomed.emit(float(random.choice([0.0, 0.5, 2.0])))
+    yield 100.0
+    if random.random() < 0.5:
+        view.usual.click()
+        yield 50.0
+
+
+@action(1.0)
+def measure_distance(viewer: Viewer, random: Random) -> Steps:
+    """Measure by a drag over the record."""
+    view, record = viewer.panels["record"].view, viewer.window.waterfall
+    view.measure.click()
+    places = random.random((6, 2)) * [record.width(), record.height()]
+    mouse(record, QEvent.Type.MouseButtonPress, *places[0], LEFT)
+    for place in places:
+        mouse(record, QEvent.Type.MouseMove, *place, LEFT)
+        yield 30.0
+    mouse(record, QEvent.Type.MouseButtonRelease, *places[-1], LEFT)
+    if view.measure.isChecked():
+        view.measure.click()
+    yield 30.0
+
+
+@action(1.5)
+def keep_contacts(viewer: Viewer, random: Random) -> Steps:
+    """Mark contacts, name, show and remove them, and write or read them."""
+    viewer.window.open_panel("record")
+    listed, scene = viewer.panels["record"].view.contacts, viewer.session.scene
+    for _ in range(random.integers(1, 5)):
+        mark = Mark(viewer.window.waterfall.top, int(random.integers(2)), int(random.integers(scene.sonar.bins)))
+        viewer.inspection.pin(mark)
+        yield 50.0
+        listed.mark_wanted.emit()
+        yield 30.0
+    if not listed.list.count():
+        return
+    row = int(random.integers(listed.list.count()))
+    listed.list.setCurrentRow(row)
+    listed.edited.emit(row, "name", "wreck?")
+    listed.jump_wanted.emit(row)
+    yield 200.0
+    pick([listed.save, listed.open, listed.remove], random).click()
+    yield 100.0
