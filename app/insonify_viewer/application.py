@@ -81,6 +81,7 @@ def open_window(
         signal.signal(signal.SIGINT, lambda *_: _close_on_interrupt(viewer))
         with told_errors(viewer.window.complain):
             code = application.exec()
+        stop_compiling_ahead()
         if is_working():
             # A thread compiles, which cannot be interrupted; Python would wait for it.
             os._exit(code)
@@ -114,6 +115,14 @@ def _begin(
         viewer.window.open_panel(ComparisonPanel.name)
         viewer.comparison.open_partner()
         viewer.comparison.arrange(pair)
+
+
+def stop_compiling_ahead() -> None:
+    """End the processes that compile kernels which no thread waits for."""
+    # lazy: the window opens before Numba is loaded
+    from insonify.kernels.common.part_process import stop_processes
+
+    stop_processes()
 
 
 def is_working() -> bool:

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import threading
+import time
 from collections.abc import Iterator
 from typing import Any
 
@@ -13,7 +15,13 @@ import pytest
 from insonify.kernels.common import part_process
 from insonify.kernels.common.jit import inlined, kernel
 from insonify.kernels.common.part_library import link_part
-from insonify.kernels.common.part_process import PartProcess, end_process, running_process, start_process
+from insonify.kernels.common.part_process import (
+    PartProcess,
+    end_process,
+    running_process,
+    start_process,
+    stop_processes,
+)
 
 pytestmark = pytest.mark.skipif(bool(numba.config.DISABLE_JIT), reason="nothing is compiled")
 VALUES = np.arange(5.0)
@@ -82,6 +90,20 @@ def test_parts_that_are_not_waited_for_are_saved() -> None:
     end_process()
     assert saved
     assert running_process() is None
+
+
+def test_processes_that_still_compile_are_stopped() -> None:
+    start_process()
+    process = running_process()
+    assert process is not None
+    process.compile(b"a kernel that takes long")
+    end_process()
+    assert any(thread.name == "insonify-parts" for thread in threading.enumerate()), "it compiles on"
+    begun = time.monotonic()
+    stop_processes()
+    assert time.monotonic() - begun < 1.0
+    assert not any(thread.name == "insonify-parts" for thread in threading.enumerate())
+    process.wait_for(b"a kernel that takes long")  # at once: it is compiled here
 
 
 def test_one_core_is_left_to_one_process(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -21,6 +21,7 @@ from insonify.cores import VARIABLE, default_threads
 WORKER = "insonify.kernels.common.part_worker"
 _running: list[PartProcess] = []
 _asked: dict[bytes, PartProcess] = {}
+_alive: set[PartProcess] = set()
 
 
 class PartProcess:
@@ -45,6 +46,7 @@ class PartProcess:
             [sys.executable, "-m", WORKER], stdin=subprocess.PIPE, stdout=subprocess.PIPE, stderr=subprocess.DEVNULL,
             env=environment | {"PYTHONPATH": os.pathsep.join(path for path in sys.path if path), VARIABLE: "1"},
         )  # fmt: skip
+        _alive.add(self)
         self._reader = threading.Thread(target=self._read, name="insonify-parts", daemon=True)
         self._reader.start()
 
@@ -102,8 +104,12 @@ class PartProcess:
                 save()
         self._send(None)  # it ends when it has done all
         if not self._kernels:
-            self._process.kill()
-            self._reader.join()
+            self.stop()
+
+    def stop(self) -> None:
+        """End the process now; what it has not done is done here when it is needed."""
+        self._process.kill()
+        self._reader.join()
 
     @property
     def _stdin(self) -> Any:
@@ -133,6 +139,7 @@ class PartProcess:
         with contextlib.suppress(OSError):
             self._stdin.close()
         self._process.wait()
+        _alive.discard(self)
 
 
 def running_process() -> PartProcess | None:
@@ -151,6 +158,12 @@ def end_process() -> None:
     """End the second process, if one is running."""
     if _running:
         _running.pop().close()
+
+
+def stop_processes() -> None:
+    """End all second processes now, those too that still compile a kernel that nobody waits for."""
+    for process in tuple(_alive):
+        process.stop()
 
 
 def ask_for_kernel(name: bytes) -> None:
