@@ -87,6 +87,13 @@ def test_a_shadow_may_be_silent():
     assert "shadows without any echo" in measure_statistics(record(bed)).lines()
 
 
+@pytest.mark.filterwarnings("error")
+def test_a_record_that_is_mostly_silent_has_no_shadows():
+    bed = lambert() * speckle(1)
+    bed[:, : 3 * PINGS // 4] = 0.0
+    assert "no shadows" in measure_statistics(record(bed)).lines()
+
+
 def shadowed(intensity: np.ndarray) -> np.ndarray:
     """Cast a shadow over some blocks of a bed."""
     dark = intensity.copy()

@@ -202,3 +202,12 @@ def test_beds_of_the_same_heights_share_their_transposed_copy():
     copied = make_bed(replace(grounds[0], heights=grounds[0].heights.copy()))
     assert copied.transposed is not one.transposed
     np.testing.assert_array_equal(copied.transposed, one.transposed)
+
+
+@pytest.mark.filterwarnings("error")
+@pytest.mark.parametrize("name", ["default", "endless", "real-bed"])
+def test_no_height_is_known_where_a_place_is_none(name):
+    ground = build_ground(load_scene(name))
+    for far in (np.nan, np.inf, -np.inf, 1e25):
+        places = np.array([far, 0.0, far]), np.array([0.0, far, far])
+        assert np.isnan(ground.height_at(*places)).all()

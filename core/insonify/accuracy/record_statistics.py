@@ -201,6 +201,8 @@ def _measure_shadows(
     """
     whole = _tiles(bed, BLOCK).all(axis=(1, 2))
     level = (_tiles(amplitude, BLOCK)[whole].astype(np.float64) ** 2).mean(axis=(1, 2))
+    if not np.median(level) > 0.0:  # most of the record is silent: it has no level of which shadows fall short
+        return float("nan"), False
     least = np.maximum(_tiles(limit, BLOCK)[whole].mean(axis=(1, 2)), 10.0 ** (SILENCE / 10.0) * np.median(level))
     decibels = 10.0 * np.log10(np.maximum(level, least) / np.median(level))
     columns = np.broadcast_to(

@@ -15,7 +15,7 @@ from insonify.array_cache import ARRAYS, keep_arrays
 from insonify.parallel import in_parallel
 from insonify.scene.materials import Reflectivity
 from insonify.terrain.endless_field import TILE, gather_tiles
-from insonify.terrain.ground import Ground, bilinear
+from insonify.terrain.ground import Ground, bilinear, tell_cells_apart
 
 Column = NDArray[np.float64]
 Tiles = Callable[[int, int], NDArray[Any]]
@@ -99,7 +99,7 @@ class EndlessGround:
         return replace(self, heights=heights, materials=materials, spacing=every * self.spacing)
 
     def height_at(self, x: Column, y: Column) -> Column:
-        """Bilinear height above the datum.
+        """Bilinear height above the datum, NaN where a place is no number that tells cells apart.
 
         Parameters
         ----------
@@ -112,9 +112,10 @@ class EndlessGround:
             Metres above the datum.
         """
         u, v = np.asarray(x, dtype=np.float64) / self.spacing, np.asarray(y, dtype=np.float64) / self.spacing
+        known = tell_cells_apart(u, v)
+        u, v = np.where(known, u, 0.0), np.where(known, v, 0.0)
         i, j = np.floor(u).astype(np.int64), np.floor(v).astype(np.int64)
-        fu, fv = u - i, v - j
-        return bilinear(lambda k, m: self._at(j + k, i + m), fu, fv)
+        return np.where(known, bilinear(lambda k, m: self._at(j + k, i + m), u - i, v - j), np.nan)
 
     def height_near(self, x: Column, y: Column) -> Column:
         """Bilinear height above the datum as in `height_at`, because there is ground everywhere."""

@@ -12,6 +12,8 @@ from numpy.typing import NDArray
 
 from insonify.scene.materials import Reflectivity
 
+FARTHEST = 2.0**52  # cells; beyond, neighbouring integers are one number
+
 
 @dataclass(frozen=True, eq=False)
 class Ground:
@@ -75,7 +77,7 @@ class Ground:
         return len(self.reflectivities) == 1 and bool((self.heights == self.heights[0, 0]).all())
 
     def height_at(self, x: NDArray[np.float64], y: NDArray[np.float64]) -> NDArray[np.float64]:
-        """Bilinear height above the datum, NaN where there is no bed.
+        """Bilinear height above the datum, NaN where there is no bed, or no number that tells cells apart.
 
         Parameters
         ----------
@@ -90,19 +92,19 @@ class Ground:
         ny, nx = self.heights.shape
         u = (np.asarray(x, dtype=np.float64) - self.x0) / self.spacing
         v = (np.asarray(y, dtype=np.float64) - self.y0) / self.spacing
+        inside = tell_cells_apart(u, v)
+        if not self.periodic:
+            inside &= (u >= 0) & (u <= nx - 1) & (v >= 0) & (v <= ny - 1)
+        u, v = np.where(inside, u, 0.0), np.where(inside, v, 0.0)
         i, j = np.floor(u).astype(np.int64), np.floor(v).astype(np.int64)
-        fu, fv = u - i, v - j
         if self.periodic:
-            inside = np.ones(u.shape, dtype=bool)
             rows, columns = (j % ny, (j + 1) % ny), (i % nx, (i + 1) % nx)
         else:
-            inside = (u >= 0) & (u <= nx - 1) & (v >= 0) & (v <= ny - 1)
             # The last node closes the last cell.
-            i, j = np.clip(i, 0, max(nx - 2, 0)), np.clip(j, 0, max(ny - 2, 0))
-            fu, fv = np.where(inside, u - i, 0.0), np.where(inside, v - j, 0.0)
+            i, j = np.minimum(i, max(nx - 2, 0)), np.minimum(j, max(ny - 2, 0))
             rows, columns = (j, np.minimum(j + 1, ny - 1)), (i, np.minimum(i + 1, nx - 1))
         z = self.heights
-        return np.where(inside, bilinear(lambda k, m: z[rows[k], columns[m]], fu, fv), np.nan)
+        return np.where(inside, bilinear(lambda k, m: z[rows[k], columns[m]], u - i, v - j), np.nan)
 
     def height_near(self, x: NDArray[np.float64], y: NDArray[np.float64]) -> NDArray[np.float64]:
         """Bilinear height above the datum, continued outside the bed by the height of the nearest bed.
@@ -133,6 +135,11 @@ class Ground:
 
         rows, columns = distance_transform_edt(holes, return_distances=False, return_indices=True)
         return replace(self, heights=self.heights[rows, columns])
+
+
+def tell_cells_apart(u: NDArray[np.float64], v: NDArray[np.float64]) -> NDArray[np.bool_]:
+    """Whether places, in cells from the first node, are numbers of which neighbouring integers differ."""
+    return (np.abs(u) < FARTHEST) & (np.abs(v) < FARTHEST)
 
 
 def bilinear(corner: Callable[[int, int], NDArray[Any]], fu: NDArray[Any], fv: NDArray[Any]) -> NDArray[Any]:
