@@ -174,10 +174,7 @@ def test_a_slider_moves_the_fish_once_for_each_drawing(open_viewer: Any, small: 
     viewer = open_viewer(small)
     view, places = viewer.seabed.view, []
     show = view.show_sonar
-    view.show_sonar = lambda ground, arrays, pose, heading, tones: (
-        places.append(float(pose.z[0])),
-        show(ground, arrays, pose, heading, tones),
-    )
+    view.show_sonar = lambda arrays, pose, heading: (places.append(float(pose.z[0])), show(arrays, pose, heading))
     view.draw_now()
     for altitude in (8.0, 9.0, 11.0):
         viewer.session.drag({"track.altitude": altitude})
