@@ -59,59 +59,111 @@ def fit_densities(segments, profile, plane, law, r, change):
 
 
 @inlined_uncounted
-def tilt_densities(segments, echoes, per_bin, last, bins):
-    """Turn even densities into linear ones: move energy over the borders between bins that lie within a segment.
+def deposit_linear_densities(count, echoes, bin_length, bins):
+    """Spread the energies of the segments of an oblique profile over the range bins, with densities linear in range.
+
+    Over a border between bins that lies within a segment a linear density moves energy from the bin behind it to the
+    one before it. What a knot's step and the first two borders of its segment add to four bins is worked out for all
+    knots at once; further borders, and those of segments that come nearer outwards, follow one by one.
 
     Parameters
     ----------
-    segments : int
+    count : int
+        Knots.
     echoes : SegmentEchoes
-        Its steps are used as work space.
-    per_bin : float
-        Bins per metre.
-    last : float
-        Last bin that may take a step, two less than the array's size.
+        Its slant ranges, energies and changes of density are filled.
+    bin_length : float
+        Slant range of one bin, m.
     bins : ndarray of int64
-        Difference array, which holds the even densities.
+        Difference array, in fixed-point units.
     """
-    r, energy, change = echoes.r, echoes.energy, echoes.change
-    over, place, moved = echoes.late, echoes.place, echoes.moved
-    padded = padded_count(segments)
-    energy[segments:padded] = 0.0  # what is left there of other profiles
-    ahead, more = 1.0, True
-    while more:
-        more = _moves_over_border(padded, ahead, r, energy, change, per_bin, last, over, place)
-        for i in range(segments):
-            moved[np.uint32(place[i])] += over[i]
-        ahead += 1.0
-    _add_moves(moved, bins)
+    r, energy, change, place = echoes.r, echoes.energy, echoes.change, echoes.place
+    steps = echoes.early, echoes.late, echoes.third, echoes.fourth
+    per_bin, last = 1.0 / bin_length, bins.size - 2.0
+    _work_out_steps(padded_count(count), r, energy, change, per_bin, last, steps, place)
+    _add_steps(count, place, steps, echoes.even, echoes.odd)
+    _merge_steps(bins, echoes.even, echoes.odd)
+    remaining = echoes.early
+    for j in range(_list_remaining(count - 1, energy, place, remaining)):
+        _move_over_borders(np.uint64(remaining[j]), r, energy, change, per_bin, last, bins)
 
 
 @inlined_uncounted
-def _moves_over_border(segments, ahead, r, energy, change, per_bin, last, out, place):
-    """Energy moved over the first, second … border within each segment; return whether any has a further one.
+def _work_out_steps(knots, r, energy, change, per_bin, last, steps, place):
+    """Work out what each knot adds to its own bin and the next three, its segment's first two borders included.
 
     Up to a border the integral of a linear density exceeds that of the even one by a parabola, zero at both ends.
     """
-    more, half = 0, 0.5
-    for i in range(segments):
-        p, q = r[i] * per_bin, r[i + 1] * per_bin
-        a, b = p if p < q else q, q if p < q else p
-        border = math.floor(a) + ahead
-        parabola = half * energy[i] * change[i] * (border - a) * (border - b) / (b - a)
-        met = (border < b) & (border <= last) & (energy[i] != 0.0)
-        out[i] = np.int64(parabola if met else 0.0)
-        border = border if border < last else last
-        place[i] = np.int32(border if border > 0.0 else 0.0)
-        more |= 1 if met & (border + 1.0 < b) else 0
-    return more != 0
+    early, late, third, fourth = steps
+    real = energy.dtype.type
+    nothing, half, one, two, none = real(0.0), real(0.5), real(1.0), real(2.0), np.int64(0)
+    for i in range(knots):
+        position = r[i] * per_bin
+        whole = math.floor(position)
+        begin, end, room = real(position - whole), real(r[i + 1] * per_bin - whole), real(last - whole)
+        step = np.int64(energy[i]) - (np.int64(energy[i - 1]) if i > 0 else none)
+        share = np.int64(math.floor((position - whole) * step))
+        share = share if step != 0 else none
+        curve, within = half * energy[i] * change[i] / (end - begin), (energy[i] != nothing) & (end > begin)
+        first = np.int64(curve * (one - begin) * (one - end) if within & (end > one) & (room >= one) else nothing)
+        second = np.int64(curve * (two - begin) * (two - end) if within & (end > two) & (room >= two) else nothing)
+        early[i], late[i] = step - share + first, share + second - 2 * first
+        third[i], fourth[i] = first - 2 * second, second
+        whole = whole if whole > 0.0 else 0.0
+        place[i] = np.int32(whole if whole < last else last)
 
 
 @inlined_uncounted
-def _add_moves(moved, bins):
-    """Add what is moved over the borders between bins to the difference array, and clear it."""
-    bins[0] += moved[1]
-    for k in range(1, bins.size):
-        bins[k] += moved[k + 1] - 2 * moved[k] + moved[k - 1]
-    for k in range(moved.size):
-        moved[k] = 0
+def _add_steps(count, place, steps, even, odd):
+    """Add what knots add to their bins to two difference arrays by turns, so that neighbours need not wait."""
+    for pair in range(count // 2):
+        i = np.uint64(2 * pair)
+        _add_step(i, place, steps, even)
+        _add_step(i + np.uint64(1), place, steps, odd)
+    if count % 2 != 0:
+        _add_step(np.uint64(count - 1), place, steps, even)
+
+
+@inlined_uncounted
+def _add_step(i, place, steps, bins):
+    """Add what one knot adds to four bins."""
+    early, late, third, fourth = steps
+    k = np.uint64(np.uint32(place[i]))
+    bins[k] += early[i]
+    bins[k + np.uint64(1)] += late[i]
+    bins[k + np.uint64(2)] += third[i]
+    bins[k + np.uint64(3)] += fourth[i]
+
+
+@inlined_uncounted
+def _merge_steps(bins, even, odd):
+    """Add two difference arrays to a third, and clear them; past its end they hold nothing."""
+    for k in range(bins.size):
+        bins[k] += even[k] + odd[k]
+        even[k] = 0
+        odd[k] = 0
+
+
+@inlined_uncounted
+def _list_remaining(segments, energy, place, out):
+    """List the segments with a third border, and those that come nearer outwards; return their number."""
+    number = np.uint64(0)
+    for i in range(segments):
+        out[number] = i
+        # Unsigned, what is below zero is more than two.
+        number += np.uint64((np.uint32(place[i + 1] - place[i]) > np.uint32(2)) & (energy[i] != 0.0))
+    return np.int64(number)
+
+
+@inlined_uncounted
+def _move_over_borders(i, r, energy, change, per_bin, last, bins):
+    """Move energy over the third and further borders within a segment, over all if it comes nearer outwards."""
+    p, q = r[i] * per_bin, r[i + np.uint64(1)] * per_bin
+    a, b = min(p, q), max(p, q)
+    curve, border = 0.5 * energy[i] * change[i] / (b - a), math.floor(a) + (3.0 if p < q else 1.0)
+    while border < b and border <= last:
+        moved, k = np.int64(curve * (border - a) * (border - b)), np.uint64(border)
+        bins[k - np.uint64(1)] += moved
+        bins[k] -= 2 * moved
+        bins[k + np.uint64(1)] += moved
+        border += 1.0

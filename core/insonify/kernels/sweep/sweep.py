@@ -29,7 +29,7 @@ from insonify.kernels.refraction.apparent_positions import (
     empty_table,
     prepare_table,
 )
-from insonify.kernels.sweep.linear_densities import tilt_densities
+from insonify.kernels.sweep.linear_densities import deposit_linear_densities
 from insonify.kernels.sweep.partial_segments import BedSegment, deposit_partial_segment
 from insonify.kernels.sweep.segment_densities import deposit_densities
 from insonify.kernels.sweep.target_echoes import deposit_targets, deposit_visible_stretches
@@ -85,9 +85,10 @@ def empty_sweep_workspace(
 @inlined_uncounted
 def _deposit_segments(profile, count, plane, arrays, sector, zbuffer, cells, echoes, bins):
     """Spread the echoes of all visible segments of a profile over the range bins."""
-    deposit_densities(count, echoes, arrays.bin_length, bins)
     if is_oblique(plane.ex, plane.ey):
-        tilt_densities(count - 1, echoes, 1.0 / arrays.bin_length, bins.size - 2.0, bins)
+        deposit_linear_densities(count, echoes, arrays.bin_length, bins)
+    else:
+        deposit_densities(count, echoes, arrays.bin_length, bins)
     # Arrays are taken out of their tuples before the loops: doing so costs as much as a segment.
     x, z, slope, area, facing = profile.x, profile.z, profile.slope, profile.area, profile.facing
     material, weights, launch, horizon, cut = profile.material, echoes.weight, echoes.launch, echoes.horizon, echoes.cut

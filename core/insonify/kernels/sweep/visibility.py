@@ -42,7 +42,10 @@ class SegmentEchoes(NamedTuple):
     early: NDArray[np.int64]  # step of the density at a knot: what its own bin takes
     late: NDArray[np.int64]  # and what the next bin takes
     place: NDArray[np.int32]  # that bin
-    moved: NDArray[np.int64]  # energy that linear densities move over the beginning of each bin, to the bin before it
+    third: NDArray[np.int64]  # of oblique planes, what the bin after that takes
+    fourth: NDArray[np.int64]  # and the one after
+    even: NDArray[np.int64]  # difference arrays of oblique planes, of every other knot; cleared between planes
+    odd: NDArray[np.int64]
 
 
 def empty_segment_echoes(capacity: int, bins: int, dtype: DTypeLike = np.float32) -> SegmentEchoes:
@@ -62,9 +65,12 @@ def empty_segment_echoes(capacity: int, bins: int, dtype: DTypeLike = np.float32
     """
     launch, horizon, weight, cos_squared, scale, energy, change = np.zeros((7, capacity), dtype)
     r, cut = np.zeros(capacity), np.zeros(capacity + WORD, np.bool_)
-    early, late = np.zeros((2, capacity), np.int64)
-    place, moved = np.zeros(capacity, np.int32), np.zeros(bins + 4, np.int64)
-    return SegmentEchoes(r, launch, horizon, weight, cos_squared, scale, energy, cut, change, early, late, place, moved)
+    place = np.zeros(capacity, np.int32)
+    early, late, third, fourth = np.zeros((4, capacity), np.int64)
+    even, odd = np.zeros((2, bins + 4), np.int64)
+    return SegmentEchoes(
+        r, launch, horizon, weight, cos_squared, scale, energy, cut, change, early, late, place, third, fourth, even, odd
+    )
 
 
 @inlined_uncounted
