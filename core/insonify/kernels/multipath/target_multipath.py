@@ -23,7 +23,6 @@ from insonify.kernels.multipath.image_sources import (
 )
 from insonify.kernels.sweep.facets import (
     along_curve,
-    cos_incidence,
     divide_facet,
     facet_curve,
     is_facet_met,
@@ -58,6 +57,14 @@ class TargetSurface(NamedTuple):
     primitive: Primitive
     numbers: tuple[float, float, float]  # Lambert's share, Phong's share and its exponent
     contributor: int
+
+
+class TiltAlong(NamedTuple):
+    """Tilt of a facet within the plane, and what is left of it across the plane, as both images see its middle."""
+
+    scale: float  # the tilt is scale times that of the facet's parabola, plus shift
+    shift: float
+    left: float  # tan² of the incidence is the tilt's square plus this
 
 
 class HigherView(NamedTuple):
@@ -226,8 +233,9 @@ def _list_facet(pattern, pair, facet, cos_other, surface, sectors, echoes, n):
     if pair.law == LIGHT:
         return _list_light(pair, facet, whole, LIT_PARTS * parts, surface, echoes, n)
     curve, near = facet_curve(facet), whole.near
+    tilt = _tilt_along(facet, curve, cos_other, raised)
     for k in range(parts):
-        far, energy = _part_of_pair(facet, curve, k, parts, numbers, pair, raised)
+        far, energy = _part_of_pair(facet, curve, tilt, k, parts, numbers, pair, raised)
         n, near = list_echo(echoes, n, _part_of_echo(whole, near, far, energy)), far
     return n
 
@@ -293,13 +301,31 @@ def _radiance_along(surface, facet, share, pair, raised):
 
 
 @inlined_uncounted
-def _part_of_pair(facet, curve, k, parts, numbers, pair, raised):
+def _tilt_along(facet, curve, cos_other, raised):
+    """Tilt along a facet, such that both images see its middle at the incidences that they meet it at.
+
+    The parabola's slope differs from the surface's by the third derivative of slant range, which a narrow lobe between
+    two directions would notice.
+    """
+    scale, left = math.sqrt(curve.gain), curve.left
+    if raised <= 0.0:
+        return TiltAlong(scale, 0.0, left)
+    r, c, s, cosine = facet.centre, facet.cosine, facet.sine, facet.incidence
+    r_other = _distance(r, c, s, raised)
+    # The cosine at the higher image is cosine · (along - tilt · across), as in `_part_of_pair`.
+    tilt = ((r - raised * s) / r_other - cos_other / cosine) * r_other / (-raised * c)
+    shift = tilt - scale * tilt_in_plane(curve, along_curve(facet, curve, 0.5), 0.5)
+    return TiltAlong(scale, shift, max(1.0 / (cosine * cosine) - 1.0 - tilt * tilt, 0.0))
+
+
+@inlined_uncounted
+def _part_of_pair(facet, curve, tilt_along, k, parts, numbers, pair, raised):
     """Slant range at which part k of a facet ends and its energy, out by one image and back by the other."""
     angle = facet.low + (k + 0.5) / parts * curve.angle
     r, c, s = along_curve(facet, curve, (k + 0.5) / parts), math.cos(angle), math.sin(angle)
     far = _pair_range(along_curve(facet, curve, (k + 1.0) / parts), facet.low + (k + 1.0) / parts * curve.angle, raised)
-    tilt = tilt_in_plane(curve, r, (k + 0.5) / parts)
-    cosine, r_other = cos_incidence(curve, tilt), _distance(r, c, s, raised)
+    tilt = tilt_along.scale * tilt_in_plane(curve, r, (k + 0.5) / parts) + tilt_along.shift
+    cosine, r_other = 1.0 / math.sqrt(1.0 + tilt * tilt + tilt_along.left), _distance(r, c, s, raised)
     # Parts of the higher image's direction along the lower one's and across it; the normal is -(1, -tilt) in the plane.
     along, across = (r - raised * s) / r_other, -raised * c / r_other
     cos_other = cosine * (along - tilt * across)
