@@ -14,8 +14,8 @@ import numpy as np
 from numpy.typing import DTypeLike, NDArray
 
 from insonify.kernels.beam.knot_weights import FINE_SINE, weigh_knots
+from insonify.kernels.bed.grid import is_oblique
 from insonify.kernels.bed.profile import padded_count
-from insonify.kernels.bed.slice import is_oblique
 from insonify.kernels.common.jit import inlined_uncounted
 from insonify.kernels.common.range_bins import FIXED_POINT
 from insonify.kernels.common.scattering import incidence_powers, scatter_segments
@@ -39,9 +39,9 @@ class SegmentEchoes(NamedTuple):
     energy: NDArray[np.float32]  # per bin in fixed-point units, of segments visible whole
     cut: NDArray[np.bool_]  # segments visible in part, or too long for one density; a word beyond them is unmarked
     change: NDArray[np.float32]  # relative change of the density of energy from end to end, segments of oblique planes
-    early: NDArray[np.int64]  # step of the density at a knot: what its own bin takes
+    place: NDArray[np.int32]  # bin of a knot
+    early: NDArray[np.int64]  # step of the density at a knot: what that bin takes
     late: NDArray[np.int64]  # and what the next bin takes
-    place: NDArray[np.int32]  # that bin
     third: NDArray[np.int64]  # of oblique planes, what the bin after that takes
     fourth: NDArray[np.int64]  # and the one after
     even: NDArray[np.int64]  # difference arrays of oblique planes, of every other knot; cleared between planes
@@ -65,12 +65,9 @@ def empty_segment_echoes(capacity: int, bins: int, dtype: DTypeLike = np.float32
     """
     launch, horizon, weight, cos_squared, scale, energy, change = np.zeros((7, capacity), dtype)
     r, cut = np.zeros(capacity), np.zeros(capacity + WORD, np.bool_)
-    place = np.zeros(capacity, np.int32)
     early, late, third, fourth = np.zeros((4, capacity), np.int64)
-    even, odd = np.zeros((2, bins + 4), np.int64)
-    return SegmentEchoes(
-        r, launch, horizon, weight, cos_squared, scale, energy, cut, change, early, late, place, third, fourth, even, odd
-    )
+    place, steps = np.zeros(capacity, np.int32), (early, late, third, fourth, *np.zeros((2, bins + 4), np.int64))
+    return SegmentEchoes(r, launch, horizon, weight, cos_squared, scale, energy, cut, change, place, *steps)
 
 
 @inlined_uncounted
