@@ -99,7 +99,7 @@ def make_limits(reflectivities: Iterable[Sequence[Any]], pattern: BeamPattern, b
     """
     shininess = max((row[2] for row in reflectivities if row[1] > 0.0), default=0.0)
     angle = math.inf if pattern.vertical == EVERY_GRAZING else VERTICAL_SHARE * pattern.s_vertical
-    return SegmentLimits(shininess, bin_length, angle, MISPLACED)
+    return SegmentLimits(shininess, bin_length, angle, MISPLACED, True)
 
 
 def _transposed(heights: NDArray[np.float32]) -> NDArray[np.float32]:

@@ -8,6 +8,9 @@ from insonify.kernels.common.jit import inlined_uncounted
 
 # Knots closer to a grid corner than this share of a cell merge with it.
 MERGED = 1e-6
+# Slope of a plane against the grid's nearer axis from which on its strips are too short to be walked one by one, and
+# segments bulge too much for an even density of their echo.
+OBLIQUE = 0.06
 
 
 @inlined_uncounted
@@ -69,3 +72,19 @@ def first_line(v, step):
     int
     """
     return math.floor(v + MERGED) if step > 0 else math.ceil(v - MERGED)
+
+
+@inlined_uncounted
+def is_oblique(ex, ey):
+    """Whether a plane is so oblique to the grid that its segments bulge and are walked line by line.
+
+    Parameters
+    ----------
+    ex, ey : float
+        Its azimuth, a unit vector.
+
+    Returns
+    -------
+    bool
+    """
+    return min(abs(ex), abs(ey)) > OBLIQUE * max(abs(ex), abs(ey))

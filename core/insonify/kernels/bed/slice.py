@@ -14,16 +14,12 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from insonify.kernels.bed.grid import MERGED, clip_to_grid, first_line, wrap_index
+from insonify.kernels.bed.grid import MERGED, clip_to_grid, first_line, is_oblique, wrap_index
 from insonify.kernels.bed.oblique_walk import walk_oblique
 from insonify.kernels.bed.profile import padded_count
 from insonify.kernels.bed.subdivision import measure_segments
 from insonify.kernels.common.jit import inlined_uncounted
 from insonify.kernels.common.prefetch import LINE, prefetch_read
-
-# Slope of a plane against the grid's nearer axis from which on its strips are too short to be walked one by one, and
-# segments bulge too much for an even density of their echo.
-OBLIQUE = 0.06
 
 
 class GridWalk(NamedTuple):
@@ -92,22 +88,6 @@ def slice_bed(bed, limits, x, y, z, ex, ey, reach, profile):
     else:
         count = _walk_strips(bed, GridWalk(nodes, v_is_y, u0, v0, z, ex, ey), near, far, profile)
     return measure_segments(count, ex, 1.0 / ey, bed, limits, profile) if count > 1 else count
-
-
-@inlined_uncounted
-def is_oblique(ex, ey):
-    """Whether a plane is so oblique to the grid that its segments bulge and are walked line by line.
-
-    Parameters
-    ----------
-    ex, ey : float
-        Its azimuth, a unit vector.
-
-    Returns
-    -------
-    bool
-    """
-    return min(abs(ex), abs(ey)) > OBLIQUE * max(abs(ex), abs(ey))
 
 
 @inlined_uncounted

@@ -12,6 +12,7 @@ import math
 
 import numpy as np
 
+from insonify.kernels.bed.grid import is_oblique
 from insonify.kernels.bed.profile import AT_ONCE, padded_count
 from insonify.kernels.common.jit import INTEGER, inlined_uncounted, kernel_separate
 
@@ -23,6 +24,9 @@ LOBE_REACH = 2.5
 # Parts of a segment on which the surface turns away from the sonar, times the root of the error allowed: its top is
 # the horizon of all that lies behind.
 SILHOUETTE_PARTS = 0.8
+# Share of the misplaced echo that linear densities leave; and the error of the sum by the midpoint rule, as a multiple
+# of its size on one segment, with even densities and linear ones. Measured so that planes at any azimuth err alike.
+LEFT_BY_LINEAR, BIAS_EVEN, BIAS_LINEAR = 0.25, 6.0, 2.0
 
 
 @inlined_uncounted
@@ -130,11 +134,13 @@ def _count_parts(segments, eu, per_ev, slope_squared, limits, profile):
     nothing, half, one, two, four = real(0.0), real(0.5), real(1.0), real(2.0), real(4.0)
     most, silhouette = real(MOST_PARTS), real(SILHOUETTE_PARTS / math.sqrt(limits.misplaced))
     quarter, eighth = real(1.0 / 4.0), real(1.0 / 8.0)
+    linear = limits.linear and is_oblique(eu, 1.0 / per_ev)
     eu, per_ev, slope_squared = real(eu), real(per_ev), real(slope_squared)
     width = real(LOBE_REACH / math.sqrt(2.0 * limits.shininess)) if limits.shininess > 0.0 else real(-100.0)
     per_lobe = real(math.sqrt(limits.shininess / limits.misplaced) / LOBE_TURN)
     per_angle, per_bin = real(1.0 / limits.angle), real(1.0 / limits.bin_length)
     per_error = real(1.0 / limits.misplaced)
+    left, bias = real(LEFT_BY_LINEAR if linear else 1.0), real((BIAS_LINEAR if linear else BIAS_EVEN) / 12.0)
     for i in range(segments):
         run, rise = real(x[i + 1] - x[i]), slope[i]
         ground, height = real(0.5 * (x[i] + x[i + 1])), real(0.5 * (z[i] + z[i + 1]))
@@ -154,13 +160,13 @@ def _count_parts(segments, eu, per_ev, slope_squared, limits, profile):
         # The echo of the segment, and its density, against what a bin of this bed takes on average.
         density = offset * offset * math.sqrt(per_area) / (height * height + slope_squared * ground * ground)
         spread, echo = run * abs(approach) * per_range * per_bin, density * run * per_bin
-        # Shares that one even density and the chord put into neighbouring bins. Over many bins the parts are those that
+        # Shares that one density and the chord put into neighbouring bins. Over many bins the parts are those that
         # follow the density.
-        stepped = eighth * uneven * (spread if spread < one else one) * echo * per_error
-        followed = uneven * density * per_error
-        moved = quarter * bent * run * per_range * per_bin * echo
-        # The error of the sum by the midpoint rule, six times: it does not average out over the segments of a bin.
-        biased = half * (quarter * uneven * uneven + twisted * twisted * per_area) * density
+        stepped = left * eighth * uneven * (spread if spread < one else one) * echo * per_error
+        followed = left * uneven * density * per_error
+        moved = left * quarter * bent * run * per_range * per_bin * echo
+        # The error of the sum by the midpoint rule, several times: it does not average out over the segments of a bin.
+        biased = bias * (quarter * uneven * uneven + twisted * twisted * per_area) * density
         limited = stepped if stepped < followed * followed else followed * followed
         wanted = math.sqrt(limited + (moved + biased) * per_error)
         wanted = wanted if wanted > lobe else lobe

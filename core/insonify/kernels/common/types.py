@@ -40,6 +40,7 @@ class SegmentLimits(NamedTuple):
     bin_length: float  # slant range of one bin, m
     angle: float  # greatest angle it may span at the sonar, rad
     misplaced: float  # greatest share of a bin's echo that a segment may add wrongly; infinite for no limit
+    linear: bool  # whether the echoes of whole segments along planes oblique to the grid have linear densities
 
 
 class Solids(NamedTuple):

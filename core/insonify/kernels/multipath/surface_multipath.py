@@ -21,7 +21,7 @@ from insonify.kernels.bed.slice import slice_bed
 from insonify.kernels.common.jit import inlined_uncounted, kernel, kernel_uncounted
 from insonify.kernels.common.range_bins import accumulate_bins
 from insonify.kernels.common.search import last_not_above
-from insonify.kernels.common.types import SceneArrays
+from insonify.kernels.common.types import SceneArrays, SegmentLimits
 from insonify.kernels.geometry.cross_sections import HalfPlane
 from insonify.kernels.multipath.echo_list import (
     ENOUGH,
@@ -233,7 +233,10 @@ def add_image_plane(arrays, poses, ping, side, fan, k, pairs, reaches, workspace
     if farthest == 0.0:
         return
     x, y, z, ex, ey = plane
-    count = slice_bed(arrays.bed, arrays.limits, x, y, z, ex, ey, farthest, profile)
+    shininess, bin_length, angle, misplaced, _ = arrays.limits
+    # Echoes of these paths have even densities at any azimuth.
+    limits = SegmentLimits(shininess, bin_length, angle, misplaced, False)
+    count = slice_bed(arrays.bed, limits, x, y, z, ex, ey, farthest, profile)
     cells_of_sonar = cells_of_image = NOT_SEEN
     for path in range(PAIRS):
         pair, reach = pairs[path], reaches[path]

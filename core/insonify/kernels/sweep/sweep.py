@@ -16,8 +16,9 @@ import numpy as np
 from numpy.typing import DTypeLike, NDArray
 
 from insonify.kernels.beam.azimuth_sector import AzimuthSector
+from insonify.kernels.bed.grid import is_oblique
 from insonify.kernels.bed.profile import Profile, empty_profile, profile_capacity
-from insonify.kernels.bed.slice import is_oblique, prefetch_strip, slice_bed, snap_to_grid
+from insonify.kernels.bed.slice import prefetch_strip, slice_bed, snap_to_grid
 from insonify.kernels.common.jit import inlined_uncounted, kernel
 from insonify.kernels.common.prefetch import prefetch_row
 from insonify.kernels.common.range_bins import accumulate_bins
