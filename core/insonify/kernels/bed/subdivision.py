@@ -24,8 +24,9 @@ LOBE_REACH = 2.5
 # Parts of a segment on which the surface turns away from the sonar, times the root of the error allowed: its top is
 # the horizon of all that lies behind.
 SILHOUETTE_PARTS = 0.8
-# Share of the misplaced echo that linear densities leave; and the error of the sum by the midpoint rule, as a multiple
-# of its size on one segment, with even densities and linear ones. Measured so that planes at any azimuth err alike.
+# Share of what the chord misplaces that linear densities leave; and the error of the sum by the midpoint rule, as a
+# multiple of its size on one segment, with even densities and linear ones. Measured so that planes at any azimuth err
+# alike. Steps of density count in full, because linear densities do not follow the beam's weight.
 LEFT_BY_LINEAR, BIAS_EVEN, BIAS_LINEAR = 0.25, 6.0, 2.0
 
 
@@ -162,8 +163,8 @@ def _count_parts(segments, eu, per_ev, slope_squared, limits, profile):
         spread, echo = run * abs(approach) * per_range * per_bin, density * run * per_bin
         # Shares that one density and the chord put into neighbouring bins. Over many bins the parts are those that
         # follow the density.
-        stepped = left * eighth * uneven * (spread if spread < one else one) * echo * per_error
-        followed = left * uneven * density * per_error
+        stepped = eighth * uneven * (spread if spread < one else one) * echo * per_error
+        followed = uneven * density * per_error
         moved = left * quarter * bent * run * per_range * per_bin * echo
         # The error of the sum by the midpoint rule, several times: it does not average out over the segments of a bin.
         biased = bias * (quarter * uneven * uneven + twisted * twisted * per_area) * density
