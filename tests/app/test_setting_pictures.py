@@ -2,14 +2,17 @@
 
 from __future__ import annotations
 
+import threading
 from collections.abc import Callable
 from typing import Any
 
 import pytest
 from PySide6.QtCore import QPoint, Qt
 
+from insonify.display.scene_curves import beam_curve
 from insonify.scene import Scene, edit
 from insonify_viewer.viewer import Viewer
+from insonify_viewer.views.setting_pictures import registry
 from insonify_viewer.views.setting_pictures.curves_picture import CurvesPicture
 from insonify_viewer.views.setting_pictures.spectrum_picture import SpectrumPicture
 
@@ -21,10 +24,9 @@ def peaked(small: Scene) -> Scene:
     return edit(small, {"seabed.relief": {"kind": "fractal", "peaks": [[8.0, 20.0], [0.0, 0.0]], "rms": 0.05}})
 
 
-def picture_in(viewer: Viewer, kind: type, title: str = "") -> Any:
-    """Find a picture in the parameters panel, by the title of its first curve if there are several."""
-    found = viewer.panels["parameters"].widget.findChildren(kind)
-    return next(one for one in found if not title or (one.curves and one.curves[0].title == title))
+def pictures_in(viewer: Viewer, kind: type) -> list[Any]:
+    """Find the pictures of a kind in the parameters panel."""
+    return viewer.panels["parameters"].widget.findChildren(kind)
 
 
 def into_view(viewer: Viewer, picture: Any) -> None:
@@ -33,7 +35,7 @@ def into_view(viewer: Viewer, picture: Any) -> None:
 
 def test_a_peak_is_dragged_in_one_step(open_viewer: Opener, peaked: Scene, qtbot: Any) -> None:
     viewer = open_viewer(peaked)
-    picture = picture_in(viewer, SpectrumPicture)
+    picture = pictures_in(viewer, SpectrumPicture)[0]
     into_view(viewer, picture)
     reach = picture.spectrum.reach
     start = picture.place_of((8.0, 20.0)).toPoint()
@@ -54,24 +56,32 @@ def test_a_peak_is_dragged_in_one_step(open_viewer: Opener, peaked: Scene, qtbot
 
 def test_a_press_beside_the_peaks_moves_none(open_viewer: Opener, peaked: Scene, qtbot: Any) -> None:
     viewer = open_viewer(peaked)
-    picture = picture_in(viewer, SpectrumPicture)
+    picture = pictures_in(viewer, SpectrumPicture)[0]
     into_view(viewer, picture)
     away = picture.place_of((-20.0, -20.0)).toPoint()
     qtbot.mouseClick(picture, Qt.MouseButton.LeftButton, pos=away)
     assert viewer.session.scene == peaked
 
 
-def test_curves_follow_the_scene(open_viewer: Opener, small: Scene) -> None:
+def test_curves_follow_the_scene(open_viewer: Opener, small: Scene, qtbot: Any, monkeypatch: Any) -> None:
+    threads: set[threading.Thread] = set()
+
+    def watched(scene: Scene) -> Any:
+        threads.add(threading.current_thread())
+        return beam_curve(scene)
+
+    monkeypatch.setattr(registry, "beam_curve", watched)
     viewer = open_viewer(small)
-    before = picture_in(viewer, CurvesPicture, "Beam along the track, two way").curves[0].note
+    picture = next(one for one in pictures_in(viewer, CurvesPicture) if watched in one._draws)
+    into_view(viewer, picture)
+    qtbot.waitUntil(lambda: bool(picture.curves))
+    assert picture.curves[0].note.startswith("−3 dB: 1°")
     assert viewer.session.settle({"sonar.beam.width": 4.0})
-    after = picture_in(viewer, CurvesPicture, "Beam along the track, two way").curves[0].note
-    assert before.startswith("−3 dB: 1°")
-    assert after.startswith("−3 dB: 4°")
+    qtbot.waitUntil(lambda: picture.curves[0].note.startswith("−3 dB: 4°"))
+    assert threading.main_thread() not in threads, "painting computes nothing"
 
 
 def test_what_has_no_curve_takes_no_room(open_viewer: Opener, small: Scene) -> None:
     viewer = open_viewer(small)
     assert viewer.session.settle({"sonar.beam": {"kind": "knife"}, "sonar.pulse": {"kind": "ideal"}})
-    pictures = viewer.panels["parameters"].widget.findChildren(CurvesPicture)
-    assert not [one for one in pictures if one.isVisible()]
+    assert not [one for one in pictures_in(viewer, CurvesPicture) if one.isVisible()]

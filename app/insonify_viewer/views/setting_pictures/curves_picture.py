@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+import contextlib
+import threading
 from collections.abc import Callable
 
 import numpy as np
-from PySide6.QtCore import QPointF, QRectF, Qt
+from PySide6.QtCore import QPointF, QRectF, Qt, Signal
 from PySide6.QtGui import QColor, QPainter, QPaintEvent, QPen, QPolygonF
 
 from insonify.display.scene_curves import FLOOR, Curve
@@ -29,35 +31,31 @@ class CurvesPicture(SettingPicture):
         Whether a scene has these curves.
     draws : tuple of callable
         Each makes the curve of a scene.
+
+    Attributes
+    ----------
+    curves : tuple of Curve
+        What is painted; none at first, and for a scene that cannot be simulated.
     """
+
+    _made = Signal(object, object)
 
     def __init__(self, applies: Callable[[Scene], bool], draws: tuple[Draw, ...]) -> None:
         super().__init__(HEIGHT)
         self._applies, self._draws = applies, draws
-        self._drawn: tuple[Scene, tuple[Curve, ...]] | None = None
-
-    @property
-    def curves(self) -> tuple[Curve, ...]:
-        """The curves of the present scene; none for a scene that cannot be simulated."""
-        scene = self._scene
-        if scene is None:
-            return ()
-        if self._drawn is None or self._drawn[0] is not scene:
-            try:
-                made = tuple(curve for curve in (draw(scene) for draw in self._draws) if curve is not None)
-            except SceneError:
-                made = ()
-            self._drawn = scene, made
-            self.setToolTip("\n".join(f"{curve.title}: {curve.note}{_scale(curve)}" for curve in made))
-        return self._drawn[1]
+        self.curves: tuple[Curve, ...] = ()
+        self._drawn: Scene | None = None  # whose curves these are
+        self._making = False
+        self._made.connect(self._take)
 
     def applies(self, scene: Scene) -> bool:
         """Whether a scene has these curves."""
         return self._applies(scene)
 
     def paintEvent(self, event: QPaintEvent) -> None:
-        """Paint the curves side by side."""
+        """Paint the curves side by side; others that are due follow a moment later."""
         del event
+        self._begin()
         curves = self.curves
         if not curves:
             return
@@ -66,6 +64,26 @@ class CurvesPicture(SettingPicture):
         wide = (self.width() - LEFT - GAP * (len(curves) - 1)) / len(curves)
         for place, curve in enumerate(curves):
             _paint(painter, curve, QRectF(LEFT + place * (wide + GAP), 0.0, wide, self.height()))
+
+    def _begin(self) -> None:
+        """Make the curves of the present scene, on a thread of their own: those of a long pulse take a while."""
+        if self._scene is not None and self._scene is not self._drawn and not self._making:
+            self._making = True
+            threading.Thread(target=self._make, args=(self._scene,), name="insonify curves", daemon=True).start()
+
+    def _make(self, scene: Scene) -> None:
+        try:
+            made = tuple(curve for curve in (draw(scene) for draw in self._draws) if curve is not None)
+        except SceneError:
+            made = ()
+        with contextlib.suppress(RuntimeError):  # the picture has been deleted
+            self._made.emit(scene, made)
+
+    def _take(self, scene: Scene, curves: tuple[Curve, ...]) -> None:
+        """Show curves that are made; if the scene has changed meanwhile, the next follow."""
+        self.curves, self._drawn, self._making = curves, scene, False
+        self.setToolTip("\n".join(f"{curve.title}: {curve.note}{_scale(curve)}" for curve in curves))
+        self.update()
 
 
 def _paint(painter: QPainter, curve: Curve, area: QRectF) -> None:
