@@ -15,6 +15,7 @@ from insonify.cli import main
 from insonify.scene import Scene, edit, load_partner, load_scene
 from insonify_viewer.comparison.arrangement import Arrangement
 from insonify_viewer.comparison.changed_fields import list_changes
+from insonify_viewer.comparison.pairs import find_pairs
 from insonify_viewer.comparison.record_difference import (
     RecordDifference,
     RecordSnapshot,
@@ -340,6 +341,19 @@ def test_one_action_opens_a_pair(open_viewer: Any, small: Scene, qtbot: Any, nam
     assert not viewer.comparison.kept.record.missing(viewer.window.waterfall.top, 0).size
     assert viewer.comparison.changes
     assert panel.partner.isEnabled()
+
+
+def test_pairs_are_read_before_their_menu_opens(open_viewer: Any, small: Scene, qtbot: Any) -> None:
+    find_pairs.cache_clear()
+    viewer = open_viewer(small)
+    panel = viewer.panels["comparison"].view
+    assert not panel._pairs_menu.actions()
+    viewer.window.open_panel("comparison")
+    qtbot.waitUntil(lambda: bool(panel._pairs_menu.actions()))
+    assert len(panel._pairs_menu.actions()) == 4
+    viewer.panels["comparison"].opened(True)
+    panel._pairs_menu.aboutToShow.emit()
+    assert len(panel._pairs_menu.actions()) == 4
 
 
 def test_a_scene_without_partner_says_so(open_viewer: Any, small: Scene) -> None:

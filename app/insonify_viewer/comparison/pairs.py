@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
+from functools import cache
+
 from insonify.scene import Scene, bundled_scenes, load_scene
 
 
+@cache
 def find_pairs() -> dict[str, Scene]:
     """Find the bundled scenes that name a partner, by name; of two that name each other the second, to stand as B."""
     found: dict[str, Scene] = {}

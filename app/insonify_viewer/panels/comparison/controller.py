@@ -6,6 +6,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from insonify.scene import bundled_scenes, load_scene
+from insonify_viewer.comparison.pairs import find_pairs
 from insonify_viewer.comparison.recording import Recording, describe_point
 from insonify_viewer.jobs.background_job import BackgroundJob, State
 from insonify_viewer.newest_wins import NewestWins
@@ -31,7 +32,8 @@ class ComparisonPanel(Panel):
 
     def __init__(self, workbench: Workbench) -> None:
         self._workbench, self._player, self._comparison = workbench, workbench.recordings, workbench.comparison
-        self._threads = {part: NewestWins(part, workbench.simulator.call_later) for part in ("recorded", "simulated")}
+        parts, later = ("recorded", "simulated", "pairs"), workbench.simulator.call_later
+        self._threads = {part: NewestWins(part, later) for part in parts}
         self._mark: Mark | None = None  # under the mouse
         self._simulation: Simulation | None = None  # that of the whole record on screen
         self._wanted: dict[str, Any] = {}  # what is to be measured: a recording, a simulation
@@ -60,6 +62,11 @@ class ComparisonPanel(Panel):
         if growth.current and growth.complete and growth.answer.simulation is not self._simulation:
             self._simulation = growth.answer.simulation
             self._measure_simulated()
+
+    def opened(self, shown: bool) -> None:
+        """Read the bundled pairs for their menu."""
+        if shown:
+            self._threads["pairs"].send(find_pairs, self.view.show_pairs)
 
     def learn(self, file: str) -> None:
         """Learn a scene from the recording, write it to a file, and open it."""

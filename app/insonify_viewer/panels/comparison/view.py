@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING
 
 from PySide6.QtCore import Qt, Signal
@@ -25,6 +25,7 @@ from insonify_viewer.views.save_dialogs import ask_where_to_save
 from insonify_viewer.views.side_panel import SidePanel
 
 if TYPE_CHECKING:
+    from insonify.scene import Scene
     from insonify_viewer.comparison.recording import Recording
     from insonify_viewer.panels.comparison.measurement import Measured
 
@@ -153,14 +154,19 @@ class ComparisonView(SidePanel):
         """Show whether a scene is being learned; one at a time is."""
         self.learn.setEnabled(not learning)
 
-    def _fill_pairs(self) -> None:
-        """List the bundled pairs when the menu first opens, which takes a moment."""
+    def show_pairs(self, pairs: Mapping[str, Scene] | None) -> None:
+        """List the bundled pairs in their menu, once."""
         if self._pairs_menu.actions():
             return
-        for name, scene in find_pairs().items():
+        for name, scene in (pairs or {}).items():
             action = QAction(f"{name}\t{scene.title}", self._pairs_menu)
             action.setData(name)
             self._pairs_menu.addAction(action)
+
+    def _fill_pairs(self) -> None:
+        """List the bundled pairs now if the menu opens before they are read, which takes a moment."""
+        if not self._pairs_menu.actions():
+            self.show_pairs(find_pairs())
 
     def _ask_for_scene(self) -> None:
         """Let the person name the file of the scene to be learned."""
