@@ -42,12 +42,13 @@ def draw_trace(painter: QPainter, area: QRect, loudest: NDArray[np.float32], tit
     painter.fillRect(area, QColor(RAISED))
     painter.save()
     painter.setClipRect(area)
-    _draw_scale(painter, area, top)
+    _draw_lines(painter, area, top)
     heights = area.bottom() - (np.maximum(levels, FLOOR) - FLOOR) / (top - FLOOR) * area.height()
     places = area.left() + 0.5 + np.arange(heights.size)
     line = QPolygonF(list(map(QPointF, places.tolist(), heights.tolist())))
     painter.setPen(QPen(QColor(ACCENT), 1.0))
     painter.drawPolyline(line)
+    _draw_numbers(painter, area, top)
     if at is not None:
         x = area.left() + at * area.width()
         painter.setPen(QPen(QColor(MARK), 1.0))
@@ -63,13 +64,26 @@ def draw_caption(painter: QPainter, area: QRect, words: str) -> None:
     painter.drawText(area, where, words)
 
 
-def _draw_scale(painter: QPainter, area: QRect, top: float) -> None:
-    """Draw lines every few decibels, with numbers where there is room."""
-    lines = np.arange(FLOOR + STEP, top, STEP)
-    for level in lines:
-        y = area.bottom() - (level - FLOOR) / (top - FLOOR) * area.height()
-        painter.setPen(QColor(EDGE))
+def _scale(area: QRect, top: float) -> list[tuple[float, float]]:
+    """Levels in dB of the lines of the scale, with their heights in the area in px."""
+    levels = np.arange(FLOOR + STEP, top, STEP).tolist()
+    return [(level, area.bottom() - (level - FLOOR) / (top - FLOOR) * area.height()) for level in levels]
+
+
+def _draw_lines(painter: QPainter, area: QRect, top: float) -> None:
+    painter.setPen(QColor(EDGE))
+    for _, y in _scale(area, top):
         painter.drawLine(QPointF(area.left(), y), QPointF(area.right(), y))
+
+
+def _draw_numbers(painter: QPainter, area: QRect, top: float) -> None:
+    """Write numbers beside the lines where there is room, on a ground that the curve does not cross."""
+    lines = _scale(area, top)
+    metrics = painter.fontMetrics()
+    for level, y in lines:
         if level % (2.0 * STEP) == 0.0 or area.height() > 30 * len(lines):
+            words = f"{level:+g} dB" if level else "bed"
+            place = QPointF(area.left() + 4.0, y - 2.0)
+            painter.fillRect(metrics.boundingRect(words).translated(place.toPoint()).adjusted(-3, 0, 3, 0), RAISED)
             painter.setPen(QColor(QUIET))
-            painter.drawText(QPointF(area.left() + 4.0, y - 2.0), f"{level:+g} dB" if level else "bed")
+            painter.drawText(place, words)
