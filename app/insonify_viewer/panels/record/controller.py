@@ -180,11 +180,10 @@ class RecordPanel(Panel):
         held = np.flatnonzero(record.ping >= 0)
         if not held.size or not self.view.isVisible():
             return
-        step = max(held.size * 2 * record.bins // SAMPLED, 1)
-        rows = held[:: max(int(step**0.5), 1)]
-        amplitude = record.amplitude[rows]
+        every = max(int((held.size * 2 * record.bins / SAMPLED) ** 0.5), 1)
+        amplitude = record.amplitude[held[::every], ::every]
         factors = row_factors(self._session.display, record.bins)
-        sample = (amplitude if factors is None else amplitude * factors).ravel()[:: max(int(step**0.5), 1)]
+        sample = amplitude if factors is None else amplitude * factors[::every]
         self.view.histogram.show_levels(20.0 * np.log10(sample[sample > 0.0].astype(np.float64)))
         self._show_colours()
 
