@@ -24,6 +24,7 @@ from numpy.typing import NDArray
 
 from insonify.array_cache import keep_arrays
 from insonify.kernels.common.streams import RELIEF_BAND
+from insonify.parallel import PerThread
 from insonify.scene.reliefs.spectrum import Band, Density
 from insonify.terrain.lattice_noise import lattice_noise
 
@@ -187,6 +188,12 @@ class _Filter:
 _kept_transfer = keep_arrays(_Filter.make_transfer)
 
 
+# Numbers of a block and its transform, which a thread uses again: to lay out fresh memory takes as long as the filter.
+_blocks = PerThread(
+    lambda: lru_cache(maxsize=1)(lambda side: (np.empty((side, side)), np.empty((side, side // 2 + 1), np.complex128)))
+)
+
+
 class _Lattice:
     """Filtered white noise on one lattice."""
 
@@ -198,10 +205,13 @@ class _Lattice:
         """Filter the noise of one tile by overlap-save: the margin that wraps around is discarded."""
         side, margin = TILE + self._filter.taps, self._filter.taps // 2
         rows, columns = (range(place * TILE - margin, place * TILE - margin + side) for place in (row, column))
-        noise = lattice_noise(self._seed, self._stream, self._filter.spacing, rows, columns)
-        waves = np.fft.rfft2(noise)
+        block, waves = _blocks.own(side)
+        lattice_noise(self._seed, self._stream, self._filter.spacing, rows, columns, block)
+        np.fft.rfft2(block, out=waves)
         waves *= self._filter.transfer
-        return np.ascontiguousarray(np.fft.irfft2(waves, s=(side, side))[margin:-margin, margin:-margin])
+        np.fft.ifft(waves, axis=0, out=waves)
+        np.fft.irfft(waves, n=side, axis=1, out=block)
+        return block[margin:-margin, margin:-margin].copy()
 
     def part(self, side: int, row: int, column: int) -> Field:
         """Square of some nodes a side, as many as divide a tile."""
@@ -283,9 +293,12 @@ def _interpolate(coarse: Field) -> Field:
     fine = np.empty((2 * count, coarse.shape[1]))
     fine[0::2] = coarse[HALF_BAND : HALF_BAND + count]
     between = np.zeros((count, coarse.shape[1]))
+    pair = np.empty_like(between)
     for k, tap in enumerate(_half_band()):
         before, after = HALF_BAND - k, HALF_BAND + 1 + k
-        between += tap * (coarse[before : before + count] + coarse[after : after + count])
+        np.add(coarse[before : before + count], coarse[after : after + count], out=pair)
+        pair *= tap
+        between += pair
     fine[1::2] = between
     return fine
 

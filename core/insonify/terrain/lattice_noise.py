@@ -16,9 +16,12 @@ HALF = np.uint64(32)
 LOW = np.uint64(0xFFFFFFFF)
 UNIT = np.float32(2.0**-32)
 TINY = np.float32(2.0**-33)  # keeps a logarithm finite
+STRIP = 64  # rows at a time, whose numbers stay in the processor's cache
 
 
-def lattice_noise(seed: int, stream: int, spacing: float, rows: range, columns: range) -> Field:
+def lattice_noise(
+    seed: int, stream: int, spacing: float, rows: range, columns: range, out: Field | None = None
+) -> Field:
     """White Gaussian noise of unit variance on a rectangle of an endless lattice.
 
     Parameters
@@ -29,6 +32,8 @@ def lattice_noise(seed: int, stream: int, spacing: float, rows: range, columns: 
         Spacing of the lattice; lattices of different spacings have different numbers.
     rows, columns : range
         Indices of either sign; the first column and the number of columns are even.
+    out : (rows, columns) float64, optional
+        Where the noise is put, and what is returned.
 
     Returns
     -------
@@ -40,13 +45,19 @@ def lattice_noise(seed: int, stream: int, spacing: float, rows: range, columns: 
     # One hash gives the two numbers of a pair of neighbours (Box and Muller 1958). Their 24 bits suffice, because
     # filters sum many of them.
     pairs = np.arange(columns.start // 2, columns.stop // 2, dtype=np.int64).view(np.uint64)
+    noise = np.empty((len(rows), len(columns))) if out is None else out
+    for first in range(0, len(keys), STRIP):
+        _draw(keys[first : first + STRIP], pairs, noise[first : first + STRIP])
+    return noise
+
+
+def _draw(keys: Bits, pairs: Bits, noise: Field) -> None:
+    """Set some rows of noise from the keys of the rows and the numbers of the pairs."""
     bits = _mixed(keys[:, np.newaxis] ^ pairs)
     modulus = np.sqrt(np.float32(-2.0) * np.log((bits >> HALF).astype(np.float32) * UNIT + TINY))
     angle = (bits & LOW).astype(np.float32) * (np.float32(2.0 * math.pi) * UNIT)
-    noise = np.empty((len(rows), len(columns)))
     np.multiply(modulus, np.cos(angle), out=noise[:, 0::2])
     np.multiply(modulus, np.sin(angle), out=noise[:, 1::2])
-    return noise
 
 
 def _mixed(value: Bits) -> Bits:
