@@ -13,6 +13,7 @@ from test_menus import activate
 
 from insonify.scene import Scene
 from insonify_viewer.fields import NumberField
+from insonify_viewer.panels.parameters.view.section_box import SectionBox
 from insonify_viewer.views.main_window import MainWindow
 
 PANELS = ("parameters", "plan", "record", "comparison", "lessons", "pixel", "water", "chart", "jobs")
@@ -21,10 +22,13 @@ SIDE = ("parameters", "plan", "record")
 
 @pytest.fixture
 def window(open_viewer: Any, small: Scene) -> MainWindow:
-    """Window in which every panel was opened."""
-    opened: MainWindow = open_viewer(small).window
+    """Window in which every panel was opened, and every section of the parameters unfolded."""
+    viewer = open_viewer(small)
+    opened: MainWindow = viewer.window
     for name in PANELS:
         opened.open_panel(name)
+    for box in viewer.panels["parameters"].view.findChildren(SectionBox):
+        box.unfold(True)
     return opened
 
 
