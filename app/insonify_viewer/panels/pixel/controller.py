@@ -45,7 +45,7 @@ class PixelPanel(Panel):
         self._workbench = workbench
         self._thread = NewestWins("pixel", workbench.simulator.call_later)
         self._compiler = NewestWins("pixel kernels", workbench.simulator.call_later)
-        self._compiled: set[frozenset[str]] = set()  # modelled effects whose kernels are compiled
+        self._compiled: set[tuple[object, ...]] = set()  # modelled effects whose kernels are compiled
         self._simulation: Simulation | None = None
         self._shown: tuple[Simulation, Mark] | None = None
         self._asked: tuple[Simulation, Mark] | None = None
@@ -91,7 +91,8 @@ class PixelPanel(Panel):
 
     def _compile(self, simulation: Simulation) -> None:
         """Compile the kernels that the first click needs while nobody waits; each set of effects has its own."""
-        effects = frozenset(entry.subject for entry in simulation.plan.entries if entry.modelled)
+        model = simulation.plan.model
+        effects = model.method, model.bent, model.bounces, model.targets, model.ways
         if effects not in self._compiled:
             self._compiled.add(effects)
             self._compiler.send(lambda: _compile(simulation), lambda _: None)
