@@ -90,7 +90,7 @@ def surface_echo(arrays: SceneArrays, depth: float) -> Curve:
     """
     height = max(depth, 0.0)
     edges = np.maximum(np.arange(arrays.bins + 1) * arrays.bin_length, height)
-    x = np.sqrt(edges**2 - height**2)
+    x = np.sqrt((edges - height) * (edges + height))  # never of a negative number, as a difference of squares may be
     centre, r = 0.5 * (x[1:] + x[:-1]), np.maximum(0.5 * (edges[1:] + edges[:-1]), 1e-9)
     width = along_track_width(arrays, centre, r)
     return width * _vertical(arrays, np.arcsin(np.minimum(height / r, 1.0))) * np.diff(x) * arrays.range_factor
