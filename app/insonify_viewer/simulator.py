@@ -217,7 +217,7 @@ class Simulator(QObject):
 
         with limited_threads(1):
             simulation = self._prepare(scene, tolerance=modelling.tolerance, forced={})
-            return LevelBed(simulation).normalise(simulation.intensity(pings), pings)
+            return LevelBed(simulation).amplitudes(pings)
 
     def call_later(self, receive: Callable[[Any], None], result: Any) -> None:
         """Pass a result from any thread to the main thread; it is dropped once the viewer closes."""
@@ -270,7 +270,7 @@ class Simulator(QObject):
             block = pings[start : start + size]
             begun = time.perf_counter()
             sent = block[::stride]
-            traced = level.normalise(simulation.intensity(sent), sent)
+            traced = level.amplitudes(sent)
             seconds = time.perf_counter() - begun
             if not request.fine:
                 self._cost = seconds / len(traced)

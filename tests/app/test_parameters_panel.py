@@ -182,9 +182,7 @@ def test_what_an_effect_changes_is_measured_as_errors_are(open_viewer: Any, smal
 
     def normalised(one: Scene) -> Any:
         simulation = prepare(one)
-        return simulation, np.square(
-            LevelBed(simulation).normalise(simulation.intensity(pings), pings), dtype=np.float64
-        )
+        return simulation, np.square(LevelBed(simulation).amplitudes(pings), dtype=np.float64)
 
     simulation, b = normalised(scene)
     for name, changes in (("beam", {"sonar.beam": "knife"}), ("speckle", {"receiver.speckle": "none"})):

@@ -58,7 +58,7 @@ def test_highlights_are_told_apart_and_the_bed_keeps_its_tones() -> None:
 def test_the_target_of_a_scene_is_not_saturated() -> None:
     scene = edit(load_scene("pipe-on-bed"), {"track.pings": 32})
     simulation, pings = prepare(scene), np.arange(32)
-    amplitude = LevelBed(simulation).normalise(simulation.intensity(pings), pings)
+    amplitude = LevelBed(simulation).amplitudes(pings)
     labels = simulation.truth(pings)
     low, high = choose_contrast(amplitude)
     tones = compress_highlights((amplitude - np.float32(low)) / np.float32(high - low))

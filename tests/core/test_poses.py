@@ -11,7 +11,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from insonify.io.records import write_record
-from insonify.packing.navigation import bed_beneath, make_poses
+from insonify.packing.navigation import KNOTS, bed_beneath, interpolate_bed_beneath, make_poses
 from insonify.packing.track import tow_line_at
 from insonify.scene import SceneError, edit, load_scene
 from insonify.simulation import simulate, simulate_blocks
@@ -284,6 +284,26 @@ def test_a_following_fish_takes_a_step_smoothly_and_keeps_its_height_over_a_hole
     beneath = bed_beneath(scene, ground, np.arange(700))
     np.testing.assert_allclose(beneath[found.x > 11.0] - beneath[-1], 0.0, atol=1e-4)
     assert np.isfinite(found.z).all()
+
+
+@pytest.mark.parametrize("speed", [0.01, 2.0, 50.0])
+def test_the_bed_of_pictures_is_that_beneath_at_knots_and_near_it_between(tmp_path, speed):
+    heights = -30.0 + 2.0 * np.random.default_rng(3).standard_normal((401, 401)).cumsum(axis=1) / 20.0
+    scene, ground = dem(tmp_path, heights, heading=0.0, start=[-60.0, 0.0], speed=speed)
+    apart = 10.0 * scene.sonar.ping_rate / speed / KNOTS  # pings from a knot to the next at an altitude of 10 m
+    pings = np.unique(np.rint(apart * np.arange(1, 60)).astype(np.int64))
+    found, right = interpolate_bed_beneath(scene, ground, pings), bed_beneath(scene, ground, pings)
+    np.testing.assert_allclose(found, right, atol=0.02 * np.ptp(right))
+    exact = np.isclose(pings / apart, np.rint(pings / apart), rtol=0.0, atol=1e-9)
+    np.testing.assert_allclose(found[exact], right[exact], rtol=1e-12)
+
+
+def test_the_bed_of_pictures_depends_on_the_ping_alone(tmp_path):
+    scene, ground = dem(tmp_path, slope(), heading=0.0, start=[-60.0, 0.0])
+    some = np.array([690, 3, 250, 251])
+    np.testing.assert_array_equal(
+        interpolate_bed_beneath(scene, ground, np.arange(700))[some], interpolate_bed_beneath(scene, ground, some)
+    )
 
 
 def test_a_level_tow_is_the_same_whether_it_follows_or_not():

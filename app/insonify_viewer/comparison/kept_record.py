@@ -78,7 +78,7 @@ class KeptRecord:
         """Trace pings: amplitudes relative to a level bed, (n, 2, bins), and altitudes, (n,), in metres."""
         assert self.simulated is not None
         simulation, level = self.simulated
-        return level.normalise(simulation.intensity(pings), pings), find_altitude(simulation, pings)
+        return level.amplitudes(pings), find_altitude(simulation, pings)
 
     def put(
         self, pings: NDArray[np.int64], amplitude: NDArray[np.float32], altitude: NDArray[np.float64]

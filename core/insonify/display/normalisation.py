@@ -72,8 +72,33 @@ class LevelBed:
         (n, 2, bins) float32
             As `normalise` by the curves of the pings.
         """
+        return self._relate(np.array(intensity, dtype=np.float32, order="C"), pings)
+
+    def amplitudes(self, pings: NDArray[np.int64]) -> NDArray[np.float32]:
+        """Trace pings and compute their amplitudes relative to the level beds, in the memory of their intensities.
+
+        Parameters
+        ----------
+        pings : (n,) int64
+            Ping numbers.
+
+        Returns
+        -------
+        (n, 2, bins) float32
+            As `normalise` gives them.
+
+        Raises
+        ------
+        SceneError
+            As `Simulation.intensity`.
+        """
+        return self._relate(np.ascontiguousarray(self._simulation.intensity(pings)), pings)
+
+    def _relate(self, record: NDArray[np.float32], pings: NDArray[np.int64]) -> NDArray[np.float32]:
+        """Turn intensities into amplitudes in place."""
         curves, which = self._curves_of(pings)
-        return _relate(intensity, curves, np.repeat(which, intensity.shape[1]))
+        _relate(record, curves, np.repeat(which, record.shape[1]))
+        return record
 
     def _curves_of(self, pings: NDArray[np.int64]) -> tuple[NDArray[np.float64], NDArray[np.int64]]:
         """Curves, (curves, bins), and which of them each ping has."""
@@ -180,19 +205,19 @@ def normalise(intensity: NDArray[np.float32], curve: NDArray[np.float64]) -> NDA
     """
     curves = np.asarray(curve, dtype=np.float64)
     which = np.arange(math.prod(curves.shape[:-1])).reshape(curves.shape[:-1])
-    return _relate(intensity, curves.reshape(-1, curves.shape[-1]), np.broadcast_to(which, intensity.shape[:-1]))
+    amplitude = np.array(intensity, dtype=np.float32, order="C")
+    _relate(amplitude, curves.reshape(-1, curves.shape[-1]), np.broadcast_to(which, amplitude.shape[:-1]))
+    return amplitude
 
 
-def _relate(
-    intensity: NDArray[np.float32], curves: NDArray[np.float64], which: NDArray[np.int64]
-) -> NDArray[np.float32]:
-    """Amplitudes relative to the curve, (curves, bins), that each row of a record has."""
-    bins = intensity.shape[-1]
-    energies, inverse = np.ascontiguousarray(intensity, dtype=np.float32).reshape(-1, bins), 1.0 / curves
-    rows, out = np.ascontiguousarray(which).ravel(), np.empty(energies.shape, np.float32)
+def _relate(intensity: NDArray[np.float32], curves: NDArray[np.float64], which: NDArray[np.int64]) -> None:
+    """Turn intensities into amplitudes relative to the curve, (curves, bins), that each row of a record has.
+
+    They are written in place: to touch fresh memory takes longer than the arithmetic.
+    """
+    record, inverse, rows = intensity.reshape(-1, intensity.shape[-1]), 1.0 / curves, which.ravel()
 
     def block(first: int, last: int) -> None:
-        relate_amplitudes(energies[first:last], inverse, rows[first:last], out[first:last])
+        relate_amplitudes(record[first:last], inverse, rows[first:last])
 
     in_parallel(block, len(rows), least=ROWS_A_THREAD)
-    return out.reshape(intensity.shape)

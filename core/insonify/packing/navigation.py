@@ -16,6 +16,7 @@ from insonify.terrain import AnyGround, EndlessGround
 
 SAMPLES = 64  # samples of the bed to either side of the fish
 KNOTS = 8  # of the smoothed bed, to an altitude along the track
+STRETCH = 16  # knots that are computed together, two altitudes
 TOGETHER = 2048  # pings whose samples are held at once
 
 
@@ -83,19 +84,19 @@ def bed_beneath(scene: Scene, ground: AnyGround, pings: NDArray[np.int64]) -> ND
         nearest stands for it.
     """
     share = np.arange(1 - SAMPLES, SAMPLES) / SAMPLES
-    weight = (1.0 + np.cos(math.pi * share)) / (2.0 * SAMPLES)
     # The altitude of a tow at a given depth over a measured bed follows from the bed's heights alone.
     reach = abs(sonar_height(scene, ground)) * scene.sonar.ping_rate / scene.track.speed
     numbers = np.asarray(pings, dtype=np.float64)
     parts = np.array_split(numbers, math.ceil(max(numbers.size, 1) / TOGETHER))
     lines = (tow_line_at(scene, part[:, None] + reach * share) for part in parts)
-    return np.concatenate([ground.height_near(line.x, line.y) @ weight for line in lines])
+    return np.concatenate([ground.height_near(line.x, line.y) @ _raised_cosine() for line in lines])
 
 
 def interpolate_bed_beneath(scene: Scene, ground: AnyGround, pings: NDArray[np.int64]) -> NDArray[np.float64]:
-    """Smoothed height of the bed under the line, interpolated between some pings; a picture needs no more.
+    """Smoothed height of the bed under the line, interpolated between knots; a picture needs no more.
 
-    `bed_beneath` gives it at pings an eighth of an altitude apart, which the smoothing makes dense enough.
+    The knots, at which it is that of `bed_beneath`, are an eighth of an altitude apart: the smoothing makes that dense
+    enough.
 
     Parameters
     ----------
@@ -111,10 +112,32 @@ def interpolate_bed_beneath(scene: Scene, ground: AnyGround, pings: NDArray[np.i
     (n,) float64
         Metres above the datum; of each ping a function of its number alone.
     """
-    pings_over = abs(sonar_height(scene, ground)) * scene.sonar.ping_rate / scene.track.speed
-    stride = max(int(pings_over / KNOTS), 1)
-    knots = np.unique(np.concatenate([pings // stride, pings // stride + 1]))
-    return np.interp(pings, stride * knots, bed_beneath(scene, ground, stride * knots))
+    apart = abs(sonar_height(scene, ground)) * scene.sonar.ping_rate / scene.track.speed / KNOTS
+    if apart <= 1.0:
+        return bed_beneath(scene, ground, pings)
+    place = np.asarray(pings, dtype=np.float64) / apart
+    first = np.floor(place).astype(np.int64)
+    stretches, stretch = np.unique(first // STRETCH, return_inverse=True)
+    knots = _knots_beneath(scene, ground, stretches, apart)
+    before, share = first % STRETCH, place - first
+    return knots[stretch, before] * (1.0 - share) + knots[stretch, before + 1] * share
+
+
+def _knots_beneath(scene: Scene, ground: AnyGround, stretches: NDArray[np.int64], apart: float) -> NDArray[np.float64]:
+    """Smoothed heights at the knots of stretches of the line, (n, STRETCH + 1); neighbours share samples of the bed.
+
+    ``apart`` is the number of pings from a knot to the next.
+    """
+    step = SAMPLES // KNOTS  # samples from a knot to the next
+    samples = step * STRETCH * stretches[:, None] + np.arange(1 - SAMPLES, step * STRETCH + SAMPLES)
+    line = tow_line_at(scene, samples * (apart / step))
+    windows = np.lib.stride_tricks.sliding_window_view(ground.height_near(line.x, line.y), 2 * SAMPLES - 1, axis=1)
+    return np.asarray(windows[:, ::step] @ _raised_cosine())
+
+
+def _raised_cosine() -> NDArray[np.float64]:
+    """Weights of the samples about a place, (2 `SAMPLES` - 1,)."""
+    return (1.0 + np.cos(math.pi * np.arange(1 - SAMPLES, SAMPLES) / SAMPLES)) / (2.0 * SAMPLES)
 
 
 def platform_columns(poses: Poses, ground: AnyGround) -> tuple[NDArray[np.float64], ...]:

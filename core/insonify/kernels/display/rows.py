@@ -15,24 +15,23 @@ ROWS_A_THREAD = 512  # rows worth handing to a thread, some 0.3 ms
 
 
 @kernel
-def relate_amplitudes(intensity, inverse, curve_of, out):
-    """Compute the square root of intensities over their curves.
+def relate_amplitudes(record, inverse, curve_of):
+    """Replace intensities by the square root of their ratios to curves.
 
     Parameters
     ----------
-    intensity : ndarray of float32, shape (n, bins)
+    record : ndarray of float32, shape (n, bins)
+        Intensities; takes the amplitudes.
     inverse : ndarray of float64, shape (curves, bins)
         One over each curve.
     curve_of : ndarray of int64, shape (n,)
         Curve of each row.
-    out : ndarray of float32, shape (n, bins)
-        Takes the amplitudes.
     """
-    for row in range(intensity.shape[0]):
-        energies, curve, amplitudes = intensity[row], inverse[curve_of[row]], out[row]
-        for k in range(energies.size):
+    for row in range(record.shape[0]):
+        values, curve = record[row], inverse[curve_of[row]]
+        for k in range(values.size):
             # The ratio is formed in 64 bits: far bins hold 1e-9 and less, and their curve is as small.
-            amplitudes[k] = math.sqrt(np.float32(energies[k] * curve[k]))
+            values[k] = math.sqrt(np.float32(values[k] * curve[k]))
 
 
 @kernel
