@@ -105,6 +105,32 @@ def test_ascii_grid_of_oblong_cells_tells_both_sides(tmp_path):
     assert (grid.spacing, grid.corner) == ((2.0, 4.0), (1.0, 2.0))
 
 
+@pytest.mark.parametrize(
+    ("rows", "heights"),
+    [
+        ("-4 nan -6\n-1 -2 -3\n", [[-1.0, -2.0, -3.0], [-4.0, np.nan, -6.0]]),
+        ("-4 -5 -6\n" + " " * 200_000 + "-1.25 -2.5 inf\n", [[-1.25, -2.5, np.nan], [-4.0, -5.0, -6.0]]),
+        ("-4.123456789 -5 -6\n-1 -2 -3\n", [[-1.0, -2.0, -3.0], [-4.123456789, -5.0, -6.0]]),
+    ],
+    ids=["whole numbers and NaN", "fractions far on", "many digits"],
+)
+def test_ascii_grids_are_read_as_they_are_written(tmp_path, rows, heights):
+    (tmp_path / "bed.asc").write_text(ASCII_HEADS["corner"] + rows)
+    np.testing.assert_array_equal(read_grid(str(tmp_path / "bed.asc")).heights, heights)
+
+
+def test_ascii_grid_of_nothing_but_nan_is_refused(tmp_path):
+    (tmp_path / "bed.asc").write_text(ASCII_HEADS["corner"] + "nan nan nan\n" * 2)
+    with pytest.raises(SceneError, match="holds no valid height"):
+        read_grid(str(tmp_path / "bed.asc"))
+
+
+def test_a_grid_of_nothing_but_an_undeclared_nodata_value_is_refused(tmp_path):
+    (tmp_path / "bed.asc").write_text(ASCII_HEADS["corner"].replace("NODATA_value -9999\n", "") + "-9999 " * 6)
+    with pytest.raises(SceneError, match="has 6 cells of -9999, which it does not declare as nodata"):
+        read_grid(str(tmp_path / "bed.asc"))
+
+
 def test_whole_numbers_and_infinities_are_read(tmp_path):
     np.save(tmp_path / "whole.npy", np.array([[-1, -2], [-3, -4]], dtype=np.int16))
     assert build_ground(scene(tmp_path / "whole.npy")).datum == -2.5

@@ -43,10 +43,10 @@ def read_grid(path: str) -> Grid:
 
 
 def _refuse_nodata(path: str, heights: NDArray[np.float64]) -> None:
-    """Refuse a customary nodata value, far from all other heights, that the file does not declare."""
+    """Refuse a customary nodata value, alone or far from all other heights, that the file does not declare."""
     for value in (heights.min(), heights.max()):
         others = heights[heights != value]
-        if value in NODATA and others.size and np.abs(others - value).min() > FAR:
+        if value in NODATA and np.abs(others - value).min(initial=np.inf) > FAR:
             raise BATHYMETRY.refusal(
                 path,
                 f"has {heights.size - others.size} cells of {value:g}, which it does not declare as nodata",

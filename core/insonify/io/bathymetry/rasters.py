@@ -16,6 +16,8 @@ from insonify.io.formats import FileFormat
 from insonify.io.georeference import DEGREES, utm_zone
 from insonify.io.isolation import run_isolated
 
+# Without it GDAL takes a text grid for whole numbers if no decimal point is found near its beginning, and NaN for 0.
+OPEN_OPTIONS = {"AAIGrid": {"DATATYPE": "Float64"}}
 DRIVERS = {".tif": "GTiff", ".tiff": "GTiff", ".bag": "BAG", ".asc": "AAIGrid"}
 REMEDY = "give a valid GeoTIFF, BAG or ESRI ASCII grid"
 FARTHEST = 1e9  # m, of map coordinates
@@ -43,7 +45,7 @@ def _open(path: str) -> Any:
     import rasterio
 
     driver = DRIVERS[Path(path).suffix.lower()]
-    raster = rasterio.open(path, driver=driver)
+    raster = rasterio.open(path, driver=driver, **OPEN_OPTIONS.get(driver, {}))
     if raster.tags().get("HAS_SUPERGRIDS") != "TRUE":
         return raster
     raster.close()
