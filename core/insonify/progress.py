@@ -95,7 +95,7 @@ class _Lines:
         sys.stderr.flush()
 
 
-def open_progress(doing: str, total: float, unit: str = "", *, done: float = 0.0, delay: float = 0.0) -> Progress:
+def open_progress(doing: str, total: float, unit: str = "", *, done: float = 0, delay: float = 0.0) -> Progress:
     """Begin to report the progress of long work.
 
     Parameters
@@ -118,7 +118,7 @@ def open_progress(doing: str, total: float, unit: str = "", *, done: float = 0.0
 
 @contextmanager
 def report_progress(
-    doing: str, total: float, unit: str = "", *, done: float = 0.0, delay: float = 0.0
+    doing: str, total: float, unit: str = "", *, done: float = 0, delay: float = 0.0
 ) -> Iterator[Progress]:
     """Report progress while the context lasts; arguments as of `open_progress`."""
     progress = open_progress(doing, total, unit, done=done, delay=delay)

@@ -109,7 +109,7 @@ def test_no_driver_of_gdal_is_left_that_asks_a_server_or_runs_code():
 def test_pictures_are_png_or_tiff_whatever_their_name(tmp_path, kind):
     Image.new("RGB", (4, 4)).save(tmp_path / "made", format=kind)
     (tmp_path / "made").rename(tmp_path / "map.png")
-    with pytest.raises(SceneError, match=r"cannot be read .*; give a PNG or TIFF picture"):
+    with pytest.raises(SceneError, match=r"map\.png' is no picture in PNG or TIFF; save it as one"):
         read_picture(str(tmp_path / "map.png"), 2)
 
 
@@ -236,8 +236,36 @@ def test_a_mesh_may_refer_to_a_folder_beside_it_but_not_to_a_pipe(tmp_path):
     (tmp_path / "data" / "b.bin").unlink()
     os.mkfifo(tmp_path / "data" / "b.bin")
     os.utime(path, (1, 1))
-    with pytest.raises(SceneError, match="is a device or a pipe"):
+    with pytest.raises(SceneError, match=r"refers to 'data/b\.bin', which is a device or a pipe, .*; put it beside"):
         read_mesh(str(path))
+
+
+def test_a_missing_part_of_a_mesh_is_named(tmp_path):
+    path, document = gltf(tmp_path)
+    (tmp_path / document["buffers"][0]["uri"]).unlink()
+    with pytest.raises(SceneError, match=rf"refers to '{document['buffers'][0]['uri']}', which does not exist; put it"):
+        read_mesh(str(path))
+
+
+def test_a_part_of_a_mesh_may_have_spaces_in_its_name(tmp_path):
+    path, document = gltf(tmp_path)
+    (tmp_path / document["buffers"][0]["uri"]).rename(tmp_path / "part one.bin")
+    document["buffers"][0]["uri"] = "part%20one.bin"
+    path.write_text(json.dumps(document))
+    assert len(read_mesh(str(path))) == 12
+    document["buffers"][0]["uri"] = "%2e%2e/part%20one.bin"
+    path.write_text(json.dumps(document))
+    os.utime(path, (1, 1))
+    with pytest.raises(SceneError, match=r"refers to '\.\./part one\.bin'; keep what it refers to beside it"):
+        read_mesh(str(path))
+
+
+def test_another_mesh_is_not_read_for_a_damaged_one(tmp_path):
+    path, _ = gltf(tmp_path)
+    assert path.name == "model.gltf"
+    (tmp_path / "body.gltf").write_text("{")
+    with pytest.raises(SceneError, match=r"body\.gltf' is no glTF document \(it is not JSON\); export it again"):
+        read_mesh(str(tmp_path / "body.gltf"))
 
 
 def test_a_store_with_a_pipe_in_it_is_refused(tmp_path):

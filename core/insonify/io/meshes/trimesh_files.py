@@ -3,15 +3,17 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
+from urllib.parse import unquote
 
 import numpy as np
 from numpy.typing import NDArray
 
-from insonify.io.file_access import companion, open_regular
+from insonify.io.file_access import FileFault, companion, open_regular
 from insonify.io.formats import FileFormat
 from insonify.io.isolation import run_isolated
 
 REMEDY = "export it again as OBJ, STL, PLY or glTF"
+OTHER_DOCUMENT = "model.gltf"  # which trimesh reads instead of a document that is no JSON
 
 
 class _Companions(Mapping[str, bytes]):
@@ -21,8 +23,16 @@ class _Companions(Mapping[str, bytes]):
         self.path = path
 
     def __getitem__(self, name: str) -> bytes:
-        with open_regular(companion(self.path, name)) as file:
-            return file.read()
+        if name == OTHER_DOCUMENT:
+            raise FileFault("is no glTF document (it is not JSON)", REMEDY)
+        found = companion(self.path, name)
+        if not found.exists():
+            found = companion(self.path, unquote(name))  # glTF escapes spaces and other characters as in an address
+        try:
+            with open_regular(found) as file:
+                return file.read()
+        except FileFault as error:
+            raise FileFault(f"refers to {name[:80]!r}, which {error.fault}", "put it beside the mesh") from None
 
     def __iter__(self) -> Iterator[str]:
         return iter(())
