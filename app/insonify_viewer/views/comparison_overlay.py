@@ -9,6 +9,7 @@ from PySide6.QtGui import QColor, QImage, QLinearGradient, QMouseEvent, QPainter
 from PySide6.QtWidgets import QWidget
 
 from insonify_viewer.comparison.arrangement import Arrangement
+from insonify_viewer.errors.guarded_overrides import guard_override
 from insonify_viewer.views.difference_picture import DifferencePicture, decibels_between, draw_difference
 from insonify_viewer.views.record_image import EMPTY
 from insonify_viewer.views.theme import ACCENT, ACCENT_IN_WATER, GROUND, MARK, TEXT
@@ -106,6 +107,7 @@ class ComparisonOverlay(QWidget):
         ends = projection.down(projection.newest - np.array([0.0, pings])) * plot.height() + plot.top()
         return float(ends[0]), float(ends[1])
 
+    @guard_override(False)
     def eventFilter(self, watched: QObject, event: QEvent) -> bool:
         """Keep the size of record B."""
         if event.type() is QEvent.Type.Resize:
@@ -121,6 +123,7 @@ class ComparisonOverlay(QWidget):
             self.resize(self._b.size())
             self.update()
 
+    @guard_override(None)
     def paintEvent(self, event: QPaintEvent) -> None:
         """Draw record A, or the difference, over the record, and say what is drawn."""
         del event

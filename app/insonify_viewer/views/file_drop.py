@@ -8,6 +8,8 @@ from PySide6.QtCore import QEvent, QObject
 from PySide6.QtGui import QDragEnterEvent, QDropEvent
 from PySide6.QtWidgets import QWidget
 
+from insonify_viewer.errors.guarded_overrides import guard_override
+
 
 def take_drops(window: QWidget, opened: Callable[[str], None]) -> None:
     """Let a window take a file that is dropped anywhere on it, and pass on its path."""
@@ -22,6 +24,7 @@ class _Drops(QObject):
         super().__init__(window)
         self._opened = opened
 
+    @guard_override(False)
     def eventFilter(self, watched: QObject, event: QEvent) -> bool:
         """Accept a drag with one local file, and open the file when it is dropped."""
         if event.type() not in (QEvent.Type.DragEnter, QEvent.Type.Drop):

@@ -8,6 +8,8 @@ from PySide6.QtCore import QEvent, QObject, Qt
 from PySide6.QtGui import QKeyEvent
 from PySide6.QtWidgets import QWidget
 
+from insonify_viewer.errors.guarded_overrides import guard_override
+
 
 class HeldKey(QObject):
     """Tells when a key without modifiers is pressed in a window and when it is let go.
@@ -27,6 +29,7 @@ class HeldKey(QObject):
         self._key, self._tell, self._held = key, held, False
         window.installEventFilter(self)
 
+    @guard_override(False)
     def eventFilter(self, watched: QObject, event: QEvent) -> bool:
         """Follow the key; repeats of a held key change nothing."""
         if event.type() is QEvent.Type.WindowDeactivate:

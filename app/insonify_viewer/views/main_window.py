@@ -5,10 +5,11 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from itertools import pairwise
 
-from PySide6.QtCore import QEvent, QSize, Qt, Signal
-from PySide6.QtGui import QAction, QCloseEvent, QKeyEvent, QKeySequence
+from PySide6.QtCore import QSize, Qt, Signal
+from PySide6.QtGui import QAction, QCloseEvent, QKeySequence
 from PySide6.QtWidgets import (
     QAbstractButton,
+    QApplication,
     QDockWidget,
     QLabel,
     QMainWindow,
@@ -22,6 +23,7 @@ from PySide6.QtWidgets import (
 
 from insonify.display.display_options import DisplayOptions
 from insonify_viewer.errors.failure import Failure
+from insonify_viewer.errors.guarded_overrides import guard_override
 from insonify_viewer.panels.panel import Panel, Place
 from insonify_viewer.target_placement import target_menu
 from insonify_viewer.tow_clock import SPEEDS
@@ -111,6 +113,9 @@ class MainWindow(QMainWindow):
         self.looks = fill_menus(self, self.menus)
         self._add_status()
         take_drops(self, self.file_wanted.emit)
+        application = QApplication.instance()
+        assert isinstance(application, QApplication)
+        application.focusChanged.connect(self._share_space)
         self.waterfall.setFocus()
 
     def mount(self, panels: Sequence[Panel]) -> None:
@@ -182,15 +187,7 @@ class MainWindow(QMainWindow):
         tip = "Pause the tow; the mouse wheel then looks back" if running else "Tow on from the ping on top"
         self.pause.setToolTip(_with_key(tip, self.pause.shortcut()))
 
-    def event(self, event: QEvent) -> bool:
-        """Leave Space to the button or tick that has the keyboard; anywhere else it is a key of the window."""
-        if event.type() is QEvent.Type.ShortcutOverride and isinstance(event, QKeyEvent):
-            plain = event.modifiers() == Qt.KeyboardModifier.NoModifier
-            if event.key() == Qt.Key.Key_Space and plain and isinstance(self.focusWidget(), QAbstractButton):
-                event.accept()
-                return True
-        return super().event(event)
-
+    @guard_override(None)
     def closeEvent(self, event: QCloseEvent) -> None:
         """Signal the end while all widgets exist, unless the person stays; the worker may need a moment to finish."""
         if self._closed:
@@ -203,6 +200,13 @@ class MainWindow(QMainWindow):
         self.hide()
         self.closing.emit()
         super().closeEvent(event)
+
+    def _share_space(self, _left: QWidget | None, focused: QWidget | None) -> None:
+        """Leave Space to the button or tick that has the keyboard; anywhere else it is a key of the window."""
+        taken = isinstance(focused, QAbstractButton)
+        context = Qt.ShortcutContext.WidgetShortcut if taken else Qt.ShortcutContext.WindowShortcut
+        if self.pause.shortcutContext() is not context:
+            self.pause.setShortcutContext(context)
 
     def _is_left(self) -> bool:
         """Ask whether the window may close; a second request to close does not ask again meanwhile."""

@@ -5,6 +5,8 @@ from __future__ import annotations
 from PySide6.QtCore import QEvent, QObject, Qt
 from PySide6.QtWidgets import QDockWidget, QMainWindow, QSplitter
 
+from insonify_viewer.errors.guarded_overrides import guard_override
+
 HANDLES = 24  # px, of the lines between the parts
 
 
@@ -38,6 +40,7 @@ class PanelRoom(QObject):
         fits = left + right + middle + HANDLES <= self._window.width()
         solid.setVisible(fits or not left)
 
+    @guard_override(False)
     def eventFilter(self, watched: QObject, event: QEvent) -> bool:
         """Make room when the window changes its width, or a dock opens or closes."""
         kind = QEvent.Type

@@ -11,6 +11,7 @@ from PySide6.QtGui import QColor, QPainter, QPaintEvent, QResizeEvent
 from PySide6.QtWidgets import QWidget
 
 from insonify.display.display_options import DisplayOptions, Levels
+from insonify_viewer.errors.guarded_overrides import guard_override
 from insonify_viewer.record import Record, Rows
 from insonify_viewer.record_display.layout import choose_axis, project_record, zoom_to_true_scale
 from insonify_viewer.record_display.projection import Projection, Zoom
@@ -343,11 +344,13 @@ class RecordCanvas(QWidget):
         self.resize(size)
         self._fit()
 
+    @guard_override(None)
     def resizeEvent(self, event: QResizeEvent) -> None:
         """Compute the display columns for the new width."""
         self._fit()
         super().resizeEvent(event)
 
+    @guard_override(None)
     def paintEvent(self, event: QPaintEvent) -> None:
         """Draw the record, what lies over it, and the rulers."""
         painter, plot, projection = QPainter(self), self._plot(), self._projection

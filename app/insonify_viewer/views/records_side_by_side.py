@@ -5,6 +5,8 @@ from __future__ import annotations
 from PySide6.QtCore import QEvent, QObject
 from PySide6.QtWidgets import QSplitter, QWidget
 
+from insonify_viewer.errors.guarded_overrides import guard_override
+
 ROOMY = 1000  # px of the middle of the window, from which the 3-D view keeps a part beside two records
 
 
@@ -43,6 +45,7 @@ class RecordsSideBySide(QObject):
         each = (room - solid) // 2
         self._splitter.setSizes([solid, each, each])
 
+    @guard_override(False)
     def eventFilter(self, watched: QObject, event: QEvent) -> bool:
         """Divide the room anew when it becomes wide or narrow."""
         if event.type() is QEvent.Type.Resize and not self._beside.isHidden():

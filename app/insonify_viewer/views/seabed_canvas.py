@@ -12,6 +12,8 @@ from numpy.typing import NDArray
 from PySide6.QtGui import QImage, QMouseEvent, QPainter, QPaintEvent, QResizeEvent
 from PySide6.QtWidgets import QWidget
 
+from insonify_viewer.errors.guarded_overrides import guard_override
+
 # PyVista is untyped.
 pv: Any = pyvista
 
@@ -125,6 +127,7 @@ class _PixelsWidget(QWidget):
         self._image = QImage(pixels.data, width, height, 3 * width, QImage.Format.Format_RGB888).copy()
         self.update()
 
+    @guard_override(None)
     def resizeEvent(self, event: QResizeEvent) -> None:
         self._resized(self.width(), self.height())
 
@@ -132,6 +135,7 @@ class _PixelsWidget(QWidget):
         place = event.position()
         self.clicked(place.x(), self.height() - 1.0 - place.y())
 
+    @guard_override(None)
     def paintEvent(self, event: QPaintEvent) -> None:
         painter = QPainter(self)
         painter.drawImage(self.rect(), self._image)

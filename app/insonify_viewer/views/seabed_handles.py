@@ -12,6 +12,7 @@ from PySide6.QtCore import QEvent, QObject, QPointF, Qt, Signal
 from PySide6.QtGui import QMouseEvent
 from PySide6.QtWidgets import QWidget
 
+from insonify_viewer.errors.guarded_overrides import guard_override
 from insonify_viewer.views.theme import ACCENT_IN_WATER, MARK_IN_WATER
 
 pv: Any = pyvista  # untyped
@@ -67,6 +68,7 @@ class SeabedHandles(QObject):
         ratio = self._widget.devicePixelRatioF()
         return QPointF(x / ratio, self._widget.height() - 1.0 - y / ratio)
 
+    @guard_override(False)
     def eventFilter(self, watched: QObject, event: QEvent) -> bool:
         """Take hold of a handle, drag it and let it go; all else is left to the view."""
         if not isinstance(event, QMouseEvent):

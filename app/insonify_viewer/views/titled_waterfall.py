@@ -8,6 +8,7 @@ from PySide6.QtCore import QRect, Qt
 from PySide6.QtGui import QColor, QPainter, QPaintEvent
 from PySide6.QtWidgets import QWidget
 
+from insonify_viewer.errors.guarded_overrides import guard_override
 from insonify_viewer.record_display.layout import project_record
 from insonify_viewer.record_display.projection import Zoom
 from insonify_viewer.views.theme import TEXT
@@ -94,6 +95,7 @@ class TitledWaterfall(WaterfallView):
         upper, lower = (age * self.rows_a_ping / self._record.pings for age in live.projection.ages)
         return Zoom(left, right, upper, lower) if self._look.newest_on_top else Zoom(left, right, 1 - upper, 1 - lower)
 
+    @guard_override(None)
     def paintEvent(self, event: QPaintEvent) -> None:
         """Draw the record and its title."""
         super().paintEvent(event)

@@ -7,6 +7,8 @@ from collections.abc import Sequence
 from PySide6.QtCore import QSize, Qt
 from PySide6.QtWidgets import QComboBox, QSlider
 
+from insonify_viewer.errors.guarded_overrides import guard_override
+
 
 class GainSlider(QSlider):
     """Slider that asks for little room and takes what there is."""
@@ -15,6 +17,7 @@ class GainSlider(QSlider):
         super().__init__(Qt.Orientation.Horizontal)
         self.setMaximumWidth(130)
 
+    @guard_override(QSize())
     def sizeHint(self) -> QSize:
         """Room for the handle and a few steps."""
         return QSize(40, super().sizeHint().height())

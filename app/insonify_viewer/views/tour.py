@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, NamedTuple
 from PySide6.QtCore import QEvent, QObject, QPoint, QRect, QSize, Qt
 from PySide6.QtWidgets import QFrame, QHBoxLayout, QLabel, QVBoxLayout, QWidget
 
+from insonify_viewer.errors.guarded_overrides import guard_override
 from insonify_viewer.views.push_button import push_button
 from insonify_viewer.views.theme import ACCENT
 
@@ -72,6 +73,7 @@ class Tour(QObject):
                 widget.deleteLater()
         self.card = self._outline = None
 
+    @guard_override(False)
     def eventFilter(self, watched: QObject, event: QEvent) -> bool:
         """Follow the window when its size changes."""
         if event.type() is QEvent.Type.Resize and self.card is not None:

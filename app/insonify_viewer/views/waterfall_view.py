@@ -6,6 +6,7 @@ from PySide6.QtCore import QEvent, QPoint, QRect, Qt, Signal
 from PySide6.QtGui import QMouseEvent, QPainter, QWheelEvent
 from PySide6.QtWidgets import QWidget
 
+from insonify_viewer.errors.guarded_overrides import guard_override
 from insonify_viewer.views.record_canvas import RecordCanvas
 from insonify_viewer.views.record_handles import RecordHandles
 
@@ -139,6 +140,7 @@ class WaterfallView(RecordCanvas):
         self.scrubbed.emit(self._handle.ping_at(event.position()))
         self.update()
 
+    @guard_override(None)
     def leaveEvent(self, event: QEvent) -> None:
         """Signal that the mouse has left."""
         self.hovered.emit(None)

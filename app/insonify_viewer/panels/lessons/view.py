@@ -19,6 +19,7 @@ from PySide6.QtWidgets import (
 )
 
 from insonify.lessons import Lesson
+from insonify_viewer.errors.guarded_overrides import guard_override
 from insonify_viewer.views.lighting import light
 from insonify_viewer.views.push_button import push_button
 from insonify_viewer.views.side_panel import ScrollColumn
@@ -69,6 +70,7 @@ class LessonsView(QStackedWidget):
         """Tick the step that is shown."""
         self.page.show_done(done)
 
+    @guard_override(QSize())
     def sizeHint(self) -> QSize:
         """Preferred size."""
         return QSize(self._wide, super().sizeHint().height())

@@ -12,6 +12,7 @@ from PySide6.QtGui import QColor, QPainter, QPaintEvent, QPen, QPolygonF
 
 from insonify.display.scene_curves import FLOOR, Curve
 from insonify.scene import Scene, SceneError
+from insonify_viewer.errors.guarded_overrides import guard_override
 from insonify_viewer.views.pixels import round_steps
 from insonify_viewer.views.setting_pictures.base import SettingPicture
 from insonify_viewer.views.theme import ACCENT, EDGE, QUIET, RAISED, TEXT
@@ -52,6 +53,7 @@ class CurvesPicture(SettingPicture):
         """Whether a scene has these curves."""
         return self._applies(scene)
 
+    @guard_override(None)
     def paintEvent(self, event: QPaintEvent) -> None:
         """Paint the curves side by side; others that are due follow a moment later."""
         del event

@@ -9,6 +9,7 @@ from PySide6.QtGui import QColor, QImage, QMouseEvent, QPainter, QPaintEvent, QP
 from insonify.display.scene_curves import FLOOR, ReliefSpectrum, relief_spectrum
 from insonify.scene import Scene
 from insonify.scene.reliefs.fractal import Fractal
+from insonify_viewer.errors.guarded_overrides import guard_override
 from insonify_viewer.views.setting_pictures.base import SettingPicture
 from insonify_viewer.views.theme import ACCENT, GROUND, MARK, QUIET, TEXT
 
@@ -58,6 +59,7 @@ class SpectrumPicture(SettingPicture):
         across, up = (0.5 + 0.5 * wave / reach for wave in peak)
         return QPointF(area.left() + across * area.width(), area.bottom() - up * area.height())
 
+    @guard_override(None)
     def paintEvent(self, event: QPaintEvent) -> None:
         """Paint the plane, its axes and the peaks."""
         del event

@@ -14,6 +14,7 @@ from PySide6.QtWidgets import (
     QWidget,
 )
 
+from insonify_viewer.errors.guarded_overrides import guard_override
 from insonify_viewer.panels.chart.chart_details import ChartPicture, RowDetails, details_in_words, nearest_row
 from insonify_viewer.panels.chart.view.strips_view import StripsView
 from insonify_viewer.quantities import format_time_left
@@ -172,6 +173,7 @@ class _ChartPictureView(QWidget):
         point = next(point for point in self._chart_picture.points if point.row is row)
         return QPointF(frame.left() + point.x * frame.width(), frame.top() + point.y * frame.height())
 
+    @guard_override(None)
     def paintEvent(self, event: QPaintEvent) -> None:
         """Draw the chart, and a ring around the picked point."""
         del event

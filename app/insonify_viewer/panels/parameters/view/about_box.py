@@ -9,6 +9,7 @@ from PySide6.QtCore import QEvent, Qt
 from PySide6.QtWidgets import QLabel
 
 from insonify.scene.links import Link
+from insonify_viewer.errors.guarded_overrides import guard_override
 from insonify_viewer.views.folding_box import FoldingBox
 from insonify_viewer.views.theme import ACCENT
 
@@ -62,6 +63,7 @@ class AboutBox(FoldingBox):
                 self.label.setSelection(start, length)  # the Tab key goes on from the link that was followed
         self.setVisible(bool(parts))
 
+    @guard_override(None)
     def changeEvent(self, event: QEvent) -> None:
         """Colour the links by another theme."""
         if event.type() is QEvent.Type.StyleChange and self._shown[0]:

@@ -10,6 +10,7 @@ from PySide6.QtCore import QEvent, QPointF, QRectF, Qt
 from PySide6.QtGui import QColor, QPainter, QPaintEvent, QPen, QPixmap, QResizeEvent
 from PySide6.QtWidgets import QWidget
 
+from insonify_viewer.errors.guarded_overrides import guard_override
 from insonify_viewer.panels.pixel.view.section_scales import SectionScales
 from insonify_viewer.views.pixels import round_steps
 from insonify_viewer.views.theme import ACCENT_IN_WATER, GROUND, MARK_IN_WATER, OVER_WATER, QUIET
@@ -47,11 +48,13 @@ class SectionView(QWidget):
         self._picture = None
         self.update()
 
+    @guard_override(None)
     def resizeEvent(self, event: QResizeEvent) -> None:
         """Fit the section to the new size."""
         self._picture = None
         super().resizeEvent(event)
 
+    @guard_override(None)
     def paintEvent(self, event: QPaintEvent) -> None:
         """Paint the section once for its size."""
         del event
@@ -61,6 +64,7 @@ class SectionView(QWidget):
         painter.drawPixmap(0, 0, self._picture)
         painter.end()
 
+    @guard_override(None)
     def changeEvent(self, event: QEvent) -> None:
         """Paint anew in another theme."""
         if event.type() is QEvent.Type.PaletteChange:

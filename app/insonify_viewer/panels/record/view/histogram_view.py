@@ -8,6 +8,7 @@ from PySide6.QtCore import QPointF, QRectF, QSize, Qt, Signal
 from PySide6.QtGui import QColor, QImage, QKeyEvent, QMouseEvent, QPainter, QPaintEvent, QPen, QPolygonF
 from PySide6.QtWidgets import QWidget
 
+from insonify_viewer.errors.guarded_overrides import guard_override
 from insonify_viewer.record_display.tone_map import ToneMap
 from insonify_viewer.views.theme import ACCENT, GROUND, QUIET, RAISED, TEXT
 
@@ -44,6 +45,7 @@ class HistogramView(QWidget):
         self._ends = (LOWEST, HIGHEST)
         self._held: int | None = None
 
+    @guard_override(QSize())
     def sizeHint(self) -> QSize:
         """Size that is asked for."""
         return QSize(260, 112)
@@ -80,6 +82,7 @@ class HistogramView(QWidget):
         share = (x - MARGIN) / max(self.width() - 2 * MARGIN, 1)
         return -np.inf if share <= 0.0 else LOWEST + min(share, 1.0) * (HIGHEST - LOWEST)
 
+    @guard_override(None)
     def paintEvent(self, event: QPaintEvent) -> None:
         """Draw histogram, colour bar, its ends and a scale."""
         painter = QPainter(self)

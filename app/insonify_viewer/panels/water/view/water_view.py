@@ -7,6 +7,7 @@ from PySide6.QtGui import QImage, QMouseEvent, QPainter, QPaintEvent, QPixmap, Q
 from PySide6.QtWidgets import QWidget
 
 from insonify.display.ray_diagram.diagram import RayDiagram
+from insonify_viewer.errors.guarded_overrides import guard_override
 from insonify_viewer.panels.water.view.painting import paint_profile, paint_water, shadow_picture, water_picture
 from insonify_viewer.panels.water.view.plot_scales import PlotScales
 from insonify_viewer.views.theme import GROUND, QUIET
@@ -52,6 +53,7 @@ class WaterView(QWidget):
         depth, speed = self._points[number]
         return self._frame().of_speed(speed, depth)
 
+    @guard_override(None)
     def paintEvent(self, event: QPaintEvent) -> None:
         """Paint the rays once, and the profile every time."""
         del event
@@ -69,6 +71,7 @@ class WaterView(QWidget):
         paint_profile(painter, self._diagram, frame, points, self._held)
         painter.end()
 
+    @guard_override(None)
     def resizeEvent(self, event: QResizeEvent) -> None:
         """Fit the rays to the new size."""
         self._rays = self._scale = None
@@ -118,6 +121,7 @@ class WaterView(QWidget):
         assert self._diagram is not None
         return self._scale or PlotScales.of(self._diagram, self.width(), self.height())
 
+    @guard_override(None)
     def changeEvent(self, event: QEvent) -> None:
         """Paint anew in another theme."""
         if event.type() is QEvent.Type.PaletteChange:
