@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Iterator
+from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
-from PySide6.QtCore import QPoint, QSettings, Qt
+from PySide6.QtCore import QEvent, QObject, QPoint, QSettings, Qt
 from PySide6.QtGui import QColor, QImage, QPainter, QPalette
 from PySide6.QtWidgets import QApplication, QWidget
 
@@ -16,6 +18,8 @@ from insonify.scene import Scene, scene_to_toml
 from insonify_viewer.application import keep_display
 from insonify_viewer.panels.parameters.view.about_box import AboutBox
 from insonify_viewer.panels.record.view.histogram_view import HistogramView
+from insonify_viewer.views import icons
+from insonify_viewer.views.icons import make_icon
 from insonify_viewer.views.pixel_marks import draw_pin
 from insonify_viewer.views.settings import Settings
 from insonify_viewer.views.theme import ACCENT, COLOURS, GROUND, MARK_IN_WATER, Theme, apply_theme
@@ -70,6 +74,47 @@ def test_the_theme_changes_in_the_open_window(open_viewer: Any, small: Scene, qa
         assert window.looks.themes[1].isChecked()
     finally:
         apply_theme(qapp)
+
+
+class _StyleChanges(QObject):
+    """Counts how often each widget is told of a change of style."""
+
+    def __init__(self) -> None:
+        super().__init__()
+        self.times: Counter[int] = Counter()
+
+    def eventFilter(self, watched: QObject, event: QEvent) -> bool:
+        if event.type() is QEvent.Type.StyleChange:
+            self.times[id(watched)] += 1
+        return False
+
+
+def test_a_change_of_theme_styles_each_widget_twice_at_most(qtbot: Any, qapp: QApplication) -> None:
+    apply_theme(qapp, Theme.DARK)
+    widgets = [QWidget()]
+    qtbot.addWidget(widgets[0])
+    for _ in range(9):
+        widgets.append(QWidget(widgets[-1]))
+    widgets[0].show()
+    changes = _StyleChanges()
+    qapp.installEventFilter(changes)
+    try:
+        apply_theme(qapp, Theme.LIGHT)
+    finally:
+        qapp.removeEventFilter(changes)
+        apply_theme(qapp)
+    assert all(1 <= changes.times[id(widget)] <= 2 for widget in widgets), "not once for each of its ancestors"
+
+
+def test_an_icon_is_drawn_once_in_a_colour(qapp: QApplication, monkeypatch: pytest.MonkeyPatch) -> None:
+    first = make_icon("play").pixmap(20).toImage()
+
+    def read_again() -> Path:
+        raise AssertionError("it was read before")
+
+    monkeypatch.setattr(icons, "resources", read_again)
+    assert make_icon("play").pixmap(20).toImage() == first
+    assert not first.isNull()
 
 
 def test_links_of_a_description_take_the_colour_of_the_theme(

@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+from functools import cache
+
 from PySide6.QtCore import QByteArray, QRectF, Qt
-from PySide6.QtGui import QAction, QColor, QIcon, QImage, QPainter, QPalette, QPixmap
+from PySide6.QtGui import QAction, QIcon, QImage, QPainter, QPalette, QPixmap
 from PySide6.QtSvg import QSvgRenderer
 from PySide6.QtWidgets import QApplication, QToolButton, QWidget
 
@@ -29,7 +31,6 @@ def refresh_icons(window: QWidget) -> None:
 
 def make_icon(name: str) -> QIcon:
     """Draw an icon for every state of a button: usual, disabled, and checked on the accent colour."""
-    svg = (resources() / "icons" / f"{name}.svg").read_text(encoding="utf-8")
     palette, role, group = QApplication.palette(), QPalette.ColorRole, QPalette.ColorGroup
     icon = QIcon()
     for mode, state, colour in (
@@ -38,15 +39,17 @@ def make_icon(name: str) -> QIcon:
         (QIcon.Mode.Disabled, QIcon.State.Off, palette.color(group.Disabled, role.ButtonText)),
     ):
         for side in SIDES:
-            icon.addPixmap(_render(svg, colour, side), mode, state)
+            icon.addPixmap(QPixmap.fromImage(_render(name, colour.name(), side)), mode, state)
     return icon
 
 
-def _render(svg: str, colour: QColor, side: int) -> QPixmap:
+@cache
+def _render(name: str, colour: str, side: int) -> QImage:
     image = QImage(side, side, QImage.Format.Format_ARGB32_Premultiplied)
     image.fill(Qt.GlobalColor.transparent)
     painter = QPainter(image)
-    drawing = QSvgRenderer(QByteArray(svg.replace("currentColor", colour.name()).encode()))
+    svg = (resources() / "icons" / f"{name}.svg").read_text(encoding="utf-8")
+    drawing = QSvgRenderer(QByteArray(svg.replace("currentColor", colour).encode()))
     drawing.render(painter, QRectF(0, 0, side, side))
     painter.end()
-    return QPixmap.fromImage(image)
+    return image

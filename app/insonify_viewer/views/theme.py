@@ -135,7 +135,11 @@ def apply_theme(application: QApplication, theme: Theme = Theme.DARK) -> None:
     sheet = STYLE.format(**{name: colour.name() for name, colour in named.items()})
     if application.styleSheet() == sheet:
         return
-    application.setStyle("Fusion")
+    if application.styleSheet():
+        # Replacing a sheet polishes a widget once for each of its ancestors; removing and setting one, once each.
+        application.setStyleSheet("")
+    else:
+        application.setStyle("Fusion")
     application.setPalette(_palette())
     application.setStyleSheet(sheet)
 
