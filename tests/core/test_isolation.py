@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+import itertools
 import multiprocessing
 import os
+import signal
 import subprocess
 import sys
 import time
+from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
@@ -87,6 +90,35 @@ def test_a_loop_is_ended(file, monkeypatch):
         run_isolated(loop, file)
     assert time.perf_counter() - began < 5.0
     assert run_isolated(chatter, file) == 3
+
+
+def keep_busy(path: str) -> None:
+    """Loop in C, where no thread of Python gets a turn."""
+    print(os.getpid(), file=open(f"{path}.process", "w"), flush=True)  # noqa: SIM115
+    sum(itertools.repeat(0))
+
+
+@pytest.mark.skipif(not hasattr(signal, "setitimer"), reason="the system has no such timer")
+def test_a_loop_ends_when_the_program_is_killed(file):
+    lines = (
+        "import sys; from insonify.io import isolation; from test_isolation import keep_busy\n"
+        "isolation.LONGEST = 0.5 - 4.5  # less than no time, but for the grace\n"
+        "isolation._Process.ask = lambda self, request, seconds: self._answer(request)\n"
+        "isolation.run_isolated(keep_busy, sys.argv[1])"
+    )
+    environment = os.environ | {"PYTHONPATH": str(Path(__file__).parent)}
+    with subprocess.Popen([sys.executable, "-c", lines, file], env=environment) as program:
+        told = Path(f"{file}.process")
+        wait_until(lambda: told.exists() and told.read_text().endswith("\n"))
+        program.kill()
+    wait_until(lambda: not Path(f"/proc/{int(told.read_text())}").exists())
+
+
+def wait_until(condition: Callable[[], bool]) -> None:
+    limit = time.monotonic() + 30.0
+    while not condition():
+        assert time.monotonic() < limit
+        time.sleep(0.02)
 
 
 def test_nothing_that_a_reader_prints_reaches_the_terminal(file, capfd):

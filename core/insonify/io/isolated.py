@@ -18,6 +18,7 @@ from insonify.errors import SceneError
 from insonify.io.file_access import FileFault, reason
 from insonify.io.isolation import LENGTH
 
+GRACE = 5.0  # s beyond the limit of a request, in which the process that asked ends this one if it still runs
 IDLE = 60.0  # s without a request after which the process ends
 # GDAL reads companions of a file in any format that it knows: none that names other files, asks a server or runs code.
 SKIPPED = (
@@ -48,11 +49,11 @@ def _next_request() -> list[Any] | None:
     return list(json.loads(line)) if line else None
 
 
-def _answer(module: str, name: str, path: str, memory: int) -> tuple[str, Any]:
+def _answer(module: str, name: str, path: str, memory: int, seconds: float) -> tuple[str, Any]:
     """Call a reader; return the kind of its outcome and the outcome."""
     try:
         read = getattr(import_module(module), name)
-        with _limited(memory):
+        with _limited(memory), _ended_after(seconds + GRACE):
             return "read", read(path)
     except SceneError as error:
         return "refused", str(error)
@@ -72,6 +73,20 @@ def _send(answers: IO[bytes], answer: tuple[str, Any]) -> None:
         answers.write(piece.nbytes.to_bytes(LENGTH, "little"))
         answers.write(piece)
     answers.flush()
+
+
+@contextlib.contextmanager
+def _ended_after(seconds: float) -> Iterator[None]:
+    """Let the system end this process if a block takes longer, where it can; also a loop that is not in Python."""
+    if not hasattr(signal, "setitimer"):
+        yield
+        return
+    signal.signal(signal.SIGALRM, signal.SIG_DFL)
+    signal.setitimer(signal.ITIMER_REAL, seconds)
+    try:
+        yield
+    finally:
+        signal.setitimer(signal.ITIMER_REAL, 0.0)
 
 
 @contextlib.contextmanager

@@ -56,8 +56,9 @@ def run_isolated(read: Callable[[str], Result], path: str) -> Result:
     if not sys.executable:  # Python is embedded in another program
         return read(path)
     memory = COPIES * largest_expansion(path)
-    request = json.dumps([read.__module__, read.__name__, path, memory]).encode() + b"\n"
-    kind, value = _exchange(request, LONGEST + stored_bytes(path) / SLOWEST)
+    seconds = LONGEST + stored_bytes(path) / SLOWEST
+    request = json.dumps([read.__module__, read.__name__, path, memory, seconds]).encode() + b"\n"
+    kind, value = _exchange(request, seconds)
     if kind == "refused":
         raise SceneError(value)
     if kind == "fault":
