@@ -1,10 +1,14 @@
 """Entry point of ``insonify`` and ``python -m insonify``: output encoding, garbage collection, exit code."""
 
+import atexit
 import gc
 import io
 import os
 import sys
 from collections.abc import Callable
+from typing import NoReturn
+
+ENDED = 128  # exit codes above it say that a signal ended the command
 
 
 def load() -> Callable[[], int]:
@@ -33,6 +37,22 @@ def main() -> int:
         gc.freeze()
 
 
+def run() -> NoReturn:
+    """Run the command and end the process; after an interrupt at once, although threads may still be at work."""
+    try:
+        code = main()
+    except SystemExit as leaving:
+        if not (isinstance(leaving.code, int) and leaving.code > ENDED):
+            raise
+        code = leaving.code
+    if code > ENDED:
+        atexit._run_exitfuncs()  # ends the processes that read files; threads would be waited for after it
+        sys.stdout.flush()
+        sys.stderr.flush()
+        os._exit(code)
+    sys.exit(code)
+
+
 def _settle_output() -> None:
     """Escape characters that the encoding of standard output lacks; discard output where it is closed."""
     if sys.stdout is None:
@@ -42,4 +62,4 @@ def _settle_output() -> None:
 
 
 if __name__ == "__main__":
-    sys.exit(main())
+    run()

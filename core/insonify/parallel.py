@@ -136,13 +136,23 @@ def _work_off(tasks: list[Callable[[], Result]], workers: int) -> list[Result]:
 
 
 def one_ahead(items: Iterator[Result]) -> Iterator[Result]:
-    """Yield items; the next one is made on another thread while the caller works on the last."""
-    with ThreadPoolExecutor(1, thread_name_prefix="one ahead") as maker:
+    """Yield items; the next one is made on another thread while the caller works on the last.
+
+    A caller that is interrupted while it waits does not wait for the item, which may take long.
+    """
+    maker = ThreadPoolExecutor(1, thread_name_prefix="one ahead")
+    in_time = True
+    try:
         waiting = maker.submit(_next, items)
         while (item := waiting.result()) is not _END:
             waiting = maker.submit(_next, items)
             yield cast("Result", item)
             del item  # the caller has done with it
+    except (KeyboardInterrupt, SystemExit):
+        in_time = False
+        raise
+    finally:
+        maker.shutdown(wait=in_time, cancel_futures=not in_time)
 
 
 def _next(items: Iterator[Result]) -> object:

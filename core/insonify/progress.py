@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import os
 import sys
+import threading
 import time
 from collections.abc import Iterator
 from contextlib import contextmanager
@@ -19,6 +20,9 @@ VARIABLE = "INSONIFY_PROGRESS"
 Each holds ``doing`` (words), ``done`` and ``total`` (numbers) and ``unit``.
 """
 APART = 0.1  # s, between two lines
+WAITING = 0.5  # s, between two looks at work of unknown length
+LEAST_WAITING = 1.0  # s, before a terminal shows it
+PREPARING = "preparing the bed and the plan"
 BARE = "{desc} {percentage:3.0f} % |{bar}|"  # bar of a share, which has no unit to count
 
 
@@ -126,3 +130,41 @@ def report_progress(
         yield progress
     finally:
         progress.close()
+
+
+@contextmanager
+def report_waiting(doing: str = PREPARING) -> Iterator[None]:
+    """Say what is being done, and on a terminal for how long by now, where nobody knows how long it takes.
+
+    Parameters
+    ----------
+    doing : str
+        In a few words.
+    """
+    if os.environ.get(VARIABLE) == "lines":
+        _Lines(doing, 1.0, "", 0.0)
+        yield
+        return
+    done = threading.Event()
+    clock = threading.Thread(target=_show_waiting, args=(doing, done), daemon=True)
+    clock.start()
+    try:
+        yield
+    finally:
+        done.set()
+        clock.join()
+
+
+def _show_waiting(doing: str, done: threading.Event) -> None:
+    """Show the seconds on a terminal until the work is done."""
+    began = time.time()
+    if done.wait(LEAST_WAITING):
+        return
+    # lazy: most commands end before it would appear
+    from tqdm import tqdm
+
+    disable = None if sys.stderr else True
+    with tqdm(desc=doing, bar_format="{desc}: {elapsed}", leave=False, disable=disable, delay=WAITING) as line:
+        line.start_t = began
+        while not done.wait(WAITING):
+            line.refresh()

@@ -6,6 +6,7 @@ import subprocess
 import sys
 import threading
 import time
+from concurrent.futures import Future
 
 import pytest
 
@@ -206,6 +207,26 @@ def test_an_error_of_the_maker_comes_after_the_items_before_it():
     assert next(ahead) == 1
     with pytest.raises(ValueError, match="the second"):
         next(ahead)
+
+
+@pytest.mark.parametrize("kind", [KeyboardInterrupt, SystemExit])
+def test_a_caller_that_is_interrupted_does_not_wait_for_the_item(monkeypatch, kind):
+    finish = threading.Event()
+
+    def items():
+        finish.wait(60.0)
+        yield 1
+
+    def interrupted(future):
+        raise kind
+
+    with monkeypatch.context() as patched:
+        patched.setattr(Future, "result", interrupted)
+        began = time.perf_counter()
+        with pytest.raises(kind):
+            next(one_ahead(items()))
+    assert time.perf_counter() - began < 10.0
+    finish.set()
 
 
 def test_a_caller_that_leaves_early_leaves_no_thread():

@@ -2,16 +2,21 @@
 
 from __future__ import annotations
 
+import contextlib
 import json
 import os
+import pty
+import signal
 import subprocess
 import sys
+import termios
+import time
 from pathlib import Path
 from typing import Any
 
 import pytest
 
-from insonify.progress import VARIABLE, report_progress
+from insonify.progress import VARIABLE, report_progress, report_waiting
 
 
 def lines_of(text: str) -> list[dict[str, Any]]:
@@ -61,3 +66,77 @@ def test_a_command_tells_the_program_that_started_it(tmp_path: Path) -> None:
     silent = subprocess.run([*run, "-o", tmp_path / "silent.npz"], capture_output=True, text=True)
     assert silent.stderr == ""
     assert (tmp_path / "told.npz").read_bytes() == (tmp_path / "silent.npz").read_bytes()
+
+
+def on_a_terminal(code: str) -> str:
+    """Return what a program writes to a terminal of 80 columns."""
+    controller, terminal = pty.openpty()
+    termios.tcsetwinsize(controller, (24, 80))
+    with subprocess.Popen([sys.executable, "-c", code], stdout=terminal, stderr=terminal) as program:
+        os.close(terminal)
+        written = b""
+        with contextlib.suppress(OSError):  # the terminal is closed at the other end
+            while more := os.read(controller, 4096):
+                written += more
+    os.close(controller)
+    assert program.returncode == 0
+    return written.decode()
+
+
+WAIT = "import time; from insonify.progress import report_waiting\nwith report_waiting(): time.sleep({})"
+
+
+def test_a_terminal_is_told_what_takes_long_and_for_how_long() -> None:
+    told = on_a_terminal(WAIT.format(3.2))
+    for seconds in (1, 2, 3):
+        assert f"preparing the bed and the plan: 00:0{seconds}" in told
+    assert told.rpartition("00:03")[2].strip() == ""  # it is wiped out
+
+
+def test_a_terminal_is_told_nothing_of_what_does_not_take_long() -> None:
+    assert on_a_terminal(WAIT.format(0.1)) == ""
+
+
+def test_a_program_is_told_what_it_waits_for(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.setenv(VARIABLE, "lines")
+    with report_waiting("simulating"):
+        pass
+    assert lines_of(capsys.readouterr().err) == [{"doing": "simulating", "done": 0.0, "total": 1.0, "unit": ""}]
+
+
+# A command whose bed takes a minute in C, on another thread; it says when that has begun.
+MINUTE = """
+import sys, time
+import insonify.__main__ as process, insonify.simulation
+def blocks(*arguments, **options):
+    print("begun", flush=True)
+    time.sleep(60)
+    yield
+insonify.simulation.simulate_blocks = blocks
+sys.argv = ["insonify", "render", "default", "-o", sys.argv[1]]
+process.run()
+"""
+
+
+@pytest.mark.parametrize("name", ["SIGINT", "SIGTERM", "SIGHUP", "SIGQUIT"])
+def test_what_takes_long_can_be_stopped(tmp_path: Path, name: str) -> None:
+    number = getattr(signal, name)
+    path = tmp_path / "record.nc"
+    path.write_text("old")
+    default = signal.default_int_handler if name == "SIGINT" else signal.SIG_DFL
+    with subprocess.Popen(
+        [sys.executable, "-c", MINUTE, str(path)], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True,
+        preexec_fn=lambda: signal.signal(number, default),
+    ) as command:  # fmt: skip
+        assert command.stdout is not None
+        assert command.stdout.readline() == "begun\n"
+        time.sleep(0.5)  # it waits
+        began = time.perf_counter()
+        command.send_signal(number)
+        told = command.communicate(timeout=50)[1]
+    assert time.perf_counter() - began < 10.0
+    assert (command.returncode, path.read_text()) == (128 + number, "old")
+    assert told == ("insonify: interrupted; no file was touched\n" if name == "SIGINT" else "")
+    assert list(tmp_path.iterdir()) == [path]

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 from insonify.commands.options import add_frequency, add_output, chosen_output, is_record, say
 from insonify.io.records import RECORDS, read_record
+from insonify.progress import report_waiting
 from insonify.scene import load_scene
 
 if TYPE_CHECKING:
@@ -51,4 +52,5 @@ def _record(name: str, frequency: float | None) -> xr.Dataset:
     # lazy: the other commands need neither Matplotlib nor the kernels
     from insonify.simulation import simulate
 
-    return simulate(load_scene(name))
+    with report_waiting(f"simulating {name}"):
+        return simulate(load_scene(name))

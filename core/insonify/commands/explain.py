@@ -7,6 +7,7 @@ import math
 from typing import TYPE_CHECKING, Any
 
 from insonify.commands.options import SIDES, add_method, add_scene, chosen_model, chosen_scene, find_pixel, say
+from insonify.progress import report_waiting
 
 if TYPE_CHECKING:
     from insonify.explanation.pixel import PixelExplanation
@@ -39,7 +40,8 @@ def run(arguments: argparse.Namespace) -> None:
     scene = chosen_scene(arguments)
     pixel = find_pixel(scene, arguments.ping, arguments.side, arguments.range)
     how: dict[str, Any] = {"method": arguments.method, "tolerance": arguments.tolerance}
-    simulation = prepare(scene, **how, forced=chosen_model(arguments))
+    with report_waiting():
+        simulation = prepare(scene, **how, forced=chosen_model(arguments))
     for line in _table(explain_pixel(simulation, *pixel)):
         say(line)
 

@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import TypeVar
 
 from insonify.io.records import RECORDS
-from insonify.progress import report_progress
+from insonify.progress import report_progress, report_waiting
 from insonify.scene import DEFAULT_SCENE, Scene, SceneError, edit, load_scene, read_setting
 
 Block = TypeVar("Block")
@@ -254,10 +254,13 @@ def tracked(blocks: Iterator[Block], pings: int, count: Callable[[Block], int]) 
     count : callable
         Number of pings of a block.
     """
+    with report_waiting():
+        block = next(blocks, None)  # makes the bed and the plan, where they have not been made
     with report_progress("", pings, "ping", delay=1.0) as progress:
-        for block in blocks:
+        while block is not None:
             yield block
             progress.advance(count(block))
+            block = next(blocks, None)
 
 
 def decibels(text: str) -> float:

@@ -6,6 +6,7 @@ import argparse
 from typing import Any
 
 from insonify.commands.options import add_method, add_scene, chosen_model, chosen_scene, say
+from insonify.progress import report_waiting
 
 
 def register(subparsers: Any) -> None:
@@ -27,4 +28,6 @@ def run(arguments: argparse.Namespace) -> None:
     from insonify.planning import plan
 
     scene, forced = chosen_scene(arguments), chosen_model(arguments)
-    say(plan(scene, arguments.tolerance, method=arguments.method, forced=forced).table())
+    with report_waiting():
+        found = plan(scene, arguments.tolerance, method=arguments.method, forced=forced)
+    say(found.table())

@@ -6,6 +6,7 @@ import argparse
 from typing import Any
 
 from insonify.commands.options import add_output, add_scene, chosen_output, chosen_scene, say
+from insonify.progress import report_waiting
 
 
 def register(subparsers: Any) -> None:
@@ -30,7 +31,8 @@ def run(arguments: argparse.Namespace) -> None:
     from insonify.io.atomic import replacing
     from insonify.terrain import relief_picture
 
-    picture = relief_picture(scene)
+    with report_waiting("making the bed"):
+        picture = relief_picture(scene)
     with replacing(path) as beside:
         Image.fromarray(picture).save(beside)
     say(f"{path}: {picture.shape[1]} x {picture.shape[0]} pixels")

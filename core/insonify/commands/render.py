@@ -23,6 +23,7 @@ from insonify.commands.options import (
 )
 from insonify.display.display_options import PALETTES, SIDES, DisplayOptions, read_display
 from insonify.io.records import RECORDS, read_record, write_record
+from insonify.progress import report_waiting
 from insonify.scene import Scene, SceneError
 
 PICTURE = ".png"
@@ -192,7 +193,8 @@ def write(
     from insonify.display.sheet import gather_sheet, trace_sheet_pings
 
     # Without Datasets: importing xarray and pandas takes as long as the picture.
-    simulation = prepare(scene, **asked)
+    with report_waiting():
+        simulation = prepare(scene, **asked)
     shown = track(one_ahead(trace_sheet_pings(simulation)), pings, lambda block: len(block.intensity))
     sheet = gather_sheet(shown, LevelBed(simulation).normalise, pings, look)
     # lazy: Matplotlib takes as long to import as all before the first ping, and only the finished sheet needs it
