@@ -138,6 +138,7 @@ class Simulator(QObject):
         self._latest_start = 0.0
         self._closing = False
         self._cost = 1e-4  # s, of a coarse ping
+        self._coarse = -1  # number of the last coarse answer that was sent to the main thread
         self._changed = threading.Condition()
         self._last: dict[bool, tuple[Scene, Modelling, Simulation, LevelBed]] = {}
         self._called_back.connect(self._call_back, Qt.ConnectionType.QueuedConnection)
@@ -254,7 +255,9 @@ class Simulator(QObject):
         refuse = partial(self.refused.emit, request.number)
         try:
             for answer in self._trace(request):
-                self._called_back.emit(self.answered.emit, answer)
+                if not answer.fine:
+                    self._coarse = answer.number
+                self._called_back.emit(self._deliver, answer)
                 if self._waiting is not None or self._closing:
                     return
         except Exception as error:  # an exception that ends the thread would freeze the picture silently
@@ -333,6 +336,11 @@ class Simulator(QObject):
             yield
         finally:
             self._activity = Activity()
+
+    def _deliver(self, answer: TracedPings) -> None:
+        """Pass an answer on, unless it is a coarse picture and that of a later edit waits behind it."""
+        if answer.fine or answer.number >= self._coarse:
+            self.answered.emit(answer)
 
     def _call_back(self, receive: Callable[[Any], None], result: Any) -> None:
         if not self._closing:  # a result may still be queued when the window closes

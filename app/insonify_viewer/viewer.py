@@ -327,11 +327,12 @@ class Viewer(QObject):
         self.targets.follow(answer.simulation)
         age = self.tow.top - answer.pings
         on_screen = (age >= 0) & (age < self.record.pings)
+        whole = bool(on_screen.all())
+        some = slice(None) if whole else on_screen  # a mask copies megabytes
         stamp = 2 * answer.number + answer.fine
-        held = answer.pings[on_screen], answer.amplitude[on_screen], stamp, answer.altitude[on_screen]
-        rows = self.record.put(*held)
+        rows = self.record.put(answer.pings[some], answer.amplitude[some], stamp, answer.altitude[some])
         self._settle_levels()
-        self.window.waterfall.show_rows(rows, answer.alike if on_screen.all() else 1, answer.reach)
+        self.window.waterfall.show_rows(rows, answer.alike if whole else 1, answer.reach)
         self.window.waterfall.show_top(self._newest_held())
         if answer.fine:
             self._show_sonar()

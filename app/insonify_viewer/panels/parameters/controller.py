@@ -12,6 +12,7 @@ from insonify_viewer.field_names import name_edit, name_field
 from insonify_viewer.fields import NumberField
 from insonify_viewer.modelling import Modelling
 from insonify_viewer.panels.panel import Panel, Place, RecordGrowth, Workbench
+from insonify_viewer.panels.parameters.moving_values import follow_values
 from insonify_viewer.panels.parameters.resetting import Resets
 from insonify_viewer.panels.parameters.sections import (
     FieldSection,
@@ -42,6 +43,7 @@ class ParametersPanel(Panel):
         self._meter = EffectMeter(workbench.simulator, self._show_effects)
         self._followed: tuple[Scene, Modelling] | None = None  # the scene whose effects are measured
         self._due = True  # whether that is still to begin
+        self._shown: tuple[FieldSection, ...] = ()
         self.view = view = ParametersView()
         view.setEnabled(False)
         view.dragged.connect(lambda path, value: self._session.drag({path: value}))
@@ -76,7 +78,7 @@ class ParametersPanel(Panel):
             self._follow_history(scene)
             self.view.show_at_once(self._show)
         else:
-            self.view.show_soon(self._show)
+            self.view.show_soon(self._show_moving)
 
     def record_grown(self, growth: RecordGrowth) -> None:
         """Enable the panel; measure the effects once the whole record is on screen."""
@@ -110,11 +112,27 @@ class ParametersPanel(Panel):
     def _show(self) -> None:
         scene = self._session.scene
         self.view.show_about(split_description(scene.description), self._trials.tried(scene))
-        sections = self._sections()
+        self._shown = sections = self._sections()
         self.view.show_sections(sections)
         words = self.view.search.text().strip()
         self.view.show_found(found_section(scene, sections_of(scene), words) if words else None)
-        self.view.show_changed(self._resets.changed(scene, (row for section in sections for row in section.parameters)))
+        self._show_rest()
+
+    def _show_moving(self) -> None:
+        """Show the numbers of a scene whose slider is held; the rest follows once it is let go."""
+        sections = None if self.view.search.text() else follow_values(self._session.scene, self._shown)
+        if sections is None:
+            self._show()
+        else:
+            self._shown = sections
+            self.view.show_values(sections)
+            self._show_rest()
+
+    def _show_rest(self) -> None:
+        """Show what depends on the values: marks of changed fields, curves, effects."""
+        scene = self._session.scene
+        rows = (row for section in self._shown for row in section.parameters)
+        self.view.show_changed(self._resets.changed(scene, rows))
         self.view.show_pictures(scene)
         self._show_effects()
 

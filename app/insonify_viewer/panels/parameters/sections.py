@@ -172,7 +172,7 @@ def _rows(scene: Scene, part: BaseModel, name: str, path: str, indent: int) -> I
     elif name == "path":
         yield FileField(path, "file", tooltip, indent, value)
     elif not isinstance(value, str):
-        applies = _value_that_applies(scene, part, name) if value is None else value
+        applies = value_that_applies(scene, part, name) if value is None else value
         if applies is not None:
             number = _number(field, path, label, indent, applies, most=_most(scene, path))
             yield replace(number, idle=_idle(scene, path))
@@ -327,7 +327,7 @@ def _stands_aside(scene: Scene, part: BaseModel, name: str, path: str) -> bool:
     return isinstance(part, Declaration) and name in part.idle_fields
 
 
-def _value_that_applies(scene: Scene, part: BaseModel, name: str) -> float | None:
+def value_that_applies(scene: Scene, part: BaseModel, name: str) -> float | None:
     """Value that applies to a field that the scene leaves open."""
     if isinstance(part, PowerTvg):
         depth = scene.seabed.depth - scene.altitude

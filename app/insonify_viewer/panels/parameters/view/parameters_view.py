@@ -152,6 +152,11 @@ class ParametersView(SidePanel):
         self._light_rows()
         self._build()
 
+    def show_values(self, sections: tuple[FieldSection, ...]) -> None:
+        """Show other values in the rows that are there."""
+        for section in sections:
+            self._sections[section.key].show_values(section)
+
     def _build(self) -> None:
         """Build the rows of the first section that waits; the others follow when events have been handled."""
         waiting = [box for box in self._sections.values() if box.waits]

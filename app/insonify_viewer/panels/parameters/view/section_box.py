@@ -121,13 +121,14 @@ class SectionBox(FoldingBox):
         self._signals.reset.emit(tuple(self._changed))
 
     def show_values(self, section: FieldSection) -> None:
-        """Show other values in the same rows."""
-        self._section = section
+        """Show other values in the same rows; rows whose fields are the same objects as before stay as they are."""
+        before, self._section = self._section, section
         self.entitle(section.title)
         self._body.setEnabled(not section.locked)
-        for parameter in section.parameters if self._built else ():
-            row: Any = self._rows[parameter.path]
-            row.show_value(parameter)
+        for known, parameter in zip(before.parameters, section.parameters, strict=True) if self._built else ():
+            if parameter is not known:
+                row: Any = self._rows[parameter.path]
+                row.show_value(parameter)
 
     def show_pictures(self, scene: Scene) -> None:
         """Show a scene in the pictures below the rows of the settings that they show."""
