@@ -6,6 +6,9 @@ import math
 from collections.abc import Mapping
 from typing import Any
 
+import numpy as np
+
+from insonify.acoustics.layers import make_sound_speed_field
 from insonify.acoustics.water import speed_at_sonar
 from insonify.scene import Scene, SceneError, edit
 from insonify.scene.materials import MATERIAL_MAPS, MATERIALS, Material, MaterialMap, Reflectivity
@@ -66,6 +69,8 @@ def _ping_rate(scene: Scene, changes: Mapping[str, Any]) -> tuple[Changes, str]:
     if not any(path.startswith(("sonar.range", "water", "track")) for path in changes):
         return {}, ""
     try:
+        if all(path.startswith("track") for path in changes) and np.ptp(make_sound_speed_field(scene.water).speed) == 0:
+            return {}, ""  # the sonar moves in water that is everywhere the same
         after = edit(scene, {**changes, "sonar.ping_rate": SLOWEST})
         reach, fastest = after.sonar.range, speed_at_sonar(after) / (2.0 * after.sonar.range)
     except SceneError:

@@ -194,7 +194,7 @@ def test_a_histogram_stands_out(theme: Theme, qtbot: Any) -> None:
     histogram = HistogramView()
     qtbot.addWidget(histogram)
     histogram.resize(320, 112)
-    histogram.show_levels(np.zeros(1000, dtype=np.float32))
+    histogram.show_levels(lambda: np.zeros(1000, dtype=np.float32))
     picture = histogram.grab().toImage()
     peak, beside = (picture.pixelColor(round(histogram.place_of(level)), 60).name() for level in (0.25, 30.0))
     assert contrast(peak, beside) >= 3.0

@@ -206,3 +206,18 @@ def test_zoom_by_keys(viewer: Any, panel: Any, qtbot: Any) -> None:
     qtbot.waitUntil(lambda: not zoom().whole)
     press(viewer, "0")
     qtbot.waitUntil(lambda: zoom().whole)
+
+
+def test_levels_behind_a_tab_are_not_counted(
+    open_viewer: Any, small: Scene, qtbot: Any, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    viewer = open_viewer(small)
+    record, asked = viewer.panels["record"], []
+    find = record._find_levels
+    monkeypatch.setattr(record, "_find_levels", lambda: asked.append(True) or find())
+    viewer.session.settle({"track.altitude": 8.0})
+    qtbot.waitUntil(lambda: viewer.complete)
+    qtbot.wait(50)
+    assert not asked
+    viewer.window.open_panel("record")
+    qtbot.waitUntil(lambda: bool(asked))

@@ -7,8 +7,9 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 from PySide6.QtCore import QPointF, QRect, Qt
-from PySide6.QtGui import QColor, QPainter, QPen, QPolygonF
+from PySide6.QtGui import QColor, QPainter, QPen
 
+from insonify_viewer.views.polylines import make_polyline
 from insonify_viewer.views.theme import ACCENT, EDGE, MARK, QUIET, RAISED
 
 LEAST, GAP = 84, 22  # px, height of the trace, and its distance from the ruler above it
@@ -45,7 +46,7 @@ def draw_trace(painter: QPainter, area: QRect, loudest: NDArray[np.float32], tit
     _draw_lines(painter, area, top)
     heights = area.bottom() - (np.maximum(levels, FLOOR) - FLOOR) / (top - FLOOR) * area.height()
     places = area.left() + 0.5 + np.arange(heights.size)
-    line = QPolygonF(list(map(QPointF, places.tolist(), heights.tolist())))
+    line = make_polyline(places, heights)
     painter.setPen(QPen(QColor(ACCENT), 1.0))
     painter.drawPolyline(line)
     _draw_numbers(painter, area, top)

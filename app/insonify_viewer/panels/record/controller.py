@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from insonify.scene import Scene, SceneError
 from insonify_viewer.contacts.contact import SIDES, Contact, ContactList
@@ -175,17 +176,20 @@ class RecordPanel(Panel):
             self.view.histogram.show_colours(self._simulated.tone_map)
 
     def _show_levels(self) -> None:
-        """Count the levels of the simulated record on screen."""
+        """Show the levels of the simulated record on screen."""
+        if np.any(self._simulated.record.ping >= 0):
+            self.view.histogram.show_levels(self._find_levels)
+            self._show_colours()
+
+    def _find_levels(self) -> NDArray[np.float64]:
+        """Levels of some bins of the simulated record on screen, in dB re level bed."""
         record = self._simulated.record
         held = np.flatnonzero(record.ping >= 0)
-        if not held.size or not self.view.isVisible():
-            return
         every = max(int((held.size * 2 * record.bins / SAMPLED) ** 0.5), 1)
         amplitude = record.amplitude[held[::every], ::every]
         factors = row_factors(self._session.display, record.bins)
         sample = amplitude if factors is None else amplitude * factors[::every]
-        self.view.histogram.show_levels(20.0 * np.log10(sample[sample > 0.0].astype(np.float64)))
-        self._show_colours()
+        return np.asarray(20.0 * np.log10(sample[sample > 0.0].astype(np.float64)))
 
     def _drag_ends(self, low: float, high: float) -> None:
         """Set the ends of the palette; the gain on top stays."""

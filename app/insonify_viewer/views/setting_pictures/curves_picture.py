@@ -8,12 +8,13 @@ from collections.abc import Callable
 
 import numpy as np
 from PySide6.QtCore import QPointF, QRectF, Qt, Signal
-from PySide6.QtGui import QColor, QPainter, QPaintEvent, QPen, QPolygonF
+from PySide6.QtGui import QColor, QPainter, QPaintEvent, QPen
 
 from insonify.display.scene_curves import FLOOR, Curve
 from insonify.scene import Scene, SceneError
 from insonify_viewer.errors.guarded_overrides import guard_override
 from insonify_viewer.views.pixels import round_steps
+from insonify_viewer.views.polylines import make_polyline
 from insonify_viewer.views.setting_pictures.base import SettingPicture
 from insonify_viewer.views.theme import ACCENT, EDGE, QUIET, RAISED, TEXT
 
@@ -101,7 +102,7 @@ def _paint(painter: QPainter, curve: Curve, area: QRectF) -> None:
     x = plot.left() + (curve.x[columns] - first) / (last - first) * plot.width()
     y = plot.bottom() - (np.clip(curve.y[columns], low, high) - low) / (high - low) * (plot.height() - 2.0)
     painter.setPen(QPen(QColor(ACCENT), 1.3))
-    painter.drawPolyline(QPolygonF([QPointF(a, b) for a, b in zip(x.tolist(), y.tolist())]))
+    painter.drawPolyline(make_polyline(x, y))
 
 
 def _paint_scales(painter: QPainter, curve: Curve, plot: QRectF, ends: tuple[float, float]) -> None:

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+
 import numpy as np
 from numpy.typing import NDArray
 from PySide6.QtCore import QPointF, QRectF, QSize, Qt, Signal
@@ -41,6 +43,7 @@ class HistogramView(QWidget):
             "and Shift ← → the lower one."
         )
         self._counts: NDArray[np.float64] = np.zeros(1)
+        self._due: Callable[[], NDArray[np.floating]] | None = None  # gives the levels to count
         self._bar = QImage()
         self._ends = (LOWEST, HIGHEST)
         self._held: int | None = None
@@ -55,11 +58,17 @@ class HistogramView(QWidget):
         """Ends of the colour bar in dB re level bed."""
         return self._ends
 
-    def show_levels(self, decibels: NDArray[np.float64]) -> None:
-        """Count levels in dB re level bed."""
-        counts, _ = np.histogram(decibels, bins=160, range=(LOWEST, HIGHEST))
-        self._counts = np.sqrt(counts / max(int(counts.max()), 1))  # so that rare levels are seen
+    def show_levels(self, find: Callable[[], NDArray[np.floating]]) -> None:
+        """Count levels in dB re level bed, which are asked for when they are next painted: behind a tab, never."""
+        self._due = find
         self.update()
+
+    def _count(self) -> None:
+        """Count the levels that are due."""
+        find, self._due = self._due, None
+        if find is not None:
+            counts, _ = np.histogram(find(), bins=160, range=(LOWEST, HIGHEST))
+            self._counts = np.sqrt(counts / max(int(counts.max()), 1))  # so that rare levels are seen
 
     def show_colours(self, tone_map: ToneMap) -> None:
         """Show the colours of levels, and the ends of the palette."""
@@ -85,6 +94,7 @@ class HistogramView(QWidget):
     @guard_override(None)
     def paintEvent(self, event: QPaintEvent) -> None:
         """Draw histogram, colour bar, its ends and a scale."""
+        self._count()
         painter = QPainter(self)
         base = self.height() - BAR - SCALE
         area = QRectF(MARGIN, 2.0, self.width() - 2 * MARGIN, base - 2.0)
