@@ -14,6 +14,16 @@ Meeting = Callable[[Array, Array], tuple[Array, Array]]
 Material = tuple[float, float, float]
 
 
+def dot(one: Array, other: Array) -> Array:
+    """Scalar products of vectors along the last axis."""
+    return np.asarray(np.einsum("...i,...i->...", one, other))
+
+
+def norm(vectors: Array) -> Array:
+    """Lengths of vectors along the last axis."""
+    return np.sqrt(dot(vectors, vectors))
+
+
 def strength(cosine: Array, material: Material) -> Array:
     """Backscattering strength of law `sonar` from the cosine of the incidence."""
     diffuse, specular, shininess = material
@@ -43,7 +53,7 @@ def cylinder(start: ArrayLike, end: ArrayLike, radius: float) -> Meeting:
         length = np.linalg.norm(axis)
         axis = axis / length
         across, foot = way - (way @ axis)[..., None] * axis, first - (first @ axis) * axis
-        a, b = (across * across).sum(axis=-1), across @ foot
+        a, b = dot(across, across), across @ foot
         root = np.sqrt(np.clip(b * b - a * (foot @ foot - radius * radius), 0.0, None))
         distance = (b - root) / a
         place = distance * (way @ axis) - first @ axis
@@ -63,20 +73,20 @@ def frustum(start: ArrayLike, end: ArrayLike, first: float, last: float) -> Meet
         along, rate = (origin - begin) @ axis, way @ axis
         off, out = (origin - begin) - along * axis, way - rate[..., None] * axis
         radius, growth = first + taper * along, taper * rate
-        a, b, c = (out * out).sum(axis=-1) - growth**2, out @ off - growth * radius, off @ off - radius**2
+        a, b, c = dot(out, out) - growth**2, out @ off - growth * radius, off @ off - radius**2
         best, cosine = np.full(rate.shape, np.inf), np.zeros(rate.shape)
         with np.errstate(invalid="ignore", divide="ignore"):
             for sign in (-1.0, 1.0):
                 t = (-b + sign * np.sqrt(b * b - a * c)) / a
                 across = off + t[..., None] * out
-                normal = across / np.linalg.norm(across, axis=-1)[..., None] - taper * axis
-                facing = -(normal * way).sum(axis=-1) / np.sqrt(1.0 + taper**2)
+                normal = across / norm(across)[..., None] - taper * axis
+                facing = -dot(normal, way) / np.sqrt(1.0 + taper**2)
                 inside = (along + t * rate >= 0.0) & (along + t * rate <= length) & (radius + t * growth > 0.0)
                 met = (t > 0.0) & inside & (t < best) & (facing > 0.0)
                 best, cosine = np.where(met, t, best), np.where(met, facing, cosine)
             for place, side, wide in ((0.0, -1.0, first), (length, 1.0, last)):
                 t = (place - along) / rate
-                across = np.linalg.norm(off + t[..., None] * out, axis=-1)
+                across = norm(off + t[..., None] * out)
                 met = (t > 0.0) & (across <= wide) & (t < best) & (side * rate < 0.0)
                 best, cosine = np.where(met, t, best), np.where(met, -side * rate, cosine)
         return best, cosine

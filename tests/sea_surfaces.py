@@ -8,7 +8,7 @@ from collections.abc import Callable
 import numpy as np
 
 from beds import solids_of
-from brute_force import Material, Meeting, Response
+from brute_force import Material, Meeting, Response, dot, norm
 from insonify.acoustics.sea_surface import make_surface_multipath
 from insonify.kernels.common.types import LIGHT, SceneArrays, still_water
 from insonify.scene.surfaces import WAYS
@@ -119,11 +119,13 @@ def _bistatic(law: int, one: np.ndarray, other: np.ndarray, towards: np.ndarray,
     return one * other / math.pi * (diffuse + 0.5 * (shininess + 2.0) * lobe)
 
 
-def _last_met(meets: Callable[[float], bool], inside: float, outside: float) -> float:
-    for _ in range(60):
-        middle = 0.5 * (inside + outside)
-        inside, outside = (middle, outside) if meets(middle) else (inside, middle)
-    return inside
+def _last_met(meets: Callable[[np.ndarray], np.ndarray], inside: float, outside: float) -> float:
+    """Last angle at which a body is met on the way outside, halved 60 times: 64 places are tried at a time."""
+    for _ in range(10):
+        places = np.linspace(inside, outside, 65)
+        beyond = max(int(np.argmin(np.append(meets(places[:-1]), False))), 1)  # the first place where it is not met
+        inside, outside = places[beyond - 1], places[beyond]
+    return float(inside)
 
 
 @np.errstate(invalid="ignore")  # rays that miss a body are infinitely long
@@ -152,8 +154,8 @@ def naive_target_ghost(
             level = np.cos(angle)
             return np.stack([level * math.sin(azimuth), level * math.cos(azimuth), np.sin(angle)], axis=-1)
 
-        def meets(angle: float) -> bool:
-            return bool(np.isfinite(meet(lower, directions(np.array([angle])))[0][0]))
+        def meets(angle: np.ndarray) -> np.ndarray:
+            return np.isfinite(meet(lower, directions(angle))[0])
 
         scan = np.linspace(-1.3, -0.1, 4001)
         seen = np.flatnonzero(np.isfinite(meet(lower, directions(scan))[0]))
@@ -162,16 +164,17 @@ def naive_target_ghost(
         low, high = _last_met(meets, scan[seen[0]], -1.31), _last_met(meets, scan[seen[-1]], -0.09)
         edges = 0.5 * (low + high) - 0.5 * (high - low) * np.cos(math.pi * np.arange(up + 1) / up)
         angle = 0.5 * (edges[1:] + edges[:-1])
-        (near, cos_near), (ends, _) = meet(lower, directions(angle)), meet(lower, directions(edges))
-        far = np.linalg.norm(lower + near[:, None] * directions(angle) - higher, axis=-1)
-        back = (lower + near[:, None] * directions(angle) - higher) / far[:, None]
+        way = directions(angle)
+        (near, cos_near), (ends, _) = meet(lower, way), meet(lower, directions(edges))
+        far = norm(lower + near[:, None] * way - higher)
+        back = (lower + near[:, None] * way - higher) / far[:, None]
         first, cos_far = meet(higher, back)
         lit = (np.abs(first - far) < 1e-7 * far) & (np.abs(math.sin(azimuth)) * np.cos(angle) <= sine)
-        towards, r = (directions(angle) * back).sum(axis=-1), 0.5 * (near + far)
+        towards, r = dot(way, back), 0.5 * (near + far)
         value = _bistatic(arrays.law, cos_near, cos_far, towards, material)
         cone = 2.0 * np.arcsin(np.minimum(sine / np.cos(angle), 1.0))
         if arrays.law == LIGHT:
-            beyond = np.linalg.norm(lower + ends[:, None] * directions(edges) - higher, axis=-1)
+            beyond = norm(lower + ends[:, None] * directions(edges) - higher)
             energy = value * np.abs(np.diff(0.5 * (ends + beyond))) / arrays.bin_length
             energy *= 2.0 * widest / across / cone if sine > 0.0 else 1.0
         else:
