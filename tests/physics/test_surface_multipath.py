@@ -311,9 +311,13 @@ def test_a_squinting_beam_takes_in_what_every_azimuth_does(way, squint, law):
     options = {"periodic": True, "bins": 600, "bin_length": 0.1, "law": law}
     arrays = arrays_of(np.zeros((64, 64)), 0.5, half_width=width, pattern=pattern, **options)
     bell = gaussian(width)
-    right = naive_level_ghost(
-        arrays, lambda s, r: bell(s, r) * (np.abs(s) < pattern.extent[0]), 10.0, 12.0, way, turned
-    )
+
+    def respond(sine, slant_range):
+        response, heard = np.zeros(np.broadcast_shapes(sine.shape, slant_range.shape)), np.abs(sine) < pattern.extent[0]
+        response[heard] = bell(sine[heard], np.zeros(1))  # of any range
+        return response
+
+    right = naive_level_ghost(arrays, respond, 10.0, 12.0, way, turned)
     traces = [lambda arrays, poses, planes=planes: sweep.trace(arrays, poses, planes=planes) for planes in (1, 256)]
     traces.append(lambda arrays, poses: rays.trace(arrays, poses, rays=1 << 17))
     for trace, bound, bias in zip(traces, (0.012, 0.01, 0.05), (5e-4, 2e-3, 2e-3)):
