@@ -23,6 +23,7 @@ FEW = 12  # pings on which models of much work are compared
 LITTLE = 1e6  # work of some milliseconds, up to which models are compared on all pings
 MOST = 1e8  # work of half a second, up to which finer and finer models are traced to judge coarser ones
 OF_A_THREAD = 4  # pings worth handing to a thread
+RAYS_OF_A_THREAD = 4000  # rays per side of a single ping that is worth handing to a thread
 _LOADED: set[tuple[str, bool, bool]] = set()  # kernels that a probe of this process has called: method, bent, paths
 
 
@@ -53,7 +54,7 @@ class Probe:
         self._beyond = find_first_bin(ERROR_ALTITUDES, packed.arrays, self._poses) - self._near
         self._scale = scale_to_flat_bed(packed.arrays, self._poses, self._near)
         self._traced: dict[Model, Traced] = {}
-        self._differences: dict[tuple[Model, Model, float, bool], float] = {}
+        self._differences: dict[tuple[Model, Model, float, bool, int | None], float] = {}
 
     def leave_out_collisions(self, model: Model) -> None:
         """Leave out pings in which the sonar is inside a target: they are refused when they are simulated.
@@ -88,7 +89,9 @@ class Probe:
         """Whether a model may be traced to judge a coarser one; errors of more work are predicted from its order."""
         return self.count(model) * self._packed.work(model) <= MOST
 
-    def difference(self, coarse: Model, fine: Model, *, nearer: float = 0.0, cautious: bool = False) -> float:
+    def difference(
+        self, coarse: Model, fine: Model, *, nearer: float = 0.0, cautious: bool = False, most: int | None = None
+    ) -> float:
         """Error of a model against a finer one: the greater of that over the track and that across targets.
 
         Parameters
@@ -98,13 +101,16 @@ class Probe:
             Weight of the error over all bins from the first return; 0 for bins beyond 1.4 altitudes alone.
         cautious : bool
             Whether the standard error is added, by which it varies from ping to ping.
+        most : int, optional
+            Pings on which they are compared at most.
         """
         coarse, fine = _without_surface_echo(coarse, fine)
         if coarse == fine:
             return 0.0
-        key = coarse, fine, nearer, cautious
+        key = coarse, fine, nearer, cautious, most
         if key not in self._differences:
             count = self.count(max(coarse, fine, key=self._packed.work))
+            count = count if most is None else min(count, most)
             one, other = (self._trace(model, count).record[:count] for model in (coarse, fine))
             missed, whole = (np.square(part).sum(axis=1, dtype=np.float64) for part in (one - other, other))
             errors = [self._error(missed[:, self._beyond :], whole[:, self._beyond :], cautious)]
@@ -167,7 +173,7 @@ class Probe:
         if kernels not in _LOADED:  # the first call takes longer, for it loads them
             block(0, 1)
             _LOADED.add(kernels)
-        parts = in_parallel(block, count, least=OF_A_THREAD)
+        parts = in_parallel(block, count, least=1 if model.rays >= RAYS_OF_A_THREAD else OF_A_THREAD)
         record = np.concatenate([part for part, _ in parts])[:, :, self._near :] * self._scale[:count]
         return Traced(record, count, float(np.median([seconds for _, seconds in parts])))
 

@@ -32,10 +32,10 @@ def pack_for_chart(scene: Scene, pings: int) -> tuple[SceneArrays, Poses]:
     SceneError
         If the scene cannot be simulated.
     """
-    straight = not prepare(scene).plan.bent
     ground = build_ground(scene)
     arrays = pack_scene(scene, ground)
-    if straight and (arrays.multipath.enabled or arrays.bounces):
+    # Only these effects are not simulated together with refraction, and only the plan tells which of both is kept.
+    if arrays.water.bent and (arrays.multipath.enabled or arrays.bounces) and not prepare(scene).plan.bent:
         arrays = arrays._replace(water=still_water(arrays.water.reference, arrays.water.surface))
     poses = make_poses(scene, ground, np.unique(np.linspace(0, scene.track.pings - 1, pings).astype(np.int64)))
     tiles = TerrainTiles(ground, arrays.bins * arrays.bin_length).split(arrays, poses)

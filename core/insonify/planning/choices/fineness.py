@@ -30,6 +30,7 @@ COUNTS = (*range(1, 9), *range(10, 17, 2), *range(20, 33, 4), *range(40, 65, 8),
 MOST_PLANES = COUNTS[-1]
 # Rays per side of the sweep's pings with several eigenrays or none; each number is judged by the next.
 RAYS_STEP, FOLDED_RAYS = 4, (4000, 16_000, 64_000)
+PINGS_OF_MOST_RAYS = 4  # pings traced with the most of them, a second of one core at the longest ranges
 STRIDES, FEWEST_CELLS = (1, 2, 4, 8, 16, 32), 8  # of nodes; cells that a period of the bed keeps
 OF_LEVEL_BED = 30.0  # weight of errors of coarser nodes over a level bed, whose record is well known
 NEARER = 1.0 / 3.0  # weight of the error of coarser nodes over all bins, the strong ones near nadir too
@@ -148,17 +149,25 @@ class Rays(Ladder):
         return super().error(case, model, cautious)
 
     def _folded(self, case: Case, model: Model, cautious: bool) -> float:
-        """Error measured from the next number of rays; beyond the last it falls with the power with which it fell."""
+        """Error measured from the next number of rays; of more than the fewest, by the power with which it falls.
+
+        That power is measured on a few pings: it differs less from ping to ping than the error, and rays take long.
+        """
         fine = _finest(case, model)._replace(bent=True)
 
-        def step(rays: int) -> float:
+        def step(rays: int, cautious: bool, most: int | None = None) -> float:
             pair = (fine._replace(rays=number) for number in (rays, RAYS_STEP * rays))
-            return case.probe.difference(*pair, cautious=cautious)
+            return case.probe.difference(*pair, cautious=cautious, most=most)
 
-        if model.rays < FOLDED_RAYS[-1]:
-            return step(model.rays)
-        before, error = (step(rays) for rays in FOLDED_RAYS[:2])
-        return error * min(max(error / before, 1.0 / RAYS_STEP), RAYS_STEP**-0.5) if before > 0.0 else error
+        fewest, more, _ = FOLDED_RAYS
+        if model.rays <= fewest:
+            return step(model.rays, cautious)
+        first, on_few = step(fewest, cautious), step(fewest, False, PINGS_OF_MOST_RAYS)
+        most = PINGS_OF_MOST_RAYS if on_few > 0.0 else None  # none of the few is left to rays
+        before = on_few if on_few > 0.0 else step(fewest, False)
+        fall = step(more, False, most) / before if before > 0.0 else RAYS_STEP**-0.5
+        beyond = 1.0 if model.rays < FOLDED_RAYS[-1] else min(max(fall, 1.0 / RAYS_STEP), RAYS_STEP**-0.5)
+        return first * fall * beyond
 
     def entries(self, case: Case, model: Model, error: float) -> Iterator[PlanEntry]:
         """Entry of the rays."""
