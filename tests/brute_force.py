@@ -52,11 +52,11 @@ def cylinder(start: ArrayLike, end: ArrayLike, radius: float) -> Meeting:
         axis = np.asarray(end, dtype=float) - np.asarray(start, dtype=float)
         length = np.linalg.norm(axis)
         axis = axis / length
-        across, foot = way - (way @ axis)[..., None] * axis, first - (first @ axis) * axis
-        a, b = dot(across, across), across @ foot
+        foot, along = first - (first @ axis) * axis, way @ axis
+        a, b = 1.0 - along * along, way @ foot
         root = np.sqrt(np.clip(b * b - a * (foot @ foot - radius * radius), 0.0, None))
         distance = (b - root) / a
-        place = distance * (way @ axis) - first @ axis
+        place = distance * along - first @ axis
         met = (root > 0.0) & (place >= 0.0) & (place <= length)
         return np.where(met, distance, np.inf), root / radius
 
@@ -101,8 +101,10 @@ def box(centre: ArrayLike, axes: Array, half: ArrayLike) -> Meeting:
         start, own = (origin - np.asarray(centre)) @ axes, way @ axes
         own = np.where(own == 0.0, 1e-30, own)
         one, other = (-np.asarray(half) - start) / own, (np.asarray(half) - start) / own
-        enters, leaves = np.minimum(one, other), np.maximum(one, other).min(axis=-1)
-        face, distance = enters.argmax(axis=-1)[..., None], enters.max(axis=-1)
+        # Reductions of an axis of three are slow.
+        (x, y, z), leaves = np.moveaxis(np.minimum(one, other), -1, 0), np.moveaxis(np.maximum(one, other), -1, 0)
+        distance, leaves = np.maximum(np.maximum(x, y), z), np.minimum(np.minimum(leaves[0], leaves[1]), leaves[2])
+        face = np.where(x == distance, 0, np.where(y == distance, 1, 2))[..., None]
         cosine = np.abs(np.take_along_axis(own, face, -1)[..., 0])
         return np.where((distance < leaves) & (distance > 0.0), distance, np.inf), cosine
 
@@ -160,7 +162,7 @@ def fan(width: float) -> Response:
 
 def gaussian(width: float) -> Response:
     """Response of a Gaussian beam of a one-way -3 dB width in radians, two ways."""
-    return lambda sine, slant_range: 0.25 ** ((sine / np.sin(width / 2.0)) ** 2) + 0.0 * slant_range
+    return lambda sine, slant_range: np.exp2(-2.0 * (sine / np.sin(width / 2.0)) ** 2) + 0.0 * slant_range
 
 
 def line_array(length: float, wavelength: float, elements: int = 64) -> Response:
@@ -211,10 +213,10 @@ def shadow_shares(
         # An area of r dr dφ; the rest is the same for all.
         echo = strength(height / r, (1.0, 0.0, 1.0)) * respond(level * np.sin(azimuth), r) * r
         met = np.array([meet(origin, way)[0] for meet in targets])
-        k = np.broadcast_to((r / bin_length).astype(int), echo.shape)
-        whole += np.bincount(k.ravel(), echo.ravel(), bins)
+        k, nearest = (r[:, 0] / bin_length).astype(int), met.argmin(axis=0)
+        whole += np.bincount(k, echo.sum(axis=1), bins)
         for target in range(len(targets)):
-            behind = (met[target] < r) & (met.argmin(axis=0) == target)
-            hidden[target] += np.bincount(k[behind], echo[behind], bins)
+            behind = (met[target] < r) & (nearest == target)
+            hidden[target] += np.bincount(k, np.where(behind, echo, 0.0).sum(axis=1), bins)
     share = hidden.sum(axis=0) / np.where(whole > 0.0, whole, 1.0)
     return share, np.where(share > 0.0, hidden.argmax(axis=0), -2)
