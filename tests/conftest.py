@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 import os
 
 import pytest
@@ -9,6 +10,20 @@ from hypothesis import settings
 
 # Workers of pytest-xdist inherit it: threads of linear algebra of several processes wait for one another in loops.
 os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
+
+# Tests of 8 s of processor time and more. They begin first, so that none of them is the last that others wait for.
+LONG = (
+    "test_plans_keep_to_their_tolerances",
+    "test_more_tolerance_never_means_more_work",
+    "test_a_real_recording_is_learned",
+    "test_a_record_is_what_it_was[double-image]",
+    "test_a_plan_keeps_to_its_tolerance[300048]",
+    "test_any_mistake_is_one_sentence",
+    "test_any_scene_makes_a_record_or_says_why_not",
+    "test_what_comes_back_by_other_paths_is_spread_over_its_bins",
+    "test_the_main_thread_never_sums_the_relief",
+    "test_a_recording_is_drawn_beside_the_scene",
+)
 
 # The same examples at every run: a change is what makes a test fail, never luck.
 settings.register_profile("same", derandomize=True)
@@ -18,3 +33,13 @@ settings.load_profile("same")
 def pytest_addoption(parser: pytest.Parser) -> None:
     """Let golden figures be taken anew."""
     parser.addoption("--update-golden", action="store_true", help="take the golden figures anew")
+
+
+def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
+    """Begin with the long tests; of several workers each takes an equal share of them and of the others in turn."""
+    workers = int(os.environ.get("PYTEST_XDIST_WORKER_COUNT", "1"))
+    long = [item for item in items if item.name in LONG]
+    short = [item for item in items if item.name not in LONG]
+    edges = [len(short) * k // workers for k in range(workers + 1)]
+    shares = (long[k::workers] + short[first:last] for k, (first, last) in enumerate(itertools.pairwise(edges)))
+    items[:] = itertools.chain.from_iterable(shares)
