@@ -112,6 +112,9 @@ def test_a_declared_span_stands_where_it_was_put(altitude, offset, gap, side):
     heard = np.flatnonzero(with_pipe > 1.005 * without)
     assert heard[0] * step == pytest.approx(near, abs=1.001 * step)
     silent = np.flatnonzero((with_pipe == 0.0) & (without > 0.0)) * step
+    if begins > scene.sonar.range:  # a high pipe's shadow falls beyond the record
+        assert not silent.size
+        return
     assert silent[0] == pytest.approx(max(begins, tangent if gap == 0.0 else 0.0), abs=tangent - near + 1.001 * step)
     assert silent[-1] + step == pytest.approx(min(ends, scene.sonar.range), abs=1.001 * step)
 
