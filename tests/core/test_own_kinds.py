@@ -25,7 +25,7 @@ from own_kinds import OWN_MATERIALS, own_kinds, own_scene
 CORAL = (OWN_MATERIALS / "coral.toml").read_text()
 
 
-@pytest.fixture(autouse=True)
+@pytest.fixture(autouse=True, scope="module")
 def _known():
     with own_kinds():
         yield

@@ -23,7 +23,7 @@ SMALL = {"targets": [], "sonar.range": 30.0, "sonar.bins": 150, "track.pings": 4
 BAND = {"kind": "band", "wavelength": 4.0, "rms": 0.1, "period": 51.2}
 
 
-@pytest.fixture(autouse=True)
+@pytest.fixture(autouse=True, scope="module")
 def _known():
     with own_physics():
         yield
