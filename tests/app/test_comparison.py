@@ -21,6 +21,7 @@ from insonify_viewer.comparison.record_difference import (
     RecordSnapshot,
     are_comparable,
     compare_records,
+    visible_share,
 )
 from insonify_viewer.modelling import Modelling
 from insonify_viewer.record import Record
@@ -54,13 +55,31 @@ def test_a_difference_is_the_rms_beyond_near_bins_of_pings_in_both(small: Scene)
     expected = np.linalg.norm((other - one)[20:, :, far]) / np.linalg.norm(one[20:, :, far])
     assert later.share == pytest.approx(expected, rel=1e-5)
     assert compare_records(before, heard(other, small, first=30)) is None
-    assert compare_records(before, before) == (0.0, 0.0)
+    assert compare_records(before, before) == (0.0, 0.0, 0.0)
+
+
+def test_a_bright_line_rules_the_rms_and_not_what_is_seen() -> None:
+    """One bin in a hundred, 100 times the bed, falls by 3 dB; a fifth of the bins is dark in both records."""
+    one = np.ones((20, 100), np.float32)
+    one[:, 7], one[:, 80:] = 100.0, 0.0
+    other = one.copy()
+    other[:, 7] = 50.0
+    assert visible_share(one, other) == pytest.approx(1.0 / 80.0)
+    assert visible_share(other, one) == pytest.approx(1.0 / 80.0)
+    assert visible_share(one, one * np.float32(10.0**0.099)) == 0.0
+    assert visible_share(one, one * np.float32(10.0**0.101)) == 1.0
+    assert visible_share(one, np.where(one == 0.0, np.float32(1e-5), one)) == 0.0, "darker than any palette shows"
+    other[:, 80:90] = 0.01
+    assert visible_share(one, other) == pytest.approx(11.0 / 90.0), "what comes out of the dark is seen"
+    assert visible_share(np.zeros_like(one), np.zeros_like(one)) == 0.0
 
 
 def test_a_difference_in_words(small: Scene) -> None:
-    assert RecordDifference(0.0, 0.0).in_words() == "changes nothing of the record"
-    assert RecordDifference(0.123, -0.84).in_words() == "changes the record by 12 %, its mean level by −0.84 dB"
-    assert RecordDifference(0.004, 0.001).in_words() == "changes the record by 0.4 %"
+    assert RecordDifference(0.0, 0.0, 0.0).in_words() == "changes nothing of the record"
+    assert RecordDifference(0.123, -0.84, 0.036).in_words() == (
+        "changes the record by 12 %, 3.6 % of its picture visibly, its mean level by −0.84 dB"
+    )
+    assert RecordDifference(0.004, 0.001, 0.0).in_words() == "changes the record by 0.4 %, not visibly"
     assert not are_comparable(small, edit(small, {"sonar.bins": 200}))
     assert not are_comparable(small, edit(small, {"sonar.range": 40.0}))
     assert are_comparable(small, edit(small, {"track.altitude": 7.0}))
@@ -149,7 +168,10 @@ def test_a_kept_record_stays_while_the_scene_changes(compared: Any) -> None:
     assert compared.comparison.changes == [("material diffuse", "0.2", "0.4")]
     assert compared.comparison.titles == ("material diffuse 0.2", "material diffuse 0.4")
     # Amplitudes twice as high are four times the energy.
-    assert compared.comparison.difference == "changes the record by 300 %, its mean level by +6 dB"
+    assert (
+        compared.comparison.difference
+        == "changes the record by 300 %, 100 % of its picture visibly, its mean level by +6 dB"
+    )
     said = compared.window.status.sentence.text()
     assert said == f"material diffuse 0.2 → 0.4: {compared.comparison.difference}"
     shown = compared.panels["comparison"].view

@@ -174,7 +174,22 @@ def test_every_effect_can_be_added_and_taken_out(effect: Any) -> None:
     assert not effect.is_on(edit(with_it, effect.take_out(with_it)))
 
 
-def test_what_an_effect_changes_is_measured_as_errors_are(open_viewer: Any, small: Scene, qtbot: Any) -> None:
+def test_a_bright_line_that_is_smeared_is_a_small_change_of_the_picture(open_viewer: Any, qtbot: Any) -> None:
+    """The pulse spreads the echo of the pipe over two bins: nearly all of the rms, and a line of the picture."""
+    viewer = open_viewer(load_scene("default"), prepare=None)
+    qtbot.waitUntil(lambda: panel(viewer).at_rest, timeout=240000)
+    told = panel(viewer)._meter.differences(viewer.session.scene, viewer.session.modelling)["pulse"]
+    assert told.share > 0.8
+    assert told.visible < 0.1
+    assert figure(viewer, "pulse") == f"changes {100 * told.visible:.2g} %"
+    explained = panel(viewer).view.effects.figures["pulse"].toolTip()
+    assert "by 1 dB or more" in explained
+    assert f"by {100 * told.share:.0f} %" in explained
+
+
+def test_what_an_effect_changes_is_measured_as_seen_and_as_errors_are(
+    open_viewer: Any, small: Scene, qtbot: Any
+) -> None:
     scene = edit(small, {"receiver.speckle": "rayleigh", "track.pings": 64})
     viewer = open_viewer(scene, prepare=None)
     qtbot.waitUntil(lambda: panel(viewer).at_rest, timeout=240000)
@@ -189,9 +204,12 @@ def test_what_an_effect_changes_is_measured_as_errors_are(open_viewer: Any, smal
         _, a = normalised(edit(scene, changes))
         first = find_first_bin(1.4, simulation.arrays, simulation.poses(pings))
         share = compute_errors(a, b, np.ones(100), first_bin=0, beyond_bin=first).beyond
-        told = panel(viewer)._meter.shares(scene, viewer.session.modelling)[name]
-        assert told == pytest.approx(share, rel=0.05), name
-        assert figure(viewer, name) == f"changes {100 * told:.0f} %"
+        told = panel(viewer)._meter.differences(scene, viewer.session.modelling)[name]
+        assert told.share == pytest.approx(share, rel=0.05), name
+        lit = (a > 1e-4) | (b > 1e-4)
+        seen = np.abs(10.0 * np.log10((a[lit] + 1e-4) / (b[lit] + 1e-4))) >= 1.0
+        assert told.visible == pytest.approx(float(seen.mean()), rel=0.05), name
+        assert figure(viewer, name) == f"changes {100 * told.visible:.2g} %"
     assert figure(viewer, "noise") == "", "what the scene never had is not measured"
 
 

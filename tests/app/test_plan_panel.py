@@ -116,9 +116,13 @@ def test_a_forced_choice_tells_what_it_changed_and_is_what_the_command_writes(
 
 def test_changes_in_words() -> None:
     assert (
-        difference_in_words(RecordDifference(0.0041, 0.0), 1.83) == "changes the record by 0.41 %, takes 1.8 × the time"
+        difference_in_words(RecordDifference(0.0041, 0.0, 0.0), 1.83)
+        == "changes the record by 0.41 %, not visibly, takes 1.8 × the time"
     )
-    assert difference_in_words(RecordDifference(0.0, 0.0), 0.9) == "changes nothing of the record, takes 0.9 × the time"
+    assert (
+        difference_in_words(RecordDifference(0.0, 0.0, 0.0), 0.9)
+        == "changes nothing of the record, takes 0.9 × the time"
+    )
     assert difference_in_words(None, 2.0) == "takes 2 × the time"
     auto = Modelling()
     assert changed_subject(auto, auto.forcing("planes", "8")) == "planes"

@@ -1,4 +1,4 @@
-"""Difference of two records of the same bins: relative rms of the intensity, and ratio of the mean levels."""
+"""Difference of two records of the same bins: relative rms, share that changes visibly, ratio of the mean levels."""
 
 from __future__ import annotations
 
@@ -16,6 +16,9 @@ if TYPE_CHECKING:
     from insonify_viewer.record import Record
 
 FEWEST = 16  # pings that two records must have in common
+FLOOR = 1e-4  # energy relative to a level bed, 40 dB below it: fainter differences fade
+VISIBLE = 1.0  # dB, a thirtieth of the usual span of the palette: the least change of a bin that counts as visible
+NOTHING_SEEN = 5e-4  # share below which a change is not told in numbers
 
 
 @dataclass(frozen=True, eq=False)
@@ -44,25 +47,32 @@ class RecordSnapshot:
 
 
 class RecordDifference(NamedTuple):
-    """Difference of a record from the one before it, beyond 1.4 altitudes, as the error of a method is given.
+    """Difference of a record from the one before it.
 
     Attributes
     ----------
     share : float
-        rms of the difference of the intensities over the rms of the record before.
+        rms of the difference of the intensities over the rms of the record before, beyond 1.4 altitudes, as the error
+        of a method is given. The strongest echoes rule it.
     decibels : float
-        Ratio of the mean intensities in dB; NaN where the record after is silent.
+        Ratio of the mean intensities in dB, beyond 1.4 altitudes; NaN where the record after is silent.
+    visible : float
+        Share of the bins lit in one record or both, at all ranges, whose level changes by 1 dB or more. Every bin
+        counts alike, as in the picture.
     """
 
     share: float
     decibels: float
+    visible: float
 
     def in_words(self) -> str:
-        """Write the difference: "changes the record by 12 %, its mean level by +0.8 dB"."""
+        """Write the difference: "changes the record by 12 %, 5.3 % of its picture visibly"."""
         if self.share == 0.0:
             return "changes nothing of the record"
         percent = 100.0 * self.share
         words = f"changes the record by {percent:.2g} %" if percent < 99.5 else f"changes the record by {percent:.0f} %"
+        seen = self.visible >= NOTHING_SEEN
+        words += f", {say_percent(self.visible)} of its picture visibly" if seen else ", not visibly"
         if math.isfinite(self.decibels) and abs(self.decibels) >= 0.005:
             words += f", its mean level by {self.decibels:+.2g} dB".replace("-", "−")
         return words
@@ -102,4 +112,27 @@ def compare_records(before: RecordSnapshot, after: RecordSnapshot) -> RecordDiff
     ratio = float(other.sum(dtype=np.float64)) / float(one.sum(dtype=np.float64))
     moved = other - one
     share = math.sqrt(float(np.vdot(moved, moved)) / power)
-    return RecordDifference(share, 10.0 * math.log10(ratio) if ratio > 0.0 else math.nan)
+    seen = visible_share(before.intensity[ours], after.intensity[theirs])
+    return RecordDifference(share, 10.0 * math.log10(ratio) if ratio > 0.0 else math.nan, seen)
+
+
+def visible_share(before: NDArray[np.float32], after: NDArray[np.float32]) -> float:
+    """Share of the bins lit in one record or both whose level changes by 1 dB or more; 0 where none is lit.
+
+    Parameters
+    ----------
+    before, after : ndarray of float32
+        Intensities relative to a level bed, of one shape. What is 40 dB below the bed counts as dark.
+    """
+    lit = (before > FLOOR) | (after > FLOOR)
+    one, other = before[lit] + np.float32(FLOOR), after[lit] + np.float32(FLOOR)
+    step = np.float32(10.0 ** (VISIBLE / 10.0))
+    changed = (other >= step * one) | (one >= step * other)
+    return float(np.count_nonzero(changed)) / max(changed.size, 1)
+
+
+def say_percent(share: float) -> str:
+    """Write a share to two digits: "3.6 %"."""
+    if share < NOTHING_SEEN:
+        return "< 0.1 %" if share else "0 %"
+    return f"{100.0 * share:.0f} %" if share >= 0.1 else f"{100.0 * share:.2g} %"

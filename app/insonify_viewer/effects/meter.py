@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from insonify.scene import Scene, SceneError, edit
-from insonify_viewer.comparison.record_difference import RecordSnapshot, compare_records
+from insonify_viewer.comparison.record_difference import RecordDifference, RecordSnapshot, compare_records
 from insonify_viewer.modelling import Modelling
 from insonify_viewer.newest_wins import NewestWins
 
@@ -32,14 +32,13 @@ class _Measured:
 
     scene: Scene
     modelling: Modelling
-    shares: dict[str, float | None] = field(default_factory=dict)
+    differences: dict[str, RecordDifference | None] = field(default_factory=dict)
 
 
 class EffectMeter:
     """Compares the record on screen with that of the scene with one effect more or less, one after the other.
 
-    The difference is that by which the plan and its panel judge records: rms over that of the record on screen, beyond
-    1.4 altitudes, each relative to the level bed of its own scene. Figures of recent scenes are kept.
+    Each record is relative to the level bed of its own scene, as it is shown. Figures of recent scenes are kept.
 
     Parameters
     ----------
@@ -55,10 +54,10 @@ class EffectMeter:
         self._known: deque[_Measured] = deque(maxlen=KEPT)
         self._turn = 0  # counts what is measured; what was begun before is dropped
 
-    def shares(self, scene: Scene, modelling: Modelling) -> Mapping[str, float | None]:
+    def differences(self, scene: Scene, modelling: Modelling) -> Mapping[str, RecordDifference | None]:
         """Differences by name of the effect, as far as they are known; None for one that cannot be measured."""
         found = self._find(scene, modelling)
-        return {} if found is None else found.shares
+        return {} if found is None else found.differences
 
     def stop(self) -> None:
         """Measure no further effect of the scene before; the one under way is still noted."""
@@ -86,7 +85,7 @@ class EffectMeter:
         if found is None:
             found = _Measured(scene, modelling)
             self._known.append(found)
-        wanted = [name for name in variants if name not in found.shares]
+        wanted = [name for name in variants if name not in found.differences]
         if wanted:
             before = _snapshot_some(simulation, record)
             self._measure(self._turn, found, before, [(name, variants[name]) for name in wanted])
@@ -109,8 +108,8 @@ class EffectMeter:
         """Measure the first of some effects on the thread, then the others."""
         (name, changes), *others = wanted
 
-        def take(share: float | None) -> None:
-            found.shares[name] = share
+        def take(difference: RecordDifference | None) -> None:
+            found.differences[name] = difference
             if others and turn == self._turn:
                 self._measure(turn, found, before, others)
             self._updated()
@@ -119,7 +118,7 @@ class EffectMeter:
 
     def _difference(
         self, scene: Scene, modelling: Modelling, before: RecordSnapshot, changes: dict[str, Any]
-    ) -> float | None:
+    ) -> RecordDifference | None:
         """Difference that an edit makes to a record, on the thread; None if the edited scene cannot be simulated."""
         try:
             scene = edit(scene, changes)
@@ -127,8 +126,7 @@ class EffectMeter:
         except SceneError:
             return None
         rows = np.concatenate([amplitude[:, 0, ::-1], amplitude[:, 1]], axis=1)
-        difference = compare_records(before, RecordSnapshot(scene, before.ping, np.square(rows)))
-        return None if difference is None else difference.share
+        return compare_records(before, RecordSnapshot(scene, before.ping, np.square(rows)))
 
 
 def _snapshot_some(simulation: Simulation, record: Record) -> RecordSnapshot:

@@ -6,9 +6,8 @@ from collections.abc import Mapping
 from typing import NamedTuple
 
 from insonify.scene import Scene
+from insonify_viewer.comparison.record_difference import NOTHING_SEEN, VISIBLE, RecordDifference, say_percent
 from insonify_viewer.effects.catalogue import EFFECTS, Changes
-
-NOTHING_SEEN = 5e-4  # share below which a change is not told in numbers
 
 
 class EffectRow(NamedTuple):
@@ -59,36 +58,39 @@ class EffectTicks:
             if effect.is_on(scene) or effect.name in self._settings
         }
 
-    def rows(self, scene: Scene, shares: Mapping[str, float | None]) -> tuple[EffectRow, ...]:
+    def rows(self, scene: Scene, differences: Mapping[str, RecordDifference | None]) -> tuple[EffectRow, ...]:
         """Rows to show for a scene, given what is known of the changes."""
         return tuple(
-            EffectRow(effect.name, effect.meaning, on, *self._figure(effect.name, on, shares))
+            EffectRow(effect.name, effect.meaning, on, *self._figure(effect.name, on, differences))
             for effect in EFFECTS
             for on in [effect.is_on(scene)]
         )
 
-    def _figure(self, name: str, on: bool, shares: Mapping[str, float | None]) -> tuple[str, str]:
+    def _figure(self, name: str, on: bool, differences: Mapping[str, RecordDifference | None]) -> tuple[str, str]:
         if not on and name not in self._settings:
             return "", "This scene has had no such effect; tick it to add one with usual settings"
-        if name not in shares:
+        if name not in differences:
             return "…", "what it changes is being measured"
-        share = shares[name]
-        if share is None:
+        difference = differences[name]
+        if difference is None:
             return "–", "what it changes cannot be measured here"
-        said = say_share(share)
-        doing = "Without it the record would differ" if on else "With it the record would differ"
-        return said, f"{doing} by {_percent(share)} (rms, beyond 1.4 altitudes, relative to a level bed)"
+        return say_difference(difference), explain_difference(difference, on)
 
 
-def say_share(share: float) -> str:
-    """Say by how much something changes the record: "changes 12 %"."""
-    return "changes nothing" if share == 0.0 else f"changes {_percent(share)}"
+def say_difference(difference: RecordDifference) -> str:
+    """Say how much of the picture something changes visibly: "changes 12 %"."""
+    if difference.visible >= NOTHING_SEEN:
+        return f"changes {say_percent(difference.visible)}"
+    return "not visible" if difference.share or difference.visible else "changes nothing"
 
 
-def _percent(share: float) -> str:
-    if share < NOTHING_SEEN:
-        return "< 0.1 %" if share else "0 %"
-    return f"{100.0 * share:.0f} %" if share >= 0.1 else f"{100.0 * share:.2g} %"
+def explain_difference(difference: RecordDifference, on: bool) -> str:
+    """Say in sentences what an effect changes, by the eye's measure and by that of the plan."""
+    return (
+        f"{'Without' if on else 'With'} it {say_percent(difference.visible)} of the picture would be fainter or louder "
+        f"by {VISIBLE:g} dB or more. The rms of the record, which strong echoes rule and by which the plan measures "
+        f"errors, would differ by {say_percent(difference.share)}."
+    )
 
 
 def describe_tick(name: str, on: bool) -> str:

@@ -8,8 +8,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from insonify.display.picture import colour_rows
+from insonify_viewer.comparison.record_difference import FLOOR
 
-FLOOR = 1e-4  # energy relative to a level bed, 40 dB below it: fainter differences fade
 SPANS = (0.1, 0.2, 0.5, 1.0, 2.0, 3.0, 6.0, 12.0, 24.0, 40.0)  # dB at the ends of the palette
 CLIPPED = 0.005  # share of the pixels that may lie beyond the ends
 SAMPLED = 7  # every so many pixels are looked at for the span

@@ -66,7 +66,7 @@ class ParametersPanel(Panel):
     def at_rest(self) -> bool:
         """Whether it is known what each effect changes."""
         scene, modelling = self._session.scene, self._session.modelling
-        return self._ticks.variants(scene).keys() <= self._meter.shares(scene, modelling).keys()
+        return self._ticks.variants(scene).keys() <= self._meter.differences(scene, modelling).keys()
 
     def scene_changed(self, scene: Scene, settled: bool) -> None:
         """Show the values of the scene; while a slider moves, shortly after the record."""
@@ -138,7 +138,7 @@ class ParametersPanel(Panel):
 
     def _show_effects(self) -> None:
         scene = self._session.scene
-        self.view.show_effects(self._ticks.rows(scene, self._meter.shares(scene, self._session.modelling)))
+        self.view.show_effects(self._ticks.rows(scene, self._meter.differences(scene, self._session.modelling)))
 
     def _sections(self) -> tuple[FieldSection, ...]:
         """Sections of the scene, what it is about first."""
