@@ -81,7 +81,7 @@ def say_difference(difference: RecordDifference) -> str:
     """Say how much of the picture something changes visibly: "changes 12 %"."""
     if difference.visible >= NOTHING_SEEN:
         return f"changes {say_percent(difference.visible)}"
-    return "not visible" if difference.share or difference.visible else "changes nothing"
+    return "changes nothing visible" if difference.share or difference.visible else "changes nothing"
 
 
 def explain_difference(difference: RecordDifference, on: bool) -> str:
