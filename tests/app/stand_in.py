@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from functools import lru_cache
 from typing import Any
 
 import numpy as np
@@ -20,6 +21,12 @@ from insonify.terrain.ground import Ground
 from insonify.tracers.labels import RecordLabels
 
 
+@lru_cache(maxsize=64)
+def plan_of(scene: Scene, tolerance: float, forced: frozenset[tuple[str, str]]) -> Plan:
+    """Plan of a scene, made once for all windows that show it."""
+    return make_plan(scene, tolerance, forced=dict(forced))
+
+
 class StandIn:
     """Amplitude of ping p in bin k: diffuse share × (1 + (p mod 7) / 10), zero in the nearest tenth of the bins."""
 
@@ -31,7 +38,7 @@ class StandIn:
         self.scene, self.tolerance, self.forced = scene, tolerance, forced
         self.ground = ground_of(scene)
         self.arrays = pack_scene(scene, self.ground)
-        self.plan = plan or make_plan(scene, tolerance, forced=forced)
+        self.plan = plan or plan_of(scene, tolerance, frozenset((forced or {}).items()))
         self.reception = make_reception(scene, self.arrays, altitude=scene.altitude, depth=0.0)
         self.curve = self.reception.expected(flat_bed_curve(self.arrays, scene.altitude))
 
