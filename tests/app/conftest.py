@@ -5,6 +5,7 @@ from __future__ import annotations
 import os
 import threading
 from collections.abc import Callable, Iterator
+from functools import lru_cache
 from typing import Any
 
 import pytest
@@ -49,8 +50,20 @@ def _widgets_are_deleted() -> Iterator[None]:
     QCoreApplication.sendPostedEvents(None, QEvent.Type.DeferredDelete)
 
 
+@pytest.fixture(scope="session")
+def _beds_are_shaded_once() -> Iterator[None]:
+    """Shade a bed once for all windows that show it."""
+    from insonify_viewer.views import pv_meshes
+
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(pv_meshes, "bed_patch", lru_cache(maxsize=32)(pv_meshes.bed_patch))
+        yield
+
+
 @pytest.fixture
-def open_viewer(qtbot: Any, qapp: QApplication, _questions_are_answered: None) -> Iterator[Opener]:
+def open_viewer(
+    qtbot: Any, qapp: QApplication, _questions_are_answered: None, _beds_are_shaded_once: None
+) -> Iterator[Opener]:
     """Open viewers on the stand-in simulation; close them and look for what they left."""
     apply_theme(qapp)
     viewers: list[Viewer] = []

@@ -17,6 +17,7 @@ from insonify.planning import plan as make_plan
 from insonify.receiver import make_reception
 from insonify.scene import Scene, SceneError
 from insonify.scene.materials import MATERIALS
+from insonify.scene.seabed import Seabed
 from insonify.terrain.ground import Ground
 from insonify.tracers.labels import RecordLabels
 
@@ -36,7 +37,7 @@ class StandIn:
         if scene.seed == 666:
             raise SceneError("seed: 666 is refused by the stand-in; take another")
         self.scene, self.tolerance, self.forced = scene, tolerance, forced
-        self.ground = ground_of(scene)
+        self.ground = ground_of(scene.seabed)
         self.arrays = pack_scene(scene, self.ground)
         self.plan = plan or plan_of(scene, tolerance, frozenset((forced or {}).items()))
         self.reception = make_reception(scene, self.arrays, altitude=scene.altitude, depth=0.0)
@@ -84,12 +85,13 @@ class StandIn:
         )  # fmt: skip
 
 
-def ground_of(scene: Scene) -> Ground:
-    """A ripple of 1 cm under everything."""
+@lru_cache(maxsize=64)
+def ground_of(seabed: Seabed) -> Ground:
+    """A ripple of 1 cm under everything; the same ground for the same seabed, as in a real simulation."""
     n = 64
     i = np.arange(n)
     heights = 0.01 * np.sin(2 * np.pi * i / 8)[None, :] + np.zeros((n, 1))
-    material = scene.seabed.material
+    material = seabed.material
     name = material.name if material.kind == "uniform" else material.of[0].name
     numbers = material.reflectivity if material.kind == "uniform" else MATERIALS[name].reflectivity
     return Ground(
@@ -101,5 +103,5 @@ def ground_of(scene: Scene) -> Ground:
         y0=0.0,
         spacing=0.5,
         periodic=True,
-        datum=-scene.seabed.depth,
+        datum=-seabed.depth,
     )

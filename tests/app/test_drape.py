@@ -22,7 +22,7 @@ def test_an_echo_lies_at_its_ground_range(small: Scene, heading: float, side: in
 
     scene = edit(small, {"track.heading": heading, "track.start": [0.0, 0.0]})
     pings, bins, altitude = np.arange(100), 400, 10.0
-    poses = make_poses(scene, ground_of(scene), pings)
+    poses = make_poses(scene, ground_of(scene.seabed), pings)
     amplitude = np.zeros((100, 2, bins), np.float32)
     amplitude[40:60, side, 238:242] = 1.0
     rows = np.concatenate([amplitude[:, 0, ::-1], amplitude[:, 1]], axis=1)
