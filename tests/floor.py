@@ -25,8 +25,13 @@ def read_and_write(heights, reach, out):
                 bins[k] = total
 
 
-def floor_call(simulation: Simulation, pings: int) -> Callable[[], None]:
-    """Call that reads the heights and writes the bins of some pings."""
+def floor_call(simulation: Simulation, pings: int, times: int = 1) -> Callable[[], None]:
+    """Call that reads the heights and writes the bins of some pings, a number of times."""
     bed, bins = simulation.reduced.bed, simulation.scene.sonar.bins
     reach = min(int(simulation.scene.sonar.range / bed.spacing), bed.transposed.shape[1] // 2 - 1)
-    return lambda: read_and_write(bed.transposed, reach, np.empty((pings, 2, bins), np.float32))
+
+    def call() -> None:
+        for _ in range(times):
+            read_and_write(bed.transposed, reach, np.empty((pings, 2, bins), np.float32))
+
+    return call
