@@ -18,6 +18,8 @@ def test_a_scene_has_a_small_picture(name: str) -> None:
         assert picture.size == (150, 100)
         low, high = picture.convert("L").getextrema()
         assert high - low > 40, "it shows a record"
+        edges = [picture.convert("L").getpixel(place) for place in ((0, 50), (149, 50), (75, 0), (75, 99))]
+        assert min(edges) < 200, "the record fills it, without a page around"
 
 
 def test_pictures_are_those_of_the_scenes_and_light() -> None:

@@ -11,11 +11,14 @@ from PySide6.QtWidgets import QDialog, QListView, QListWidget, QListWidgetItem, 
 from insonify.scene import bundled_scenes, load_scene, scene_picture
 
 PICTURE = QSize(150, 100)  # px, as the files are
+FAILURE = "breaks-"  # prefix of scenes on which a method fails
 CELL = QSize(184, 164)  # px, with three lines of text
 
 
 class SceneGallery(QDialog):
     """Shows a picture and the title of every bundled scene, and signals the file of the one that is clicked.
+
+    Scenes on which a method fails come last.
 
     Parameters
     ----------
@@ -30,7 +33,7 @@ class SceneGallery(QDialog):
         self.setAttribute(Qt.WidgetAttribute.WA_DeleteOnClose)
         self.setWindowTitle("Scenes")
         self.list = _make_list()
-        for name, path in bundled_scenes().items():
+        for name, path in sorted(bundled_scenes().items(), key=lambda entry: entry[0].startswith(FAILURE)):
             scene = load_scene(path)
             item = QListWidgetItem(QIcon(str(scene_picture(name))), scene.title)
             item.setData(Qt.ItemDataRole.UserRole, str(path))

@@ -9,9 +9,7 @@ from PySide6.QtGui import QAction
 from PySide6.QtWidgets import QMenu, QToolButton, QWidget
 
 from insonify.scene import bundled_scenes, load_scene
-from insonify_viewer.views.scene_gallery import SceneGallery
-
-FAILURE = "breaks-"  # prefix of scenes on which a method fails
+from insonify_viewer.views.scene_gallery import FAILURE, SceneGallery
 
 
 class SceneMenu(QToolButton):
