@@ -6,6 +6,8 @@ import threading
 from collections.abc import Callable
 from typing import Any
 
+from insonify.scene import SceneError
+from insonify_viewer.errors.fault_report import FaultReport, report_fault
 from insonify_viewer.thread_priority import yield_to_window
 
 Errand = tuple[Callable[[], Any], Callable[[Any], None]]
@@ -23,14 +25,18 @@ class NewestWins:
     """
 
     def __init__(self, name: str, call_later: Callable[[Callable[[Any], None], Any], None]) -> None:
-        self._call_later = call_later
+        self._call_later, self._faults = call_later, FaultReport()
         self._waiting: Errand | None = None
         self._closing = False
         self._changed = threading.Condition()
         self._thread = threading.Thread(target=self._work, name=f"insonify {name}", daemon=True)
 
     def send(self, errand: Callable[[], Any], receive: Callable[[Any], None]) -> None:
-        """Run an errand next and pass its result to the main thread; the result of one that raises is None."""
+        """Run an errand next and pass its result to the main thread.
+
+        The result of one that raises is None. A `SceneError` says no more than the worker says of the scene; any other
+        exception is a fault of the program and is reported, a repeated one once.
+        """
         with self._changed:
             self._waiting = (errand, receive)
             self._changed.notify()
@@ -53,8 +59,18 @@ class NewestWins:
                 if self._closing or self._waiting is None:
                     return
                 (errand, receive), self._waiting = self._waiting, None
-            try:
-                result = errand()
-            except Exception:  # the caller shows what it has without the answer
-                result = None
+            self._run(errand, receive)
+
+    def _run(self, errand: Callable[[], Any], receive: Callable[[Any], None]) -> None:
+        """Run an errand; without its answer the caller shows what it has."""
+        try:
+            result = errand()
+        except SceneError:
+            self._call_later(receive, None)
+        except Exception as error:
+            self._call_later(receive, None)
+            if self._faults.is_news(error):
+                self._call_later(report_fault, error)
+        else:
+            self._faults.forget()
             self._call_later(receive, result)

@@ -5,7 +5,7 @@ from __future__ import annotations
 import os
 import threading
 from collections.abc import Callable, Iterator
-from functools import lru_cache
+from functools import lru_cache, partial
 from typing import Any
 
 import pytest
@@ -16,8 +16,12 @@ from PySide6.QtCore import QCoreApplication, QEvent, QSettings, QTimer
 from PySide6.QtWidgets import QApplication, QMessageBox
 from stand_in import StandIn
 
+from insonify.explanation import compilation, listeners
 from insonify.scene import Scene, edit, load_scene
+from insonify_viewer import seabed_controller as seabed
 from insonify_viewer.application import has_opengl, main_thread_collection
+from insonify_viewer.panels.comparison import controller as comparison
+from insonify_viewer.panels.pixel import controller as pixel
 from insonify_viewer.viewer import Viewer
 from insonify_viewer.views.theme import apply_theme
 
@@ -58,6 +62,21 @@ def _beds_are_shaded_once() -> Iterator[None]:
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(pv_meshes, "bed_patch", lru_cache(maxsize=32)(pv_meshes.bed_patch))
         yield
+
+
+@pytest.fixture(autouse=True)
+def _stand_ins_are_not_explained(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Leave out what is computed from the packed scene of a simulation, which a stand-in lacks."""
+    for module, name in (
+        (compilation, "compile_explanations"), (listeners, "find_listeners"), (seabed, "fan_sheet"),
+        (pixel, "_explained"), (comparison, "measure_simulation"),
+    ):  # fmt: skip
+        monkeypatch.setattr(module, name, partial(_unless_stand_in, getattr(module, name)))
+
+
+def _unless_stand_in(compute: Callable[..., Any], simulation: Any, *rest: Any) -> Any:
+    """Compute something of a simulation; nothing of a stand-in."""
+    return None if isinstance(simulation, StandIn) else compute(simulation, *rest)
 
 
 @pytest.fixture

@@ -8,12 +8,16 @@ from pathlib import Path
 from typing import Any
 
 import numba
+import pytest
 from PySide6.QtCore import Qt, QTimer
 from PySide6.QtGui import QGuiApplication
 from PySide6.QtTest import QTest
 from stand_in import StandIn
 
 from insonify.scene import Scene, SceneError, scene_to_toml
+from insonify_viewer.newest_wins import NewestWins
+from insonify_viewer.panels.pixel import controller as pixel_controller
+from insonify_viewer.session import Mark
 from insonify_viewer.viewer import Viewer
 from insonify_viewer.views.uncaught_errors import told_errors
 
@@ -86,6 +90,48 @@ def test_a_fault_in_a_slot_is_one_sentence_and_the_window_lives(open_viewer: Ope
     assert "in fail" in copied(viewer)
     assert viewer.session.settle({"track.altitude": 8.0})
     qtbot.waitUntil(lambda: viewer.complete)
+
+
+def test_a_fault_in_a_thread_beside_the_window_is_told_once(open_viewer: Opener, small: Scene, qtbot: Any) -> None:
+    viewer = open_viewer(small)
+    received: list[Any] = []
+    thread = NewestWins("test", viewer.simulator.call_later)
+
+    def fail() -> None:
+        int(float("nan"))
+
+    def refuse() -> None:
+        raise SceneError("track.pings: 0 is too few; give at least 1")
+
+    def run(errand: Callable[[], Any]) -> None:
+        count = len(received)
+        thread.send(errand, received.append)
+        qtbot.waitUntil(lambda: len(received) > count)
+
+    with qtbot.captureExceptions() as printed, told_errors(viewer.window.complain):
+        for errand in (refuse, fail, fail, lambda: 7, fail):
+            run(errand)
+        assert received == [None, None, None, 7, None]
+        assert [kind for kind, *_ in printed] == [ValueError, ValueError], "again only after a success"
+        assert "fault of the program (ValueError: cannot convert" in viewer.window.status.sentence.text()
+        assert "in fail" in copied(viewer)
+    thread.close()
+
+
+def test_a_fault_of_an_explanation_is_told(
+    open_viewer: Opener, small: Scene, qtbot: Any, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    viewer = open_viewer(small)
+
+    def fail(*_: Any) -> None:
+        int(float("nan"))
+
+    monkeypatch.setattr(pixel_controller, "_explained", fail)
+    with qtbot.captureExceptions() as printed, told_errors(viewer.window.complain):
+        viewer.inspection.pin(Mark(viewer.tow.top - 5, 0, 40))
+        qtbot.waitUntil(viewer.window.status.copy.isVisible)
+    assert ValueError in [kind for kind, *_ in printed]
+    assert "in fail" in copied(viewer)
 
 
 def test_a_job_that_failed_offers_its_details(open_viewer: Opener, small: Scene, qtbot: Any, tmp_path: Path) -> None:

@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-import sys
 import traceback
 from collections.abc import Callable
 from functools import wraps
 from typing import ParamSpec, TypeVar
 from weakref import WeakKeyDictionary
+
+from insonify_viewer.errors.fault_report import FaultReport, report_fault
 
 P = ParamSpec("P")
 R = TypeVar("R")
@@ -27,26 +28,23 @@ def guard_override(otherwise: R) -> Callable[[Callable[P, R]], Callable[P, R]]:
     Returns
     -------
     callable
-        Decorator. An exception is passed to `sys.excepthook`, once per object until another one is raised or a call
-        succeeds: a picture that cannot be painted fails at every frame.
+        Decorator. An exception is reported once per object until another one is raised or a call succeeds.
     """
 
     def decorate(method: Callable[P, R]) -> Callable[P, R]:
-        told: WeakKeyDictionary[object, str] = WeakKeyDictionary()
+        reports: WeakKeyDictionary[object, FaultReport] = WeakKeyDictionary()
 
         @wraps(method)
         def guarded(*args: P.args, **kwargs: P.kwargs) -> R:
-            owner = args[0]
             try:
                 result = method(*args, **kwargs)
             except Exception as error:
-                if told.get(owner) != repr(error):
-                    told[owner] = repr(error)
-                    sys.excepthook(type(error), error, error.__traceback__)
+                if reports.setdefault(args[0], FaultReport()).is_news(error):
+                    report_fault(error)
                 traceback.clear_frames(error.__traceback__)  # a painter left in a frame would keep its widget busy
                 return otherwise
-            if told:
-                told.pop(owner, None)
+            if reports:
+                reports.pop(args[0], None)
             return result
 
         return guarded

@@ -55,7 +55,8 @@ def edit(scene: Scene, changes: Mapping[str, Any]) -> Scene:
     kinds = [path for path in changes if path.endswith("kind")]
     for path in kinds:
         _put(values, path, changes[path])
-    values = _drop_foreign_fields(values)
+    if kinds:
+        values = _drop_foreign_fields(values)
     for path, value in changes.items():
         if path not in kinds:
             _put(values, path, value)
