@@ -133,6 +133,8 @@ def test_the_wheel_does_not_zoom_beyond_the_limits(open_viewer: Any, small: Scen
     view = viewer.seabed.view
     if not has_opengl():
         pytest.skip("no OpenGL for a widget")
+    view._canvas.plotter.interactor.setMaximumSize(320, 240)  # a small picture is drawn in less time
+    qtbot.waitUntil(lambda: view._canvas.plotter.interactor.width() == 320)
     camera, iren = view._canvas.plotter.camera, view._canvas.plotter.iren.interactor
     for event, limit in (("MouseWheelForwardEvent", NEAREST), ("MouseWheelBackwardEvent", FARTHEST)):
         at_limit = pytest.approx(limit * view._reach, rel=0.01)

@@ -46,7 +46,7 @@ def shadow(gap: float) -> tuple[float, float]:
 @pytest.mark.parametrize("gap", [0.0, 1.0])
 def test_the_shadow_of_a_pipe_lies_where_geometry_puts_it(gap: float) -> None:
     optical = laid_out("pipe-on-bed", targets__0__gap=gap)
-    image = light_picture(optical, make_cutaway(optical), 1000)
+    image = light_picture(optical, make_cutaway(optical), 600)
     begins, ends = shadow(gap)
     middle = optical.scene.track.pings // 2 * optical.scene.track.speed / optical.scene.sonar.ping_rate
     lit, dark = (

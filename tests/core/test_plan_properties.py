@@ -31,7 +31,7 @@ def drawn(values):
         assume(False)
 
 
-@lru_cache(maxsize=1)
+@lru_cache(maxsize=8)  # scenes are drawn more than once
 def case_of(scene):
     """What is measured of a scene, which does not depend on the tolerance."""
     check_request(scene, 0.03, "auto", {})
