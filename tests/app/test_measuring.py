@@ -11,7 +11,7 @@ import pytest
 from insonify.scene import edit, load_scene
 from insonify.simulation import Simulation, prepare
 from insonify_viewer.measuring.location import Location, locate_simulated
-from insonify_viewer.measuring.measurement import measure, shadow_height
+from insonify_viewer.measuring.measurement import measure, round_shadow_height, shadow_height
 from insonify_viewer.session import Mark
 
 ALTITUDE, RANGE, BINS = 10.0, 50.0, 2000
@@ -48,8 +48,10 @@ def test_heights_from_shadows_are_those_of_the_targets(kind: str, radius: float,
     place = {"kind": kind, "radius": radius, "position": [PING * 0.2, across], "heading": 0.0} | size
     simulation = prepare(scene_with(place), method="sweep")
     ends = [locate_simulated(simulation, mark) for mark in shadow_of(simulation, across)]
-    found = measure(*ends).height
+    measured = measure(*ends)
+    found, of_round = measured.height, measured.round_height
     assert found is not None
+    assert of_round is not None
     away = math.hypot(across, ALTITUDE - radius)
     down, half = math.atan2(ALTITUDE - radius, across), math.asin(radius / away)
     begins = max(math.sqrt(away**2 - radius**2), ALTITUDE / math.sin(down + half))
@@ -58,6 +60,19 @@ def test_heights_from_shadows_are_those_of_the_targets(kind: str, radius: float,
     assert found == pytest.approx(ALTITUDE * (ends_at - begins) / ends_at, abs=width)
     error = found / (2.0 * radius) - 1.0
     assert -0.16 < error < 0.0
+    ground = math.sqrt(begins**2 - ALTITUDE**2)
+    assert of_round == pytest.approx(2.0 * radius, abs=width * begins / ground), "of two bins, d h = A d R / G"
+    assert f"{found:.2f} m high, {of_round:.2f} m if round" in measured.words
+
+
+def test_the_height_of_a_round_body_follows_from_tangents_to_a_circle() -> None:
+    """A circle of 0.7 m radius on the bed, 18 m away: its two tangents from the sonar meet the bed at both ends."""
+    away, radius = 18.0, 0.7
+    reach, down = math.hypot(away, ALTITUDE - radius), math.atan2(ALTITUDE - radius, away)
+    half = math.asin(radius / reach)
+    begins, ends = ALTITUDE / math.sin(down + half), ALTITUDE / math.sin(down - half)
+    assert round_shadow_height(ALTITUDE, begins, ends - begins) == pytest.approx(2.0 * radius, rel=1e-12)
+    assert round_shadow_height(ALTITUDE, begins, 0.0) == 0.0
 
 
 def test_a_shadow_without_length_has_no_height_and_a_long_one_nears_the_altitude() -> None:

@@ -24,6 +24,8 @@ class Measurement:
     height : float or None
         Height in metres of a target whose shadow the line spans; None unless both ends lie on one side and the line
         runs across the track.
+    round_height : float or None
+        The same of a round body that rests on the bed; None with ``height``.
     """
 
     slant: float
@@ -32,6 +34,7 @@ class Measurement:
     across: float | None
     pings: int
     height: float | None
+    round_height: float | None
 
     @property
     def words(self) -> str:
@@ -42,7 +45,7 @@ class Measurement:
             first = f"{self.straight:.2f} m on the bed: {self.along:.2f} m along, {self.across:.2f} m across"
         second = [f"slant range {self.slant:.2f} m"] if self.straight is not None else []
         if self.height is not None:
-            second.append(f"as a shadow: target {self.height:.2f} m high")
+            second.append(f"as a shadow: target {self.height:.2f} m high, {self.round_height:.2f} m if round")
         return "\n".join([first, *filter(None, ["  ·  ".join(second)])])
 
 
@@ -54,7 +57,7 @@ def measure(first: Location, last: Location) -> Measurement:
         dx, dy = (b - a for a, b in zip(first.place, last.place))
         cos, sin = math.cos(first.heading), math.sin(first.heading)
         straight, along, across = math.hypot(dx, dy), abs(dx * cos + dy * sin), abs(dy * cos - dx * sin)
-    return Measurement(slant, straight, along, across, pings, _height(first, last, along))
+    return Measurement(slant, straight, along, across, pings, *_heights(first, last, along))
 
 
 def shadow_height(altitude: float, slant_range: float, shadow: float) -> float:
@@ -77,12 +80,39 @@ def shadow_height(altitude: float, slant_range: float, shadow: float) -> float:
     return altitude * shadow / (slant_range + shadow)
 
 
-def _height(first: Location, last: Location, along: float | None) -> float | None:
-    """Height of a target whose shadow the line spans."""
+def round_shadow_height(altitude: float, slant_range: float, shadow: float) -> float:
+    """Height of a round body that rests on a level bed, from its shadow across its axis.
+
+    The last ray touches the body below its top. The first hidden point of the bed lies in front of the body, where a
+    ray touches it from below; the bed heard up to there covers the beginning of the shadow. The two tangents from the
+    sonar to the circle are equal, and so are those from each end on the bed. With the ground ranges G and F of the ends
+    they give h = A (1 - (R + G) / (R + L + F)). With slant ranges alone in the bracket it is `shadow_height`.
+
+    Parameters
+    ----------
+    altitude : float
+        A of the sonar above the bed, in metres.
+    slant_range : float
+        R at which the shadow begins, in metres, at least the altitude.
+    shadow : float
+        L of the shadow in slant range, in metres.
+
+    Returns
+    -------
+    float
+        Diameter of the body across the track, in metres.
+    """
+    near, far = (slant + math.sqrt(slant**2 - altitude**2) for slant in (slant_range, slant_range + shadow))
+    return altitude * (1.0 - near / far)  # derived from equal tangents
+
+
+def _heights(first: Location, last: Location, along: float | None) -> tuple[float, float] | tuple[None, None]:
+    """Height of a target whose shadow the line spans, and height if it is round."""
     near, far = sorted((first.slant_range, last.slant_range))
     altitude = last.altitude if last.slant_range == far else first.altitude
     if first.mark.side != last.mark.side or not 0.0 < altitude < far or near == far:
-        return None
+        return None, None
     if along is not None and along > far - near:
-        return None
-    return shadow_height(altitude, near, far - near)
+        return None, None
+    round_one = round_shadow_height(altitude, max(near, altitude), far - max(near, altitude))
+    return shadow_height(altitude, near, far - near), round_one
