@@ -14,6 +14,7 @@ from insonify_viewer.panels.parameters.sections import sections_of
 from insonify_viewer.panels.parameters.view.parameters_view import ParametersView
 from insonify_viewer.session import Mark
 from insonify_viewer.views.field_rows import Combo
+from insonify_viewer.views.rulers import write_towed
 from insonify_viewer.views.theme import apply_theme
 from insonify_viewer.views.true_scale import name_scale, plot_at_true_scale
 
@@ -86,6 +87,13 @@ def test_a_plot_is_at_true_scale_where_it_fits() -> None:
     assert plot_at_true_scale(room, 20.0, 100.0) == room, "a strip of 100 px would waste the room"
     assert name_scale(room, 20.0, 100.0) == "track × 7"
     assert name_scale(room, 1400.0, 100.0) == "track ÷ 10"
+
+
+def test_metres_towed_are_written_to_tenths() -> None:
+    written = [
+        write_towed(metres, apart) for metres, apart in ((54.4912, 6.0), (6.0541, 6.0), (100.0, 20.0), (0.05, 0.05))
+    ]
+    assert written == ["54.5 m", "6.1 m", "100 m", "0.05 m"]
 
 
 def test_the_record_of_the_default_scene_is_at_true_scale(open_viewer: Any, small: Scene) -> None:

@@ -87,10 +87,17 @@ def draw_ping_ruler(painter: QPainter, area: QRect, projection: Projection, step
         painter.setPen(QColor(TEXT))
         painter.drawText(_lines(area.left(), y - round(13 * text), width, text), Qt.AlignmentFlag.AlignRight, f"{ping}")
         painter.setPen(QColor(QUIET))
-        painter.drawText(_lines(area.left(), y, width, text), Qt.AlignmentFlag.AlignRight, f"{ping * step:.4g} m")
+        painter.drawText(
+            _lines(area.left(), y, width, text), Qt.AlignmentFlag.AlignRight, write_towed(ping * step, apart * step)
+        )
     painter.setPen(QColor(QUIET))
     place = _lines(area.left(), area.top() - round(20 * text), width, text)
     painter.drawText(place, Qt.AlignmentFlag.AlignRight, "ping")
+
+
+def write_towed(metres: float, apart: float) -> str:
+    """Metres towed, to tenths unless the numbers are nearer to each other."""
+    return f"{round(metres, 1 if apart >= 0.2 else 3):g} m"
 
 
 def _lines(left: int, top: int, width: int, text: float) -> QRect:
