@@ -1,5 +1,6 @@
 """The cache of kernels' machine code: what names it, and what happens to damaged files and unwritable folders."""
 
+import json
 import os
 import subprocess
 import sys
@@ -76,8 +77,10 @@ def test_digests_that_cannot_be_kept_are_computed_all_the_same(tmp_path: Path) -
 def test_damaged_digests_are_computed_anew(tmp_path: Path) -> None:
     kept = digests_of(tmp_path, SOURCES)
     (state,) = (tmp_path / "kept").glob("*.json")
-    state.write_text("{")
-    assert source_digests(tmp_path, tmp_path / "kept") == kept
+    others = ["{", "{}", "[]", "null", json.dumps(kept | {"common.base": 3}), json.dumps(kept | {"common.base": "/x"})]
+    for damaged in others:
+        state.write_text(damaged)
+        assert source_digests(tmp_path, tmp_path / "kept") == kept
 
 
 def use_kernel(cache: Path, version: str = numba.__version__) -> tuple[str, int]:
@@ -94,6 +97,17 @@ def test_machine_code_is_read_from_disk_and_compiled_anew_once_damaged(tmp_path:
     assert use_kernel(tmp_path) == (VALUE, 1)
     for file in tmp_path.rglob("*.nb[ci]"):
         file.write_bytes(b"damaged")
+    assert use_kernel(tmp_path) == (VALUE, 0)
+    assert use_kernel(tmp_path) == (VALUE, 1)
+
+
+@pytest.mark.skipif(bool(numba.config.DISABLE_JIT), reason="nothing is compiled")
+def test_machine_code_with_one_changed_bit_is_compiled_anew(tmp_path: Path) -> None:
+    assert use_kernel(tmp_path) == (VALUE, 0)
+    for file in tmp_path.rglob("*.nbc"):
+        content = bytearray(file.read_bytes())
+        content[len(content) // 2] ^= 1
+        file.write_bytes(content)
     assert use_kernel(tmp_path) == (VALUE, 0)
     assert use_kernel(tmp_path) == (VALUE, 1)
 

@@ -12,9 +12,10 @@ import contextlib
 import hashlib
 import json
 import os
+import pickle
+import re
 import shutil
 import time
-import uuid
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -63,7 +64,9 @@ def source_digests(sources: Path, folder: Path) -> dict[str, str]:
     state = hashlib.sha256(b"\0".join(name.encode() + b"\0" + texts[name] for name in sorted(texts))).hexdigest()[:24]
     kept = folder / f"{state}.json"
     with contextlib.suppress(OSError, ValueError):
-        return dict(json.loads(kept.read_text()))
+        found = json.loads(kept.read_text())
+        if isinstance(found, dict) and found.keys() == texts.keys() and all(map(_is_digest, found.values())):
+            return found
     digests = _digest(texts)
     with contextlib.suppress(OSError):
         folder.mkdir(parents=True, exist_ok=True)
@@ -72,6 +75,10 @@ def source_digests(sources: Path, folder: Path) -> dict[str, str]:
         part.replace(kept)
         remove_unused(folder)
     return digests
+
+
+def _is_digest(value: object) -> bool:
+    return isinstance(value, str) and re.fullmatch(r"[0-9a-f]{24}", value) is not None
 
 
 def remove_unused(folder: Path) -> None:
@@ -226,18 +233,34 @@ class _CacheFile(IndexDataCacheFile):
     """Index and machine code of one kernel, by signature."""
 
     def save(self, key: Any, data: Any) -> None:
-        """Keep the code of a signature in a file of its own, written before the index names it.
+        """Keep the code of a signature in a file named by its content, written before the index names it.
 
         Numba numbers the files by the index as it was read: of two processes that compile two signatures at once, one
         may then load the other's code. Here the worst is that the index loses one, which is compiled anew.
         """
-        name = f"{uuid.uuid4().hex}.nbc"
-        self._save_data(name, data)
+        content = self._dump(data)
+        name = _name_of_content(content)
+        self._save_data(name, content)
         try:
             index = self._load_index()
         except Exception:  # unpickling one that is damaged, or names types that have moved since, may raise anything
             index = {}
         self._save_index(index | {key: name})
+
+    def _save_data(self, name: str, data: bytes) -> None:
+        with self._open_for_write(self._data_path(name)) as file:
+            file.write(data)
+
+    def _load_data(self, name: str) -> Any:
+        """Read the code in a file, which is executed unchecked: one changed bit may end the process."""
+        content = Path(self._data_path(name)).read_bytes()
+        if _name_of_content(content) != name:
+            raise ValueError(f"{name} is damaged")
+        return pickle.loads(content)  # written by this user
+
+
+def _name_of_content(content: bytes) -> str:
+    return f"{hashlib.sha256(content).hexdigest()[:32]}.nbc"
 
 
 class KernelCache(FunctionCache):

@@ -80,8 +80,9 @@ class PartLibrary(JITCodeLibrary):
         """Let a second process link and optimise the code, if there is one."""
         self._raise_if_finalized()
         self._linking_libraries = list(dict.fromkeys(self._linking_libraries))
-        for library in self._linking_libraries:
-            self._reload_init.update(library._reload_init)
+        if hasattr(self, "_reload_init"):  # not in Numba 0.62, where a result alone has it
+            for library in self._linking_libraries:
+                self._reload_init.update(library._reload_init)
         self._finalized = True
         process = running_process()
         if process is not None and not process.compiles:
