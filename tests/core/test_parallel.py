@@ -225,7 +225,7 @@ def test_a_caller_that_is_interrupted_does_not_wait_for_the_item(monkeypatch, ki
         began = time.perf_counter()
         with pytest.raises(kind):
             next(one_ahead(items()))
-    assert time.perf_counter() - began < 10.0
+    assert time.perf_counter() - began < 30.0  # not a minute
     finish.set()
 
 

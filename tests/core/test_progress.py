@@ -88,11 +88,12 @@ WAIT = "import time; from insonify.progress import report_waiting\nwith report_w
 
 
 def test_a_terminal_is_told_what_takes_long_and_for_how_long() -> None:
+    began = time.time()
     told = on_a_terminal(WAIT.format(4.2))
     seconds = [int(found) for found in re.findall(r"preparing the bed and the plan: 00:(\d\d)", told)]
     assert len(set(seconds)) > 1
     assert seconds == sorted(seconds)
-    assert 1 <= seconds[0] < seconds[-1] <= 4
+    assert 1 <= seconds[0] < seconds[-1] <= time.time() - began
     assert told.rpartition(f"00:{seconds[-1]:02d}")[2].strip() == ""  # it is wiped out
 
 
@@ -139,7 +140,7 @@ def test_what_takes_long_can_be_stopped(tmp_path: Path, name: str) -> None:
         began = time.perf_counter()
         command.send_signal(number)
         told = command.communicate(timeout=50)[1]
-    assert time.perf_counter() - began < 10.0
+    assert time.perf_counter() - began < 30.0  # not a minute
     assert (command.returncode, path.read_text()) == (128 + number, "old")
     assert told == ("insonify: interrupted; no file was touched\n" if name == "SIGINT" else "")
     assert list(tmp_path.iterdir()) == [path]
