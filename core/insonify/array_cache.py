@@ -14,7 +14,7 @@ import numpy as np
 
 Arguments = ParamSpec("Arguments")
 Kept = TypeVar("Kept")
-LIMIT = 208 * 2**20  # bytes; endless ground takes three times as long with 160 MiB
+LIMIT = 96 * 2**20  # bytes; endless ground takes twice as long with 80 MiB
 
 
 class ArrayCache:

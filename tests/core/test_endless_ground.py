@@ -2,6 +2,7 @@
 
 import gc
 import weakref
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -9,7 +10,7 @@ import pytest
 from insonify.array_cache import ARRAYS
 from insonify.scene import build, edit
 from insonify.simulation import prepare, simulate_blocks
-from insonify.terrain import EndlessGround, Ground, build_ground, relief, relief_picture
+from insonify.terrain import EndlessGround, Ground, HeldWindow, build_ground, relief, relief_picture
 from insonify.terrain.endless_field import PART, TILE, EndlessField, gather_tiles
 from insonify.tracers import sweep
 
@@ -101,6 +102,38 @@ def test_heights_are_those_of_the_window():
     assert isinstance(window, Ground)
     np.testing.assert_allclose(window.height_at(x, y), ground.height_at(x, y), atol=1e-6)
     np.testing.assert_array_equal(ground.height_near(x, y), ground.height_at(x, y))
+
+
+@pytest.mark.parametrize("reach", [0.0, 30.0, 0.4 * TILE, 1.3 * 0.4 * TILE])
+def test_a_window_holds_each_node_at_its_place_whatever_window_is_held(reach):
+    ground = build_ground(edit(SCENE, {"seabed.material": {"kind": "fractal", "of": ["fine_sand", "coarse_sand"]}}))
+    assert isinstance(ground, EndlessGround)
+    held = None
+    # A step along each axis, none, one across, one to a place that shares nothing, and back.
+    for row, column in [(-1, 0), (-1, 1), (0, 1), (0, 1), (1, 0), (40, -30), (0, 0)]:
+        window = ground.window(row, column, reach, held)
+        side, margin = len(window.heights), (len(window.heights) - 1 - TILE) // 2
+        first = (row * TILE - margin, column * TILE - margin)
+        for tiles, torus in ((ground.heights, window.heights), (ground.materials, window.materials)):
+            nodes = gather_tiles(tiles, first, (side, side))
+            stored = [(low + np.arange(side)) % side for low in first]
+            np.testing.assert_array_equal(torus[np.ix_(*stored)], nodes)
+        held = HeldWindow(row, column, window.heights, window.materials)
+
+
+def test_a_step_to_the_next_window_makes_its_new_tiles_alone():
+    asked: list[tuple[int, int]] = []
+
+    def tiles(row: int, column: int) -> np.ndarray:
+        asked.append((row, column))
+        return np.zeros((TILE, TILE), np.float32)
+
+    ground = replace(build_ground(SCENE), heights=tiles)
+    window = ground.window(0, 0, 100.0)
+    assert sorted(asked) == [(row, column) for row in (-1, 0, 1) for column in (-1, 0, 1)]
+    asked.clear()
+    ground.window(0, 1, 100.0, HeldWindow(0, 0, window.heights, window.materials))
+    assert sorted(asked) == [(row, column) for row in (-1, 0, 1) for column in (1, 2)]
 
 
 def test_a_fish_follows_the_terrain_anywhere():

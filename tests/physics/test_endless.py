@@ -80,7 +80,8 @@ def test_spectrum_over_24_seeds(name):
 
 @pytest.mark.parametrize("name", ["round", "peak"])
 def test_tiles_are_what_one_shot_makes(name, monkeypatch):
-    """Overlap and save over tiles against one transform of all."""
+    """Overlap and save over tiles against one transform of all, without the rounding of what is kept."""
+    monkeypatch.setattr(endless_field, "KEPT", np.float64)
     bands, _ = parts(SPECTRA[name])
     field = EndlessField(bands, SPACING, 3, 1)
     tiled = np.block([[field.tile(j, i) for i in (-1, 0)] for j in (-1, 0)])
@@ -89,6 +90,16 @@ def test_tiles_are_what_one_shot_makes(name, monkeypatch):
     whole = EndlessField(bands, SPACING, 3, 1)
     shot = np.block([[whole.tile(j, i) for i in (-1, 0)] for j in (-1, 0)])[TILE : 3 * TILE, TILE : 3 * TILE]
     assert np.abs(tiled - shot).max() <= 1e-14 * np.abs(shot).max()
+
+
+@pytest.mark.parametrize("name", SPECTRA)
+def test_what_is_kept_is_as_precise_as_heights(name, monkeypatch):
+    """Heights are stored in 32 bits, which rounds them by 6e-8."""
+    bands, _ = parts(SPECTRA[name])
+    kept = EndlessField(bands, SPACING, 3, 1).tile(2, -5)
+    monkeypatch.setattr(endless_field, "KEPT", np.float64)
+    exact = EndlessField(bands, SPACING, 3, 1).tile(2, -5)
+    assert np.abs(kept - exact).max() <= 1.2e-7 * np.abs(exact).max()
 
 
 def test_a_tile_is_the_same_whatever_way_one_came():

@@ -14,13 +14,13 @@ from numpy.typing import NDArray
 from insonify.kernels.common.types import Bed, Poses, SceneArrays
 from insonify.packing.navigation import take_poses
 from insonify.packing.scene_arrays import make_bed
-from insonify.terrain import AnyGround, EndlessGround
+from insonify.terrain import AnyGround, EndlessGround, HeldWindow
 
 Column = NDArray[Any]
 
 # Refracted rays may go farther in the time of a slant range than straight ones.
 MARGIN = 1.1
-KEPT_BEDS, MOST_BEDS = 3, 6  # of pings that follow one another, and of a call over many windows; some 23 MB each
+KEPT_BEDS, MOST_BEDS = 2, 6  # of pings that follow one another, and of a call over many windows; some 23 MB each
 _SHARED: WeakValueDictionary[Hashable, _WindowBeds] = WeakValueDictionary()
 
 
@@ -113,12 +113,20 @@ class _WindowBeds:
             if (row, column) in self._beds:
                 self._beds.move_to_end((row, column))
                 return self._beds[row, column]
-        made = make_bed(self._ground.window(row, column, MARGIN * self._reach))
+            held = self._nearest(row, column)
+        made = make_bed(self._ground.window(row, column, MARGIN * self._reach, held))
         with self._lock:
             self._beds[row, column] = made
             while len(self._beds) > self._room:
                 self._beds.popitem(last=False)
         return made
+
+    def _nearest(self, row: int, column: int) -> HeldWindow | None:
+        """Window that is held and shares the most ground with another, if any does."""
+        places = min(self._beds, key=lambda place: abs(place[0] - row) + abs(place[1] - column), default=None)
+        if places is None:
+            return None
+        return HeldWindow(*places, self._beds[places].heights, self._beds[places].materials)
 
 
 def _beds_of(ground: EndlessGround, reach: float) -> _WindowBeds:

@@ -36,6 +36,7 @@ PART = 128  # nodes along a side of the smallest part of a tile that is kept
 TAPS = 128  # along a side of the filter of a band
 HIGHEST = 0.75  # share of its Nyquist frequency that the waves of an interpolated lattice reach
 FEATURE = 6.0  # frequency steps of the coarsest filter across the finest feature of the density
+KEPT = np.float32  # precision of filters and lattices that are kept; heights have no more in the end
 FAINT = 1e-9  # share of the variance that may be neglected
 HALF_BAND = 12  # pairs of taps of the half-band filter
 KAISER = 9.0  # shape of its window: images are 90 dB down
@@ -143,7 +144,8 @@ class _Pyramid:
             own = np.zeros(shape)
         else:
             side = _side_of_parts(level - self._first)
-            own = gather_tiles(lambda row, column: self._part(level, side, row, column), first, shape, side)
+            parts = gather_tiles(lambda row, column: self._part(level, side, row, column), first, shape, side)
+            own = parts.astype(np.float64)
         return own + self._from_coarser(level, first, shape) if level < self._last else own
 
     def _from_coarser(self, level: int, first: tuple[int, int], shape: tuple[int, int]) -> Field:
@@ -173,16 +175,16 @@ class _Filter:
         self.variance = float((self._kernel**2).sum())
 
     @property
-    def transfer(self) -> Field:
+    def transfer(self) -> NDArray[np.floating]:
         """Transform of the filter over one block; real, because the filter is even."""
         return _kept_transfer(self)
 
-    def make_transfer(self) -> Field:
+    def make_transfer(self) -> NDArray[np.floating]:
         """Transform the filter, as `transfer` keeps it."""
         half = self.taps // 2
         block = np.zeros((TILE + self.taps,) * 2)
         block[: self.taps, : self.taps] = np.roll(self._kernel, (half, half), axis=(0, 1))
-        return np.ascontiguousarray(np.fft.rfft2(np.roll(block, (-half, -half), axis=(0, 1))).real)
+        return np.fft.rfft2(np.roll(block, (-half, -half), axis=(0, 1))).real.astype(KEPT)
 
 
 _kept_transfer = keep_arrays(_Filter.make_transfer)
@@ -213,11 +215,10 @@ class _Lattice:
         np.fft.irfft(waves, n=side, axis=1, out=block)
         return block[margin:-margin, margin:-margin].copy()
 
-    def part(self, side: int, row: int, column: int) -> Field:
-        """Square of some nodes a side, as many as divide a tile."""
+    def part(self, side: int, row: int, column: int) -> NDArray[np.floating]:
+        """Square of some nodes a side, as many as divide a tile, as it is kept."""
         (tile_row, j), (tile_column, i) = divmod(row * side, TILE), divmod(column * side, TILE)
-        tile = self.tile(tile_row, tile_column)
-        return tile if side == TILE else tile[j : j + side, i : i + side].copy()
+        return self.tile(tile_row, tile_column)[j : j + side, i : i + side].astype(KEPT)
 
 
 def _band_filters(band: Band, spacing: float, first: int) -> dict[int, _Filter]:

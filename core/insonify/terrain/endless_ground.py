@@ -6,12 +6,13 @@ import math
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from functools import lru_cache, partial
-from typing import Any
+from itertools import pairwise
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
-from insonify.array_cache import ARRAYS, keep_arrays
+from insonify.array_cache import keep_arrays
 from insonify.parallel import in_parallel
 from insonify.scene.materials import Reflectivity
 from insonify.terrain.endless_field import TILE, gather_tiles
@@ -20,9 +21,26 @@ from insonify.terrain.ground import Ground, bilinear, tell_cells_apart
 Column = NDArray[np.float64]
 Tiles = Callable[[int, int], NDArray[Any]]
 
-TILE_BYTES = 4 * TILE**2  # of heights
 FARTHEST = 2**31  # tiles along an axis, farther than any tow
 KEPT_THINNED = 4  # heights and materials of two grounds that are thinned
+
+
+class HeldWindow(NamedTuple):
+    """Heights and materials of a window of endless ground, which are not written to.
+
+    Attributes
+    ----------
+    row, column : int
+        As numbered by `EndlessGround.cell`.
+    heights : (n, n) float32
+        As `EndlessGround.window` stores them, of one reach.
+    materials : (n, n) uint8
+    """
+
+    row: int
+    column: int
+    heights: NDArray[np.float32]
+    materials: NDArray[np.uint8]
 
 
 @dataclass(frozen=True, eq=False)
@@ -56,7 +74,7 @@ class EndlessGround:
         side = TILE * self.spacing
         return np.stack([np.floor(y / side), np.floor(x / side)], axis=-1).astype(np.int64)
 
-    def window(self, row: int, column: int, reach: float) -> Ground:
+    def window(self, row: int, column: int, reach: float, held: HeldWindow | None = None) -> Ground:
         """Ground of one window and its surroundings.
 
         Parameters
@@ -65,6 +83,8 @@ class EndlessGround:
             Window, as numbered by `cell`.
         reach : float
             Metres of ground around the window.
+        held : HeldWindow, optional
+            Another window of the same reach, from which the nodes that both hold are copied.
 
         Returns
         -------
@@ -73,10 +93,17 @@ class EndlessGround:
             every node within reach at its place in the world. Nodes beyond are not held.
         """
         margin = math.ceil(reach / self.spacing) + 2
-        first, side = (row * TILE - margin, column * TILE - margin), TILE + 2 * margin + 1
+        side = TILE + 2 * margin + 1
+        side = TILE + 2 * margin + 1
+        square = _Square(row * TILE - margin, column * TILE - margin, side)
+        known = None if held is None else _Square(held.row * TILE - margin, held.column * TILE - margin, side)
+        heights = np.empty((side, side), np.float32) if held is None else held.heights.copy()
+        materials = np.empty((side, side), np.uint8) if held is None else held.materials.copy()
+        _complete(heights, self.heights, square, known)
+        _complete(materials, self.materials, square, known)
         return Ground(
-            heights=_torus(self.heights, first, side),
-            materials=_torus(self.materials, first, side),
+            heights=heights,
+            materials=materials,
             names=self.names,
             reflectivities=self.reflectivities,
             x0=0.0,
@@ -146,16 +173,78 @@ def _thinned(tiles: Tiles, every: int) -> Tiles:
     )
 
 
-def _torus(tiles: Tiles, first: tuple[int, int], side: int) -> NDArray[Any]:
-    """Square of nodes, each stored at its indices modulo the size of the square."""
-    rows, columns = (range(low // TILE, (low + side - 1) // TILE + 1) for low in first)
-    if len(rows) * len(columns) * TILE_BYTES <= ARRAYS.limit:  # else the first are dropped before they are gathered
-        for row in rows:  # neighbours together: they share tiles of coarser lattices
-            in_parallel(partial(_make_tiles, tiles, row, columns), len(columns), least=1)
-    return np.roll(gather_tiles(tiles, first, (side, side)), (first[0] % side, first[1] % side), axis=(0, 1))
+class _Square(NamedTuple):
+    """Square of nodes.
+
+    Attributes
+    ----------
+    row, column : int
+        Its lowest node along y and x.
+    side : int
+        Nodes along a side.
+    """
+
+    row: int
+    column: int
+    side: int
+
+    def part(self, row: int, column: int) -> tuple[range, range]:
+        """Rows and columns of the nodes of a tile that are within the square."""
+        return _within(row, self.row, self.side), _within(column, self.column, self.side)
+
+    def holds(self, rows: range, columns: range) -> bool:
+        """Whether some nodes are all within the square."""
+        return all(
+            low <= nodes.start and nodes.stop <= low + self.side
+            for low, nodes in ((self.row, rows), (self.column, columns))
+        )
 
 
-def _make_tiles(tiles: Tiles, row: int, columns: range, first: int, last: int) -> None:
-    """Make some tiles of a row, which are kept."""
-    for column in columns[first:last]:
-        tiles(row, column)
+def _complete(torus: NDArray[Any], tiles: Tiles, square: _Square, known: _Square | None) -> None:
+    """Put the values of a square into an array that stores each node at its indices modulo the side of the square.
+
+    Nodes of a known square of the same side are in it already.
+    """
+    missing = [
+        (row, column)
+        for row in _tiles_of(square.row, square.side)
+        for column in _tiles_of(square.column, square.side)
+        if known is None or not known.holds(*square.part(row, column))
+    ]
+    # Neighbours together, because they share coarser lattices, and across the shorter side first.
+    outer = min((0, 1), key=lambda axis: len({tile[axis] for tile in missing}))
+    for line in sorted({tile[outer] for tile in missing}):
+        together = [tile for tile in missing if tile[outer] == line]
+        in_parallel(partial(_put_tiles, torus, tiles, square, together), len(together), least=1)
+
+
+def _put_tiles(
+    torus: NDArray[Any], tiles: Tiles, square: _Square, places: list[tuple[int, int]], first: int, last: int
+) -> None:
+    """Put some of the tiles at given places into the array, as far as the square holds them."""
+    for row, column in places[first:last]:
+        tile, (rows, columns) = tiles(row, column), square.part(row, column)
+        for j in _runs(rows, square.side):
+            for i in _runs(columns, square.side):
+                torus[_modulo(j, square.side), _modulo(i, square.side)] = tile[_modulo(j, TILE), _modulo(i, TILE)]
+
+
+def _tiles_of(low: int, count: int) -> range:
+    """Tiles along one axis of successive nodes."""
+    return range(low // TILE, (low + count - 1) // TILE + 1)
+
+
+def _within(tile: int, low: int, count: int) -> range:
+    """Nodes of a tile along one axis that are among some successive nodes."""
+    return range(max(tile * TILE, low), min((tile + 1) * TILE, low + count))
+
+
+def _runs(nodes: range, side: int) -> list[range]:
+    """Split nodes at the multiples of a side."""
+    edges = [nodes.start, *range((nodes.start // side + 1) * side, nodes.stop, side), nodes.stop]
+    return [range(low, high) for low, high in pairwise(edges)]
+
+
+def _modulo(nodes: range, side: int) -> slice:
+    """Places of a run of nodes modulo a side."""
+    return slice(nodes.start % side, nodes.start % side + len(nodes))
