@@ -108,6 +108,34 @@ def test_a_pipe_is_thickened_in_the_record(open_viewer: Any, small: Scene, qtbot
     assert viewer.session.scene == scene
 
 
+def test_a_box_is_raised_in_the_record_and_in_three_dimensions(open_viewer: Any, one_box: Scene, qtbot: Any) -> None:
+    """The handle stands opposite the one that thickens; length and width stay as they are."""
+    viewer = open_viewer(one_box, solid=True)
+    viewer.targets.handles.choose(0)
+    record, seabed = viewer.window.waterfall, viewer.seabed
+    handle, centre = (record.handles.place(number_of(viewer, action)) for action in ("raise", "move"))
+    thicken = record.handles.place(number_of(viewer, "thicken"))
+    assert (handle - centre).manhattanLength() > 2 * 9, "each is held for itself"
+    assert (handle - centre).x() * (thicken - centre).x() < 0
+    assert "higher" in record.handles.hover(handle)
+    drag(record, handle, handle + (handle - centre))
+    assert viewer.session.undoable == ("box 1 height",)
+    length, width, height = viewer.session.scene.targets[0].size
+    assert (length, width) == tuple(BOX["size"][:2])
+    assert 2.0 < height < 5.0
+    viewer.session.undo()
+    assert viewer.session.scene == one_box
+    qtbot.waitUntil(lambda: viewer.complete)
+    seabed.draw_now()
+    view = seabed.view
+    handle, centre = (view.handles.place(number_of(viewer, action)).toPoint() for action in ("raise", "move"))
+    drag(view._canvas.widget, handle, centre + (handle - centre) / 2)
+    assert viewer.session.undoable == ("box 1 height",)
+    length, width, height = viewer.session.scene.targets[0].size
+    assert (length, width) == tuple(BOX["size"][:2])
+    assert height < 1.2
+
+
 def test_a_pipe_is_thickened_in_three_dimensions(open_viewer: Any, small: Scene, qtbot: Any) -> None:
     pipe = {"kind": "pipe", "position": [12.0, -20.0], "radius": 0.5, "length": 6.0, "heading": 0.0}
     viewer = open_viewer(edit(small, {"targets": [pipe], "sonar.bins": 400}), solid=True)
@@ -153,7 +181,7 @@ def test_a_click_into_an_echo_chooses_its_target(open_viewer: Any, one_box: Scen
     beside = record.handles.place(0) + QPoint(10, 0)
     QTest.mouseClick(record, Qt.MouseButton.LeftButton, pos=beside)
     assert handles.chosen == 0
-    assert [handle.action for handle in handles._handles] == ["move", "turn", "resize", "thicken"]
+    assert [handle.action for handle in handles._handles] == ["move", "turn", "resize", "thicken", "raise"]
     turn = record.handles.place(number_of(viewer, "turn"))
     centre = record.handles.place(number_of(viewer, "move"))
     drag(record, turn, turn + QPoint(0, 2 * (centre.y() - turn.y())))

@@ -23,7 +23,7 @@ if TYPE_CHECKING:
     from insonify_viewer.seabed_controller import SeabedController
     from insonify_viewer.views.waterfall_view import WaterfallView
 
-DONE = {"move": "moved", "turn": "turned", "resize": "resized"}
+DONE = {"move": "moved", "turn": "turned", "resize": "resized", "raise": "height"}
 
 
 class TargetHandles:

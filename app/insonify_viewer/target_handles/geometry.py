@@ -16,11 +16,12 @@ if TYPE_CHECKING:
     from insonify.simulation import Simulation
 
 Place = tuple[float, float, float]
-Action = Literal["move", "turn", "resize", "thicken"]
+Action = Literal["move", "turn", "resize", "thicken", "raise"]
 SIZES = {"pipe": "length", "box": "size", "sphere": "radius", "cone": "radius", "mesh": "scale"}
 THICKNESSES = {"pipe": "radius", "box": "width and height", "cone": "height"}  # in words, of what thickens a target
+RAISED = ("box",)  # kinds whose height alone has a handle
 BESIDE = 0.06  # slant ranges by which the handle that turns stands beyond the end of a target
-ASIDE = 0.1  # slant ranges by which the handle that thickens stands off its side, clear of the one that moves
+ASIDE = 0.1  # slant ranges by which the handles that thicken and raise stand off its sides, clear of the one that moves
 NEAR = 0.03  # slant ranges about a target within which a place belongs to it
 AROUND = 96  # pings about the one that straight tow lines give, in which an echo is looked for
 SMALLEST, LARGEST = 0.02, 50.0  # factors by which one drag resizes
@@ -36,7 +37,7 @@ class Handle:
     target : int
         Position of the target in the scene.
     action : str
-        What a drag does: ``move``, ``turn``, ``resize``, or ``thicken`` across the heading alone.
+        What a drag does: ``move``, ``turn``, ``resize``, ``thicken`` across the heading alone, or ``raise`` in height.
     place : (float, float, float)
         Local coordinates, in metres.
     """
@@ -60,9 +61,11 @@ def handles_of(simulation: Simulation, chosen: int | None) -> tuple[Handle, ...]
                 found.append(Handle(number, "turn", _place(simulation, target, beyond)))
             if target.kind in SIZES:
                 found.append(Handle(number, "resize", _place(simulation, target, half)))
+            aside = half_width(target) + ASIDE * scene.sonar.range
             if target.kind in THICKNESSES:
-                aside = half_width(target) + ASIDE * scene.sonar.range
                 found.append(Handle(number, "thicken", _place(simulation, target, 0.0, aside)))
+            if target.kind in RAISED:
+                found.append(Handle(number, "raise", _place(simulation, target, 0.0, -aside)))
     return tuple(found)
 
 
@@ -116,6 +119,8 @@ def drag_edit(scene: Scene, handle: Handle, begun: Place, now: Place) -> dict[st
     factor = min(max(math.hypot(*last) / max(math.hypot(*first), 1e-6), SMALLEST), LARGEST)
     if handle.action == "thicken":
         return _thickened(target, path, factor)
+    if handle.action == "raise":
+        return {f"{path}.size": [*target.size[:2], _scaled(target.size[2], factor)]}
     name = SIZES[target.kind]
     size = getattr(target, name)
     scaled = [_scaled(side, factor) for side in size] if isinstance(size, tuple) else _scaled(size, factor)

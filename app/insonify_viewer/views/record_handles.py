@@ -18,9 +18,13 @@ TIPS = {
     "turn": "Drag to turn it",
     "resize": "Drag to resize it",
     "thicken": "Drag to thicken it",
+    "raise": "Drag outwards to make it higher",
 }
-DIAMOND = ((0.0, -1.0), (1.0, 0.0), (0.0, 1.0), (-1.0, 0.0))
-TRIANGLE = ((0.0, -1.1), (1.0, 0.8), (-1.0, 0.8))
+CORNERS = {
+    "move": ((0.0, -1.0), (1.0, 0.0), (0.0, 1.0), (-1.0, 0.0)),
+    "thicken": ((0.0, -1.1), (1.0, 0.8), (-1.0, 0.8)),
+    "raise": ((-0.5, -1.3), (0.5, -1.3), (0.5, 1.1), (-0.5, 1.1)),
+}
 Shown = tuple[int, Mark, str, bool]
 
 
@@ -113,7 +117,7 @@ class RecordHandles(QObject):
 
 
 def _draw(painter: QPainter, place: QPointF, action: str, *, chosen: bool) -> None:
-    """Draw a handle: a diamond moves, a circle turns, a square resizes, a triangle thickens."""
+    """Draw a handle: a diamond moves, a circle turns, a square resizes, a triangle thickens, a post raises."""
     for colour, width in ((HALO, 4.0), (MARK_IN_WATER, 2.0 if chosen else 1.2)):
         painter.setPen(QPen(QColor(colour), width))
         painter.setBrush(Qt.BrushStyle.NoBrush)
@@ -122,5 +126,4 @@ def _draw(painter: QPainter, place: QPointF, action: str, *, chosen: bool) -> No
         elif action == "resize":
             painter.drawRect(QRectF(place.x() - SIZE + 1, place.y() - SIZE + 1, 2 * SIZE - 2, 2 * SIZE - 2))
         else:
-            corners = TRIANGLE if action == "thicken" else DIAMOND
-            painter.drawPolygon([place + QPointF(SIZE * dx, SIZE * dy) for dx, dy in corners])
+            painter.drawPolygon([place + QPointF(SIZE * dx, SIZE * dy) for dx, dy in CORNERS[action]])

@@ -19,7 +19,13 @@ pv: Any = pyvista  # untyped
 Grip = tuple[tuple[float, float, float], str, bool]
 REACH = 11.0  # px from a handle at which the mouse takes hold of it
 POINTS = 13.0  # px, size of a handle
-COLOURS = {"move": MARK_IN_WATER, "turn": ACCENT_IN_WATER, "resize": "#ffffff", "thicken": "#b6f09c"}
+COLOURS = {
+    "move": MARK_IN_WATER,
+    "turn": ACCENT_IN_WATER,
+    "resize": "#ffffff",
+    "thicken": "#b6f09c",
+    "raise": "#f3a6dd",
+}
 
 
 class SeabedHandles(QObject):
