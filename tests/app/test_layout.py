@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 import pytest
 from PySide6.QtCore import QPoint, QRect
+from PySide6.QtGui import QImage, QPainter
 from PySide6.QtWidgets import QWidget
 
 from insonify.scene import Scene, bundled_scenes, edit, load_scene
@@ -14,6 +15,7 @@ from insonify_viewer.panels.parameters.sections import sections_of
 from insonify_viewer.panels.parameters.view.parameters_view import ParametersView
 from insonify_viewer.session import Mark
 from insonify_viewer.views.field_rows import Combo
+from insonify_viewer.views.record_overlays import draw_measured
 from insonify_viewer.views.rulers import write_towed
 from insonify_viewer.views.theme import apply_theme
 from insonify_viewer.views.true_scale import name_scale, plot_at_true_scale
@@ -87,6 +89,19 @@ def test_a_plot_is_at_true_scale_where_it_fits() -> None:
     assert plot_at_true_scale(room, 20.0, 100.0) == room, "a strip of 100 px would waste the room"
     assert name_scale(room, 20.0, 100.0) == "track × 7"
     assert name_scale(room, 1400.0, 100.0) == "track ÷ 10"
+
+
+def test_a_measurement_stays_within_a_narrow_record(qapp: Any) -> None:
+    image, plot = QImage(400, 300, QImage.Format.Format_RGB32), QRect(100, 0, 190, 300)
+    image.fill(0)
+    painter = QPainter(image)
+    words = "2.90 m on the bed: 0.00 m along, 2.90 m across\nas a shadow: target 1.08 m high, 1.19 m if round"
+    draw_measured(painter, plot, (QPoint(180, 60), QPoint(200, 60)), words)
+    painter.end()
+    drawn = np.frombuffer(image.constBits(), np.uint32).reshape(300, 400) & 0xFFFFFF
+    assert drawn[:, 100:290].any()
+    assert not drawn[:, :100].any()
+    assert not drawn[:, 290:].any()
 
 
 def test_metres_towed_are_written_to_tenths() -> None:

@@ -38,15 +38,15 @@ class Measurement:
 
     @property
     def words(self) -> str:
-        """The measurement in two lines, with the kind of distance."""
+        """The measurement in up to three lines, with the kind of distance."""
         if self.straight is None:
             first = f"slant range {self.slant:.2f} m, {self.pings} pings"
         else:
             first = f"{self.straight:.2f} m on the bed: {self.along:.2f} m along, {self.across:.2f} m across"
-        second = [f"slant range {self.slant:.2f} m"] if self.straight is not None else []
+        lines = [first, f"slant range {self.slant:.2f} m"] if self.straight is not None else [first]
         if self.height is not None:
-            second.append(f"as a shadow: target {self.height:.2f} m high, {self.round_height:.2f} m if round")
-        return "\n".join([first, *filter(None, ["  ·  ".join(second)])])
+            lines.append(f"as a shadow: target {self.height:.2f} m high, {self.round_height:.2f} m if round")
+        return "\n".join(lines)
 
 
 def measure(first: Location, last: Location) -> Measurement:

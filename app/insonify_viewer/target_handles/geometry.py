@@ -120,7 +120,7 @@ def drag_edit(scene: Scene, handle: Handle, begun: Place, now: Place) -> dict[st
     if handle.action == "thicken":
         return _thickened(target, path, factor)
     if handle.action == "raise":
-        return {f"{path}.size": [*target.size[:2], _scaled(target.size[2], factor)]}
+        return _raised(target, path, factor)
     name = SIZES[target.kind]
     size = getattr(target, name)
     scaled = [_scaled(side, factor) for side in size] if isinstance(size, tuple) else _scaled(size, factor)
@@ -135,6 +135,12 @@ def _thickened(target: Any, path: str, factor: float) -> dict[str, Any]:
         return {f"{path}.size": [length, *(_scaled(side, factor) for side in others)]}
     name = THICKNESSES[target.kind]
     return {f"{path}.{name}": _scaled(getattr(target, name), factor)}
+
+
+def _raised(target: Any, path: str, factor: float) -> dict[str, Any]:
+    """Edit that scales the height of a box."""
+    length, width, height = target.size
+    return {f"{path}.size": [length, width, _scaled(height, factor)]}
 
 
 def echo_mark(simulation: Simulation, place: Place) -> Mark | None:

@@ -62,7 +62,8 @@ def draw_measured(painter: QPainter, plot: QRect, ends: tuple[QPoint, QPoint], w
         for end in ends:
             painter.drawEllipse(QPointF(end), 3.0, 3.0)
     painter.setRenderHint(QPainter.RenderHint.Antialiasing, False)
-    size = painter.fontMetrics().boundingRect(QRect(0, 0, plot.width(), plot.height()), 0, words)
+    wrapped = Qt.AlignmentFlag.AlignCenter | Qt.TextFlag.TextWordWrap
+    size = painter.fontMetrics().boundingRect(QRect(0, 0, plot.width() - 20, plot.height()), wrapped, words)
     box = QRect(0, 0, size.width() + 14, size.height() + 8)
     box.moveCenter((ends[0] + ends[1]) / 2 + QPoint(0, 14 + box.height() // 2))
     box.moveLeft(min(max(box.left(), plot.left() + 2), max(plot.right() - box.width() - 2, plot.left())))
@@ -71,7 +72,7 @@ def draw_measured(painter: QPainter, plot: QRect, ends: tuple[QPoint, QPoint], w
     painter.setBrush(QColor(RAISED))
     painter.drawRoundedRect(box, 4.0, 4.0)
     painter.setPen(QColor(TEXT))
-    painter.drawText(box, Qt.AlignmentFlag.AlignCenter, words)
+    painter.drawText(box.adjusted(6, 4, -6, -4), wrapped, words)
 
 
 def draw_contacts(painter: QPainter, plot: QRect, contacts: Iterable[tuple[QPoint, str, bool]]) -> None:
