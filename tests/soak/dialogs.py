@@ -20,6 +20,8 @@ KINDS = {
     "Open a map of materials": ("image-png", "image-tif"),
 }
 
+OTHER = "correlation-csv"  # for any other title
+
 
 class Answers:
     """Answers every dialog at once.
@@ -34,6 +36,9 @@ class Answers:
 
     def __init__(self, random: np.random.Generator, folder: Path) -> None:
         self._random, self._folder, self._files = random, folder, 0
+        # Made before the window opens: to simulate a recording takes half a second of the main thread.
+        names = {OTHER, *(name for names in KINDS.values() for name in names)}
+        self._whole = {name: _whole_file(name, folder) for name in sorted(names)}
         QFileDialog.getOpenFileName = self._open  # type: ignore[method-assign,assignment]
         QFileDialog.getSaveFileName = self._save  # type: ignore[method-assign,assignment]
         QMessageBox.question = lambda *_: QMessageBox.StandardButton.Discard  # type: ignore[method-assign,assignment]
@@ -44,7 +49,7 @@ class Answers:
             return "", ""
         if chance < 0.2:
             return str(self._random.choice([str(self._folder), "/nowhere/scene.toml", "/dev/null"])), ""
-        names = KINDS[str(self._random.choice(list(KINDS)))] if chance < 0.3 else KINDS.get(title, ("correlation-csv",))
+        names = KINDS[str(self._random.choice(list(KINDS)))] if chance < 0.3 else KINDS.get(title, (OTHER,))
         return str(self._file(str(self._random.choice(names)), damaged=chance > 0.6)), ""
 
     def _file(self, name: str, *, damaged: bool) -> Path:
@@ -52,13 +57,20 @@ class Answers:
         self._files += 1
         folder = self._folder / f"{self._files}"
         folder.mkdir()
-        path = folder / sample.file
-        sample.write(path)
-        if damaged:
-            path.write_bytes(sample.mutate(path.read_bytes(), self._random))
+        path, whole = folder / sample.file, self._whole[name]
+        path.write_bytes(sample.mutate(whole, self._random) if damaged else whole)
         return path
 
     def _save(self, *_: Any) -> tuple[str, str]:
         self._files += 1
         name = self._random.choice(["a.toml", "a.png", "a.nc", "a.npz", "a", "nowhere/a.png"])
         return str(self._folder / f"saved-{self._files}-{name}"), ""
+
+
+def _whole_file(name: str, folder: Path) -> bytes:
+    """Contents of an undamaged sample."""
+    path = folder / SAMPLES[name].file
+    SAMPLES[name].write(path)
+    contents = path.read_bytes()
+    path.unlink()
+    return contents
