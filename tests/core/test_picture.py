@@ -22,6 +22,7 @@ from insonify.display.picture import (
     load_palette,
     map_tones,
     mirror_channels,
+    place_columns,
 )
 from insonify.display.range_axis import RangeAxis, make_range_axis
 from insonify.display.sheet import resample_rows, take_sheet_pings
@@ -349,3 +350,16 @@ def test_colours_are_looked_up_by_the_place_between_both_levels(colours):
     np.testing.assert_array_equal(colour_rows(values, low, high, table), expected)
     assert colour_rows(np.full((1, 1), np.nan, np.float32), low, high, table) == table[0]
     assert colour_rows(values[:0], low, high, table).shape == (0, 50)
+
+
+@pytest.mark.parametrize("altitude", [-1.0, -1e5, -1e9, -1e300])
+@pytest.mark.parametrize("kind", ["slant", "bed", "ground"])
+def test_an_altitude_below_the_bed_leads_to_no_bin_outside_its_row(kind: str, altitude: float) -> None:
+    axis = make_range_axis(kind, 64, 0.1, 1.0)
+    assert axis is not None
+    position = place_columns(np.linspace(0.0, axis.reach, 33), np.array([1.0, altitude, 1.0]), axis)
+    assert position.min() >= 0.0
+    assert position.max() <= 64.0
+    rows = np.repeat(np.array([[3.0], [1.0], [3.0]], np.float32), 64, axis=1)  # its neighbours differ
+    found = average_columns(rows, position, bins=range(63, -1, -1))
+    assert set(found[1].tolist()) <= {0.0, 1.0}

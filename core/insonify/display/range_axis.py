@@ -40,12 +40,15 @@ class RangeAxis(NamedTuple):
         return self.kind == SLANT
 
     def bins_at(self, distance: Values, altitude: Values) -> Values:
-        """Position in bins, from 0 at the sonar, of distances under a sonar at altitudes; at most ``bins``."""
+        """Position in bins, from 0 at the sonar to ``bins``, of distances under a sonar at altitudes.
+
+        An altitude below 0, as damaged recordings hold, leads to no bin before the first.
+        """
         if self.kind == GROUND:
             slant = np.hypot(distance, altitude)
         else:
             slant = distance + (altitude if self.kind == BED else 0.0)
-        return np.asarray(np.minimum(slant / self.bin_length, self.bins))
+        return np.asarray(np.clip(slant / self.bin_length, 0.0, self.bins))
 
     def distance_of(self, position: Values, altitude: Values) -> Values:
         """Distance of a position in bins; NaN in the water column where the picture leaves it out."""
