@@ -92,6 +92,27 @@ def test_a_loop_is_ended(file, monkeypatch):
     assert run_isolated(chatter, file) == 3
 
 
+def doze(path: str) -> int:
+    time.sleep(1.5)
+    return 4
+
+
+def test_a_reader_that_waits_for_anything_is_ended(file, monkeypatch):
+    monkeypatch.setattr(isolation, "LONGEST", 0.5)
+    assert run_isolated(chatter, file) == 3  # the process has started
+    with pytest.raises(FileFault, match="takes longer than"):
+        run_isolated(doze, file)
+
+
+def test_time_stands_still_while_a_reader_waits_for_a_processor(file, monkeypatch):
+    monkeypatch.setattr(isolation, "LONGEST", 0.5)
+    monkeypatch.setattr(isolation, "_processor_time", lambda process: (7.0, True))
+    assert run_isolated(doze, file) == 4
+    monkeypatch.setattr(isolation, "STARVED", 2.0)
+    with pytest.raises(FileFault, match="takes longer than"):
+        run_isolated(doze, file)
+
+
 def keep_busy(path: str) -> None:
     """Loop in C, where no thread of Python gets a turn."""
     print(os.getpid(), file=open(f"{path}.process", "w"), flush=True)  # noqa: SIM115
@@ -102,7 +123,7 @@ def keep_busy(path: str) -> None:
 def test_a_loop_ends_when_the_program_is_killed(file):
     lines = (
         "import sys; from insonify.io import isolation; from test_isolation import keep_busy\n"
-        "isolation.LONGEST = 0.5 - 4.5  # less than no time, but for the grace\n"
+        "isolation.LONGEST = -4.5 / isolation.STARVED  # less than no time, but for the grace\n"
         "isolation._Process.ask = lambda self, request, seconds: self._answer(request)\n"
         "isolation.run_isolated(keep_busy, sys.argv[1])"
     )

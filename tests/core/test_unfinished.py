@@ -57,6 +57,28 @@ def test_a_request_to_end_leaves_the_old_file_and_nothing_else(tmp_path, name):
     assert list(tmp_path.iterdir()) == [path]
 
 
+SWALLOW = """
+import os, signal, sys, time
+from pathlib import Path
+from insonify.io.atomic import replacing
+with replacing(Path(sys.argv[1])) as beside:
+    beside.write_text("half")
+    try:
+        os.kill(os.getpid(), signal.SIGTERM)
+        time.sleep(60)
+    except:
+        pass
+    time.sleep(60)
+"""
+
+
+def test_a_request_that_a_library_swallows_is_repeated(tmp_path):
+    path = tmp_path / "record.nc"
+    done = subprocess.run([sys.executable, "-c", SWALLOW, str(path)], timeout=20, check=False)
+    assert done.returncode == 128 + signal.SIGTERM
+    assert list(tmp_path.iterdir()) == []
+
+
 def test_a_request_that_is_ignored_stays_ignored(tmp_path):
     process = writer(tmp_path / "record.nc", preexec_fn=lambda: signal.signal(signal.SIGHUP, signal.SIG_IGN))
     process.send_signal(signal.SIGHUP)

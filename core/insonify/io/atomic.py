@@ -8,12 +8,13 @@ import threading
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
-from typing import NoReturn
+from typing import NoReturn, cast
 
 from insonify.io.unfinished import FORMER, clear_leftovers, remove, temporary_path
 
 # Sent by schedulers when time is up, by a terminal that is closed, and by Ctrl-\.
 REQUESTS = [getattr(signal, name) for name in ("SIGTERM", "SIGHUP", "SIGQUIT") if hasattr(signal, name)]
+AGAIN = 1.0  # s after which a request to end is repeated
 
 
 @contextmanager
@@ -70,15 +71,30 @@ def _terminated_cleanly() -> Iterator[None]:
     """Turn requests to end the process into an exit that runs the clean-up, where nobody else handles them."""
     is_main = threading.current_thread() is threading.main_thread()
     caught = [number for number in REQUESTS if is_main and signal.getsignal(number) is signal.SIG_DFL]
+    reminders: list[threading.Timer] = []
+
+    def leave(number: int, frame: object) -> NoReturn:
+        del frame
+        # A library may have a bare `except` where the exit is raised, and go on: it is raised again.
+        reminders.append(threading.Timer(AGAIN, _interrupt_main_thread, (number,)))
+        reminders[-1].daemon = True
+        reminders[-1].start()
+        sys.exit(128 + number)
+
     for number in caught:
-        signal.signal(number, _leave)
+        signal.signal(number, leave)
     try:
         yield
     finally:
+        for reminder in reminders:
+            reminder.cancel()
         for number in caught:
             signal.signal(number, signal.SIG_DFL)
 
 
-def _leave(number: int, frame: object) -> NoReturn:
-    del frame
-    sys.exit(128 + number)
+def _interrupt_main_thread(number: int) -> None:
+    """Send a signal so that the main thread wakes where it waits, where the system can."""
+    if sys.platform == "win32":
+        signal.raise_signal(number)
+    else:
+        signal.pthread_kill(cast("int", threading.main_thread().ident), number)

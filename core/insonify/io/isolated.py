@@ -16,9 +16,9 @@ from typing import IO, Any
 
 from insonify.errors import SceneError
 from insonify.io.file_access import FileFault, reason
-from insonify.io.isolation import LENGTH
+from insonify.io.isolation import LENGTH, STARVED
 
-GRACE = 5.0  # s beyond the limit of a request, in which the process that asked ends this one if it still runs
+GRACE = 5.0  # s beyond the greatest limit of a request, in which the process that asked ends this one if it still runs
 IDLE = 60.0  # s without a request after which the process ends
 # GDAL reads companions of a file in any format that it knows: none that names other files, asks a server or runs code.
 SKIPPED = (
@@ -53,7 +53,7 @@ def _answer(module: str, name: str, path: str, memory: int, seconds: float) -> t
     """Call a reader; return the kind of its outcome and the outcome."""
     try:
         read = getattr(import_module(module), name)
-        with _limited(memory), _ended_after(seconds + GRACE):
+        with _limited(memory), _ended_after(STARVED * seconds + GRACE):
             return "read", read(path)
     except SceneError as error:
         return "refused", str(error)

@@ -13,14 +13,19 @@ import pickle
 import subprocess
 import sys
 import threading
+import time
 from collections.abc import Callable
+from pathlib import Path
 from typing import IO, Any, TypeVar, cast
 
 from insonify.errors import SceneError
 from insonify.io.file_access import FileFault, largest_expansion, stored_bytes
 
 Result = TypeVar("Result")
-LONGEST = 15.0  # s to read a small file, the import of its library included
+LONGEST = (
+    15.0  # s to read a small file, the import of its library included; of processor time where the system tells it
+)
+STARVED = 6.0  # times as long a file may take while other programs keep the processors busy
 SLOWEST = 1e6  # bytes per second of a large one
 COPIES = 3  # of the content, which readers hold at once
 START = "import json, sys; sys.path[:] = json.loads(sys.argv[1]); from insonify.io import isolated; isolated.serve()"
@@ -83,14 +88,9 @@ class _Process:
 
     def ask(self, request: bytes, seconds: float) -> Any:
         """Send a request and return the answer; kills the process after the time."""
-        late = threading.Event()
-
-        def kill() -> None:
-            late.set()
-            self.process.kill()
-
-        timer = threading.Timer(seconds, kill)
-        timer.start()
+        answered, late = threading.Event(), threading.Event()
+        watch = threading.Thread(target=self._kill_after, args=(seconds, answered, late), daemon=True)
+        watch.start()
         try:
             return self._answer(request)
         except (OSError, EOFError):
@@ -98,7 +98,19 @@ class _Process:
                 raise FileFault(f"takes longer than {seconds:.0f} s to read", "export it again") from None
             raise
         finally:
-            timer.cancel()
+            answered.set()
+
+    def _kill_after(self, seconds: float, answered: threading.Event, late: threading.Event) -> None:
+        """Kill the process after a time, unless it has answered; while it waits for a processor, time stands still."""
+        before, _ = _processor_time(self.process.pid)
+        left, end = seconds, time.monotonic() + STARVED * seconds
+        while not answered.wait(left):
+            taken, runs = _processor_time(self.process.pid)
+            left = min(seconds - (taken - before), end - time.monotonic()) if runs else 0.0
+            if left <= 0.0:
+                late.set()
+                self.process.kill()
+                return
 
     def _answer(self, request: bytes) -> Any:
         sent, received = cast("IO[bytes]", self.process.stdin), cast("IO[bytes]", self.process.stdout)
@@ -118,6 +130,16 @@ class _Process:
         """End the process with the last reference to it, as when the package is imported anew."""
         if hasattr(self, "process"):
             self.stop()
+
+
+def _processor_time(process: int) -> tuple[float, bool]:
+    """Processor time of a process in seconds, and whether it runs or could; no time where the system does not say."""
+    try:
+        stat = Path(f"/proc/{process}/stat").read_text(encoding="ascii", errors="replace")
+    except OSError:
+        return 0.0, False
+    state, *fields = stat.rpartition(")")[2].split()
+    return (int(fields[10]) + int(fields[11])) / os.sysconf("SC_CLK_TCK"), state == "R"
 
 
 _kept: _Process | None = None
