@@ -212,6 +212,22 @@ def test_a_target_is_chosen_before_its_scene_is_traced(open_viewer: Any, one_box
     assert viewer.targets.handles.chosen == 0
 
 
+def test_a_handle_of_the_last_scene_drags_no_other_target(open_viewer: Any, small: Scene, qtbot: Any) -> None:
+    pipe = {"kind": "pipe", "position": [12.0, -20.0], "radius": 0.5, "length": 10.0}
+    viewer = open_viewer(edit(small, {"targets": [pipe]}))
+    qtbot.waitUntil(lambda: viewer.complete)
+    viewer.targets.handles.choose(0)
+    thicken, resize = number_of(viewer, "thicken"), number_of(viewer, "resize")
+    viewer.session.open(edit(small, {"targets": [{"kind": "sphere", "position": [12.0, -20.0]}]}))
+    before = viewer.session.scene
+    for number in (thicken, resize):  # of the pipe: the sphere is not traced yet
+        viewer.seabed.taken.emit(number)
+        for x in (3.0, 4.0):
+            viewer.seabed.pulled.emit((x, -20.0, 0.0))
+        viewer.seabed.released.emit()
+    assert viewer.session.scene == before
+
+
 def test_locked_targets_stay(open_viewer: Any, one_box: Scene, qtbot: Any) -> None:
     viewer = open_viewer(edit(one_box, {"targets.0.locked": True}))
     assert viewer.targets.handles._handles == ()

@@ -7,10 +7,10 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from PIL import Image
 
-from insonify.display import display_options
+from insonify.display import display_options, normalisation
 from insonify.display import sheet as module
 from insonify.display.display_options import DisplayOptions, find_palettes, side_factors
-from insonify.display.normalisation import estimate_median_curve, extend_to_water_column, normalise
+from insonify.display.normalisation import LevelBed, estimate_median_curve, extend_to_water_column, normalise
 from insonify.display.page import caption_scene, place_decibel_ticks, write_page
 from insonify.display.picture import (
     PALETTES,
@@ -27,6 +27,7 @@ from insonify.display.picture import (
 from insonify.display.range_axis import RangeAxis, make_range_axis
 from insonify.display.sheet import resample_rows, take_sheet_pings
 from insonify.scene import SceneError, edit, load_scene
+from insonify.simulation import prepare
 
 BINS = 200
 REACH = 50.0
@@ -363,3 +364,14 @@ def test_an_altitude_below_the_bed_leads_to_no_bin_outside_its_row(kind: str, al
     rows = np.repeat(np.array([[3.0], [1.0], [3.0]], np.float32), 64, axis=1)  # its neighbours differ
     found = average_columns(rows, position, bins=range(63, -1, -1))
     assert set(found[1].tolist()) <= {0.0, 1.0}
+
+
+@pytest.mark.filterwarnings("error")
+def test_a_bed_without_a_finite_height_has_the_curve_of_the_least_or_greatest_altitude(monkeypatch):
+    simulation = prepare(edit(load_scene("default"), {"sonar.bins": 50, "targets": []}))
+    beneath = np.array([np.nan, np.inf, -np.inf, 0.0])
+    monkeypatch.setattr(normalisation, "interpolate_bed_beneath", lambda *_: beneath)
+    found = LevelBed(simulation).curves(np.arange(4))
+    assert np.isfinite(found).all()
+    assert found.min() > 0.0
+    np.testing.assert_array_equal(found[0], found[1])

@@ -110,11 +110,18 @@ class TargetHandles:
             self.choose(target_at(self._simulation.scene, *place[:2]))
 
     def _take(self, number: int) -> None:
-        """Begin a drag of a handle."""
-        if number < len(self._handles) and self._simulation is not None:
+        """Begin a drag of a handle, unless it is one of a scene that has given way to another meanwhile."""
+        if number < len(self._handles) and self._is_current(self._handles[number]):
             self._held, self._scene = self._handles[number], self._session.scene
             self._origin, self._begun = self._simulation, None
             self.chosen = self._held.target
+
+    def _is_current(self, handle: Handle) -> bool:
+        """Whether the scene has the target of a handle still."""
+        if self._simulation is None:
+            return False
+        simulated, targets = self._simulation.scene.targets, self._session.scene.targets
+        return handle.target < len(targets) and simulated[handle.target].kind == targets[handle.target].kind
 
     def _pull_mark(self, mark: Mark) -> None:
         """Move the handle that is held to a place of the record, as far as there is bed."""

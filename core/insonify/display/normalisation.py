@@ -23,6 +23,7 @@ if TYPE_CHECKING:
 
 __all__ = ["LevelBed", "estimate_median_curve", "extend_to_water_column", "normalise"]
 
+MOST_EIGHTHS = 2**53  # of a bin, the greatest altitude of a level bed
 _PINGS = 2000  # pings that suffice for the median curve of a recording
 _FIRST = 1.25  # altitudes from which the bed of a recording counts
 _SMOOTH = 64  # the median curve is smoothed over the bins divided by this
@@ -104,8 +105,9 @@ class LevelBed:
         """Curves, (curves, bins), and which of them each ping has."""
         simulation = self._simulation
         beneath = interpolate_bed_beneath(simulation.scene, simulation.ground, pings)
-        eighths = np.rint((simulation.poses(pings).z - beneath) / self._step).astype(np.int64)
-        numbers, which = np.unique(np.maximum(eighths, 1), return_inverse=True)
+        # Far from all places there is no number for the height of the bed.
+        eighths = np.nan_to_num(np.rint((simulation.poses(pings).z - beneath) / self._step), nan=1.0)
+        numbers, which = np.unique(np.clip(eighths, 1, MOST_EIGHTHS).astype(np.int64), return_inverse=True)
         curves = np.array([self._kept(int(number)) for number in numbers])
         return curves.reshape(-1, simulation.arrays.bins), which
 

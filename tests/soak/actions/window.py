@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 from PySide6.QtCore import QEvent
 from PySide6.QtWidgets import QComboBox, QTabBar
+from shiboken6 import isValid
 
 from insonify.scene import bundled_scenes
 from insonify_viewer.target_placement import target_menu
@@ -36,9 +37,12 @@ def drag_slider(viewer: Viewer, random: Random) -> Steps:
     slider = row.slider
     slider.setSliderDown(True)
     for position in np.cumsum(random.normal(0.0, 40.0, random.integers(3, 40))) + slider.value():
+        if not isValid(slider):  # the row has vanished with the edit
+            return
         slider.setValue(int(min(max(position, 0), STEPS)))
         yield 16.0
-    slider.setSliderDown(False)
+    if isValid(slider):
+        slider.setSliderDown(False)
 
 
 @action(2.0)
