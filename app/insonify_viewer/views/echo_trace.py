@@ -83,7 +83,7 @@ def _draw_numbers(painter: QPainter, area: QRect, top: float) -> None:
     metrics = painter.fontMetrics()
     for level, y in lines:
         if level % (2.0 * STEP) == 0.0 or area.height() > 30 * len(lines):
-            words = f"{level:+g} dB" if level else "bed"
+            words = f"{level:+g} dB".replace("-", "−") if level else "bed"
             place = QPointF(area.left() + 4.0, y - 2.0)
             painter.fillRect(metrics.boundingRect(words).translated(place.toPoint()).adjusted(-3, 0, 3, 0), RAISED)
             painter.setPen(QColor(QUIET))
