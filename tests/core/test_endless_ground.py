@@ -136,6 +136,19 @@ def test_a_step_to_the_next_window_makes_its_new_tiles_alone():
     assert sorted(asked) == [(row, column) for row in (-1, 0, 1) for column in (1, 2)]
 
 
+@pytest.mark.parametrize("every", [2, 8])
+def test_thinned_tiles_are_every_nth_node_and_hold_no_more(every):
+    whole = build_ground(SCENE)
+    assert isinstance(whole, EndlessGround)
+    thinned = whole.thinned(every)
+    side = every * TILE
+    for row, column in [(0, 0), (-1, 1)]:
+        tile = thinned.heights(row, column)
+        nodes = gather_tiles(whole.heights, (row * side, column * side), (side, side))[::every, ::every]
+        np.testing.assert_array_equal(tile, nodes)
+        assert tile.base is None  # the store counts the bytes of what it keeps
+
+
 def test_a_fish_follows_the_terrain_anywhere():
     scene = edit(SCENE, {"track.terrain_following": True, "track.start": [3e5, -2e5]})
     simulation = prepare(scene)

@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from insonify.array_cache import keep_arrays
 from insonify.parallel import in_parallel
 from insonify.scene.materials import Reflectivity
-from insonify.terrain.endless_field import TILE, gather_tiles
+from insonify.terrain.endless_field import TILE
 from insonify.terrain.ground import Ground, bilinear, tell_cells_apart
 
 Column = NDArray[np.float64]
@@ -94,7 +94,6 @@ class EndlessGround:
         """
         margin = math.ceil(reach / self.spacing) + 2
         side = TILE + 2 * margin + 1
-        side = TILE + 2 * margin + 1
         square = _Square(row * TILE - margin, column * TILE - margin, side)
         known = None if held is None else _Square(held.row * TILE - margin, held.column * TILE - margin, side)
         heights = np.empty((side, side), np.float32) if held is None else held.heights.copy()
@@ -167,10 +166,15 @@ AnyGround = Ground | EndlessGround
 @lru_cache(maxsize=KEPT_THINNED)
 def _thinned(tiles: Tiles, every: int) -> Tiles:
     """Tiles of every n-th node."""
-    side = every * TILE
-    return keep_arrays(
-        lambda row, column: gather_tiles(tiles, (row * side, column * side), (side, side))[::every, ::every]
-    )
+
+    def tile(row: int, column: int) -> NDArray[Any]:
+        # `every` divides TILE, so that each tile gives a square of whole nodes.
+        parts = [
+            [tiles(every * row + j, every * column + i)[::every, ::every] for i in range(every)] for j in range(every)
+        ]
+        return np.block(parts)
+
+    return keep_arrays(tile)
 
 
 class _Square(NamedTuple):
