@@ -8,7 +8,7 @@ import pytest
 from beds import arrays_of
 from insonify.kernels.common.types import FRUSTUM, Mesh
 from insonify.kernels.geometry.bvh import build_mesh
-from insonify.kernels.geometry.cross_sections import HalfPlane, solid_distance_bound
+from insonify.kernels.geometry.cross_sections import HalfPlane, may_cut_solid, section_solid, solid_distance_bound
 from insonify.scene import SceneError, edit, load_scene, scene_from_toml
 from insonify.scene.rotation import rotation_matrix
 from insonify.scene.targets import TARGETS, Target
@@ -230,3 +230,26 @@ def test_no_point_of_a_body_is_nearer_than_its_bound(kind):
             nearest = np.linalg.norm(points - sonar, axis=1).min()
             bound = solid_distance_bound(solids, k, HalfPlane(*sonar, 1.0, 0.0))
             assert nearest - 4.0 * solids.radius[k] - solids.length[k] <= bound <= nearest
+
+
+@pytest.mark.parametrize(
+    "kind", ['kind = "sphere"\nradius = 0.7', 'kind = "pipe"\nlength = 40.0\nradius = 0.3', 'kind = "cone"']
+)
+def test_half_planes_that_cut_a_body_within_reach_are_kept(kind):
+    """A plane is passed over only if it misses the body or has the beam nowhere on it, by points of the body."""
+    solids = arrays(f"{kind}\nposition = [3.0, 5.0]\n{turned(20, 30, 40) if 'sphere' not in kind else ''}").solids
+    rng, rim, kept = np.random.default_rng(7), np.zeros(6), [0, 0]
+    middle = solids.start[0] + 0.5 * solids.length[0] * solids.axis[0]
+    for _ in range(400):
+        azimuth, reach, height = rng.uniform(-np.pi, np.pi), rng.uniform(0.5, 20.0), rng.uniform(0.5, 10.0)
+        sonar = middle + rng.normal(0.0, 8.0, 3)
+        plane = HalfPlane(*sonar, np.cos(azimuth), np.sin(azimuth))
+        cut = section_solid(solids, 0, plane, rim)[0] != 0
+        x, z = np.meshgrid(np.linspace(0.0, 60.0, 600), np.linspace(-30.0, 30.0, 300))
+        points = sonar + x[..., None] * np.array([plane.ex, plane.ey, 0.0]) + z[..., None] * np.array([0.0, 0.0, 1.0])
+        inside = (body_depth(solids, 0, points.reshape(-1, 3)) <= 0.0).reshape(x.shape)
+        heard = bool((inside & (x * height <= reach * np.maximum(np.abs(z), height))).any())
+        assert may_cut_solid(solids, 0, plane, reach, height) or not heard
+        kept[0] += heard
+        kept[1] += cut and not may_cut_solid(solids, 0, plane, reach, height)
+    assert min(kept) > 0

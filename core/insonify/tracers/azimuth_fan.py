@@ -33,10 +33,13 @@ SIDELOBE_GROWTH = 0.25  # growth of that spacing per distance from the main lobe
 HEIGHTS_PER_OCTAVE = 16.0  # steps to which heights are rounded up
 PITCH_STEP = 0.5  # step to which pitches are rounded, in half widths of the main lobe
 AT_NADIR = 1e-9  # per metre of height: all but nadir itself is far field to a plane that stands for a whole fan
+NEAREST, NEAREST_OF_IMAGE = 0.01, 0.001  # ground range per height from which the beam's azimuths are looked at
 GROUND_RANGES = 256  # at which the beam's azimuths are looked at
 
 
-def lay_planes(arrays: SceneArrays, poses: Poses, planes: int) -> list[tuple[NDArray[np.int64], AzimuthFan]]:
+def lay_planes(
+    arrays: SceneArrays, poses: Poses, planes: int, laid_at: float | None = None
+) -> list[tuple[NDArray[np.int64], AzimuthFan]]:
     """Lay the planes of a scene's beam.
 
     Parameters
@@ -47,6 +50,9 @@ def lay_planes(arrays: SceneArrays, poses: Poses, planes: int) -> list[tuple[NDA
         Poses of the sonar.
     planes : int
         Planes across the main lobe; 1 for one that stands for the whole beam.
+    laid_at : float, optional
+        Height above the lowest bed from which the planes of level pings with a pattern are laid, in metres; their own
+        when left out.
 
     Returns
     -------
@@ -62,7 +68,7 @@ def lay_planes(arrays: SceneArrays, poses: Poses, planes: int) -> list[tuple[NDA
     kinds, which = np.unique(
         np.column_stack(
             [
-                np.ceil(np.log2(np.maximum(poses.z - arrays.bed.low, LOWEST)) * HEIGHTS_PER_OCTAVE),
+                _octave_steps(arrays, poses.z),
                 np.round(poses.pitch / step),
                 np.where(poses.pitch != 0.0, 0.5, 0.0),
             ]
@@ -76,9 +82,15 @@ def lay_planes(arrays: SceneArrays, poses: Poses, planes: int) -> list[tuple[NDA
         if arrays.multipath.enabled and not arrays.pattern.two_way:
             # A surface path is received if either of its directions is in the beam; the image is pitched the other way.
             pitches = np.unique([*pitches, *-pitches])
-        beam = pattern_planes(arrays, planes, 2.0 ** (height / HEIGHTS_PER_OCTAVE), pitches)
+        own = 2.0 ** (height / HEIGHTS_PER_OCTAVE)
+        beam = pattern_planes(arrays, planes, own, pitches, laid_at if spread == 0.0 else None)
         laid.append((np.flatnonzero(which.ravel() == number), beam))
     return laid
+
+
+def _octave_steps(arrays: SceneArrays, z: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Heights above the lowest bed, rounded up to steps of octaves."""
+    return np.asarray(np.ceil(np.log2(np.maximum(z - arrays.bed.low, LOWEST)) * HEIGHTS_PER_OCTAVE))
 
 
 def lay_planes_of_images(
@@ -94,7 +106,9 @@ def lay_planes_of_images(
     Returns
     -------
     list of ((m,) int64, AzimuthFan, AzimuthFan)
-        Pings that share both fans, by their places among the poses. Without a surface both are those of the sonar.
+        Pings that share both fans, by their places among the poses. Without a surface both are those of the sonar. The
+        image of a level fish has the sonar's planes, each with the reach of its own: from a greater height they might
+        lie farther apart, but planes that differ would have to be sliced one by one.
     """
     laid = lay_planes(arrays, poses, planes)
     if not arrays.multipath.enabled:
@@ -103,7 +117,12 @@ def lay_planes_of_images(
     return [
         (places[within], beam, of_image)
         for places, beam in laid
-        for within, of_image in lay_planes(arrays, take_poses(lifted, places), planes)
+        for within, of_image in lay_planes(
+            arrays,
+            take_poses(lifted, places),
+            planes,
+            2.0 ** float(_octave_steps(arrays, poses.z[places[:1]])[0] / HEIGHTS_PER_OCTAVE),
+        )
     ]
 
 
@@ -183,7 +202,9 @@ def beam_planes(half_width: float, planes: int) -> AzimuthFan:
     return AzimuthFan(*(np.delete(column, low.size) for column in both))
 
 
-def pattern_planes(arrays: SceneArrays, planes: int, height: float, pitches: NDArray[np.float64]) -> AzimuthFan:
+def pattern_planes(
+    arrays: SceneArrays, planes: int, height: float, pitches: NDArray[np.float64], laid_at: float | None = None
+) -> AzimuthFan:
     """Place the planes of a beam with a pattern, which may be turned, tipped and wider near by.
 
     Parameters
@@ -196,6 +217,9 @@ def pattern_planes(arrays: SceneArrays, planes: int, height: float, pitches: NDA
         Greatest height of the sonar above the lowest bed, in metres.
     pitches : (n,) float64
         Least and greatest pitch of the fish, in radians.
+    laid_at : float, optional
+        Height in metres from which the planes are laid; `height` when left out. Those that are heard from there come
+        first, then those that are heard from `height` alone.
 
     Returns
     -------
@@ -215,7 +239,7 @@ def pattern_planes(arrays: SceneArrays, planes: int, height: float, pitches: NDA
         relief=arrays.bed.high - arrays.bed.low,
         targets=arrays.solids.shape.size + arrays.mesh.target.size > 0,
     )
-    return _lay(outline, planes, height, tuple(pitches.tolist()))
+    return _lay(outline, planes, height, tuple(pitches.tolist()), height if laid_at is None else laid_at)
 
 
 class _Outline(NamedTuple):
@@ -232,16 +256,19 @@ class _Outline(NamedTuple):
 
 
 @lru_cache(maxsize=1024)
-def _lay(outline: _Outline, planes: int, height: float, pitches: tuple[float, ...]) -> AzimuthFan:
+def _lay(outline: _Outline, planes: int, height: float, pitches: tuple[float, ...], laid_at: float) -> AzimuthFan:
     """Planes of an outline, kept from call to call: they stay the same while other things of a scene are edited."""
-    cone = _Cone(outline, height, np.array(pitches))
+    cone = _Cone(outline, laid_at, np.array(pitches))
     start = math.asin(min(max(outline.centre, -1.0), 1.0))
     edges = [*reversed(_edges(cone, start, -1.0, planes)), start, *_edges(cone, start, 1.0, planes)]
     azimuths = np.array(edges)
     low, high = azimuths[:-1], azimuths[1:]
-    reaches = np.array([cone.heard_to(a, b) for a, b in zip(low, high)])
-    heard = reaches > 0.0
-    low, high, reaches = low[heard], high[heard], reaches[heard]
+    heard = reaches = np.array([cone.heard_to(a, b) for a, b in zip(low, high)])
+    if height != laid_at:
+        own = _Cone(outline, height, np.array(pitches), NEAREST_OF_IMAGE)
+        reaches = np.array([own.heard_to(a, b) for a, b in zip(low, high)])
+    kept = np.append(np.flatnonzero(heard > 0.0), np.flatnonzero((heard == 0.0) & (reaches > 0.0)))
+    low, high, reaches = low[kept], high[kept], reaches[kept]
     return AzimuthFan(
         azimuth=0.5 * (low + high),
         s_low=np.sin(low),
@@ -270,11 +297,13 @@ class _Cone:
     There s = cos p · sin φ · x/r − sin p · h/r.
     """
 
-    def __init__(self, outline: _Outline, height: float, pitches: NDArray[np.float64]) -> None:
+    def __init__(
+        self, outline: _Outline, height: float, pitches: NDArray[np.float64], nearest: float = NEAREST
+    ) -> None:
         above_highest = max(height - outline.relief, 0.0)
         farthest = math.sqrt(max(outline.reach**2 - above_highest**2, (0.1 * height) ** 2))
         self.height, self.main, self.targets = height, outline.main, outline.targets
-        self.x = np.geomspace(0.01 * min(height, farthest), farthest, GROUND_RANGES)
+        self.x = np.geomspace(nearest * min(height, farthest), farthest, GROUND_RANGES)
         # One row for each height and pitch.
         h, p = (grid.reshape(-1, 1) for grid in np.meshgrid(np.unique([above_highest, height]), pitches))
         r = np.hypot(self.x, h)

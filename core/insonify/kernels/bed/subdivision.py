@@ -28,6 +28,7 @@ SILHOUETTE_PARTS = 0.8
 # multiple of its size on one segment, with even densities and linear ones. Measured so that planes at any azimuth err
 # alike. Steps of density count in full, because linear densities do not follow the beam's weight.
 LEFT_BY_LINEAR, BIAS_EVEN, BIAS_LINEAR = 0.25, 6.0, 2.0
+SPAN_ROUNDING = 1e-4  # share of an angle that single precision may miss
 
 
 @inlined_uncounted
@@ -56,9 +57,11 @@ def measure_segments(count, eu, per_ev, bed, limits, profile):
     turn = smallest_turn(limits, bed.spacing)
     turned = _fill_segments(padded_count(count - 1), x, z, gradient, twist, eu, per_ev, turn, profile)
     # Nowhere does a segment span a larger angle than it would under the sonar, or the echo fall by more than its cube.
-    if turned or (eu != 0.0 and limits.misplaced < math.inf) or not 3.0 * bed.spacing * abs(per_ev) <= turn * abs(z[0]):
-        count = _divide(count, eu, per_ev, bed.mapped, limits, profile)
-    return count
+    parted = turned or (eu != 0.0 and limits.misplaced < math.inf)
+    if not parted and not 3.0 * bed.spacing * abs(per_ev) <= turn * abs(z[0]):
+        # If anything may be misplaced, segments are divided for the angle alone that they span.
+        parted = limits.misplaced < math.inf or _span_more(count - 1, x, z, profile.slope, limits.angle)
+    return _divide(count, eu, per_ev, bed.mapped, limits, profile) if parted else count
 
 
 @inlined_uncounted
@@ -80,6 +83,18 @@ def smallest_turn(limits, spacing):
     diffuse = min(16.0 * limits.misplaced * limits.bin_length / spacing, math.sqrt(12.0 * limits.misplaced))
     lobe = LOBE_TURN * math.sqrt(limits.misplaced / limits.shininess) if limits.shininess > 0.0 else diffuse
     return min(limits.angle, diffuse, lobe)
+
+
+@inlined_uncounted
+def _span_more(segments, x, z, slope, angle):
+    """Whether any segment spans more than an angle as seen from the sonar, or nearly so."""
+    real, more = slope.dtype.type, 0
+    half, allowed = real(0.5), real((1.0 - SPAN_ROUNDING) * angle)
+    for i in range(segments):
+        ground, height = real(half * (x[i] + x[i + 1])), real(half * (z[i] + z[i + 1]))
+        offset, r_squared = height - slope[i] * ground, ground * ground + height * height
+        more |= 1 if real(x[i + 1] - x[i]) * abs(offset) > allowed * r_squared else 0
+    return more != 0
 
 
 @inlined_uncounted

@@ -7,7 +7,7 @@ from typing import NamedTuple
 
 from insonify.kernels.common.jit import inlined_uncounted, kernel_uncounted
 from insonify.kernels.common.types import SPHERE
-from insonify.kernels.geometry.solids import FrustumShape
+from insonify.kernels.geometry.solids import FrustumShape, greatest_radius
 
 DOWN, UP = -math.pi / 2.0, math.pi / 2.0
 NEVER = 1e30
@@ -69,8 +69,8 @@ def section_solid(solids, k, plane, rim):
 
 
 @inlined_uncounted
-def may_cut_solid(solids, k, plane, reach):
-    """Whether a half-plane may cut a body within reach, by a ball around the body.
+def may_cut_solid(solids, k, plane, reach, height):
+    """Whether a half-plane may cut a body within reach, by a capsule around the body.
 
     Parameters
     ----------
@@ -79,15 +79,32 @@ def may_cut_solid(solids, k, plane, reach):
         Row of the body.
     plane : HalfPlane
     reach : float
-        Ground range, m.
+        Ground range, m, of places no farther below or above the sonar than ``height``; others are reached in proportion
+        to their depth or height, as a cone about the fish's axis does.
+    height : float
+        m.
 
     Returns
     -------
     bool
     """
-    mx, my, _, bound = _ball_around(solids, k, plane)
-    along, across = mx * plane.ex + my * plane.ey, mx * plane.ey - my * plane.ex
-    return abs(across) < bound and along > -bound and along < reach + bound
+    length, bound = solids.length[k], greatest_radius(solids, k)
+    cx, cy, cz = solids.start[k, 0] - plane.x, solids.start[k, 1] - plane.y, solids.start[k, 2] - plane.z
+    along, rate = cx * plane.ex + cy * plane.ey, solids.axis[k, 0] * plane.ex + solids.axis[k, 1] * plane.ey
+    across, drift = cx * plane.ey - cy * plane.ex, solids.axis[k, 0] * plane.ey - solids.axis[k, 1] * plane.ex
+    # Part of the axis that comes as near to the plane as the capsule is thick.
+    from_, to = 0.0, length
+    if abs(drift) * length > ROUNDING * bound:
+        middle, half = -across / drift, bound / abs(drift)
+        from_, to = max(middle - half, from_), min(middle + half, to)
+    elif abs(across) > bound:
+        return False
+    one, other = along + from_ * rate, along + to * rate
+    if from_ > to or max(one, other) <= -bound:
+        return False
+    rise = solids.axis[k, 2]
+    off = max(abs(cz + from_ * rise), abs(cz + to * rise)) + bound
+    return (min(one, other) - bound) * height <= reach * max(height, off)
 
 
 @inlined_uncounted

@@ -184,6 +184,30 @@ def wave_advance(multipath, passes):
 
 
 @inlined_uncounted
+def plane_reach(arrays, pair, per_height, height):
+    """Ground range to which a plane takes in anything of a propagation path.
+
+    Parameters
+    ----------
+    arrays : SceneArrays
+    pair : ImagePath
+    per_height : float
+        Ground range to which the sonar's beam takes in the plane, per metre of its height above the lowest bed.
+    height : float
+        That height, m.
+
+    Returns
+    -------
+    float
+        m; 0 if the path is not traced.
+    """
+    # If sound passes the beam only once, the beam of the higher image counts, which reaches farther out.
+    one_way = arrays.pattern.tabulated and not arrays.pattern.two_way
+    highest = pair.other.height if one_way else pair.one.height
+    return min(per_height * (height + highest), pair.farthest)
+
+
+@inlined_uncounted
 def pair_response(one, other, tabulated, two_way):
     """Two-way response of the beam out by one image and back by the other, from those there and back by each.
 

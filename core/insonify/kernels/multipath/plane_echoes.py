@@ -12,9 +12,10 @@ from insonify.kernels.multipath.image_sources import (
     SURFACE_BOTTOM_SURFACE,
     SURFACE_ECHO,
     image_pairs,
+    plane_reach,
 )
 from insonify.kernels.multipath.surface_echo import add_surface_echo
-from insonify.kernels.multipath.surface_multipath import add_image_plane, plane_reach
+from insonify.kernels.multipath.surface_multipath import add_image_plane
 from insonify.kernels.sweep.sweep import LOWEST
 
 

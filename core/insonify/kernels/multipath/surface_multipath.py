@@ -34,6 +34,7 @@ from insonify.kernels.multipath.image_sources import (
     SECOND_BOTTOM,
     image_pairs,
     pair_response,
+    plane_reach,
     wave_advance,
 )
 from insonify.kernels.multipath.paired_profile import deposit_paired_profile
@@ -52,7 +53,7 @@ from insonify.kernels.sweep.visibility import (
     slant_ranges,
 )
 from insonify.kernels.targets.angular_zbuffer import AngularZbuffer, empty_zbuffer, fill_zbuffer
-from insonify.kernels.targets.occlusion import next_visible, occluded_slopes, occlusion_of
+from insonify.kernels.targets.occlusion import is_hidden, next_visible, occluded_slopes, occlusion_of
 
 MOST_PASSES = 2  # of the sea surface
 NOT_SEEN = -1  # cells of a z-buffer that is not filled yet
@@ -148,10 +149,12 @@ def add_multipath(arrays, poses, ping, side, fan, image_fan, workspace, sink):
         Takes the echoes and, if asked to, their contributors.
     """
     pairs, alike = image_pairs(arrays, poses.x[ping], poses.y[ping], poses.z[ping]), _are_alike(fan, image_fan)
-    for of_image in range(1 if alike else 2):
+    for of_image in range(2):
         beam, height = (image_fan if of_image == 1 else fan), max(poses.z[ping] - arrays.bed.low, LOWEST)
-        for k in range(beam.azimuth.size):
-            reaches = _reaches(arrays, pairs, beam.reach[k], height, of_image == 1, alike)
+        for k in range(fan.azimuth.size if alike and of_image == 1 else 0, beam.azimuth.size):
+            mixed = fan.reach[k] if of_image == 0 else 0.0
+            mirrored = image_fan.reach[k] if alike or of_image == 1 else 0.0
+            reaches = _reaches(arrays, pairs, mixed, mirrored, height)
             add_image_plane(arrays, poses, ping, side, beam, k, pairs, reaches, workspace, sink)
     if arrays.multipath.surface_echo:
         add_surface_echo(arrays, poses, ping, side, workspace.echoes, sink)
@@ -159,50 +162,25 @@ def add_multipath(arrays, poses, ping, side, fan, image_fan, workspace, sink):
 
 @inlined_uncounted
 def _are_alike(fan, image_fan):
-    """Whether two fans have the same planes, as those of a top-hat."""
-    if fan.azimuth.size != image_fan.azimuth.size:
+    """Whether the image's fan begins with the planes of the sonar's, as that of a top-hat and of a level fish does."""
+    if fan.azimuth.size > image_fan.azimuth.size:
         return False
     alike = True
     for k in range(fan.azimuth.size):
         alike &= fan.azimuth[k] == image_fan.azimuth[k] and fan.angle[k] == image_fan.angle[k]
-        alike &= fan.reach[k] == image_fan.reach[k] and fan.near_field[k] == image_fan.near_field[k]
+        alike &= fan.near_field[k] == image_fan.near_field[k]
     return alike
 
 
 @inlined_uncounted
-def _reaches(arrays, pairs, per_height, height, of_image, alike):
-    """Ground range to which a plane of one of both fans takes part in each path, m; 0 if it does not."""
+def _reaches(arrays, pairs, mixed, mirrored, height):
+    """Ground range to which a plane takes part in each path, m, from its reaches per height in both fans; 0 if none."""
     by_surface, twice, by_bottom = pairs
-    mixed, mirrored = alike or not of_image, alike or of_image
     return (
-        plane_reach(arrays, by_surface, per_height, height) if mixed else 0.0,
-        plane_reach(arrays, twice, per_height, height) if mirrored else 0.0,
-        plane_reach(arrays, by_bottom, per_height, height) if mixed else 0.0,
+        plane_reach(arrays, by_surface, mixed, height),
+        plane_reach(arrays, twice, mirrored, height),
+        plane_reach(arrays, by_bottom, mixed, height),
     )
-
-
-@inlined_uncounted
-def plane_reach(arrays, pair, per_height, height):
-    """Ground range to which a plane takes in anything of a propagation path.
-
-    Parameters
-    ----------
-    arrays : SceneArrays
-    pair : ImagePath
-    per_height : float
-        Ground range to which the sonar's beam takes in the plane, per metre of its height above the lowest bed.
-    height : float
-        That height, m.
-
-    Returns
-    -------
-    float
-        m; 0 if the path is not traced.
-    """
-    # If sound passes the beam only once, the beam of the higher image counts, which reaches farther out.
-    one_way = arrays.pattern.tabulated and not arrays.pattern.two_way
-    highest = pair.other.height if one_way else pair.one.height
-    return min(per_height * (height + highest), pair.farthest)
 
 
 @inlined_uncounted
@@ -238,6 +216,8 @@ def add_image_plane(arrays, poses, ping, side, fan, k, pairs, reaches, workspace
     limits = SegmentLimits(shininess, bin_length, angle, misplaced, False)
     count = slice_bed(arrays.bed, limits, x, y, z, ex, ey, farthest, profile)
     cells_of_sonar = cells_of_image = NOT_SEEN
+    # What an image takes part in: the sonar in two paths, its image in the surface in two, that in the bed in one.
+    seen_by_sonar, seen_by_image = max(reaches[0], reaches[2]), max(reaches[0], reaches[1])
     for path in range(PAIRS):
         pair, reach = pairs[path], reaches[path]
         if reach == 0.0:
@@ -246,9 +226,10 @@ def add_image_plane(arrays, poses, ping, side, fan, k, pairs, reaches, workspace
         other = raise_sector(sector, near_field * (height + pair.other.height))
         # Both paths before that by the bed have the sea surface's image.
         if cells_of_image == NOT_SEEN or pair.path == SECOND_BOTTOM:
-            cells_of_image = _view_from_image(arrays, count, pair.other, plane, other, farthest, workspace, 1)
+            within = reach if pair.path == SECOND_BOTTOM else seen_by_image
+            cells_of_image = _view_from_image(arrays, count, pair.other, plane, other, within, workspace, 1)
         if cells_of_sonar == NOT_SEEN and not pair.one.mirrored:
-            cells_of_sonar = _view_from_image(arrays, count, pair.one, plane, one, farthest, workspace, 0)
+            cells_of_sonar = _view_from_image(arrays, count, pair.one, plane, one, seen_by_sonar, workspace, 0)
         lower = 1 if pair.one.mirrored else 0
         cells, images = (cells_of_image if lower == 1 else cells_of_sonar, cells_of_image), workspace.images
         views, zbuffers = (images[lower], images[1]), (workspace.zbuffers[lower], workspace.zbuffers[1])
@@ -275,9 +256,13 @@ def _deposit(arrays, passes, path, echoes, n, sink):
 
 @inlined_uncounted
 def _view_from_image(arrays, count, image, plane, sector, reach, workspace, k):
-    """Fill the profile and the z-buffer of targets of image k (0 the sonar); return the cells of the z-buffer."""
+    """Fill the profile and the z-buffer of targets of image k (0 the sonar); return the cells of the z-buffer.
+
+    What lies beyond the reach of its paths neither echoes nor hides anything of them.
+    """
     seen, zbuffer, pattern = workspace.images[k], workspace.zbuffers[k], arrays.pattern
     x = workspace.profile.x
+    count = _knots_within(x, count, reach)
     _view_profile(x, workspace.profile.z, padded_count(count), image, seen)
     # The bed's image is never the lower one of a pair, whose weights alone count without a pattern.
     if pattern.tabulated or image.mirrored or k == 0:
@@ -369,6 +354,8 @@ def _list_segment(i, table, pair, hidden, occlusions, profile, weight, one, othe
 @kernel_uncounted
 def _list_visible_to_both(segment, pair, x_from, x_to, occlusions, echoes, n):
     """List the echoes of a segment between two ground ranges that no target hides from either image."""
+    if is_hidden(occlusions[0], segment.one, x_from, x_to) or is_hidden(occlusions[1], segment.other, x_from, x_to):
+        return n
     low, high = launch_angle(segment.one, x_from), launch_angle(segment.one, x_to)
     while low < high:
         opened, closed = next_visible(occlusions[0], segment.one, low, high)

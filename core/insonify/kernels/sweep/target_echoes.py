@@ -17,7 +17,7 @@ from insonify.kernels.sweep.facets import Facet, deposit_facet
 from insonify.kernels.sweep.partial_segments import FINE, deposit_partial_segment
 from insonify.kernels.targets.angular_zbuffer import NO_PRIMITIVE, bisect_directions
 from insonify.kernels.targets.apparent_targets import load_apparent_source, rays_apart
-from insonify.kernels.targets.occlusion import next_visible
+from insonify.kernels.targets.occlusion import is_hidden, next_visible
 from insonify.kernels.targets.primitives import intersect_primitive, load_primitive
 
 MOST_FACETS = 64.0
@@ -40,6 +40,8 @@ def deposit_visible_stretches(segment, x_from, x_to, occlusion, law, bin_length,
     bins : ndarray of int64
         Difference array, in fixed-point units.
     """
+    if is_hidden(occlusion, segment, x_from, x_to):
+        return
     low, high = launch_angle(segment, x_from), launch_angle(segment, x_to)
     while low < high:
         opened, closed = next_visible(occlusion, segment, low, high)

@@ -24,6 +24,7 @@ from insonify.kernels.targets.mesh_sections import SAME, cut_mesh
 from insonify.kernels.targets.primitives import (
     intersect_primitive,
     load_primitive,
+    meet_primitive,
     nearest_distance,
     perpendicular_angle,
 )
@@ -52,6 +53,7 @@ class AngularZbuffer(NamedTuple):
     nearest: NDArray[np.int64]  # primitive nearest in each cell, or NO_PRIMITIVE
     distance: NDArray[np.float64]  # to it along the middle of the cell, infinite where there is none
     incidence: NDArray[np.float64]  # cosine of the incidence there
+    lean: NDArray[np.float64]  # part of the inward normal there at right angles to the ray, upwards in the plane
     near: NDArray[np.float64]  # distance to it along the edge where the cell begins
     far: NDArray[np.float64]  # and where it ends
     nearness_cosine: NDArray[
@@ -75,12 +77,12 @@ def empty_zbuffer(solids: Solids, mesh: Mesh) -> AngularZbuffer:
     bodies, triangles = solids.shape.size, mesh.target.size
     primitives, cells = bodies + triangles, bodies * (FACETS + 3 + RIMS) + 5 * triangles + 1
     low, high = np.zeros((2, primitives))
-    edge, cosine, sine, distance, incidence, near, far, nearness_cosine, nearness_sine = np.zeros((9, cells))
+    edge, cosine, sine, distance, incidence, lean, near, far, nearness_cosine, nearness_sine = np.zeros((10, cells))
     body, first, nearest = np.zeros(primitives, np.int64), np.zeros(primitives, np.int64), np.zeros(cells, np.int64)
     line, source, rim = np.zeros((primitives, 4)), np.zeros((primitives, FIELDS)), np.zeros((bodies, RIMS))
     return AngularZbuffer(
-        body, low, high, line, source, rim, first, edge, cosine, sine, nearest, distance, incidence, near, far,
-        nearness_cosine, nearness_sine,
+        body, low, high, line, source, rim, first, edge, cosine, sine, nearest, distance, incidence, lean, near,
+        far, nearness_cosine, nearness_sine,
     )  # fmt: skip
 
 
@@ -108,7 +110,7 @@ def fill_zbuffer(arrays, plane, sector, reach, grid, table, zbuffer):
     int
         Cells, 0 if nothing is cut, or -1 - k if the sonar is inside body k.
     """
-    primitives = _cut_solids(arrays.solids, plane, reach, zbuffer)
+    primitives = _cut_solids(arrays.solids, plane, reach, plane.z - arrays.bed.low, zbuffer)
     if primitives < 0:
         return primitives
     solid_primitives = primitives
@@ -124,11 +126,11 @@ def fill_zbuffer(arrays, plane, sector, reach, grid, table, zbuffer):
 
 
 @inlined_uncounted
-def _cut_solids(solids, plane, reach, zbuffer):
+def _cut_solids(solids, plane, reach, height, zbuffer):
     """Add the cross-sections of convex bodies; return the primitives, or -1 - k if the sonar is inside body k."""
     primitives = 0
     for k in range(solids.shape.size):
-        if may_cut_solid(solids, k, plane, reach):
+        if may_cut_solid(solids, k, plane, reach, height):
             status, low, high = section_solid(solids, k, plane, zbuffer.rim[primitives])
             if status < 0:
                 return -1 - k
@@ -223,14 +225,14 @@ def _keep_nearest(p, primitive, least, cells, zbuffer):
     Cells that hold something nearer than ``least``, which no point of it is, are passed over.
     """
     edge, cosine, sine = zbuffer.edge, zbuffer.cosine, zbuffer.sine
-    nearest, distance, incidence = zbuffer.nearest, zbuffer.distance, zbuffer.incidence
+    nearest, distance, incidence, lean = zbuffer.nearest, zbuffer.distance, zbuffer.incidence, zbuffer.lean
     low, high, cell = zbuffer.low[p], zbuffer.high[p], zbuffer.first[p]
     while cell < cells and edge[cell] < high:
         if least < distance[cell] and low < 0.5 * (edge[cell] + edge[cell + 1]) < high:
             c, s = bisect_directions(cosine[cell], sine[cell], cosine[cell + 1], sine[cell + 1])
-            here, cos_incidence = intersect_primitive(primitive, c, s)
+            here, cos_incidence, leaning = meet_primitive(primitive, c, s)
             if here < distance[cell]:
-                nearest[cell], distance[cell], incidence[cell] = p, here, cos_incidence
+                nearest[cell], distance[cell], incidence[cell], lean[cell] = p, here, cos_incidence, leaning
         cell += 1
 
 
@@ -333,6 +335,34 @@ def bisect_directions(c_from, s_from, c_to, s_to):
     c, s = c_from + c_to, s_from + s_to
     per_norm = 1.0 / math.sqrt(c * c + s * s)
     return c * per_norm, s * per_norm
+
+
+@inlined_uncounted
+def cell_towards(cosine, sine, cells, level, height):
+    """Cell of a z-buffer in which a place lies.
+
+    Parameters
+    ----------
+    cosine, sine : ndarray of float64
+        Of the cells' edges.
+    cells : int
+    level, height : float
+        Ground range and height of the place, m.
+
+    Returns
+    -------
+    int
+        -1 if it lies in none.
+    """
+    low, high = -1, cells + 1
+    # Cross products tell on which side of an edge a place ahead lies.
+    while high - low > 1:
+        middle = (low + high) >> 1
+        if cosine[middle] * height >= sine[middle] * level:
+            low = middle
+        else:
+            high = middle
+    return low if low < cells else -1
 
 
 @inlined_uncounted

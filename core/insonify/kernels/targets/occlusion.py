@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from insonify.kernels.common.jit import inlined_before_typing, inlined_uncounted
 from insonify.kernels.common.search import last_not_above
 from insonify.kernels.geometry.cross_sections import DOWN, NEVER, UP
-from insonify.kernels.targets.angular_zbuffer import EDGE
+from insonify.kernels.targets.angular_zbuffer import EDGE, cell_towards
 
 
 @inlined_uncounted
@@ -45,6 +45,8 @@ class Occlusion(NamedTuple):
     """Cells of a z-buffer as the bed behind them needs them."""
 
     edge: NDArray[np.float64]  # (cells + 1,), empty without cells
+    cosine: NDArray[np.float64]  # of the edges
+    sine: NDArray[np.float64]
     nearness_cosine: NDArray[np.float64]
     nearness_sine: NDArray[np.float64]
 
@@ -64,7 +66,39 @@ def occlusion_of(zbuffer, cells):
         Empty without cells: nothing is hidden.
     """
     n = cells + 1 if cells > 0 else 0
-    return Occlusion(zbuffer.edge[:n], zbuffer.nearness_cosine[:n], zbuffer.nearness_sine[:n])
+    nearness_cosine, nearness_sine = zbuffer.nearness_cosine[:n], zbuffer.nearness_sine[:n]
+    return Occlusion(zbuffer.edge[:n], zbuffer.cosine[:n], zbuffer.sine[:n], nearness_cosine, nearness_sine)
+
+
+@inlined_uncounted
+def is_hidden(occlusion, segment, x_from, x_to):
+    """Whether targets hide all of a segment of the bed between two ground ranges, by a test without angles.
+
+    Parameters
+    ----------
+    occlusion : Occlusion
+    segment : BedSegment or SegmentLine
+        Its line z = offset + slope·x.
+    x_from, x_to : float
+        Ground ranges, m.
+
+    Returns
+    -------
+    bool
+        Never true of what is seen; false also where a cell that hides one part of the segment would not hide the rest.
+    """
+    cells = occlusion.edge.size - 1
+    z_from, z_to = segment.offset + segment.slope * x_from, segment.offset + segment.slope * x_to
+    first = cell_towards(occlusion.cosine, occlusion.sine, cells, x_from, z_from)
+    last = cell_towards(occlusion.cosine, occlusion.sine, cells, x_to, z_to)
+    if first < 0 or last < 0:
+        return False
+    # The target's nearness times the distance is linear along the segment, and above 1 where the target is nearer.
+    for cell in range(min(first, last), max(first, last) + 1):
+        level, rise = occlusion.nearness_cosine[cell], occlusion.nearness_sine[cell]
+        if level * x_from + rise * z_from <= 1.0 or level * x_to + rise * z_to <= 1.0:
+            return False
+    return True
 
 
 @inlined_uncounted

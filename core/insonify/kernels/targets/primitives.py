@@ -95,37 +95,59 @@ def intersect_primitive(primitive, c, s):
     tuple of two float
         Slant range in metres, infinite if the ray misses, and the cosine.
     """
-    through = primitive.source.bent and primitive.kind != TRIANGLE
-    if through:
-        c, s = arrival_direction(primitive.source, c, s)
-    distance, incidence = _intersect_straight(primitive, c, s)
-    return (primitive.source.offset + primitive.source.gauge * distance if through else distance), incidence
+    distance, incidence, _ = meet_primitive(primitive, c, s)
+    return distance, incidence
 
 
 @inlined_uncounted
-def _intersect_straight(primitive, c, s):
-    """Distance of a primitive along a straight ray from its apparent source, and the cosine of the incidence."""
+def meet_primitive(primitive, c, s):
+    """Slant range of a primitive along a ray of its plane, and the inward normal there, as parts within the plane.
+
+    Parameters
+    ----------
+    primitive : Primitive
+    c, s : float
+        Cosine and sine of the launch angle.
+
+    Returns
+    -------
+    tuple of three float
+        Slant range in metres, infinite if the ray misses; the normal's part along the ray as it arrives, the cosine of
+        the incidence; and its part at right angles to that ray, upwards.
+    """
+    through = primitive.source.bent and primitive.kind != TRIANGLE
+    if through:
+        c, s = arrival_direction(primitive.source, c, s)
+    distance, incidence, lean = _meet_straight(primitive, c, s)
+    return (primitive.source.offset + primitive.source.gauge * distance if through else distance), incidence, lean
+
+
+@inlined_uncounted
+def _meet_straight(primitive, c, s):
+    """Distance of a primitive along a straight ray from its apparent source, and both parts of the inward normal."""
     if primitive.kind == TRIANGLE:
         distance = (primitive.x * primitive.az - primitive.z * primitive.ax) / (c * primitive.az - s * primitive.ax)
         # Triangles scatter from both sides.
-        return (distance if distance > 0.0 else math.inf), abs(c * primitive.level_x + s * primitive.level_y)
+        facing, lean = c * primitive.level_x + s * primitive.level_y, c * primitive.level_y - s * primitive.level_x
+        return (distance if distance > 0.0 else math.inf), abs(facing), math.copysign(1.0, facing) * lean
     dx, dy = c * primitive.level_x, c * primitive.level_y
     if primitive.kind == SPHERE:
         distance, _ = intersect_sphere(primitive.x, primitive.y, primitive.z, primitive.radius, dx, dy, s)
         inwards = (primitive.x * dx + primitive.y * dy + primitive.z * s - distance) / primitive.radius
-        return (distance if distance > 0.0 else math.inf), inwards
+        level = primitive.x * primitive.level_x + primitive.y * primitive.level_y
+        return (distance if distance > 0.0 else math.inf), inwards, (c * primitive.z - s * level) / primitive.radius
     frustum = FrustumShape(
         primitive.x, primitive.y, primitive.z, primitive.ax, primitive.ay, primitive.az, primitive.length,
         primitive.radius, primitive.taper,
     )  # fmt: skip
     distance, face, _, _ = intersect_frustum(frustum, dx, dy, s)
     if not 0.0 < distance < math.inf:
-        return math.inf, 0.0
+        return math.inf, 0.0, 0.0
     px, py, pz = distance * dx - primitive.x, distance * dy - primitive.y, distance * s - primitive.z
     nx, ny, nz = frustum_normal(
         px, py, pz, primitive.ax, primitive.ay, primitive.az, primitive.radius, primitive.taper, face
     )
-    return distance, -(nx * dx + ny * dy + nz * s)
+    return distance, -(nx * dx + ny * dy + nz * s), s * (nx * primitive.level_x + ny * primitive.level_y) - c * nz
 
 
 @inlined_uncounted
