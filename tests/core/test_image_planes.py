@@ -27,3 +27,9 @@ def test_the_image_of_a_level_fish_has_the_planes_of_the_fish(planes, beam):
     np.testing.assert_allclose(image.s_low[order][1:], image.s_high[order][:-1], atol=1e-12)
     assert image.s_low.min() == pytest.approx(-1.0)
     assert image.s_high.max() == pytest.approx(1.0)
+
+
+def test_no_pings_have_no_planes():
+    scene = load_scene("ghosts")
+    packed = pack(scene)
+    assert lay_planes_of_images(packed.arrays, make_poses(scene, packed.ground, np.arange(0)), 4) == []

@@ -19,7 +19,7 @@ from insonify.tracers import rays, sweep
 
 FLAT = np.zeros((4, 4))
 FAN = math.radians(1.25)
-WITHOUT_KERNELS = {"jit.py", "dispatch.py", "separate.py"}  # they compile kernels, and call them
+WITHOUT_KERNELS = {"cache.py", "jit.py", "dispatch.py", "separate.py"}  # they compile kernels, keep and call them
 SOURCES = sorted(Path(kernels.__file__).parent.rglob("*.py"))
 
 

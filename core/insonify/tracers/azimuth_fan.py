@@ -117,6 +117,7 @@ def lay_planes_of_images(
     return [
         (places[within], beam, of_image)
         for places, beam in laid
+        if places.size > 0
         for within, of_image in lay_planes(
             arrays,
             take_poses(lifted, places),
