@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 from insonify.array_cache import ARRAYS
+from insonify.packing import terrain_tiles
 from insonify.scene import build, edit
 from insonify.simulation import prepare, simulate_blocks
 from insonify.terrain import EndlessGround, Ground, HeldWindow, build_ground, relief, relief_picture
@@ -119,6 +120,21 @@ def test_a_window_holds_each_node_at_its_place_whatever_window_is_held(reach):
             stored = [(low + np.arange(side)) % side for low in first]
             np.testing.assert_array_equal(torus[np.ix_(*stored)], nodes)
         held = HeldWindow(row, column, window.heights, window.materials)
+
+
+def test_beds_of_windows_are_bounded_by_their_bytes(monkeypatch):
+    ground = replace(build_ground(SCENE), heights=lambda row, column: np.zeros((TILE, TILE), np.float32))
+    beds = terrain_tiles._beds_of(ground, 20.0)
+    beds.make_room(6)
+    for column in range(5):
+        beds.bed(0, column)
+    assert len(beds._beds) == 5
+    monkeypatch.setattr(terrain_tiles, "LARGEST", 2.5 * beds._bytes / 5)
+    assert beds.bed(0, 5) is beds.bed(0, 5)
+    assert list(beds._beds) == [(0, 4), (0, 5)]
+    monkeypatch.setattr(terrain_tiles, "LARGEST", 1)
+    beds.bed(0, 6)
+    assert list(beds._beds) == [(0, 6)]
 
 
 def test_a_step_to_the_next_window_makes_its_new_tiles_alone():

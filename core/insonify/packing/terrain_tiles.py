@@ -21,6 +21,7 @@ Column = NDArray[Any]
 # Refracted rays may go farther in the time of a slant range than straight ones.
 MARGIN = 1.1
 KEPT_BEDS, MOST_BEDS = 2, 6  # of pings that follow one another, and of a call over many windows; some 23 MB each
+LARGEST = 2**30  # bytes of all beds of a ground, though the newest is kept whatever it takes
 _SHARED: WeakValueDictionary[Hashable, _WindowBeds] = WeakValueDictionary()
 
 
@@ -117,9 +118,14 @@ class _WindowBeds:
         made = make_bed(self._ground.window(row, column, MARGIN * self._reach, held))
         with self._lock:
             self._beds[row, column] = made
-            while len(self._beds) > self._room:
+            while len(self._beds) > 1 and (len(self._beds) > self._room or self._bytes > LARGEST):
                 self._beds.popitem(last=False)
         return made
+
+    @property
+    def _bytes(self) -> int:
+        """Bytes of all beds that are kept."""
+        return sum(bed.heights.nbytes + bed.transposed.nbytes + bed.materials.nbytes for bed in self._beds.values())
 
     def _nearest(self, row: int, column: int) -> HeldWindow | None:
         """Window that is held and shares the most ground with another, if any does."""

@@ -20,7 +20,8 @@ from insonify.tracers import ray_sheets, rays
 RESOLVED = 10.0  # ratio of an error to the change of the reference that resolves it
 FIRST_RAYS = 1 << 16
 MOST_IN_SHEETS, MOST_SINGLE = 1 << 24, 1 << 22  # rays per side
-HELD = 1 << 24  # single rays that all cores together hold in memory, some 128 bytes each
+HELD = 1 << 30  # bytes of single rays that all cores together hold in memory
+SINGLE, BY_SURFACE = 128, 32  # bytes of a single ray, and of one by way of the sea surface
 RAYS_A_SHEET = 16  # rays per sheet of a fan at which both parts of the error are about equal
 # Order of the error in the number of rays, from which the next number is predicted.
 SHEET_ORDER, RAY_ORDER = 1.0, 0.75
@@ -131,7 +132,8 @@ def trace_exact_rays(arrays: SceneArrays, poses: Poses, count: int, told: Callab
         return record + rays.trace_surface_paths(arrays, pose, rays=count, threads=1)
 
     records = []
-    workers = count_threads() if ray_sheets.can_trace(arrays) else min(count_threads(), max(HELD // count, 1))
+    held = SINGLE if arrays.bounces else BY_SURFACE if arrays.multipath.enabled else 1
+    workers = min(count_threads(), max(HELD // (held * count), 1))
     with ThreadPoolExecutor(workers) as pool:
         try:
             for record in pool.map(single, (take_poses(poses, slice(k, k + 1)) for k in range(poses.x.size))):
