@@ -118,6 +118,29 @@ def test_a_beam_that_squints_is_heard_to_the_range_over_ground_that_rises():
     assert abs(errors.energy_bias) < 5e-3
 
 
+@pytest.mark.parametrize("altitude", [40.5, 43.0, 46.3])
+@pytest.mark.parametrize("path", ["direct", "surface_bottom_surface"])
+def test_what_is_hardly_within_range_is_heard_to_the_range(altitude, path):
+    # Planes are laid for heights in steps of 4 %, within which the last ground range in reach changes twofold.
+    own = altitude if path == "direct" else 6.0
+    scene = edit(
+        load_scene("default"),
+        {
+            "seabed": {"depth": 80.0 if path == "direct" else 0.5 * (altitude + own), "relief": {"kind": "flat"}},
+            "water.surface": {"kind": "flat", "surface_echo": False, "surface_bottom": False, "second_bottom": False},
+            "sonar.beam": {"kind": "gaussian", "width": 1.5},
+            "track.altitude": own,
+            "sonar.range": 1.03 * altitude,
+            "sonar.bins": 200,
+            "targets": [],
+        },
+    )
+    simulation = prepare(scene)
+    arrays, poses, last = simulation.arrays, simulation.poses(np.arange(2)), slice(195, None)  # up to 1.03 altitudes
+    right = rays.trace(arrays, poses, rays=1 << 18)[..., last].sum()
+    assert sweep.trace(arrays, poses, planes=16)[..., last].sum() == pytest.approx(right, rel=0.01)
+
+
 def test_the_sweep_is_nearer_than_what_it_replaces():
     simulation = prepare(edit(load_scene("default"), {"sonar.beam": "knife"}))
     arrays, poses = simulation.arrays, simulation.poses(np.arange(60, 340, 40))

@@ -31,6 +31,7 @@ COARSER = 0.2
 SIDELOBE_STEP = 2.0  # spacing of the planes across sidelobes over that across the main lobe
 SIDELOBE_GROWTH = 0.25  # growth of that spacing per distance from the main lobe, over a bed without targets
 HEIGHTS_PER_OCTAVE = 16.0  # steps to which heights are rounded up
+ROUNDED_DOWN = 2.0 ** (-1.0 / HEIGHTS_PER_OCTAVE)  # share of a step below it
 PITCH_STEP = 0.5  # step to which pitches are rounded, in half widths of the main lobe
 AT_NADIR = 1e-9  # per metre of height: all but nadir itself is far field to a plane that stands for a whole fan
 NEAREST, NEAREST_OF_IMAGE = 0.01, 0.001  # ground range per height from which the beam's azimuths are looked at
@@ -277,7 +278,7 @@ def _lay(outline: _Outline, planes: int, height: float, pitches: tuple[float, ..
         angle=high - low,
         far_angle=np.zeros(low.size),
         near_field=np.full(low.size, math.inf),
-        reach=reaches / (height * 2.0 ** (-1.0 / HEIGHTS_PER_OCTAVE)),
+        reach=reaches / (height * ROUNDED_DOWN),
     )
 
 
@@ -302,7 +303,9 @@ class _Cone:
         self, outline: _Outline, height: float, pitches: NDArray[np.float64], nearest: float = NEAREST
     ) -> None:
         above_highest = max(height - outline.relief, 0.0)
-        farthest = math.sqrt(max(outline.reach**2 - above_highest**2, (0.1 * height) ** 2))
+        # The lowest of the heights that are rounded up to this one hears farthest out.
+        lowest = max(height * ROUNDED_DOWN - outline.relief, 0.0)
+        farthest = math.sqrt(max(outline.reach**2 - lowest**2, (0.1 * height) ** 2))
         self.height, self.main, self.targets = height, outline.main, outline.targets
         self.x = np.geomspace(nearest * min(height, farthest), farthest, GROUND_RANGES)
         # One row for each height and pitch.
