@@ -38,12 +38,13 @@ def make_pattern(scene: Scene, sound_speed: float) -> tuple[float, BeamPattern]:
     if not is_patterned(scene):
         return half_width, plain_pattern()
     table, shaded = beam.tabulate(sounding), scene.sonar.vertical.shades
+    energy = table.energy[:, [0, -1]] if np.ptp(table.energy) == 0.0 else table.energy  # a top-hat needs no more
     return half_width, BeamPattern(
         tabulated=True,
         centre=math.sin(math.radians(beam.axis)),
         extent=table.extent,
-        energy=table.energy,
-        integral=_integral(table.extent, table.energy),
+        energy=energy,
+        integral=_integral(table.extent, energy),
         first_range=table.first_range,
         per_octave=table.per_octave,
         vertical=SHAPES[vertical.shape],

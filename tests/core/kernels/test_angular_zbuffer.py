@@ -11,8 +11,10 @@ import numpy as np
 import pytest
 
 from beds import arrays_of, poses_of
+from insonify.kernels.common.jit import kernel
 from insonify.kernels.common.types import LIGHT
 from insonify.kernels.geometry.bvh import build_mesh
+from insonify.kernels.targets.angular_zbuffer import measure_directions
 from insonify.scene.targets.shape import block
 from insonify.tracers import rays, sweep
 
@@ -86,3 +88,17 @@ def test_a_ramp_comes_out_of_the_bed_where_they_cross(thick):
     near = np.array([HEIGHT / r for r in (np.arange(border) + 0.5) * 0.05])[400:]
     # A piece of one density is up to 2 % of its range long.
     np.testing.assert_allclose(record[400:border], near, rtol=6e-3)
+
+
+@kernel
+def directions(angle, cosine, sine):
+    measure_directions(angle, cosine, sine)
+
+
+def test_directions_of_launch_angles_are_those_of_the_library_and_never_point_back():
+    angle = np.linspace(-0.5 * math.pi, 0.5 * math.pi, 10_001)
+    cosine, sine = np.empty((2, angle.size))
+    directions(angle, cosine, sine)
+    np.testing.assert_allclose(cosine, np.cos(angle), rtol=0.0, atol=4e-16)
+    np.testing.assert_allclose(sine, np.sin(angle), rtol=0.0, atol=4e-16)
+    assert cosine.min() > 0.0

@@ -9,11 +9,13 @@ import numpy as np
 import pytest
 
 from beds import arrays_of, gaussian_pattern, poses_of, rough
+from insonify.acoustics.beam_patterns import make_pattern
 from insonify.kernels.beam.azimuth_sector import AzimuthSector, sector_weight
 from insonify.kernels.beam.knot_weights import FINE_SINE, sample_pattern, weigh_knots
 from insonify.kernels.beam.pattern_integrals import integrated_response
 from insonify.kernels.common.jit import kernel
 from insonify.kernels.common.types import EVERY_GRAZING, GAUSSIAN, LIGHT, SONAR, TABLE, TOP_HAT, BeamPattern
+from insonify.scene import edit, load_scene
 from insonify.scene.beams.line_array import LineArray
 from insonify.tracers import rays
 
@@ -21,12 +23,12 @@ FLAT = np.zeros((8, 8))
 HEIGHT = 8.0
 
 
-def top_hat(half_width):
+def top_hat(half_width, columns=65):
     """The top-hat of a level fan, as a table."""
     s = math.sin(half_width)
-    integral = np.linspace(0.0, 2.0 * s, 65)
+    integral = np.linspace(0.0, 2.0 * s, columns)
     return BeamPattern(
-        True, 0.0, np.array([s]), np.ones((1, 65)), integral[None], 1.0, 1.0, EVERY_GRAZING, 0.0, 1.0, True
+        True, 0.0, np.array([s]), np.ones((1, columns)), integral[None], 1.0, 1.0, EVERY_GRAZING, 0.0, 1.0, True
     )
 
 
@@ -269,6 +271,37 @@ def test_no_sector_crosses_a_squinting_top_hat_between_two_knots_where_it_is_rea
         np.testing.assert_allclose(many, single, atol=0.02 * max(single.max(), 1e-9))
         summed, expected = summed + many, expected + single
     np.testing.assert_allclose(summed, expected, atol=2e-3 * expected.max())
+
+
+@pytest.mark.parametrize("pitch", [0.0, 0.05])
+@pytest.mark.parametrize("squint", [0.0, 0.08])
+@pytest.mark.parametrize("vertical", [EVERY_GRAZING, GAUSSIAN])
+def test_a_top_hat_of_two_columns_has_the_exact_weight_at_every_knot(pitch, squint, vertical):
+    """Over a rough bed with a hole, by a table of many columns at every single knot."""
+    many, two = (
+        top_hat(0.014, columns)._replace(centre=squint, vertical=vertical, tilt=0.5, s_vertical=0.6)
+        for columns in (65, 2)
+    )
+    x = np.linspace(0.0, 50.0, 501)
+    z = -10.0 + np.random.default_rng(5).normal(0.0, 0.1, 501)
+    z[200] = np.nan
+    r, known, heard_of = np.hypot(x, z), np.isfinite(z), 0
+    for s_low, s_high in itertools.pairwise(math.sin(math.asin(squint) + 0.0035 * k) for k in range(-12, 13)):
+        sector = sector_between(s_low, s_high, pitch, 0.014)
+        found, expected = np.empty((2, 501))
+        weigh(two, x, z, r, sector, SONAR, found, np.empty(501))
+        weigh(many, x, z, r, sector, SONAR, np.empty(501), expected)
+        np.testing.assert_allclose(found[known], expected[known], rtol=1e-9, atol=1e-12)
+        heard_of += np.count_nonzero(found[known])
+    assert heard_of > 1000
+
+
+def test_a_top_hat_is_packed_as_two_columns_and_an_array_as_many():
+    scene = edit(load_scene("default"), {"sonar.vertical": "fan"})
+    _, fan = make_pattern(scene, 1500.0)
+    _, array = make_pattern(edit(scene, {"sonar.beam": "array"}), 1500.0)
+    assert fan.energy.shape == fan.integral.shape == (1, 2)
+    assert array.integral.shape[1] > 2
 
 
 @kernel

@@ -239,6 +239,21 @@ def is_whole_beam(sector):
 
 
 @inlined_uncounted
+def is_top_hat(pattern):
+    """Whether a tabulated pattern is alike over all that it spans, at every slant range.
+
+    Parameters
+    ----------
+    pattern : BeamPattern
+
+    Returns
+    -------
+    bool
+    """
+    return pattern.integral.shape[0] == 1 and pattern.integral.shape[1] == 2
+
+
+@inlined_uncounted
 def paired_weight(x, one, other, sector, pattern, law):
     """Weight of a plane that stands for a whole beam, for sound that leaves by one image and returns by another.
 

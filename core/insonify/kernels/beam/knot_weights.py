@@ -1,7 +1,7 @@
 """Weights of one plane's sector of the beam at the knots of a profile.
 
 A pattern is read from its table at some knots only. Between two of them it is a function of the level part of the
-direction, whose value and slope are known at both.
+direction, whose value and slope are known at both. A top-hat has a closed form, which is taken at every knot.
 
 Theory: docs/theory/beam.md.
 """
@@ -15,6 +15,7 @@ import numpy as np
 from insonify.kernels.beam.azimuth_sector import (
     in_plane_lobe,
     in_plane_response,
+    is_top_hat,
     paired_width,
     pattern_share,
     top_hat_share,
@@ -75,7 +76,10 @@ def _weigh_pattern(x, z, r, sector, pattern, law, fine, out):
         for i in range(x.size):
             out[i] = pattern_share(x[i], z[i], r[i], sector, pattern)
     else:
-        sample_pattern(x, z, r, sector, pattern, fine, out)
+        if is_top_hat(pattern):
+            _overlap_top_hat(x, z, r, sector, pattern, out)
+        else:
+            sample_pattern(x, z, r, sector, pattern, fine, out)
         _apply_ranges(x, r, sector, out)
     if pattern.vertical == TABLE:
         for i in range(x.size):
@@ -83,6 +87,21 @@ def _weigh_pattern(x, z, r, sector, pattern, law, fine, out):
     elif pattern.vertical != EVERY_GRAZING:
         for i in range(x.size):
             out[i] *= in_plane_lobe(x[i] / r[i], z[i] / r[i], sector, pattern)
+
+
+@inlined_uncounted
+def _overlap_top_hat(x, z, r, sector, pattern, out):
+    """Integral of a top-hat pattern over the sines of a sector's directions: their overlap with the beam."""
+    real, half, centre, s_low, s_high = out.dtype.type, pattern.extent[0], pattern.centre, sector.s_low, sector.s_high
+    ahead_level, ahead_up, level = sector.ahead_level, sector.ahead_up, 0.5 * pattern.integral[0, 1] / pattern.extent[0]
+    for i in range(x.size):
+        per_range = 1.0 / r[i]
+        athwart, tip = ahead_level * x[i] * per_range, ahead_up * z[i] * per_range - centre
+        low, high = athwart * s_low + tip, athwart * s_high + tip
+        # NaN, a hole in the bed, compares false.
+        low, high = low if low > -half else -half, high if high > -half else -half
+        low, high = low if low < half else half, high if high < half else half
+        out[i] = real(level * (high - low))
 
 
 @kernel_uncounted

@@ -99,6 +99,8 @@ def row_of_range(extent, first_range, per_octave, r):
     -------
     tuple of int and float
     """
+    if extent.size == 1:
+        return 0, 0.0
     place = place_in_rows(extent.size - 1.0, first_range, per_octave, r)
     row = row_below(place, extent.size - 1.0)
     return row, place - row

@@ -46,6 +46,7 @@ HALVINGS = 12  # that find where the higher image stops to see a facet
 # Under law `light`, whose means of both ends err twice as much as middles do: times as many parts, and at least.
 LIT_PARTS, LEAST_LIT = 2, 4
 INSIDE = 1e-9  # share of a facet by which radiance is taken inside its ends
+LEAST_COSINE = 1e-6  # of an incidence, as in the parabola of a facet
 BEFORE = 1e-4  # share of a distance by which another body must come nearer to hide a place
 
 
@@ -219,7 +220,7 @@ def _is_seen_from_higher(place, body, higher, knot):
 
 @inlined_uncounted
 def _list_facet(pair, facet, place, weight, surface, echoes, n):
-    """List a facet that both images see, part by part."""
+    """List a facet that both images see, part by part; one part has the strength of its middle."""
     raised, per_bin, numbers = pair.other.height - pair.one.height, 1.0 / pair.bin_length, surface.numbers
     whole = _echo_of_facet(pair, facet, place, weight, surface.contributor)
     mirrored = 2.0 * place.incidence * place.cos_other - place.along
@@ -227,6 +228,11 @@ def _list_facet(pair, facet, place, weight, surface, echoes, n):
     parts, _ = divide_facet(facet, off_mirror, numbers, whole.near * per_bin, middle * per_bin, whole.far * per_bin)
     if pair.law == LIGHT:
         return _list_light(pair, facet, whole, max(LIT_PARTS * parts, LEAST_LIT), surface, echoes, n)
+    if parts == 1:
+        value = pair_strength(place.incidence, place.cos_other, mirrored, numbers[0], numbers[1], numbers[2], pair)
+        # Area dA = width · r dθ / cos α, seen at incidence α: docs/theory/sweep.md
+        energy = value * facet.centre * (facet.high - facet.low) / max(place.incidence, LEAST_COSINE)
+        return list_echo(echoes, n, _part_of_echo(whole, whole.near, whole.far, energy))
     curve, near = facet_curve(facet), whole.near
     tilt = _tilt_along(facet, curve, place)
     for k in range(parts):
