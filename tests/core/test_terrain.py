@@ -1,5 +1,6 @@
 """Grounds: where they lie, what they share, what they are made of."""
 
+import tracemalloc
 from dataclasses import replace
 
 import numpy as np
@@ -211,3 +212,22 @@ def test_no_height_is_known_where_a_place_is_none(name):
     for far in (np.nan, np.inf, -np.inf, 1e25):
         places = np.array([far, 0.0, far]), np.array([0.0, far, far])
         assert np.isnan(ground.height_at(*places)).all()
+
+
+@pytest.mark.parametrize(
+    "relief",
+    [
+        {"kind": "ripples", "period": 51.2, "wavelength": 1.5, "height": 0.1},
+        {"kind": "fractal", "period": 51.2, "beta": 1.4, "rms": 0.03, "mask": {"kind": "patches"}},
+    ],
+)
+def test_a_bed_takes_few_arrays_of_its_size_while_it_is_made(relief):
+    # Of the finest beds, 16,384 nodes a side, one array takes 2 GB.
+    made = build({"seed": 77, "seabed": {"depth": 30.0, "spacing": 0.02, "relief": relief}})  # noise is not kept
+    tracemalloc.start()
+    try:
+        ground = build_ground(made)
+        most = tracemalloc.get_traced_memory()[1]
+    finally:
+        tracemalloc.stop()
+    assert most < 45 * ground.heights.size

@@ -139,7 +139,7 @@ def test_wider_bands_have_more_defects():
             heights(kind="ripples", wavelength=0.8, bandwidth=bandwidth, bandwidth_along=bandwidth)
         finally:
             Ripples.shape_waves = kept
-        (phase,) = found
+        phase = np.concatenate(found)  # row by row
         steps = [
             np.roll(phase, -1, 1) - phase,
             np.roll(np.roll(phase, -1, 0), -1, 1) - np.roll(phase, -1, 1),

@@ -12,7 +12,7 @@ import numpy as np
 from insonify.kernels.common.streams import RELIEF, RELIEF_MASK, RELIEF_PART
 from insonify.scene.masks import MaskKind
 from insonify.scene.reliefs.random_relief import RandomRelief, density_waves
-from insonify.scene.reliefs.spectrum import LONGEST_WAVES, Field
+from insonify.scene.reliefs.spectrum import LONGEST_WAVES, Field, row_groups
 from insonify.terrain.periodic_waves import Shape, WaveGrid
 
 
@@ -76,6 +76,11 @@ def _mask(mask: MaskKind, period: float, grid: WaveGrid) -> Field:
     """Weight of a mask on its relief, 0 to 1."""
     waves = density_waves(mask.density(LONGEST_WAVES / period), period, grid)
     level = math.sqrt(grid.variance(waves))
-    field = grid.field(waves) / level
+    field = grid.field(waves)
+    del waves
+    field /= level
     # The patches cover their share of this very period, not only of an average period.
-    return mask.weigh(field, float(np.quantile(field, 1.0 - mask.coverage)))
+    threshold = float(np.quantile(field, 1.0 - mask.coverage))
+    for rows in row_groups(len(field)):
+        field[rows] = mask.weigh(field[rows], threshold)
+    return field

@@ -14,15 +14,13 @@ import numpy as np
 from insonify.array_cache import keep_arrays
 from insonify.kernels.common.hashing import wave_noise
 from insonify.parallel import in_parallel
-from insonify.scene.reliefs.spectrum import Density, Field, Waves
+from insonify.scene.reliefs.spectrum import ROWS, Density, Field, Waves
 
 Shape = tuple[int, int]
 
 # Largest noise that is kept for the next call: 2048 squared takes 34 MB.
 KEPT_CELLS = 2048**2
 MOST_THREADS = 2  # more do not shorten a transform that memory limits
-# Rows filtered together, so that intermediate arrays stay in the processor cache, which halves the time.
-ROWS = 64
 
 
 class WaveGrid:

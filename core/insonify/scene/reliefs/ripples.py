@@ -10,7 +10,16 @@ import numpy as np
 from insonify.scene.base import parameter
 from insonify.scene.materials import MaterialMap
 from insonify.scene.reliefs.random_relief import ExtendableRelief, crest_heading, density_waves
-from insonify.scene.reliefs.spectrum import LONGEST_WAVES, Band, Density, Field, PeriodicWaves, rotate_frequencies
+from insonify.scene.reliefs.spectrum import (
+    LONGEST_WAVES,
+    Band,
+    Density,
+    Field,
+    PeriodicWaves,
+    Waves,
+    rotate_frequencies,
+    row_groups,
+)
 
 FEWEST_CELLS = 3  # of one ripple
 FADE = 0.3  # of the rms amplitude, below which crests die down: they end where the phase goes round a point
@@ -89,11 +98,19 @@ class Ripples(ExtendableRelief):
             return band(fx - wave[0], fy - wave[1]) + band(fx + wave[0], fy + wave[1])
 
         made = density_waves(about_both, self.period, waves)
-        # A quarter of a wave on: the Hilbert transform in the direction in which the ripples follow one another.
-        _, across = rotate_frequencies(*waves.frequencies(), self.heading)
         level = math.sqrt(2.0 * waves.variance(made))
-        imaginary = waves.field(-1j * np.sign(across) * made)
-        return self.shape_waves(waves.field(made), imaginary, level)
+        imaginary, heights = waves.field(self._quarter_on(made, *waves.frequencies())), waves.field(made)
+        for rows in row_groups(len(heights)):
+            heights[rows] = self.shape_waves(heights[rows], imaginary[rows], level)
+        return heights
+
+    def _quarter_on(self, made: Waves, fx: Field, fy: Field) -> Waves:
+        """Turn waves by a quarter: the Hilbert transform in the direction in which the ripples follow one another."""
+        turned = np.empty_like(made)
+        for rows in row_groups(len(made)):
+            _, across = rotate_frequencies(fx, fy[rows], self.heading)
+            np.multiply(-1j * np.sign(across), made[rows], out=turned[rows])
+        return turned
 
     def bands(self) -> tuple[Band, ...]:
         """Band about the mean wave."""
