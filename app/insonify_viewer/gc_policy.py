@@ -9,11 +9,14 @@ from __future__ import annotations
 import ctypes
 import gc
 import threading
+import time
 from collections.abc import Iterator
 from contextlib import contextmanager
 
+from insonify.array_cache import ARRAYS
+
 OLDEST = 2  # generation
-GROWTH = 1.25  # growth of the oldest generation that starts a full collection, as in CPython's own rule
+SHARE = 0.005  # of the time that collections of the oldest generation may take
 
 M_TRIM_THRESHOLD, M_MMAP_THRESHOLD, M_ARENA_MAX = -1, -3, -8  # as in malloc.h of the GNU C library
 LARGE = 2**20  # bytes; larger arrays are returned to the system as soon as they are freed
@@ -79,17 +82,30 @@ def return_free_memory() -> None:
         return
 
 
+def forget_ground() -> None:
+    """Drop what is kept of the beds of scenes that are left, up to hundreds of megabytes; on a worker."""
+    # lazy: loads kernels; the window opens before Numba is loaded
+    from insonify.packing.terrain_tiles import drop_windows
+
+    ARRAYS.clear()
+    drop_windows()
+
+
 class GcPolicy:
-    """Collects young generations by Python's thresholds, and the oldest when it has grown."""
+    """Collects young generations by Python's thresholds, and the oldest for a small share of the time.
+
+    Objects are not counted: `gc.get_objects` refers to tuples that other threads are making, which then fail there.
+    """
 
     def __init__(self) -> None:
-        self._old = 0
+        self._next = 0.0  # time from which the oldest generation may be collected
 
     def collect(self) -> None:
         """Collect the generations that are due."""
         due = [count > limit for count, limit in zip(gc.get_count(), gc.get_threshold())]
-        if due[OLDEST] and len(gc.get_objects(OLDEST)) > GROWTH * self._old:
+        began = time.perf_counter()
+        if due[OLDEST] and began >= self._next:
             gc.collect()
-            self._old = len(gc.get_objects(OLDEST))
+            self._next = began + (time.perf_counter() - began) / SHARE
         elif any(due[:OLDEST]):
             gc.collect(1 if due[1] else 0)

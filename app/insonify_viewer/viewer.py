@@ -13,7 +13,6 @@ from numpy.typing import NDArray
 from PySide6.QtCore import QObject, QTimer
 from PySide6.QtGui import QGuiApplication
 
-from insonify.array_cache import ARRAYS
 from insonify.display.picture import PALETTES
 from insonify.scene import Scene, SceneError, bundled_scenes, scene_to_toml
 from insonify_viewer.auto_pause import next_pause
@@ -22,7 +21,7 @@ from insonify_viewer.comparison.recording_player import RecordingPlayer
 from insonify_viewer.contrast import Contrast
 from insonify_viewer.errors.failure import Failure, describe_error
 from insonify_viewer.file_opening import FileOpening
-from insonify_viewer.gc_policy import return_free_memory
+from insonify_viewer.gc_policy import forget_ground, return_free_memory
 from insonify_viewer.inspection import Inspection
 from insonify_viewer.jobs.job_list import JobList
 from insonify_viewer.laid_scene import LaidScene
@@ -169,7 +168,7 @@ class Viewer(QObject):
         self.inspection.clear()
         self.seabed.reset_camera()
         self._freeing = True
-        self.simulator.send(ARRAYS.clear, lambda _: None)  # tiles of the bed that is left may fill the store
+        self.simulator.send(forget_ground, lambda _: None)
         bundled = Path(file) in bundled_scenes().values()
         if file and not bundled:
             self.window.settings.add_recent(file)
@@ -218,6 +217,7 @@ class Viewer(QObject):
         window, session = self.window, self.session
         self.inspection.connect(window.waterfall, self._seabed)
         self.targets.handles.connect_seabed(self._seabed)
+        self._seabed.failed.connect(window.complain)
         session.changed.connect(self._scene_changed)
         session.said.connect(window.say)
         session.refused.connect(window.complain)

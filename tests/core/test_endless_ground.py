@@ -1,6 +1,7 @@
 """Scenes over endless ground: windows that no record shows."""
 
 import gc
+import sys
 import weakref
 from dataclasses import replace
 
@@ -129,12 +130,35 @@ def test_beds_of_windows_are_bounded_by_their_bytes(monkeypatch):
     for column in range(5):
         beds.bed(0, column)
     assert len(beds._beds) == 5
-    monkeypatch.setattr(terrain_tiles, "LARGEST", 2.5 * beds._bytes / 5)
+    monkeypatch.setattr(terrain_tiles, "LARGEST", 2.5 * beds.shrink(sys.maxsize) / 5)
     assert beds.bed(0, 5) is beds.bed(0, 5)
     assert list(beds._beds) == [(0, 4), (0, 5)]
     monkeypatch.setattr(terrain_tiles, "LARGEST", 1)
     beds.bed(0, 6)
     assert list(beds._beds) == [(0, 6)]
+
+
+def test_beds_of_all_grounds_share_one_bound(monkeypatch):
+    one, other = (
+        terrain_tiles._beds_of(
+            replace(build_ground(SCENE), heights=lambda row, column: np.zeros((TILE, TILE), np.float32)), 20.0
+        )
+        for _ in range(2)
+    )
+    for beds in (one, other, one):
+        beds.make_room(3)
+        beds.bed(0, beds.used)
+    bed = one.shrink(sys.maxsize) / 2
+    monkeypatch.setattr(terrain_tiles, "LARGEST", 3.5 * bed)
+    kept = one.bed(0, 7)
+    assert (len(one._beds), len(other._beds)) == (3, 0)
+    other.bed(0, 0)
+    other.bed(0, 1)
+    assert (len(one._beds), len(other._beds)) == (1, 2)
+    assert one.bed(0, 7) is kept
+    terrain_tiles.drop_windows()
+    assert not one._beds
+    assert not other._beds
 
 
 def test_a_step_to_the_next_window_makes_its_new_tiles_alone():

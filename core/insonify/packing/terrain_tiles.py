@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections import OrderedDict
 from collections.abc import Callable, Hashable, Iterator, Sequence
+from itertools import count
 from threading import Lock
 from typing import Any
 from weakref import WeakValueDictionary
@@ -21,8 +22,10 @@ Column = NDArray[Any]
 # Refracted rays may go farther in the time of a slant range than straight ones.
 MARGIN = 1.1
 KEPT_BEDS, MOST_BEDS = 2, 6  # of pings that follow one another, and of a call over many windows; some 23 MB each
-LARGEST = 2**30  # bytes of all beds of a ground, though the newest is kept whatever it takes
+LARGEST = 2**28  # bytes of the beds of all grounds, though the newest of each call is kept whatever it takes
 _SHARED: WeakValueDictionary[Hashable, _WindowBeds] = WeakValueDictionary()
+_SHARING = Lock()
+_TURNS = count(1)
 
 
 class TerrainTiles:
@@ -103,6 +106,7 @@ class _WindowBeds:
         self._beds: OrderedDict[tuple[int, int], Bed] = OrderedDict()
         self._room = KEPT_BEDS
         self._lock = Lock()
+        self.used = 0  # turn in which a bed was last asked for
 
     def make_room(self, windows: int) -> None:
         """Keep as many beds as are needed together, within `MOST_BEDS`."""
@@ -110,6 +114,7 @@ class _WindowBeds:
 
     def bed(self, row: int, column: int) -> Bed:
         """Bed of one window."""
+        self.used = next(_TURNS)
         with self._lock:
             if (row, column) in self._beds:
                 self._beds.move_to_end((row, column))
@@ -118,14 +123,25 @@ class _WindowBeds:
         made = make_bed(self._ground.window(row, column, MARGIN * self._reach, held))
         with self._lock:
             self._beds[row, column] = made
-            while len(self._beds) > 1 and (len(self._beds) > self._room or self._bytes > LARGEST):
-                self._beds.popitem(last=False)
+        _keep_within(LARGEST, self)
         return made
 
-    @property
-    def _bytes(self) -> int:
-        """Bytes of all beds that are kept."""
-        return sum(bed.heights.nbytes + bed.transposed.nbytes + bed.materials.nbytes for bed in self._beds.values())
+    def shrink(self, limit: int, least: int = 0) -> int:
+        """Drop the least recently used beds that are too many or exceed a number of bytes, and return the bytes left.
+
+        Parameters
+        ----------
+        limit : int
+            Bytes.
+        least : int
+            How many beds are kept whatever they take.
+        """
+        with self._lock:
+            sizes = [bed.heights.nbytes + bed.transposed.nbytes + bed.materials.nbytes for bed in self._beds.values()]
+            while len(sizes) > least and (len(sizes) > self._room or sum(sizes) > limit):
+                self._beds.popitem(last=False)
+                del sizes[0]
+            return sum(sizes)
 
     def _nearest(self, row: int, column: int) -> HeldWindow | None:
         """Window that is held and shares the most ground with another, if any does."""
@@ -138,10 +154,27 @@ class _WindowBeds:
 def _beds_of(ground: EndlessGround, reach: float) -> _WindowBeds:
     """Beds of the windows of endless ground; scenes on the same ground share them while one of them lives."""
     key = ground.heights, ground.materials, ground.spacing, len(ground.reflectivities), reach
-    beds = _SHARED.get(key)
-    if beds is None:
-        beds = _SHARED[key] = _WindowBeds(ground, reach)
-    return beds
+    with _SHARING:
+        beds = _SHARED.get(key)
+        if beds is None:
+            beds = _SHARED[key] = _WindowBeds(ground, reach)
+        return beds
+
+
+def drop_windows() -> None:
+    """Drop the beds of all windows; those that are still needed are made again."""
+    with _SHARING:
+        grounds = list(_SHARED.values())
+    for beds in grounds:
+        beds.shrink(0)
+
+
+def _keep_within(limit: int, newest: _WindowBeds) -> None:
+    """Drop beds of the grounds that were used least recently until all together take no more than some bytes."""
+    with _SHARING:
+        grounds = sorted(_SHARED.values(), key=lambda beds: beds.used, reverse=True)
+    for beds in grounds:
+        limit -= beds.shrink(limit, least=1 if beds is newest else 0)
 
 
 def _join(places: Sequence[NDArray[np.int64] | slice], columns: Sequence[Column]) -> Column:
