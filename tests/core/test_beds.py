@@ -66,6 +66,14 @@ def test_oblong_pixels_are_resampled_to_the_finer_spacing(tmp_path):
     np.testing.assert_allclose(ground.heights + ground.datum, plane, atol=1e-5)
 
 
+def test_a_bed_of_lone_heights_in_oblong_pixels_is_refused(tmp_path):
+    rows = np.full((4, 3), np.nan)
+    rows[1, 1] = -5.0
+    path = write_tiff(tmp_path / "bed.tif", rows, pixel=(1.5, 1.0), **UTM)
+    with pytest.raises(SceneError, match=r"only lone heights between gaps, in cells of 1\.5 by 1 m; fill its gaps"):
+        build_ground(scene(path))
+
+
 def test_tiff_without_georeference_takes_the_spacing_of_the_scene(tmp_path):
     ground = build_ground(scene(write_tiff(tmp_path / "bare.tif", sloped(4, 6), corner=None), spacing=0.5))
     assert (ground.spacing, ground.x0, ground.y0) == (0.5, -1.25, -0.75)

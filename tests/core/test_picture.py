@@ -106,6 +106,14 @@ def test_a_recording_without_altitude_or_echoes_has_a_curve():
     np.testing.assert_array_equal(estimate_median_curve(0.0 * level, np.full(3, 5.0), 0.25), 1.0)
 
 
+@pytest.mark.parametrize("altitude", [5e-324, 1e-200, 1e-9])
+def test_a_recording_of_hardly_any_altitude_has_a_curve(altitude):
+    level = np.full((2, 3, BINS), 4.0, dtype=np.float32)
+    curve = estimate_median_curve(level, np.full(3, altitude), 0.25)
+    assert (np.isfinite(curve) & (curve > 0.0)).all()
+    np.testing.assert_allclose(normalise(np.moveaxis(level, 0, 1), curve), 1.0, rtol=1e-5)
+
+
 @pytest.mark.parametrize("shape", [(0,), (0, 5), (3, 4)])
 def test_a_picture_without_echoes_is_dark(shape):
     silent = np.zeros(shape, dtype=np.float32)

@@ -26,6 +26,7 @@ __all__ = ["LevelBed", "estimate_median_curve", "extend_to_water_column", "norma
 MOST_EIGHTHS = 2**53  # of a bin, the greatest altitude of a level bed
 _PINGS = 2000  # pings that suffice for the median curve of a recording
 _FIRST = 1.25  # altitudes from which the bed of a recording counts
+_FLATTEST = 1e-6  # sine of a grazing angle; below, an altitude is no measurement and its square underflows
 _SMOOTH = 64  # the median curve is smoothed over the bins divided by this
 
 
@@ -168,7 +169,7 @@ def estimate_median_curve(
     """
     some = slice(None, None, intensity.shape[1] // _PINGS + 1)
     r = (np.arange(intensity.shape[-1]) + 0.5) * bin_length
-    sine = np.minimum(np.where(altitude > 0.0, altitude, np.inf)[:, None] / r, 1.0)
+    sine = np.clip(np.where(altitude > 0.0, altitude, np.inf)[:, None] / r, _FLATTEST, 1.0)
     # At shorter range an error of the altimeter would count water as bed.
     below = r >= _FIRST * altitude[some, None]
     upright = intensity[:, some] / sine[some] ** 2

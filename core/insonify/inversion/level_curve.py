@@ -6,6 +6,7 @@ from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.sparse import csr_array
 
 from insonify.display.normalisation import estimate_median_curve
 
@@ -88,10 +89,11 @@ def _solve(design: Field, level: Field) -> Field:
     """Least absolute deviations by reweighting, with a weak pull of all effects to zero."""
     pull = RIDGE * np.eye(design.shape[1])
     weight = np.ones(level.size)
+    few = csr_array(design)  # at most four knots of 44 count for a block
     for _ in range(ROUNDS):
-        weighted = design * weight[:, None]
-        found = np.linalg.solve(weighted.T @ design + pull, weighted.T @ level)
-        weight = 1.0 / np.maximum(np.abs(level - design @ found), SPREAD)
+        weighted = few.T.multiply(weight)
+        found = np.linalg.solve((weighted @ few).toarray() + pull, weighted @ level)
+        weight = 1.0 / np.maximum(np.abs(level - few @ found), SPREAD)
     return np.asarray(found)
 
 

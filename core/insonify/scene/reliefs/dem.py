@@ -103,6 +103,10 @@ def _squared(path: str, grid: Grid, spacing: float) -> Grid:
             path, f"has cells of {dx:g} by {dy:g} m", f"resample it to square ones, at most {LARGEST_SIDE} a side"
         )
     heights = refine(refine(grid.heights, dx / fine).T, dy / fine).T
+    if not np.isfinite(heights).any():  # between two nodes there is a height only where both have one
+        raise BATHYMETRY.refusal(
+            path, f"has only lone heights between gaps, in cells of {dx:g} by {dy:g} m", "fill its gaps"
+        )
     return Grid(np.ascontiguousarray(heights), (fine, fine), grid.corner, grid.crs, grid.depths)
 
 
