@@ -9,6 +9,7 @@ import threading
 import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
+from functools import partial
 from pathlib import Path
 
 os.environ.setdefault("QT_API", "pyside6")
@@ -20,6 +21,7 @@ from PySide6.QtWidgets import QApplication
 from insonify.lessons import Lesson
 from insonify.scene import Scene, SceneError
 from insonify_viewer.comparison.arrangement import Arrangement
+from insonify_viewer.errors.file_warnings import told_file_warnings
 from insonify_viewer.gc_policy import collected_by_hand, limit_free_memory
 from insonify_viewer.panels.comparison.controller import ComparisonPanel
 from insonify_viewer.panels.lessons.controller import LessonsPanel
@@ -79,7 +81,8 @@ def open_window(
             settings.toured = True
             QTimer.singleShot(TOUR, viewer.window.tour.begin)
         signal.signal(signal.SIGINT, lambda *_: _close_on_interrupt(viewer))
-        with told_errors(viewer.window.complain):
+        tell = partial(viewer.simulator.call_later, partial(viewer.window.say, lasting=True))
+        with told_errors(viewer.window.complain), told_file_warnings(tell):
             code = application.exec()
         stop_compiling_ahead()
         if is_working():

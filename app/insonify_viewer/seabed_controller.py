@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from insonify.scene import SceneError
+from insonify_viewer.errors.failure import Failure
 from insonify_viewer.fan_sheet import fan_sheet
 from insonify_viewer.gc_policy import leave_out_libraries
 from insonify_viewer.job import Job
@@ -54,6 +55,8 @@ class SeabedController:
     taken, pulled, released : Event
         Called with the number of a handle when the mouse takes hold of it, with the place of the bed under the mouse
         while it is held, and when it is let go.
+    failed : Event
+        Called with a `Failure` or a `SceneError` when a bed cannot be drawn; the one on screen stays.
     """
 
     def __init__(self, simulator: Simulator, *, accelerated: bool) -> None:
@@ -63,6 +66,7 @@ class SeabedController:
         self._bed: _Bed | None = None
         self._bodies: _Bodies | None = None
         self._asked = self._shown = 0  # numbers of the newest bed that is made, and of the one on screen
+        self._owed = 0  # number of the bed of a settled scene that is not yet on screen, else 0
         self._jobs: list[Job] = []
         self._loading = False  # whether this window is the first of the process, which loads the libraries
         self._fans = NewestWins("fan", simulator.call_later)
@@ -72,6 +76,7 @@ class SeabedController:
         self._patch: BedPatch | None = None  # the bed on screen
         self._drape_asked = self._drape_shown = 0
         self.picked, self.taken, self.pulled, self.released = Event(), Event(), Event(), Event()
+        self.failed = Event()
         self._grips: Sequence[Grip] = ()
 
     @property
@@ -123,6 +128,8 @@ class SeabedController:
         if not _is_same_bed(self._bed, bed) or not _same(self._bodies, bodies):
             self._bed, self._bodies = bed, bodies
             self._bake(bed, bodies, at_once=at_once)
+        if not at_once:  # pings of the scene are on screen
+            self._view.fade_bed(bool(self._owed))
         self._view.show_sonar(simulation.arrays, pose, float(line.heading[0]))
         self._scan(pose)
         scene = simulation.scene
@@ -292,10 +299,11 @@ class SeabedController:
         def make() -> tuple[BedPatch, Any]:
             return bed_patch(*bed), targets_mesh(*bodies)
 
-        def show(made: tuple[BedPatch, Any] | SceneError) -> None:
+        def show(made: tuple[BedPatch, Any] | SceneError | Failure) -> None:
             self._lay(number, made)
 
         if at_once:
+            self._owed = number
             self._begin(make, show)
         elif self._shown:
             self._simulator.send_patiently(make, show)
@@ -309,23 +317,28 @@ class SeabedController:
             self._simulator.call_later,
             progressed=lambda _: None,
             done=show,
-            failed=lambda failure: show(SceneError(failure.sentence)),
-            name="bed",
+            failed=show,
+            name="picture of the bed",
         )
         self._jobs = [*(each for each in self._jobs if each.running), job]
         job.start()
 
-    def _lay(self, number: int, made: tuple[BedPatch, Any] | SceneError) -> None:
+    def _lay(self, number: int, made: tuple[BedPatch, Any] | SceneError | Failure) -> None:
         """Show meshes, unless newer ones are on screen."""
         if self._view is None or number < self._shown:
             return
         self._shown = number
-        if not isinstance(made, SceneError):
-            self._patch = made[0]
-            self._view.show_bed(made[0])
-            if self._strip is not None:
-                self.drape(self._strip)
-            self._view.show_targets(made[1])
+        if isinstance(made, (SceneError, Failure)):
+            self.failed.emit(made)
+            return
+        self._patch = made[0]
+        self._view.show_bed(made[0])
+        if number >= self._owed:
+            self._owed = 0
+            self._view.fade_bed(False)
+        if self._strip is not None:
+            self.drape(self._strip)
+        self._view.show_targets(made[1])
 
 
 def _is_same_bed(first: _Bed | None, second: _Bed) -> bool:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import threading
 import time
 from collections.abc import Callable, Iterator
-from contextlib import ExitStack, contextmanager
+from contextlib import ExitStack, contextmanager, suppress
 from dataclasses import dataclass
 from functools import partial
 from typing import TYPE_CHECKING, Any
@@ -222,7 +222,9 @@ class Simulator(QObject):
 
     def call_later(self, receive: Callable[[Any], None], result: Any) -> None:
         """Pass a result from any thread to the main thread; it is dropped once the viewer closes."""
-        self._called_back.emit(receive, result)
+        # A thread that compiles outlives the window, and Qt's half of this object when the interpreter ends.
+        with suppress(RuntimeError):
+            self._called_back.emit(receive, result)
 
     def close(self, patience: float | None = None) -> None:
         """Stop the worker and wait for it, at most for a time in seconds: it may be compiling."""
@@ -244,7 +246,7 @@ class Simulator(QObject):
                 if self._patient and (request is None or time.perf_counter() > self._latest_start):
                     errands, self._patient = [*errands, self._patient], None
             for errand, receive in errands:
-                self._called_back.emit(receive, _result(errand))
+                self.call_later(receive, _result(errand))
             if request is not None and not self._closing:
                 self._serve(request)
 
@@ -257,11 +259,11 @@ class Simulator(QObject):
             for answer in self._trace(request):
                 if not answer.fine:
                     self._coarse = answer.number
-                self._called_back.emit(self._deliver, answer)
+                self.call_later(self._deliver, answer)
                 if self._waiting is not None or self._closing:
                     return
         except Exception as error:  # an exception that ends the thread would freeze the picture silently
-            self._called_back.emit(refuse, describe_error(error, "the simulation of this scene"))
+            self.call_later(refuse, describe_error(error, "the simulation of this scene"))
 
     def _trace(self, request: PingRequest) -> Iterator[TracedPings]:
         modelling = request.modelling if request.fine else request.modelling.coarse
@@ -325,7 +327,7 @@ class Simulator(QObject):
         packed = self._pack(scene)
         known = self._last.get(True)
         if tell and (known is None or not is_same_ground(known[2].ground, packed.ground)):
-            self._called_back.emit(partial(self.laid.emit, number), packed)
+            self.call_later(partial(self.laid.emit, number), packed)
         return {"packed": packed}
 
     @contextmanager

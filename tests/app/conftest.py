@@ -56,11 +56,22 @@ def _widgets_are_deleted() -> Iterator[None]:
 
 @pytest.fixture(scope="session")
 def _beds_are_shaded_once() -> Iterator[None]:
-    """Shade a bed once for all windows that show it."""
-    from insonify_viewer.views import pv_meshes
+    """Shade a bed once for all windows that show it, and draw it without the smaller copies of its picture.
 
+    Where no graphics card makes these, they take a tenth of a second of each window, a quarter of its opening. Commands
+    that draw a window are tested with them.
+    """
+    from insonify_viewer.views import pv_meshes, seabed_view
+
+    def plain_texture(anisotropy: int) -> Any:
+        texture = blank_texture(anisotropy)
+        texture.mipmap = False
+        return texture
+
+    blank_texture = seabed_view._blank_texture
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(pv_meshes, "bed_patch", lru_cache(maxsize=32)(pv_meshes.bed_patch))
+        patch.setattr(seabed_view, "_blank_texture", plain_texture)
         yield
 
 

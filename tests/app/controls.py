@@ -12,8 +12,11 @@ from PySide6.QtWidgets import (
     QHeaderView,
     QLineEdit,
     QScrollBar,
+    QTabBar,
     QWidget,
 )
+
+from insonify_viewer.views.main_window import MainWindow
 
 CONTROLS = (QAbstractSlider, QAbstractSpinBox, QLineEdit, QComboBox, QAbstractButton, QAbstractItemView)
 WHOLE = (QComboBox, QAbstractSpinBox, QLineEdit, QAbstractItemView)  # what is inside belongs to them
@@ -31,6 +34,14 @@ def is_control(widget: QWidget) -> bool:
     if any(isinstance(parent, WHOLE) for parent in _parents(widget)):
         return False
     return not widget.objectName().startswith(("qt_", "ScrollLeft", "ScrollRight"))
+
+
+def bring_to_front(window: MainWindow, panel: str) -> None:
+    """Show the panel of a tab at the side."""
+    for bar in window.findChildren(QTabBar):
+        for index in range(bar.count()):
+            if bar.tabText(index) == window._panels[panel].title:
+                bar.setCurrentIndex(index)
 
 
 def accessible_name(widget: QWidget) -> str:

@@ -6,9 +6,9 @@ from collections.abc import Iterator
 from typing import Any
 
 import pytest
-from controls import accessible_name, controls_of, place_of
-from PySide6.QtCore import Qt
-from PySide6.QtWidgets import QApplication, QCheckBox, QLabel, QLineEdit, QSlider, QTabBar, QWidget
+from controls import accessible_name, bring_to_front, controls_of, place_of
+from PySide6.QtCore import QPoint, Qt
+from PySide6.QtWidgets import QApplication, QCheckBox, QLabel, QLineEdit, QPushButton, QSlider, QTabBar, QWidget
 from test_menus import activate
 
 from insonify.scene import Scene
@@ -119,14 +119,6 @@ def test_tab_reaches_every_control_in_view(panel: str, open_viewer: Any, small: 
     assert all(accessible_name(child) for child in reached & wanted)
 
 
-def bring_to_front(window: MainWindow, panel: str) -> None:
-    """Show the panel of a tab at the side."""
-    for bar in window.findChildren(QTabBar):
-        for index in range(bar.count()):
-            if bar.tabText(index) == window._panels[panel].title:
-                bar.setCurrentIndex(index)
-
-
 def in_reach(widget: QWidget) -> bool:
     """Whether a control is shown and enabled."""
     return widget.isVisible() and widget.isEnabled() and not widget.visibleRegion().isNull()
@@ -183,3 +175,33 @@ def test_large_text_has_room(open_viewer: Any, small: Scene, qapp: QApplication)
     assert plot.left() - 9 >= metrics.horizontalAdvance("1000 m")
     assert plot.top() >= metrics.height()
     assert window.waterfall._scaled(16) >= metrics.height()
+
+
+@pytest.mark.usefixtures("_large_text")
+@pytest.mark.parametrize("panel", ["lessons", None])
+@pytest.mark.parametrize(("width", "height"), [(900, 540), (1920, 1000)])
+def test_large_text_fits_a_window(
+    width: int, height: int, panel: str | None, open_viewer: Any, small: Scene, qtbot: Any
+) -> None:
+    viewer = open_viewer(small)
+    window = viewer.window
+    if panel is not None:
+        window.open_panel(panel)
+    window.resize(width, height)
+    qtbot.waitUntil(lambda: window.width() == width)
+    qtbot.wait(100)
+    assert (window.width(), window.height()) == (width, height)
+    side = viewer.panels["parameters"].widget
+    shown = [side, window.waterfall] + ([viewer.panels[panel].widget] if panel else [])
+    places = [part.rect().translated(part.mapTo(window, QPoint(0, 0))) for part in shown]
+    for one, place in enumerate(places):
+        assert 0 <= place.left() <= place.right() < width
+        assert not any(place.intersects(other) for other in places[:one])
+    assert window.seabed.isVisible() is (width == 1920)
+    if panel is not None:
+        buttons = [child for child in shown[-1].findChildren(QPushButton) if child.isVisible()]
+        assert all(button.width() >= button.sizeHint().width() for button in buttons)
+    if width == 900:
+        side.horizontalScrollBar().setValue(side.horizontalScrollBar().maximum())
+        field = next(field for field in side.findChildren(QLineEdit, "value") if in_reach(field))
+        assert field.mapTo(window, field.rect().bottomRight()).x() < width, "it scrolls sideways"

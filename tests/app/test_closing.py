@@ -13,6 +13,7 @@ from typing import Any
 
 import pytest
 from PySide6.QtCore import QObject, Qt
+from shiboken6 import delete
 from stand_in import StandIn
 
 from insonify.scene import Scene, SceneError, edit
@@ -126,6 +127,14 @@ def test_windows_are_opened_and_drawn_with_garbage_in_one_place(
             use()
     assert opened == [False, False]
     assert gc.isenabled()
+
+
+def test_what_a_thread_has_found_when_qt_has_ended_is_dropped(open_viewer: Any, small: Scene) -> None:
+    viewer = open_viewer(small)
+    viewer.window.close()
+    later = viewer.simulator.call_later
+    delete(viewer.simulator)
+    later(print, "found too late")
 
 
 def test_no_worker_imports_modules_of_qt() -> None:

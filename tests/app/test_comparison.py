@@ -6,6 +6,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from controls import bring_to_front
 from PIL import Image
 from PySide6.QtCore import QPoint, QRect, Qt
 from PySide6.QtGui import QImage
@@ -370,7 +371,7 @@ def test_pairs_are_read_before_their_menu_opens(open_viewer: Any, small: Scene, 
     viewer = open_viewer(small)
     panel = viewer.panels["comparison"].view
     assert not panel._pairs_menu.actions()
-    viewer.window.open_panel("comparison")
+    bring_to_front(viewer.window, "comparison")
     qtbot.waitUntil(lambda: bool(panel._pairs_menu.actions()))
     assert len(panel._pairs_menu.actions()) == 4
     viewer.panels["comparison"].opened(True)

@@ -92,6 +92,20 @@ def test_a_fault_in_a_slot_is_one_sentence_and_the_window_lives(open_viewer: Ope
     qtbot.waitUntil(lambda: viewer.complete)
 
 
+def test_a_file_that_is_damaged_while_it_is_shown_is_no_fault_of_the_program(
+    open_viewer: Opener, small: Scene, qtbot: Any
+) -> None:
+    viewer = open_viewer(small)
+
+    def fail() -> None:
+        raise SceneError("tow.csv: has no rows; export it again")
+
+    with qtbot.captureExceptions() as printed, told_errors(viewer.window.complain):
+        QTimer.singleShot(0, fail)
+        qtbot.waitUntil(lambda: viewer.window.status.sentence.text() == "tow.csv: has no rows; export it again")
+    assert not printed
+
+
 def test_a_fault_in_a_thread_beside_the_window_is_told_once(open_viewer: Opener, small: Scene, qtbot: Any) -> None:
     viewer = open_viewer(small)
     received: list[Any] = []

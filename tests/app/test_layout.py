@@ -17,7 +17,7 @@ from insonify_viewer.session import Mark
 from insonify_viewer.views.field_rows import Combo
 from insonify_viewer.views.record_overlays import draw_measured
 from insonify_viewer.views.rulers import write_towed
-from insonify_viewer.views.theme import apply_theme
+from insonify_viewer.views.theme import Theme, apply_theme
 from insonify_viewer.views.true_scale import name_scale, plot_at_true_scale
 
 MOTIONS = {"kind": "sum", "of": [{"kind": "heave", "period": 8.0}, {"kind": "heave", "period": 3.0}, {"kind": "roll"}]}
@@ -68,6 +68,32 @@ def test_the_entry_under_the_mouse_can_be_read(qtbot: Any, qapp: Any) -> None:
     combo.hidePopup()
     assert np.median(grey) < 80
     assert grey.max() > 180, "light words on the dark ground of the selection"
+
+
+@pytest.mark.parametrize("scale", [1.0, 1.5, 2.0])
+@pytest.mark.parametrize("theme", [Theme.DARK, Theme.LIGHT])
+def test_the_arrow_of_a_list_stands_clear_of_its_edge(theme: Theme, scale: float, qtbot: Any, qapp: Any) -> None:
+    apply_theme(qapp, theme)
+    usual, large = qapp.font(), qapp.font()
+    large.setPointSizeF(scale * usual.pointSizeF())
+    qapp.setFont(large)
+    try:
+        combo = Combo()
+        qtbot.addWidget(combo)
+        combo.show()
+        image = combo.grab().toImage()
+    finally:
+        qapp.setFont(usual)
+        apply_theme(qapp)
+    columns, rows = image.width(), range(5, image.height() - 5)
+    ground = image.pixelColor(columns // 2, image.height() // 2).lightness()
+    ink = [
+        max(abs(image.pixelColor(x, y).lightness() - ground) for y in rows) for x in range(columns // 2, columns - 3)
+    ]
+    drawn = np.flatnonzero(np.array(ink) > 12)
+    assert 6 * scale <= drawn[-1] - drawn[0] + 1 <= 14 * scale, "the arrow alone, without a frame of its own"
+    assert max(ink) > 50
+    assert len(ink) - 1 - drawn[-1] >= 1
 
 
 def test_the_window_fits_half_a_screen(open_viewer: Any, small: Scene, qtbot: Any) -> None:

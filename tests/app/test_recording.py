@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+from functools import partial
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
+from controls import bring_to_front
 from PySide6.QtCore import QMimeData, QPoint, QPointF, Qt, QUrl
 from PySide6.QtGui import QDragEnterEvent, QDropEvent
 from PySide6.QtTest import QTest
@@ -19,6 +21,7 @@ from insonify.scene import Scene, edit, load_scene
 from insonify_viewer.comparison import recording_player
 from insonify_viewer.comparison.arrangement import Arrangement
 from insonify_viewer.comparison.recording import MAX_PINGS, Recording, compass_heading, describe_point
+from insonify_viewer.errors.file_warnings import told_file_warnings
 from insonify_viewer.jobs.background_job import State
 from insonify_viewer.session import Mark
 
@@ -47,6 +50,16 @@ def open_recording(viewer: Any, path: Path, qtbot: Any) -> Recording:
     qtbot.waitUntil(lambda: viewer.complete, timeout=120000)
     recording: Recording = viewer.recordings.recording
     return recording
+
+
+def test_what_a_cut_recording_lacks_is_said_in_the_window(
+    viewer: Any, folder: Path, qtbot: Any, tmp_path: Path
+) -> None:
+    cut = tmp_path / "cut.xtf"
+    cut.write_bytes((folder / "record.xtf").read_bytes()[:-100])
+    with told_file_warnings(partial(viewer.simulator.call_later, viewer.window.say)):
+        assert open_recording(viewer, cut, qtbot).pings == PINGS - 1
+    assert "cut.xtf: ends within the packet at byte" in viewer.window.status.sentence.text()
 
 
 def drop(window: Any, path: Path) -> None:
@@ -119,6 +132,15 @@ def test_it_plays_and_pauses_with_the_tow_and_begins_anew_at_its_end(viewer: Any
     viewer.recordings.go_to(PINGS - 3)
     viewer.run(True)
     qtbot.waitUntil(lambda: viewer.recordings.top == PINGS - 1)
+
+
+def test_behind_a_tab_the_point_is_followed_as_soon_as_it_is_seen(viewer: Any, folder: Path, qtbot: Any) -> None:
+    open_recording(viewer, folder / "record.xtf", qtbot)
+    shown = viewer.panels["comparison"].view.point
+    bring_to_front(viewer.window, "parameters")
+    viewer.recordings.go_to(57)
+    bring_to_front(viewer.window, "comparison")
+    assert shown.rows()["ping"] == (f"57 of {PINGS}",)
 
 
 def test_rows_below_its_first_ping_are_empty(viewer: Any, folder: Path, qtbot: Any) -> None:
@@ -320,7 +342,7 @@ def test_a_scene_is_learned_as_a_job_and_opened(
     panel = viewer.panels["comparison"].view
     QTest.mouseClick(panel.learn, Qt.MouseButton.LeftButton)
     assert not panel.learn.isEnabled()
-    assert viewer.window.record_a.waiting.what.startswith("learning a scene")
+    assert viewer.window.record_a.waiting.what.startswith("learning a scene like ")
     job = viewer.jobs.jobs[-1]
     assert (job.title, job.arguments[0]) == ("scene like record.nc", "learn")
     qtbot.waitUntil(lambda: job.seconds_left is not None, timeout=240000)

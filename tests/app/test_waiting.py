@@ -6,6 +6,10 @@ import threading
 from typing import Any
 
 import numpy as np
+import pytest
+from PySide6.QtCore import Qt
+from PySide6.QtGui import QGuiApplication
+from PySide6.QtTest import QTest
 from stand_in import StandIn
 
 from insonify.kernels.common.compilation import Compilation, tell_watchers
@@ -13,6 +17,7 @@ from insonify.planning.models import pack
 from insonify.scene import Scene, edit
 from insonify_viewer.modelling import Modelling
 from insonify_viewer.simulator import Simulator
+from insonify_viewer.views import pv_meshes
 from insonify_viewer.views.pixels import dimmed
 from insonify_viewer.waiting import DELAY, FEW, Activity, Waiting, WaitingWatch
 
@@ -84,6 +89,54 @@ def test_stale_rows_are_dimmed_until_the_new_ones_arrive(open_viewer: Any, small
     qtbot.waitUntil(lambda: viewer.complete and waterfall.waiting is None)
     assert (waterfall.picture() == bright).all()
     assert waterfall.grab().toImage().pixelColor(200, 26) != plain
+
+
+def test_the_bed_of_the_last_scene_is_faded_beside_a_newer_record(
+    open_viewer: Any, small: Scene, qtbot: Any, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    going = threading.Event()
+    draw = pv_meshes.bed_patch
+
+    def draw_slowly(ground: Any, *rest: Any) -> Any:
+        if ground is not first:
+            going.wait(60.0)
+        return draw(ground, *rest)
+
+    viewer = open_viewer(small, prepare=None, solid=True)
+    first = viewer.seabed._bed[0]
+    monkeypatch.setattr(pv_meshes, "bed_patch", draw_slowly)
+
+    def strongest_contrast() -> float:
+        viewer.seabed.draw_now()
+        image = viewer.seabed.view.grab().toImage()
+        greys = [image.pixelColor(x, image.height() * 3 // 4).lightness() for x in range(20, image.width() - 20)]
+        return float(np.std(greys))
+
+    usual = strongest_contrast()
+    viewer.open(edit(small, {"seabed.relief.beta": 2.0}))
+    qtbot.waitUntil(lambda: not viewer._missing().size, timeout=120000)
+    assert not viewer.complete
+    assert strongest_contrast() < 0.7 * usual
+    going.set()
+    qtbot.waitUntil(lambda: viewer.complete)
+    assert strongest_contrast() > 0.7 * usual
+
+
+def test_a_bed_that_cannot_be_drawn_is_told_with_details(
+    open_viewer: Any, small: Scene, qtbot: Any, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    viewer = open_viewer(small, prepare=None)
+
+    def fail(*_: Any) -> None:
+        raise KeyError("no such thing")
+
+    monkeypatch.setattr(pv_meshes, "bed_patch", fail)
+    viewer.open(edit(small, {"seabed.relief.beta": 2.0}))
+    qtbot.waitUntil(viewer.window.status.copy.isVisible, timeout=120000)
+    assert "the picture of the bed failed (KeyError: 'no such thing')" in viewer.window.status.sentence.text()
+    QTest.mouseClick(viewer.window.status.copy, Qt.MouseButton.LeftButton)
+    assert "in fail" in QGuiApplication.clipboard().text()
+    qtbot.waitUntil(lambda: viewer.complete, timeout=120000)
 
 
 def test_the_new_bed_is_told_before_its_methods_are_chosen(small: Scene, qtbot: Any) -> None:

@@ -21,6 +21,8 @@ from PySide6.QtGui import QOpenGLContext
 from PySide6.QtWidgets import QApplication
 from vtkmodules.vtkCommonCore import vtkOutputWindow, vtkStringOutputWindow
 
+from insonify.errors import FileWarning, SceneError
+
 TICK = 5  # ms
 DEPTH = 7  # functions of a stack that are told
 LIMIT = 250.0  # ms, above which gaps are counted
@@ -63,10 +65,12 @@ class Faults:
             self.add(f"OpenGL error {error:#x}")
 
     def _take(self, error: BaseException | None) -> None:
-        self.add("".join(traceback.format_exception(error)) if error else "an exception without a value")
+        if not isinstance(error, SceneError):  # of a file that was damaged while the window shows it: told as it is
+            self.add("".join(traceback.format_exception(error)) if error else "an exception without a value")
 
-    def _take_warning(self, warning: Warning | str, *_: Any) -> None:
-        self.add(f"{warning!r}\n{''.join(traceback.format_stack()[:-1])}")
+    def _take_warning(self, warning: Warning | str, category: type[Warning], *_: Any) -> None:
+        if not issubclass(category, FileWarning):
+            self.add(f"{warning!r}\n{''.join(traceback.format_stack()[:-1])}")
 
     def _take_message(self, kind: Any, _: Any, message: str) -> None:
         if not message.startswith(HARMLESS):

@@ -92,6 +92,7 @@ class RecordingPlayer:
         if not path:
             return
         self._pause()
+        self._window.say("")  # what the file lacks is told while it is read
         self._asked += 1
         job = self._reading[self._asked] = Job(
             lambda _: load_recording(path, frequency),
@@ -165,7 +166,6 @@ class RecordingPlayer:
         self._view.show_last(recording.pings - 1)
         self._show_top()
         self._find_levels()
-        self._window.say("")
         self.opened.emit(recording)
 
     def _refuse(self, number: int, failure: Failure) -> None:

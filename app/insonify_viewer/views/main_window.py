@@ -140,7 +140,7 @@ class MainWindow(QMainWindow):
         elif name in self._buttons:
             self._buttons[name].setChecked(True)
         elif name in self._docks:
-            self._show_dock(panel, True)
+            self._docks[name].show()
             self._docks[name].raise_()
 
     @property
@@ -220,6 +220,8 @@ class MainWindow(QMainWindow):
         """Put panels at the right side, one behind the other, the first in front."""
         side = Qt.DockWidgetArea.RightDockWidgetArea
         docks = [self._dock(panel, side) for panel in panels]
+        for dock, panel in zip(docks, panels, strict=True):
+            dock.visibilityChanged.connect(panel.opened)  # a click on its tab opens it too
         for one, next_one in pairwise(docks):
             self.tabifyDockWidget(one, next_one)
         self.setTabPosition(side, QTabWidget.TabPosition.North)

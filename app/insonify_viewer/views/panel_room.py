@@ -1,4 +1,4 @@
-"""Room for panels at both sides of a narrow window."""
+"""Room for panels at the sides of a narrow window, and for large text."""
 
 from __future__ import annotations
 
@@ -6,12 +6,13 @@ from PySide6.QtCore import QEvent, QObject, Qt
 from PySide6.QtWidgets import QDockWidget, QMainWindow, QSplitter
 
 from insonify_viewer.errors.guarded_overrides import guard_override
+from insonify_viewer.views.text_scale import scaled
 
 HANDLES = 24  # px, of the lines between the parts
 
 
 class PanelRoom(QObject):
-    """Leaves out the 3-D view while panels at both sides and the record need its room.
+    """Leaves out the 3-D view while the panels at the sides and the record need its room.
 
     Parameters
     ----------
@@ -31,14 +32,15 @@ class PanelRoom(QObject):
         dock.installEventFilter(self)
 
     def make(self) -> None:
-        """Show the 3-D view, unless the window is too narrow for it beside both panels."""
+        """Show the 3-D view, unless the window is too narrow for it beside the panels and the record."""
         views = [self._splitter.widget(place) for place in range(self._splitter.count())]
-        solid, *records = [view for view in views if view is not None]
+        solid, live, *others = [view for view in views if view is not None]
         left = self._narrowest(Qt.DockWidgetArea.LeftDockWidgetArea)
         right = self._narrowest(Qt.DockWidgetArea.RightDockWidgetArea)
-        middle = sum(view.minimumWidth() for view in [solid, *(each for each in records if not each.isHidden())])
-        fits = left + right + middle + HANDLES <= self._window.width()
-        solid.setVisible(fits or not left)
+        # Beside record A alone, the 3-D view can be drawn out from the edge.
+        beside = [view for view in others if left and not view.isHidden()]
+        narrowest = right + sum(view.minimumWidth() for view in (solid, live, *beside))
+        solid.setVisible(left + scaled(self._window, narrowest) + HANDLES <= self._window.width())
 
     @guard_override(False)
     def eventFilter(self, watched: QObject, event: QEvent) -> bool:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from functools import cache
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -152,8 +153,9 @@ def frustum_mesh(first: NDArray[np.float64], last: NDArray[np.float64], radius: 
     return pv.PolyData(points, faces=np.concatenate([sides.ravel(), *ends]))
 
 
+@cache
 def fish_mesh(length: float) -> Any:
-    """Return a towfish of a length in metres that heads for +x."""
+    """Return a towfish of a length in metres that heads for +x; one mesh that all views share."""
     radius = 0.085 * length
     body = pv.Cylinder(center=(-0.02 * length, 0, 0), direction=(1, 0, 0), radius=radius, height=0.76 * length)
     nose = pv.Sphere(center=(0.36 * length, 0, 0), radius=radius)

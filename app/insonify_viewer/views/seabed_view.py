@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 import time
 from collections.abc import Callable
+from functools import cache
 from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
@@ -36,6 +37,7 @@ VIEW_ANGLE = 54.0
 FISH = 0.075  # length in slant ranges: larger than life, so that it shows
 NEAREST, FARTHEST = 0.05, 6.0  # distance of the camera from its focus, in slant ranges
 ANISOTROPY = 4  # of the bed's texture, so that it is sharp far away
+FADED = 0.25  # opacity of a bed of an earlier scene
 REST = 4.0  # pause between two drawings, in drawing times, which leaves time for the window
 
 
@@ -90,6 +92,14 @@ class SeabedView(QWidget):
         self.show_texture(patch.image)
         self._bed_shown = True
         self._thin(self._held)
+
+    def fade_bed(self, faded: bool) -> None:
+        """Fade bed and targets while they belong to an earlier scene than the record."""
+        opacity = FADED if faded else 1.0
+        if self._bed_actor.prop.opacity != opacity:
+            for actor in (self._bed_actor, self._thinned_actor, self._targets_actor):
+                actor.prop.opacity = opacity
+            self._later()
 
     def show_texture(self, picture: NDArray[np.uint8]) -> None:
         """Show other colours of the bed."""
@@ -187,6 +197,7 @@ class SeabedView(QWidget):
     def _furnish(self) -> None:
         plotter = self._canvas.plotter
         plotter.set_background(WATER[0], top=WATER[1])
+        plotter.renderer.camera.is_set = True  # else PyVista draws the view when the camera is first asked for
         add: dict[str, Any] = {"render": False, "reset_camera": False, "show_scalar_bar": False}
         self._bed_actor = plotter.add_mesh(self._bed, texture=_blank_texture(ANISOTROPY), lighting=False, **add)
         self._thinned_actor = plotter.add_mesh(self._thinned_bed, texture=_blank_texture(1), lighting=False, **add)
@@ -284,8 +295,9 @@ def _blank_texture(anisotropy: int) -> Any:
     return texture
 
 
+@cache
 def _pin() -> Any:
-    """Return a marker, a ball on a needle, for a slant range of 1."""
+    """Return a marker, a ball on a needle, for a slant range of 1; one mesh that all marks share."""
     ball = pv.Sphere(center=(0, 0, 0.07), radius=0.011)
     needle = pv.Cylinder(center=(0, 0, 0.035), direction=(0, 0, 1), radius=0.002, height=0.07)
     return pv.merge([ball, needle]).extract_surface(algorithm=None)

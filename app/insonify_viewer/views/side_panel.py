@@ -1,4 +1,4 @@
-"""Base of the panels at the sides of the window: a column that scrolls down and never sideways."""
+"""Base of the panels at the sides of the window: a column of widgets that scrolls down."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from insonify_viewer.views.text_scale import scaled
 
 
 class ScrollColumn(QScrollArea):
-    """A column of widgets that scrolls down and never sideways.
+    """A column of widgets that scrolls down and, by itself, never sideways.
 
     Parameters
     ----------
@@ -40,16 +40,21 @@ class ScrollColumn(QScrollArea):
 class SidePanel(ScrollColumn):
     """A column at a side of the window, never too narrow for its rows.
 
+    It scrolls sideways where large text leaves no room for its rows in a small window.
+
     Attributes
     ----------
     narrowest : int
-        Least width in pixels at the usual size of the text.
+        Least width in pixels, and that of the rows at the usual size of the text.
     """
 
     narrowest: ClassVar[int] = 292
 
     def __init__(self, parent: QWidget | None = None) -> None:
         super().__init__(parent)
-        self.setMinimumWidth(scaled(self, self.narrowest))
+        wanted = scaled(self, self.narrowest)
+        self.setMinimumWidth(min(wanted, self.narrowest))
+        self.body.setMinimumWidth(wanted - self.verticalScrollBar().sizeHint().width())
+        self.setHorizontalScrollBarPolicy(Qt.ScrollBarPolicy.ScrollBarAsNeeded)
         self.column.setContentsMargins(8, 8, 8, 8)
         self.column.setSpacing(6)

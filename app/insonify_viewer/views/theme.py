@@ -8,6 +8,8 @@ from PySide6.QtCore import Qt
 from PySide6.QtGui import QColor, QGuiApplication, QPalette
 from PySide6.QtWidgets import QApplication
 
+from insonify.files import resources
+
 
 class Theme(Enum):
     """Colours of the window."""
@@ -98,6 +100,8 @@ QLineEdit#search:focus, QLineEdit#line:focus {{ border-color: {ACCENT}; }}
 QLineEdit#value {{ background: transparent; border: 1px solid transparent; border-radius: 3px; padding: 1px 2px; }}
 QLineEdit#value:hover, QLineEdit#value:focus {{ border-color: {EDGE}; background: {RAISED}; }}
 QComboBox {{ background: {RAISED}; border: 1px solid {EDGE}; border-radius: 4px; padding: 2px 6px; min-height: 18px; }}
+QComboBox::drop-down {{ border: 0; width: 1.3em; }}
+QComboBox::down-arrow {{ image: url({ARROW}); width: 0.8em; height: 0.8em; }}
 QComboBox:hover {{ border-color: {ACCENT}; }}
 QComboBox QAbstractItemView {{ background: {RAISED}; color: {TEXT}; selection-background-color: {EDGE};
     selection-color: {TEXT}; outline: 0; }}
@@ -121,6 +125,9 @@ QProgressBar::chunk {{ background: {ACCENT}; }}
 QScrollBar:vertical {{ background: {GROUND}; width: 9px; margin: 0; }}
 QScrollBar::handle:vertical {{ background: {EDGE}; border-radius: 4px; min-height: 24px; }}
 QScrollBar::add-line:vertical, QScrollBar::sub-line:vertical {{ height: 0; }}
+QScrollBar:horizontal {{ background: {GROUND}; height: 9px; margin: 0; }}
+QScrollBar::handle:horizontal {{ background: {EDGE}; border-radius: 4px; min-width: 24px; }}
+QScrollBar::add-line:horizontal, QScrollBar::sub-line:horizontal {{ width: 0; }}
 QToolTip {{ background: {RAISED}; color: {TEXT}; border: 1px solid {EDGE}; padding: 3px; }}
 """
 
@@ -132,7 +139,8 @@ def apply_theme(application: QApplication, theme: Theme = Theme.DARK) -> None:
     named |= {"MARK": MARK, "FAINT": FAINT, "TRAIL": TRAIL}
     for name, colour in named.items():
         colour.setRgb(QColor(COLOURS[name][light]).rgb())
-    sheet = STYLE.format(**{name: colour.name() for name, colour in named.items()})
+    arrow = (resources() / "icons" / "down.svg").as_posix()
+    sheet = STYLE.format(ARROW=arrow, **{name: colour.name() for name, colour in named.items()})
     if application.styleSheet() == sheet:
         return
     if application.styleSheet():

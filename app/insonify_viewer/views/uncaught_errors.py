@@ -7,12 +7,15 @@ from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from types import TracebackType
 
-from insonify_viewer.errors.failure import Failure, format_trace
+from insonify.scene import SceneError
+from insonify_viewer.errors.failure import Failure, describe_error, format_trace
 
 
 @contextmanager
 def told_errors(complain: Callable[[Failure], None]) -> Iterator[None]:
-    """Tell the person of every exception that no slot caught, besides writing it to standard error.
+    """Tell the person of every exception that no slot caught, besides writing faults to standard error.
+
+    A `SceneError` is no fault: a file of the scene may be damaged or removed while the window shows it.
 
     Parameters
     ----------
@@ -22,6 +25,9 @@ def told_errors(complain: Callable[[Failure], None]) -> Iterator[None]:
     before = sys.excepthook
 
     def tell(kind: type[BaseException], error: BaseException, trace: TracebackType | None) -> None:
+        if isinstance(error, SceneError):
+            complain(describe_error(error))
+            return
         before(kind, error, trace)
         if isinstance(error, Exception):
             sentence = f"this is a fault of the program ({kind.__name__}: {error}); save the scene and go on"

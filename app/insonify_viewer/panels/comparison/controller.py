@@ -74,8 +74,8 @@ class ComparisonPanel(Panel):
         if recording is None or self._learning is not None:
             return
         self.view.show_learning(True)
-        self._player.wait_for(f"learning a scene from {recording.path.name}")
         self._learning = begin_learning(self._workbench.jobs, recording, Path(file))
+        self._player.wait_for(f"learning a {self._learning.title}")
 
     def closing(self) -> None:
         """End the threads."""
@@ -124,7 +124,7 @@ class ComparisonPanel(Panel):
         if job is not self._learning:
             return
         if job.running:
-            self._player.wait_for(f"learning a scene: {job.stage.doing}", job.stage.share)
+            self._player.wait_for(f"learning a {job.title}", job.stage.share)
             return
         self._learning = None
         self.view.show_learning(False)
@@ -158,7 +158,7 @@ class ComparisonPanel(Panel):
 
     def _follow(self, _: int) -> None:
         """Show the navigation of the ping on top while the mouse is elsewhere."""
-        if self._mark is None and self.view.isVisible():
+        if self._mark is None:
             self._show_point(None)
 
     def _measure_simulated(self) -> None:

@@ -84,7 +84,7 @@ class LessonsView(QStackedWidget):
             f"QLabel#lesson {{ font-size: {HEADING * points:g}pt; font-weight: 600; }}"
             "QLabel#step { font-weight: 600; }"
         )
-        self.setMinimumWidth(round(NARROWEST * factor / USUAL))
+        self.setMinimumWidth(max(round(NARROWEST * factor / USUAL), self.minimumSizeHint().width()))
         self._wide = round(WIDE * factor / USUAL)
         for page in (self.list, self.page):
             page.projector.setChecked(large)
