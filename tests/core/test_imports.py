@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import ast
 import sys
+from functools import cache
 from pathlib import Path
 
 import pytest
@@ -23,7 +24,12 @@ def project_modules():
 
 
 MODULES = project_modules()
-TREES = {name: ast.parse(path.read_text(encoding="utf-8")) for name, path in MODULES.items()}
+
+
+@cache
+def tree_of(name):
+    """Parsed when a test first asks for it, not by every worker that collects this file."""
+    return ast.parse(MODULES[name].read_text(encoding="utf-8"))
 
 
 def imported(node):
@@ -78,8 +84,8 @@ def test_circles_are_found():
 
 def test_no_module_imports_itself_through_others():
     graph = {
-        name: sorted({other for node in executed_imports(tree) for other in imported(node)} - {name})
-        for name, tree in TREES.items()
+        name: sorted({other for node in executed_imports(tree_of(name)) for other in imported(node)} - {name})
+        for name in MODULES
     }
     assert sum(map(len, graph.values())) > 500
     assert circles(graph) == []
@@ -103,13 +109,13 @@ def hidden_imports(tree, lines):
 @pytest.mark.parametrize("name", MODULES)
 def test_an_import_in_a_function_says_why(name):
     lines = MODULES[name].read_text(encoding="utf-8").splitlines()
-    assert sorted(set(hidden_imports(TREES[name], lines))) == []
+    assert sorted(set(hidden_imports(tree_of(name), lines))) == []
 
 
 @pytest.mark.parametrize("name", [name for name in MODULES if name.startswith("insonify.kernels.")])
 def test_a_kernel_module_sees_the_standard_library_numpy_numba_and_other_kernels_alone(name):
     allowed = {*sys.stdlib_module_names, "numpy", "numba", "llvmlite", "platformdirs"}
-    for node in executed_imports(TREES[name]):
+    for node in executed_imports(tree_of(name)):
         for module in [node.module] if isinstance(node, ast.ImportFrom) else [alias.name for alias in node.names]:
             own = module.startswith("insonify.kernels") or module in BELOW_KERNELS
             assert own or module.partition(".")[0] in allowed, module

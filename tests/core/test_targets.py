@@ -240,15 +240,19 @@ def test_half_planes_that_cut_a_body_within_reach_are_kept(kind):
     solids = arrays(f"{kind}\nposition = [3.0, 5.0]\n{turned(20, 30, 40) if 'sphere' not in kind else ''}").solids
     rng, rim, kept = np.random.default_rng(7), np.zeros(6), [0, 0]
     middle = solids.start[0] + 0.5 * solids.length[0] * solids.axis[0]
+    widest = max(solids.radius[0], solids.radius[0] + solids.taper[0] * solids.length[0])
+    around = 1.001 * (0.5 * solids.length[0] + widest)  # radius of a ball about the body, outside which it has no point
+    x, z = np.linspace(0.0, 60.0, 600), np.linspace(-30.0, 30.0, 300)[:, None]
     for _ in range(400):
         azimuth, reach, height = rng.uniform(-np.pi, np.pi), rng.uniform(0.5, 20.0), rng.uniform(0.5, 10.0)
         sonar = middle + rng.normal(0.0, 8.0, 3)
         plane = HalfPlane(*sonar, np.cos(azimuth), np.sin(azimuth))
         cut = section_solid(solids, 0, plane, rim)[0] != 0
-        x, z = np.meshgrid(np.linspace(0.0, 60.0, 600), np.linspace(-30.0, 30.0, 300))
-        points = sonar + x[..., None] * np.array([plane.ex, plane.ey, 0.0]) + z[..., None] * np.array([0.0, 0.0, 1.0])
-        inside = (body_depth(solids, 0, points.reshape(-1, 3)) <= 0.0).reshape(x.shape)
-        heard = bool((inside & (x * height <= reach * np.maximum(np.abs(z), height))).any())
+        off = sonar - middle
+        near = (off[0] + x * plane.ex) ** 2 + (off[1] + x * plane.ey) ** 2 + (off[2] + z) ** 2 <= around**2
+        row, column = np.nonzero(near & (x * height <= reach * np.maximum(np.abs(z), height)))
+        points = sonar + np.outer(x[column], [plane.ex, plane.ey, 0.0]) + np.outer(z[row], [0.0, 0.0, 1.0])
+        heard = bool((body_depth(solids, 0, points) <= 0.0).any())
         assert may_cut_solid(solids, 0, plane, reach, height) or not heard
         kept[0] += heard
         kept[1] += cut and not may_cut_solid(solids, 0, plane, reach, height)
