@@ -19,7 +19,7 @@ from soak.actions import Steps, draw_action
 from soak.dialogs import Answers
 from soak.watch import Faults, Gaps, holdings, left_threads
 
-MARKS = (0.25, 0.5, 0.75, 1.0)
+MINUTE = 60.0  # s, between two lines of what is held
 PATIENCE = 120.0  # s, for the worker to end after the window has closed: it may be compiling
 
 
@@ -41,7 +41,7 @@ class Person:
         self._random = np.random.default_rng(seed)
         self._steps: Steps = iter(())
         self._begun = 0.0
-        self._marks = list(MARKS)
+        self._minutes = 0
         self.actions, self.closing = 0, 0.0
         self._timer = QTimer(singleShot=True)
         self._timer.timeout.connect(self._act)
@@ -50,10 +50,11 @@ class Person:
     def _act(self) -> None:
         if not self._begun and not self._start():
             return
-        share = (time.monotonic() - self._begun) / self._seconds
-        while self._marks and share >= self._marks[0]:
-            say(f"{100 * self._marks.pop(0):3.0f} %: {holdings()}, {self.actions} actions; {self._gaps.in_words()}")
-        if share >= 1.0:
+        used = time.monotonic() - self._begun
+        while used >= MINUTE * (self._minutes + 1):
+            self._minutes += 1
+            say(f"{self._minutes:3} min: {holdings()}, {self.actions} actions; {self._gaps.in_words()}")
+        if used >= self._seconds:
             self._close()
             return
         self._timer.start(int(self._next_step()))
@@ -68,7 +69,7 @@ class Person:
         self._faults.watch_drawing(renderer)
         self._gaps.clear()
         self._begun = time.monotonic()
-        say(f"  0 %: {holdings()}")
+        say(f"  0 min: {holdings()}")
         return True
 
     def _next_step(self) -> float:
