@@ -25,6 +25,8 @@ from insonify_viewer.panels.pixel import controller as pixel
 from insonify_viewer.viewer import Viewer
 from insonify_viewer.views.theme import apply_theme
 
+COMPILING = 240.0  # s, that a thread may take to compile its kernels where other tests keep the cores busy
+
 Opener = Callable[..., Viewer]
 
 
@@ -112,7 +114,7 @@ def open_viewer(
         viewer.tow.run(False)
         viewer.window.show_running(False)
         viewer.start()
-        qtbot.waitUntil(lambda: until(viewer), timeout=240000)  # while the kernels compile, at worst
+        qtbot.waitUntil(lambda: until(viewer), timeout=int(1000 * COMPILING))
         return viewer
 
     with main_thread_collection():
@@ -123,7 +125,7 @@ def open_viewer(
         qapp.processEvents()
         # Closing does not wait for a block that is being traced or a kernel that is being compiled; their thread ends.
         for thread in (t for t in set(threading.enumerate()) - before if t.name.startswith("insonify")):
-            thread.join(timeout=20.0)
+            thread.join(timeout=COMPILING)
             assert not thread.is_alive()
         assert not [t for viewer in viewers for t in viewer.findChildren(QTimer) if t.isActive()]
         viewers.clear()
