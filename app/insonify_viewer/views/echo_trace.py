@@ -74,7 +74,7 @@ def _scale(area: QRect, top: float) -> list[tuple[float, float]]:
 def _draw_lines(painter: QPainter, area: QRect, top: float) -> None:
     painter.setPen(QColor(EDGE))
     for _, y in _scale(area, top):
-        painter.drawLine(QPointF(area.left(), y), QPointF(area.right(), y))
+        painter.drawLine(area.left(), round(y), area.right(), round(y))  # of whole pixels: crisp
 
 
 def _draw_numbers(painter: QPainter, area: QRect, top: float) -> None:

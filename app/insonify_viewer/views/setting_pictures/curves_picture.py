@@ -7,7 +7,7 @@ import threading
 from collections.abc import Callable
 
 import numpy as np
-from PySide6.QtCore import QPointF, QRectF, Qt, Signal
+from PySide6.QtCore import QRectF, Qt, Signal
 from PySide6.QtGui import QColor, QPainter, QPaintEvent, QPen
 
 from insonify.display.scene_curves import FLOOR, Curve
@@ -63,7 +63,6 @@ class CurvesPicture(SettingPicture):
         if not curves:
             return
         painter = QPainter(self)
-        painter.setRenderHint(QPainter.RenderHint.Antialiasing)
         wide = (self.width() - LEFT - GAP * (len(curves) - 1)) / len(curves)
         for place, curve in enumerate(curves):
             _paint(painter, curve, QRectF(LEFT + place * (wide + GAP), 0.0, wide, self.height()))
@@ -102,7 +101,9 @@ def _paint(painter: QPainter, curve: Curve, area: QRectF) -> None:
     x = plot.left() + (curve.x[columns] - first) / (last - first) * plot.width()
     y = plot.bottom() - (np.clip(curve.y[columns], low, high) - low) / (high - low) * (plot.height() - 2.0)
     painter.setPen(QPen(QColor(ACCENT), 1.3))
+    painter.setRenderHint(QPainter.RenderHint.Antialiasing)
     painter.drawPolyline(make_polyline(x, y))
+    painter.setRenderHint(QPainter.RenderHint.Antialiasing, False)
 
 
 def _paint_scales(painter: QPainter, curve: Curve, plot: QRectF, ends: tuple[float, float]) -> None:
@@ -110,12 +111,12 @@ def _paint_scales(painter: QPainter, curve: Curve, plot: QRectF, ends: tuple[flo
     painter.setPen(QColor(EDGE))
     if curve.y_unit == "dB":
         for level in np.arange(FLOOR + STEP, 0.0, STEP):
-            y = plot.bottom() - (level - FLOOR) / -FLOOR * plot.height()
-            painter.drawLine(QPointF(plot.left(), y), QPointF(plot.right(), y))
+            y = round(plot.bottom() - (level - FLOOR) / -FLOOR * plot.height())
+            painter.drawLine(round(plot.left()), y, round(plot.right()), y)
     for value in round_steps(*ends, max(int(plot.width() / 55.0), 2)):
         x = plot.left() + (value - ends[0]) / (ends[1] - ends[0]) * plot.width()
         painter.setPen(QColor(EDGE))
-        painter.drawLine(QPointF(x, plot.top()), QPointF(x, plot.bottom()))
+        painter.drawLine(round(x), round(plot.top()), round(x), round(plot.bottom()))
         if plot.left() + 16.0 <= x <= plot.right() - 20.0:
             painter.setPen(QColor(QUIET))
             box = QRectF(x - 40.0, plot.bottom(), 80.0, SCALE)
