@@ -26,6 +26,7 @@ from insonify.display.picture import (
 )
 from insonify.display.range_axis import RangeAxis, make_range_axis
 from insonify.display.sheet import resample_rows, take_sheet_pings
+from insonify.kernels.display.rows import average_bins
 from insonify.scene import SceneError, edit, load_scene
 from insonify.simulation import prepare
 
@@ -187,6 +188,14 @@ def test_no_narrow_echo_is_dropped():
     rows = np.zeros((1, 1000), dtype=np.float32)
     rows[0, 517] = 10.0
     assert average_columns(rows, np.linspace(0, 1000, 101)[None]).max() == pytest.approx(1.0)
+
+
+def test_one_kernel_averages_every_second_row_and_edges_that_rows_share():
+    rows, edges = np.ones((6, 8), dtype=np.float32), np.linspace(0, 8, 5)
+    average_columns(rows, edges[None])
+    known = set(average_bins.entry.signatures)
+    average_columns(rows, np.broadcast_to(edges, (3, 5)), picked=np.arange(6)[::2], bins=range(7, -1, -1))
+    assert set(average_bins.entry.signatures) == known
 
 
 def test_ground_range_puts_an_echo_where_the_bed_is():

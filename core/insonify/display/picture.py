@@ -227,9 +227,10 @@ def average_columns(
     """
     # Rows that share their edges are views of one row.
     grids = edges[:1] if edges.strides[0] == 0 else edges
-    places = np.arange(len(rows)) if picked is None else picked
+    # Of one type whatever rows and edges are views of, so that one kernel serves them all.
+    places = np.arange(len(rows)) if picked is None else np.ascontiguousarray(picked)
     which = np.minimum(np.arange(len(places)), len(grids) - 1)
-    values, at = np.ascontiguousarray(rows), np.ascontiguousarray(grids)
+    values, at = np.ascontiguousarray(rows), np.require(grids, requirements=("C", "W"))
     held = range(rows.shape[1]) if bins is None else bins
     out = np.empty((len(places), edges.shape[1] - 1), np.float32)
 
