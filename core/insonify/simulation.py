@@ -97,7 +97,7 @@ class Simulation:
         (n, 2, bins) float32
             Linear intensity, port first; each ping is a function of the scene and its number alone.
         """
-        pings = np.asarray(pings, dtype=np.int64)
+        pings = np.ascontiguousarray(pings, dtype=np.int64)
         return self.record(pings, self.poses(pings))
 
     def record(self, pings: NDArray[np.int64], poses: Poses, out: Echoes | None = None) -> Echoes:

@@ -209,7 +209,8 @@ def normalise(intensity: NDArray[np.float32], curve: NDArray[np.float64]) -> NDA
     curves = np.asarray(curve, dtype=np.float64)
     which = np.arange(math.prod(curves.shape[:-1])).reshape(curves.shape[:-1])
     amplitude = np.array(intensity, dtype=np.float32, order="C")
-    _relate(amplitude, curves.reshape(-1, curves.shape[-1]), np.broadcast_to(which, amplitude.shape[:-1]))
+    rows = np.array(np.broadcast_to(which, amplitude.shape[:-1]))  # a view is read-only, and compiled for on its own
+    _relate(amplitude, curves.reshape(-1, curves.shape[-1]), rows)
     return amplitude
 
 
