@@ -18,6 +18,7 @@ from PySide6.QtCore import QEventLoop, QTimer
 from PySide6.QtGui import QGuiApplication, QOpenGLContext
 from PySide6.QtWidgets import QApplication
 
+from insonify.kernels.common.compilation import watch_compilation
 from insonify.lessons import Lesson
 from insonify.scene import Scene, SceneError
 from insonify_viewer.comparison.arrangement import Arrangement
@@ -38,7 +39,7 @@ SNAPSHOT_SIZE = (1600, 1000)
 COLLECTION_INTERVAL = 200  # ms
 REST = 20.0  # s, for what is measured in the background before a snapshot
 TOUR = 2000  # ms, from the first start of all to the tour, by when the seabed mostly is in view
-PATIENCE = 240.0  # s, for a snapshot on a slow machine that compiles the kernels first
+PATIENCE = 240.0  # s, for a snapshot, from the last sign that a kernel is being compiled
 
 
 def open_window(
@@ -181,16 +182,22 @@ def _draw(application: QApplication, viewer: Viewer, path: Path, begin: Callable
 
 def _wait_for_picture(application: QApplication, viewer: Viewer, errors: list[BaseException]) -> str:
     """Wait until the window shows its scene; return why it does not, in one sentence, or nothing."""
+    since = time.monotonic()
+
+    def begin_again(_: object = None) -> None:
+        nonlocal since
+        since = time.monotonic()
 
     def pend(seconds: float, until: Callable[[], bool]) -> bool:
-        deadline = time.monotonic() + seconds
-        while not until() and not viewer.failure and not errors and time.monotonic() < deadline:
+        while not until() and not viewer.failure and not errors and time.monotonic() < since + seconds:
             application.processEvents(QEventLoop.ProcessEventsFlag.AllEvents, 50)
             time.sleep(0.005)
         return until() or bool(viewer.failure or errors)
 
-    if not pend(PATIENCE, lambda: viewer.complete):
-        return f"no picture after {PATIENCE:g} s; try a smaller scene"
+    with watch_compilation(begin_again):  # however long a slow machine takes to compile
+        if not pend(PATIENCE, lambda: viewer.complete):
+            return f"no picture after {PATIENCE:g} s; try a smaller scene"
+    begin_again()
     pend(REST, lambda: viewer.panels.at_rest)
     if errors:
         return f"the window cannot be drawn ({type(errors[0]).__name__}: {errors[0]}); this is a fault of the program"

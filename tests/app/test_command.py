@@ -7,6 +7,7 @@ import subprocess
 import sys
 from importlib.metadata import version
 from pathlib import Path
+from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
@@ -14,6 +15,7 @@ import pytest
 from PIL import Image
 
 from insonify.cli import main
+from insonify.kernels.common.compilation import tell_watchers
 from insonify.scene import Scene, SceneError, edit, load_scene
 from insonify_viewer import application, screen_check
 from insonify_viewer.session import Mark
@@ -71,6 +73,28 @@ def test_a_fault_in_a_slot_ends_a_snapshot_at_once(
     with pytest.raises(SceneError, match=r"ZeroDivisionError: no such row.*fault of the program$"):
         application.draw_window(small, tmp_path / "window.png")
     assert list(tmp_path.iterdir()) == []
+
+
+@pytest.mark.parametrize("compiling", [True, False])
+def test_a_snapshot_waits_as_long_as_kernels_are_compiled(
+    compiling: bool, monkeypatch: pytest.MonkeyPatch, qapp: Any
+) -> None:
+    class Slow(SimpleNamespace):
+        """A viewer whose picture is complete after 500 s."""
+
+        @property
+        def complete(self) -> bool:
+            self.clock += 100.0
+            if compiling:
+                tell_watchers(None)
+            return self.clock > 500.0
+
+    viewer: Any = Slow(
+        clock=0.0, failure="", panels=SimpleNamespace(at_rest=True), recordings=SimpleNamespace(failure="")
+    )
+    monkeypatch.setattr(application, "time", SimpleNamespace(monotonic=lambda: viewer.clock, sleep=lambda _: None))
+    refused = application._wait_for_picture(qapp, viewer, [])
+    assert refused == ("" if compiling else "no picture after 240 s; try a smaller scene")
 
 
 def test_no_display_draws_the_window_and_says_so(tmp_path: Path) -> None:
