@@ -16,6 +16,7 @@ from PySide6.QtCore import QObject, Qt, Signal
 
 from insonify.kernels.common.compilation import Compilation, watch_compilation
 from insonify.scene import Scene, SceneError
+from insonify_viewer.coarse_ground import thin_new_ground
 from insonify_viewer.comparison.kept_record import SimulatedScene, find_altitude
 from insonify_viewer.errors.failure import describe_error
 from insonify_viewer.laid_scene import is_same_ground
@@ -49,7 +50,7 @@ class PingRequest:
     pings : (n,) int64
         Pings wanted, the most urgent first.
     fine : bool
-        Whether to trace by the modelling; else one plane traces every few pings.
+        Whether to trace by the modelling; else one plane traces every few pings, and new endless ground is thinned.
     """
 
     number: int
@@ -267,8 +268,12 @@ class Simulator(QObject):
 
     def _trace(self, request: PingRequest) -> Iterator[TracedPings]:
         modelling = request.modelling if request.fine else request.modelling.coarse
-        simulation, level = self._prepared(request.scene, modelling, fine=request.fine, number=request.number)
+        known = self._last.get(True)
+        scene = request.scene if request.fine else thin_new_ground(request.scene, known and known[0])
+        simulation, level = self._prepared(scene, modelling, fine=request.fine, number=request.number)
         pings = request.pings
+        if request.fine:
+            simulation.expect(pings)  # a slider that moves next traces them all together
         stride = 1 if request.fine else self._stride(len(pings))
         size = simulation.pings_within(BLOCK_TIME) if request.fine else len(pings)
         for start in range(0, len(pings), max(size, 1)):

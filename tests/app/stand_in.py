@@ -55,6 +55,9 @@ class StandIn:
     def pings_within(self, seconds: float) -> int:
         return 64
 
+    def expect(self, pings: NDArray[np.int64]) -> None:
+        pass
+
     def intensity(self, pings: NDArray[np.int64]) -> NDArray[np.float32]:
         bins = self.scene.sonar.bins
         amplitude = np.zeros((len(pings), 2, bins))

@@ -5,6 +5,7 @@ from __future__ import annotations
 import threading
 from typing import Any
 
+import numpy as np
 import pytest
 
 from insonify.array_cache import ARRAYS
@@ -12,6 +13,7 @@ from insonify.scene import edit, load_scene
 from insonify.simulation import prepare
 from insonify.terrain import build
 from insonify.terrain.endless_ground import Tiles
+from insonify_viewer.coarse_ground import thin_new_ground
 from insonify_viewer.session import Mark
 
 
@@ -50,3 +52,46 @@ def test_the_main_thread_never_sums_the_relief(open_viewer: Any, summing: list[s
     qtbot.waitUntil(lambda: summing[-1] != "pointing", timeout=60000)
     assert threading.main_thread().name not in summing
     qtbot.waitUntil(lambda: viewer._marks._point is not None and viewer._marks._point.mark == Mark(30, 0, 60))
+
+
+def spacings_of_dragged(viewer: Any, qtbot: Any, changes: dict[str, Any]) -> list[tuple[bool, float]]:
+    """Drag a value, release it, and return the accuracy and the spacing of the bed of every answer."""
+    answers: list[tuple[bool, float]] = []
+    viewer.simulator.answered.connect(lambda answer: answers.append((answer.fine, answer.simulation.ground.spacing)))
+    viewer.session.drag(changes)
+    qtbot.waitUntil(lambda: bool(answers), timeout=60000)
+    viewer.session.settle(None, "moved")
+    qtbot.waitUntil(lambda: viewer.complete and answers[-1][0], timeout=60000)
+    return answers
+
+
+def test_new_ground_is_thinned_while_a_slider_moves(open_viewer: Any, qtbot: Any) -> None:
+    scene = edit(load_scene("endless"), {"sonar.bins": 100, "track.pings": 128, "seed": 78})
+    viewer = open_viewer(scene, prepare=prepare)
+    (coarse, *_, fine) = spacings_of_dragged(viewer, qtbot, {"seabed.relief.of.0.rms": 0.1})
+    assert coarse == (False, pytest.approx(4 * scene.seabed.spacing))
+    assert fine == (True, scene.seabed.spacing)
+    # Known ground is taken as it is.
+    for _, spacing in spacings_of_dragged(viewer, qtbot, {"sonar.beam.width": 1.5}):
+        assert spacing == scene.seabed.spacing
+
+
+def test_ground_is_thinned_as_far_as_its_waves_are_resolved() -> None:
+    endless = load_scene("endless")
+    moved = edit(endless, {"seed": 4})
+    assert thin_new_ground(moved, endless).seabed.spacing == pytest.approx(0.4)
+    short = edit(moved, {"seabed.relief.of.1.wavelength": 0.7})
+    assert thin_new_ground(short, endless).seabed.spacing == pytest.approx(0.2)
+    shortest = edit(moved, {"seabed.relief.of.1.wavelength": 0.4})
+    assert thin_new_ground(shortest, endless) is shortest
+    assert thin_new_ground(endless, endless) is endless
+    assert thin_new_ground(load_scene("default"), None).seabed.spacing == load_scene("default").seabed.spacing
+
+
+def test_thinned_ground_is_the_same_landscape() -> None:
+    endless = edit(load_scene("endless"), {"seabed.relief.of.1.height": 0.0})
+    one, other = (build.build_ground(scene) for scene in (endless, thin_new_ground(endless, None)))
+    along = np.arange(0.0, 40.0, 0.8)
+    x, y = np.meshgrid(along, along)
+    whole, thinned = one.height_at(x, y), other.height_at(x, y)
+    assert np.corrcoef(whole.ravel(), thinned.ravel())[0, 1] > 0.98

@@ -280,3 +280,14 @@ def test_windows_go_with_the_last_scene_on_their_ground():
     del simulation
     gc.collect()
     assert held() is None
+
+
+def test_expected_ground_is_kept_between_blocks():
+    """Blocks of pings over one window after another leave the beds of all of them for a call over all pings."""
+    simulation = prepare(edit(SCENE, {"seed": 91}), tolerance=1.0)
+    beds, poses = simulation.tiles._beds, simulation.poses(PINGS)
+    cells, which = np.unique(simulation.ground.cell(poses.x, poses.y), axis=0, return_inverse=True)
+    simulation.expect(PINGS)
+    for k in range(len(cells)):
+        simulation.intensity(PINGS[which.reshape(-1) == k])
+    assert len(beds._beds) == len(cells) == terrain_tiles.KEPT_BEDS + 1
