@@ -11,8 +11,9 @@ import pytest
 from beds import arrays_of, gaussian_pattern, poses_of, rough
 from insonify.acoustics.beam_patterns import make_pattern
 from insonify.kernels.beam.azimuth_sector import AzimuthSector, sector_weight
-from insonify.kernels.beam.knot_weights import FINE_SINE, sample_pattern, weigh_knots
+from insonify.kernels.beam.knot_weights import weigh_knots
 from insonify.kernels.beam.pattern_integrals import integrated_response
+from insonify.kernels.beam.pattern_samples import FINE_SINE, ROOM, sample_pattern
 from insonify.kernels.common.jit import kernel
 from insonify.kernels.common.types import EVERY_GRAZING, GAUSSIAN, LIGHT, SONAR, TABLE, TOP_HAT, BeamPattern
 from insonify.scene import edit, load_scene
@@ -190,12 +191,20 @@ def test_the_near_field_between_two_rows_is_that_of_the_array(length, distance):
 
 
 @kernel
-def integrate_along(pattern, x, z, r, sector, many, single):
+def integrate_along(pattern, x, z, r, sector, room, many, single):
     parts = pattern.centre, pattern.extent, pattern.integral, pattern.first_range, pattern.per_octave
-    sample_pattern(x, z, r, sector, pattern, FINE_SINE, many)
+    sample_pattern(x, z, r, sector, pattern, FINE_SINE, room, many)
     for i in range(x.size):
         level, tip = sector.ahead_level * x[i] / r[i], sector.ahead_up * z[i] / r[i]
         single[i] = integrated_response(*parts, level * sector.s_low + tip, level * sector.s_high + tip, r[i])
+
+
+def sample_room(knots):
+    return np.empty(knots + ROOM, np.int32), *np.empty((4, knots + ROOM), np.int64)
+
+
+def weigh(pattern, x, z, r, sector, law, weights, each):
+    weigh_with(pattern, x, z, r, sector, law, sample_room(x.size), weights, each)
 
 
 def sector_between(s_low, s_high, pitch, main):
@@ -216,7 +225,7 @@ def test_integrals_at_one_place_are_those_of_the_table(rows):
     x, z = np.linspace(0.0, 400.0, 501), rng.uniform(-12.0, -8.0, 501)
     many, single = np.empty((2, 501))
     sector = sector_between(-0.3, 0.4, 0.2, 0.1)
-    integrate_along(pattern, x, z, np.hypot(x, z), sector, many, single)
+    integrate_along(pattern, x, z, np.hypot(x, z), sector, sample_room(x.size), many, single)
     place = np.clip(np.log2(np.hypot(x, z) / 2.0) * 8.0, 0.0, rows - 1.0)
     level, tip = sector.ahead_level * x / np.hypot(x, z), sector.ahead_up * z / np.hypot(x, z)
     expected = np.zeros(501)
@@ -225,6 +234,24 @@ def test_integrals_at_one_place_are_those_of_the_table(rows):
         low, high = (np.interp(level * border + tip, columns, integral[k]) for border in (-0.3, 0.4))
         expected += (high - low) * np.maximum(1.0 - np.abs(place - k), 0.0)
     np.testing.assert_allclose(single, expected, rtol=1e-7, atol=1e-9)
+
+
+@pytest.mark.parametrize("knots", [0, 1, 2, 3, 8, 9, 10, 17, 130, 1001])
+@pytest.mark.parametrize("rows", [1, 61])
+def test_every_knot_of_a_profile_of_any_length_is_weighed(knots, rows):
+    """From nadir, where all knots are read, to far ranges, where few are; no other entry is touched."""
+    s = np.linspace(-1.0, 1.0, 2049)
+    extent = np.linspace(0.3, 0.1, rows)
+    energy = np.sinc(s * extent[:, None] / 0.02) ** 4
+    integral = np.cumsum(energy, axis=1) * (extent[:, None] / 1024)
+    pattern = BeamPattern(True, 0.0, extent, energy, integral, 2.0, 8.0, EVERY_GRAZING, 0.0, 1.0, True)
+    x, z = np.arange(knots) * 0.1, np.full(knots, -10.0)
+    many, single = np.full((2, knots + 8), 7.0)
+    sector = sector_between(0.004, 0.011, 0.0, 0.02)
+    integrate_along(pattern, x, z, np.hypot(x, z), sector, sample_room(knots), many[:knots], single[:knots])
+    found, exact = many[:knots], single[:knots]
+    np.testing.assert_allclose(found, exact, rtol=1e-2, atol=1e-9 + 1e-3 * exact.max(initial=0.0))
+    assert np.all(many[knots:] == 7.0)
 
 
 @pytest.mark.parametrize("pitch", [0.0, 0.05])
@@ -267,7 +294,7 @@ def test_no_sector_crosses_a_squinting_top_hat_between_two_knots_where_it_is_rea
     summed, expected = np.zeros((2, x.size))
     for low, high in itertools.pairwise(borders):
         many, single = np.empty((2, x.size))
-        integrate_along(pattern, x, z, r, sector_between(low, high, 0.0, 0.04), many, single)
+        integrate_along(pattern, x, z, r, sector_between(low, high, 0.0, 0.04), sample_room(x.size), many, single)
         np.testing.assert_allclose(many, single, atol=0.02 * max(single.max(), 1e-9))
         summed, expected = summed + many, expected + single
     np.testing.assert_allclose(summed, expected, atol=2e-3 * expected.max())
@@ -305,7 +332,7 @@ def test_a_top_hat_is_packed_as_two_columns_and_an_array_as_many():
 
 
 @kernel
-def weigh(pattern, x, z, r, sector, law, weights, each):
-    weigh_knots(x, z, r, sector, pattern, law, FINE_SINE, weights)
+def weigh_with(pattern, x, z, r, sector, law, room, weights, each):
+    weigh_knots(x, z, r, sector, pattern, law, FINE_SINE, room, weights)
     for i in range(x.size):
         each[i] = sector_weight(x[i], z[i], r[i], sector, pattern, law) if x[i] > 0.0 else 0.0

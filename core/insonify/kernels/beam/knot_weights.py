@@ -10,8 +10,6 @@ from __future__ import annotations
 
 import math
 
-import numpy as np
-
 from insonify.kernels.beam.azimuth_sector import (
     in_plane_lobe,
     in_plane_response,
@@ -21,23 +19,17 @@ from insonify.kernels.beam.azimuth_sector import (
     top_hat_share,
     top_hat_width,
 )
-from insonify.kernels.beam.pattern_integrals import place_in_rows, response_between, row_below
+from insonify.kernels.beam.pattern_samples import sample_pattern
 from insonify.kernels.common.jit import NOTHING, inlined_uncounted, kernel_on_demand, kernel_uncounted
 from insonify.kernels.common.types import EVERY_GRAZING, LIGHT, TABLE
 
-MOST_STEPS = 32  # knots from one at which a pattern is read to the next
-# Up to the next one the sector's borders move by less than this share of half the main lobe, on it and on sidelobes,
-# and the slant range by less than this share of a row of the table.
-FINE_SINE, FINE_ROW = (1.0 / 8.0, 1.0 / 2.0), 1.0 / 2.0
-# The same where the root of two responses counts, which is large where one of them is small.
-FINE_ROOT = (1.0 / 24.0, 1.0 / 24.0)
+MOST_STEPS = 32  # knots from one at which two responses are read to the next
 FINE_PAIR = 0.02  # share of a slant range, a direction's level part and half the main lobe, for two images
 DOUBLED = 0.4  # of these limits, below which the next step is twice as long
-LEAST_HEIGHT = 0.01  # share of a ground range
 
 
 @inlined_uncounted
-def weigh_knots(x, z, r, sector, pattern, law, fine, out):
+def weigh_knots(x, z, r, sector, pattern, law, fine, room, out):
     """Factor by which a plane's sector multiplies the echo of each knot, as `sector_weight` for one place.
 
     Parameters
@@ -50,11 +42,13 @@ def weigh_knots(x, z, r, sector, pattern, law, fine, out):
     fine : tuple of two float
         Share of half the main lobe by which a sector may move up to the next knot at which a pattern is read, where it
         meets that lobe and where it does not.
+    room : tuple
+        Work space of `sample_pattern`.
     out : ndarray
         Takes the factors.
     """
     if sector.tabulated:
-        _weigh_pattern(x, z, r, sector, pattern, law, fine, out)
+        _weigh_pattern(x, z, r, sector, pattern, law, fine, room, out)
     elif sector.angle == 0.0:
         for i in range(x.size):
             out[i] = 1.0  # a knife
@@ -67,7 +61,7 @@ def weigh_knots(x, z, r, sector, pattern, law, fine, out):
 
 
 @kernel_on_demand(NOTHING)
-def _weigh_pattern(x, z, r, sector, pattern, law, fine, out):
+def _weigh_pattern(x, z, r, sector, pattern, law, fine, room, out):
     """Weights of a tabulated pattern, along the track and in the plane."""
     if sector.angle == 0.0:
         for i in range(x.size):
@@ -79,7 +73,7 @@ def _weigh_pattern(x, z, r, sector, pattern, law, fine, out):
         if is_top_hat(pattern):
             _overlap_top_hat(x, z, r, sector, pattern, out)
         else:
-            sample_pattern(x, z, r, sector, pattern, fine, out)
+            sample_pattern(x, z, r, sector, pattern, fine, room, out)
         _apply_ranges(x, r, sector, out)
     if pattern.vertical == TABLE:
         for i in range(x.size):
@@ -163,103 +157,6 @@ def _sample_pair(x, one, other, sector, pattern, law, out):
             steps *= 2
         if steps > x.size - 1 - k:
             steps = max(x.size - 1 - k, 1)
-
-
-@kernel_uncounted
-def sample_pattern(x, z, r, sector, pattern, fine, out):
-    """Integral of a pattern over the sines of a sector's directions, at many knots.
-
-    Parameters
-    ----------
-    x, z, r : ndarray of float64
-        Ground range, height above the sonar and slant range of the knots, m; as many as x has.
-    sector : AzimuthSector
-        Of a width.
-    pattern : BeamPattern
-    fine : tuple of two float
-        As of `weigh_knots`.
-    out : ndarray
-        Takes the integrals. They are read at knots between which the sector's borders and the slant range move by
-        little; between them they follow the level part of the direction.
-    """
-    centre, extent, integral = pattern.centre, pattern.extent, pattern.integral
-    first_range, per_octave, last_row = pattern.first_range, pattern.per_octave, extent.size - 1.0
-    farther = max(abs(sector.s_low), abs(sector.s_high))
-    level = tip = off = place = value = rate = 0.0
-    i, steps, borders = -1, 1, 0
-    while i < x.size - 1:
-        k, last_level, last_tip, last_off, last_place, last_borders = i + steps, level, tip, off, place, borders
-        per_range = 1.0 / r[k]
-        level, tip = sector.ahead_level * x[k] * per_range, sector.ahead_up * z[k] * per_range
-        s_low, s_high = level * sector.s_low + tip, level * sector.s_high + tip
-        place = place_in_rows(last_row, first_range, per_octave, r[k]) if last_row > 0.0 else 0.0
-        row = row_below(place, last_row)
-        off = max(s_low - centre, centre - s_high, 0.0)
-        half = extent[np.uint64(row)]
-        borders = 3 * _side_of_beam(s_low - centre, half) + _side_of_beam(s_high - centre, half)
-        per_sine = _samples_per_sine(min(off, last_off), sector.s_beam, fine, half)
-        moved = (abs(level - last_level) * farther + abs(tip - last_tip)) * per_sine
-        moved = max(moved, abs(place - last_place) * (1.0 / FINE_ROW))
-        # NaN, a hole in the bed, compares false. Where a border crosses the edge of a top-hat, the weight has a kink.
-        if steps > 1 and not (moved <= 1.0 and borders == last_borders):
-            steps, level, tip, off = steps >> 1, last_level, last_tip, last_off
-            place, borders = last_place, last_borders
-            continue
-        last_value, last_rate = value, rate
-        value, at_low, at_high = response_between(centre, extent, integral, row, place - row, s_low, s_high)
-        # Level and upward part of a direction lie on a circle, so that one is a function of the other.
-        rate = at_high * sector.s_high - at_low * sector.s_low
-        if sector.ahead_up != 0.0:
-            rate -= (at_high - at_low) * sector.ahead_up / sector.ahead_level * x[k] / _away_from_zero(z[k], x[k])
-        if steps > 1:
-            chord = last_level, level - last_level, last_value, value - last_value, last_rate, rate - last_rate
-            first, beyond = i + 1, k + 1
-            _fill_chord(x[first:beyond], r[first:beyond], sector.ahead_level, chord, out[first:beyond])
-        out[k] = value
-        i = k
-        # Branches, which are predicted: a number of steps computed from the last ones would have to be waited for.
-        if moved < DOUBLED and x[k] > 0.0 and steps < MOST_STEPS:
-            steps *= 2
-        if steps > x.size - 1 - k:
-            steps = max(x.size - 1 - k, 1)
-
-
-@inlined_uncounted
-def _away_from_zero(height, x):
-    """Height of a place above the sonar, or a small one below where it is about as high."""
-    return height if abs(height) > LEAST_HEIGHT * x else -LEAST_HEIGHT * x
-
-
-@inlined_uncounted
-def _side_of_beam(s, half):
-    """Side of the beam on which a direction lies: -1 or 1 beyond its edges, 0 within."""
-    return int(s > half) - int(s < -half)
-
-
-@inlined_uncounted
-def _samples_per_sine(off, main, fine, extent):
-    """Return the samples of a pattern per change of s, where the nearer border of a sector is so far off the axis.
-
-    A sector beside the whole beam may come as near as its edge, lest it cross the beam between two samples.
-    """
-    if off > extent:
-        return 1.0 / (off - extent)
-    return 1.0 / ((fine[0] if off < main else fine[1]) * main)
-
-
-@inlined_uncounted
-def _fill_chord(x, r, ahead_level, chord, out):
-    """Fill the knots up to one at which a function of a direction's level part is known, as it is at the last such one.
-
-    To the second order it is the chord, a parabola, and its slope times what the level part is off its own chord.
-    """
-    level, levels, value, values, rate, rates = chord
-    per_step, bend = 1.0 / x.size, 0.5 * rates * levels
-    for m in range(x.size):
-        t = (m + 1.0) * per_step
-        off_chord = ahead_level * x[m] / r[m] - level - t * levels
-        filled = value + t * (values + (t - 1.0) * bend) + (rate + t * rates) * off_chord
-        out[m] = filled if filled > 0.0 else 0.0
 
 
 @inlined_uncounted

@@ -15,7 +15,8 @@ import numpy as np
 from numpy.typing import DTypeLike, NDArray
 
 from insonify.kernels.beam.azimuth_sector import is_whole_beam, raise_sector
-from insonify.kernels.beam.knot_weights import FINE_ROOT, FINE_SINE, weigh_knots, weigh_paired_knots
+from insonify.kernels.beam.knot_weights import weigh_knots, weigh_paired_knots
+from insonify.kernels.beam.pattern_samples import FINE_ROOT, FINE_SINE
 from insonify.kernels.bed.profile import Profile, empty_profile, padded_count, profile_capacity
 from insonify.kernels.bed.slice import slice_bed
 from insonify.kernels.common.jit import inlined_uncounted, kernel, kernel_uncounted
@@ -50,6 +51,7 @@ from insonify.kernels.sweep.visibility import (
     empty_segment_echoes,
     launch_slopes,
     running_horizon,
+    sample_room,
     slant_ranges,
 )
 from insonify.kernels.targets.angular_zbuffer import AngularZbuffer, empty_zbuffer, fill_zbuffer
@@ -269,7 +271,8 @@ def _view_from_image(arrays, count, image, plane, sector, reach, workspace, k):
         # Padding past the last knot may hold any number, which must not index a pattern's table.
         x, fine = x[: count if pattern.tabulated else padded_count(count)], FINE_ROOT if pattern.two_way else FINE_SINE
         if not (is_whole_beam(sector) and pattern.two_way):
-            weigh_knots(x, seen.rise, seen.r, sector, pattern, arrays.law, fine, seen.weight)
+            room = sample_room(workspace.segments)
+            weigh_knots(x, seen.rise, seen.r, sector, pattern, arrays.law, fine, room, seen.weight)
     if zbuffer.body.size == 0:
         return 0
     seen_from = HalfPlane(plane.x, plane.y, plane.z + image.height, plane.ex, plane.ey)

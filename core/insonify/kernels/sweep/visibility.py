@@ -13,7 +13,8 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import DTypeLike, NDArray
 
-from insonify.kernels.beam.knot_weights import FINE_SINE, weigh_knots
+from insonify.kernels.beam.knot_weights import weigh_knots
+from insonify.kernels.beam.pattern_samples import FINE_SINE
 from insonify.kernels.bed.grid import is_oblique
 from insonify.kernels.bed.profile import padded_count
 from insonify.kernels.common.jit import inlined_uncounted
@@ -99,7 +100,7 @@ def find_visible_echoes(profile, count, plane, arrays, sector, hidden_from, hidd
     if sector.angle > 0.0 or sector.tabulated or sector.bent:
         # Padding past the last knot may hold any number, which must not index a pattern's table.
         x = x[: count if sector.tabulated else knots]
-        weigh_knots(x, z, echoes.r, sector, arrays.pattern, arrays.law, FINE_SINE, echoes.weight)
+        weigh_knots(x, z, echoes.r, sector, arrays.pattern, arrays.law, FINE_SINE, sample_room(echoes), echoes.weight)
         if sector.bent and arrays.law != LIGHT:
             _apply_gain(knots, profile.gain, echoes.weight)
         _apply_weights(knots, echoes.weight, echoes.scale)
@@ -112,6 +113,22 @@ def find_visible_echoes(profile, count, plane, arrays, sector, hidden_from, hidd
     _mark_cut(knots, echoes.launch, echoes.horizon, area, hidden_from, hidden_to, echoes.cut, echoes.energy)
     echoes.energy[count - 1] = 0.0
     echoes.cut[count - 1 : count - 1 + WORD] = False
+
+
+@inlined_uncounted
+def sample_room(echoes):
+    """Work space in which the knots are weighed: arrays that are filled only afterwards.
+
+    Parameters
+    ----------
+    echoes : SegmentEchoes
+
+    Returns
+    -------
+    tuple
+        The ``room`` of `weigh_knots`.
+    """
+    return echoes.place, echoes.early, echoes.late, echoes.third, echoes.fourth
 
 
 @inlined_uncounted
