@@ -19,6 +19,7 @@ from PySide6.QtGui import QGuiApplication, QOpenGLContext
 from PySide6.QtWidgets import QApplication
 
 from insonify.kernels.common.compilation import watch_compilation
+from insonify.kernels.common.compiling_process import compiled_elsewhere
 from insonify.lessons import Lesson
 from insonify.scene import Scene, SceneError
 from insonify_viewer.comparison.arrangement import Arrangement
@@ -70,7 +71,7 @@ def open_window(
     settings = Settings()
     scale_text(settings.size)
     application = make_application(settings.theme)
-    with main_thread_collection():
+    with main_thread_collection(), compiled_elsewhere():
         viewer = Viewer(scene, accelerated=has_opengl())
         keep_display(viewer)
         viewer.window.show()
@@ -85,11 +86,10 @@ def open_window(
         tell = partial(viewer.simulator.call_later, partial(viewer.window.say, lasting=True))
         with told_errors(viewer.window.complain), told_file_warnings(tell):
             code = application.exec()
-        stop_compiling_ahead()
-        if is_working():
-            # A thread compiles, which cannot be interrupted; Python would wait for it.
-            os._exit(code)
-        return code
+    if is_working():
+        # A thread traces a block or loads a library, which cannot be interrupted; Python would wait for it.
+        os._exit(code)
+    return code
 
 
 def keep_display(viewer: Viewer) -> None:
@@ -119,14 +119,6 @@ def _begin(
         viewer.window.open_panel(ComparisonPanel.name)
         viewer.comparison.open_partner()
         viewer.comparison.arrange(pair)
-
-
-def stop_compiling_ahead() -> None:
-    """End the processes that compile kernels which no thread waits for."""
-    # lazy: the window opens before Numba is loaded
-    from insonify.kernels.common.part_process import stop_processes
-
-    stop_processes()
 
 
 def is_working() -> bool:

@@ -12,15 +12,16 @@ from typing import Any
 import numpy as np
 from PySide6.QtCore import QSettings, QTimer
 
+from insonify.kernels.common.compiling_process import compiled_elsewhere
 from insonify.scene import load_scene
-from insonify_viewer.application import has_opengl, main_thread_collection, make_application, stop_compiling_ahead
+from insonify_viewer.application import has_opengl, main_thread_collection, make_application
 from insonify_viewer.viewer import Viewer
 from soak.actions import Steps, draw_action
 from soak.dialogs import Answers
 from soak.watch import Faults, Gaps, holdings, left_threads
 
 MINUTE = 60.0  # s, between two lines of what is held
-PATIENCE = 120.0  # s, for the worker to end after the window has closed: it may be compiling
+PATIENCE = 120.0  # s, for the worker to end after the window has closed
 
 
 class Person:
@@ -106,7 +107,7 @@ def _soak_in(folder: str, seconds: float, seed: int) -> int:
     """Use the window; its files lie in a folder."""
     application: Any = make_application()
     faults, gaps = Faults(), Gaps()
-    with main_thread_collection():
+    with main_thread_collection(), compiled_elsewhere():
         Answers(np.random.default_rng([seed, 1]), Path(folder))
         viewer = Viewer(load_scene("default"), accelerated=has_opengl())
         viewer.window.show()
@@ -115,9 +116,8 @@ def _soak_in(folder: str, seconds: float, seed: int) -> int:
         application.exec()
         say(f"seed {seed}: {person.actions} actions, {gaps.in_words()}; closed in {person.closing:.2f} s")
         gaps.close()
-        stop_compiling_ahead()
-        for stack in left_threads(PATIENCE):
-            faults.add(f"a thread is left: {stack}")
+    for stack in left_threads(PATIENCE):
+        faults.add(f"a thread is left: {stack}")
     faults.close()
     for cause, _ in sorted(gaps.causes.items(), reverse=True)[:25]:
         say(f"  {cause}")

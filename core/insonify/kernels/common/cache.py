@@ -33,7 +33,12 @@ from insonify.kernels.common.part_library import PartLibrary
 PACKAGE = "insonify.kernels"
 SOURCES = Path(__file__).parents[1]
 # Modules that leave the code alone.
-WITHOUT_CODE = {"common.compilation", "common.compilation_events", "common.part_process", "common.part_worker"}
+WITHOUT_CODE = {
+    f"common.{name}"
+    for name in (
+        "compilation", "compilation_events", "compiling_process", "compiling_worker", "part_process", "part_worker",
+    )
+}  # fmt: skip
 UNUSED = 30 * 86400.0  # seconds after which machine code that no process has used is removed
 
 
@@ -285,6 +290,15 @@ class KernelCache(FunctionCache):
             with contextlib.suppress(OSError):
                 self.flush()
             return None
+
+    def lacks(self, sig: Any, target_context: Any) -> bool:
+        """Whether the code of a signature is not kept, and could be."""
+        with contextlib.suppress(Exception):  # as above
+            if self._index_key(sig, target_context.codegen()) in self._cache_file._load_index():
+                return False
+        with contextlib.suppress(OSError):
+            FOLDER.mkdir(parents=True, exist_ok=True)
+        return os.access(FOLDER, os.W_OK)
 
     def save_overload(self, sig: Any, data: Any) -> None:
         """Keep the code of a signature."""

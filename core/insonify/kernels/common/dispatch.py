@@ -17,8 +17,10 @@ from typing import Any
 from numba.core import types
 from numba.core.compiler import Compiler
 from numba.core.registry import CPUDispatcher
+from numba.core.serialize import dumps
 
 from insonify.kernels.common.cache import KernelCache, PartCache
+from insonify.kernels.common.compiling_process import compile_elsewhere, is_compiled_elsewhere
 from insonify.kernels.common.part_library import PartLibrary
 
 
@@ -58,7 +60,7 @@ class Kernel:
     @cached_property
     def entry(self) -> Any:
         """Numba's dispatcher of calls from Python."""
-        entry: Any = CPUDispatcher(self.py_func, {}, self.options)
+        entry: Any = _Entry(self.py_func, {}, self.options)
         if self.kept:
             entry._cache = KernelCache(self.py_func)
         return entry
@@ -75,6 +77,31 @@ class Kernel:
     def _numba_type_(self) -> Any:
         # Numba asks for it when it compiles a caller.
         return self.part._numba_type_
+
+
+class _Entry(CPUDispatcher):
+    """A function as Python calls it."""
+
+    def compile(self, sig: Any) -> Any:
+        """Compile the function for types of arguments, or load its code."""
+        let_compile(self, "entry", sig)
+        return super().compile(sig)
+
+
+def let_compile(code: Any, way: str, arguments: tuple[Any, ...]) -> None:
+    """Let another process compile a kernel, if that is wanted and its machine code is not on disk.
+
+    Parameters
+    ----------
+    code : CPUDispatcher
+    way : str
+        Attribute of the `Kernel` that holds it.
+    arguments : tuple of numba types
+    """
+    function = code.py_func
+    if is_compiled_elsewhere() and "<locals>" not in function.__qualname__ and arguments not in code.overloads:
+        if code._cache.lacks(arguments, code.targetctx):
+            compile_elsewhere(bytes(dumps((function.__module__, function.__qualname__, way, arguments))))
 
 
 class Part(CPUDispatcher):

@@ -22,7 +22,7 @@ from numba.core.serialize import dumps, loads
 from numba.core.typing.templates import AbstractTemplate, signature
 
 from insonify.kernels.common.cache import SeparateCache
-from insonify.kernels.common.dispatch import Kernel, NotCompiledError, WithoutWrapper, failure
+from insonify.kernels.common.dispatch import Kernel, NotCompiledError, WithoutWrapper, failure, let_compile
 from insonify.kernels.common.part_process import ask_for_kernel, wait_for_kernel
 
 RESOLVE = "insonify_resolve"
@@ -123,6 +123,11 @@ class _MachineCode(CPUDispatcher):
     """Machine code of a separate kernel, by type of the arguments; its entry points are addresses."""
 
     returned: Any
+
+    def compile(self, sig: Any) -> Any:
+        """Compile the kernel for types of arguments, or load its code."""
+        let_compile(self, "machine_code", sig)
+        return super().compile(sig)
 
     def add_overload(self, cres: Any) -> None:
         """Make the machine code of a compiled signature known."""
