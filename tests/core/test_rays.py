@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import math
+import subprocess
+import sys
 
 import numpy as np
 import pytest
@@ -369,3 +371,30 @@ def test_sonar_above_its_range_or_below_the_bed_hears_nothing():
     arrays = flat(bins=10)
     assert not rays.trace(arrays, poses_of([0.0, 0.0], 0.0, [10.0, -1.0]), rays=100).any()
     assert rays.trace(arrays, poses_of([], 0.0, 1.0), rays=10).shape == (0, 2, 10)
+
+
+@pytest.mark.skipif(not sys.platform.startswith("linux"), reason="memory is told in other units")
+def test_a_million_rays_are_held_by_their_directions_alone():
+    code = """
+import resource
+import numpy as np
+from insonify.scene import edit, load_scene
+from insonify.simulation import prepare
+from insonify.tracers import rays
+simulation = prepare(edit(load_scene("figure-4a"), {"sonar.bins": 100}))
+def most(count):
+    rays.trace(simulation.arrays, simulation.poses(np.arange(1)), rays=count)
+    return resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
+print(most(4096), most(1_000_000))
+"""
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True, timeout=300)
+    few, many = map(int, done.stdout.split())
+    assert 1000 * (many - few) / 1_000_000 < 1.3 * rays.STRAIGHT  # bytes a ray
+
+
+def test_more_rays_than_fit_in_memory_are_traced_by_fewer_threads(monkeypatch):
+    given = []
+    monkeypatch.setattr(rays, "trace_blocks", lambda *arguments: given.append(arguments[-1]))
+    for count in (1000, 3 * rays.MEMORY // (10 * rays.STRAIGHT), rays.MEMORY):
+        rays.trace(flat(), poses_of(0.0, 0.0, 4.0), rays=count, threads=4)
+    assert given == [4, 3, 1]

@@ -15,10 +15,13 @@ from insonify.kernels.rays.first_echoes import cast_straight_rays, empty_hits, t
 from insonify.kernels.rays.specular_paths import follow_specular_paths
 from insonify.kernels.refracted_rays.echoes import trace_refracted_pings
 from insonify.kernels.refracted_rays.hits import empty_arrivals, find_refracted_hits
+from insonify.parallel import count_threads
 from insonify.scene import SceneError
 from insonify.tracers.blocks import Record, empty_record, trace_blocks
 
 WALK = 0.0  # step that stands for an exact walk
+STRAIGHT, REFRACTED = 64, 256  # bytes that a thread holds of every ray of both sides
+MEMORY = 2**29  # bytes that all threads may hold; one thread holds what it needs
 
 
 def trace(arrays: SceneArrays, poses: Poses, *, rays: int = 4000, threads: int | None = None) -> Record:
@@ -74,7 +77,7 @@ def trace_surface_paths(arrays: SceneArrays, poses: Poses, *, rays: int = 4000, 
             trace_multipath(arrays, part, int(rays), out[first:last])
         return 0
 
-    trace_blocks(arrays, poses, block, threads)
+    trace_blocks(arrays, poses, block, _affordable(rays, STRAIGHT, threads))
     return out
 
 
@@ -200,8 +203,13 @@ def trace_rays(arrays: SceneArrays, poses: Poses, rays: int, step: float, thread
             trace_multipath(arrays, part, int(rays), out[first:last])
         return status
 
-    trace_blocks(arrays, poses, block, threads)
+    trace_blocks(arrays, poses, block, _affordable(rays, REFRACTED if arrays.water.bent else STRAIGHT, threads))
     return out
+
+
+def _affordable(rays: int, size: int, threads: int | None) -> int:
+    """Return the number of threads, fewer where their rays would take too much memory."""
+    return min(count_threads(threads), max(MEMORY // (size * int(rays)), 1))
 
 
 def _refuse_bends(arrays: SceneArrays, bounces: int) -> None:

@@ -16,10 +16,9 @@ from insonify.kernels.common.jit import inlined, kernel
 from insonify.kernels.common.scattering import backscatter_strength
 from insonify.kernels.common.types import LIGHT, SONAR
 from insonify.kernels.multipath.image_sources import bottom_image, height_delay, surface_image, tilt_delay, wave_advance
-from insonify.kernels.rays.cell_walk import NOTHING, Hits, RayBundle, find_first_hits
-from insonify.kernels.rays.first_echoes import empty_bundle, empty_hits, empty_launch
+from insonify.kernels.rays.cell_walk import NOTHING, find_first_hits
+from insonify.kernels.rays.first_echoes import TOGETHER, empty_bundle, empty_hits, empty_launch, take_rays, take_room
 from insonify.kernels.rays.launch import (
-    RayLaunch,
     SideBeam,
     aim_rays,
     cone_azimuth,
@@ -33,7 +32,6 @@ from insonify.kernels.rays.path_tracing import Intersection, advance_to, meet_sc
 from insonify.kernels.rays.specular_paths import mixed_echo
 
 MOST_PASSES = 2  # of the sea surface
-TOGETHER = 4096  # rays that are held beyond their directions
 REACH_STEPS = 16.0  # to a record's length, by which rays reach beyond it
 
 
@@ -86,29 +84,11 @@ def _add_image(arrays, beam, image, pitch, near, launch, bundle, hits, sums):
     if spreads:
         spread_over_pattern(launch, arrays.pattern, seen_from.z, seen_from.reach, pitch)
     for first in range(0, launch.weight.size, TOGETHER):
-        some = _take_rays(launch, first, min(first + TOGETHER, launch.weight.size))
-        these, met = _take_room(bundle, hits, some.weight.size)
+        some = take_rays(launch, first, min(first + TOGETHER, launch.weight.size))
+        these, met = take_room(bundle, hits, some.weight.size)
         rotate_to_world(some, seen_from, these)
         find_first_hits(arrays.bed, arrays.solids, near, count, arrays.mesh, these, seen_from.reach, met)
         _add_hits(arrays, beam, image, seen_from, farthest, some, these, met, sums)
-
-
-@inlined
-def _take_rays(launch, first, last):
-    """Return some of the rays of a side."""
-    ahead, abeam, up, weight = launch
-    return RayLaunch(ahead[first:last], abeam[first:last], up[first:last], weight[first:last])
-
-
-@inlined
-def _take_room(bundle, hits, n):
-    """Return room for n rays and their hits."""
-    x, y, z, dx, dy, dz = bundle
-    distance, body, material, nx, ny, nz = hits
-    return (
-        RayBundle(x[:n], y[:n], z[:n], dx[:n], dy[:n], dz[:n]),
-        Hits(distance[:n], body[:n], material[:n], nx[:n], ny[:n], nz[:n]),
-    )
 
 
 @kernel

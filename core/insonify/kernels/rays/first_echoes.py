@@ -24,6 +24,8 @@ from insonify.kernels.rays.launch import (
 from insonify.kernels.rays.march import march_hits
 from insonify.kernels.rays.specular_paths import add_specular_echoes
 
+TOGETHER = 4096  # rays that are held beyond their directions, in the processor cache
+
 
 @kernel
 def trace_straight_pings(arrays, poses, rays, step, out):
@@ -46,9 +48,9 @@ def trace_straight_pings(arrays, poses, rays, step, out):
         -1 - k if the sonar is inside solid k, else 0.
     """
     port, starboard = empty_launch(rays), empty_launch(rays)
-    bundle, hits = empty_bundle(rays), empty_hits(rays)
+    bundle, hits = empty_bundle(TOGETHER), empty_hits(TOGETHER)
     near = np.empty(arrays.solids.shape.size, np.int64)
-    weighed, sums = np.empty(rays), np.empty(arrays.bins)
+    weighed, sums = np.empty(TOGETHER), np.empty(arrays.bins)
     reach, fan = arrays.bins * arrays.bin_length, arrays.half_width > 0.0
     spreads = fan and arrays.pattern.tabulated
     aimed_at = np.full((2, 3), math.nan)
@@ -67,17 +69,21 @@ def trace_straight_pings(arrays, poses, rays, step, out):
                 if spreads:
                     spread_over_pattern(launch, arrays.pattern, z, reach, pitch)
                 aimed_at[side, 0], aimed_at[side, 1], aimed_at[side, 2] = z, top, pitch
-            rotate_to_world(launch, beam, bundle)
-            if step > 0.0:
-                march_hits(arrays.bed, arrays.solids, near, count, arrays.mesh, bundle, reach, step, hits)
-            else:
-                find_first_hits(arrays.bed, arrays.solids, near, count, arrays.mesh, bundle, reach, hits)
-            weight = launch.weight
-            if arrays.pattern.tabulated:
-                weight = weigh_by_pattern(arrays, beam, bundle, hits, launch.weight, weighed)
-            deposit_hits(bundle, hits, weight, arrays.reflectivity, arrays.law, fan, arrays.bin_length, sums)
-            if arrays.bounces > 0:
-                add_specular_echoes(arrays, beam, bundle, hits, launch.weight, sums)
+            sums[:] = 0.0
+            for first in range(0, rays, TOGETHER):
+                some = take_rays(launch, first, min(first + TOGETHER, rays))
+                these, met = take_room(bundle, hits, some.weight.size)
+                rotate_to_world(some, beam, these)
+                if step > 0.0:
+                    march_hits(arrays.bed, arrays.solids, near, count, arrays.mesh, these, reach, step, met)
+                else:
+                    find_first_hits(arrays.bed, arrays.solids, near, count, arrays.mesh, these, reach, met)
+                weight = some.weight
+                if arrays.pattern.tabulated:
+                    weight = weigh_by_pattern(arrays, beam, these, met, some.weight, weighed[: some.weight.size])
+                deposit_hits(these, met, weight, arrays.reflectivity, arrays.law, fan, arrays.bin_length, sums)
+                if arrays.bounces > 0:
+                    add_specular_echoes(arrays, beam, these, met, some.weight, sums)
             # The range factor is applied after the sum: within it, r⁻⁴ would cost digits.
             for k in range(arrays.bins):
                 out[ping, side, k] = sums[k] * arrays.range_factor[k]
@@ -146,6 +152,47 @@ def empty_hits(n):
     return Hits(np.empty(n), np.empty(n, np.int64), np.empty(n, np.int64), np.empty(n), np.empty(n), np.empty(n))
 
 
+@inlined
+def take_rays(launch, first, last):
+    """Return some of the rays of a side.
+
+    Parameters
+    ----------
+    launch : RayLaunch of ndarrays, shape (n,)
+    first, last : int
+
+    Returns
+    -------
+    RayLaunch
+        Views of rays first to last - 1.
+    """
+    ahead, abeam, up, weight = launch
+    return RayLaunch(ahead[first:last], abeam[first:last], up[first:last], weight[first:last])
+
+
+@inlined
+def take_room(bundle, hits, n):
+    """Return room for some rays and their hits.
+
+    Parameters
+    ----------
+    bundle, hits : RayBundle, Hits of ndarrays
+    n : int
+        Number of rays, at most as many as there is room for.
+
+    Returns
+    -------
+    tuple of RayBundle, Hits
+        Views of the first n entries.
+    """
+    x, y, z, dx, dy, dz = bundle
+    distance, body, material, nx, ny, nz = hits
+    return (
+        RayBundle(x[:n], y[:n], z[:n], dx[:n], dy[:n], dz[:n]),
+        Hits(distance[:n], body[:n], material[:n], nx[:n], ny[:n], nz[:n]),
+    )
+
+
 @kernel
 def weigh_by_pattern(arrays, beam, bundle, hits, weight, weighed):
     """Weight of rays times the two-way response of the beam towards their hits.
@@ -178,7 +225,7 @@ def weigh_by_pattern(arrays, beam, bundle, hits, weight, weighed):
 
 @kernel
 def deposit_hits(bundle, hits, weight, reflectivity, law, fan, bin_length, sums):
-    """Sum of the echoes of hits in each range bin.
+    """Add the echoes of hits to the range bins.
 
     Parameters
     ----------
@@ -193,9 +240,8 @@ def deposit_hits(bundle, hits, weight, reflectivity, law, fan, bin_length, sums)
     bin_length : float
         m.
     sums : ndarray, shape (bins,)
-        Filled, but for the factor that depends on range alone.
+        Added to, but for the factor that depends on range alone.
     """
-    sums[:] = 0.0
     for k in range(weight.size):
         if hits.body[k] == NOTHING:
             continue
