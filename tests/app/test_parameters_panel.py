@@ -15,6 +15,7 @@ from insonify.accuracy.record_errors import compute_errors, find_first_bin
 from insonify.display.normalisation import LevelBed
 from insonify.scene import Scene, bundled_scenes, edit, load_scene
 from insonify.simulation import prepare
+from insonify_viewer.comparison.record_difference import visible_share
 from insonify_viewer.effects import EFFECTS
 from insonify_viewer.field_names import name_edit, name_field
 from insonify_viewer.panels.parameters.sections import pinned_section, sections_of
@@ -199,9 +200,13 @@ def test_what_an_effect_changes_is_measured_as_seen_and_as_errors_are(
         simulation = prepare(one)
         return simulation, np.square(LevelBed(simulation).amplitudes(pings), dtype=np.float64)
 
-    simulation, b = normalised(scene)
-    for name, changes in (("beam", {"sonar.beam": "knife"}), ("speckle", {"receiver.speckle": "none"})):
-        _, a = normalised(edit(scene, changes))
+    smooth = edit(scene, {"receiver.speckle": "none"})
+    for name, before, changes in (
+        ("beam", smooth, {"sonar.beam": "knife"}),
+        ("speckle", scene, {"receiver.speckle": "none"}),
+    ):
+        simulation, b = normalised(before)
+        _, a = normalised(edit(before, changes))
         first = find_first_bin(1.4, simulation.arrays, simulation.poses(pings))
         share = compute_errors(a, b, np.ones(100), first_bin=0, beyond_bin=first).beyond
         told = panel(viewer)._meter.differences(scene, viewer.session.modelling)[name]
@@ -211,6 +216,22 @@ def test_what_an_effect_changes_is_measured_as_seen_and_as_errors_are(
         assert told.visible == pytest.approx(float(seen.mean()), rel=0.05), name
         assert figure(viewer, name) == f"changes {100 * told.visible:.2g} %"
     assert figure(viewer, "noise") == "", "what the scene never had is not measured"
+
+
+def test_grain_that_is_drawn_anew_counts_as_no_change_by_the_pulse(open_viewer: Any, qtbot: Any) -> None:
+    """Without the pulse the speckle of half of the bins is another; the bed and its shadows are where they were."""
+    scene = edit(load_scene("default"), {"receiver.speckle": "rayleigh", "track.pings": 64})
+    viewer = open_viewer(scene, prepare=None)
+    qtbot.waitUntil(lambda: panel(viewer).at_rest, timeout=240000)
+    told = panel(viewer)._meter.differences(scene, viewer.session.modelling)["pulse"]
+    pings = np.arange(64, dtype=np.int64)
+    one, other = (
+        np.square(LevelBed(prepare(each)).amplitudes(pings)) for each in (scene, edit(scene, {"sonar.pulse": "ideal"}))
+    )
+    assert visible_share(one, other) > 3.0 * told.visible
+    tips = {name: panel(viewer).view.effects.figures[name].toolTip() for name in ("pulse", "speckle")}
+    assert "Speckle is left out" in tips["pulse"]
+    assert "Speckle is left out" not in tips["speckle"]
 
 
 def test_figures_are_measured_once(open_viewer: Any, small: Scene, qtbot: Any) -> None:

@@ -24,21 +24,24 @@ if TYPE_CHECKING:
 KEPT = 32  # scenes whose figures are kept, for undo and redo
 FEWEST = 48  # pings
 SECONDS = 0.1  # predicted, for the pings of one effect by the present plan
+GRAIN = "receiver.speckle"  # drawn anew by most edits, which changes almost every bin and nothing that is seen
 
 
 @dataclass
 class _Measured:
-    """Figures of a scene under a modelling."""
+    """Figures of a scene under a modelling, and its record without speckle, once that is known."""
 
     scene: Scene
     modelling: Modelling
+    smooth: RecordSnapshot | None = None
     differences: dict[str, RecordDifference | None] = field(default_factory=dict)
 
 
 class EffectMeter:
     """Compares the record on screen with that of the scene with one effect more or less, one after the other.
 
-    Each record is relative to the level bed of its own scene, as it is shown. Figures of recent scenes are kept.
+    Each record is relative to the level bed of its own scene, as it is shown. Both are compared without speckle, except
+    for what the speckle itself changes. Figures of recent scenes are kept.
 
     Parameters
     ----------
@@ -114,19 +117,27 @@ class EffectMeter:
                 self._measure(turn, found, before, others)
             self._updated()
 
-        self._thread.send(partial(self._difference, found.scene, found.modelling, before, changes), take)
+        self._thread.send(partial(self._difference, found, before, changes), take)
 
-    def _difference(
-        self, scene: Scene, modelling: Modelling, before: RecordSnapshot, changes: dict[str, Any]
-    ) -> RecordDifference | None:
+    def _difference(self, found: _Measured, before: RecordSnapshot, changes: dict[str, Any]) -> RecordDifference | None:
         """Difference that an edit makes to a record, on the thread; None if the edited scene cannot be simulated."""
         try:
-            scene = edit(scene, changes)
-            amplitude = self._simulator.trace_beside(scene, modelling, before.ping)
+            if GRAIN not in changes and has_grain(found.scene):
+                found.smooth = found.smooth or self._trace(edit(found.scene, {GRAIN: "none"}), found, before.ping)
+                before = found.smooth
+            return compare_records(before, self._trace(edit(before.scene, changes), found, before.ping))
         except SceneError:
             return None
+
+    def _trace(self, scene: Scene, found: _Measured, pings: NDArray[np.int64]) -> RecordSnapshot:
+        amplitude = self._simulator.trace_beside(scene, found.modelling, pings)
         rows = np.concatenate([amplitude[:, 0, ::-1], amplitude[:, 1]], axis=1)
-        return compare_records(before, RecordSnapshot(scene, before.ping, np.square(rows)))
+        return RecordSnapshot(scene, pings, np.square(rows))
+
+
+def has_grain(scene: Scene) -> bool:
+    """Whether the record of a scene has speckle."""
+    return scene.receiver.speckle.kind != "none"
 
 
 def _snapshot_some(simulation: Simulation, record: Record) -> RecordSnapshot:

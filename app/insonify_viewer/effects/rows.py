@@ -8,6 +8,10 @@ from typing import NamedTuple
 from insonify.scene import Scene
 from insonify_viewer.comparison.record_difference import NOTHING_SEEN, VISIBLE, RecordDifference, say_percent
 from insonify_viewer.effects.catalogue import EFFECTS, Changes
+from insonify_viewer.effects.meter import has_grain
+
+GRAIN_APART = " Speckle is left out of these figures: its grain is drawn anew, which changes single bins and no shape."
+AUDIBLE = 0.05  # dB, the least change of the mean level that is told
 
 
 class EffectRow(NamedTuple):
@@ -61,12 +65,14 @@ class EffectTicks:
     def rows(self, scene: Scene, differences: Mapping[str, RecordDifference | None]) -> tuple[EffectRow, ...]:
         """Rows to show for a scene, given what is known of the changes."""
         return tuple(
-            EffectRow(effect.name, effect.meaning, on, *self._figure(effect.name, on, differences))
+            EffectRow(effect.name, effect.meaning, on, *self._figure(effect.name, on, differences, scene))
             for effect in EFFECTS
             for on in [effect.is_on(scene)]
         )
 
-    def _figure(self, name: str, on: bool, differences: Mapping[str, RecordDifference | None]) -> tuple[str, str]:
+    def _figure(
+        self, name: str, on: bool, differences: Mapping[str, RecordDifference | None], scene: Scene
+    ) -> tuple[str, str]:
         if not on and name not in self._settings:
             return "", "This scene has had no such effect; tick it to add one with usual settings"
         if name not in differences:
@@ -74,7 +80,8 @@ class EffectTicks:
         difference = differences[name]
         if difference is None:
             return "–", "what it changes cannot be measured here"
-        return say_difference(difference), explain_difference(difference, on)
+        grain = GRAIN_APART if has_grain(scene) and name != "speckle" else ""
+        return say_difference(difference), explain_difference(difference, on) + grain
 
 
 def say_difference(difference: RecordDifference) -> str:
@@ -86,10 +93,13 @@ def say_difference(difference: RecordDifference) -> str:
 
 def explain_difference(difference: RecordDifference, on: bool) -> str:
     """Say in sentences what an effect changes, by the eye's measure and by that of the plan."""
+    level = ""
+    if abs(difference.decibels) >= AUDIBLE:
+        level = f", the mean level by {difference.decibels:+.1f} dB".replace("-", "−")
     return (
         f"{'Without' if on else 'With'} it {say_percent(difference.visible)} of the picture would be fainter or louder "
-        f"by {VISIBLE:g} dB or more. The rms of the record, which strong echoes rule and by which the plan measures "
-        f"errors, would differ by {say_percent(difference.share)}."
+        f"by {VISIBLE:g} dB or more{level}. The rms of the record, which "
+        f"strong echoes rule and by which the plan measures errors, would differ by {say_percent(difference.share)}."
     )
 
 
