@@ -18,7 +18,11 @@ from PySide6.QtWidgets import (
 from insonify_viewer.errors.versions import list_versions, version_of
 
 _NATIVE = QKeySequence.SequenceFormat.NativeText
-HELD_KEYS = (("show record A while held", "X"), ("look back along a paused record", "mouse wheel"))
+HELD_KEYS = (
+    ("show record A while held", "X"),
+    ("look back along a paused record", "mouse wheel"),
+    ("stop the job that has the keyboard", "Delete"),
+)
 LICENCE = "MIT licence: free to use, change and pass on, without warranty."
 
 

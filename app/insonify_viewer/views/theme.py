@@ -120,6 +120,9 @@ QSlider::handle:horizontal:disabled {{ background: {FAINT}; }}
 QProgressBar {{ background: {GROUND}; border: 1px solid {EDGE}; border-radius: 3px; max-height: 9px;
     max-width: 120px; }}
 QProgressBar#job {{ max-height: 16px; min-width: 220px; max-width: 320px; color: {TEXT}; text-align: center; }}
+QFrame#job {{ border: 1px solid transparent; border-radius: 4px; }}
+QFrame#job:focus, QProgressBar#job:focus {{ border-color: {ACCENT}; }}
+QPushButton#tool:focus, QPushButton#small:focus, QPushButton#file:focus {{ border-color: {ACCENT}; }}
 QProgressBar#job::chunk {{ background: {TRAIL}; }}
 QProgressBar::chunk {{ background: {ACCENT}; }}
 QScrollBar:vertical {{ background: {GROUND}; width: 9px; margin: 0; }}

@@ -7,7 +7,8 @@ from functools import partial
 from pathlib import Path
 from typing import NamedTuple
 
-from PySide6.QtCore import Signal
+from PySide6.QtCore import Qt, Signal
+from PySide6.QtGui import QKeyEvent, QShowEvent
 from PySide6.QtWidgets import QHBoxLayout, QLabel, QMenu, QPushButton, QVBoxLayout, QWidget
 
 from insonify.accuracy.charts.kinds import list_chart_kinds
@@ -34,6 +35,9 @@ class WantedChart(NamedTuple):
 class JobsView(QWidget):
     """Lists the jobs, the newest first.
 
+    Tab goes from the buttons to the jobs in the order in which they stand, Up and Down go from job to job, Return
+    presses a button, and Escape closes the window.
+
     Parameters
     ----------
     specifications : list of str
@@ -54,12 +58,12 @@ class JobsView(QWidget):
         self.resize(*SIZE)
         self.setMinimumSize(*SMALLEST)
         self._specifications = specifications
-        self.record = _button("Record…", "Every ping of the scene, as data or as a picture", self._ask_for_record)
-        self.chart = _button("Chart…", "Error, cost or convergence, measured on this machine")
+        self.record = _button("&Record…", "Every ping of the scene, as data or as a picture", self._ask_for_record)
+        self.chart = _button("&Chart…", "Error, cost or convergence, measured on this machine")
         self.chart.setMenu(self._charts())
-        self.dataset = _button("Data set…", "Labelled images of many scenes", self._ask_for_dataset)
-        self.stability = _button("Stability…", "The known numerical failures, measured, as a page", self._ask_for_page)
-        self.forget = _button("Clear", "Leave the jobs that have ended out of this list", self.forget_wanted.emit)
+        self.dataset = _button("&Data set…", "Labelled images of many scenes", self._ask_for_dataset)
+        self.stability = _button("S&tability…", "The known numerical failures, measured, as a page", self._ask_for_page)
+        self.forget = _button("C&lear", "Leave the jobs that have ended out of this list", self.forget_wanted.emit)
         self._hint = QLabel(HINT)
         self._hint.setObjectName("name")
         self._hint.setWordWrap(True)
@@ -83,10 +87,35 @@ class JobsView(QWidget):
     def show_job(self, job: BackgroundJob) -> None:
         """Show how far a job is; a new one gets a row on top."""
         if job not in self._rows:
-            self._rows[job] = JobRow(job)
-            self._rows[job].details_wanted.connect(self.details_wanted)
-            self._list.insertWidget(0, self._rows[job])
+            self._rows[job] = row = JobRow(job)
+            row.focused.connect(self._scroll.ensureWidgetVisible)
+            row.left.connect(self._go)
+            row.details_wanted.connect(self.details_wanted)
+            self._list.insertWidget(0, row)
+            for each in (*reversed(row.buttons), row):  # each goes right behind the last of the tools
+                self.setTabOrder(self.forget, each)
         self._rows[job].show_job(job)
+
+    def showEvent(self, event: QShowEvent) -> None:
+        """Give the keyboard to the newest job, or to the first button where there is none."""
+        super().showEvent(event)
+        (self.rows[-1] if self._rows else self.record).setFocus()
+
+    def keyPressEvent(self, event: QKeyEvent) -> None:
+        """Close the window, or press the button that has the keyboard."""
+        focus, key = self.focusWidget(), event.key()
+        if key == Qt.Key.Key_Escape:
+            self.close()
+        elif key in (Qt.Key.Key_Return, Qt.Key.Key_Enter) and isinstance(focus, QPushButton):
+            focus.click()
+        else:
+            super().keyPressEvent(event)
+
+    def _go(self, step: int) -> None:
+        """Give the keyboard to a newer or an older job than the one that has it."""
+        rows = self.rows
+        here = next((k for k, row in enumerate(rows) if row.hasFocus()), 0)
+        rows[min(max(here + step, 0), len(rows) - 1)].setFocus()
 
     def _ask_for_record(self) -> None:
         if path := ask_where_to_save(self, "Write the record", "record.nc", record_formats()):
@@ -118,13 +147,14 @@ class JobsView(QWidget):
             tools.addWidget(button)
         tools.addStretch(1)
         tools.addWidget(self.forget)
-        scroll = ScrollColumn()
-        self._list = scroll.column
+        self._scroll = ScrollColumn()
+        self._scroll.setFocusPolicy(Qt.FocusPolicy.NoFocus)  # it follows the job that has the keyboard
+        self._list = self._scroll.column
         self._list.addStretch(1)
         column = QVBoxLayout(self)
         column.addLayout(tools)
         column.addWidget(self._hint)
-        column.addWidget(scroll, 1)
+        column.addWidget(self._scroll, 1)
 
 
 def _button(text: str, tip: str, clicked: Callable[[], None] | None = None) -> QPushButton:
