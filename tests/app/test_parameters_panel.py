@@ -20,6 +20,7 @@ from insonify_viewer.effects import EFFECTS
 from insonify_viewer.field_names import name_edit, name_field
 from insonify_viewer.panels.parameters.sections import pinned_section, sections_of
 from insonify_viewer.panels.parameters.trying import Trials, row_of
+from insonify_viewer.panels.parameters.view import parameters_view
 from insonify_viewer.panels.parameters.view.parameters_view import ParametersView
 from insonify_viewer.panels.parameters.view.section_box import SectionBox
 from insonify_viewer.session import Session
@@ -90,18 +91,23 @@ def test_rare_fields_are_folded_until_asked_for(open_viewer: Any, small: Scene, 
     assert view._sections["track"].rows["track.start.0"].slider.isVisible(), "what a lesson speaks of is shown"
 
 
-def test_a_link_moves_its_control_in_sight_and_back(open_viewer: Any, small: Scene, qtbot: Any) -> None:
+def test_a_link_moves_its_control_in_sight_and_back(
+    open_viewer: Any, small: Scene, qtbot: Any, monkeypatch: pytest.MonkeyPatch
+) -> None:
     viewer = open_viewer(
         edit(small, {"description": "[Lower it](track.altitude=4.0), or [no beam](sonar.beam=knife)."})
     )
     view, session = panel(viewer).view, viewer.session
     seen: list[float] = []
     session.changed.connect(lambda scene, settled: seen.append(scene.altitude))
-    view._about.label.linkActivated.emit("0")
-    assert view.row("track.altitude").label.property("lit")
+    with monkeypatch.context() as patched:
+        patched.setattr(parameters_view, "GLIDE", 10_000)  # ms: however seldom a busy machine moves it, it is seen
+        view._about.label.linkActivated.emit("0")
+        assert view.row("track.altitude").label.property("lit")
+        qtbot.waitUntil(lambda: len({round(altitude, 2) for altitude in seen}) > 3)
+        view.end_glide()
     qtbot.waitUntil(lambda: session.undoable[:1] == ("altitude",), timeout=5000)
     assert seen[-1] == 4.0
-    assert len({round(altitude, 2) for altitude in seen}) > 3, "it is seen to move"
     assert "↩" in view._about.label.text()
     view._about.label.linkActivated.emit("0")
     qtbot.waitUntil(lambda: session.scene.track.altitude == 10.0 and len(session.undoable) == 2, timeout=5000)

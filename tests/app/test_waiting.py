@@ -144,7 +144,7 @@ def test_the_new_bed_is_told_before_its_methods_are_chosen(small: Scene, qtbot: 
     going = threading.Event()
 
     def prepare(scene: Scene, *, packed: Any, **how: Any) -> StandIn:
-        going.wait(20.0)
+        going.wait(120.0)
         made = StandIn(scene, **how)
         made.ground = packed.ground
         return made
@@ -153,11 +153,13 @@ def test_the_new_bed_is_told_before_its_methods_are_chosen(small: Scene, qtbot: 
     ready: list[Any] = []
     simulator.laid.connect(lambda number, packed: told.append((going.is_set(), packed.scene)))
     try:
-        for scene in (small, edit(small, {"sonar.range": 40.0}), edit(small, {"seabed.relief.beta": 2.0})):
+        scenes = (small, edit(small, {"sonar.range": 40.0}), edit(small, {"seabed.relief.beta": 2.0}))
+        for scene, beds in zip(scenes, (1, 1, 2)):
             going.clear()
             simulator.prepare(scene, Modelling(), ready.append)
             qtbot.waitUntil(lambda: simulator.activity.what == "choosing the methods by a few pings", timeout=60000)
-            qtbot.wait(20)
+            qtbot.waitUntil(lambda beds=beds: len(told) >= beds)
+            qtbot.wait(20)  # for one that is told twice
             going.set()
             qtbot.waitUntil(lambda: len(ready) > 0, timeout=60000)
             ready.clear()

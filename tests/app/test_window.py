@@ -134,7 +134,8 @@ def test_the_tow_waits_for_pings_that_take_long(open_viewer: Any, small: Scene, 
     viewer.simulator.ask = lambda request: None  # as if nothing were ever traced
     viewer.tow.speed = 16.0
     viewer.run(True)
-    qtbot.wait(1500)
+    qtbot.waitUntil(lambda: viewer.tow.newest > 127 + 48)
+    qtbot.wait(500)
     assert viewer.tow.running
     # It stops when more than 48 are blank, and goes on by no more than a fifth of a second at once.
     assert 127 + 48 < viewer.tow.newest <= 127 + 48 + round(0.2 * 16.0 * 10.0) + 1
@@ -278,8 +279,8 @@ def test_one_ping_one_bin(open_viewer: Any, small: Scene, qtbot: Any) -> None:
 def test_small_window_clips_no_tool(open_viewer: Any, small: Scene, qtbot: Any) -> None:
     viewer = open_viewer(small)
     viewer.window.resize(900, 600)
+    qtbot.waitUntil(lambda: viewer.window.width() == 900)
     qtbot.wait(50)
-    assert viewer.window.width() == 900
     last = next(b for b in viewer.window.findChildren(QToolButton) if b.text() == "Auto")
     assert last.isVisible()
     assert last.mapTo(viewer.window, QPoint(last.width(), 0)).x() <= 900
@@ -287,10 +288,14 @@ def test_small_window_clips_no_tool(open_viewer: Any, small: Scene, qtbot: Any) 
 
 def test_nothing_black_in_the_water_above(open_viewer: Any, small: Scene, qtbot: Any) -> None:
     viewer = open_viewer(small, solid=True)
+
+    def is_water() -> bool:
+        image = viewer.seabed.view.grab().toImage()
+        colour = QColor(image.pixel(image.width() // 8, 8))
+        return colour.blue() > colour.red() > 40
+
     qtbot.wait(200)
-    image = viewer.seabed.view.grab().toImage()
-    colour = QColor(image.pixel(image.width() // 8, 8))
-    assert colour.blue() > colour.red() > 40
+    qtbot.waitUntil(is_water)
 
 
 def test_picture_is_saved_whole_or_not_at_all(open_viewer: Any, small: Scene, tmp_path: Any) -> None:
