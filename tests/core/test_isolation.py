@@ -84,11 +84,12 @@ def test_a_crash_is_one_sentence_and_the_next_file_is_read(file):
 
 
 def test_a_loop_is_ended(file, monkeypatch):
-    monkeypatch.setattr(isolation, "LONGEST", 1.0)
     began = time.perf_counter()
-    with pytest.raises(FileFault, match="takes longer than 1 s to read"):
-        run_isolated(loop, file)
-    assert time.perf_counter() - began < 5.0
+    with monkeypatch.context() as patched:
+        patched.setattr(isolation, "LONGEST", 1.0)
+        with pytest.raises(FileFault, match="takes longer than 1 s to read"):
+            run_isolated(loop, file)
+    assert time.perf_counter() - began < 1.0 * isolation.STARVED + 4.0  # where others keep the processors busy
     assert run_isolated(chatter, file) == 3
 
 
@@ -98,14 +99,16 @@ def doze(path: str) -> int:
 
 
 def test_a_reader_that_waits_for_anything_is_ended(file, monkeypatch):
-    monkeypatch.setattr(isolation, "LONGEST", 0.5)
     assert run_isolated(chatter, file) == 3  # the process has started
+    monkeypatch.setattr(isolation, "LONGEST", 0.5)
     with pytest.raises(FileFault, match="takes longer than"):
         run_isolated(doze, file)
 
 
 def test_time_stands_still_while_a_reader_waits_for_a_processor(file, monkeypatch):
+    assert run_isolated(chatter, file) == 3  # the process has started
     monkeypatch.setattr(isolation, "LONGEST", 0.5)
+    monkeypatch.setattr(isolation, "STARVED", 60.0)
     monkeypatch.setattr(isolation, "_processor_time", lambda process: (7.0, True))
     assert run_isolated(doze, file) == 4
     monkeypatch.setattr(isolation, "STARVED", 2.0)
@@ -136,7 +139,7 @@ def test_a_loop_ends_when_the_program_is_killed(file):
 
 
 def wait_until(condition: Callable[[], bool]) -> None:
-    limit = time.monotonic() + 30.0
+    limit = time.monotonic() + 120.0
     while not condition():
         assert time.monotonic() < limit
         time.sleep(0.02)
@@ -189,7 +192,7 @@ def test_a_process_that_has_ended_is_started_anew(file):
 def test_an_idle_process_ends(file):
     lines = "from insonify.io import isolated; isolated.IDLE = 0.2; isolated.serve()"
     with subprocess.Popen([sys.executable, "-c", lines], stdin=subprocess.PIPE, stdout=subprocess.PIPE) as idle:
-        assert idle.wait(timeout=20) == 0
+        assert idle.wait(timeout=120) == 0
 
 
 def ask(file: str, answers: object) -> None:

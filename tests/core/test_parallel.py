@@ -6,11 +6,12 @@ import subprocess
 import sys
 import threading
 import time
+from collections import deque
 from concurrent.futures import Future
 
 import pytest
 
-from insonify import cores
+from insonify import cores, parallel
 from insonify.parallel import PerThread, count_threads, in_parallel, limited_threads, one_ahead
 from insonify.scene import SceneError
 
@@ -70,18 +71,23 @@ def test_a_share_may_share_its_own_work():
     assert sum(inner) == 4000
 
 
-def test_an_error_stops_the_others_and_is_raised():
-    begun = []
+def test_an_error_stops_the_others_and_is_raised(monkeypatch):
+    begun, failed = [], threading.Event()
 
     def block(first, last):
         begun.append(first)
         if first == 0:
             raise ValueError("the first share")
-        time.sleep(0.005)
+        failed.wait(10.0)  # no share ends before the others are called off
 
+    def call_off(waiting, **how):
+        deque(waiting, **how)
+        failed.set()
+
+    monkeypatch.setattr(parallel, "deque", call_off)
     with pytest.raises(ValueError, match="the first share"):
         in_parallel(block, 10_000, threads=2)
-    assert len(begun) <= 3
+    assert len(begun) <= 2  # the one that fails, and one beside it
 
 
 def test_each_thread_makes_its_own_room_once():
@@ -182,6 +188,12 @@ print(os.waitpid(child, 0)[1])
     assert done.stdout.strip() == "0"
 
 
+def wait_until(condition):
+    limit = time.monotonic() + 60.0
+    while not condition() and time.monotonic() < limit:
+        time.sleep(0.001)
+
+
 def test_one_item_ahead_is_made_meanwhile():
     made = []
 
@@ -192,7 +204,8 @@ def test_one_item_ahead_is_made_meanwhile():
 
     seen = []
     for item in one_ahead(items()):
-        time.sleep(0.01)
+        wait_until(lambda item=item: len(made) >= min(item + 2, 5))
+        time.sleep(0.01)  # for one made too early
         seen.append((item, len(made)))
     assert [item for item, _ in seen] == list(range(5))
     assert [count for _, count in seen] == [2, 3, 4, 5, 5]

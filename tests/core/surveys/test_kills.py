@@ -64,7 +64,7 @@ def check_done(folder, undisturbed):
 
 def ended_workers(process):
     """Wait until no process of the driver's group is left."""
-    deadline = time.monotonic() + 30.0
+    deadline = time.monotonic() + 120.0
     while time.monotonic() < deadline:
         try:
             os.killpg(process.pid, 0)
@@ -78,7 +78,7 @@ def kill_and_go_on(folder, undisturbed, jobs):
     process = driver(folder)
     wait_for_jobs(folder, jobs, process)
     process.kill()
-    process.communicate(timeout=20)
+    process.communicate(timeout=120)
     assert ended_workers(process)
     check_done(folder, undisturbed)
     done = done_jobs(folder / "set")
