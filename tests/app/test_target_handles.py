@@ -148,6 +148,34 @@ def test_a_pipe_is_thickened_in_three_dimensions(open_viewer: Any, small: Scene,
     assert viewer.session.scene.targets[0].radius > 0.6
 
 
+def test_a_mesh_is_resized_in_three_dimensions(open_viewer: Any, small: Scene, qtbot: Any) -> None:
+    mesh = {"kind": "mesh", "path": "wreck", "scale": 0.2, "position": [12.0, -20.0], "heading": 90.0}
+    viewer = open_viewer(edit(small, {"targets": [mesh], "sonar.bins": 400}), solid=True)
+    viewer.targets.handles.choose(0)
+    viewer.seabed.draw_now()
+    view = viewer.seabed.view
+    handle, centre = (view.handles.place(number_of(viewer, action)).toPoint() for action in ("resize", "move"))
+    drag(view._canvas.widget, handle, handle + (handle - centre))
+    assert viewer.session.undoable == ("mesh 1 resized",)
+    assert 0.25 < viewer.session.scene.targets[0].scale < 0.8
+    viewer.session.undo()
+    assert viewer.session.scene.targets[0].scale == 0.2
+
+
+@pytest.mark.parametrize("kind", ["box", "cone", "mesh", "pipe", "sphere"])
+def test_every_kind_with_a_size_has_a_handle_for_it(kind: str) -> None:
+    """A drag of every handle of a size changes it, and each size of a kind is changed by one of its handles."""
+    given = {"kind": kind, "position": [12.0, -20.0]} | ({"path": "wreck"} if kind == "mesh" else {})
+    scene = edit(load_scene("default"), {"targets": [given]})
+    changed: set[str] = set()
+    for handle in handles_of(prepare(scene), 0):
+        if handle.action in ("resize", "thicken", "raise"):
+            away = tuple(2.0 * now - middle for now, middle in zip(handle.place, (12.0, -20.0, 0.0), strict=True))
+            changed |= {path.rpartition(".")[2] for path in drag_edit(scene, handle, handle.place, away)}
+    sizes = {"length", "size", "radius", "height", "scale"} & set(type(scene.targets[0]).model_fields)
+    assert changed == sizes
+
+
 def test_a_target_is_found_by_a_place_within_it() -> None:
     scene = load_scene("default")
     assert target_at(scene, 40.0, 22.0) == 0
