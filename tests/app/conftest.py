@@ -26,6 +26,7 @@ from insonify_viewer.viewer import Viewer
 from insonify_viewer.views.theme import apply_theme
 
 COMPILING = 240.0  # s, that a thread may take to compile its kernels where other tests keep the cores busy
+TURNS = 10  # of the loop of events, at least, in any time that a test waits
 PATIENCE = 60_000  # ms, that only a fault takes longer than, however busy the cores are
 
 Opener = Callable[..., Viewer]
@@ -38,8 +39,18 @@ def small() -> Scene:
 
 @pytest.fixture
 def qtbot(qtbot: Any) -> Any:
-    """Wait for a condition no less than a busy machine may take: the time a test gives is no bound that it asserts."""
-    wait_until = qtbot.waitUntil
+    """Wait as long as a busy machine may take: the time that a test gives for a condition is no bound that it asserts.
+
+    In a given time such a machine may go through the loop of events but once, where a layout takes several turns.
+    """
+    wait_until, wait = qtbot.waitUntil, qtbot.wait
+
+    def wait_some_turns(milliseconds: int) -> None:
+        wait(milliseconds)
+        for _ in range(TURNS):
+            QCoreApplication.processEvents()
+
+    qtbot.wait = wait_some_turns
     qtbot.waitUntil = lambda condition, *, timeout=0: wait_until(condition, timeout=max(timeout, PATIENCE))
     return qtbot
 

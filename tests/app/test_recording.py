@@ -249,7 +249,7 @@ def test_reading_shows_a_bar_and_the_last_file_wins(
 
     def load_slowly(path: str, frequency: float | None) -> Recording:
         if path.endswith(".xtf"):
-            go_on.wait(30.0)
+            go_on.wait(120.0)
         return load(path, frequency)
 
     monkeypatch.setattr(recording_player, "load_recording", load_slowly)

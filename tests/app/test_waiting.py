@@ -71,7 +71,7 @@ def test_stale_rows_are_dimmed_until_the_new_ones_arrive(open_viewer: Any, small
     class Slow(StandIn):
         def intensity(self, pings: Any) -> Any:
             if self.scene.seed == 5:
-                going.wait(20.0)
+                going.wait(120.0)
             return super().intensity(pings)
 
     viewer = open_viewer(small, prepare=Slow)
@@ -99,7 +99,7 @@ def test_the_bed_of_the_last_scene_is_faded_beside_a_newer_record(
 
     def draw_slowly(ground: Any, *rest: Any) -> Any:
         if ground is not first:
-            going.wait(60.0)
+            going.wait(120.0)
         return draw(ground, *rest)
 
     viewer = open_viewer(small, prepare=None, solid=True)

@@ -347,7 +347,7 @@ def test_seabed_and_progress_show_before_the_first_ping(open_viewer: Any, small:
 
     class Slow(StandIn):
         def intensity(self, pings: Any) -> Any:
-            compiled.wait(20.0)
+            compiled.wait(120.0)
             return super().intensity(pings)
 
     viewer = open_viewer(small, prepare=Slow, until=lambda v: v.seabed.complete)
