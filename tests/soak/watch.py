@@ -8,6 +8,7 @@ import threading
 import time
 import traceback
 import warnings
+from array import array
 from collections import Counter
 from pathlib import Path
 from types import FrameType
@@ -81,16 +82,16 @@ class Gaps(QObject):
 
     Attributes
     ----------
-    gaps, busy : list of float
-        Seconds of each turn by the clock, and of processor time of the main thread.
+    gaps, busy : array of float
+        Seconds of each turn by the clock, and of processor time of the main thread: a million an hour, which as objects
+        would take what a leak of the window does.
     causes : Counter
         Long gaps in words.
     """
 
     def __init__(self) -> None:
         super().__init__()
-        self.gaps: list[float] = []
-        self.busy: list[float] = []
+        self.gaps, self.busy = array("d"), array("d")
         self.causes: Counter[str] = Counter()
         self._last, self._ending = _now(), threading.Event()
         self._begun, self._drawn = self._last, np.zeros(2)
@@ -131,8 +132,7 @@ class Gaps(QObject):
 
     def clear(self) -> None:
         """Forget all gaps so far."""
-        self.gaps.clear()
-        self.busy.clear()
+        self.gaps, self.busy = array("d"), array("d")
         self.causes.clear()
 
     def _sample(self) -> None:
