@@ -119,7 +119,7 @@ class _Elsewhere:
     def running(self) -> CompilingProcess | None:
         """Return the process, started if there is none; None if none is wanted or it cannot be started."""
         with self.lock, contextlib.suppress(OSError):
-            if self.wanted and (self.process is None or self.process.ended):
+            if self.wanted and sys.executable and (self.process is None or self.process.ended):
                 self.process = CompilingProcess()
             return self.process
         return None
