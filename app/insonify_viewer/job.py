@@ -49,6 +49,7 @@ class Job:
         self._do, self._name = work, name
         self._call_later, self._progressed, self._done, self._failed = call_later, progressed, done, failed
         self._stopping = False
+        self._share: float | None = None  # reported and not passed on yet
         self._thread = threading.Thread(target=self._work, name=f"insonify {name}", daemon=True)
 
     @property
@@ -81,4 +82,11 @@ class Job:
     def _report(self, share: float) -> None:
         if self._stopping:
             raise StoppedError
-        self._call_later(self._progressed, share)
+        told, self._share = self._share is not None, share
+        if not told:  # a report that waits will tell of this one too: work may report faster than a window listens
+            self._call_later(self._pass_on, None)
+
+    def _pass_on(self, _: None) -> None:
+        share, self._share = self._share, None
+        if share is not None:
+            self._progressed(share)

@@ -12,7 +12,7 @@ import pytest
 
 os.environ.setdefault("QT_API", "pyside6")
 
-from PySide6.QtCore import QCoreApplication, QEvent, QSettings, QTimer
+from PySide6.QtCore import QCoreApplication, QEvent, QEventLoop, QSettings, QTimer
 from PySide6.QtWidgets import QApplication, QMessageBox
 from stand_in import StandIn
 
@@ -26,7 +26,7 @@ from insonify_viewer.viewer import Viewer
 from insonify_viewer.views.theme import apply_theme
 
 COMPILING = 240.0  # s, that a thread may take to compile its kernels where other tests keep the cores busy
-TURNS = 10  # of the loop of events, at least, in any time that a test waits
+TURNS, TURN = 10, 20  # of the loop of events, at least, in any time that a test waits; ms, of one that goes on and on
 PATIENCE = 60_000  # ms, that only a fault takes longer than, however busy the cores are
 
 Opener = Callable[..., Viewer]
@@ -48,7 +48,7 @@ def qtbot(qtbot: Any) -> Any:
     def wait_some_turns(milliseconds: int) -> None:
         wait(milliseconds)
         for _ in range(TURNS):
-            QCoreApplication.processEvents()
+            QCoreApplication.processEvents(QEventLoop.ProcessEventsFlag.AllEvents, TURN)
 
     qtbot.wait = wait_some_turns
     qtbot.waitUntil = lambda condition, *, timeout=0: wait_until(condition, timeout=max(timeout, PATIENCE))

@@ -178,3 +178,20 @@ def test_threads_beside_the_window_yield_the_processor_to_it(open_viewer: Any, s
     qtbot.waitUntil(lambda: len(found) == 3, timeout=5000)
     thread.close()
     assert min(found) > niceness()
+
+
+def test_reports_that_wait_are_passed_on_as_one() -> None:
+    calls: list[tuple[Any, Any]] = []
+    told: list[float] = []
+
+    def work(progress: Any) -> None:
+        for k in range(1000):
+            progress(k / 1000.0)
+
+    job = Job(work, lambda *call: calls.append(call), progressed=told.append, done=print, failed=print, name="test")
+    job.start()
+    job._thread.join(60.0)
+    assert len(calls) == 2, "one of its progress, one of its end"
+    receive, result = calls[0]
+    receive(result)
+    assert told == [0.999]

@@ -19,7 +19,9 @@ from insonify.tracers import rays, sweep
 
 FLAT = np.zeros((4, 4))
 FAN = math.radians(1.25)
-WITHOUT_KERNELS = {"cache.py", "jit.py", "dispatch.py", "separate.py"}  # they compile kernels, keep and call them
+WITHOUT_KERNELS = {  # they compile kernels, keep and call them
+    "cache.py", "compiling_process.py", "dispatch.py", "jit.py", "separate.py",
+}  # fmt: skip
 SOURCES = sorted(Path(kernels.__file__).parent.rglob("*.py"))
 
 

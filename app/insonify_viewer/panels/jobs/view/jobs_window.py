@@ -12,6 +12,7 @@ from PySide6.QtGui import QKeyEvent, QShowEvent
 from PySide6.QtWidgets import QHBoxLayout, QLabel, QMenu, QPushButton, QVBoxLayout, QWidget
 
 from insonify.accuracy.charts.kinds import list_chart_kinds
+from insonify_viewer.errors.guarded_overrides import guard_override
 from insonify_viewer.jobs.background_job import BackgroundJob
 from insonify_viewer.panels.jobs.view.dataset_question import DatasetQuestion
 from insonify_viewer.panels.jobs.view.job_row import JobRow
@@ -96,6 +97,7 @@ class JobsView(QWidget):
                 self.setTabOrder(self.forget, each)
         self._rows[job].show_job(job)
 
+    @guard_override(None)
     def showEvent(self, event: QShowEvent) -> None:
         """Give the keyboard to the newest job, or to the first button where there is none."""
         super().showEvent(event)
