@@ -16,9 +16,9 @@ from insonify_viewer.pixel_label import label_bin
 if TYPE_CHECKING:
     from insonify.simulation import Simulation
     from insonify.tracers.labels import RecordLabels
+    from insonify_viewer.ping_request import TracedPings
     from insonify_viewer.record import Record
     from insonify_viewer.session import Mark
-    from insonify_viewer.simulator import TracedPings
 
 KEPT = 32  # pings whose labels are kept
 

@@ -6,7 +6,6 @@ import threading
 import time
 from collections.abc import Callable, Iterator
 from contextlib import ExitStack, contextmanager, suppress
-from dataclasses import dataclass
 from functools import partial
 from typing import TYPE_CHECKING, Any
 
@@ -21,6 +20,7 @@ from insonify_viewer.comparison.kept_record import SimulatedScene, find_altitude
 from insonify_viewer.errors.failure import describe_error
 from insonify_viewer.laid_scene import is_same_ground
 from insonify_viewer.modelling import Modelling
+from insonify_viewer.ping_request import PingRequest, TracedPings
 from insonify_viewer.thread_priority import yield_to_window
 from insonify_viewer.waiting import Activity
 
@@ -33,69 +33,6 @@ BLOCK_TIME = 0.04  # s, predicted for a block of pings: it is shown, and a newer
 COARSE_TIME = 0.01  # s, time to trace all pings on screen while a slider moves
 MAX_STRIDE = 16
 QUIET, PATIENCE = 0.1, 0.7  # s without requests before a patient errand, and its longest wait
-
-
-@dataclass(frozen=True)
-class PingRequest:
-    """Pings wanted of a scene.
-
-    Attributes
-    ----------
-    number : int
-        Number of the edit that the request is for.
-    scene : Scene
-        Scene to trace.
-    modelling : Modelling
-        Its modelling.
-    pings : (n,) int64
-        Pings wanted, the most urgent first.
-    fine : bool
-        Whether to trace by the modelling; else one plane traces every few pings, and new endless ground is thinned.
-    """
-
-    number: int
-    scene: Scene
-    modelling: Modelling
-    pings: NDArray[np.int64]
-    fine: bool
-
-
-@dataclass(frozen=True)
-class TracedPings:
-    """Traced pings.
-
-    Attributes
-    ----------
-    number, fine
-        As in the request.
-    pings : (n,) int64
-        Their numbers.
-    amplitude : (n, 2, bins) float32
-        Amplitude relative to the level bed's.
-    level : LevelBed
-        Intensities of a level bed, at which the amplitude is 1.
-    simulation : Simulation
-        The simulation that traced them.
-    seconds : float
-        Time that tracing took.
-    alike : int
-        Number of successive pings that share the amplitudes of the first of them.
-    altitude : (n,) float64
-        Height of the sonar above the bed at each ping in metres; NaN where there is no bed.
-    reach : (bins,) float64, optional
-        Number of pings that the beam covers, over which the view still has to average.
-    """
-
-    number: int
-    fine: bool
-    pings: NDArray[np.int64]
-    amplitude: NDArray[np.float32]
-    level: LevelBed
-    simulation: Simulation
-    seconds: float
-    alike: int
-    altitude: NDArray[np.float64]
-    reach: NDArray[np.float64] | None = None
 
 
 class Simulator(QObject):

@@ -29,12 +29,13 @@ from insonify_viewer.mark_controller import MarkController
 from insonify_viewer.marked_point import MarkedPoint
 from insonify_viewer.panel_set import PanelSet
 from insonify_viewer.panels.panel import RecordGrowth
+from insonify_viewer.ping_request import PingRequest, TracedPings
 from insonify_viewer.record import Record, pings_held
 from insonify_viewer.record_display.projection import compile_picture
 from insonify_viewer.saving import Saving
 from insonify_viewer.seabed_controller import SeabedController, silence
 from insonify_viewer.session import Mark, Session
-from insonify_viewer.simulator import PingRequest, Simulator, TracedPings
+from insonify_viewer.simulator import Simulator
 from insonify_viewer.target_editor import TargetEditor
 from insonify_viewer.tow_clock import TowClock
 from insonify_viewer.views.file_dialogs import FileDialogs

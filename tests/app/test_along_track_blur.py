@@ -12,7 +12,8 @@ from insonify.display.normalisation import LevelBed, normalise
 from insonify.scene import edit, load_scene
 from insonify.simulation import prepare
 from insonify_viewer.modelling import Modelling
-from insonify_viewer.simulator import PingRequest, Simulator
+from insonify_viewer.ping_request import PingRequest
+from insonify_viewer.simulator import Simulator
 from insonify_viewer.views.along_track_blur import blur_along_track
 
 

@@ -17,7 +17,8 @@ from PySide6.QtTest import QTest
 from insonify.scene import edit, load_scene
 from insonify_viewer.comparison.arrangement import Arrangement
 from insonify_viewer.modelling import Modelling
-from insonify_viewer.simulator import PingRequest, Simulator
+from insonify_viewer.ping_request import PingRequest
+from insonify_viewer.simulator import Simulator
 
 pytestmark = pytest.mark.bench
 MOVES = 12

@@ -24,8 +24,9 @@ from insonify_viewer.waiting import Waiting
 if TYPE_CHECKING:
     from insonify_viewer.comparison.recording_player import RecordingPlayer
     from insonify_viewer.panels.panel import RecordGrowth
+    from insonify_viewer.ping_request import TracedPings
     from insonify_viewer.session import Session
-    from insonify_viewer.simulator import Simulator, TracedPings
+    from insonify_viewer.simulator import Simulator
     from insonify_viewer.views.main_window import MainWindow
 
 MOVED = 64  # pings by which a running tow moves on before the difference is measured again

@@ -14,7 +14,7 @@ if TYPE_CHECKING:
     from insonify.display.normalisation import LevelBed
     from insonify.scene import Scene
     from insonify.simulation import Simulation
-    from insonify_viewer.simulator import TracedPings
+    from insonify_viewer.ping_request import TracedPings
 
 BLOCK_TIME = 0.1  # s, predicted for a block of pings, after which it is shown
 Traced = tuple[NDArray[np.float32], NDArray[np.float64]]

@@ -16,10 +16,11 @@ if TYPE_CHECKING:
     from insonify_viewer.inspection import Inspection
     from insonify_viewer.jobs.job_list import JobList
     from insonify_viewer.marked_point import MarkedPoint
+    from insonify_viewer.ping_request import TracedPings
     from insonify_viewer.record import Record
     from insonify_viewer.record_display.drape import RecordStrip
     from insonify_viewer.session import Session
-    from insonify_viewer.simulator import Simulator, TracedPings
+    from insonify_viewer.simulator import Simulator
     from insonify_viewer.views.file_dialogs import FileDialogs
     from insonify_viewer.views.waterfall_view import WaterfallView
 
