@@ -32,6 +32,8 @@ if TYPE_CHECKING:
 BLOCK_TIME = 0.04  # s, predicted for a block of pings: it is shown, and a newer request takes over
 COARSE_TIME = 0.01  # s, time to trace all pings on screen while a slider moves
 MAX_STRIDE = 16
+FIRST_COARSE = 16  # pings of a coarse picture by which the time of the others is told
+LONGEST = 0.3  # s, after which a coarse picture that a newer request waits for is shown as far as it is traced
 QUIET, PATIENCE = 0.1, 0.7  # s without requests before a patient errand, and its longest wait
 
 
@@ -212,15 +214,19 @@ class Simulator(QObject):
         if request.fine:
             simulation.expect(pings)  # a slider that moves next traces them all together
         stride = 1 if request.fine else self._stride(len(pings))
-        size = simulation.pings_within(BLOCK_TIME) if request.fine else len(pings)
-        for start in range(0, len(pings), max(size, 1)):
-            block = pings[start : start + size]
+        size = simulation.pings_within(BLOCK_TIME)
+        start = 0
+        while start < len(pings):
             begun = time.perf_counter()
-            sent = block[::stride]
-            traced = level.amplitudes(sent)
+            if request.fine:
+                traced = level.amplitudes(pings[start : start + size])
+            else:
+                traced = self._trace_coarsely(level, pings[start::stride])
             seconds = time.perf_counter() - begun
             if not request.fine:
                 self._cost = seconds / len(traced)
+            block = pings[start : start + stride * len(traced)]
+            start += len(block)
             amplitude = traced if stride == 1 else np.repeat(traced, stride, axis=0)[: len(block)]
             reach = None if request.fine else _reach(simulation)
             yield TracedPings(
@@ -235,6 +241,20 @@ class Simulator(QObject):
                 find_altitude(simulation, block),
                 reach,
             )
+
+    def _trace_coarsely(self, level: LevelBed, pings: NDArray[np.int64]) -> NDArray[np.float32]:
+        """Amplitudes of the first pings: of all, unless it takes long and something newer waits."""
+        parts: list[NDArray[np.float32]] = []
+        done, size, begun = 0, FIRST_COARSE, time.perf_counter()
+        while done < len(pings):
+            parts.append(level.amplitudes(pings[done : done + size]))
+            done += len(parts[-1])
+            passed = time.perf_counter() - begun
+            if passed > LONGEST and (self._waiting is not None or self._closing):
+                break
+            # Of what takes little time there is one more part; one that takes long is looked after.
+            size = max(1, int(LONGEST * done / passed))
+        return np.concatenate(parts)
 
     def _stride(self, pings: int) -> int:
         """Stride over the pings by which a coarse trace of them takes about `COARSE_TIME`."""

@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 import threading
+import time
 from typing import Any
 
 import numpy as np
 import pytest
+from numpy.typing import NDArray
 from PySide6.QtCore import Qt
 from PySide6.QtGui import QGuiApplication
 from PySide6.QtTest import QTest
@@ -16,6 +18,7 @@ from insonify.kernels.common.compilation import Compilation, tell_watchers
 from insonify.planning.models import pack
 from insonify.scene import Scene, edit
 from insonify_viewer.modelling import Modelling
+from insonify_viewer.ping_request import PingRequest
 from insonify_viewer.simulator import Simulator
 from insonify_viewer.views import pv_meshes
 from insonify_viewer.views.pixels import dimmed
@@ -196,3 +199,27 @@ def test_a_new_bed_is_shown_while_its_first_ping_is_awaited(open_viewer: Any, sm
     viewer.session.show(gain=3.0)
     qtbot.wait(50)
     assert abs(viewer.seabed.view._bed.points[:, 0].mean() - shown[:, 0].mean()) > 400.0, "the old bed stays away"
+
+
+class Slow(StandIn):
+    """Counts the pings that it traces, and takes its time."""
+
+    traced = 0
+
+    def intensity(self, pings: NDArray[np.int64]) -> NDArray[np.float32]:
+        time.sleep(0.02 * len(pings))
+        Slow.traced += len(pings)
+        return super().intensity(pings)
+
+
+@pytest.mark.parametrize("waits", [False, True])
+def test_a_coarse_picture_that_takes_long_is_cut_short_for_a_newer_request(small: Scene, waits: bool) -> None:
+    simulator = Simulator(prepare=Slow)
+    request = PingRequest(0, small, Modelling(), np.arange(40, dtype=np.int64), fine=False)
+    Slow.traced, simulator._waiting = 0, request if waits else None
+    with simulator._changed:  # so that the worker lets it wait
+        answer = next(simulator._trace(request))
+    simulator.close()
+    assert len(answer.pings) == len(answer.amplitude) == answer.alike * Slow.traced
+    assert (len(answer.pings) < 40) == waits
+    assert answer.pings.tolist() == list(range(len(answer.pings))), "the most urgent ones"

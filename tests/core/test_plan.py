@@ -118,6 +118,14 @@ def test_scatterers_that_interfere_are_swept_or_refused():
         plan(edit(coherent, {"sonar.bounces": 2}))
 
 
+def test_the_cost_of_a_ping_includes_its_scatterers():
+    """Blocks of pings that the viewer traces between two looks at what is asked are cut by it."""
+    dense = edit(DEFAULT, {"receiver.speckle": "coherent", "receiver.speckle.density": 2e4})
+    made = plan(dense)
+    waves = made.entry("speckle").cost
+    assert waves > 10.0 * (made.cost - waves) > 0.0
+
+
 def test_a_finer_tolerance_takes_more_rays_and_shorter_steps():
     assert plan(DEFAULT, 0.01, method="rays").settings["rays"] > plan(DEFAULT, 0.1, method="rays").settings["rays"]
     small = edit(DEFAULT, {"sonar.bins": 100})

@@ -157,6 +157,17 @@ class Probe:
         nearest = min(self._traced, key=unlike)
         return self._traced[nearest].seconds * work / self._packed.work(nearest)
 
+    def seconds_of_first(self, packed: PackedScene, model: Model) -> float:
+        """Seconds of the first ping by a model of another scene with the same track."""
+        first = take_poses(self._poses, slice(0, 1))
+        kernels = (f"{model.method} of waves", model.bent, bool(model.ways))
+        if kernels not in _LOADED:  # the first call takes longer, for it loads them
+            packed.trace(model, first)
+            _LOADED.add(kernels)
+        began = time.thread_time()
+        packed.trace(model, first)
+        return time.thread_time() - began
+
     def _trace(self, model: Model, count: int) -> Traced:
         """Trace a number of the pings, unless as many are known."""
         if model not in self._traced or self._traced[model].pings < count:

@@ -93,7 +93,7 @@ def choose_for_case(case: Case, tolerance: float) -> Plan:
     if together > MORE_TOGETHER * error:
         entries = (*entries, _more_together(case, model, error, together))
         error = together
-    return Plan(model, entries, error, case.packed.work(model), case.probe.seconds(model))
+    return Plan(model, entries, error, case.packed.work(model), case.seconds(model))
 
 
 def _more_together(case: Case, model: Model, apart: float, together: float) -> PlanEntry:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from abc import ABC, abstractmethod
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import Any, ClassVar
 
@@ -33,6 +33,7 @@ class Case:
     asked: str
     forced: Mapping[str, str]
     swept: Model | None = None  # beside which errors of fineness are measured, once it is known
+    _of_waves: dict[Model, float] = field(default_factory=dict, repr=False)
 
     @property
     def scene(self) -> Scene:
@@ -61,6 +62,19 @@ class Case:
         if self.targets:
             probe.leave_out_collisions(Model(targets=self.targets))
         return probe
+
+    def seconds(self, model: Model) -> float:
+        """Seconds of a ping by a model, both sides, on one thread."""
+        return self.probe.seconds(model) + self.seconds_of_waves(model)
+
+    def seconds_of_waves(self, model: Model) -> float:
+        """Seconds that coherent speckle adds to a ping, measured on one: its work is not that of the sweep."""
+        if not self.scene.receiver.speckle.interferes:
+            return 0.0
+        if model not in self._of_waves:
+            whole = self.probe.seconds_of_first(self.packed, model)
+            self._of_waves[model] = max(whole - self.probe.seconds(model), 0.0)
+        return self._of_waves[model]
 
     @cached_property
     def straight_bound(self) -> float:

@@ -46,7 +46,7 @@ class Speckle(Remark):
         """Entry of coherent speckle, if the scene has it."""
         if case.scene.receiver.speckle.interferes:
             reason = "coherent speckle sums all scatterers in the beam, which takes most of the time"
-            yield self.entry(case, "scatterers", reason)
+            yield self.entry(case, "scatterers", reason, cost=case.seconds_of_waves(model))
 
 
 class Motion(Remark):
