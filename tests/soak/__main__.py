@@ -18,7 +18,7 @@ from insonify_viewer.application import has_opengl, main_thread_collection, make
 from insonify_viewer.viewer import Viewer
 from soak.actions import Steps, draw_action
 from soak.dialogs import Answers
-from soak.watch import Faults, Gaps, holdings, left_threads
+from soak.watch import Faults, Gaps, holdings, left_threads, say
 
 MINUTE = 60.0  # s, between two lines of what is held
 PATIENCE = 120.0  # s, for the worker to end after the window has closed
@@ -122,13 +122,8 @@ def _soak_in(folder: str, seconds: float, seed: int) -> int:
     for cause, _ in sorted(gaps.causes.items(), reverse=True)[:25]:
         say(f"  {cause}")
     for told, count in faults.found.items():
-        say(f"--- {count} × {told}")
+        say(f"{count} × {told.splitlines()[0]}")
     return len(faults.found)
-
-
-def say(line: str) -> None:
-    sys.stdout.write(f"{line}\n")
-    sys.stdout.flush()
 
 
 if __name__ == "__main__":

@@ -2,17 +2,20 @@
 
 from __future__ import annotations
 
+import faulthandler
 import os
+import re
 import sys
+import tempfile
 import threading
 import time
 import traceback
 import warnings
 from array import array
 from collections import Counter
+from collections.abc import Iterator
 from pathlib import Path
-from types import FrameType
-from typing import Any
+from typing import Any, TextIO
 
 import numpy as np
 from numpy.typing import NDArray
@@ -45,7 +48,10 @@ class Faults:
 
     def add(self, told: str) -> None:
         """Note a fault during the present action."""
-        self.found[f"while: {self.doing}\n{told}"] += 1
+        fault = f"while: {self.doing}\n{told}"
+        if fault not in self.found:  # told at once, in case the process does not live to tell it
+            say(f"--- {fault}")
+        self.found[fault] += 1
 
     def watch_drawing(self, renderer: Any) -> None:
         """Look for an error of OpenGL after each drawing, and gather what VTK says."""
@@ -138,13 +144,12 @@ class Gaps(QObject):
     def _sample(self) -> None:
         """Note where the threads are while a gap lasts: the main thread, and those that may hold the interpreter."""
         own = threading.get_ident()
-        while not self._ending.wait(0.02):
-            if time.perf_counter() - self._last[0] > 0.6 * LONG:
-                frames = sys._current_frames()
-                names = {thread.ident: thread.name for thread in threading.enumerate()}
-                found = [(names.get(ident, "?"), _place(frame)) for ident, frame in frames.items() if ident != own]
-                del frames  # the widgets' painters among their variables would outlive their functions
-                self._seen = "; ".join(f"{name}: {place}" for name, place in reversed(found) if not _rests(place))
+        with tempfile.TemporaryFile("w+") as file:
+            while not self._ending.wait(0.02):
+                if time.perf_counter() - self._last[0] > 0.6 * LONG:
+                    names = {thread.ident: thread.name for thread in threading.enumerate()}
+                    found = [(names.get(ident, "?"), place) for ident, place in _places(file) if ident != own]
+                    self._seen = "; ".join(f"{name}: {place}" for name, place in reversed(found) if not _rests(place))
 
 
 def _now() -> NDArray[np.float64]:
@@ -158,19 +163,30 @@ def _spread(found: NDArray[np.float64]) -> str:
     return f"p99 {np.quantile(found, 0.99):.1f}, greatest {found.max():.0f} ms, {over} over {LIMIT:g} ms"
 
 
-def _place(frame: FrameType | None) -> str:
-    """The innermost functions of a stack, in words."""
-    calls, caller = [], frame
-    # By hand: the traceback module reads sources, and while it does, the function returns and its painter lives on.
-    while caller is not None and len(calls) < DEPTH:
-        calls.append((caller.f_code.co_filename, caller.f_lineno, caller.f_code.co_name))
-        caller = caller.f_back
-    return " < ".join(f"{Path(file).name}:{line} {name}" for file, line, name in calls)
+def _places(file: TextIO) -> Iterator[tuple[int, str]]:
+    """Every thread by its number, and the innermost functions of its stack, in words.
+
+    The stacks are written by C. A frame as an object would outlive its function, and with it a painter among its
+    variables, which this thread would then end instead of the main one.
+    """
+    file.seek(0)
+    file.truncate()
+    faulthandler.dump_traceback(file)
+    file.seek(0)
+    for told in re.split(r"^(?:Current t|T)hread ", file.read(), flags=re.MULTILINE)[1:]:
+        calls = re.findall(r'^  File "(.*)", line (\d+) in (.*)$', told, flags=re.MULTILINE)[:DEPTH]
+        yield int(told.split()[0], 16), " < ".join(f"{Path(path).name}:{line} {name}" for path, line, name in calls)
 
 
 def _rests(place: str) -> bool:
     """Whether a thread waits for work."""
     return "wait_for" in place or place.startswith("thread.py")
+
+
+def say(line: str) -> None:
+    """Write a line."""
+    sys.stdout.write(f"{line}\n")
+    sys.stdout.flush()
 
 
 def resident() -> float:
