@@ -231,3 +231,14 @@ def test_a_bed_takes_few_arrays_of_its_size_while_it_is_made(relief):
     finally:
         tracemalloc.stop()
     assert most < 45 * ground.heights.size
+
+
+def test_heights_beside_a_bed_are_those_of_its_edge():
+    """At any place and spacing: the place of the last node in metres may be rounded to beyond it."""
+    rng = np.random.default_rng(6)
+    heights = rng.normal(size=(7, 11)).astype(np.float32)
+    whole = replace(build_ground(load_scene("default")), periodic=False)
+    for x0, y0, spacing in np.stack([*rng.uniform(-1e3, 1e3, (2, 200)), 10.0 ** rng.uniform(-2.0, 1.0, 200)], axis=1):
+        ground = replace(whole, heights=heights, materials=heights > 9.0, x0=x0, y0=y0, spacing=spacing)
+        far = np.array([-1e5, 1e5])
+        np.testing.assert_array_equal(ground.height_near(far, far), heights[[0, -1], [0, -1]])

@@ -89,9 +89,15 @@ class Ground:
         (n,) float64
             Metres above the datum.
         """
-        ny, nx = self.heights.shape
+        return self._interpolated(*self._in_cells(x, y))
+
+    def _in_cells(self, x: NDArray[np.float64], y: NDArray[np.float64]) -> tuple[NDArray[np.float64], ...]:
+        """Places in cells from the first node."""
         u = (np.asarray(x, dtype=np.float64) - self.x0) / self.spacing
-        v = (np.asarray(y, dtype=np.float64) - self.y0) / self.spacing
+        return u, (np.asarray(y, dtype=np.float64) - self.y0) / self.spacing
+
+    def _interpolated(self, u: NDArray[np.float64], v: NDArray[np.float64]) -> NDArray[np.float64]:
+        ny, nx = self.heights.shape
         inside = tell_cells_apart(u, v)
         if not self.periodic:
             inside &= (u >= 0) & (u <= nx - 1) & (v >= 0) & (v <= ny - 1)
@@ -119,11 +125,12 @@ class Ground:
         float64 array
             Metres above the datum.
         """
+        u, v = self._in_cells(x, y)
         if not self.periodic:
+            # In cells: the last node's place in metres may be rounded to beyond it.
             ny, nx = self.heights.shape
-            x = np.clip(x, self.x0, self.x0 + (nx - 1) * self.spacing)
-            y = np.clip(y, self.y0, self.y0 + (ny - 1) * self.spacing)
-        return self._whole.height_at(x, y)
+            u, v = np.clip(u, 0.0, nx - 1.0), np.clip(v, 0.0, ny - 1.0)
+        return self._whole._interpolated(u, v)
 
     @cached_property
     def _whole(self) -> Ground:
