@@ -1,10 +1,19 @@
-"""Fewer nodes of new endless ground, for the pictures that are shown while a slider moves."""
+"""Less of new endless ground, for the pictures that are shown while a slider moves."""
 
 from __future__ import annotations
 
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+
 from insonify.scene import Scene, SceneError, edit
 
+if TYPE_CHECKING:
+    from insonify.planning.models import PackedScene
+
 THINNINGS = (4, 2)  # times the spacing; the first that resolves the waves of the relief is taken
+MARGIN = 1.3  # times the range, about the pings: for the pulse, rough motion and refracted rays
 
 
 def thin_new_ground(scene: Scene, known: Scene | None) -> Scene:
@@ -32,6 +41,31 @@ def thin_new_ground(scene: Scene, known: Scene | None) -> Scene:
         except SceneError:  # waves of the relief are too short for it
             continue
     return scene
+
+
+def pack_beneath(scene: Scene, pings: NDArray[np.int64]) -> PackedScene:
+    """Pack a scene over endless ground, of which no more is made than some pings hear.
+
+    Parameters
+    ----------
+    scene : Scene
+    pings : (n,) int64
+        Their numbers.
+
+    Raises
+    ------
+    SceneError
+        As `insonify.planning.models.pack`.
+    """
+    # lazy: loaded on the worker; the window opens before Numba is loaded
+    from insonify.packing.track import tow_line_at
+    from insonify.planning.models import pack
+    from insonify.terrain import build_excerpt
+
+    line, margin = tow_line_at(scene, pings), MARGIN * scene.sonar.range
+    low, high = ((float(end(line.x)), float(end(line.y))) for end in (np.min, np.max))
+    excerpt = build_excerpt(scene, (low[0] - margin, low[1] - margin), (high[0] + margin, high[1] + margin))
+    return pack(scene, excerpt)
 
 
 def _ground_of(scene: Scene) -> tuple[object, ...]:

@@ -15,7 +15,7 @@ from PySide6.QtCore import QObject, Qt, Signal
 
 from insonify.kernels.common.compilation import Compilation, watch_compilation
 from insonify.scene import Scene, SceneError
-from insonify_viewer.coarse_ground import thin_new_ground
+from insonify_viewer.coarse_ground import pack_beneath, thin_new_ground
 from insonify_viewer.comparison.kept_record import SimulatedScene, find_altitude
 from insonify_viewer.errors.failure import describe_error
 from insonify_viewer.laid_scene import is_same_ground
@@ -209,8 +209,8 @@ class Simulator(QObject):
         modelling = request.modelling if request.fine else request.modelling.coarse
         known = self._last.get(True)
         scene = request.scene if request.fine else thin_new_ground(request.scene, known and known[0])
-        simulation, level = self._prepared(scene, modelling, fine=request.fine, number=request.number)
-        pings = request.pings
+        pings, beneath = request.pings, None if scene is request.scene else request.pings
+        simulation, level = self._prepared(scene, modelling, fine=request.fine, number=request.number, beneath=beneath)
         if request.fine:
             simulation.expect(pings)  # a slider that moves next traces them all together
         stride = 1 if request.fine else self._stride(len(pings))
@@ -264,29 +264,40 @@ class Simulator(QObject):
         return stride
 
     def _prepared(
-        self, scene: Scene, modelling: Modelling, *, fine: bool, number: int = 0
+        self,
+        scene: Scene,
+        modelling: Modelling,
+        *,
+        fine: bool,
+        number: int = 0,
+        beneath: NDArray[np.int64] | None = None,
     ) -> tuple[Simulation, LevelBed]:
-        """Prepare a scene; reuse the last simulation if the scene is the same."""
+        """Prepare a scene, of its ground no more than lies beneath some pings, if they are given.
+
+        The last simulation is used again if the scene is the same.
+        """
         # lazy: loaded on the worker; the window opens before Numba is loaded
         from insonify.display.normalisation import LevelBed
 
         last = self._last.get(fine)
-        if last is None or last[:2] != (scene, modelling):
+        if last is None or last[:2] != (scene, modelling) or beneath is not None:
             # While a slider moves nothing is measured: the last plan serves as far as the scene admits it.
             known = self._last.get(True)
             kept: dict[str, Any] = {} if fine or known is None else {"plan": known[2].plan}
             with self._doing("building the bed"):
-                kept |= self._packed(scene, number, tell=fine)
+                kept |= self._packed(scene, number, beneath, tell=fine)
             with self._doing("choosing the methods by a few pings"):
                 simulation = self._prepare(scene, tolerance=modelling.tolerance, forced=dict(modelling.forced), **kept)
                 last = self._last[fine] = (scene, modelling, simulation, LevelBed(simulation))
         return last[2:]
 
-    def _packed(self, scene: Scene, number: int, *, tell: bool) -> dict[str, PackedScene]:
+    def _packed(
+        self, scene: Scene, number: int, beneath: NDArray[np.int64] | None, *, tell: bool
+    ) -> dict[str, PackedScene]:
         """Build the bed of a scene and tell of it, so that it is shown while kernels are compiled."""
         if self._pack is None:
             return {}
-        packed = self._pack(scene)
+        packed = self._pack(scene) if beneath is None else pack_beneath(scene, beneath)
         known = self._last.get(True)
         if tell and (known is None or not is_same_ground(known[2].ground, packed.ground)):
             self.call_later(partial(self.laid.emit, number), packed)

@@ -12,25 +12,27 @@ from insonify.array_cache import ARRAYS
 from insonify.scene import edit, load_scene
 from insonify.simulation import prepare
 from insonify.terrain import build
-from insonify.terrain.endless_ground import Tiles
+from insonify.terrain.endless_excerpt import EndlessExcerpt
+from insonify.terrain.endless_field import Nodes
+from insonify.terrain.endless_relief import Heights
 from insonify_viewer.coarse_ground import thin_new_ground
 from insonify_viewer.session import Mark
 
 
 @pytest.fixture
 def summing(monkeypatch: pytest.MonkeyPatch) -> list[str]:
-    """Names of the threads that sum the relief of a tile."""
+    """Names of the threads that sum the relief of some nodes."""
     names: list[str] = []
     endless_heights = build.endless_heights
 
-    def watched(*given: Any) -> Tiles:
-        tiles = endless_heights(*given)
+    def watched(*given: Any) -> Heights:
+        heights = endless_heights(*given)
 
-        def tile(row: int, column: int) -> Any:
+        def made(nodes: Nodes) -> Any:
             names.append(threading.current_thread().name)
-            return tiles(row, column)
+            return heights(nodes)
 
-        return tile
+        return made
 
     monkeypatch.setattr(build, "endless_heights", watched)
     build._kept_tiles.cache_clear()
@@ -67,9 +69,13 @@ def spacings_of_dragged(viewer: Any, qtbot: Any, changes: dict[str, Any]) -> lis
 
 def test_new_ground_is_thinned_while_a_slider_moves(open_viewer: Any, qtbot: Any) -> None:
     scene = edit(load_scene("endless"), {"sonar.bins": 100, "track.pings": 128, "seed": 78})
-    viewer = open_viewer(scene, prepare=prepare)
+    viewer = open_viewer(scene, prepare=None)
+    grounds: list[Any] = []
+    viewer.simulator.answered.connect(lambda answer: grounds.append(answer.simulation.ground))
     (coarse, *_, fine) = spacings_of_dragged(viewer, qtbot, {"seabed.relief.of.0.rms": 0.1})
     assert coarse == (False, pytest.approx(4 * scene.seabed.spacing))
+    assert isinstance(grounds[0], EndlessExcerpt), "no more of it is made than the pings hear"
+    assert not isinstance(grounds[-1], EndlessExcerpt)
     assert fine == (True, scene.seabed.spacing)
     # Known ground is taken as it is.
     for _, spacing in spacings_of_dragged(viewer, qtbot, {"sonar.beam.width": 1.5}):

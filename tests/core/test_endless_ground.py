@@ -11,10 +11,12 @@ import pytest
 
 from insonify.array_cache import ARRAYS
 from insonify.packing import terrain_tiles
+from insonify.packing.track import tow_line_at
+from insonify.planning.models import pack
 from insonify.scene import build, edit
 from insonify.simulation import prepare, simulate_blocks
-from insonify.terrain import EndlessGround, Ground, HeldWindow, build_ground, relief, relief_picture
-from insonify.terrain.endless_field import PART, TILE, EndlessField, gather_tiles
+from insonify.terrain import EndlessGround, Ground, HeldWindow, build_excerpt, build_ground, relief, relief_picture
+from insonify.terrain.endless_field import PART, TILE, EndlessField, Nodes, gather_tiles
 from insonify.tracers import sweep
 
 FRACTAL = {
@@ -190,6 +192,43 @@ def test_thinned_tiles_are_every_nth_node_and_hold_no_more(every):
         assert tile.base is None  # the store counts the bytes of what it keeps
 
 
+@pytest.fixture(scope="module")
+def excerpt():
+    scene = edit(SCENE, {"seabed.material": {"kind": "fractal", "of": ["fine_sand", "coarse_sand"]}})
+    return build_ground(scene), build_excerpt(scene, (SIDE - 70.0, SIDE - 40.0), (SIDE + 60.0, SIDE + 30.0))
+
+
+def test_an_excerpt_is_the_same_ground(excerpt):
+    whole, part = excerpt
+    rng = np.random.default_rng(5)
+    within, beyond = SIDE + rng.uniform(-30.0, 30.0, (2, 50)), SIDE + rng.uniform(100.0, 200.0, (2, 5))
+    for x, y in (within, beyond):
+        np.testing.assert_allclose(part.height_at(x, y), whole.height_at(x, y), atol=1e-6)
+    assert np.isfinite(part.height_near(*beyond)).all(), "that of the nearest edge, for which no tile is made"
+    first = [round(low / part.spacing) for low in (part.held.y0, part.held.x0)]
+    assert np.mean(gather_tiles(whole.materials, first, part.held.materials.shape) == part.held.materials) > 0.999
+
+
+@pytest.mark.parametrize("every", [1, 4])
+def test_a_window_of_an_excerpt_is_its_rectangle(excerpt, every):
+    whole, part = (ground.thinned(every) for ground in excerpt)
+    x, y = (SIDE + np.array([-37.0, 0.3, 28.0])[:, None] for _ in range(2))
+    assert np.unique(part.cell(x[:, 0], y[:, 0]), axis=0).tolist() == [[0, 0]]
+    assert part.window(0, 0, 20.0) is part.around((SIDE, SIDE), 25.0) is part.held
+    np.testing.assert_allclose(part.held.height_at(x, y), whole.height_at(x, y), atol=1e-6)
+    wider = part.around((SIDE, SIDE), 100.0)
+    assert isinstance(wider, Ground)
+    assert not np.isnan(wider.height_at(np.array([SIDE - 100.0, SIDE + 100.0]), np.full(2, SIDE))).any()
+
+
+def test_a_record_over_an_excerpt_is_that_over_tiles(record):
+    line = tow_line_at(SCENE, PINGS)
+    low, high = ((end(line.x), end(line.y)) for end in (np.min, np.max))
+    part = build_excerpt(SCENE, tuple(np.subtract(low, 40.0)), tuple(np.add(high, 40.0)))
+    found = prepare(SCENE, packed=pack(SCENE, part)).intensity(PINGS)
+    np.testing.assert_allclose(found, record, rtol=2e-4, atol=2e-5 * record.max())
+
+
 def test_a_fish_follows_the_terrain_anywhere():
     scene = edit(SCENE, {"track.terrain_following": True, "track.start": [3e5, -2e5]})
     simulation = prepare(scene)
@@ -260,7 +299,7 @@ def test_scenes_on_the_same_ground_share_its_windows(record):
 def test_waves_and_filters_of_a_field_are_kept_and_go_with_it_at_once():
     ARRAYS.clear()
     field = EndlessField(SCENE.seabed.random_reliefs[0].bands(), 0.025, 5, 1)
-    whole = field.tile(0, 0)
+    whole = field.values(Nodes.of_tile(0, 0))
     assert whole.nbytes < ARRAYS.bytes <= ARRAYS.limit
     parts = [key for key in ARRAYS._results if isinstance(key[1], tuple) and len(key[1]) == 4]
     assert {side for _, (_, side, _, _), _ in parts} >= {TILE, PART}, "of coarse lattices parts are kept"

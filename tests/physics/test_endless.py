@@ -10,7 +10,7 @@ from insonify.scene import build
 from insonify.scene.reliefs.fractal import Fractal, power_spectrum
 from insonify.scene.reliefs.von_karman import VonKarman
 from insonify.terrain import endless_field, relief
-from insonify.terrain.endless_field import TILE, Band, EndlessField
+from insonify.terrain.endless_field import TILE, Band, EndlessField, Nodes, gather_tiles
 from insonify.terrain.endless_relief import endless_heights
 from insonify.terrain.lattice_noise import lattice_noise
 
@@ -54,7 +54,7 @@ def excess(one, seeds, tiles=2):
     found = []
     for seed in seeds:
         field = EndlessField(bands, SPACING, seed, 1)
-        z = np.block([[field.tile(j, i) for i in range(tiles)] for j in range(-1, tiles - 1)])
+        z = np.block([[field.values(Nodes.of_tile(j, i)) for i in range(tiles)] for j in range(-1, tiles - 1)])
         power = np.abs(np.fft.rfft2(z * taper)) ** 2 * SPACING**2 / side**2
         found.append([power[(radius >= a) & (radius < b)].sum() for a, b in pairwise(edges)])
     level = [declared[(radius >= a) & (radius < b)].sum() for a, b in pairwise(edges)]
@@ -84,44 +84,57 @@ def test_tiles_are_what_one_shot_makes(name, monkeypatch):
     monkeypatch.setattr(endless_field, "KEPT", np.float64)
     bands, _ = parts(SPECTRA[name])
     field = EndlessField(bands, SPACING, 3, 1)
-    tiled = np.block([[field.tile(j, i) for i in (-1, 0)] for j in (-1, 0)])
+    tiled = np.block([[field.values(Nodes.of_tile(j, i)) for i in (-1, 0)] for j in (-1, 0)])
     monkeypatch.setattr(endless_field, "TILE", 2 * TILE)
     # One tile of twice the side has its corner at a multiple of it.
     whole = EndlessField(bands, SPACING, 3, 1)
-    shot = np.block([[whole.tile(j, i) for i in (-1, 0)] for j in (-1, 0)])[TILE : 3 * TILE, TILE : 3 * TILE]
+    shot = np.block([[whole.values(Nodes.of_tile(j, i)) for i in (-1, 0)] for j in (-1, 0)])[
+        TILE : 3 * TILE, TILE : 3 * TILE
+    ]
     assert np.abs(tiled - shot).max() <= 1e-14 * np.abs(shot).max()
+
+
+@pytest.mark.parametrize("name", SPECTRA)
+@pytest.mark.parametrize("nodes", [Nodes(-700, 301, 260, 1000), Nodes(1021, -1023, 3, 2), Nodes(10**7 + 1, 5, 97, 31)])
+def test_a_rectangle_has_the_values_of_its_tiles(name, nodes):
+    bands, _ = parts(SPECTRA[name])
+    field = EndlessField(bands, SPACING, 3, 1)
+    tiled = gather_tiles(lambda *place: field.values(Nodes.of_tile(*place)), nodes.first, nodes.shape)
+    assert np.abs(field.values(nodes) - tiled).max() <= 4e-7 * math.sqrt(field.variance)
 
 
 @pytest.mark.parametrize("name", SPECTRA)
 def test_what_is_kept_is_as_precise_as_heights(name, monkeypatch):
     """Heights are stored in 32 bits, which rounds them by 6e-8."""
     bands, _ = parts(SPECTRA[name])
-    kept = EndlessField(bands, SPACING, 3, 1).tile(2, -5)
+    kept = EndlessField(bands, SPACING, 3, 1).values(Nodes.of_tile(2, -5))
     monkeypatch.setattr(endless_field, "KEPT", np.float64)
-    exact = EndlessField(bands, SPACING, 3, 1).tile(2, -5)
+    exact = EndlessField(bands, SPACING, 3, 1).values(Nodes.of_tile(2, -5))
     assert np.abs(kept - exact).max() <= 1.2e-7 * np.abs(exact).max()
 
 
 def test_a_tile_is_the_same_whatever_way_one_came():
     made = (SPECTRA["peak"],)
     straight = endless_heights(made, SPACING, 1)
-    before = straight(5, -3)
+    before = straight(Nodes.of_tile(5, -3))
     roundabout = endless_heights(made, SPACING, 1)
     for row, column in [(900, 7), (4, -3), (5, -4)]:
-        roundabout(row, column)
-    np.testing.assert_array_equal(roundabout(5, -3), before)
+        roundabout(Nodes.of_tile(row, column))
+    np.testing.assert_array_equal(roundabout(Nodes.of_tile(5, -3)), before)
 
 
 def test_ground_does_not_repeat():
-    tiles = endless_heights((SPECTRA["round"],), SPACING, 1)
-    one = tiles(0, 0)
-    for other in (tiles(0, 1), tiles(1, 0), tiles(0, 1000), tiles(-1, -1)):
+    heights = endless_heights((SPECTRA["round"],), SPACING, 1)
+    one, *others = (heights(Nodes.of_tile(*place)) for place in ((0, 0), (0, 1), (1, 0), (0, 1000), (-1, -1)))
+    for other in others:
         assert abs(np.corrcoef(one.ravel(), other.ravel())[0, 1]) < 0.25
 
 
 def test_half_the_spacing_shares_all_but_the_finest_waves():
     coarse, fine = (
-        np.fft.rfft2(endless_heights((SPECTRA["smooth"].model_copy(update={"rms": 1.0}),), s, 1)(0, 0)[::k, ::k])
+        np.fft.rfft2(
+            endless_heights((SPECTRA["smooth"].model_copy(update={"rms": 1.0}),), s, 1)(Nodes.of_tile(0, 0))[::k, ::k]
+        )
         for s, k in ((SPACING, 1), (SPACING / 2, 2))
     )
     # The fine tile spans half of the coarse one: compare the same nodes.

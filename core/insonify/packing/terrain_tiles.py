@@ -162,7 +162,7 @@ class _WindowBeds:
 
 def _beds_of(ground: EndlessGround, reach: float) -> _WindowBeds:
     """Beds of the windows of endless ground; scenes on the same ground share them while one of them lives."""
-    key = ground.heights, ground.materials, ground.spacing, len(ground.reflectivities), reach
+    key = ground.same_windows, reach
     with _SHARING:
         beds = _SHARED.get(key)
         if beds is None:

@@ -172,13 +172,13 @@ def weigh_path(arrays: SceneArrays) -> float:
     return SURFACE_PATH + (FACET * facets if facets > 1 else 0.0)
 
 
-def pack(scene: Scene) -> PackedScene:
-    """Build the ground of a scene and pack its arrays.
+def pack(scene: Scene, ground: AnyGround | None = None) -> PackedScene:
+    """Build the ground of a scene, unless it is given, and pack its arrays.
 
     Raises
     ------
     SceneError
         If a file cannot be read, or the ground and the arrays cannot be made.
     """
-    ground = build_ground(scene)
+    ground = ground or build_ground(scene)
     return PackedScene(scene, ground, pack_scene(scene, ground))

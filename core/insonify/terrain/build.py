@@ -17,7 +17,10 @@ from insonify.scene.reliefs import HeightGrid, ReliefKind
 from insonify.scene.reliefs.dem import refine
 from insonify.scene.reliefs.random_relief import RandomRelief
 from insonify.scene.seabed import Seabed
+from insonify.terrain.endless_excerpt import EndlessExcerpt
+from insonify.terrain.endless_field import Nodes
 from insonify.terrain.endless_ground import AnyGround, EndlessGround, Tiles
+from insonify.terrain.endless_relief import Heights as NodeHeights
 from insonify.terrain.endless_relief import endless_heights
 from insonify.terrain.ground import Ground
 from insonify.terrain.lattice import Lattice, Map
@@ -71,6 +74,44 @@ def build_ground(scene: Scene) -> AnyGround:
         periodic=lattice.periodic,
         datum=datum,
     )
+
+
+def build_excerpt(scene: Scene, low: tuple[float, float], high: tuple[float, float]) -> EndlessExcerpt:
+    """Endless ground of a scene of which one rectangle is made at once, for pictures that are soon out of date.
+
+    Parameters
+    ----------
+    scene : Scene
+        With endless ground.
+    low, high : (float, float)
+        Two corners of the rectangle, x and y in local metres.
+
+    Raises
+    ------
+    SceneError
+        As `build_ground`.
+    """
+    whole, seabed, material = build_ground(scene), scene.seabed, scene.seabed.material
+    assert isinstance(whole, EndlessGround)
+    heights = _endless_heights(seabed.random_reliefs, seabed.spacing, scene.seed)
+    place = scene.georeference if material.on_a_map else None
+    period = seabed.random_reliefs[0].period
+    materials = endless_materials(material.layout, period, seabed.spacing, scene.seed, place)
+
+    def make(nodes: Nodes) -> Ground:
+        return Ground(
+            heights=heights(nodes).astype(np.float32),
+            materials=materials(nodes),
+            names=whole.names,
+            reflectivities=whole.reflectivities,
+            x0=nodes.column * seabed.spacing,
+            y0=nodes.row * seabed.spacing,
+            spacing=seabed.spacing,
+            periodic=False,
+            datum=whole.datum,
+        )
+
+    return EndlessExcerpt.of(whole, make, low, high)
 
 
 def cells_of_period(period: float, spacing: float) -> int:
@@ -186,9 +227,14 @@ def _kept_materials(
 
 
 @lru_cache(maxsize=GROUNDS)
+def _endless_heights(parts: tuple[RandomRelief, ...], spacing: float, seed: int) -> NodeHeights:
+    return endless_heights(parts, spacing, seed)
+
+
+@lru_cache(maxsize=GROUNDS)
 def _kept_tiles(parts: tuple[RandomRelief, ...], spacing: float, seed: int) -> Tiles:
-    tiles = endless_heights(parts, spacing, seed)
-    return keep_arrays(lambda row, column: tiles(row, column).astype(np.float32))
+    heights = _endless_heights(parts, spacing, seed)
+    return keep_arrays(lambda row, column: heights(Nodes.of_tile(row, column)).astype(np.float32))
 
 
 @lru_cache(maxsize=GROUNDS)
@@ -201,4 +247,5 @@ def _kept_map_tiles(
     place: Georeference | None,
 ) -> Tiles:
     del version  # part of the key alone, as above
-    return keep_arrays(endless_materials(layout, period, spacing, seed, place))
+    materials = endless_materials(layout, period, spacing, seed, place)
+    return keep_arrays(lambda row, column: materials(Nodes.of_tile(row, column)))

@@ -33,6 +33,7 @@ ComplexField = NDArray[np.complex128]
 
 TILE = 512  # nodes along a side of a tile, on every lattice
 PART = 128  # nodes along a side of the smallest part of a tile that is kept
+FAST = 32  # nodes of which a side of a block is a multiple: as many factors of 2 as transforms like
 TAPS = 128  # along a side of the filter of a band
 HIGHEST = 0.75  # share of its Nyquist frequency that the waves of an interpolated lattice reach
 FEATURE = 6.0  # frequency steps of the coarsest filter across the finest feature of the density
@@ -42,8 +43,48 @@ HALF_BAND = 12  # pairs of taps of the half-band filter
 KAISER = 9.0  # shape of its window: images are 90 dB down
 
 
+class Nodes(NamedTuple):
+    """Rectangle of nodes of a lattice.
+
+    Attributes
+    ----------
+    row, column : int
+        Its lowest node along y and x; node (0, 0) lies at the origin.
+    rows, columns : int
+        Number of nodes along either axis.
+    """
+
+    row: int
+    column: int
+    rows: int
+    columns: int
+
+    @classmethod
+    def of_tile(cls, row: int, column: int) -> Nodes:
+        """Nodes of one tile."""
+        return cls(row * TILE, column * TILE, TILE, TILE)
+
+    @property
+    def first(self) -> tuple[int, int]:
+        """Lowest node."""
+        return self.row, self.column
+
+    @property
+    def shape(self) -> tuple[int, int]:
+        """Numbers of nodes."""
+        return self.rows, self.columns
+
+    @property
+    def is_tile(self) -> bool:
+        """Whether they are those of a tile."""
+        return self.shape == (TILE, TILE) and self.row % TILE == self.column % TILE == 0
+
+
 class EndlessField:
     """A Gaussian field of a given spectrum over the whole plane.
+
+    Of the lattices of a tile, parts are kept for its neighbours; any other rectangle is made by itself, with all that
+    it needs and no more.
 
     Parameters
     ----------
@@ -74,39 +115,39 @@ class EndlessField:
         """Expected variance of the field on its nodes."""
         return self._top.variance + sum(pyramids[0].variance for pyramids in self._moved)
 
-    def tile(self, row: int, column: int) -> Field:
-        """Values on one tile.
+    def values(self, nodes: Nodes) -> Field:
+        """Values on some nodes.
 
         Parameters
         ----------
-        row, column : int
-            The nodes of the tile are (row · TILE + j, column · TILE + i), node (0, 0) at the origin.
+        nodes : Nodes
+            (rows, columns) of them.
 
         Returns
         -------
-        (TILE, TILE) float64
+        (rows, columns) float64
+            Those of a rectangle that is no tile differ from those of tiles by rounding alone.
         """
-        total = self.complex_tile(row, column).real
+        total = self.complex_values(nodes).real
         if self._top.variance > FAINT * self.variance:
-            total = total + self._top.tile(row, column)
+            total = total + self._top.values(nodes)
         return total
 
-    def complex_tile(self, row: int, column: int) -> ComplexField:
-        """Analytic signal on one tile (imaginary part: Hilbert transform), without the part of the finest lattice."""
-        total = np.zeros((TILE, TILE), dtype=np.complex128)
+    def complex_values(self, nodes: Nodes) -> ComplexField:
+        """Analytic signal on some nodes (imaginary part: Hilbert transform), without the part of the finest lattice."""
+        total = np.zeros(nodes.shape, dtype=np.complex128)
         for band, pyramids in zip(self._bands, self._moved):
             if pyramids[0].variance <= FAINT * self.variance:
                 continue
             if band.wave is None:
-                total += pyramids[0].doubled(row, column)
+                total += pyramids[0].doubled(nodes)
                 continue
-            real, imaginary = (pyramid.doubled(row, column) for pyramid in pyramids)
-            total += (real + 1j * imaginary) * self._carrier(band.wave, row, column)
+            real, imaginary = (pyramid.doubled(nodes) for pyramid in pyramids)
+            total += (real + 1j * imaginary) * self._carrier(band.wave, nodes)
         return total
 
-    def _carrier(self, wave: tuple[float, float], row: int, column: int) -> ComplexField:
-        nodes = np.arange(TILE)
-        x, y = (self._spacing * (place * TILE + nodes) for place in (column, row))
+    def _carrier(self, wave: tuple[float, float], nodes: Nodes) -> ComplexField:
+        y, x = (self._spacing * (first + np.arange(count)) for first, count in zip(nodes.first, nodes.shape))
         return np.asarray(np.exp(2j * math.pi * wave[1] * y)[:, np.newaxis] * np.exp(2j * math.pi * wave[0] * x))
 
     def _above(self, fx: Field, fy: Field) -> Field:
@@ -133,31 +174,34 @@ class _Pyramid:
         """Expected variance."""
         return sum(lattice.variance for lattice in self._lattices.values())
 
-    def doubled(self, row: int, column: int) -> Field:
-        """Tile of the whole pyramid, interpolated onto the finest lattice."""
-        return self._from_coarser(0, (row * TILE, column * TILE), (TILE, TILE))
+    def doubled(self, nodes: Nodes) -> Field:
+        """Values of the whole pyramid, interpolated onto nodes of the finest lattice."""
+        return self._from_coarser(0, nodes, keep=nodes.is_tile)
 
-    def _region(self, level: int, first: tuple[int, int], shape: tuple[int, int]) -> Field:
-        """Sum of the lattices from a level on, on a rectangle of nodes of that level."""
+    def _region(self, level: int, nodes: Nodes, *, keep: bool) -> Field:
+        """Sum of the lattices from a level on, on nodes of that level."""
         lattice = self._lattices.get(level)
         if lattice is None or lattice.variance <= FAINT * self.variance:
-            own = np.zeros(shape)
-        else:
+            own = np.zeros(nodes.shape)
+        elif keep:
             side = _side_of_parts(level - self._first)
-            parts = gather_tiles(lambda row, column: self._part(level, side, row, column), first, shape, side)
+            parts = gather_tiles(
+                lambda row, column: self._part(level, side, row, column), nodes.first, nodes.shape, side
+            )
             own = parts.astype(np.float64)
-        return own + self._from_coarser(level, first, shape) if level < self._last else own
+        else:
+            own = lattice.values(nodes)
+        return own + self._from_coarser(level, nodes, keep=keep) if level < self._last else own
 
-    def _from_coarser(self, level: int, first: tuple[int, int], shape: tuple[int, int]) -> Field:
-        """Sum of the lattices coarser than a level, interpolated onto a rectangle of its nodes."""
-        low = tuple(place // 2 for place in first)
-        nodes = tuple((place + count + 1) // 2 - begin for place, count, begin in zip(first, shape, low))
-        around = self._region(
-            level + 1, (low[0] - HALF_BAND, low[1] - HALF_BAND), (nodes[0] + 2 * HALF_BAND, nodes[1] + 2 * HALF_BAND)
-        )
+    def _from_coarser(self, level: int, nodes: Nodes, *, keep: bool) -> Field:
+        """Sum of the lattices coarser than a level, interpolated onto its nodes."""
+        low = tuple(place // 2 for place in nodes.first)
+        counts = tuple((place + count + 1) // 2 - begin for place, count, begin in zip(nodes.first, nodes.shape, low))
+        wider = Nodes(*(begin - HALF_BAND for begin in low), *(count + 2 * HALF_BAND for count in counts))
+        around = self._region(level + 1, wider, keep=keep)
         fine = _interpolate(np.ascontiguousarray(_interpolate(around).T)).T
-        row, column = (place % 2 for place in first)
-        return fine[row : row + shape[0], column : column + shape[1]]
+        row, column = (place % 2 for place in nodes.first)
+        return fine[row : row + nodes.rows, column : column + nodes.columns]
 
 
 class _Filter:
@@ -174,25 +218,22 @@ class _Filter:
         self._kernel[taps // 2], self._kernel[:, taps // 2] = 0.0, 0.0
         self.variance = float((self._kernel**2).sum())
 
-    @property
-    def transfer(self) -> NDArray[np.floating]:
-        """Transform of the filter over one block; real, because the filter is even."""
-        return _kept_transfer(self)
-
-    def make_transfer(self) -> NDArray[np.floating]:
-        """Transform the filter, as `transfer` keeps it."""
+    def transfer(self, shape: tuple[int, int]) -> NDArray[np.floating]:
+        """Transform of the filter over a block of some nodes and the taps about them; real, for the filter is even."""
         half = self.taps // 2
-        block = np.zeros((TILE + self.taps,) * 2)
+        block = np.zeros((shape[0] + self.taps, shape[1] + self.taps))
         block[: self.taps, : self.taps] = np.roll(self._kernel, (half, half), axis=(0, 1))
         return np.fft.rfft2(np.roll(block, (-half, -half), axis=(0, 1))).real.astype(KEPT)
 
 
-_kept_transfer = keep_arrays(_Filter.make_transfer)
+@keep_arrays
+def _kept_transfer(kernel: _Filter) -> NDArray[np.floating]:
+    return kernel.transfer((TILE, TILE))
 
 
 # Numbers of a block and its transform, which a thread uses again: to lay out fresh memory takes as long as the filter.
 _blocks = PerThread(
-    lambda: lru_cache(maxsize=1)(lambda side: (np.empty((side, side)), np.empty((side, side // 2 + 1), np.complex128)))
+    lambda: lru_cache(maxsize=1)(lambda ny, nx: (np.empty((ny, nx)), np.empty((ny, nx // 2 + 1), np.complex128)))
 )
 
 
@@ -203,22 +244,33 @@ class _Lattice:
         self._filter, self._seed, self._stream = kernel, seed, stream
         self.variance = kernel.variance
 
-    def tile(self, row: int, column: int) -> Field:
-        """Filter the noise of one tile by overlap-save: the margin that wraps around is discarded."""
-        side, margin = TILE + self._filter.taps, self._filter.taps // 2
-        rows, columns = (range(place * TILE - margin, place * TILE - margin + side) for place in (row, column))
-        block, waves = _blocks.own(side)
-        lattice_noise(self._seed, self._stream, self._filter.spacing, rows, columns, block)
-        np.fft.rfft2(block, out=waves)
-        waves *= self._filter.transfer
-        np.fft.ifft(waves, axis=0, out=waves)
-        np.fft.irfft(waves, n=side, axis=1, out=block)
-        return block[margin:-margin, margin:-margin].copy()
+    def values(self, nodes: Nodes) -> Field:
+        """Filter the noise of some nodes by overlap-save: the margin that wraps around is discarded."""
+        if nodes.is_tile:
+            return self._filtered(nodes, _kept_transfer(self._filter))
+        # Blocks whose sides are fast to transform, from an even column on, as the noise is drawn.
+        lead = nodes.column % 2
+        rows, columns = (-(-count // FAST) * FAST for count in (nodes.rows, nodes.columns + lead))
+        wider = Nodes(nodes.row, nodes.column - lead, rows, columns)
+        return self._filtered(wider, self._filter.transfer(wider.shape))[: nodes.rows, lead : lead + nodes.columns]
 
     def part(self, side: int, row: int, column: int) -> NDArray[np.floating]:
         """Square of some nodes a side, as many as divide a tile, as it is kept."""
         (tile_row, j), (tile_column, i) = divmod(row * side, TILE), divmod(column * side, TILE)
-        return self.tile(tile_row, tile_column)[j : j + side, i : i + side].astype(KEPT)
+        tile = self.values(Nodes.of_tile(tile_row, tile_column))
+        return tile[j : j + side, i : i + side].astype(KEPT)
+
+    def _filtered(self, nodes: Nodes, transfer: NDArray[np.floating]) -> Field:
+        taps, margin = self._filter.taps, self._filter.taps // 2
+        sides = tuple(count + taps for count in nodes.shape)
+        rows, columns = (range(first - margin, first - margin + side) for first, side in zip(nodes.first, sides))
+        block, waves = _blocks.own(*sides)
+        lattice_noise(self._seed, self._stream, self._filter.spacing, rows, columns, block)
+        np.fft.rfft2(block, out=waves)
+        waves *= transfer
+        np.fft.ifft(waves, axis=0, out=waves)
+        np.fft.irfft(waves, n=sides[1], axis=1, out=block)
+        return block[margin:-margin, margin:-margin].copy()
 
 
 def _band_filters(band: Band, spacing: float, first: int) -> dict[int, _Filter]:

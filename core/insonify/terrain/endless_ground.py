@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Hashable
 from dataclasses import dataclass, replace
 from functools import lru_cache, partial
 from itertools import pairwise
@@ -68,6 +68,11 @@ class EndlessGround:
     reflectivities: tuple[Reflectivity, ...]
     spacing: float
     datum: float
+
+    @property
+    def same_windows(self) -> Hashable:
+        """What two grounds have in common if their windows hold the same bed."""
+        return self.heights, self.materials, self.spacing, len(self.reflectivities)
 
     def cell(self, x: Column, y: Column) -> NDArray[np.int64]:
         """Row and column of the window that holds each place, (n, 2)."""

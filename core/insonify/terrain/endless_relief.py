@@ -1,4 +1,4 @@
-"""Random relief of endless ground, tile by tile."""
+"""Random relief of endless ground, on any rectangle of its nodes."""
 
 from __future__ import annotations
 
@@ -11,13 +11,13 @@ import numpy as np
 from insonify.kernels.common.streams import RELIEF, RELIEF_MASK, RELIEF_PART
 from insonify.scene.reliefs.random_relief import ExtendableRelief, RandomRelief
 from insonify.scene.reliefs.spectrum import Band, Field
-from insonify.terrain.endless_field import EndlessField
+from insonify.terrain.endless_field import EndlessField, Nodes
 
-Tiles = Callable[[int, int], Field]
+Heights = Callable[[Nodes], Field]
 
 
-def endless_heights(parts: tuple[RandomRelief, ...], spacing: float, seed: int) -> Tiles:
-    """Tiles of heights of endless ground, the sum of several random reliefs.
+def endless_heights(parts: tuple[RandomRelief, ...], spacing: float, seed: int) -> Heights:
+    """Heights of endless ground, the sum of several random reliefs.
 
     Parameters
     ----------
@@ -31,41 +31,40 @@ def endless_heights(parts: tuple[RandomRelief, ...], spacing: float, seed: int) 
     Returns
     -------
     callable
-        Function of the row and column of a tile with nodes (row · TILE + j, column · TILE + i), which returns
-        (TILE, TILE) float64: metres above the mean bed.
+        Function of some `Nodes`, which returns (rows, columns) float64: metres above the mean bed.
     """
     extendable = [part for part in parts if isinstance(part, ExtendableRelief)]
     made = [_masked(part, spacing, seed, RELIEF_PART * number) for number, part in enumerate(extendable)]
 
-    return lambda row, column: np.asarray(np.sum([part(row, column) for part in made], axis=0))
+    return lambda nodes: np.asarray(np.sum([part(nodes) for part in made], axis=0))
 
 
-def _masked(relief: ExtendableRelief, spacing: float, seed: int, stream: int) -> Tiles:
+def _masked(relief: ExtendableRelief, spacing: float, seed: int, stream: int) -> Heights:
     heights = _unmasked(relief, spacing, seed, RELIEF + stream)
     mask = relief.mask
     if mask.spread is None:
         return heights
     field = EndlessField((Band(mask.density(), mask.spread),), spacing, seed, RELIEF_MASK + stream)
     level, threshold = math.sqrt(field.variance), NormalDist().inv_cdf(1.0 - mask.coverage)
-    return lambda row, column: heights(row, column) * mask.weigh(field.tile(row, column) / level, threshold)
+    return lambda nodes: heights(nodes) * mask.weigh(field.values(nodes) / level, threshold)
 
 
-def _unmasked(relief: ExtendableRelief, spacing: float, seed: int, stream: int) -> Tiles:
+def _unmasked(relief: ExtendableRelief, spacing: float, seed: int, stream: int) -> Heights:
     field = EndlessField(relief.bands(), spacing, seed, stream)
     if relief.shaped:
         return _shaped(relief, field)
     rms = relief.given_rms
     if rms is None:
-        return field.tile
+        return field.values
     factor = rms / math.sqrt(field.variance) if rms > 0.0 else 0.0
-    return lambda row, column: factor * field.tile(row, column)
+    return lambda nodes: factor * field.values(nodes)
 
 
-def _shaped(relief: ExtendableRelief, field: EndlessField) -> Tiles:
+def _shaped(relief: ExtendableRelief, field: EndlessField) -> Heights:
     level = math.sqrt(2.0 * field.variance)
 
-    def tile(row: int, column: int) -> Field:
-        wave = field.complex_tile(row, column)
+    def heights(nodes: Nodes) -> Field:
+        wave = field.complex_values(nodes)
         return relief.shape_waves(wave.real, wave.imag, level)
 
-    return tile
+    return heights

@@ -9,7 +9,7 @@ from insonify.scene import Scene, SceneError
 from insonify.scene.reliefs.spectrum import Field
 from insonify.scene.seabed import Seabed
 from insonify.terrain.build import FLAT_CELLS, build_ground, cells_of_period, sample_heights
-from insonify.terrain.endless_field import gather_tiles
+from insonify.terrain.endless_field import Nodes, gather_tiles
 from insonify.terrain.endless_ground import EndlessGround
 from insonify.terrain.endless_relief import endless_heights
 from insonify.terrain.periodic_relief import periodic_heights
@@ -43,8 +43,9 @@ def relief(seabed: Seabed, shape: tuple[int, int] | None = None, *, seed: int = 
     if shape is not None and min(shape) < 1:
         raise SceneError(f"shape: {shape} has no nodes; give at least (1, 1)")
     if seabed.endless:
-        tiles = endless_heights(seabed.random_reliefs, seabed.spacing, seed)
-        return gather_tiles(tiles, (0, 0), shape or (SHOWN, SHOWN))
+        made = endless_heights(seabed.random_reliefs, seabed.spacing, seed)
+        # Tile by tile: whatever is asked for, it takes little memory.
+        return gather_tiles(lambda *place: made(Nodes.of_tile(*place)), (0, 0), shape or (SHOWN, SHOWN))
     if seabed.random_reliefs:
         cells = cells_of_period(seabed.random_reliefs[0].period, seabed.spacing)
         return periodic_heights(seabed.random_reliefs, shape or (cells, cells), (cells, cells), seed)

@@ -16,11 +16,12 @@ from insonify.kernels.bed.voronoi import voronoi_materials
 from insonify.kernels.common.streams import MATERIAL_BANDS, MATERIAL_PATCHES
 from insonify.scene.materials import MaterialMap
 from insonify.scene.reliefs.fractal import Fractal
-from insonify.terrain.endless_field import TILE, EndlessField
+from insonify.terrain.endless_field import EndlessField, Nodes
 from insonify.terrain.lattice import Lattice, Map
 from insonify.terrain.periodic_relief import unmasked_heights
 
 Cuts = tuple[float, ...]
+NO_NODES = Nodes(0, 0, 0, 0)
 
 
 @dataclass(frozen=True)
@@ -65,25 +66,25 @@ class BedCells(Lattice):
 
 
 @dataclass(frozen=True)
-class TileCells(BedCells):
-    """Cells of one tile of endless ground, and the random fields over them.
+class EndlessCells(BedCells):
+    """Cells of some nodes of endless ground, and the random fields over them.
 
     Attributes
     ----------
-    tile : (int, int)
-        Its row and column.
+    nodes : Nodes
+        The nodes.
     period : float
         Metres beyond which a fractal field is smooth.
     """
 
-    tile: tuple[int, int] = (0, 0)
+    nodes: Nodes = NO_NODES
     period: float = 0.0
 
     def bands(self, beta: float, count: int) -> Map:
         """Split a fractal field by height into bands of equal expected area."""
         field = _endless_field(beta, self.period, self.spacing, self.seed)
         cuts = [NormalDist().inv_cdf(k / count) * math.sqrt(field.variance) for k in range(1, count)]
-        return np.searchsorted(cuts, field.tile(*self.tile)).astype(np.uint8)
+        return np.searchsorted(cuts, field.values(self.nodes)).astype(np.uint8)
 
 
 def material_indices(material: MaterialMap, lattice: Lattice, seed: int, place: Georeference | None = None) -> Map:
@@ -98,16 +99,16 @@ def material_indices(material: MaterialMap, lattice: Lattice, seed: int, place: 
 
 def endless_materials(
     material: MaterialMap, period: float, spacing: float, seed: int, place: Georeference | None = None
-) -> Callable[[int, int], Map]:
-    """Tiles of a map of materials, (TILE, TILE) uint8; fractal fields are smooth beyond a period."""
+) -> Callable[[Nodes], Map]:
+    """Return a function of some nodes, which maps their materials; fractal fields are smooth beyond a period."""
 
-    def tile(row: int, column: int) -> Map:
-        x0, y0 = column * TILE * spacing, row * TILE * spacing
-        cells = TileCells((TILE, TILE), spacing, x0, y0, False, seed, place, (row, column), period)
+    def indices(nodes: Nodes) -> Map:
+        x0, y0 = nodes.column * spacing, nodes.row * spacing
+        cells = EndlessCells(nodes.shape, spacing, x0, y0, False, seed, place, nodes, period)
         with located("seabed.material"):
             return material.indices(cells)
 
-    return tile
+    return indices
 
 
 @lru_cache(maxsize=2)
