@@ -129,6 +129,8 @@ class _WindowBeds:
                 self._beds.move_to_end((row, column))
                 return self._beds[row, column]
             held = self._nearest(row, column)
+            while len(self._beds) >= self._room:  # before the new one takes memory
+                self._beds.popitem(last=False)
         made = make_bed(self._ground.window(row, column, MARGIN * self._reach, held))
         with self._lock:
             self._beds[row, column] = made
