@@ -53,7 +53,10 @@ def refused(capsys: pytest.CaptureFixture[str], *words: str) -> str:
         (["render", "default", "-o", "x.png", "--gain", "loud"], "'loud' is not a number; give a plain number"),
         (["render", "default", "-o", "x.png", "--tolerance", "0"], "give a number above 0"),
         (["render", "default", "-o", "x.png", "--method", "magic"], "invalid choice: 'magic'"),
-        (["render", "default", "-o", "x.png", "--set", "sonar.range=-1"], "sonar.range: -1 is out of bounds"),
+        (
+            ["render", "default", "-o", "x.png", "--set", "sonar.range=-1"],
+            "sonar.range: -1 is out of bounds; give a value above 0 m",
+        ),
         (["render", "default", "-o", "x.png", "--set", "sonar.range"], "write for example sonar.range=75"),
         (["render", "default", "-o", "x.png", "--seed", "-4"], "seed: -4 is out of bounds"),
         (["render", "default", "-o", "x.png", "--seed", "two"], "seed: 'two' is not a whole number"),

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import difflib
+from collections.abc import Iterator
 from typing import Any
 
 from pydantic import BaseModel, ValidationError
@@ -46,8 +47,9 @@ def describe_fault(error: ValidationError, root: type[BaseModel]) -> str:
     if kind == "literal_error":
         return f"{where}: {_shown(value)} is not known; choose {context['expected']}"
     if kind in _BOUNDS:
-        bound = context[_BOUNDS[kind][0]]
-        return f"{where}: {_shown(value)} is out of bounds; give a value {_BOUNDS[kind][1]} {bound:g}"
+        limit, words = _BOUNDS[kind]
+        bound = f"{context[limit]:g}{_unit(fault['loc'], root)}"
+        return f"{where}: {_shown(value)} is out of bounds; give a value {words} {bound}"
     if kind.endswith(("too_short", "too_long")):
         bound = f"least {context['min_length']}" if "min_length" in context else f"most {context['max_length']}"
         return f"{where}: {_shown(value)} has length {len(value)}; give at {bound}"
@@ -82,20 +84,33 @@ def _shown(value: Any) -> str:
 
 def _path(location: tuple[int | str, ...], root: type[BaseModel]) -> str:
     """Dotted path of a fault, without the kinds that pydantic puts between the fields."""
-    model: list[type[BaseModel]] = [root]
-    parts: list[str] = []
-    for step in location:
-        if isinstance(step, str) and parts and not any(step in m.model_fields for m in model):
-            tagged = [m for m in model if kind_name(m) == step]
+    steps = [step for step, _ in _steps(location, root)]
+    return ".".join(str(s) if str(s).replace("-", "_").isidentifier() or isinstance(s, int) else repr(s) for s in steps)
+
+
+def _unit(location: tuple[int | str, ...], root: type[BaseModel]) -> str:
+    """Return the unit of the field of a fault as it follows a number; empty for a pure number."""
+    unit = ""
+    for step, models in _steps(location, root):
+        for field in (model.model_fields[step] for model in models if step in model.model_fields):
+            unit = str(field.json_schema_extra.get("unit", "")) if isinstance(field.json_schema_extra, dict) else ""
+    return unit if unit in ("", "°") else f" {unit}"
+
+
+def _steps(location: tuple[int | str, ...], root: type[BaseModel]) -> Iterator[tuple[int | str, list[type[BaseModel]]]]:
+    """Fields and positions along a path, each with the declarations that may hold it."""
+    models: list[type[BaseModel]] = [root]
+    for depth, step in enumerate(location):
+        if isinstance(step, str) and depth and not any(step in model.model_fields for model in models):
+            tagged = [model for model in models if kind_name(model) == step]
             if tagged:
-                model = tagged
+                models = tagged
                 continue
             if "[" in step or step.removeprefix("constrained-") in ("float", "int", "str"):
                 continue
-        parts.append(str(step) if str(step).replace("-", "_").isidentifier() or isinstance(step, int) else repr(step))
+        yield step, models
         if isinstance(step, str):
-            model = [child for m in model for child in models_of(m, step)]
-    return ".".join(parts)
+            models = [child for model in models for child in models_of(model, step)]
 
 
 def _nearest(location: tuple[int | str, ...], root: type[BaseModel]) -> str:
