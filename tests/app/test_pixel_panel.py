@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -13,6 +14,7 @@ from PySide6.QtTest import QTest
 
 from insonify.explanation import compilation
 from insonify.scene import Scene, edit, load_scene
+from insonify_viewer.panels.pixel.view.section_scales import SectionScales
 from insonify_viewer.panels.pixel.view.section_view import BED as GROUND
 from insonify_viewer.panels.pixel.view.section_view import BLOCKED, HEARD, HIDDEN, WATER
 from insonify_viewer.session import Mark
@@ -109,6 +111,19 @@ def test_the_cross_section_shows_bed_shadow_and_ray(viewer: Any, qtbot: Any) -> 
     seen = {image.pixelColor(x, y).name() for x in range(image.width()) for y in range(image.height())}
     for colour in (WATER, GROUND, HEARD, HIDDEN, BLOCKED):
         assert any(is_like(QColor(name), colour) for name in seen), colour
+
+
+@pytest.mark.parametrize("raised", [50.0, 1e12])
+def test_a_cross_section_of_a_fish_below_the_bed_is_drawn(viewer: Any, qtbot: Any, raised: float) -> None:
+    """As of one that is towed at a depth beside a slope."""
+    click(viewer, SHADOW, qtbot)
+    section = viewer.panels["pixel"].view.section
+    explanation, cut = section._shown
+    section.show_section(explanation, replace(cut, bed=np.add(cut.bed, [0.0, raised])))
+    scales = SectionScales.of(section._shown[1], (300.0, 200.0), surfaced=False)
+    assert scales.low < scales.high
+    assert scales.area.contains(scales.at(0.0, float(cut.sonar.place[2])))
+    section.grab()  # an exception would fail the test
 
 
 def test_an_edit_explains_the_pinned_pixel_anew(viewer: Any, qtbot: Any) -> None:

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import math
+
 import numpy as np
 import pytest
 
@@ -69,3 +71,8 @@ def test_ticks_are_round() -> None:
     assert round_steps(0.0, 50.0, 3) == [0.0, 20.0, 40.0]
     assert round_steps(0.0, 0.7, 3) == pytest.approx([0.0, 0.5])
     assert round_steps(0.0, 1.0, 1) == [0.0, 1.0]
+
+
+@pytest.mark.parametrize("ends", [(1.0, 1.0), (2.0, 1.0), (0.0, math.nan), (-math.inf, 0.0)])
+def test_there_are_no_ticks_of_no_range(ends: tuple[float, float]) -> None:
+    assert round_steps(*ends, 3) == []

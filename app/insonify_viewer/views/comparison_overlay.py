@@ -9,8 +9,8 @@ from PySide6.QtGui import QColor, QImage, QLinearGradient, QMouseEvent, QPainter
 from PySide6.QtWidgets import QWidget
 
 from insonify_viewer.comparison.arrangement import Arrangement
-from insonify_viewer.errors.guarded_overrides import guard_override
 from insonify_viewer.views.difference_picture import DifferencePicture, decibels_between, draw_difference
+from insonify_viewer.views.guarded_overrides import guard_override
 from insonify_viewer.views.record_image import EMPTY
 from insonify_viewer.views.theme import ACCENT, ACCENT_IN_WATER, GROUND, MARK, TEXT
 from insonify_viewer.views.titled_waterfall import TitledWaterfall

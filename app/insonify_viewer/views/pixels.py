@@ -65,8 +65,10 @@ def dimmed(words: NDArray[np.uint32]) -> NDArray[np.uint32]:
 
 
 def round_steps(low: float, high: float, most: int) -> list[float]:
-    """Multiples of 1, 2 or 5 times a power of ten between two numbers, in at most ``most`` steps."""
+    """Multiples of 1, 2 or 5 times a power of ten between two numbers, in at most ``most`` steps; none of no range."""
     rough = (high - low) / max(most, 1)
+    if not 0.0 < rough < math.inf:
+        return []
     power = 10.0 ** math.floor(math.log10(rough))
     step = next(power * unit for unit in (1.0, 2.0, 5.0, 10.0) if power * unit >= rough * (1.0 - 1e-9))
     return [step * k for k in range(math.ceil(low / step - 1e-9), math.floor(high / step + 1e-9) + 1)]

@@ -11,7 +11,6 @@ from PySide6.QtGui import QColor, QPainter, QPaintEvent, QResizeEvent
 from PySide6.QtWidgets import QWidget
 
 from insonify.display.display_options import DisplayOptions, Levels
-from insonify_viewer.errors.guarded_overrides import guard_override
 from insonify_viewer.record import Record, Rows
 from insonify_viewer.record_display.layout import choose_axis, project_record, zoom_to_true_scale
 from insonify_viewer.record_display.projection import Projection, Zoom
@@ -19,6 +18,7 @@ from insonify_viewer.record_display.tone_map import ToneMap, make_tone_map
 from insonify_viewer.session import Mark
 from insonify_viewer.views import record_overlays as overlays
 from insonify_viewer.views.echo_trace import CAPTION, GAP, WIDE, draw_caption, draw_trace, room_for_trace
+from insonify_viewer.views.guarded_overrides import guard_override
 from insonify_viewer.views.record_image import RecordImage
 from insonify_viewer.views.record_marks import RecordMarks
 from insonify_viewer.views.rulers import draw_ping_ruler, draw_range_ruler

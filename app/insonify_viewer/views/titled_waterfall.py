@@ -8,9 +8,9 @@ from PySide6.QtCore import QRect, Qt
 from PySide6.QtGui import QColor, QPainter, QPaintEvent
 from PySide6.QtWidgets import QWidget
 
-from insonify_viewer.errors.guarded_overrides import guard_override
 from insonify_viewer.record_display.layout import project_record
 from insonify_viewer.record_display.projection import Zoom
+from insonify_viewer.views.guarded_overrides import guard_override
 from insonify_viewer.views.theme import TEXT
 from insonify_viewer.views.waterfall_view import WaterfallView
 

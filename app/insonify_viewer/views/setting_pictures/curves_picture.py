@@ -12,7 +12,7 @@ from PySide6.QtGui import QColor, QPainter, QPaintEvent, QPen
 
 from insonify.display.scene_curves import FLOOR, Curve
 from insonify.scene import Scene, SceneError
-from insonify_viewer.errors.guarded_overrides import guard_override
+from insonify_viewer.views.guarded_overrides import guard_override
 from insonify_viewer.views.pixels import round_steps
 from insonify_viewer.views.polylines import make_polyline
 from insonify_viewer.views.setting_pictures.base import SettingPicture

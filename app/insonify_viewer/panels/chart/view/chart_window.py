@@ -14,10 +14,10 @@ from PySide6.QtWidgets import (
     QWidget,
 )
 
-from insonify_viewer.errors.guarded_overrides import guard_override
 from insonify_viewer.panels.chart.chart_details import ChartPicture, RowDetails, details_in_words, nearest_row
 from insonify_viewer.panels.chart.view.strips_view import StripsView
 from insonify_viewer.quantities import format_time_left
+from insonify_viewer.views.guarded_overrides import guard_override
 from insonify_viewer.views.push_button import push_button
 from insonify_viewer.views.theme import ACCENT, GROUND, QUIET
 

@@ -13,9 +13,9 @@ from PySide6.QtGui import QPolygonF
 if TYPE_CHECKING:
     from insonify.explanation.cross_section import CrossSection
 
-
 LEFT, RIGHT, TOP, BOTTOM = 46.0, 22.0, 10.0, 22.0  # px
 BELOW, ABOVE = 0.12, 0.08  # of the water's height, drawn below the bed and above the sonar
+FLATTEST = 1e-9  # least extent of heights as a share of them, so that their edges are two numbers
 
 Points = NDArray[np.float64]
 
@@ -47,9 +47,10 @@ class SectionScales:
         """Fit a section into a widget; ``surfaced`` shows the sea surface too."""
         bed = section.bed[np.isfinite(section.bed[:, 1]), 1]
         sonar = float(section.sonar.place[2])
-        low = float(bed.min()) if bed.size else sonar - 1.0
         high = section.sonar.surface if surfaced else sonar
-        tall = max(high - low, 1.0)
+        # A fish towed at a depth may be below all of a measured bed.
+        low = min(float(bed.min()) if bed.size else sonar - 1.0, high)
+        tall = max(high - low, 1.0, FLATTEST * abs(low))
         area = QRectF(LEFT, TOP, max(size[0] - LEFT - RIGHT, 1.0), max(size[1] - TOP - BOTTOM, 1.0))
         return cls(area, section.reach, low - BELOW * tall, high + ABOVE * tall, section.side == 0)
 

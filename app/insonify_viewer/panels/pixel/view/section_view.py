@@ -10,8 +10,8 @@ from PySide6.QtCore import QEvent, QPointF, QRectF, Qt
 from PySide6.QtGui import QColor, QPainter, QPaintEvent, QPen, QPixmap, QResizeEvent
 from PySide6.QtWidgets import QWidget
 
-from insonify_viewer.errors.guarded_overrides import guard_override
 from insonify_viewer.panels.pixel.view.section_scales import SectionScales
+from insonify_viewer.views.guarded_overrides import guard_override
 from insonify_viewer.views.pixels import round_steps
 from insonify_viewer.views.theme import ACCENT_IN_WATER, GROUND, MARK_IN_WATER, OVER_WATER, QUIET
 

@@ -10,8 +10,8 @@ from PySide6.QtCore import QPointF, QRectF, QSize, Qt, Signal
 from PySide6.QtGui import QColor, QImage, QKeyEvent, QMouseEvent, QPainter, QPaintEvent, QPen, QPolygonF
 from PySide6.QtWidgets import QWidget
 
-from insonify_viewer.errors.guarded_overrides import guard_override
 from insonify_viewer.record_display.tone_map import ToneMap
+from insonify_viewer.views.guarded_overrides import guard_override
 from insonify_viewer.views.theme import ACCENT, GROUND, QUIET, RAISED, TEXT
 
 LOWEST, HIGHEST, STEP = -40.0, 40.0, 20.0  # dB re level bed

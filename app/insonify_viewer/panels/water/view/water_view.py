@@ -7,9 +7,9 @@ from PySide6.QtGui import QImage, QMouseEvent, QPainter, QPaintEvent, QPixmap, Q
 from PySide6.QtWidgets import QWidget
 
 from insonify.display.ray_diagram.diagram import RayDiagram
-from insonify_viewer.errors.guarded_overrides import guard_override
 from insonify_viewer.panels.water.view.painting import paint_profile, paint_water, shadow_picture, water_picture
 from insonify_viewer.panels.water.view.plot_scales import PlotScales
+from insonify_viewer.views.guarded_overrides import guard_override
 from insonify_viewer.views.theme import GROUND, QUIET
 
 GRASP = 9.0  # px, greatest distance at which a point is grasped
