@@ -209,11 +209,11 @@ class Simulator(QObject):
         modelling = request.modelling if request.fine else request.modelling.coarse
         known = self._last.get(True)
         scene = request.scene if request.fine else thin_new_ground(request.scene, known and known[0])
-        pings, beneath = request.pings, None if scene is request.scene else request.pings
+        pings, beneath, begun = request.pings, None if scene is request.scene else request.pings, time.perf_counter()
         simulation, level = self._prepared(scene, modelling, fine=request.fine, number=request.number, beneath=beneath)
         if request.fine:
             simulation.expect(pings)  # a slider that moves next traces them all together
-        stride = 1 if request.fine else self._stride(len(pings))
+        stride = 1 if request.fine else self._stride(len(pings), time.perf_counter() - begun)
         size = simulation.pings_within(BLOCK_TIME)
         start = 0
         while start < len(pings):
@@ -256,10 +256,13 @@ class Simulator(QObject):
             size = max(1, int(LONGEST * done / passed))
         return np.concatenate(parts)
 
-    def _stride(self, pings: int) -> int:
-        """Stride over the pings by which a coarse trace of them takes about `COARSE_TIME`."""
-        stride = 1
-        while stride < MAX_STRIDE and pings * self._cost > COARSE_TIME * stride:
+    def _stride(self, pings: int, passed: float) -> int:
+        """Stride over the pings by which a coarse trace of them takes about `COARSE_TIME`, or half of what has passed.
+
+        A picture for which ground was made comes late in any case, and hardly later with more of its pings.
+        """
+        stride, allowed = 1, max(COARSE_TIME, 0.5 * passed)
+        while stride < MAX_STRIDE and pings * self._cost > allowed * stride:
             stride *= 2
         return stride
 

@@ -223,3 +223,10 @@ def test_a_coarse_picture_that_takes_long_is_cut_short_for_a_newer_request(small
     assert len(answer.pings) == len(answer.amplitude) == answer.alike * Slow.traced
     assert (len(answer.pings) < 40) == waits
     assert answer.pings.tolist() == list(range(len(answer.pings))), "the most urgent ones"
+
+
+def test_a_picture_that_waited_for_its_ground_has_more_of_its_pings(qapp: object) -> None:
+    simulator = Simulator(prepare=StandIn)
+    simulator._cost = 1e-4
+    assert [simulator._stride(512, passed) for passed in (0.0, 0.01, 0.06, 1.0)] == [8, 8, 2, 1]
+    simulator.close()
