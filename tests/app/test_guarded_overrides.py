@@ -11,7 +11,7 @@ from typing import Any
 import pytest
 
 import insonify_viewer
-from insonify_viewer.views.guarded_overrides import guard_override
+from insonify_viewer.errors.guarded_overrides import guard_override
 
 # Methods that Qt calls within a call from Python. Events of mouse and keys come from the loop of events instead,
 # under which Qt for Python prints an exception.
@@ -25,7 +25,7 @@ from PySide6.QtCore import QSize, QTimer
 from PySide6.QtGui import QPainter, QPixmap
 from PySide6.QtWidgets import QVBoxLayout, QWidget
 from insonify_viewer.application import make_application
-from insonify_viewer.views.guarded_overrides import guard_override
+from insonify_viewer.errors.guarded_overrides import guard_override
 from insonify_viewer.views.main_window import MainWindow
 from insonify_viewer.views.record_image import RecordImage
 from insonify_viewer.views.uncaught_errors import told_errors
@@ -49,10 +49,9 @@ class Broken(QWidget):
     @guard_override(None)
     def paintEvent(self, event):
         picture = QPixmap(20, 20)
-        onto = QPainter(self)
-        painter = QPainter(picture)
-        painter.drawLine(0, 0, 9, 9)
-        fail()
+        with QPainter(self), QPainter(picture) as painter:
+            painter.drawLine(0, 0, 9, 9)
+            fail()
 
 application = make_application()
 window = MainWindow(native=False, palettes=("copper",))
@@ -118,3 +117,10 @@ def test_an_exception_is_told_anew_after_a_success_or_another_exception(monkeypa
     assert [message.split(" ")[0] for message in told] == ["integer", "integer", "invalid"]
     assert second.divide(0) == -1
     assert len(told) == 4, "each object is told of by itself"
+
+
+def test_painters_end_whatever_happens() -> None:
+    """One that is left in a frame keeps its widget busy; a pixmap that goes before its painter ends the process."""
+    for path in Path(insonify_viewer.__file__).parent.rglob("*.py"):
+        for line in path.read_text(encoding="utf-8").splitlines():
+            assert "QPainter(" not in line or "with QPainter(" in line, f"{path.name}: {line.strip()}"

@@ -9,8 +9,8 @@ from PySide6.QtGui import QColor, QImage, QLinearGradient, QMouseEvent, QPainter
 from PySide6.QtWidgets import QWidget
 
 from insonify_viewer.comparison.arrangement import Arrangement
+from insonify_viewer.errors.guarded_overrides import guard_override
 from insonify_viewer.views.difference_picture import DifferencePicture, decibels_between, draw_difference
-from insonify_viewer.views.guarded_overrides import guard_override
 from insonify_viewer.views.record_image import EMPTY
 from insonify_viewer.views.theme import ACCENT, ACCENT_IN_WATER, GROUND, MARK, TEXT
 from insonify_viewer.views.titled_waterfall import TitledWaterfall
@@ -127,20 +127,20 @@ class ComparisonOverlay(QWidget):
     def paintEvent(self, event: QPaintEvent) -> None:
         """Draw record A, or the difference, over the record, and say what is drawn."""
         del event
-        painter, plot = QPainter(self), self._b.plot_area
-        self._a.follow()
-        self._followed = self._a.version
-        if self._held:
-            self._draw_a(painter, plot)
-            self._caption(painter, plot, f"A  {self._titles[0]}")
-        elif self._arrangement is Arrangement.WIPED:
-            self._draw_a(painter, QRect(plot.left(), plot.top(), self.split - plot.left(), plot.height()))
-            self._draw_split(painter, plot)
-        elif self._arrangement is Arrangement.DIFFERENCE:
-            self._draw_difference(painter, plot)
-        else:
-            self._caption(painter, plot, "B  hold X for A")
-        painter.end()
+        plot = self._b.plot_area
+        with QPainter(self) as painter:
+            self._a.follow()
+            self._followed = self._a.version
+            if self._held:
+                self._draw_a(painter, plot)
+                self._caption(painter, plot, f"A  {self._titles[0]}")
+            elif self._arrangement is Arrangement.WIPED:
+                self._draw_a(painter, QRect(plot.left(), plot.top(), self.split - plot.left(), plot.height()))
+                self._draw_split(painter, plot)
+            elif self._arrangement is Arrangement.DIFFERENCE:
+                self._draw_difference(painter, plot)
+            else:
+                self._caption(painter, plot, "B  hold X for A")
 
     def _draw_a(self, painter: QPainter, covered: QRect) -> None:
         painter.save()

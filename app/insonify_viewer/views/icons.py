@@ -47,9 +47,8 @@ def make_icon(name: str) -> QIcon:
 def _render(name: str, colour: str, side: int) -> QImage:
     image = QImage(side, side, QImage.Format.Format_ARGB32_Premultiplied)
     image.fill(Qt.GlobalColor.transparent)
-    painter = QPainter(image)
-    svg = (resources() / "icons" / f"{name}.svg").read_text(encoding="utf-8")
-    drawing = QSvgRenderer(QByteArray(svg.replace("currentColor", colour).encode()))
-    drawing.render(painter, QRectF(0, 0, side, side))
-    painter.end()
+    with QPainter(image) as painter:
+        svg = (resources() / "icons" / f"{name}.svg").read_text(encoding="utf-8")
+        drawing = QSvgRenderer(QByteArray(svg.replace("currentColor", colour).encode()))
+        drawing.render(painter, QRectF(0, 0, side, side))
     return image

@@ -23,13 +23,13 @@ from PySide6.QtWidgets import (
 
 from insonify.display.display_options import DisplayOptions
 from insonify_viewer.errors.failure import Failure
+from insonify_viewer.errors.guarded_overrides import guard_override
 from insonify_viewer.panels.panel import Panel, Place
 from insonify_viewer.target_placement import target_menu
 from insonify_viewer.tow_clock import SPEEDS
 from insonify_viewer.views.comparison_actions import ComparisonActions
 from insonify_viewer.views.comparison_overlay import ComparisonOverlay
 from insonify_viewer.views.file_drop import take_drops
-from insonify_viewer.views.guarded_overrides import guard_override
 from insonify_viewer.views.history_menus import HistoryMenus
 from insonify_viewer.views.icons import set_icon
 from insonify_viewer.views.job_bar import JobBar

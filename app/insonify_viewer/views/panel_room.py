@@ -5,7 +5,7 @@ from __future__ import annotations
 from PySide6.QtCore import QEvent, QObject, Qt
 from PySide6.QtWidgets import QDockWidget, QMainWindow, QSplitter
 
-from insonify_viewer.views.guarded_overrides import guard_override
+from insonify_viewer.errors.guarded_overrides import guard_override
 from insonify_viewer.views.text_scale import scaled
 
 HANDLES = 24  # px, of the lines between the parts

@@ -11,6 +11,7 @@ from PySide6.QtGui import QColor, QPainter, QPaintEvent, QResizeEvent
 from PySide6.QtWidgets import QWidget
 
 from insonify.display.display_options import DisplayOptions, Levels
+from insonify_viewer.errors.guarded_overrides import guard_override
 from insonify_viewer.record import Record, Rows
 from insonify_viewer.record_display.layout import choose_axis, project_record, zoom_to_true_scale
 from insonify_viewer.record_display.projection import Projection, Zoom
@@ -18,7 +19,6 @@ from insonify_viewer.record_display.tone_map import ToneMap, make_tone_map
 from insonify_viewer.session import Mark
 from insonify_viewer.views import record_overlays as overlays
 from insonify_viewer.views.echo_trace import CAPTION, GAP, WIDE, draw_caption, draw_trace, room_for_trace
-from insonify_viewer.views.guarded_overrides import guard_override
 from insonify_viewer.views.record_image import RecordImage
 from insonify_viewer.views.record_marks import RecordMarks
 from insonify_viewer.views.rulers import draw_ping_ruler, draw_range_ruler
@@ -353,19 +353,19 @@ class RecordCanvas(QWidget):
     @guard_override(None)
     def paintEvent(self, event: QPaintEvent) -> None:
         """Draw the record, what lies over it, and the rulers."""
-        painter, plot, projection = QPainter(self), self._plot(), self._projection
-        painter.fillRect(self.rect(), QColor(GROUND))
-        self._image.draw(painter, plot, projection)
-        draw_range_ruler(painter, plot, projection, name_scale(plot, *self._shown_extent()), self._text)
-        beside = QRect(0, plot.top(), self._scaled(LEFT), plot.height())
-        draw_ping_ruler(painter, beside, projection, self._step, self._text)
-        self._handle.draw(painter, self._top)
-        painter.save()
-        painter.setClipRect(plot)
-        self._draw_over(painter, plot)
-        painter.restore()
-        self._draw_trace(painter)
-        painter.end()
+        plot, projection = self._plot(), self._projection
+        with QPainter(self) as painter:
+            painter.fillRect(self.rect(), QColor(GROUND))
+            self._image.draw(painter, plot, projection)
+            draw_range_ruler(painter, plot, projection, name_scale(plot, *self._shown_extent()), self._text)
+            beside = QRect(0, plot.top(), self._scaled(LEFT), plot.height())
+            draw_ping_ruler(painter, beside, projection, self._step, self._text)
+            self._handle.draw(painter, self._top)
+            painter.save()
+            painter.setClipRect(plot)
+            self._draw_over(painter, plot)
+            painter.restore()
+            self._draw_trace(painter)
 
     def _draw_over(self, painter: QPainter, plot: QRect) -> None:
         """Draw lines, marks and the bar of what is waited for over the record."""

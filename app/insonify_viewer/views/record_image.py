@@ -108,10 +108,9 @@ class RecordImage:
         """Draw the surroundings of a place of the plot as PNG."""
         picture = QImage(SNAPSHOT, SNAPSHOT, QImage.Format.Format_RGB32)
         picture.fill(QColor.fromRgb(EMPTY))
-        painter = QPainter(picture)
-        painter.translate(QPoint(SNAPSHOT // 2, SNAPSHOT // 2) - place)
-        self.draw(painter, plot, projection)
-        painter.end()
+        with QPainter(picture) as painter:
+            painter.translate(QPoint(SNAPSHOT // 2, SNAPSHOT // 2) - place)
+            self.draw(painter, plot, projection)
         buffer = QBuffer()
         buffer.open(QBuffer.OpenModeFlag.WriteOnly)
         QImageWriter(buffer, QByteArray(b"PNG")).write(picture)

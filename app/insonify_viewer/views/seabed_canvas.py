@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from PySide6.QtGui import QImage, QMouseEvent, QPainter, QPaintEvent, QResizeEvent
 from PySide6.QtWidgets import QWidget
 
-from insonify_viewer.views.guarded_overrides import guard_override
+from insonify_viewer.errors.guarded_overrides import guard_override
 
 # PyVista is untyped.
 pv: Any = pyvista
@@ -137,6 +137,5 @@ class _PixelsWidget(QWidget):
 
     @guard_override(None)
     def paintEvent(self, event: QPaintEvent) -> None:
-        painter = QPainter(self)
-        painter.drawImage(self.rect(), self._image)
-        painter.end()
+        with QPainter(self) as painter:
+            painter.drawImage(self.rect(), self._image)

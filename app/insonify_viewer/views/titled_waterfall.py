@@ -8,9 +8,9 @@ from PySide6.QtCore import QRect, Qt
 from PySide6.QtGui import QColor, QPainter, QPaintEvent
 from PySide6.QtWidgets import QWidget
 
+from insonify_viewer.errors.guarded_overrides import guard_override
 from insonify_viewer.record_display.layout import project_record
 from insonify_viewer.record_display.projection import Zoom
-from insonify_viewer.views.guarded_overrides import guard_override
 from insonify_viewer.views.theme import TEXT
 from insonify_viewer.views.waterfall_view import WaterfallView
 
@@ -99,10 +99,10 @@ class TitledWaterfall(WaterfallView):
     def paintEvent(self, event: QPaintEvent) -> None:
         """Draw the record and its title."""
         super().paintEvent(event)
-        painter, plot = QPainter(self), self.plot_area
-        heading = QRect(plot.left(), plot.top() - 20, plot.width(), 16)
-        painter.setPen(QColor(TEXT))
-        room = max(plot.width() - 2 * painter.fontMetrics().horizontalAdvance("starboard") - 16, 0)
-        title = painter.fontMetrics().elidedText(self._title, Qt.TextElideMode.ElideMiddle, room)
-        painter.drawText(heading, Qt.AlignmentFlag.AlignHCenter, title)
-        painter.end()
+        plot = self.plot_area
+        with QPainter(self) as painter:
+            heading = QRect(plot.left(), plot.top() - 20, plot.width(), 16)
+            painter.setPen(QColor(TEXT))
+            room = max(plot.width() - 2 * painter.fontMetrics().horizontalAdvance("starboard") - 16, 0)
+            title = painter.fontMetrics().elidedText(self._title, Qt.TextElideMode.ElideMiddle, room)
+            painter.drawText(heading, Qt.AlignmentFlag.AlignHCenter, title)

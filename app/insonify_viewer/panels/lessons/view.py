@@ -19,7 +19,7 @@ from PySide6.QtWidgets import (
 )
 
 from insonify.lessons import Lesson
-from insonify_viewer.views.guarded_overrides import guard_override
+from insonify_viewer.errors.guarded_overrides import guard_override
 from insonify_viewer.views.lighting import light
 from insonify_viewer.views.push_button import push_button
 from insonify_viewer.views.side_panel import ScrollColumn

@@ -12,7 +12,7 @@ from PySide6.QtGui import QColor, QPainter, QPaintEvent, QPen
 
 from insonify.display.scene_curves import FLOOR, Curve
 from insonify.scene import Scene, SceneError
-from insonify_viewer.views.guarded_overrides import guard_override
+from insonify_viewer.errors.guarded_overrides import guard_override
 from insonify_viewer.views.pixels import round_steps
 from insonify_viewer.views.polylines import make_polyline
 from insonify_viewer.views.setting_pictures.base import SettingPicture
@@ -62,10 +62,10 @@ class CurvesPicture(SettingPicture):
         curves = self.curves
         if not curves:
             return
-        painter = QPainter(self)
-        wide = (self.width() - LEFT - GAP * (len(curves) - 1)) / len(curves)
-        for place, curve in enumerate(curves):
-            _paint(painter, curve, QRectF(LEFT + place * (wide + GAP), 0.0, wide, self.height()))
+        with QPainter(self) as painter:
+            wide = (self.width() - LEFT - GAP * (len(curves) - 1)) / len(curves)
+            for place, curve in enumerate(curves):
+                _paint(painter, curve, QRectF(LEFT + place * (wide + GAP), 0.0, wide, self.height()))
 
     def _begin(self) -> None:
         """Make the curves of the present scene, on a thread of their own: those of a long pulse take a while."""

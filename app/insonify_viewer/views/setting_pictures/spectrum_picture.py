@@ -9,7 +9,7 @@ from PySide6.QtGui import QColor, QImage, QMouseEvent, QPainter, QPaintEvent, QP
 from insonify.display.scene_curves import FLOOR, ReliefSpectrum, relief_spectrum
 from insonify.scene import Scene
 from insonify.scene.reliefs.fractal import Fractal
-from insonify_viewer.views.guarded_overrides import guard_override
+from insonify_viewer.errors.guarded_overrides import guard_override
 from insonify_viewer.views.setting_pictures.base import SettingPicture
 from insonify_viewer.views.theme import ACCENT, GROUND, MARK, QUIET, TEXT
 
@@ -66,18 +66,20 @@ class SpectrumPicture(SettingPicture):
         spectrum = self.spectrum
         if spectrum is None or self._drawn is None:
             return
-        painter = QPainter(self)
-        painter.setRenderHint(QPainter.RenderHint.Antialiasing)
-        painter.setRenderHint(QPainter.RenderHint.SmoothPixmapTransform)
-        area = self.area
-        painter.drawImage(area, self._drawn[2])
-        painter.setPen(QColor(TEXT))
-        painter.drawText(QRectF(LEFT, 0.0, self.width() - LEFT, WORDS - 3.0), Qt.AlignmentFlag.AlignLeft, "Spectrum")
-        self._paint_words(painter, spectrum)
-        for number, peak in enumerate(spectrum.peaks):
-            painter.setPen(QPen(QColor(GROUND), 1.0))
-            painter.setBrush(QColor(ACCENT if number == self._held else MARK))
-            painter.drawEllipse(self.place_of(peak), HANDLE, HANDLE)
+        with QPainter(self) as painter:
+            painter.setRenderHint(QPainter.RenderHint.Antialiasing)
+            painter.setRenderHint(QPainter.RenderHint.SmoothPixmapTransform)
+            area = self.area
+            painter.drawImage(area, self._drawn[2])
+            painter.setPen(QColor(TEXT))
+            painter.drawText(
+                QRectF(LEFT, 0.0, self.width() - LEFT, WORDS - 3.0), Qt.AlignmentFlag.AlignLeft, "Spectrum"
+            )
+            self._paint_words(painter, spectrum)
+            for number, peak in enumerate(spectrum.peaks):
+                painter.setPen(QPen(QColor(GROUND), 1.0))
+                painter.setBrush(QColor(ACCENT if number == self._held else MARK))
+                painter.drawEllipse(self.place_of(peak), HANDLE, HANDLE)
 
     def _paint_words(self, painter: QPainter, spectrum: ReliefSpectrum) -> None:
         """Say beside the plane what it spans and what the peaks are."""

@@ -14,10 +14,10 @@ from PySide6.QtWidgets import (
     QWidget,
 )
 
+from insonify_viewer.errors.guarded_overrides import guard_override
 from insonify_viewer.panels.chart.chart_details import ChartPicture, RowDetails, details_in_words, nearest_row
 from insonify_viewer.panels.chart.view.strips_view import StripsView
 from insonify_viewer.quantities import format_time_left
-from insonify_viewer.views.guarded_overrides import guard_override
 from insonify_viewer.views.push_button import push_button
 from insonify_viewer.views.theme import ACCENT, GROUND, QUIET
 
@@ -177,18 +177,17 @@ class _ChartPictureView(QWidget):
     def paintEvent(self, event: QPaintEvent) -> None:
         """Draw the chart, and a ring around the picked point."""
         del event
-        painter = QPainter(self)
-        painter.fillRect(self.rect(), QColor(GROUND))
-        painter.setRenderHints(QPainter.RenderHint.SmoothPixmapTransform | QPainter.RenderHint.Antialiasing)
-        if self._chart_picture is None:
-            painter.setPen(QColor(QUIET))
-            painter.drawText(self.rect(), Qt.AlignmentFlag.AlignCenter, "nothing measured yet")
-        else:
-            painter.drawImage(self._frame(), self._image)
-            if self._chosen is not None:
-                painter.setPen(QPen(QColor(ACCENT), 3))
-                painter.drawEllipse(self.place_of(self._chosen), 9.0, 9.0)
-        painter.end()
+        with QPainter(self) as painter:
+            painter.fillRect(self.rect(), QColor(GROUND))
+            painter.setRenderHints(QPainter.RenderHint.SmoothPixmapTransform | QPainter.RenderHint.Antialiasing)
+            if self._chart_picture is None:
+                painter.setPen(QColor(QUIET))
+                painter.drawText(self.rect(), Qt.AlignmentFlag.AlignCenter, "nothing measured yet")
+            else:
+                painter.drawImage(self._frame(), self._image)
+                if self._chosen is not None:
+                    painter.setPen(QPen(QColor(ACCENT), 3))
+                    painter.drawEllipse(self.place_of(self._chosen), 9.0, 9.0)
 
     def mousePressEvent(self, event: QMouseEvent) -> None:
         """Signal the point under the mouse."""

@@ -9,8 +9,8 @@ from PySide6.QtGui import QColor, QImage, QPainter, QPaintEvent
 from PySide6.QtWidgets import QWidget
 
 from insonify.display.picture import PALETTES, choose_contrast, colour_rows, load_palette
+from insonify_viewer.errors.guarded_overrides import guard_override
 from insonify_viewer.panels.chart.chart_details import RowDetails
-from insonify_viewer.views.guarded_overrides import guard_override
 from insonify_viewer.views.pixels import colour_table, column_means, round_steps
 from insonify_viewer.views.theme import ACCENT, EDGE, GROUND, MARK, QUIET, TEXT
 from insonify_viewer.views.two_sided_palette import two_sided_table
@@ -36,37 +36,36 @@ class StripsView(QWidget):
     def paintEvent(self, event: QPaintEvent) -> None:
         """Draw the strips with their titles, and the ruler."""
         del event
-        painter = QPainter(self)
-        painter.fillRect(self.rect(), QColor(GROUND))
-        if (details := self._details) is not None:
-            low, high = choose_contrast(details.reference)
-            shades = colour_table(load_palette(PALETTES[0]))
-            largest = LARGE * (high - low)
-            for number, (title, strip, ends, table) in enumerate(
-                (
-                    (
-                        ((f"record: {details.row.method}, {details.row.setting}", TEXT),),
-                        details.record,
-                        (low, high),
-                        shades,
-                    ),
-                    (((f"reference: {details.rays:,} rays a side", TEXT),), details.reference, (low, high), shades),
+        with QPainter(self) as painter:
+            painter.fillRect(self.rect(), QColor(GROUND))
+            if (details := self._details) is not None:
+                low, high = choose_contrast(details.reference)
+                shades = colour_table(load_palette(PALETTES[0]))
+                largest = LARGE * (high - low)
+                for number, (title, strip, ends, table) in enumerate(
                     (
                         (
-                            ("difference, full colour at half the picture's span: ", TEXT),
-                            ("too bright", ACCENT),
-                            (" or ", TEXT),
-                            ("too dark", MARK),
+                            ((f"record: {details.row.method}, {details.row.setting}", TEXT),),
+                            details.record,
+                            (low, high),
+                            shades,
                         ),
-                        details.record - details.reference,
-                        (-largest, largest),
-                        two_sided_table(),
-                    ),
-                )
-            ):
-                self._draw(painter, number, title, strip, ends, table)
-            self._draw_ruler(painter, details.reach)
-        painter.end()
+                        (((f"reference: {details.rays:,} rays a side", TEXT),), details.reference, (low, high), shades),
+                        (
+                            (
+                                ("difference, full colour at half the picture's span: ", TEXT),
+                                ("too bright", ACCENT),
+                                (" or ", TEXT),
+                                ("too dark", MARK),
+                            ),
+                            details.record - details.reference,
+                            (-largest, largest),
+                            two_sided_table(),
+                        ),
+                    )
+                ):
+                    self._draw(painter, number, title, strip, ends, table)
+                self._draw_ruler(painter, details.reach)
 
     def _draw(
         self,

@@ -12,10 +12,10 @@ from PySide6.QtGui import QKeyEvent, QShowEvent
 from PySide6.QtWidgets import QHBoxLayout, QLabel, QMenu, QPushButton, QVBoxLayout, QWidget
 
 from insonify.accuracy.charts.kinds import list_chart_kinds
+from insonify_viewer.errors.guarded_overrides import guard_override
 from insonify_viewer.jobs.background_job import BackgroundJob
 from insonify_viewer.panels.jobs.view.dataset_question import DatasetQuestion
 from insonify_viewer.panels.jobs.view.job_row import JobRow
-from insonify_viewer.views.guarded_overrides import guard_override
 from insonify_viewer.views.push_button import push_button
 from insonify_viewer.views.save_dialogs import Formats, ask_where_to_save, record_formats
 from insonify_viewer.views.side_panel import ScrollColumn

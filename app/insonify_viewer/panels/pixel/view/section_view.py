@@ -10,8 +10,8 @@ from PySide6.QtCore import QEvent, QPointF, QRectF, Qt
 from PySide6.QtGui import QColor, QPainter, QPaintEvent, QPen, QPixmap, QResizeEvent
 from PySide6.QtWidgets import QWidget
 
+from insonify_viewer.errors.guarded_overrides import guard_override
 from insonify_viewer.panels.pixel.view.section_scales import SectionScales
-from insonify_viewer.views.guarded_overrides import guard_override
 from insonify_viewer.views.pixels import round_steps
 from insonify_viewer.views.theme import ACCENT_IN_WATER, GROUND, MARK_IN_WATER, OVER_WATER, QUIET
 
@@ -60,9 +60,8 @@ class SectionView(QWidget):
         del event
         if self._picture is None:
             self._picture = self._painted()
-        painter = QPainter(self)
-        painter.drawPixmap(0, 0, self._picture)
-        painter.end()
+        with QPainter(self) as painter:
+            painter.drawPixmap(0, 0, self._picture)
 
     @guard_override(None)
     def changeEvent(self, event: QEvent) -> None:
@@ -77,11 +76,10 @@ class SectionView(QWidget):
         picture.setDevicePixelRatio(ratio)
         picture.fill(QColor(GROUND))
         if self._shown is not None:
-            painter = QPainter(picture)
-            painter.setFont(self.font())
-            painter.setRenderHint(QPainter.RenderHint.Antialiasing)
-            _paint(painter, *self._shown, (self.width(), self.height()))
-            painter.end()
+            with QPainter(picture) as painter:
+                painter.setFont(self.font())
+                painter.setRenderHint(QPainter.RenderHint.Antialiasing)
+                _paint(painter, *self._shown, (self.width(), self.height()))
         return picture
 
 

@@ -10,8 +10,8 @@ from PySide6.QtCore import QPointF, QRectF, QSize, Qt, Signal
 from PySide6.QtGui import QColor, QImage, QKeyEvent, QMouseEvent, QPainter, QPaintEvent, QPen, QPolygonF
 from PySide6.QtWidgets import QWidget
 
+from insonify_viewer.errors.guarded_overrides import guard_override
 from insonify_viewer.record_display.tone_map import ToneMap
-from insonify_viewer.views.guarded_overrides import guard_override
 from insonify_viewer.views.theme import ACCENT, GROUND, QUIET, RAISED, TEXT
 
 LOWEST, HIGHEST, STEP = -40.0, 40.0, 20.0  # dB re level bed
@@ -95,21 +95,22 @@ class HistogramView(QWidget):
     def paintEvent(self, event: QPaintEvent) -> None:
         """Draw histogram, colour bar, its ends and a scale."""
         self._count()
-        painter = QPainter(self)
-        base = self.height() - BAR - SCALE
-        area = QRectF(MARGIN, 2.0, self.width() - 2 * MARGIN, base - 2.0)
-        painter.fillRect(area, QColor(RAISED))
-        self._draw_counts(painter, area)
-        painter.drawImage(QRectF(MARGIN, base, area.width(), BAR), self._bar, QRectF(self._bar.rect()))
-        for level in np.arange(LOWEST, HIGHEST + 1.0, STEP):
-            place = QRectF(self.place_of(level) - 30.0, base + BAR, 60.0, SCALE)
-            painter.setPen(QColor(QUIET))
-            text = "bed" if level == 0.0 else f"{level:+.0f}".replace("-", "−") + (" dB" if level == HIGHEST else "")
-            align = {LOWEST: Qt.AlignmentFlag.AlignLeft, HIGHEST: Qt.AlignmentFlag.AlignRight}
-            inside = place.translated({LOWEST: 30.0, HIGHEST: -30.0}.get(float(level), 0.0), 0.0)
-            painter.drawText(inside, align.get(float(level), Qt.AlignmentFlag.AlignHCenter), text)
-        self._draw_ends(painter, base)
-        painter.end()
+        with QPainter(self) as painter:
+            base = self.height() - BAR - SCALE
+            area = QRectF(MARGIN, 2.0, self.width() - 2 * MARGIN, base - 2.0)
+            painter.fillRect(area, QColor(RAISED))
+            self._draw_counts(painter, area)
+            painter.drawImage(QRectF(MARGIN, base, area.width(), BAR), self._bar, QRectF(self._bar.rect()))
+            for level in np.arange(LOWEST, HIGHEST + 1.0, STEP):
+                place = QRectF(self.place_of(level) - 30.0, base + BAR, 60.0, SCALE)
+                painter.setPen(QColor(QUIET))
+                text = (
+                    "bed" if level == 0.0 else f"{level:+.0f}".replace("-", "−") + (" dB" if level == HIGHEST else "")
+                )
+                align = {LOWEST: Qt.AlignmentFlag.AlignLeft, HIGHEST: Qt.AlignmentFlag.AlignRight}
+                inside = place.translated({LOWEST: 30.0, HIGHEST: -30.0}.get(float(level), 0.0), 0.0)
+                painter.drawText(inside, align.get(float(level), Qt.AlignmentFlag.AlignHCenter), text)
+            self._draw_ends(painter, base)
 
     def _draw_counts(self, painter: QPainter, area: QRectF) -> None:
         painter.setPen(Qt.PenStyle.NoPen)

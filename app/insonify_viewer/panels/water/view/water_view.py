@@ -7,9 +7,9 @@ from PySide6.QtGui import QImage, QMouseEvent, QPainter, QPaintEvent, QPixmap, Q
 from PySide6.QtWidgets import QWidget
 
 from insonify.display.ray_diagram.diagram import RayDiagram
+from insonify_viewer.errors.guarded_overrides import guard_override
 from insonify_viewer.panels.water.view.painting import paint_profile, paint_water, shadow_picture, water_picture
 from insonify_viewer.panels.water.view.plot_scales import PlotScales
-from insonify_viewer.views.guarded_overrides import guard_override
 from insonify_viewer.views.theme import GROUND, QUIET
 
 GRASP = 9.0  # px, greatest distance at which a point is grasped
@@ -57,19 +57,17 @@ class WaterView(QWidget):
     def paintEvent(self, event: QPaintEvent) -> None:
         """Paint the rays once, and the profile every time."""
         del event
-        painter = QPainter(self)
-        if self._diagram is None:
-            painter.setPen(QUIET)
-            painter.drawText(self.rect(), Qt.AlignmentFlag.AlignCenter, "tracing rays …")
-            painter.end()
-            return
-        frame = self._frame()
-        if self._rays is None:
-            self._rays = self._painted(self._diagram, frame)
-        painter.drawPixmap(0, 0, self._rays)
-        points = [frame.of_speed(speed, depth) for depth, speed in self._points if depth <= frame.bottom]
-        paint_profile(painter, self._diagram, frame, points, self._held)
-        painter.end()
+        with QPainter(self) as painter:
+            if self._diagram is None:
+                painter.setPen(QUIET)
+                painter.drawText(self.rect(), Qt.AlignmentFlag.AlignCenter, "tracing rays …")
+                return
+            frame = self._frame()
+            if self._rays is None:
+                self._rays = self._painted(self._diagram, frame)
+            painter.drawPixmap(0, 0, self._rays)
+            points = [frame.of_speed(speed, depth) for depth, speed in self._points if depth <= frame.bottom]
+            paint_profile(painter, self._diagram, frame, points, self._held)
 
     @guard_override(None)
     def resizeEvent(self, event: QResizeEvent) -> None:
@@ -135,8 +133,7 @@ class WaterView(QWidget):
         pixmap = QPixmap(round(self.width() * ratio), round(self.height() * ratio))
         pixmap.setDevicePixelRatio(ratio)
         pixmap.fill(GROUND)
-        painter = QPainter(pixmap)
-        painter.setFont(self.font())
-        paint_water(painter, diagram, frame, *self._pictures)
-        painter.end()
+        with QPainter(pixmap) as painter:
+            painter.setFont(self.font())
+            paint_water(painter, diagram, frame, *self._pictures)
         return pixmap

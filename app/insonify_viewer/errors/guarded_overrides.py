@@ -4,11 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from functools import wraps
-from types import TracebackType
 from typing import ParamSpec, TypeVar
 from weakref import WeakKeyDictionary
-
-from PySide6.QtGui import QPainter
 
 from insonify_viewer.errors.fault_report import FaultReport, report_fault
 
@@ -43,7 +40,6 @@ def guard_override(otherwise: R) -> Callable[[Callable[P, R]], Callable[P, R]]:
             except Exception as error:
                 if reports.setdefault(args[0], FaultReport()).is_news(error):
                     report_fault(error)
-                _end_painters(error.__traceback__)
                 return otherwise
             if reports:
                 reports.pop(args[0], None)
@@ -52,15 +48,3 @@ def guard_override(otherwise: R) -> Callable[[Callable[P, R]], Callable[P, R]]:
         return guarded
 
     return decorate
-
-
-def _end_painters(trace: TracebackType | None) -> None:
-    """End the painters among the variables of a call that raised.
-
-    One that is left keeps its widget busy, and a pixmap that goes before the painter on it ends the process.
-    """
-    while trace is not None:
-        for value in trace.tb_frame.f_locals.values():
-            if isinstance(value, QPainter) and value.isActive():
-                value.end()
-        trace = trace.tb_next
