@@ -32,7 +32,7 @@ if TYPE_CHECKING:
 BLOCK_TIME = 0.04  # s, predicted for a block of pings: it is shown, and a newer request takes over
 COARSE_TIME = 0.01  # s, time to trace all pings on screen while a slider moves
 MAX_STRIDE = 16
-FIRST_COARSE = 16  # pings of a coarse picture by which the time of the others is told
+FIRST_COARSE = 4  # pings of a coarse picture by which the time of the others is told
 LONGEST = 0.3  # s, after which a coarse picture that a newer request waits for is shown as far as it is traced
 QUIET, PATIENCE = 0.1, 0.7  # s without requests before a patient errand, and its longest wait
 
