@@ -13,6 +13,7 @@ if TYPE_CHECKING:
     from insonify.planning.models import PackedScene
 
 THINNINGS = (4, 2)  # times the spacing; the first that resolves the waves of the relief is taken
+MOST_NODES = 2**22  # of ground that is made at once, some 100 MB while it is made; beyond, tiles take less
 MARGIN = 1.3  # times the range, about the pings: for the pulse, rough motion and refracted rays
 
 
@@ -63,9 +64,9 @@ def pack_beneath(scene: Scene, pings: NDArray[np.int64]) -> PackedScene:
     from insonify.terrain import build_excerpt
 
     line, margin = tow_line_at(scene, pings), MARGIN * scene.sonar.range
-    low, high = ((float(end(line.x)), float(end(line.y))) for end in (np.min, np.max))
-    excerpt = build_excerpt(scene, (low[0] - margin, low[1] - margin), (high[0] + margin, high[1] + margin))
-    return pack(scene, excerpt)
+    low, high = (line.x.min() - margin, line.y.min() - margin), (line.x.max() + margin, line.y.max() + margin)
+    sides = np.subtract(high, low) / scene.seabed.spacing
+    return pack(scene, build_excerpt(scene, low, high) if sides.prod() <= MOST_NODES else None)
 
 
 def _ground_of(scene: Scene) -> tuple[object, ...]:

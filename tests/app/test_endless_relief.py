@@ -15,7 +15,7 @@ from insonify.terrain import build
 from insonify.terrain.endless_excerpt import EndlessExcerpt
 from insonify.terrain.endless_field import Nodes
 from insonify.terrain.endless_relief import Heights
-from insonify_viewer.coarse_ground import thin_new_ground
+from insonify_viewer.coarse_ground import pack_beneath, thin_new_ground
 from insonify_viewer.session import Mark
 
 
@@ -101,3 +101,19 @@ def test_thinned_ground_is_the_same_landscape() -> None:
     x, y = np.meshgrid(along, along)
     whole, thinned = one.height_at(x, y), other.height_at(x, y)
     assert np.corrcoef(whole.ravel(), thinned.ravel())[0, 1] > 0.98
+
+
+@pytest.mark.parametrize("heading", [0.0, 35.0])
+def test_the_ground_beneath_pings_is_all_that_they_hear(heading: float) -> None:
+    scene = edit(load_scene("endless"), {"seabed.spacing": 0.4, "track.heading": heading, "track.pings": 128})
+    pings = np.arange(90, 128)
+    over_tiles = prepare(scene, forced={"planes": "1"}).intensity(pings)
+    beneath = prepare(scene, forced={"planes": "1"}, packed=pack_beneath(scene, pings)).intensity(pings)
+    np.testing.assert_allclose(beneath, over_tiles, rtol=1e-3, atol=1e-4 * over_tiles.max())
+
+
+def test_ground_of_a_fast_tow_is_made_in_tiles() -> None:
+    """A rectangle about pings that lie kilometres apart would not fit into memory."""
+    fast = edit(load_scene("endless"), {"seabed.spacing": 0.4, "track.speed": 50.0, "sonar.ping_rate": 0.5})
+    assert not isinstance(pack_beneath(fast, np.arange(1024)).ground, EndlessExcerpt)
+    assert isinstance(pack_beneath(fast, np.arange(4)).ground, EndlessExcerpt)
