@@ -20,7 +20,6 @@ from insonify.scene.seabed import Seabed
 from insonify.terrain.endless_excerpt import EndlessExcerpt
 from insonify.terrain.endless_field import Nodes
 from insonify.terrain.endless_ground import AnyGround, EndlessGround, Tiles
-from insonify.terrain.endless_relief import Heights as NodeHeights
 from insonify.terrain.endless_relief import endless_heights
 from insonify.terrain.ground import Ground
 from insonify.terrain.lattice import Lattice, Map
@@ -48,20 +47,11 @@ def build_ground(scene: Scene) -> AnyGround:
     SceneError
         If a file cannot be read, a period holds no wave, or no relief reproduces the record of a pattern.
     """
-    seabed = scene.seabed
-    material = seabed.material
+    if scene.seabed.endless:
+        return _endless_ground(scene, _kept_tiles(*_endless_relief(scene)))
+    material = scene.seabed.material
     names, reflectivities = material.rows()
     place = scene.georeference if material.on_a_map else None
-    if seabed.endless:
-        period = seabed.random_reliefs[0].period
-        return EndlessGround(
-            heights=_kept_tiles(seabed.random_reliefs, seabed.spacing, scene.seed),
-            materials=_kept_map_tiles(material.layout, material.version, period, seabed.spacing, scene.seed, place),
-            names=names,
-            reflectivities=reflectivities,
-            spacing=seabed.spacing,
-            datum=-seabed.depth,
-        )
     heights, lattice, datum = _heights(scene)
     return Ground(
         heights=heights,
@@ -91,9 +81,10 @@ def build_excerpt(scene: Scene, low: tuple[float, float], high: tuple[float, flo
     SceneError
         As `build_ground`.
     """
-    whole, seabed, material = build_ground(scene), scene.seabed, scene.seabed.material
-    assert isinstance(whole, EndlessGround)
-    heights = _endless_heights(seabed.random_reliefs, seabed.spacing, scene.seed)
+    seabed, material = scene.seabed, scene.seabed.material
+    # Its fields are not kept, and those of tiles are made where a tile is asked for.
+    heights = endless_heights(*_endless_relief(scene))
+    whole = _endless_ground(scene, lambda row, column: _kept_tiles(*_endless_relief(scene))(row, column))
     place = scene.georeference if material.on_a_map else None
     period = seabed.random_reliefs[0].period
     materials = endless_materials(material.layout, period, seabed.spacing, scene.seed, place)
@@ -112,6 +103,27 @@ def build_excerpt(scene: Scene, low: tuple[float, float], high: tuple[float, flo
         )
 
     return EndlessExcerpt.of(whole, make, low, high)
+
+
+def _endless_ground(scene: Scene, heights: Tiles) -> EndlessGround:
+    """Endless ground with the heights of its tiles."""
+    seabed, material = scene.seabed, scene.seabed.material
+    names, reflectivities = material.rows()
+    place = scene.georeference if material.on_a_map else None
+    period = seabed.random_reliefs[0].period
+    return EndlessGround(
+        heights=heights,
+        materials=_kept_map_tiles(material.layout, material.version, period, seabed.spacing, scene.seed, place),
+        names=names,
+        reflectivities=reflectivities,
+        spacing=seabed.spacing,
+        datum=-seabed.depth,
+    )
+
+
+def _endless_relief(scene: Scene) -> tuple[tuple[RandomRelief, ...], float, int]:
+    """Return what decides the heights of endless ground."""
+    return scene.seabed.random_reliefs, scene.seabed.spacing, scene.seed
 
 
 def cells_of_period(period: float, spacing: float) -> int:
@@ -227,13 +239,8 @@ def _kept_materials(
 
 
 @lru_cache(maxsize=GROUNDS)
-def _endless_heights(parts: tuple[RandomRelief, ...], spacing: float, seed: int) -> NodeHeights:
-    return endless_heights(parts, spacing, seed)
-
-
-@lru_cache(maxsize=GROUNDS)
 def _kept_tiles(parts: tuple[RandomRelief, ...], spacing: float, seed: int) -> Tiles:
-    heights = _endless_heights(parts, spacing, seed)
+    heights = endless_heights(parts, spacing, seed)
     return keep_arrays(lambda row, column: heights(Nodes.of_tile(row, column)).astype(np.float32))
 
 
