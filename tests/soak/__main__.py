@@ -66,7 +66,7 @@ class Person:
             self._timer.start(100)
             return False
         renderer = self._viewer.seabed.view._canvas.plotter.renderer
-        self._gaps.leave_out_drawing(renderer)
+        self._gaps.leave_out_drawing(renderer, self._faults)
         self._faults.watch_drawing(renderer)
         self._gaps.clear()
         self._begun = time.monotonic()

@@ -29,6 +29,7 @@ from insonify.errors import FileWarning, SceneError
 TICK = 5  # ms
 DEPTH = 7  # functions of a stack that are told
 LIMIT = 250.0  # ms, above which gaps are counted
+FROZEN = 5.0  # s, a drawing that is a fault however slow the graphics are
 LONG = 0.15  # s, a gap whose cause is looked for
 HARMLESS = ("This plugin does not support propagateSizeHints", "QXcbConnection: XCB error")
 
@@ -109,10 +110,10 @@ class Gaps(QObject):
         self._sampler = threading.Thread(target=self._sample, name="sampler", daemon=True)
         self._sampler.start()
 
-    def leave_out_drawing(self, renderer: Any) -> None:
-        """Do not count the time between the start and the end of a drawing."""
+    def leave_out_drawing(self, renderer: Any, faults: Faults) -> None:
+        """Do not count the time between the start and the end of a drawing, unless it freezes the window."""
         renderer.AddObserver("StartEvent", lambda *_: setattr(self, "_begun", _now()))
-        renderer.AddObserver("EndEvent", self._drew)
+        renderer.AddObserver("EndEvent", lambda *_: self._drew(faults))
 
     def close(self) -> None:
         """End the sampling thread."""
@@ -124,8 +125,11 @@ class Gaps(QObject):
         found, busy = 1e3 * np.array(self.gaps), 1e3 * np.array(self.busy)
         return f"gaps {_spread(found)}; of processor time {_spread(busy)}"
 
-    def _drew(self, *_: Any) -> None:
-        self._drawn += _now() - self._begun
+    def _drew(self, faults: Faults) -> None:
+        drawn = _now() - self._begun
+        self._drawn += drawn
+        if drawn[0] > FROZEN:
+            faults.add(f"a drawing of {drawn[0]:.0f} s, {drawn[1]:.0f} of processor time")
 
     def _turn(self) -> None:
         gap, busy = np.maximum(_now() - self._last - self._drawn, 0.0)
