@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -14,7 +15,9 @@ from PySide6.QtWidgets import QFileDialog, QMessageBox
 from test_record_display import drag
 
 from insonify.scene import Scene, edit
+from insonify_viewer.contacts.contact import Contact
 from insonify_viewer.contacts.files import read_contacts
+from insonify_viewer.panels.record.view import contact_list
 from insonify_viewer.panels.record.view.record_view import TICKS
 from insonify_viewer.session import Mark
 
@@ -178,6 +181,23 @@ def test_contacts_are_saved_and_opened(
     listed.open.click()
     assert "is no file of contacts" in viewer.window.status.sentence.text()
     assert len(panel.contacts) == 2
+
+
+def test_entries_of_contacts_that_stay_are_not_made_again(monkeypatch: pytest.MonkeyPatch, qtbot: Any) -> None:
+    made: list[str] = []
+    item = contact_list._item
+    monkeypatch.setattr(contact_list, "_item", lambda contact: made.append(contact.name) or item(contact))
+    view = contact_list.ContactListView()
+    qtbot.addWidget(view)
+    contacts = [Contact(name, "", "default", 3, "port", 7, 2.0) for name in "abcd"]
+    view.show_contacts(contacts)
+    view.show_contacts(contacts)
+    contacts[1] = replace(contacts[1], name="x")
+    view.show_contacts(contacts)
+    view.show_contacts(contacts[:3])
+    assert made == ["a", "b", "c", "d", "x"]
+    texts = [view.list.item(row).text().splitlines()[0] for row in range(view.list.count())]
+    assert texts == ["a", "x", "c"]
 
 
 def test_closing_asks_about_unsaved_contacts(

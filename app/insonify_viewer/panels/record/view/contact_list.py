@@ -65,11 +65,15 @@ class ContactListView(QWidget):
     def show_contacts(self, contacts: Sequence[Contact]) -> None:
         """List contacts; the chosen one stays chosen, or the last one if there are more than before."""
         row = len(contacts) - 1 if len(contacts) > len(self._contacts) else self.list.currentRow()
-        self._contacts = contacts
         self.list.blockSignals(True)
-        self.list.clear()
-        for contact in contacts:
-            self.list.addItem(_item(contact))
+        for number, contact in enumerate(contacts):
+            # An entry holds a picture: those that stay are not made again at every change of the scene.
+            if number >= len(self._contacts) or contact is not self._contacts[number]:
+                self.list.takeItem(number)
+                self.list.insertItem(number, _item(contact))
+        while self.list.count() > len(contacts):
+            self.list.takeItem(self.list.count() - 1)
+        self._contacts = tuple(contacts)
         self.list.setCurrentRow(min(row, len(contacts) - 1))
         self.list.blockSignals(False)
         self.hint.setVisible(not contacts)
