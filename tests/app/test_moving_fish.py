@@ -128,6 +128,18 @@ def test_the_view_is_reset_and_its_zoom_is_limited(open_viewer: Any, small: Scen
     assert np.array(camera.position) == pytest.approx(home)
 
 
+def test_the_camera_stays_above_the_bed(open_viewer: Any, small: Scene) -> None:
+    view = open_viewer(small).seabed.view
+    camera = view._canvas.plotter.camera
+    focus, reach = np.array(camera.focal_point), view._reach
+    camera.position = tuple(focus + reach * np.array([0.6, 0.0, -0.8]))
+    view._clip()
+    away = np.array(camera.position) - focus
+    assert np.linalg.norm(away) == pytest.approx(reach)
+    assert away[:2] == pytest.approx([reach, 0.0], abs=0.01 * reach)
+    assert away[2] > 0.0
+
+
 def test_the_wheel_does_not_zoom_beyond_the_limits(open_viewer: Any, small: Scene, qtbot: Any) -> None:
     viewer = open_viewer(small)
     view = viewer.seabed.view

@@ -35,6 +35,7 @@ CAMERA = (-1.85, -0.12, 1.15)  # ahead, to port, up; in slant ranges, for a squa
 FOCUS = (-0.22, 0.0, -0.20)
 VIEW_ANGLE = 54.0
 FISH = 0.075  # length in slant ranges: larger than life, so that it shows
+LOWEST = 0.03  # least slope of the line of sight, by which the camera stays above the bed
 NEAREST, FARTHEST = 0.05, 6.0  # distance of the camera from its focus, in slant ranges
 ANISOTROPY = 4  # of the bed's texture, so that it is sharp far away
 FADED = 0.25  # opacity of a bed of an earlier scene
@@ -239,13 +240,17 @@ class SeabedView(QWidget):
         self._clip()
 
     def _clip(self) -> None:
-        """Keep the distance of the camera within limits, and fit its clipping range to it."""
+        """Keep the camera above its focus and its distance within limits, and fit its clipping range to it."""
         camera = self._canvas.plotter.camera
-        position, focus = np.array(camera.position), np.array(camera.focal_point)
-        distance = float(np.linalg.norm(position - focus))
+        away = np.array(camera.position) - np.array(camera.focal_point)
+        distance = float(np.linalg.norm(away))
         kept = min(max(distance, NEAREST * self._reach), FARTHEST * self._reach)
-        if kept != distance and distance > 0.0:
-            camera.position = tuple(focus + (position - focus) * (kept / distance))
+        level = float(np.hypot(away[0], away[1]))
+        if away[2] < LOWEST * level:  # it would see the bed from below
+            away[2] = LOWEST * level
+        if distance > 0.0 and (kept != distance or away[2] == LOWEST * level):
+            away *= kept / np.linalg.norm(away)
+            camera.position = tuple(np.array(camera.focal_point) + away)
         camera.clipping_range = (0.02 * kept, kept + 6.0 * self._reach)
 
     def _thin(self, held: bool) -> None:
