@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import sys
 
+from insonify.__main__ import end
 from insonify.cli import main
 
 if __name__ == "__main__":
-    sys.exit(main(["view", *sys.argv[1:]]))
+    end(main(["view", *sys.argv[1:]]))

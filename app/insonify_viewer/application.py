@@ -5,7 +5,6 @@ from __future__ import annotations
 import os
 import signal
 import sys
-import threading
 import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
@@ -85,11 +84,7 @@ def open_window(
         signal.signal(signal.SIGINT, lambda *_: _close_on_interrupt(viewer))
         tell = partial(viewer.simulator.call_later, partial(viewer.window.say, lasting=True))
         with told_errors(viewer.window.complain), told_file_warnings(tell):
-            code = application.exec()
-    if is_working():
-        # A thread traces a block or loads a library, which cannot be interrupted; Python would wait for it.
-        os._exit(code)
-    return code
+            return application.exec()
 
 
 def keep_display(viewer: Viewer) -> None:
@@ -119,11 +114,6 @@ def _begin(
         viewer.window.open_panel(ComparisonPanel.name)
         viewer.comparison.open_partner()
         viewer.comparison.arrange(pair)
-
-
-def is_working() -> bool:
-    """Whether a thread beside the window has not ended yet."""
-    return any(thread.name.startswith("insonify ") for thread in threading.enumerate())
 
 
 def _close_on_interrupt(viewer: Viewer) -> None:

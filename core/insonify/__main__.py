@@ -5,6 +5,7 @@ import gc
 import io
 import os
 import sys
+import threading
 from collections.abc import Callable
 from typing import NoReturn
 
@@ -38,14 +39,23 @@ def main() -> int:
 
 
 def run() -> NoReturn:
-    """Run the command and end the process; after an interrupt at once, although threads may still be at work."""
+    """Run the command and end the process."""
     try:
         code = main()
     except SystemExit as leaving:
         if not (isinstance(leaving.code, int) and leaving.code > ENDED):
             raise
         code = leaving.code
-    if code > ENDED:
+    end(code)
+
+
+def end(code: int) -> NoReturn:
+    """End the process: at once after an interrupt, or while a thread is at work.
+
+    A thread that compiles or traces cannot be interrupted. The interpreter would wait for some; others it would leave
+    at work while the libraries below them are taken down, which ends the process by a signal.
+    """
+    if code > ENDED or any(thread.daemon for thread in threading.enumerate()):
         atexit._run_exitfuncs()  # ends the processes that read files; threads would be waited for after it
         sys.stdout.flush()
         sys.stderr.flush()

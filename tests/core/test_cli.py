@@ -334,6 +334,24 @@ def test_an_interrupt_while_the_command_loads_is_one_sentence(monkeypatch, capsy
     assert capsys.readouterr().err == "insonify: interrupted; no file was touched\n"
 
 
+@pytest.mark.parametrize("code", [0, 2])
+def test_a_command_ends_while_a_thread_is_at_work_in_a_library(code):
+    """A thread that compiles would go on while the compiler is taken down with the interpreter."""
+    driver = f"""
+import atexit, sys, threading, time
+import insonify.__main__ as process
+atexit.register(print, "last words")
+threading.Thread(target=time.sleep, args=(60,), daemon=True).start()
+class Teardown:
+    def __del__(self):
+        print("taken down")
+kept = Teardown()
+process.end({code})
+"""
+    done = subprocess.run([sys.executable, "-c", driver], capture_output=True, text=True, check=False, timeout=50)
+    assert (done.returncode, done.stdout, done.stderr) == (code, "last words\n", "")
+
+
 def test_a_reader_that_leaves_is_no_trouble():
     reading, writing = os.pipe()
     os.close(reading)
