@@ -123,7 +123,8 @@ def test_the_picture_is_a_file_of_its_own(open_viewer: Any, small: Scene, tmp_pa
     name(tmp_path / "window.png")
     viewer.window.save.picture.trigger()
     with Image.open(tmp_path / "window.png") as picture:
-        assert picture.width > 800
+        shown = viewer.window.size() * viewer.window.devicePixelRatioF()
+        assert picture.size == shown.toTuple()
 
 
 def test_closing_asks_about_changes(open_viewer: Any, small: Scene, tmp_path: Path, name: Any, answer: Any) -> None:
