@@ -37,6 +37,7 @@ WITHOUT_CODE = {
     f"common.{name}"
     for name in (
         "compilation", "compilation_events", "compiling_process", "compiling_worker", "part_process", "part_worker",
+        "worker_pipe",
     )
 }  # fmt: skip
 UNUSED = 30 * 86400.0  # seconds after which machine code that no process has used is removed

@@ -8,9 +8,7 @@ nothing to do for a while.
 from __future__ import annotations
 
 import contextlib
-import os
 import pickle
-import subprocess
 import sys
 import threading
 from collections.abc import Iterator
@@ -18,6 +16,7 @@ from typing import Any
 
 from insonify.kernels.common.compilation import tell_watchers
 from insonify.kernels.common.part_process import stop_processes
+from insonify.kernels.common.worker_pipe import start_worker
 
 WORKER = "insonify.kernels.common.compiling_worker"
 TRIES = 2  # a process may end for want of work just when it is asked
@@ -40,11 +39,7 @@ class CompilingProcess:
         self.ended = self._stopped = False
         self._asked: set[bytes] = set()
         self._arrived = threading.Condition()
-        environment = {name: value for name, value in os.environ.items() if name != "PYTHONDONTWRITEBYTECODE"}
-        self._process = subprocess.Popen(
-            [sys.executable, "-m", WORKER], stdin=subprocess.PIPE, stdout=subprocess.PIPE, stderr=subprocess.DEVNULL,
-            env=environment | {"PYTHONPATH": os.pathsep.join(path for path in sys.path if path)},
-        )  # fmt: skip
+        self._process = start_worker(WORKER)
         self._reader = threading.Thread(target=self._read, name="compiling process", daemon=True)
         self._reader.start()
 

@@ -8,15 +8,14 @@ are lowered, and answers with bitcode. If it cannot be started or ends early, al
 from __future__ import annotations
 
 import contextlib
-import os
 import pickle
-import subprocess
 import sys
 import threading
 from collections.abc import Callable, Sequence
 from typing import Any
 
 from insonify.cores import VARIABLE, default_threads
+from insonify.kernels.common.worker_pipe import start_worker
 
 WORKER = "insonify.kernels.common.part_worker"
 _running: list[PartProcess] = []
@@ -41,11 +40,7 @@ class PartProcess:
         self._kernels: set[bytes] = set()  # that it has been asked for and not compiled yet
         self._ended = False
         self._arrived = threading.Condition()
-        environment = {name: value for name, value in os.environ.items() if name != "PYTHONDONTWRITEBYTECODE"}
-        self._process = subprocess.Popen(
-            [sys.executable, "-m", WORKER], stdin=subprocess.PIPE, stdout=subprocess.PIPE, stderr=subprocess.DEVNULL,
-            env=environment | {"PYTHONPATH": os.pathsep.join(path for path in sys.path if path), VARIABLE: "1"},
-        )  # fmt: skip
+        self._process = start_worker(WORKER, **{VARIABLE: "1"})
         _alive.add(self)
         self._reader = threading.Thread(target=self._read, name="insonify-parts", daemon=True)
         self._reader.start()
