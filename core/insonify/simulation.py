@@ -129,13 +129,7 @@ class Simulation:
             return record_echoes(self.reception, trace, self.reduced, pings, out)
 
     def expect(self, pings: NDArray[np.int64]) -> None:
-        """Keep the ground beneath pings that are traced again and again, in whatever blocks, as far as memory allows.
-
-        Parameters
-        ----------
-        pings : (n,) int64
-            Ping numbers, from 0.
-        """
+        """Keep the ground beneath pings, (n,) numbers, that are traced again in whatever blocks, as far as it fits."""
         self.tiles.expect(self.poses(np.asarray(pings, dtype=np.int64)))
 
     def truth(self, pings: NDArray[np.int64]) -> RecordLabels:
