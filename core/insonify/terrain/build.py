@@ -34,6 +34,8 @@ FEWEST_CELLS = 3  # of a period, so that it holds a wave below the Nyquist frequ
 
 # Heights above the datum, their lattice, and the datum.
 Heights = tuple[NDArray[np.float32], Lattice, float]
+# A map of materials, the version of its file, the period of the relief, the spacing, the seed and the place on Earth.
+_EndlessMap = tuple[MaterialMap, tuple[int, int] | None, float, float, int, Georeference | None]
 
 
 def build_ground(scene: Scene) -> AnyGround:
@@ -81,13 +83,11 @@ def build_excerpt(scene: Scene, low: tuple[float, float], high: tuple[float, flo
     SceneError
         As `build_ground`.
     """
-    seabed, material = scene.seabed, scene.seabed.material
     # Its fields are not kept, and those of tiles are made where a tile is asked for.
     heights = endless_heights(*_endless_relief(scene))
     whole = _endless_ground(scene, lambda row, column: _kept_tiles(*_endless_relief(scene))(row, column))
-    place = scene.georeference if material.on_a_map else None
-    period = seabed.random_reliefs[0].period
-    materials = endless_materials(material.layout, period, seabed.spacing, scene.seed, place)
+    layout, _, period, spacing, seed, place = _endless_map(scene)
+    materials = endless_materials(layout, period, spacing, seed, place)
 
     def make(nodes: Nodes) -> Ground:
         return Ground(
@@ -95,9 +95,9 @@ def build_excerpt(scene: Scene, low: tuple[float, float], high: tuple[float, flo
             materials=materials(nodes),
             names=whole.names,
             reflectivities=whole.reflectivities,
-            x0=nodes.column * seabed.spacing,
-            y0=nodes.row * seabed.spacing,
-            spacing=seabed.spacing,
+            x0=nodes.column * spacing,
+            y0=nodes.row * spacing,
+            spacing=spacing,
             periodic=False,
             datum=whole.datum,
         )
@@ -107,13 +107,11 @@ def build_excerpt(scene: Scene, low: tuple[float, float], high: tuple[float, flo
 
 def _endless_ground(scene: Scene, heights: Tiles) -> EndlessGround:
     """Endless ground with the heights of its tiles."""
-    seabed, material = scene.seabed, scene.seabed.material
-    names, reflectivities = material.rows()
-    place = scene.georeference if material.on_a_map else None
-    period = seabed.random_reliefs[0].period
+    seabed = scene.seabed
+    names, reflectivities = seabed.material.rows()
     return EndlessGround(
         heights=heights,
-        materials=_kept_map_tiles(material.layout, material.version, period, seabed.spacing, scene.seed, place),
+        materials=_kept_map_tiles(*_endless_map(scene)),
         names=names,
         reflectivities=reflectivities,
         spacing=seabed.spacing,
@@ -124,6 +122,13 @@ def _endless_ground(scene: Scene, heights: Tiles) -> EndlessGround:
 def _endless_relief(scene: Scene) -> tuple[tuple[RandomRelief, ...], float, int]:
     """Return what decides the heights of endless ground."""
     return scene.seabed.random_reliefs, scene.seabed.spacing, scene.seed
+
+
+def _endless_map(scene: Scene) -> _EndlessMap:
+    """Return what decides the materials of endless ground."""
+    seabed, material = scene.seabed, scene.seabed.material
+    place = scene.georeference if material.on_a_map else None
+    return material.layout, material.version, seabed.random_reliefs[0].period, seabed.spacing, scene.seed, place
 
 
 def cells_of_period(period: float, spacing: float) -> int:
