@@ -136,14 +136,19 @@ def test_a_box_is_raised_in_the_record_and_in_three_dimensions(open_viewer: Any,
     assert height < 1.2
 
 
-def test_a_pipe_is_thickened_in_three_dimensions(open_viewer: Any, small: Scene, qtbot: Any) -> None:
-    pipe = {"kind": "pipe", "position": [12.0, -20.0], "radius": 0.5, "length": 6.0, "heading": 0.0}
-    viewer = open_viewer(edit(small, {"targets": [pipe], "sonar.bins": 400}), solid=True)
+def drag_outwards(viewer: Any, action: str) -> None:
+    """Take a handle of the only target in the 3-D view to twice its distance from the middle."""
     viewer.targets.handles.choose(0)
     viewer.seabed.draw_now()
     view = viewer.seabed.view
-    handle, centre = (view.handles.place(number_of(viewer, action)).toPoint() for action in ("thicken", "move"))
+    handle, centre = (view.handles.place(number_of(viewer, each)).toPoint() for each in (action, "move"))
     drag(view._canvas.widget, handle, handle + (handle - centre))
+
+
+def test_a_pipe_is_thickened_in_three_dimensions(open_viewer: Any, small: Scene, qtbot: Any) -> None:
+    pipe = {"kind": "pipe", "position": [12.0, -20.0], "radius": 0.5, "length": 6.0, "heading": 0.0}
+    viewer = open_viewer(edit(small, {"targets": [pipe], "sonar.bins": 400}), solid=True)
+    drag_outwards(viewer, "thicken")
     assert viewer.session.undoable == ("pipe 1 radius",)
     assert viewer.session.scene.targets[0].radius > 0.6
 
@@ -151,11 +156,7 @@ def test_a_pipe_is_thickened_in_three_dimensions(open_viewer: Any, small: Scene,
 def test_a_mesh_is_resized_in_three_dimensions(open_viewer: Any, small: Scene, qtbot: Any) -> None:
     mesh = {"kind": "mesh", "path": "wreck", "scale": 0.2, "position": [12.0, -20.0], "heading": 90.0}
     viewer = open_viewer(edit(small, {"targets": [mesh], "sonar.bins": 400}), solid=True)
-    viewer.targets.handles.choose(0)
-    viewer.seabed.draw_now()
-    view = viewer.seabed.view
-    handle, centre = (view.handles.place(number_of(viewer, action)).toPoint() for action in ("resize", "move"))
-    drag(view._canvas.widget, handle, handle + (handle - centre))
+    drag_outwards(viewer, "resize")
     assert viewer.session.undoable == ("mesh 1 resized",)
     assert 0.25 < viewer.session.scene.targets[0].scale < 0.8
     viewer.session.undo()
