@@ -29,6 +29,20 @@ with watch_compilation(print):
 """
 
 
+WORDED_ERROR = """
+import sys, types
+from insonify.kernels.common.jit import kernel
+from numba.core.errors import termcolor
+
+class Watched(types.ModuleType):
+    def __setattr__(self, name, value):
+        print(name)
+
+sys.__class__ = Watched
+termcolor().errmsg("no such attribute")
+"""
+
+
 class Terminal(io.StringIO):
     def isatty(self) -> bool:
         return True
@@ -75,6 +89,13 @@ def test_the_share_done_grows_and_nothing_is_said_of_code_on_disk(tmp_path: Path
     assert shares[0].seconds_left is None
     assert shares[-1].seconds_left > 0.0
     assert reports(tmp_path) == []
+
+
+def test_streams_are_nobody_elses_while_numba_words_an_error() -> None:
+    pytest.importorskip("colorama", reason="Numba replaces the streams only with it")
+    environment = {name: value for name, value in os.environ.items() if not name.startswith("NUMBA_")}
+    command = [sys.executable, "-c", WORDED_ERROR]
+    assert subprocess.run(command, env=environment, capture_output=True, text=True, check=True).stdout == ""
 
 
 def test_progress_goes_on_between_two_reports(monkeypatch: pytest.MonkeyPatch) -> None:
