@@ -76,6 +76,21 @@ def _widgets_are_deleted() -> Iterator[None]:
     QCoreApplication.sendPostedEvents(None, QEvent.Type.DeferredDelete)
 
 
+def await_threads(before: set[threading.Thread]) -> None:
+    """Wait for the window's threads: closing it does not wait for a block that is traced or a kernel being compiled."""
+    for thread in (t for t in set(threading.enumerate()) - before if t.name.startswith("insonify ")):
+        thread.join(timeout=COMPILING)
+        assert not thread.is_alive()
+
+
+@pytest.fixture(autouse=True)
+def _threads_have_ended() -> Iterator[None]:
+    """Leave no thread at work, also where the command draws a window: LLVM would abort as the process ends."""
+    before = set(threading.enumerate())
+    yield
+    await_threads(before)
+
+
 @pytest.fixture(scope="session")
 def _beds_are_shaded_once() -> Iterator[None]:
     """Shade a bed once for all windows that show it, and draw it without the smaller copies of its picture.
@@ -143,9 +158,6 @@ def open_viewer(
             window.close()
             window.deleteLater()
         qapp.processEvents()
-        # Closing does not wait for a block that is being traced or a kernel that is being compiled; their thread ends.
-        for thread in (t for t in set(threading.enumerate()) - before if t.name.startswith("insonify")):
-            thread.join(timeout=COMPILING)
-            assert not thread.is_alive()
+        await_threads(before)
         assert not [t for viewer in viewers for t in viewer.findChildren(QTimer) if t.isActive()]
         viewers.clear()
