@@ -58,7 +58,7 @@ def test_a_key_of_a_command_in_a_menu_works(open_viewer: Any, small: Scene, qtbo
     window = open_viewer(small).window
     activate(window, qtbot)
     qtbot.keyClick(window, Qt.Key.Key_L, Qt.KeyboardModifier.ControlModifier)
-    qtbot.waitUntil(lambda: window._docks["lessons"].isVisible())
+    qtbot.waitUntil(lambda: window.panel_widget("lessons").isVisible())
 
 
 def test_keys_are_listed(open_viewer: Any, small: Scene, qtbot: Any) -> None:

@@ -14,11 +14,12 @@ from PySide6.QtTest import QTest
 
 from insonify.explanation import compilation
 from insonify.scene import Scene, edit, load_scene
+from insonify_viewer.panels.pixel.view.budget_list import DETAIL, LEVEL, NAME
 from insonify_viewer.panels.pixel.view.section_scales import SectionScales
 from insonify_viewer.panels.pixel.view.section_view import BED as GROUND
 from insonify_viewer.panels.pixel.view.section_view import BLOCKED, HEARD, HIDDEN, WATER
 from insonify_viewer.session import Mark
-from insonify_viewer.views.theme import MARK
+from insonify_viewer.views.theme import ACCENT, MARK, Theme, apply_theme
 
 PIPE = Mark(40, 1, 624)  # echo of the pipe, 31.2 m from the sonar
 SHADOW = Mark(40, 1, 660)
@@ -223,6 +224,43 @@ def test_a_small_window_stays_usable(viewer: Any, qtbot: Any) -> None:
     assert view.budget.height() >= 80
     assert waterfall._plot().height() >= 120
     assert viewer.seabed.view.height() >= 140
+
+
+def test_a_narrow_budget_keeps_levels_and_names(viewer: Any, qtbot: Any) -> None:
+    viewer.window.resize(900, 540)
+    viewer.window.open_panel("lessons")
+    click(viewer, BED, qtbot)
+    budget = viewer.panels["pixel"].view.budget
+    qtbot.waitUntil(lambda: budget.isColumnHidden(DETAIL))
+    assert not budget.horizontalScrollBar().isVisible()
+    assert sum(map(budget.columnWidth, (LEVEL, NAME))) <= budget.viewport().width()
+    spreading = budget.topLevelItem(0).child(0)
+    assert spreading.toolTip(NAME) == f"{spreading.text(NAME)}: {spreading.text(DETAIL)}"
+    viewer.window.open_panel("water")
+    viewer.window.open_panel("pixel")
+    viewer.window.resize(1600, 900)
+    qtbot.waitUntil(lambda: not budget.isColumnHidden(DETAIL))
+
+
+def test_headings_of_the_budget_take_the_theme(viewer: Any, qtbot: Any, qapp: Any) -> None:
+    click(viewer, BED, qtbot)
+    heading = viewer.panels["pixel"].view.budget.topLevelItem(0)
+    try:
+        for theme in (Theme.LIGHT, Theme.DARK):
+            apply_theme(qapp, theme)
+            assert heading.foreground(NAME).color() == ACCENT
+    finally:
+        apply_theme(qapp)
+
+
+def test_rays_and_budget_share_their_room(viewer: Any, qtbot: Any) -> None:
+    window = viewer.window
+    for name, other in (("pixel", "water"), ("water", "pixel"), ("pixel", "water")):
+        window.open_panel(name)
+        shown, behind = (viewer.panels[each].view for each in (name, other))
+        qtbot.waitUntil(lambda shown=shown: shown.visibleRegion().boundingRect().height() > 100)
+        assert shown.mapTo(window, shown.rect().center()).y() > window.height() // 2
+        assert behind.visibleRegion().isEmpty()
 
 
 def test_kernels_of_the_first_click_are_compiled_once_for_a_set_of_effects(

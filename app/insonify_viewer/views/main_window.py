@@ -3,19 +3,16 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from itertools import pairwise
 
 from PySide6.QtCore import QSize, Qt, Signal
 from PySide6.QtGui import QAction, QCloseEvent, QKeySequence
 from PySide6.QtWidgets import (
     QAbstractButton,
     QApplication,
-    QDockWidget,
     QLabel,
     QMainWindow,
     QMenu,
     QSplitter,
-    QTabWidget,
     QToolBar,
     QToolButton,
     QWidget,
@@ -35,6 +32,7 @@ from insonify_viewer.views.icons import set_icon
 from insonify_viewer.views.job_bar import JobBar
 from insonify_viewer.views.menu_contents import fill_menus, name_button
 from insonify_viewer.views.menus import Menus
+from insonify_viewer.views.panel_docks import PanelDocks
 from insonify_viewer.views.panel_room import PanelRoom
 from insonify_viewer.views.recent_menu import RecentMenu
 from insonify_viewer.views.records_side_by_side import RecordsSideBySide
@@ -42,7 +40,6 @@ from insonify_viewer.views.save_menu import SaveMenu
 from insonify_viewer.views.scene_menu import SceneMenu
 from insonify_viewer.views.settings import Settings
 from insonify_viewer.views.status_line import StatusLine
-from insonify_viewer.views.text_scale import scaled
 from insonify_viewer.views.titled_waterfall import TitledWaterfall
 from insonify_viewer.views.tool_widgets import GainSlider, make_combo
 from insonify_viewer.views.tour import Tour, tour_steps
@@ -50,8 +47,6 @@ from insonify_viewer.views.waterfall_view import WaterfallView
 
 SMALLEST = (760, 420)  # px, which fits half of a screen of 1600 × 900 at twice the scale
 GAIN_REACH = 30  # dB either way
-SIDE = 332  # px at the usual size of the text, width of the panels at the side
-BELOW_HEIGHT = 260  # px, of a panel below when it is first opened
 LARGE = 1.6  # factor on the text of the record for a projector
 
 
@@ -97,13 +92,13 @@ class MainWindow(QMainWindow):
         self.record_a = TitledWaterfall(native=native)
         self.records = RecordsSideBySide(self._splitter, self.waterfall, self.record_a)
         self._room = PanelRoom(self, self._splitter)
+        self._docks = PanelDocks(self, self._room)
         self.overlay = ComparisonOverlay(self.record_a, self.waterfall)
         self.comparison = ComparisonActions(self)
         self.setCentralWidget(self._splitter)
         self.may_close: Callable[[], bool] = lambda: True
         self._closed = self._asking = False
         self._panels: dict[str, Panel] = {}
-        self._docks: dict[str, QDockWidget] = {}
         self._buttons: dict[str, QAction] = {}
         self.settings = Settings()
         self._add_tools(palettes)
@@ -121,13 +116,9 @@ class MainWindow(QMainWindow):
     def mount(self, panels: Sequence[Panel]) -> None:
         """Mount panels at their places, in this order."""
         self._panels = {panel.name: panel for panel in panels}
-        self._mount_side([panel for panel in panels if panel.place is Place.SIDE])
+        self._docks.mount(panels)
         for panel in panels:
-            if panel.place is Place.BELOW:
-                self._mount_below(panel)
-            elif panel.place is Place.LEFT:
-                self._dock(panel, Qt.DockWidgetArea.LeftDockWidgetArea).hide()
-            elif panel.place is Place.STATUS:
+            if panel.place is Place.STATUS:
                 self.statusBar().addPermanentWidget(panel.widget)
             if panel.button is not None:
                 self._add_button(panel)
@@ -137,11 +128,11 @@ class MainWindow(QMainWindow):
         panel = self._panels[name]
         if panel.place is Place.WINDOW:
             self._open_window(panel)
-        elif name in self._buttons:
+            return
+        if name in self._buttons:
             self._buttons[name].setChecked(True)
-        elif name in self._docks:
-            self._docks[name].show()
-            self._docks[name].raise_()
+        if name in self._docks:
+            self._docks.bring_forward(name)
 
     @property
     def seabed(self) -> QWidget | None:
@@ -150,7 +141,7 @@ class MainWindow(QMainWindow):
 
     def panel_widget(self, name: str) -> QWidget:
         """Return the widget of a panel that stands at a side of the window."""
-        return self._docks[name]
+        return self._docks.widget(name)
 
     def put_seabed(self, view: QWidget) -> None:
         """Put the view of the seabed into its place."""
@@ -216,40 +207,6 @@ class MainWindow(QMainWindow):
         finally:
             self._asking = False
 
-    def _mount_side(self, panels: Sequence[Panel]) -> None:
-        """Put panels at the right side, one behind the other, the first in front."""
-        side = Qt.DockWidgetArea.RightDockWidgetArea
-        docks = [self._dock(panel, side) for panel in panels]
-        for dock, panel in zip(docks, panels, strict=True):
-            dock.visibilityChanged.connect(panel.opened)  # a click on its tab opens it too
-        for one, next_one in pairwise(docks):
-            self.tabifyDockWidget(one, next_one)
-        self.setTabPosition(side, QTabWidget.TabPosition.North)
-        self.setDocumentMode(True)
-        self.resizeDocks(docks, [scaled(self, SIDE)] * len(docks), Qt.Orientation.Horizontal)
-        for dock in docks[:1]:
-            dock.raise_()
-
-    def _dock(self, panel: Panel, side: Qt.DockWidgetArea) -> QDockWidget:
-        """Put a panel at a side, without a title bar."""
-        dock = QDockWidget(panel.title, self)
-        dock.setObjectName(panel.name)
-        dock.setFeatures(QDockWidget.DockWidgetFeature.NoDockWidgetFeatures)
-        dock.setTitleBarWidget(QWidget())
-        dock.setWidget(panel.widget)
-        self.addDockWidget(side, dock)
-        self._room.watch(dock)
-        self._docks[panel.name] = dock
-        return dock
-
-    def _mount_below(self, panel: Panel) -> None:
-        """Put a panel below scene and record, closed."""
-        dock = self._dock(panel, Qt.DockWidgetArea.BottomDockWidgetArea)
-        dock.hide()
-        self.setCorner(Qt.Corner.BottomRightCorner, Qt.DockWidgetArea.RightDockWidgetArea)
-        self.setCorner(Qt.Corner.BottomLeftCorner, Qt.DockWidgetArea.LeftDockWidgetArea)
-        self.resizeDocks([dock], [BELOW_HEIGHT], Qt.Orientation.Vertical)
-
     def _add_button(self, panel: Panel) -> None:
         """Put the command of a panel into its menu and, if it has an icon, among the tools before the palettes."""
         assert panel.button is not None
@@ -259,16 +216,12 @@ class MainWindow(QMainWindow):
             action.triggered.connect(lambda: self._open_window(panel))
         else:
             action.setCheckable(True)
-            action.toggled.connect(lambda shown: self._show_dock(panel, shown))
+            action.toggled.connect(lambda shown: self._docks.show(panel, shown))
         if panel.button.icon:
             set_icon(action, panel.button.icon)
             self._bar.insertAction(self._after_buttons, action)
             name_button(_button(self._bar, action))
         self._buttons[panel.name] = action
-
-    def _show_dock(self, panel: Panel, shown: bool) -> None:
-        self._docks[panel.name].setVisible(shown)
-        panel.opened(shown)
 
     def _open_window(self, panel: Panel) -> None:
         widget: QWidget = panel.widget

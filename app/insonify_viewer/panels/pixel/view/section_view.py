@@ -37,7 +37,7 @@ class SectionView(QWidget):
 
     def __init__(self, parent: QWidget | None = None) -> None:
         super().__init__(parent)
-        self.setMinimumSize(160, 110)
+        self.setMinimumSize(100, 110)
         self.setAccessibleName("Cross-section of the beam")
         self._shown: tuple[PixelExplanation, CrossSection] | None = None
         self._picture: QPixmap | None = None
