@@ -18,8 +18,10 @@ from insonify.commands.render import write
 from insonify.display.display_options import DisplayOptions
 from insonify.io.records import read_record
 from insonify.scene import Scene, edit
-from insonify_viewer.jobs.background_job import State
+from insonify_viewer.jobs import background_job
+from insonify_viewer.jobs.background_job import Stage, State
 from insonify_viewer.jobs.command_job import CommandJob
+from insonify_viewer.jobs.thread_job import ThreadJob
 from insonify_viewer.panels.jobs.view import JobsView, WantedChart, WantedDataset
 from insonify_viewer.quantities import format_time_left
 from insonify_viewer.viewer import Viewer
@@ -101,6 +103,22 @@ def test_progress_is_shown_and_a_stop_leaves_nothing(
     qtbot.mouseClick(view.forget, Qt.MouseButton.LeftButton)
     assert not view.rows
     assert not viewer.jobs.jobs
+
+
+def test_the_time_left_counts_from_where_a_stage_goes_on(monkeypatch: pytest.MonkeyPatch) -> None:
+    clock = [0.0]
+    monkeypatch.setattr(background_job.time, "monotonic", lambda: clock[0])
+    job = ThreadJob("a page", None, lambda *_: None, lambda _: None)
+    told = []
+    for now, stage in (
+        (1.0, Stage("measuring", 1, 50, "case")), (40.0, Stage("measuring", 40, 50, "case")),
+        (41.0, Stage("compiling", 1, 2, "kernel")), (60.0, Stage("measuring", 40, 50, "case")),
+        (61.0, Stage("measuring", 41, 50, "case")), (63.0, Stage("measuring", 42, 50, "case")),
+    ):  # fmt: skip
+        clock[0] = now
+        job._advance(stage)
+        told.append(job.seconds_left)
+    assert told == [None, 10.0, None, None, 9.0, 12.0]
 
 
 def test_the_window_stays_free_while_a_job_runs(

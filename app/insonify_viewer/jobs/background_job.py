@@ -23,13 +23,28 @@ class State(Enum):
 
 
 class Stage(NamedTuple):
-    """What a job does now, how much of it is done, and when it began (monotonic seconds)."""
+    """What a job does now, and how much of it is done.
+
+    Attributes
+    ----------
+    doing : str
+        What it does, for the person.
+    done, total : float
+        How much is done, of how much; a total of 0 is not known.
+    unit : str
+        What is counted.
+    began : float
+        Monotonic seconds at which it began, or went on after something else.
+    first : float
+        How much was done by then.
+    """
 
     doing: str = "starting"
     done: float = 0.0
     total: float = 0.0
     unit: str = ""
     began: float = 0.0
+    first: float = 0.0
 
     @property
     def share(self) -> float | None:
@@ -81,10 +96,10 @@ class BackgroundJob(ABC):
     @property
     def seconds_left(self) -> float | None:
         """Seconds that the stage will take at the rate so far; None while nobody can tell."""
-        share = self.stage.share
-        if share is None or share < FEW or not self.running:
+        stage, lately = self.stage, self.stage.done - self.stage.first
+        if stage.share is None or lately <= 0.0 or lately < FEW * stage.total or not self.running:
             return None
-        return (time.monotonic() - self.stage.began) * (1.0 - share) / share
+        return (time.monotonic() - stage.began) * max(stage.total - stage.done, 0.0) / lately
 
     @abstractmethod
     def start(self) -> None:
@@ -107,8 +122,10 @@ class BackgroundJob(ABC):
     def _advance(self, stage: Stage) -> None:
         """Take over how far the work is."""
         before = self.stage
-        same = (stage.unit, stage.total) == (before.unit, before.total)
-        self.stage = stage._replace(began=before.began if same else time.monotonic())
+        if (stage.unit, stage.total) == (before.unit, before.total):
+            self.stage = stage._replace(began=before.began, first=before.first)
+        else:
+            self.stage = stage._replace(began=time.monotonic(), first=stage.done)
         self._changed(self)
 
     def _finish(self, state: State, sentence: str, trace: str = "") -> None:

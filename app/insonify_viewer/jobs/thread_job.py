@@ -9,6 +9,8 @@ from insonify_viewer.errors.failure import Failure
 from insonify_viewer.job import Job, Progress
 from insonify_viewer.jobs.background_job import BackgroundJob, Stage, State
 
+WORKING, WHOLE = "working", 1.0  # the only stage
+
 
 class ThreadJob(BackgroundJob):
     """Work whose result is an object that the window goes on with.
@@ -40,7 +42,8 @@ class ThreadJob(BackgroundJob):
         self._job = Job(work, call_later, progressed=self._reach, done=self._take, failed=self._fail, name=title)
 
     def start(self) -> None:
-        """Start the thread."""
+        """Start the thread, which works from its first moment on."""
+        self.stage = self.stage._replace(doing=WORKING, total=WHOLE)
         self._job.start()
 
     def close(self, patience: float) -> None:
@@ -53,7 +56,7 @@ class ThreadJob(BackgroundJob):
         self._job.stop()
 
     def _reach(self, share: float) -> None:
-        self._advance(Stage("working", share, 1.0))
+        self._advance(Stage(WORKING, share, WHOLE))
 
     def _take(self, value: Any) -> None:
         self.value = value
