@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from PySide6.QtCore import QPoint, QRect
+from PySide6.QtCore import QPoint, QRect, Qt
 from PySide6.QtGui import QImage, QPainter
 from PySide6.QtWidgets import QWidget
 
@@ -14,7 +14,7 @@ from insonify.scene import Scene, bundled_scenes, edit, load_scene
 from insonify_viewer.panels.parameters.sections import sections_of
 from insonify_viewer.panels.parameters.view.parameters_view import ParametersView
 from insonify_viewer.session import Mark
-from insonify_viewer.views.field_rows import Combo
+from insonify_viewer.views.field_rows import Combo, NameLabel
 from insonify_viewer.views.record_overlays import draw_measured
 from insonify_viewer.views.rulers import write_towed
 from insonify_viewer.views.theme import Theme, apply_theme
@@ -43,6 +43,10 @@ def test_no_row_is_cut_off(name: str, qtbot: Any, qapp: Any) -> None:
         if child.isVisible():
             right = child.mapTo(view.widget(), QPoint(child.width(), 0)).x()
             assert right <= edge, f"{type(child).__name__} {child.objectName()} ends at {right} of {edge} px"
+        if child.isVisible() and isinstance(child, NameLabel):
+            assert "…" not in child.text()
+            words = child.fontMetrics().boundingRect(child.contentsRect(), Qt.TextFlag.TextWordWrap, child.text())
+            assert words.width() <= child.contentsRect().width(), child.text()
 
 
 def test_parts_of_one_kind_are_numbered(default: Scene) -> None:

@@ -16,7 +16,7 @@ from insonify_viewer.views.lighting import set_property
 
 STEPS = 1000
 NARROWEST = 44  # px, of a slider
-WIDEST = 22  # average widths of a letter, of a name
+WIDEST = 22  # average widths of a letter, of a line of a name
 LONGEST = "123.4 dB/km"  # value for which a field has room
 INDENT = 12
 Change = Callable[[str, Any], None]
@@ -64,7 +64,7 @@ class NameLabel(QLabel):
     Parameters
     ----------
     text, about : str
-        The name, which is cut if it is long, and the tooltip.
+        The name, which takes several lines if it is long, and the tooltip.
     indent : int
         Nesting depth.
     """
@@ -72,12 +72,15 @@ class NameLabel(QLabel):
     def __init__(self, text: str, about: str, indent: int) -> None:
         super().__init__()
         self.setObjectName("name")
-        self._text, self._before = text, ""
+        self._before = ""
         self.reset: Callable[[], None] = lambda: None
         self.ensurePolished()
-        widest = WIDEST * self.fontMetrics().averageCharWidth() - INDENT * indent
-        self.setText(self.fontMetrics().elidedText(text, Qt.TextElideMode.ElideRight, widest))
+        self.setText(text)
         self.setContentsMargins(INDENT * indent, 0, 0, 0)
+        widest = WIDEST * self.fontMetrics().averageCharWidth()
+        if self.sizeHint().width() > widest:
+            self.setWordWrap(True)
+            self.setFixedWidth(widest)
         self.explain(about)
 
     def show_reset(self, before: str, reset: Callable[[], None]) -> None:
@@ -91,8 +94,7 @@ class NameLabel(QLabel):
     def explain(self, about: str) -> None:
         """Show another tooltip, with what a double click does."""
         self._about = about
-        whole = about if self.text() == self._text else f"{self._text}: {about}"
-        self.setToolTip(f"{whole}; was {self._before}, double-click to reset" if self._before else whole)
+        self.setToolTip(f"{about}; was {self._before}, double-click to reset" if self._before else about)
 
     def mouseDoubleClickEvent(self, event: QMouseEvent) -> None:
         """Reset the field."""
