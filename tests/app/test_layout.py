@@ -119,6 +119,8 @@ def test_a_plot_is_at_true_scale_where_it_fits() -> None:
     assert plot_at_true_scale(room, 20.0, 100.0) == room, "a strip of 100 px would waste the room"
     assert name_scale(room, 20.0, 100.0) == "track × 7"
     assert name_scale(room, 1400.0, 100.0) == "track ÷ 10"
+    assert name_scale(room, 1.25, 100.0) == "track × 112"
+    assert name_scale(room, 56.0, 100.0) == "track × 2.5"
 
 
 def test_a_measurement_stays_within_a_narrow_record(qapp: Any) -> None:

@@ -49,12 +49,12 @@ def draw_trace(painter: QPainter, area: QRect, loudest: NDArray[np.float32], tit
     line = make_polyline(places, heights)
     painter.setPen(QPen(QColor(ACCENT), 1.0))
     painter.drawPolyline(line)
-    _draw_numbers(painter, area, top)
     if at is not None:
         x = area.left() + at * area.width()
         painter.setPen(QPen(QColor(MARK), 1.0))
         painter.drawLine(QPointF(x, area.top()), QPointF(x, area.bottom()))
     painter.restore()
+    _draw_numbers(painter, area, top)
     draw_caption(painter, QRect(area.left(), area.top() - CAPTION - 1, area.width(), CAPTION), f"▾ {title}")
 
 
@@ -78,13 +78,12 @@ def _draw_lines(painter: QPainter, area: QRect, top: float) -> None:
 
 
 def _draw_numbers(painter: QPainter, area: QRect, top: float) -> None:
-    """Write numbers beside the lines where there is room, on a ground that the curve does not cross."""
+    """Write numbers beside the lines where there is room, left of the curve."""
     lines = _scale(area, top)
-    metrics = painter.fontMetrics()
+    high = painter.fontMetrics().height()
+    painter.setPen(QColor(QUIET))
     for level, y in lines:
         if level % (2.0 * STEP) == 0.0 or area.height() > 30 * len(lines):
             words = f"{level:+g} dB".replace("-", "−") if level else "bed"
-            place = QPointF(area.left() + 4.0, y - 2.0)
-            painter.fillRect(metrics.boundingRect(words).translated(place.toPoint()).adjusted(-3, 0, 3, 0), RAISED)
-            painter.setPen(QColor(QUIET))
-            painter.drawText(place, words)
+            place = QRect(0, round(y) - high // 2, area.left() - 9, high)
+            painter.drawText(place, Qt.AlignmentFlag.AlignRight | Qt.TextFlag.TextDontClip, words)

@@ -48,17 +48,17 @@ class PanelDocks:
         for place, area in AREAS.items():
             here = [panel for panel in panels if panel.place is place]
             docks = [self._dock(panel, area) for panel in here]
+            if place is not Place.SIDE:
+                for dock in docks:
+                    dock.hide()
+                continue
             for one, next_one in pairwise(docks):
                 self._window.tabifyDockWidget(one, next_one)
             for dock, panel in zip(docks, here, strict=True):
-                if place is Place.SIDE:
-                    dock.visibilityChanged.connect(panel.opened)  # a click on its tab opens it too
-                else:
-                    dock.hide()
-            if place is Place.SIDE:
-                self._window.resizeDocks(docks, [scaled(self._window, SIDE)] * len(docks), Qt.Orientation.Horizontal)
-                for dock in docks[:1]:
-                    dock.raise_()
+                dock.visibilityChanged.connect(panel.opened)  # a click on its tab opens it too
+            self._window.resizeDocks(docks, [scaled(self._window, SIDE)] * len(docks), Qt.Orientation.Horizontal)
+            for dock in docks[:1]:
+                dock.raise_()
 
     def __contains__(self, panel: str) -> bool:
         """Whether a panel, by its name, stands in a dock."""
@@ -70,19 +70,26 @@ class PanelDocks:
 
     def bring_forward(self, panel: str) -> None:
         """Open a panel, before those that share its place."""
-        self._docks[panel].show()
-        self._docks[panel].raise_()
+        dock = self._docks[panel]
+        if dock.isHidden():
+            area = self._window.dockWidgetArea(dock)
+            # Qt lays a dock out where it stands behind others only if these are in view by then.
+            for other in self._docks.values():
+                if not other.isHidden() and self._window.dockWidgetArea(other) is area:
+                    self._window.tabifyDockWidget(other, dock)
+            dock.show()
+        dock.raise_()
 
     def show(self, panel: Panel, shown: bool) -> None:
         """Open or close a panel."""
-        if shown:
-            self.bring_forward(panel.name)
-        else:
-            self._docks[panel.name].hide()
         if shown and panel.place is Place.BELOW and not self._opened_below:
             self._opened_below = True
             height = round(BELOW * self._window.height())
             self._window.resizeDocks([self._docks[panel.name]], [height], Qt.Orientation.Vertical)
+        if shown:
+            self.bring_forward(panel.name)
+        else:
+            self._docks[panel.name].hide()
         panel.opened(shown)
 
     def _dock(self, panel: Panel, area: Qt.DockWidgetArea) -> QDockWidget:

@@ -86,10 +86,10 @@ def draw_ping_ruler(painter: QPainter, area: QRect, projection: Projection, step
         painter.drawLine(right - 5, y, right - 1, y)
         painter.setPen(QColor(TEXT))
         painter.drawText(_lines(area.left(), y - round(13 * text), width, text), Qt.AlignmentFlag.AlignRight, f"{ping}")
-        painter.setPen(QColor(QUIET))
-        painter.drawText(
-            _lines(area.left(), y, width, text), Qt.AlignmentFlag.AlignRight, write_towed(ping * step, apart * step)
-        )
+        towed = _lines(area.left(), y, width, text)
+        if towed.bottom() <= area.bottom() + 6:  # lower, the range ruler begins
+            painter.setPen(QColor(QUIET))
+            painter.drawText(towed, Qt.AlignmentFlag.AlignRight, write_towed(ping * step, apart * step))
     painter.setPen(QColor(QUIET))
     place = _lines(area.left(), area.top() - round(20 * text), width, text)
     painter.drawText(place, Qt.AlignmentFlag.AlignRight, "ping")

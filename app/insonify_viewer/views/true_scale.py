@@ -6,6 +6,7 @@ from PySide6.QtCore import QRect
 
 LEAST_FILLED = 0.55  # share of the room that a plot at true scale fills; else the plot fills the room
 ALIKE = 0.02  # deviation of two scales that counts as none
+MANY = 10.0  # ratio that is told in whole numbers
 
 
 def plot_at_true_scale(room: QRect, along: float, across: float, *, always: bool = False) -> QRect:
@@ -31,4 +32,5 @@ def name_scale(plot: QRect, along: float, across: float) -> str:
     ratio = (plot.height() / along) / max(plot.width() / across, 1e-9)
     if abs(ratio - 1.0) < ALIKE:
         return "1 : 1"
-    return f"track × {ratio:.2g}" if ratio > 1.0 else f"track ÷ {1.0 / ratio:.2g}"
+    sign, by = ("×", ratio) if ratio > 1.0 else ("÷", 1.0 / ratio)
+    return f"track {sign} {by:.2g}" if by < MANY else f"track {sign} {by:.0f}"

@@ -116,11 +116,18 @@ def _paint_bed(painter: QPainter, scales: SectionScales, section: CrossSection) 
     for name, face in section.targets:
         painter.setPen(_pen(TARGET, 2.5))
         painter.drawLines(_lines(scales, face))
-        top = face.reshape(-1, 2)[np.argmax(face[..., 1])]
-        place = scales.at(float(top[0]), float(top[1]))
-        painter.setPen(QColor(TARGET))
-        box = QRectF(place.x() - 60.0, place.y() - 20.0, 120.0, 16.0)
-        painter.drawText(box, Qt.AlignmentFlag.AlignHCenter, name)
+        _name_target(painter, scales, name, face)
+
+
+def _name_target(painter: QPainter, scales: SectionScales, name: str, face: Points) -> None:
+    """Write the name of a target above it and beyond, where the ray from the sonar does not cross it."""
+    top = face.reshape(-1, 2)[np.argmax(face[..., 1])]
+    place = scales.at(float(top[0]), float(top[1]))
+    width = painter.fontMetrics().horizontalAdvance(name) + 2.0
+    left = place.x() - 6.0 - width if scales.mirrored else place.x() + 6.0
+    left = min(max(left, scales.area.left()), scales.area.right() - width)
+    painter.setPen(QColor(TARGET))
+    painter.drawText(QRectF(left, place.y() - 20.0, width, 16.0), Qt.TextFlag.TextDontClip, name)
 
 
 def _paint_ring(painter: QPainter, scales: SectionScales, section: CrossSection, slant_range: float) -> None:
