@@ -68,11 +68,12 @@ def open_window(
         Name of a panel to open; empty for none.
     """
     settings = Settings()
-    scale_text(settings.size)
     application = make_application(settings.theme)
+    enlarge_text(application, settings.size)
     with main_thread_collection(), compiled_elsewhere():
         viewer = Viewer(scene, accelerated=has_opengl())
         keep_display(viewer)
+        keep_place(viewer)
         viewer.window.show()
         _begin(viewer, pin, lesson, recording, pair, panel)
         QTimer.singleShot(0, viewer.start)
@@ -92,6 +93,13 @@ def keep_display(viewer: Viewer) -> None:
     settings = viewer.window.settings
     viewer.session.show(**settings.display)
     viewer.session.displayed.connect(settings.keep_display)
+
+
+def keep_place(viewer: Viewer) -> None:
+    """Open the window where it was closed the last time, as far as the screen is still there."""
+    window = viewer.window
+    window.restoreGeometry(window.settings.geometry)
+    window.closing.connect(lambda: setattr(window.settings, "geometry", window.saveGeometry()))
 
 
 def _begin(
@@ -211,11 +219,11 @@ def main_thread_collection() -> Iterator[None]:
             timer.stop()
 
 
-def scale_text(percent: int) -> None:
-    """Draw the window larger than the system asks; to be called before the application is made."""
-    if percent != 100:
-        system = float(os.environ.get("QT_SCALE_FACTOR") or 1.0)
-        os.environ["QT_SCALE_FACTOR"] = f"{system * percent / 100.0:g}"
+def enlarge_text(application: QApplication, percent: int) -> None:
+    """Enlarge the text, from which windows that are made later take all their sizes."""
+    font = application.font()
+    font.setPointSizeF(font.pointSizeF() * percent / 100.0)
+    application.setFont(font)
 
 
 def make_application(theme: Theme = Theme.DARK) -> QApplication:

@@ -12,6 +12,7 @@ from PySide6.QtWidgets import QApplication, QCheckBox, QLabel, QLineEdit, QPushB
 from test_menus import activate
 
 from insonify.scene import Scene
+from insonify_viewer.application import enlarge_text
 from insonify_viewer.fields import NumberField
 from insonify_viewer.panels.parameters.view.section_box import SectionBox
 from insonify_viewer.views.main_window import MainWindow
@@ -151,10 +152,10 @@ def test_space_is_a_letter_in_the_search(open_viewer: Any, small: Scene, qtbot: 
 
 @pytest.fixture
 def _large_text(qapp: QApplication) -> Iterator[None]:
-    """Text twice as large as usual, as a system may ask for."""
-    usual, large = qapp.font(), qapp.font()
-    large.setPointSizeF(2.0 * usual.pointSizeF())
-    qapp.setFont(large)
+    """Text twice as large as usual, as a system or the menu may ask for."""
+    usual = qapp.font()
+    enlarge_text(qapp, 200)
+    assert qapp.font().pointSizeF() == 2.0 * usual.pointSizeF()
     yield
     qapp.setFont(usual)
 

@@ -15,7 +15,7 @@ from PySide6.QtWidgets import QApplication, QWidget
 
 from insonify.display.display_options import DisplayOptions
 from insonify.scene import Scene, scene_to_toml
-from insonify_viewer.application import keep_display
+from insonify_viewer.application import keep_display, keep_place
 from insonify_viewer.panels.parameters.view.about_box import AboutBox
 from insonify_viewer.panels.record.view.histogram_view import HistogramView
 from insonify_viewer.views import icons
@@ -131,12 +131,24 @@ def test_links_of_a_description_take_the_colour_of_the_theme(
 def test_settings_survive_nonsense() -> None:
     settings = Settings()
     assert (settings.theme, settings.size, settings.recent) == (Theme.SYSTEM, 100, [])
-    for name, value in (("theme", "pink"), ("size", "-3"), ("recent", 7)):
+    for name, value in (("theme", "pink"), ("size", "-3"), ("recent", 7), ("geometry", "wide")):
         settings._store.setValue(name, value)
     assert (settings.theme, settings.size) == (Theme.SYSTEM, 100)
+    assert settings.geometry.isEmpty()
     assert isinstance(settings.recent, list)
     settings.size, settings.theme = 150, Theme.LIGHT
     assert (Settings().size, Settings().theme) == (150, Theme.LIGHT)
+
+
+def test_the_window_opens_where_it_was_closed(open_viewer: Any, small: Scene, qtbot: Any) -> None:
+    first = open_viewer(small)
+    keep_place(first)
+    first.window.resize(1000, 620)
+    qtbot.waitUntil(lambda: first.window.width() == 1000)
+    first.window.close()
+    second = open_viewer(small)
+    keep_place(second)
+    qtbot.waitUntil(lambda: (second.window.width(), second.window.height()) == (1000, 620))
 
 
 def test_the_display_of_the_record_is_kept_between_starts(open_viewer: Any, small: Scene, qtbot: Any) -> None:

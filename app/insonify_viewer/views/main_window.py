@@ -40,11 +40,13 @@ from insonify_viewer.views.save_menu import SaveMenu
 from insonify_viewer.views.scene_menu import SceneMenu
 from insonify_viewer.views.settings import Settings
 from insonify_viewer.views.status_line import StatusLine
+from insonify_viewer.views.text_scale import scaled
 from insonify_viewer.views.titled_waterfall import TitledWaterfall
 from insonify_viewer.views.tool_widgets import GainSlider, make_combo
 from insonify_viewer.views.tour import Tour, tour_steps
 from insonify_viewer.views.waterfall_view import WaterfallView
 
+USUAL, ROOMY = (1480, 900), 0.7  # px, and share of a large screen, that the window takes at the first start
 SMALLEST = (760, 420)  # px, which fits half of a screen of 1600 × 900 at twice the scale
 GAIN_REACH = 30  # dB either way
 LARGE = 1.6  # factor on the text of the record for a projector
@@ -77,7 +79,8 @@ class MainWindow(QMainWindow):
     def __init__(self, *, native: bool, palettes: tuple[str, ...]) -> None:
         super().__init__()
         self.setWindowTitle("insonify")
-        self.resize(QSize(1480, 900).boundedTo(self.screen().availableSize()))
+        screen = self.screen().availableSize()
+        self.resize(QSize(*USUAL).expandedTo(screen * ROOMY).boundedTo(screen))
         self.setMinimumSize(*SMALLEST)
         self.waterfall = WaterfallView(native=native)
         self.trace = self._action("Echo", "Echo of one ping under the record", QKeySequence("E"))
@@ -235,6 +238,7 @@ class MainWindow(QMainWindow):
         bar = QToolBar("Tools", self)
         bar.setObjectName("tools")
         bar.setMovable(False)
+        bar.setIconSize(QSize(1, 1) * scaled(self, bar.iconSize().width()))
         bar.setContextMenuPolicy(Qt.ContextMenuPolicy.PreventContextMenu)
         self.addToolBar(bar)
         key = QKeySequence.StandardKey

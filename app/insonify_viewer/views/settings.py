@@ -5,7 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 from typing import Any
 
-from PySide6.QtCore import QSettings
+from PySide6.QtCore import QByteArray, QSettings
 
 from insonify.display.display_options import DisplayOptions, display_settings, read_display
 from insonify.scene import SceneError
@@ -16,11 +16,11 @@ KEPT = (  # display options; gains and contrast suit one record, and begin anew
     *("side", "ground_range", "palette", "water_column", "reverse", "decibels", "newest_on_top", "bottom_line"),
     *("range_lines", "scale", "draped"),
 )
-SIZES = (100, 125, 150, 200)  # %, of the text and of all that is drawn with it
+SIZES = (100, 125, 150, 200)  # %, of the text and of all that takes its size from it
 
 
 class Settings:
-    """Theme, size of the text, display of the record and recent files, in the settings file of the person.
+    """Theme, size of the text, place of the window, display of the record and recent files, in a file of the person.
 
     Every value that is not understood, as of a file that was edited by hand, reads as the usual one.
     """
@@ -47,6 +47,16 @@ class Settings:
     @size.setter
     def size(self, size: int) -> None:
         self._store.setValue("size", size)
+
+    @property
+    def geometry(self) -> QByteArray:
+        """Place and size of the window, as Qt writes them; empty at the first start."""
+        kept = self._store.value("geometry")
+        return kept if isinstance(kept, QByteArray) else QByteArray()
+
+    @geometry.setter
+    def geometry(self, geometry: QByteArray) -> None:
+        self._store.setValue("geometry", geometry)
 
     @property
     def toured(self) -> bool:

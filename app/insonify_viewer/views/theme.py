@@ -60,7 +60,7 @@ QToolButton#remove:hover, QToolButton#reset:hover, QToolButton#copy:hover, QTool
     color: {ACCENT}; }}
 QToolButton#more {{ background: transparent; border: 0; color: {QUIET}; padding: 1px 2px; }}
 QToolButton#more:hover {{ color: {ACCENT}; }}
-QCheckBox::indicator {{ width: 11px; height: 11px; border: 1px solid {QUIET}; border-radius: 3px;
+QCheckBox::indicator {{ width: 0.92em; height: 0.92em; border: 1px solid {QUIET}; border-radius: 3px;
     background: {RAISED}; }}
 QCheckBox::indicator:hover, QCheckBox::indicator:focus {{ border-color: {ACCENT}; }}
 QCheckBox::indicator:checked {{ background: {ACCENT}; border-color: {ACCENT}; }}
