@@ -71,7 +71,15 @@ class NumberField:
 
 @dataclass(frozen=True)
 class ChoiceField:
-    """A choice among names; `NumberField` explains the attributes."""
+    """A choice among names; `NumberField` explains the attributes.
+
+    Attributes
+    ----------
+    options : tuple
+        Values to choose from.
+    meanings : tuple of str
+        What each of them is, in a sentence; empty where their names say it.
+    """
 
     path: str
     label: str
@@ -81,6 +89,13 @@ class ChoiceField:
     options: tuple[str | int, ...]
     rare: bool = False
     name: str = ""
+    meanings: tuple[str, ...] = ()
+
+    @property
+    def about(self) -> str:
+        """Tooltip with the meaning of the value."""
+        meaning = self.meanings[self.options.index(self.value)] if self.meanings else ""
+        return f"{self.tooltip}; {self.value}: {meaning}" if meaning else self.tooltip
 
 
 @dataclass(frozen=True)

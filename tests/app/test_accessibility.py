@@ -15,6 +15,7 @@ from insonify.scene import Scene
 from insonify_viewer.application import enlarge_text
 from insonify_viewer.fields import NumberField
 from insonify_viewer.panels.parameters.view.section_box import SectionBox
+from insonify_viewer.views.field_rows import Combo
 from insonify_viewer.views.main_window import MainWindow
 
 PANELS = ("parameters", "plan", "record", "comparison", "lessons", "pixel", "water", "chart", "jobs")
@@ -46,6 +47,13 @@ def test_every_control_has_a_tooltip(window: MainWindow) -> None:
     controls = controls_of(window)
     assert len(controls) > 250
     assert [place_of(control) for control in controls if not control.toolTip()] == []
+
+
+def test_a_choice_of_kinds_says_what_each_is(window: MainWindow, qtbot: Any) -> None:
+    beam = next(combo for combo in window.findChildren(Combo) if combo.accessibleName().endswith("beam"))
+    tips = [beam.itemData(place, Qt.ItemDataRole.ToolTipRole) for place in range(beam.count())]
+    assert all(tip and tip.endswith(".") for tip in tips)
+    assert beam.toolTip().endswith(f"{beam.currentText()}: {tips[beam.currentIndex()]}")
 
 
 def test_the_tooltip_of_a_number_has_a_sentence_a_unit_and_a_range(window: MainWindow) -> None:

@@ -212,13 +212,14 @@ class ChoiceRow:
 
     def __init__(self, choice: ChoiceField, settled: Change) -> None:
         self._choice, self._settled = choice, settled
-        self.label = NameLabel(choice.label, choice.tooltip, choice.indent)
+        self.label = NameLabel(choice.label, choice.about, choice.indent)
         self.combo = Combo()
-        self.combo.setToolTip(choice.tooltip)
         self.combo.setAccessibleName(choice.name or choice.label)
         for option in choice.options:
             name = ("off", "on")[option] if isinstance(option, bool) else str(option).replace("_", " ")
             self.combo.addItem(name, option)
+        for place, meaning in enumerate(choice.meanings):
+            self.combo.setItemData(place, meaning, Qt.ItemDataRole.ToolTipRole)
         self.combo.activated.connect(self._picked)
         self.show_value(choice)
 
@@ -231,6 +232,8 @@ class ChoiceRow:
         """Show another value."""
         self._choice = choice
         self.combo.setCurrentIndex(choice.options.index(choice.value))
+        self.combo.setToolTip(choice.about)
+        self.label.explain(choice.about)
 
     def _picked(self, index: int) -> None:
         value = self.combo.itemData(index)

@@ -308,7 +308,7 @@ class MainWindow(QMainWindow):
     def _add_gain(self, bar: QToolBar) -> None:
         self.gain = GainSlider()
         self.gain.setRange(-10 * GAIN_REACH, 10 * GAIN_REACH)
-        self.gain.setToolTip("Display gain")
+        self.gain.setToolTip(f"Gain of the picture, −{GAIN_REACH} to +{GAIN_REACH} dB; the record stays as it is")
         self.gain.setAccessibleName("Display gain")
         self._gain_text = QLabel("0 dB")
         self._gain_text.setMinimumWidth(self.fontMetrics().horizontalAdvance("-30.0 dB") + 4)

@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+import inspect
 import math
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
+from functools import cache
 from typing import Any, Literal, get_args, get_origin
 
 from pydantic import BaseModel
@@ -181,12 +183,21 @@ def _rows(scene: Scene, part: BaseModel, name: str, path: str, indent: int) -> I
 def _of_declaration(scene: Scene, part: BaseModel, name: str, path: str, indent: int) -> Iterator[Parameter]:
     """Rows of a nested declaration, after its kind if there are several."""
     value: BaseModel = getattr(part, name)
-    kinds = tuple(kind for kind in map(kind_name, models_of(type(part), name)) if kind)
+    models = [model for model in models_of(type(part), name) if kind_name(model)]
+    kinds = tuple(kind_name(model) or "" for model in models)
     label = name.replace("_", " ")
     if len(kinds) > 1:
         tooltip = type(part).model_fields[name].description or ""
-        yield ChoiceField(f"{path}.kind", label, tooltip, indent, kind_name(type(value)) or "", kinds)
+        meanings = tuple(map(_meaning, models))
+        picked = kind_name(type(value)) or ""
+        yield ChoiceField(f"{path}.kind", label, tooltip, indent, picked, kinds, meanings=meanings)
     yield from _inside(scene, value, path, indent + 1 if len(kinds) > 1 else indent)
+
+
+@cache
+def _meaning(kind: type[BaseModel]) -> str:
+    """First line of what the declaration of a kind says of itself."""
+    return (inspect.getdoc(kind) or "").partition("\n")[0]
 
 
 def _of_tuple(
