@@ -18,10 +18,12 @@ from insonify_viewer.application import has_opengl, main_thread_collection, make
 from insonify_viewer.viewer import Viewer
 from soak.actions import Steps, draw_action
 from soak.dialogs import Answers
-from soak.watch import Faults, Gaps, holdings, left_threads, say
+from soak.watch import Faults, Gaps, holdings, left_threads, resident, say
 
 MINUTE = 60.0  # s, between two lines of what is held
 PATIENCE = 120.0  # s, for the worker to end after the window has closed
+SETTLED, LAST = 5, 5  # minutes until memory has settled, and those at the end over which its median is taken
+GROWTH = 150.0  # MB, that the window may hold more at the end than when it had settled
 
 
 class Person:
@@ -42,7 +44,7 @@ class Person:
         self._random = np.random.default_rng(seed)
         self._steps: Steps = iter(())
         self._begun = 0.0
-        self._minutes = 0
+        self._held: list[float] = []  # MB, after each minute
         self.actions, self.closing = 0, 0.0
         self._timer = QTimer(singleShot=True)
         self._timer.timeout.connect(self._act)
@@ -52,13 +54,20 @@ class Person:
         if not self._begun and not self._start():
             return
         used = time.monotonic() - self._begun
-        while used >= MINUTE * (self._minutes + 1):
-            self._minutes += 1
-            say(f"{self._minutes:3} min: {holdings()}, {self.actions} actions; {self._gaps.in_words()}")
+        while used >= MINUTE * (len(self._held) + 1):
+            self._held.append(resident())
+            say(f"{len(self._held):3} min: {holdings()}, {self.actions} actions; {self._gaps.in_words()}")
         if used >= self._seconds:
             self._close()
             return
         self._timer.start(int(self._next_step()))
+
+    @property
+    def growth(self) -> float:
+        """Megabytes by which the window has grown since it had settled; 0 before twice that time."""
+        if len(self._held) < SETTLED + LAST:
+            return 0.0
+        return float(np.median(self._held[-LAST:])) - self._held[SETTLED - 1]
 
     def _start(self) -> bool:
         """Wait for the first picture."""
@@ -114,7 +123,12 @@ def _soak_in(folder: str, seconds: float, seed: int) -> int:
         QTimer.singleShot(0, viewer.start)
         person = Person(viewer, seconds, seed, faults, gaps)
         application.exec()
-        say(f"seed {seed}: {person.actions} actions, {gaps.in_words()}; closed in {person.closing:.2f} s")
+        say(
+            f"seed {seed}: {person.actions} actions, {gaps.in_words()}; grown by {person.growth:.0f} MB, "
+            f"closed in {person.closing:.2f} s"
+        )
+        if person.growth > GROWTH:
+            faults.add(f"the window has grown by more than {GROWTH:g} MB")
         gaps.close()
     for stack in left_threads(PATIENCE):
         faults.add(f"a thread is left: {stack}")

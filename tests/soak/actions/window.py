@@ -98,6 +98,21 @@ def undo_and_redo(viewer: Viewer, random: Random) -> Steps:
         yield float(random.choice([5.0, 100.0]))
 
 
+@action(2.0)
+def edit_back_and_forth(viewer: Viewer, random: Random) -> Steps:
+    """Edit, take it back and do it again: nothing of it may be lost."""
+    session = viewer.session
+    if session.settle():  # a drag that another action left is an edit of its own
+        yield 20.0
+    before = session.scene
+    if session.settle({"track.altitude": float(random.uniform(3.0, 15.0))}):
+        after = session.scene
+        for step, expected in ((session.undo, before), (session.redo, after)):
+            step()
+            assert session.scene == expected, f"{step.__name__} lost an edit"
+    yield 50.0
+
+
 @action(3.0)
 def pause_or_play(viewer: Viewer, random: Random) -> Steps:
     viewer.window.pause.trigger()
