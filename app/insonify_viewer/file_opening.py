@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -12,10 +11,13 @@ from insonify.io.navigation import NAVIGATION
 from insonify.io.sound_speed_casts import CASTS, read_cast
 from insonify.scene import SceneError
 from insonify_viewer.comparison.recording import is_recording
+from insonify_viewer.contacts.files import read_contacts
 from insonify_viewer.errors.failure import Failure
 
 if TYPE_CHECKING:
     from insonify_viewer.comparison.recording_player import RecordingPlayer
+    from insonify_viewer.contacts.contact import ContactList
+    from insonify_viewer.saving import Saving
     from insonify_viewer.session import Session
     from insonify_viewer.target_editor import TargetEditor
     from insonify_viewer.views.file_dialogs import FileDialogs
@@ -40,8 +42,10 @@ class FileOpening:
         Shows recordings.
     targets : TargetEditor
         Places meshes.
-    may_leave : callable
-        Asks what becomes of unsaved changes; returns whether another scene may be opened.
+    contacts : ContactList
+        Takes contacts.
+    saving : Saving
+        Asks what becomes of unsaved changes before others take their place.
     """
 
     def __init__(
@@ -51,10 +55,11 @@ class FileOpening:
         files: FileDialogs,
         recordings: RecordingPlayer,
         targets: TargetEditor,
-        may_leave: Callable[[], bool],
+        contacts: ContactList,
+        saving: Saving,
     ) -> None:
         self._session, self._window, self._files = session, window, files
-        self._recordings, self._targets, self._may_leave = recordings, targets, may_leave
+        self._recordings, self._targets, self._contacts, self._saving = recordings, targets, contacts, saving
         window.file_wanted.connect(self.open)
         window.scenes.wanted.connect(self.open_scene)
         window.recent.wanted.connect(self.open_recent)
@@ -80,7 +85,7 @@ class FileOpening:
 
     def ask_for_scene(self) -> None:
         """Let the person pick a scene, after the question about unsaved changes."""
-        if self._may_leave():
+        if self._saving.may_leave():
             self._files.ask_for_scene()
 
     def open_recent(self, path: str) -> None:
@@ -93,8 +98,23 @@ class FileOpening:
 
     def open_scene(self, path: str) -> None:
         """Open a scene, after the question about unsaved changes."""
-        if self._may_leave():
+        if self._saving.may_leave():
             self._files.open_scene(path)
+
+    def ask_for_contacts(self) -> None:
+        """Let the person pick a file of contacts, and read it in place of the present ones."""
+        path = self._files.ask_for_contacts(str(Path(self._session.file or ".").parent))
+        if path:
+            self.open_contacts(path)
+
+    def open_contacts(self, path: str) -> None:
+        """Read contacts in place of the present ones, after the question about those that are not saved."""
+        if not self._saving.may_replace_contacts():
+            return
+        try:
+            self._contacts.open(read_contacts(Path(path)), path)
+        except SceneError as error:
+            self._window.complain(error)
 
     def open_recording(self, path: str) -> None:
         """Show a recording; an empty path does nothing."""

@@ -34,10 +34,6 @@ class PanelSet(dict[str, Panel]):
         """Whether no panel measures anything in the background."""
         return all(panel.at_rest for panel in self.values())
 
-    def may_close(self) -> bool:
-        """Whether the window may close; panels with unsaved work ask."""
-        return all(panel.may_close() for panel in self.values())
-
     def tell(self, event: str, *values: Any) -> None:
         """Call the method of an event, such as ``scene_changed``, of every panel."""
         for panel in self.values():

@@ -1,18 +1,20 @@
-"""Session: the scene, its modelling, the history of both, and the marked point; without widgets."""
+"""Session: the scene, its modelling, the contacts, the history of all, and the marked point; without widgets."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
-from dataclasses import dataclass, field, replace
-from typing import Any
+from collections.abc import Callable, Iterable, Mapping
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING, Any
 
 from insonify.display.display_options import DisplayOptions
 from insonify.scene import Scene, SceneError, edit
 from insonify_viewer.dependent_edits import add_dependent_edits
 from insonify_viewer.field_names import name_edit
+from insonify_viewer.history import History, State
 from insonify_viewer.modelling import Modelling
 
-UNDO_DEPTH = 200
+if TYPE_CHECKING:
+    from insonify_viewer.contacts.contact import Contact
 
 
 class Event:
@@ -50,16 +52,8 @@ class Mark:
     bin: int
 
 
-@dataclass(frozen=True)
-class _State:
-    scene: Scene
-    modelling: Modelling
-    opened: Scene = field(compare=False)  # as it was when it was opened
-    edit: str = field(default="", compare=False)  # name of the edit that led to it
-
-
 class Session:
-    """The scene on screen, its modelling, and the history of both.
+    """The scene on screen, its modelling, the contacts, and the one history of all.
 
     An edit under way (a slider being dragged) is provisional: every move starts from the last settled scene, so that
     the dependent edits of a move vanish when the slider returns. Settling makes one step of undo of the whole drag.
@@ -72,7 +66,9 @@ class Session:
     Attributes
     ----------
     changed : Event
-        Called with (scene, settled) after every change.
+        Called with (scene, settled) after every change of the scene or its modelling.
+    contacts_changed : Event
+        Called after every change of the contacts.
     said : Event
         Called with one sentence for the person.
     refused : Event
@@ -87,12 +83,10 @@ class Session:
 
     def __init__(self, scene: Scene) -> None:
         self.changed, self.said, self.marked, self.displayed = Event(), Event(), Event(), Event()
-        self.refused = Event()
+        self.refused, self.contacts_changed = Event(), Event()
         self._display = DisplayOptions()
-        self._scene, self._settled = scene, _State(scene, Modelling(), scene)
+        self._scene, self._history = scene, History(State(scene, Modelling(), scene))
         self._dragged = ""
-        self._past: list[_State] = []
-        self._future: list[_State] = []
         self._mark: Mark | None = None
         self._saved = {"": scene}
         self.file = ""
@@ -105,7 +99,12 @@ class Session:
     @property
     def modelling(self) -> Modelling:
         """The modelling of the scene."""
-        return self._settled.modelling
+        return self._history.present.modelling
+
+    @property
+    def contacts(self) -> tuple[Contact, ...]:
+        """Contacts, in the order in which they were marked."""
+        return self._history.present.contacts
 
     @property
     def mark(self) -> Mark | None:
@@ -127,27 +126,17 @@ class Session:
     @property
     def opened(self) -> Scene:
         """The scene as it was opened, to which fields are reset."""
-        return self._settled.opened
-
-    @property
-    def can_undo(self) -> bool:
-        """Whether there is a step to undo."""
-        return bool(self._past)
-
-    @property
-    def can_redo(self) -> bool:
-        """Whether there is a step to redo."""
-        return bool(self._future)
+        return self._history.present.opened
 
     @property
     def undoable(self) -> tuple[str, ...]:
         """Names of the edits that can be undone, the last first."""
-        return tuple(state.edit for state in reversed([*self._past[1:], self._settled])) if self._past else ()
+        return self._history.undoable
 
     @property
     def redoable(self) -> tuple[str, ...]:
         """Names of the edits that can be redone, the next first."""
-        return tuple(state.edit for state in reversed(self._future))
+        return self._history.redoable
 
     def drag(self, changes: Mapping[str, Any]) -> bool:
         """Apply changes provisionally to the last settled scene; return whether they are valid."""
@@ -176,8 +165,14 @@ class Session:
             self.changed.emit(self._scene, True)
             return False
         name = name or (self._dragged if changes is None else name_edit(scene, changes))
-        self._turn_to(replace(self._settled, scene=scene, edit=name))
+        self._turn_to(scene=scene, edit=name)
         return True
+
+    def list_contacts(self, contacts: Iterable[Contact], name: str) -> None:
+        """Put other contacts in place of the present ones, as one step of undo of a name; a drag goes on."""
+        before = self._history.present
+        self._history.turn_to(replace(before, contacts=tuple(contacts), edit=name))
+        self._tell_contacts(before)
 
     @property
     def unsaved(self) -> bool:
@@ -205,31 +200,31 @@ class Session:
         if file:
             self._saved[file] = scene
         self.file = "" if bundled else file
-        self._turn_to(_State(scene, self.modelling.automatic, scene, f"open {scene.title}"))
+        self._turn_to(scene=scene, modelling=self.modelling.automatic, opened=scene, edit=f"open {scene.title}")
 
     def model(self, modelling: Modelling) -> None:
         """Change the modelling, as one step of undo."""
         subjects = {subject for subject, _ in {*modelling.forced} ^ {*self.modelling.forced}}
         name = ", ".join(sorted(subjects)) if subjects else "tolerance"
-        self._turn_to(replace(self._settled, modelling=modelling, edit=name))
+        self._turn_to(modelling=modelling, edit=name)
 
     def turn_to(self, scene: Scene, modelling: Modelling, name: str = "") -> None:
         """Turn to a scene and its modelling as both were before, as one step of undo."""
-        self._turn_to(replace(self._settled, scene=scene, modelling=modelling, edit=name or f"back to {scene.title}"))
+        self._turn_to(scene=scene, modelling=modelling, edit=name or f"back to {scene.title}")
 
     def undo(self, steps: int = 1) -> None:
         """Go back some steps."""
-        self._step(self._past, self._future, steps)
-
-    def take_back(self) -> None:
-        """Return from a scene that cannot be simulated, without a step to redo."""
-        if self._scene == self._settled.scene and self._past:
-            self._settled = self._past.pop()
-        self._show(self._settled)
+        self._step(self._history.undo, steps)
 
     def redo(self, steps: int = 1) -> None:
         """Go forward some steps."""
-        self._step(self._future, self._past, steps)
+        self._step(self._history.redo, steps)
+
+    def take_back(self) -> None:
+        """Return from a scene that cannot be simulated, without a step to redo."""
+        if self._scene == self._history.present.scene:
+            self._history.take_back()
+        self._show_scene()
 
     def point_at(self, mark: Mark | None) -> None:
         """Mark a point of the record."""
@@ -237,32 +232,35 @@ class Session:
             self._mark = mark
             self.marked.emit(mark)
 
-    def _step(self, taken: list[_State], given: list[_State], steps: int) -> None:
-        """Move through the history, from one of its lists to the other."""
-        steps = min(steps, len(taken))
-        state = self._settled
-        for _ in range(steps):
-            given.append(state)
-            state = taken.pop()
-        if steps:
-            self.said.emit("")
-            self._show(state)
+    def _step(self, move: Callable[[int], bool], steps: int) -> None:
+        """Move through the history, and tell what differs there."""
+        before = self._history.present
+        if not move(steps):
+            return
+        self.said.emit("")
+        self._tell_contacts(before)
+        now = self._history.present
+        if now.scene is not self._scene or (now.modelling, now.opened) != (before.modelling, before.opened):
+            self._show_scene()
 
-    def _turn_to(self, state: _State) -> None:
-        if state != self._settled:
-            self._past = [*self._past, self._settled][-UNDO_DEPTH:]
-            self._future = []
-        self._show(state)
+    def _turn_to(self, **changes: Any) -> None:
+        """Change the present state by one step, and show its scene, in place of one that is dragged."""
+        self._history.turn_to(replace(self._history.present, **changes))
+        self._show_scene()
 
-    def _show(self, state: _State) -> None:
-        self._scene, self._settled = state.scene, state
-        self.changed.emit(state.scene, True)
+    def _show_scene(self) -> None:
+        self._scene = self._history.present.scene
+        self.changed.emit(self._scene, True)
+
+    def _tell_contacts(self, before: State) -> None:
+        if self._history.present.contacts != before.contacts:
+            self.contacts_changed.emit()
 
     def _edited(self, changes: Mapping[str, Any]) -> Scene | None:
         """Edit the settled scene; report an invalid edit and return None for it."""
         try:
-            complete, remark = add_dependent_edits(self._settled.scene, changes)
-            scene = edit(self._settled.scene, complete)
+            complete, remark = add_dependent_edits(self._history.present.scene, changes)
+            scene = edit(self._history.present.scene, complete)
         except SceneError as error:
             self.refused.emit(error)
             return None

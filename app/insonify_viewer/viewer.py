@@ -18,10 +18,12 @@ from insonify.scene import Scene, SceneError, bundled_scenes, scene_to_toml
 from insonify_viewer.auto_pause import next_pause
 from insonify_viewer.comparison.comparison import Comparison
 from insonify_viewer.comparison.recording_player import RecordingPlayer
+from insonify_viewer.contacts.contact import ContactList
 from insonify_viewer.contrast import Contrast
 from insonify_viewer.errors.failure import Failure, describe_error
 from insonify_viewer.file_opening import FileOpening
 from insonify_viewer.gc_policy import forget_ground, return_free_memory
+from insonify_viewer.history_controller import HistoryController
 from insonify_viewer.inspection import Inspection
 from insonify_viewer.jobs.job_list import JobList
 from insonify_viewer.laid_scene import LaidScene
@@ -66,7 +68,8 @@ class Viewer(QObject):
 
     Attributes
     ----------
-    session, inspection, tow, simulator, window, record, files, jobs, saving, recordings, comparison, targets
+    session, contacts, inspection, tow, simulator, window, record, files, opening, jobs, saving, recordings, comparison,
+    targets
         The parts that it connects.
     panels : PanelSet
         The panels of the window, by name.
@@ -77,6 +80,7 @@ class Viewer(QObject):
     def __init__(self, scene: Scene, *, accelerated: bool, prepare: Any = None) -> None:
         super().__init__()
         self.session = Session(scene)
+        self.contacts = ContactList(self.session)
         self.inspection = Inspection()
         self.tow = TowClock(pings_held(scene) - 1)
         self.simulator = Simulator(prepare, parent=self)
@@ -85,13 +89,15 @@ class Viewer(QObject):
         self.record = Record(pings_held(scene), scene.sonar.bins)
         self.files = FileDialogs(self.window, self.simulator, self.open)
         self.jobs = JobList(self.simulator.call_later)
-        self.saving = Saving(self.session, self.window, self.jobs)
+        self.saving = Saving(self.session, self.contacts, self.window, self.jobs)
         pause = partial(self.run, False)
         self.recordings = RecordingPlayer(self.window, self.session, self.tow, self.simulator, pause=pause)
         self.comparison = Comparison(self.window, self.session, self.simulator, self.recordings)
         self.panels = PanelSet(make_workbench(self))
         added = partial(self.panels.tell, "part_added")
         self.targets = TargetEditor(self.session, self.window, self.simulator, self.files, added)
+        parts = self.session, self.window, self.files, self.recordings, self.targets, self.contacts, self.saving
+        self.opening = FileOpening(*parts)
         self.window.mount(tuple(self.panels.values()))
         self.failure = ""
         self._seabed = SeabedController(self.simulator, accelerated=accelerated)
@@ -109,7 +115,7 @@ class Viewer(QObject):
         self._ticked = 0.0
         self._connect()
         self._show_geometry(scene)
-        self._show_scene(scene, settled=True)
+        self.panels.tell("scene_changed", scene, True)
 
     @property
     def complete(self) -> bool:
@@ -230,10 +236,7 @@ class Viewer(QObject):
         window.waterfall.hovered.connect(session.point_at)
         window.waterfall.scrolled.connect(self.look_back)
         window.waterfall.scrubbed.connect(self.go_to)
-        parts = session, window, self.files, self.recordings, self.targets
-        FileOpening(*parts, may_leave=self.saving.may_leave)
-        window.history.undone.connect(session.undo)
-        window.history.redone.connect(session.redo)
+        HistoryController(session, self.contacts, self.saving, window)
         window.levels.triggered.connect(self.find_levels)
         window.reset_view.triggered.connect(self._seabed.reset_view)
         self.jobs.watch(lambda _: window.jobs.show_jobs(self.jobs.running))
@@ -245,7 +248,7 @@ class Viewer(QObject):
         window.speed_changed.connect(lambda speed: setattr(self.tow, "speed", speed))
         window.running_changed.connect(self.run)
         window.projector.toggled.connect(lambda large: self.panels.tell("projected", large))
-        window.may_close = lambda: self.saving.may_close() and self.panels.may_close()
+        window.may_close = self.saving.may_close
         window.closing.connect(self.close)
         self._clock.timeout.connect(self._tick)
 
@@ -260,15 +263,8 @@ class Viewer(QObject):
             self.record = Record(pings_held(scene), scene.sonar.bins)
             self._answer = None
             self._show_geometry(scene)
-        self._show_scene(scene, settled=settled)
-        self._ask()
-
-    def _show_scene(self, scene: Scene, *, settled: bool) -> None:
-        """Update panels, title and buttons."""
         self.panels.tell("scene_changed", scene, settled)
-        if settled:
-            self.window.show_title(scene.title, unsaved=self.session.unsaved)
-            self.window.history.show_edits(self.session.undoable, self.session.redoable)
+        self._ask()
 
     def _tick(self) -> None:
         now = time.perf_counter()

@@ -9,9 +9,10 @@ from pathlib import Path
 
 import pytest
 
-from insonify.scene import SceneError
+from insonify.scene import SceneError, load_scene
 from insonify_viewer.contacts.contact import Contact, ContactList
 from insonify_viewer.contacts.files import read_contacts, write_contacts
+from insonify_viewer.session import Session
 
 PLAIN = Contact("wreck, bow", 'broken; "see log"\nline 2', "A scene", 120, "port", 700, 35.02, 33.6, 24.0, 33.6)
 ON_EARTH = replace(PLAIN, name="Anker ⚓", longitude=-68.82834, latitude=48.44586, snapshot=b"\x89PNG\x00\xff")
@@ -77,7 +78,8 @@ def test_what_is_no_file_of_contacts_is_refused(tmp_path: Path, text: str) -> No
 
 
 def test_a_list_numbers_names_and_knows_what_is_saved() -> None:
-    contacts, told = ContactList(), []
+    session = Session(load_scene("default"))
+    contacts, told = ContactList(session), []
     contacts.changed.connect(lambda: told.append(len(contacts)))
     contacts.add(replace(PLAIN, name=""))
     contacts.add(replace(PLAIN, name=""))
@@ -87,9 +89,15 @@ def test_a_list_numbers_names_and_knows_what_is_saved() -> None:
     assert contacts.unsaved
     contacts.mark_saved("found.geojson")
     assert not contacts.unsaved
-    contacts.edit(0, note="a rock")
+    contacts.edit(0, "note", "a rock")
     assert contacts.unsaved
     assert contacts[0].note == "a rock"
     contacts.open([PLAIN], "other.csv")
     assert (len(contacts), contacts.unsaved, contacts.file) == (1, False, "other.csv")
     assert told == [1, 2, 1, 2, 2, 2, 1]
+    session.undo(2)
+    assert not contacts.unsaved, "as they are in their file"
+    session.redo()
+    assert contacts.unsaved
+    session.undo(9)
+    assert (len(contacts), contacts.unsaved) == (0, False), "there is nothing to save"

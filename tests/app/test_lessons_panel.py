@@ -302,4 +302,4 @@ def test_a_lesson_begins_with_the_window(open_viewer: Any, qtbot: Any) -> None:
     assert panel.view.page.lesson.text() == "Range"
     assert lit_rows(viewer) == {"sonar.range"}
     assert viewer.session.scene is scene
-    assert not viewer.session.can_undo
+    assert not viewer.session.undoable

@@ -14,7 +14,7 @@ from PySide6.QtTest import QTest
 from PySide6.QtWidgets import QFileDialog, QMessageBox
 from test_record_display import drag
 
-from insonify.scene import Scene, edit
+from insonify.scene import Scene, edit, load_scene
 from insonify_viewer.contacts.contact import Contact
 from insonify_viewer.contacts.files import read_contacts
 from insonify_viewer.panels.record.view import contact_list
@@ -200,23 +200,75 @@ def test_entries_of_contacts_that_stay_are_not_made_again(monkeypatch: pytest.Mo
     assert texts == ["a", "x", "c"]
 
 
+def test_contacts_are_undone_by_name_in_turn_with_the_scene(viewer: Any, panel: Any, qtbot: Any) -> None:
+    listed, window = panel.view.contacts, viewer.window
+    mark_two(viewer, panel, qtbot)
+    viewer.session.settle({"track.altitude": 8.0})
+    listed.list.setCurrentRow(0)
+    listed.note.setText("two masts")
+    listed.note.editingFinished.emit()
+    before = panel.contacts.all
+    listed.remove.click()
+    assert window.undo.text() == "Undo: contact 1 removed"
+    window.undo.trigger()
+    assert panel.contacts.all == before
+    assert listed.list.item(0).text().splitlines()[0] == "contact 1"
+    assert listed.list.currentRow() == 0, "the one that is there again"
+    assert window.redo.text() == "Redo: contact 1 removed"
+    assert viewer.session.undoable == ("note on contact 1", "altitude", "contact 2 marked", "contact 1 marked")
+    scene = viewer.session.scene
+    window.undo.trigger()
+    assert panel.contacts[0].note == ""
+    assert viewer.session.scene is scene
+    window.undo.trigger()
+    assert viewer.session.scene.track.altitude == 10.0
+    assert len(panel.contacts) == 2
+    window.undo.trigger()
+    window.undo.trigger()
+    assert not window.undo.isEnabled()
+    assert listed.list.count() == 0
+    viewer.session.redo(5)
+    assert [each.name for each in panel.contacts.all] == ["contact 2"]
+
+
+def answer_questions(monkeypatch: pytest.MonkeyPatch, *answers: QMessageBox.StandardButton) -> list[str]:
+    """Answer the next questions in turn; return the list of those asked."""
+    asked, left = [], list(answers)
+    monkeypatch.setattr(QMessageBox, "question", lambda *words: (asked.append(words[2]), left.pop(0))[1])
+    return asked
+
+
 def test_closing_asks_about_unsaved_contacts(
     viewer: Any, panel: Any, tmp_path: Path, qtbot: Any, monkeypatch: pytest.MonkeyPatch
 ) -> None:
+    assert not viewer.window.isWindowModified()
     mark_two(viewer, panel, qtbot)
-    asked: list[str] = []
-
-    def answer(_: Any, title: str, *rest: Any) -> Any:
-        asked.append(title)
-        return answers.pop(0)
-
-    answers = [QMessageBox.StandardButton.Cancel, QMessageBox.StandardButton.Save]
-    monkeypatch.setattr(QMessageBox, "question", answer)
+    assert viewer.window.isWindowModified()
+    asked = answer_questions(monkeypatch, QMessageBox.StandardButton.Cancel, QMessageBox.StandardButton.Save)
     monkeypatch.setattr(QFileDialog, "getSaveFileName", lambda *_: (str(tmp_path / "found.geojson"), ""))
     assert not viewer.window.close()
     assert viewer.window.isVisible()
     assert viewer.window.close()
-    assert asked == ["Unsaved contacts"] * 2
+    assert asked == ["The list of 2 contacts has changes that are not saved."] * 2
+    assert len(read_contacts(tmp_path / "found.geojson")) == 2
+
+
+def test_one_question_stands_for_scene_and_contacts(
+    viewer: Any, panel: Any, tmp_path: Path, qtbot: Any, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    mark_two(viewer, panel, qtbot)
+    viewer.session.settle({"track.altitude": 8.0})
+    save = QMessageBox.StandardButton.Save
+    asked = answer_questions(monkeypatch, save, save)
+    named = [str(tmp_path / "scene.toml"), "", str(tmp_path / "found.geojson")]
+    monkeypatch.setattr(QFileDialog, "getSaveFileName", lambda *_: (named.pop(0), ""))
+    assert not viewer.window.close(), "the dialog for the contacts is left"
+    assert load_scene(tmp_path / "scene.toml").track.altitude == 8.0
+    assert viewer.window.close()
+    assert asked == [
+        f"The scene “{viewer.session.scene.title}” and the list of 2 contacts have changes that are not saved.",
+        "The list of 2 contacts has changes that are not saved.",
+    ]
     assert len(read_contacts(tmp_path / "found.geojson")) == 2
 
 

@@ -2,13 +2,16 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
 import pytest
 
 from insonify.scene import Scene, bundled_scenes, edit, load_scene
+from insonify_viewer.contacts.contact import Contact, ContactList
 from insonify_viewer.fields import ChoiceField, NumberField
+from insonify_viewer.history import UNDO_DEPTH
 from insonify_viewer.panels.parameters.sections import sections_of
 from insonify_viewer.record import Record
 from insonify_viewer.session import Mark, Session
@@ -189,7 +192,7 @@ def test_drag_starts_from_what_is_settled(default: Scene) -> None:
     assert changes == [(10.0, False), (7.5, False), (10.0, False), (10.0, True)]
     session.undo()
     assert session.scene == default
-    assert not session.can_undo
+    assert not session.undoable
 
 
 def test_refused_scene_leaves_no_way_forward(default: Scene) -> None:
@@ -197,7 +200,49 @@ def test_refused_scene_leaves_no_way_forward(default: Scene) -> None:
     session.settle({"seed": 5})
     session.take_back()
     assert session.scene == default
-    assert not session.can_redo
+    assert not session.redoable
+
+
+def test_contacts_marked_since_outlast_a_refused_scene(default: Scene) -> None:
+    session = Session(default)
+    contacts = ContactList(session)
+    fish = Contact("fish", "", default.title, 3, "port", 7, 2.0)
+    contacts.add(fish)
+    session.settle({"seed": 5})
+    contacts.add(replace(fish, name="rock"))
+    session.take_back()
+    assert session.scene == default
+    assert [each.name for each in contacts.all] == ["fish", "rock"]
+    assert session.undoable == ("rock marked", "fish marked")
+    assert not session.redoable
+
+
+def test_contacts_do_not_end_a_drag(default: Scene) -> None:
+    session = Session(default)
+    contacts = ContactList(session)
+    session.drag({"track.altitude": 7.0})
+    contacts.add(Contact("fish", "", default.title, 3, "port", 7, 2.0))
+    assert session.scene.track.altitude == 7.0
+    session.settle()
+    assert session.undoable == ("altitude", "fish marked")
+    session.undo()
+    assert (session.scene, len(contacts)) == (default, 1)
+
+
+def test_an_edit_that_changes_nothing_keeps_the_name_of_the_last(default: Scene) -> None:
+    session = Session(default)
+    session.settle({"track.altitude": 7.0})
+    session.settle({"seed": default.seed})
+    assert session.undoable == ("altitude",)
+
+
+def test_the_history_has_an_end(default: Scene) -> None:
+    session = Session(default)
+    contacts = ContactList(session)
+    for number in range(UNDO_DEPTH + 20):
+        contacts.add(Contact(str(number + 1), "", default.title, 3, "port", 7, 2.0))
+    session.undo(10 * UNDO_DEPTH)
+    assert len(contacts) == 20
 
 
 def test_refusal_is_one_sentence(default: Scene) -> None:

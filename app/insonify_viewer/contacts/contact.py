@@ -1,12 +1,13 @@
-"""A contact, and the list of them."""
+"""A contact, and the list of those of a session."""
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable
 from dataclasses import dataclass, replace
+from pathlib import Path
 from typing import Any
 
-from insonify_viewer.session import Event, Mark
+from insonify_viewer.session import Event, Mark, Session
 
 SIDES = ("port", "starboard")
 
@@ -58,66 +59,76 @@ class Contact:
 
 
 class ContactList:
-    """The contacts of a session, in the order in which they were marked.
+    """The contacts of a session, in the order in which they were marked, and their file; each change is a step of undo.
+
+    Parameters
+    ----------
+    session : Session
+        Holds the contacts, and their history.
 
     Attributes
     ----------
     changed : Event
-        Called after every change.
+        Called after every change, and after they were saved.
     file : str
         File that they were last read from or written to; empty if there is none.
     """
 
-    def __init__(self) -> None:
+    def __init__(self, session: Session) -> None:
         self.changed = Event()
         self.file = ""
-        self._contacts: tuple[Contact, ...] = ()
-        self._saved: tuple[Contact, ...] = ()
+        self._session = session
+        self._saved: dict[str, tuple[Contact, ...]] = {"": ()}
+        session.contacts_changed.connect(self.changed.emit)
 
     def __len__(self) -> int:
-        return len(self._contacts)
+        return len(self.all)
 
     def __getitem__(self, index: int) -> Contact:
-        return self._contacts[index]
+        return self.all[index]
 
     @property
-    def all(self) -> Sequence[Contact]:
+    def all(self) -> tuple[Contact, ...]:
         """Every contact."""
-        return self._contacts
+        return self._session.contacts
 
     @property
     def unsaved(self) -> bool:
-        """Whether the contacts differ from those in their file."""
-        return self._contacts != self._saved
+        """Whether the contacts differ from those of every file that was opened or saved, as it is now."""
+        return self.all not in self._saved.values()
 
     def add(self, contact: Contact) -> None:
         """Add a contact; one without a name gets the next number."""
         if not contact.name:
-            taken = {each.name for each in self._contacts}
+            taken = {each.name for each in self.all}
             free = next(f"contact {k}" for k in range(1, len(taken) + 2) if f"contact {k}" not in taken)
             contact = replace(contact, name=free)
-        self._show((*self._contacts, contact))
+        self._session.list_contacts((*self.all, contact), f"{contact.name} marked")
 
-    def edit(self, index: int, **changes: Any) -> None:
-        """Change fields of a contact."""
-        contacts = list(self._contacts)
-        contacts[index] = replace(contacts[index], **changes)
-        self._show(contacts)
+    def edit(self, index: int, field: str, text: str) -> None:
+        """Change the name of a contact, or the note on it."""
+        contact = self.all[index]
+        change: dict[str, Any] = {field: text}
+        name = f"{contact.name} renamed" if field == "name" else f"{field} on {contact.name}"
+        self._session.list_contacts((*self.all[:index], replace(contact, **change), *self.all[index + 1 :]), name)
 
     def remove(self, index: int) -> None:
         """Remove a contact."""
-        self._show((*self._contacts[:index], *self._contacts[index + 1 :]))
+        others = (*self.all[:index], *self.all[index + 1 :])
+        self._session.list_contacts(others, f"{self.all[index].name} removed")
 
     def open(self, contacts: Iterable[Contact], file: str) -> None:
-        """Replace all contacts by those of a file."""
-        self._saved, self.file = tuple(contacts), file
-        self._show(self._saved)
+        """Replace all contacts by those of a file, or by some that are in none if its name is empty."""
+        opened = tuple(contacts)
+        if file:
+            self._saved[file] = opened
+        self.file = file
+        if opened == self.all:
+            self.changed.emit()  # no step, but the list is that of the file now
+        self._session.list_contacts(opened, f"open {Path(file).name or 'contacts'}")
 
     def mark_saved(self, file: str) -> None:
         """Note that the contacts are in a file as they are."""
-        self._saved, self.file = self._contacts, file
-        self.changed.emit()
-
-    def _show(self, contacts: Iterable[Contact]) -> None:
-        self._contacts = tuple(contacts)
+        self._saved[file] = self.all
+        self.file = file
         self.changed.emit()

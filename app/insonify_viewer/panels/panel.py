@@ -12,6 +12,7 @@ if TYPE_CHECKING:
     from insonify.scene import Scene
     from insonify_viewer.comparison.comparison import Comparison
     from insonify_viewer.comparison.recording_player import RecordingPlayer
+    from insonify_viewer.contacts.contact import ContactList
     from insonify_viewer.errors.failure import Failure
     from insonify_viewer.inspection import Inspection
     from insonify_viewer.jobs.job_list import JobList
@@ -106,6 +107,12 @@ class Workbench:
         Opens a recording and plays it beside the simulated record.
     comparison : Comparison
         Record A beside the live record.
+    contacts : ContactList
+        Contacts of the session.
+    open_contacts : callable
+        Reads contacts from a file that the person names, in place of the present ones.
+    save_contacts : callable
+        Writes the contacts to a file that the person names.
     open_scene : callable
         Opens (scene, file) at the start of its track; its argument ``ask`` says whether the person is asked first what
         becomes of unsaved changes. Returns whether the scene was opened.
@@ -131,6 +138,9 @@ class Workbench:
     jobs: JobList
     recordings: RecordingPlayer
     comparison: Comparison
+    contacts: ContactList
+    open_contacts: Callable[[], None]
+    save_contacts: Callable[[], bool]
     open_scene: SceneOpener
     light_fields: Callable[[tuple[str, ...]], None]
     project: Callable[[bool], None]
@@ -227,10 +237,6 @@ class Panel(Protocol):
 
     def opened(self, shown: bool) -> None:
         """Follow the opening and closing of the panel."""
-
-    def may_close(self) -> bool:
-        """Whether the window may close; the panel may ask what becomes of unsaved work."""
-        return True
 
     def closing(self) -> None:
         """Stop all work; the window closes."""

@@ -31,21 +31,14 @@ def record_formats() -> list[tuple[str, str]]:
     return [*((names[suffix], suffix) for suffix in RECORDS.writable()), ("picture", PICTURE)]
 
 
-def ask_about_changes(window: QWidget, title: str) -> Answer:
-    """Ask what becomes of the unsaved changes of a scene; closing the question cancels."""
-    return _ask(window, "Unsaved changes", f"The scene “{title}” has changes that are not saved.")
-
-
-def ask_about_contacts(window: QWidget, number: int) -> Answer:
-    """Ask what becomes of unsaved contacts; closing the question cancels."""
-    return _ask(window, "Unsaved contacts", f"The list of {number} contacts has changes that are not saved.")
-
-
-def _ask(window: QWidget, title: str, sentence: str) -> Answer:
+def ask_about_changes(window: QWidget, changed: Sequence[str]) -> Answer:
+    """Ask what becomes of unsaved changes of one thing or of several, all at once; closing the question cancels."""
+    what = " and ".join(changed)
+    sentence = f"{what[:1].upper()}{what[1:]} {'has' if len(changed) == 1 else 'have'} changes that are not saved."
     buttons = QMessageBox.StandardButton
     pressed = QMessageBox.question(
         window,
-        title,
+        "Unsaved changes",
         sentence,
         buttons.Save | buttons.Discard | buttons.Cancel,
         buttons.Save,

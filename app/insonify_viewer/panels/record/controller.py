@@ -3,15 +3,13 @@
 from __future__ import annotations
 
 import time
-from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from insonify.scene import Scene, SceneError
-from insonify_viewer.contacts.contact import SIDES, Contact, ContactList
-from insonify_viewer.contacts.files import FORMATS, GEOJSON, read_contacts, write_contacts
+from insonify.scene import Scene
+from insonify_viewer.contacts.contact import SIDES, Contact
 from insonify_viewer.measuring.location import (
     Location,
     degrees_of,
@@ -26,7 +24,6 @@ from insonify_viewer.record_display.drape import RecordStrip
 from insonify_viewer.record_display.layout import row_factors
 from insonify_viewer.record_display.projection import Zoom
 from insonify_viewer.session import Mark
-from insonify_viewer.views.save_dialogs import Answer, ask_about_contacts, ask_where_to_save
 
 if TYPE_CHECKING:
     from insonify.io.georeference import Georeference
@@ -54,7 +51,7 @@ class RecordPanel(Panel):
         self._hovered: tuple[WaterfallView, Mark] | None = None
         self._followed = 0.0  # when histogram and drape last followed the record
         self._draped = False
-        self.contacts = ContactList()
+        self.contacts = workbench.contacts
         self.view = RecordView()
         self._connect()
 
@@ -84,38 +81,6 @@ class RecordPanel(Panel):
         if shown:
             self._show_levels()
 
-    def may_close(self) -> bool:
-        """Ask what becomes of unsaved contacts."""
-        if not self.contacts.unsaved:
-            return True
-        answer = ask_about_contacts(self.view.window(), len(self.contacts))
-        return answer is Answer.DISCARD or (answer is Answer.SAVE and self.save_contacts())
-
-    def save_contacts(self) -> bool:
-        """Write the contacts to a file that the person names, beside the scene at first; return whether they were."""
-        suggestion = self.contacts.file or _beside(self._session.file)
-        path = ask_where_to_save(self.view.window(), "Save the contacts", suggestion, FORMATS)
-        if path is None:
-            return False
-        try:
-            write_contacts(path, self.contacts.all)
-        except OSError as error:
-            self._workbench.complain(error)
-            return False
-        self.contacts.mark_saved(str(path))
-        self._workbench.say(f"saved {path}")
-        return True
-
-    def open_contacts(self) -> None:
-        """Read contacts from a file that the person names, in place of the present ones."""
-        path = self._workbench.files.ask_for_contacts(str(Path(self._session.file or ".").parent))
-        if not path or not self.may_close():
-            return
-        try:
-            self.contacts.open(read_contacts(Path(path)), path)
-        except SceneError as error:
-            self._workbench.complain(error)
-
     def _connect(self) -> None:
         view, session = self.view, self._session
         self._workbench.add_actions(view.keys)
@@ -137,9 +102,9 @@ class RecordPanel(Panel):
         listed.remove_wanted.connect(self.contacts.remove)
         listed.jump_wanted.connect(self._jump)
         listed.chosen.connect(lambda _: self._show_marks())
-        listed.edited.connect(lambda row, name, text: self.contacts.edit(row, **{name: text}))
-        listed.open_wanted.connect(self.open_contacts)
-        listed.save_wanted.connect(self.save_contacts)
+        listed.edited.connect(self.contacts.edit)
+        listed.open_wanted.connect(self._workbench.open_contacts)
+        listed.save_wanted.connect(self._workbench.save_contacts)
 
     @property
     def _recording(self) -> Recording | None:
@@ -314,8 +279,3 @@ class RecordPanel(Panel):
             self._workbench.go_to(ahead)
         view.show_zoom(Zoom())
         self.view.contacts.list.setCurrentRow(row)
-
-
-def _beside(scene_file: str) -> str:
-    """Name of the file of contacts beside that of a scene."""
-    return str(Path(scene_file or "contacts").with_suffix(f".contacts{GEOJSON}" if scene_file else GEOJSON))

@@ -63,8 +63,11 @@ class ContactListView(QWidget):
         self.show_contacts(())
 
     def show_contacts(self, contacts: Sequence[Contact]) -> None:
-        """List contacts; the chosen one stays chosen, or the last one if there are more than before."""
-        row = len(contacts) - 1 if len(contacts) > len(self._contacts) else self.list.currentRow()
+        """List contacts; the chosen one stays chosen, or the first new one if there are more than before."""
+        row = self.list.currentRow()
+        if len(contacts) > len(self._contacts):
+            shared = zip(contacts, self._contacts, strict=False)
+            row = next((number for number, (new, old) in enumerate(shared) if new is not old), len(self._contacts))
         self.list.blockSignals(True)
         for number, contact in enumerate(contacts):
             # An entry holds a picture: those that stay are not made again at every change of the scene.
