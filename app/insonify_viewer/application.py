@@ -77,7 +77,7 @@ def open_window(
         viewer.window.show()
         _begin(viewer, pin, lesson, recording, pair, panel)
         QTimer.singleShot(0, viewer.start)
-        recovery = CrashRecovery(viewer.window, viewer.session, viewer.open)
+        recovery = CrashRecovery(viewer.window, viewer.session, viewer.contacts, viewer.open)
         QTimer.singleShot(0, recovery.offer)
         if not (settings.toured or pin or lesson or recording or pair or panel):
             settings.toured = True

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 
 from insonify.io.atomic import replacing
 from insonify.scene import Scene, scene_to_toml
-from insonify_viewer.contacts.contact import ContactList
+from insonify_viewer.contacts.contact import ContactList, describe_contacts
 from insonify_viewer.contacts.files import FORMATS, GEOJSON, write_contacts
 from insonify_viewer.jobs.job_list import JobList
 from insonify_viewer.session import Session
@@ -106,9 +106,7 @@ class Saving:
         return {f"the scene “{self._session.scene.title}”": self.save_scene} if self._session.unsaved else {}
 
     def _unsaved_contacts(self) -> Savers:
-        number = len(self._contacts)
-        what = f"the list of {number} contact{'s' * (number != 1)}"
-        return {what: self.save_contacts} if self._contacts.unsaved else {}
+        return {describe_contacts(len(self._contacts)): self.save_contacts} if self._contacts.unsaved else {}
 
     def _may_lose(self, unsaved: Savers) -> bool:
         """Ask what becomes of unsaved changes; return whether they were saved or may be lost."""

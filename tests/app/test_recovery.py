@@ -1,4 +1,4 @@
-"""A window that is killed loses seconds of work at most, and the next one offers the scene once."""
+"""A window that is killed loses seconds of work at most, and the next one offers scene and contacts once."""
 
 from __future__ import annotations
 
@@ -6,6 +6,7 @@ import os
 import signal
 import subprocess
 import sys
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -13,8 +14,11 @@ import pytest
 from PySide6.QtCore import QLockFile
 
 from insonify.scene import Scene, edit
+from insonify_viewer.contacts.contact import Contact
+from insonify_viewer.contacts.files import read_contacts, write_contacts
 from insonify_viewer.recovery import INTERVAL, Recovery
 
+FISH = Contact("fish", "a shoal?", "A scene", 3, "port", 7, 2.0, snapshot=bytes(range(256)))
 # A window that takes an edit after a moment, or says what it offers at its start, with the answer Yes.
 DRIVER = """
 import sys
@@ -22,6 +26,7 @@ from PySide6.QtCore import QTimer
 from PySide6.QtWidgets import QMessageBox
 from insonify.scene import load_scene
 from insonify_viewer import application
+from insonify_viewer.contacts.contact import Contact
 from insonify_viewer.viewer import Viewer
 
 def ask(window, title, question, *rest):
@@ -31,15 +36,23 @@ def ask(window, title, question, *rest):
 QMessageBox.question = ask
 opened = Viewer.open
 Viewer.open = lambda viewer, scene, file="": (opened(viewer, scene, file), report(viewer))
+FISH = Contact("fish", "a shoal?", "A scene", 3, "port", 7, 2.0, snapshot=bytes(range(256)))
 def report(viewer):
     print("ALTITUDE", viewer.session.scene.track.altitude, viewer.session.unsaved, flush=True)
+def report_contacts(viewer):
+    print("CONTACTS", viewer.contacts.all == (FISH,), viewer.contacts.unsaved, flush=True)
 def aged():
     # By the window's own loop of events: a busy machine delays all its timers alike.
     QTimer.singleShot(5000, lambda: print("AGED", flush=True))
 def begin(viewer):
     if sys.argv[1] == "edit":
         QTimer.singleShot(300, lambda: (viewer.session.settle({"track.altitude": 7.25}), aged()))
-    else:
+    if sys.argv[1] in ("edit", "mark"):
+        QTimer.singleShot(300, lambda: viewer.contacts.add(FISH))
+    if sys.argv[1] == "mark":
+        QTimer.singleShot(300, aged)
+    if sys.argv[1] == "look":
+        QTimer.singleShot(1400, lambda: report_contacts(viewer))
         QTimer.singleShot(1500, lambda: print("READY", flush=True))
 Viewer.start = begin
 application.open_window(load_scene("default"))
@@ -69,10 +82,21 @@ def test_a_killed_window_loses_no_edit_older_than_5_s(tmp_path: Path) -> None:
     run_until("edit", "AGED", tmp_path)
     said = run_until("look", "READY", tmp_path)
     assert len([line for line in said if line.startswith("ASKED")]) == 1
-    assert "“A pipe that rests and spans”. Open it as it was?" in said[0]
+    assert "“A pipe that rests and spans” and the list of 1 contact. Open them as they were?" in said[0]
     assert "ALTITUDE 7.25 True" in said
+    assert "CONTACTS True True" in said
     said = run_until("look", "READY", tmp_path)
     assert "ALTITUDE 7.25 True" in said, "the second window had kept it anew before it was killed"
+    assert "CONTACTS True True" in said
+
+
+@pytest.mark.skipif(not hasattr(signal, "SIGKILL"), reason="needs SIGKILL")
+def test_a_killed_window_loses_no_contact_though_the_scene_is_saved(tmp_path: Path) -> None:
+    run_until("mark", "AGED", tmp_path)
+    said = run_until("look", "READY", tmp_path)
+    assert said[0].endswith("with unsaved changes of the list of 1 contact. Open it as it was?")
+    assert "CONTACTS True True" in said
+    assert not [line for line in said if line.startswith("ALTITUDE")], "no scene is opened"
 
 
 @pytest.fixture
@@ -83,7 +107,7 @@ def recovery() -> Any:
 
 
 def test_work_of_a_window_that_runs_is_not_offered(recovery: Recovery, small: Scene) -> None:
-    recovery.keep(small, unsaved=True)
+    recovery.keep(small, (FISH,))
     other = Recovery(QLockFile)
     assert other.find_left() is None
     other.close()
@@ -91,20 +115,39 @@ def test_work_of_a_window_that_runs_is_not_offered(recovery: Recovery, small: Sc
 
 def test_a_window_that_closes_leaves_nothing(small: Scene) -> None:
     recovery = Recovery(QLockFile)
-    recovery.keep(small, unsaved=True)
-    assert recovery._file.exists()
-    recovery.keep(small, unsaved=False)
-    assert not recovery._file.exists()
-    recovery.keep(edit(small, {"seed": 5}), unsaved=True)
+    recovery.keep(small, (FISH,))
+    folder = recovery._folder
+    names = lambda: sorted(path.suffix for path in folder.iterdir())  # noqa: E731
+    assert names() == [".geojson", ".lock", ".toml"]
+    recovery.keep(small, ())
+    assert names() == [".lock", ".toml"]
+    recovery.keep(None, (FISH,))
+    assert names() == [".geojson", ".lock"]
+    recovery.keep(edit(small, {"seed": 5}), ())
     recovery.close()
-    assert list(recovery._file.parent.iterdir()) == []
+    assert list(folder.iterdir()) == []
 
 
-def test_what_cannot_be_read_is_removed(recovery: Recovery, small: Scene) -> None:
-    folder = recovery._file.parent
+def test_what_cannot_be_read_is_removed(recovery: Recovery) -> None:
+    folder = recovery._folder
     (folder / "unsaved-0-bad.toml").write_text("no scene [")
-    assert recovery.find_left() is None
+    write_contacts(folder / "unsaved-0-bad.geojson", [FISH])
+    left = recovery.find_left()
+    assert left is not None
+    assert (left.scene, left.contacts) == (None, (FISH,))
     assert not (folder / "unsaved-0-bad.toml").exists()
+    (folder / "unsaved-0-bad.geojson").write_text("no contacts")
+    assert recovery.find_left() is None
+    assert not (folder / "unsaved-0-bad.geojson").exists()
+
+
+def test_what_is_kept_of_contacts_is_bounded(recovery: Recovery, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("insonify_viewer.recovery.MOST_CONTACTS", 4)
+    monkeypatch.setattr("insonify_viewer.recovery.MOST_PICTURES", 5)
+    recovery.keep(None, tuple(replace(FISH, name=str(number), snapshot=b"12") for number in range(6)))
+    (file,) = recovery._folder.glob("*.geojson")
+    kept = read_contacts(file)
+    assert [(each.name, each.snapshot) for each in kept] == [("2", b""), ("3", b""), ("4", b"12"), ("5", b"12")]
 
 
 def test_little_is_lost() -> None:

@@ -132,3 +132,8 @@ class ContactList:
         self._saved[file] = self.all
         self.file = file
         self.changed.emit()
+
+
+def describe_contacts(number: int) -> str:
+    """Words for a list of some contacts, for sentences about it."""
+    return f"the list of {number} contact{'s' * (number != 1)}"

@@ -1,4 +1,4 @@
-"""Offers the scene of a window that ended without closing, and keeps the present one."""
+"""Offers the work of a window that ended without closing, and keeps that of the present one."""
 
 from __future__ import annotations
 
@@ -9,14 +9,15 @@ from PySide6.QtCore import QLockFile, QObject, QTimer
 from PySide6.QtWidgets import QMessageBox
 
 from insonify.scene import Scene
+from insonify_viewer.contacts.contact import ContactList, describe_contacts
 from insonify_viewer.errors.failure import Failure, format_trace
-from insonify_viewer.recovery import INTERVAL, LeftScene, Recovery
+from insonify_viewer.recovery import INTERVAL, LeftWork, Recovery
 from insonify_viewer.session import Session
 from insonify_viewer.views.main_window import MainWindow
 
 
 class CrashRecovery(QObject):
-    """Writes the scene of a session every few seconds while it has unsaved changes.
+    """Writes scene and contacts of a session every few seconds while they have unsaved changes.
 
     Parameters
     ----------
@@ -24,13 +25,17 @@ class CrashRecovery(QObject):
         Its end, after the question about unsaved changes, removes the file.
     session : Session
         The scene.
+    contacts : ContactList
+        The contacts.
     opened : callable
         Opens a scene (scene, file) in the window.
     """
 
-    def __init__(self, window: MainWindow, session: Session, opened: Callable[[Scene, str], None]) -> None:
+    def __init__(
+        self, window: MainWindow, session: Session, contacts: ContactList, opened: Callable[[Scene, str], None]
+    ) -> None:
         super().__init__(window)
-        self._window, self._session, self._opened = window, session, opened
+        self._window, self._session, self._contacts, self._opened = window, session, contacts, opened
         self._recovery = Recovery(_make_lock)
         self._clock = QTimer(self)
         self._clock.timeout.connect(self._keep)
@@ -43,25 +48,31 @@ class CrashRecovery(QObject):
         if left is None:
             return
         if self._wants(left):
-            self._opened(left.scene, "")
-            self._keep()  # before the other file goes
-        left.path.unlink(missing_ok=True)
+            if left.scene is not None:
+                self._opened(left.scene, "")
+            if left.contacts:
+                self._contacts.open(left.contacts, "")
+            self._keep()  # before the other files go
+        left.remove()
 
-    def _wants(self, left: LeftScene) -> bool:
-        changed = datetime.fromtimestamp(left.path.stat().st_mtime)
+    def _wants(self, left: LeftWork) -> bool:
+        changed = datetime.fromtimestamp(left.changed)
+        what = [] if left.scene is None else [f"the scene “{left.scene.title}”"]
+        what += [describe_contacts(len(left.contacts))] if left.contacts else []
         question = (
-            f"The viewer ended unexpectedly on {changed:%d %B at %H:%M}, with unsaved changes of the scene "
-            f"“{left.scene.title}”. Open it as it was?"
+            f"The viewer ended unexpectedly on {changed:%d %B at %H:%M}, with unsaved changes of {' and '.join(what)}. "
+            f"Open {'it as it was' if len(what) == 1 else 'them as they were'}?"
         )
         title = "Unsaved changes were kept"
         return QMessageBox.question(self._window, title, question) == QMessageBox.StandardButton.Yes
 
     def _keep(self) -> None:
+        session, contacts = self._session, self._contacts
         try:
-            self._recovery.keep(self._session.scene, unsaved=self._session.unsaved)
+            self._recovery.keep(session.scene if session.unsaved else None, contacts.all if contacts.unsaved else ())
         except OSError as error:
             self._clock.stop()  # one sentence, not one every two seconds
-            sentence = f"the scene cannot be kept against a crash ({error.strerror}); save it"
+            sentence = f"scene and contacts cannot be kept against a crash ({error.strerror}); save them"
             self._window.complain(Failure(sentence, format_trace(error)))
 
     def _end(self) -> None:
