@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -60,12 +61,19 @@ class FileOpening:
     ) -> None:
         self._session, self._window, self._files = session, window, files
         self._recordings, self._targets, self._contacts, self._saving = recordings, targets, contacts, saving
-        window.file_wanted.connect(self.open)
+        window.files_wanted.connect(self.open_dropped)
         window.scenes.wanted.connect(self.open_scene)
         window.recent.wanted.connect(self.open_recent)
         window.open_scene.triggered.connect(self.ask_for_scene)
         window.open_recording.triggered.connect(lambda: self.open_recording(files.ask_for_recording()))
         window.open_dem.triggered.connect(lambda: files.ask_for_dem(session.scene))
+
+    def open_dropped(self, paths: Sequence[str]) -> None:
+        """Open a file that is dropped; of several, one would replace what another had just become."""
+        if len(paths) == 1:
+            self.open(paths[0])
+        else:
+            self._window.complain(Failure(f"{len(paths)} files were dropped at once; drop one file at a time"))
 
     def open(self, path: str) -> None:
         """Open a file by its suffix; a sentence says what is taken if that is none of them."""

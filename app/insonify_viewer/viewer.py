@@ -87,9 +87,9 @@ class Viewer(QObject):
         native = accelerated and QGuiApplication.platformName() == "xcb"
         self.window = MainWindow(native=native, palettes=PALETTES)
         self.record = Record(pings_held(scene), scene.sonar.bins)
-        self.files = FileDialogs(self.window, self.simulator, self.open)
         self.jobs = JobList(self.simulator.call_later)
         self.saving = Saving(self.session, self.contacts, self.window, self.jobs)
+        self.files = FileDialogs(self.window, self.simulator, self.open, self.saving.may_leave)
         pause = partial(self.run, False)
         self.recordings = RecordingPlayer(self.window, self.session, self.tow, self.simulator, pause=pause)
         self.comparison = Comparison(self.window, self.session, self.simulator, self.recordings)

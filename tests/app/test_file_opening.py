@@ -9,20 +9,56 @@ import numpy as np
 import pytest
 from PySide6.QtCore import QMimeData, QPoint, QPointF, Qt, QUrl
 from PySide6.QtGui import QDragEnterEvent, QDropEvent
-from PySide6.QtWidgets import QApplication
+from PySide6.QtWidgets import QApplication, QMessageBox
 
 from insonify.scene import Scene, bundled_meshes, bundled_scenes, edit, scene_to_toml
 from insonify_viewer.views.settings import RECENT, Settings
 
 
-def drop(window: Any, path: Path) -> None:
+def drop(window: Any, *paths: Path) -> None:
     data = QMimeData()
-    data.setUrls([QUrl.fromLocalFile(str(path))])
+    data.setUrls([QUrl.fromLocalFile(str(path)) for path in paths])
     buttons, none = Qt.MouseButton.LeftButton, Qt.KeyboardModifier.NoModifier
     enter = QDragEnterEvent(QPoint(300, 300), Qt.DropAction.CopyAction, data, buttons, none)
     QApplication.sendEvent(window, enter)
     assert enter.isAccepted()
     QApplication.sendEvent(window, QDropEvent(QPointF(300, 300), Qt.DropAction.CopyAction, data, buttons, none))
+
+
+def said(viewer: Any) -> str:
+    return str(viewer.window.status.sentence.text())
+
+
+@pytest.fixture
+def bed(tmp_path: Path) -> Path:
+    path = tmp_path / "bed.npy"
+    np.save(path, -20.0 + np.random.default_rng(1).normal(0.0, 0.1, (300, 300)))
+    return path
+
+
+def test_a_bed_asks_about_unsaved_changes(
+    open_viewer: Any, small: Scene, qtbot: Any, bed: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    asked, answer = [], {0: QMessageBox.StandardButton.Cancel}  # at first
+    discard = QMessageBox.StandardButton.Discard
+    monkeypatch.setattr(QMessageBox, "question", lambda *words: (asked.append(words[2]), answer.pop(0, discard))[1])
+    viewer = open_viewer(small)
+    viewer.session.settle({"track.altitude": 7.0})
+    changed = viewer.session.scene
+    drop(viewer.window, bed)
+    qtbot.wait(100)
+    assert viewer.session.scene is changed
+    assert not said(viewer).startswith("reading")
+    drop(viewer.window, bed)
+    qtbot.waitUntil(lambda: viewer.session.scene.seabed.relief.kind == "dem", timeout=20000)
+    assert asked == [f"The scene “{small.title}” has changes that are not saved."] * 2
+
+
+def test_several_files_at_once_are_refused_in_one_sentence(open_viewer: Any, small: Scene, bed: Path) -> None:
+    viewer = open_viewer(small)
+    drop(viewer.window, bed, bed)
+    assert said(viewer) == "2 files were dropped at once; drop one file at a time"
+    assert viewer.session.scene == small
 
 
 def test_a_scene_is_dropped(open_viewer: Any, small: Scene, tmp_path: Path) -> None:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -35,10 +36,18 @@ class FileDialogs:
         The worker that reads measured beds.
     opened : callable
         Receives a scene that was opened, and its file; empty for a scene that is in no file.
+    may_leave : callable
+        Asks what becomes of unsaved changes of the scene; returns whether another may be opened.
     """
 
-    def __init__(self, window: MainWindow, simulator: Simulator, opened: Callable[[Scene, str], None]) -> None:
-        self._window, self._simulator, self._opened = window, simulator, opened
+    def __init__(
+        self,
+        window: MainWindow,
+        simulator: Simulator,
+        opened: Callable[[Scene, str], None],
+        may_leave: Callable[[], bool],
+    ) -> None:
+        self._window, self._simulator, self._opened, self._may_leave = window, simulator, opened, may_leave
         self._folder = str(next(iter(bundled_scenes().values())).parent)
         self._meshes = str(next(iter(bundled_meshes().values())).parent)
 
@@ -110,12 +119,20 @@ class FileDialogs:
         self._opened(scene, path)
 
     def open_dem(self, scene: Scene, path: str) -> None:
-        """Lay a scene over a measured bed, which the worker reads."""
-        self._window.say(f"reading {Path(path).name} …")
-        self._simulator.send(lambda: scene_over_dem(scene, path), self._read)
+        """Lay a scene over a measured bed, which the worker reads, after the question about unsaved changes.
 
-    def _read(self, result: Scene | SceneError) -> None:
+        It is another scene: another bed elsewhere, without the targets, and with a track of its own.
+        """
+        if self._may_leave():
+            self._window.say(f"reading {Path(path).name} …")
+            self._simulator.send(lambda: scene_over_dem(scene, path), partial(self._show_dem, path, len(scene.targets)))
+
+    def _show_dem(self, path: str, removed: int, result: Scene | SceneError) -> None:
+        """Show a scene over a measured bed, or say why that cannot be read."""
         if isinstance(result, SceneError):
             self._window.complain(result)
-        else:
-            self._opened(result, "")
+            return
+        self._opened(result, "")
+        if removed:
+            targets = "target of the scene before is" if removed == 1 else f"{removed} targets of the scene before are"
+            self._window.say(f"bed of {Path(path).name}; the {targets} removed (Undo brings all back)")

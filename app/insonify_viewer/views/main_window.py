@@ -74,7 +74,7 @@ class MainWindow(QMainWindow):
     running_changed = Signal(bool)
     target_wanted = Signal(str)
     closing = Signal()
-    file_wanted = Signal(str)  # path
+    files_wanted = Signal(list)  # paths of files that are dropped together
 
     def __init__(self, *, native: bool, palettes: tuple[str, ...]) -> None:
         super().__init__()
@@ -110,7 +110,7 @@ class MainWindow(QMainWindow):
         self.tour = Tour(self, tour_steps(self))
         self.looks = fill_menus(self, self.menus)
         self._add_status()
-        take_drops(self, self.file_wanted.emit)
+        take_drops(self, self.files_wanted.emit)
         application = QApplication.instance()
         assert isinstance(application, QApplication)
         application.focusChanged.connect(self._share_space)
