@@ -2,17 +2,19 @@
 
 from __future__ import annotations
 
+import contextlib
 from collections.abc import Sequence
+from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from insonify.io.bathymetry import BATHYMETRY
 from insonify.io.meshes import MESHES
-from insonify.io.navigation import NAVIGATION
-from insonify.io.sound_speed_casts import CASTS, read_cast
+from insonify.io.navigation import NAVIGATION, RecordedNavigation, read_navigation
+from insonify.io.sound_speed_casts import CASTS, Cast, read_cast
 from insonify.scene import SceneError
 from insonify_viewer.comparison.recording import is_recording
-from insonify_viewer.contacts.files import read_contacts
+from insonify_viewer.contacts.files import is_contacts, read_contacts
 from insonify_viewer.errors.failure import Failure
 
 if TYPE_CHECKING:
@@ -20,12 +22,13 @@ if TYPE_CHECKING:
     from insonify_viewer.contacts.contact import ContactList
     from insonify_viewer.saving import Saving
     from insonify_viewer.session import Session
+    from insonify_viewer.simulator import Simulator
     from insonify_viewer.target_editor import TargetEditor
     from insonify_viewer.views.file_dialogs import FileDialogs
     from insonify_viewer.views.main_window import MainWindow
 
 SCENE = ".toml"
-TAKES = "a scene (.toml), a recording, a grid of heights, a mesh, a measured cast or navigation"
+TAKES = "a scene (.toml), a recording, contacts, a grid of heights, a mesh, a measured cast or navigation"
 
 
 class FileOpening:
@@ -35,6 +38,8 @@ class FileOpening:
     ----------
     session : Session
         The scene, which a bed, a cast, navigation or a mesh becomes a part of.
+    simulator : Simulator
+        The worker that reads casts and navigation.
     window : MainWindow
         Its menus, its list of recent files and drops on it ask for files.
     files : FileDialogs
@@ -52,6 +57,7 @@ class FileOpening:
     def __init__(
         self,
         session: Session,
+        simulator: Simulator,
         window: MainWindow,
         files: FileDialogs,
         recordings: RecordingPlayer,
@@ -59,9 +65,10 @@ class FileOpening:
         contacts: ContactList,
         saving: Saving,
     ) -> None:
-        self._session, self._window, self._files = session, window, files
+        self._session, self._simulator, self._window, self._files = session, simulator, window, files
         self._recordings, self._targets, self._contacts, self._saving = recordings, targets, contacts, saving
         window.files_wanted.connect(self.open_dropped)
+        window.contacts_wanted.connect(self.ask_for_contacts)
         window.scenes.wanted.connect(self.open_scene)
         window.recent.wanted.connect(self.open_recent)
         window.open_scene.triggered.connect(self.ask_for_scene)
@@ -86,8 +93,11 @@ class FileOpening:
             self._files.open_dem(self._session.scene, path)
         elif suffix in MESHES.readable():
             self._targets.add("mesh", path)
+        elif is_contacts(path):
+            self.open_contacts(path)
         elif suffix in (*CASTS.readable(), *NAVIGATION.readable()):
-            self._use(path)
+            self._window.say(f"reading {Path(path).name} …")
+            self._simulator.send(lambda: _read_part(path), partial(self._use, path))
         else:
             self._window.complain(Failure(f"{Path(path).name}: cannot be opened by its suffix; give {TAKES}"))
 
@@ -123,6 +133,10 @@ class FileOpening:
             self._contacts.open(read_contacts(Path(path)), path)
         except SceneError as error:
             self._window.complain(error)
+            return
+        self._window.settings.add_recent(path)
+        number = len(self._contacts)
+        self._window.say(f"{number} contact{'s' * (number != 1)} of {Path(path).name}")
 
     def open_recording(self, path: str) -> None:
         """Show a recording; an empty path does nothing."""
@@ -130,16 +144,29 @@ class FileOpening:
             self._window.settings.add_recent(path)
         self._recordings.open(path)
 
-    def _use(self, path: str) -> None:
-        """Make a cast the water of the scene, or navigation its motion; both may be tables in CSV."""
-        suffix = Path(path).suffix.lower()
-        is_cast = suffix in CASTS.readable()
-        if is_cast and suffix in NAVIGATION.readable():
-            try:
-                read_cast(path)
-            except SceneError:
-                is_cast = False
-        if is_cast:
-            self._session.settle({"water": {"kind": "cast", "path": path}})
+    def _use(self, path: str, part: Cast | RecordedNavigation | SceneError) -> None:
+        """Make a cast the water of the scene, or navigation its motion, and say so; or say why it cannot be read."""
+        if isinstance(part, SceneError):
+            self._window.complain(part)
+            return
+        if isinstance(part, Cast):
+            name = f"sound speed of {Path(path).name}"
+            said = f"{name}: {part.depth.size} depths, down to {part.depth[-1]:.4g} m"
+            changes: dict[str, Any] = {"water.kind": "cast", "water.path": path}
         else:
-            self._session.settle({"track.motion": {"kind": "recorded", "path": path}})
+            name = f"navigation of {Path(path).name}"
+            said = f"{name}: {', '.join(part.columns)} at {part.time.size} times, {part.time[-1]:.4g} s in all"
+            changes = {"track.motion": {"kind": "recorded", "path": path}}
+        if self._session.settle(changes, name, said):
+            self._files.keep_recent(path)
+
+
+def _read_part(path: str) -> Cast | RecordedNavigation:
+    """Read a cast, or else navigation; both may be tables in CSV."""
+    suffix = Path(path).suffix.lower()
+    if suffix not in NAVIGATION.readable():
+        return read_cast(path)
+    if suffix in CASTS.readable():
+        with contextlib.suppress(SceneError):
+            return read_cast(path)
+    return read_navigation(path)

@@ -149,7 +149,7 @@ class Session:
             self.changed.emit(scene, False)
         return True
 
-    def settle(self, changes: Mapping[str, Any] | None = None, name: str = "") -> bool:
+    def settle(self, changes: Mapping[str, Any] | None = None, name: str = "", said: str = "") -> bool:
         """Apply changes finally, or those of the drag under way; return whether they are valid.
 
         Parameters
@@ -158,8 +158,10 @@ class Session:
             New values by dotted path; None for those of the drag under way.
         name : str
             Name of the edit for undo; by default that of the field.
+        said : str
+            Sentence about the edit; what else it changes is told after it.
         """
-        scene = self._scene if changes is None else self._edited(changes)
+        scene = self._scene if changes is None else self._edited(changes, said)
         if scene is None:
             # The widget that asked must return to the valid value.
             self.changed.emit(self._scene, True)
@@ -256,7 +258,7 @@ class Session:
         if self._history.present.contacts != before.contacts:
             self.contacts_changed.emit()
 
-    def _edited(self, changes: Mapping[str, Any]) -> Scene | None:
+    def _edited(self, changes: Mapping[str, Any], said: str = "") -> Scene | None:
         """Edit the settled scene; report an invalid edit and return None for it."""
         try:
             complete, remark = add_dependent_edits(self._history.present.scene, changes)
@@ -264,5 +266,5 @@ class Session:
         except SceneError as error:
             self.refused.emit(error)
             return None
-        self.said.emit(remark)
+        self.said.emit("; ".join(filter(None, (said, remark))))
         return scene

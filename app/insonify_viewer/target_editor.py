@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -66,13 +67,19 @@ class TargetEditor:
         if simulation is not None and (path or not needs_file(kind)):
             if path:
                 self._window.say(f"reading {Path(path).name} …")
-            self._simulator.send(lambda: new_target(simulation, self._session.scene, kind, top, path), self._put)
+            self._simulator.send(
+                lambda: new_target(simulation, self._session.scene, kind, top, path), partial(self._put, path)
+            )
 
-    def _put(self, target: dict[str, Any] | SceneError) -> None:
+    def _put(self, path: str, target: dict[str, Any] | SceneError) -> None:
+        """Add a target that is declared, or say why the file of a path cannot be one."""
         if isinstance(target, SceneError):
             self._window.complain(target)
             return
         targets = plain(self._session.scene)["targets"]
         name = f"{target['kind'].replace('_', ' ')} added"
-        if self._session.settle({"targets": [*targets, target]}, name):
+        x, y, *_ = target["position"]
+        said = f"mesh {Path(path).name} added as target {len(targets) + 1}, at x {x:g} m, y {y:g} m" if path else ""
+        if self._session.settle({"targets": [*targets, target]}, name, said):
+            self._files.keep_recent(path)
             self._added(f"targets.{len(targets)}")

@@ -96,8 +96,8 @@ class Viewer(QObject):
         self.panels = PanelSet(make_workbench(self))
         added = partial(self.panels.tell, "part_added")
         self.targets = TargetEditor(self.session, self.window, self.simulator, self.files, added)
-        parts = self.session, self.window, self.files, self.recordings, self.targets, self.contacts, self.saving
-        self.opening = FileOpening(*parts)
+        parts = self.files, self.recordings, self.targets, self.contacts, self.saving
+        self.opening = FileOpening(self.session, self.simulator, self.window, *parts)
         self.window.mount(tuple(self.panels.values()))
         self.failure = ""
         self._seabed = SeabedController(self.simulator, accelerated=accelerated)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import shutil
 from pathlib import Path
 from typing import Any
 
@@ -9,9 +10,11 @@ import numpy as np
 import pytest
 from PySide6.QtCore import QMimeData, QPoint, QPointF, Qt, QUrl
 from PySide6.QtGui import QDragEnterEvent, QDropEvent
-from PySide6.QtWidgets import QApplication, QMessageBox
+from PySide6.QtWidgets import QApplication, QFileDialog, QMessageBox
 
 from insonify.scene import Scene, bundled_meshes, bundled_scenes, edit, scene_to_toml
+from insonify_viewer.contacts.contact import Contact
+from insonify_viewer.contacts.files import write_contacts
 from insonify_viewer.views.settings import RECENT, Settings
 
 
@@ -25,8 +28,47 @@ def drop(window: Any, *paths: Path) -> None:
     QApplication.sendEvent(window, QDropEvent(QPointF(300, 300), Qt.DropAction.CopyAction, data, buttons, none))
 
 
+def test_a_scene_is_dropped(open_viewer: Any, small: Scene, tmp_path: Path) -> None:
+    path = tmp_path / "other.toml"
+    path.write_text(scene_to_toml(edit(small, {"track.altitude": 6.5})), encoding="utf-8")
+    viewer = open_viewer(small)
+    drop(viewer.window, path)
+    assert viewer.session.scene.track.altitude == 6.5
+    assert viewer.session.file == str(path)
+
+
 def said(viewer: Any) -> str:
     return str(viewer.window.status.sentence.text())
+
+
+def open_again(viewer: Any, name: str) -> None:
+    """Open a file by its entry in the list of recent ones."""
+    menu = viewer.window.recent
+    menu.fill()
+    next(action for action in menu.actions() if action.text() == name).trigger()
+
+
+def test_a_mesh_is_dropped_and_opened_again(open_viewer: Any, small: Scene, qtbot: Any, tmp_path: Path) -> None:
+    path = tmp_path / bundled_meshes()["drum"].name
+    shutil.copy(bundled_meshes()["drum"], path)
+    viewer = open_viewer(small)
+    drop(viewer.window, path)
+    qtbot.waitUntil(lambda: len(viewer.session.scene.targets) == len(small.targets) + 1, timeout=20000)
+    target = viewer.session.scene.targets[-1]
+    assert (target.kind, target.path) == ("mesh", str(path))
+    x, y = target.position[:2]
+    assert said(viewer) == f"mesh {path.name} added as target {len(small.targets) + 1}, at x {x:g} m, y {y:g} m"
+    open_again(viewer, path.name)
+    qtbot.waitUntil(lambda: len(viewer.session.scene.targets) == len(small.targets) + 2, timeout=20000)
+
+
+def test_a_mesh_that_comes_with_the_program_is_not_among_recent_files(
+    open_viewer: Any, small: Scene, qtbot: Any
+) -> None:
+    viewer = open_viewer(small)
+    drop(viewer.window, bundled_meshes()["drum"])
+    qtbot.waitUntil(lambda: len(viewer.session.scene.targets) == len(small.targets) + 1, timeout=20000)
+    assert Settings().recent == []
 
 
 @pytest.fixture
@@ -34,6 +76,17 @@ def bed(tmp_path: Path) -> Path:
     path = tmp_path / "bed.npy"
     np.save(path, -20.0 + np.random.default_rng(1).normal(0.0, 0.1, (300, 300)))
     return path
+
+
+def test_a_bed_is_dropped_and_opened_again(open_viewer: Any, small: Scene, qtbot: Any, bed: Path) -> None:
+    viewer = open_viewer(small)
+    for attempt in (drop, lambda window, _: open_again(viewer, "bed.npy")):
+        attempt(viewer.window, bed)
+        qtbot.waitUntil(lambda: viewer.session.scene.seabed.relief.kind == "dem", timeout=20000)
+        assert said(viewer).endswith("the 3 targets of the scene before are removed (Undo brings all back)")
+        assert Settings().recent == [str(bed)]
+        viewer.session.undo()
+        assert viewer.session.scene == small
 
 
 def test_a_bed_asks_about_unsaved_changes(
@@ -54,45 +107,101 @@ def test_a_bed_asks_about_unsaved_changes(
     assert asked == [f"The scene “{small.title}” has changes that are not saved."] * 2
 
 
-def test_several_files_at_once_are_refused_in_one_sentence(open_viewer: Any, small: Scene, bed: Path) -> None:
+@pytest.fixture
+def cast(tmp_path: Path) -> Path:
+    path = tmp_path / "cast.csv"
+    path.write_text("depth,sound_speed\n0,1500\n10,1495\n40,1490\n", encoding="utf-8")
+    return path
+
+
+def test_a_cast_is_dropped_and_opened_again(open_viewer: Any, small: Scene, qtbot: Any, cast: Path) -> None:
+    viewer = open_viewer(edit(small, {"water.absorption": 12.0, "sonar.ping_rate": 15.0}))
+    for attempt in (drop, lambda window, _: open_again(viewer, "cast.csv")):
+        attempt(viewer.window, cast)
+        qtbot.waitUntil(lambda: viewer.session.scene.water.kind == "cast", timeout=20000)
+        assert viewer.session.scene.water.absorption.coefficient == 12.0, "the rest of the water stays"
+        assert said(viewer).startswith("sound speed of cast.csv: 3 depths, down to 40 m; ping rate lowered to")
+        assert viewer.window.undo.text() == "Undo: sound speed of cast.csv"
+        assert Settings().recent == [str(cast)]
+        viewer.session.undo()
+        assert viewer.session.scene.water.kind == "uniform"
+
+
+@pytest.fixture
+def tow(tmp_path: Path) -> Path:
+    path = tmp_path / "tow.csv"
+    path.write_text("time,x,y,heading\n" + "".join(f"{t},{2 * t},0,0\n" for t in range(31)), encoding="utf-8")
+    return path
+
+
+def test_navigation_is_dropped_and_opened_again(open_viewer: Any, small: Scene, qtbot: Any, tow: Path) -> None:
     viewer = open_viewer(small)
-    drop(viewer.window, bed, bed)
+    for attempt in (drop, lambda window, _: open_again(viewer, "tow.csv")):
+        attempt(viewer.window, tow)
+        qtbot.waitUntil(lambda: viewer.session.scene.track.motion.kind == "recorded", timeout=20000)
+        assert viewer.session.scene.track.motion.path == str(tow)
+        assert said(viewer) == "navigation of tow.csv: x, y, heading at 31 times, 30 s in all"
+        assert viewer.window.undo.text() == "Undo: navigation of tow.csv"
+        assert Settings().recent == [str(tow)]
+        viewer.session.undo()
+        assert viewer.session.scene == small
+
+
+def test_a_table_that_is_neither_is_refused(open_viewer: Any, small: Scene, qtbot: Any, tmp_path: Path) -> None:
+    (tmp_path / "sums.csv").write_text("a,b\n1,2\n", encoding="utf-8")
+    viewer = open_viewer(small)
+    drop(viewer.window, tmp_path / "sums.csv")
+    qtbot.waitUntil(lambda: "has no column time" in said(viewer))
+    assert viewer.session.scene == small
+    assert Settings().recent == []
+
+
+def test_a_file_that_a_field_takes_over_is_among_recent_ones(
+    open_viewer: Any, small: Scene, cast: Path, tow: Path, bed: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    viewer = open_viewer(small)
+    settle = viewer.panels["parameters"]._settle
+    for path, kind, file in (("water.kind", "cast", cast), ("track.motion.kind", "recorded", tow)):
+        monkeypatch.setattr(QFileDialog, "getOpenFileName", lambda *_, file=file: (str(file), ""))
+        settle(path, kind)
+    assert Settings().recent == [str(tow), str(cast)]
+    monkeypatch.setattr(QFileDialog, "getOpenFileName", lambda *_: (str(tow.with_name("none.csv")), ""))
+    settle("track.motion.kind", "straight")
+    settle("water.kind", "uniform")
+    settle("water.kind", "cast")
+    assert len(Settings().recent) == 2, "what is not there is not among them"
+
+
+@pytest.mark.parametrize("suffix", [".geojson", ".csv"])
+def test_contacts_are_dropped_and_opened_by_menu(
+    open_viewer: Any, small: Scene, tmp_path: Path, suffix: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    path = tmp_path / f"found{suffix}"
+    write_contacts(path, [Contact(name, "", "line.xtf", 3, "port", 12, 2.5) for name in ("wreck", "rock")])
+    viewer = open_viewer(small)
+    drop(viewer.window, path)
+    assert [each.name for each in viewer.contacts.all] == ["wreck", "rock"]
+    assert said(viewer) == f"2 contacts of found{suffix}"
+    assert viewer.window.undo.text() == f"Undo: open found{suffix}"
+    viewer.window.undo.trigger()
+    assert not viewer.contacts.all
+    monkeypatch.setattr(QFileDialog, "getOpenFileName", lambda *_: (str(path), ""))
+    next(action for action in viewer.window.menus.file.actions() if action.text() == "Open contacts…").trigger()
+    assert len(viewer.contacts) == 2
+    assert not viewer.window.isWindowModified()
+    viewer.contacts.remove(0)
+    assert viewer.window.isWindowModified()
+    open_again(viewer, path.name)
+    assert len(viewer.contacts) == 2
+
+
+def test_several_files_at_once_are_refused_in_one_sentence(
+    open_viewer: Any, small: Scene, cast: Path, tow: Path
+) -> None:
+    viewer = open_viewer(small)
+    drop(viewer.window, cast, tow)
     assert said(viewer) == "2 files were dropped at once; drop one file at a time"
     assert viewer.session.scene == small
-
-
-def test_a_scene_is_dropped(open_viewer: Any, small: Scene, tmp_path: Path) -> None:
-    path = tmp_path / "other.toml"
-    path.write_text(scene_to_toml(edit(small, {"track.altitude": 6.5})), encoding="utf-8")
-    viewer = open_viewer(small)
-    drop(viewer.window, path)
-    assert viewer.session.scene.track.altitude == 6.5
-    assert viewer.session.file == str(path)
-
-
-def test_a_mesh_is_dropped(open_viewer: Any, small: Scene, qtbot: Any) -> None:
-    viewer = open_viewer(small)
-    drop(viewer.window, bundled_meshes()["drum"])
-    qtbot.waitUntil(lambda: len(viewer.session.scene.targets) == len(small.targets) + 1, timeout=20000)
-    assert viewer.session.scene.targets[-1].kind == "mesh"
-
-
-def test_a_bed_is_dropped(open_viewer: Any, small: Scene, qtbot: Any, tmp_path: Path) -> None:
-    path = tmp_path / "bed.npy"
-    np.save(path, -20.0 + np.random.default_rng(1).normal(0.0, 0.1, (300, 300)))
-    viewer = open_viewer(small)
-    drop(viewer.window, path)
-    said = viewer.window.status.sentence
-    qtbot.waitUntil(lambda: not said.text().startswith("reading"), timeout=20000)
-    assert viewer.session.scene.seabed.relief.kind == "dem"
-
-
-def test_a_cast_is_dropped(open_viewer: Any, small: Scene, tmp_path: Path) -> None:
-    cast = tmp_path / "cast.csv"
-    cast.write_text("depth,sound_speed\n0,1500\n10,1495\n40,1490\n", encoding="utf-8")
-    viewer = open_viewer(small)
-    drop(viewer.window, cast)
-    assert viewer.session.scene.water.kind == "cast"
 
 
 def test_another_file_is_refused_in_one_sentence(open_viewer: Any, small: Scene, tmp_path: Path) -> None:

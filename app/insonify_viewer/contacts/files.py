@@ -18,6 +18,7 @@ from insonify_viewer.contacts.contact import SIDES, Contact
 
 GEOJSON, CSV = ".geojson", ".csv"
 FORMATS = (("Contacts with snapshots (GeoJSON)", GEOJSON), ("Table of contacts (CSV)", CSV))
+HEADER = 10_000  # characters, of the longest line of names
 COLUMNS = tuple(field.name for field in fields(Contact) if field.name != "snapshot")
 WHOLE, REAL = ("ping", "range_bin"), ("slant_range", "ground_range", "x", "y", "longitude", "latitude")
 
@@ -36,6 +37,19 @@ def write_contacts(path: Path, contacts: Iterable[Contact]) -> None:
     text = _as_csv(contacts) if path.suffix.lower() == CSV else _as_geojson(contacts)
     with replacing(path) as beside:
         beside.write_text(text, encoding="utf-8", newline="")
+
+
+def is_contacts(path: str) -> bool:
+    """Whether a file holds contacts by its suffix; of a table, by the names of its columns."""
+    suffix = Path(path).suffix.lower()
+    if suffix != CSV:
+        return suffix == GEOJSON
+    try:
+        with Path(path).open(encoding="utf-8-sig", errors="replace", newline="") as file:
+            names = file.readline(HEADER).strip().split(",")
+    except OSError:
+        return False
+    return {*WHOLE, "side", "slant_range"} <= set(names)
 
 
 def read_contacts(path: Path) -> tuple[Contact, ...]:

@@ -16,6 +16,7 @@ from insonify.io.navigation import NAVIGATION
 from insonify.io.records import RECORDS
 from insonify.io.sound_speed_casts import CASTS
 from insonify.scene import Scene, SceneError, bundled_meshes, bundled_scenes, load_scene
+from insonify_viewer.comparison.recording import is_recording
 from insonify_viewer.dem_scene import scene_over_dem
 from insonify_viewer.simulator import Simulator
 
@@ -127,12 +128,19 @@ class FileDialogs:
             self._window.say(f"reading {Path(path).name} …")
             self._simulator.send(lambda: scene_over_dem(scene, path), partial(self._show_dem, path, len(scene.targets)))
 
+    def keep_recent(self, path: str) -> None:
+        """Put a file that became a part of the scene on top of the recent ones, if a drop would open it as the same."""
+        taken = Path(path).suffix and Path(path).exists() and not is_recording(path)
+        if taken and Path(path) not in bundled_meshes().values():
+            self._window.settings.add_recent(path)
+
     def _show_dem(self, path: str, removed: int, result: Scene | SceneError) -> None:
         """Show a scene over a measured bed, or say why that cannot be read."""
         if isinstance(result, SceneError):
             self._window.complain(result)
             return
         self._opened(result, "")
+        self.keep_recent(path)
         if removed:
             targets = "target of the scene before is" if removed == 1 else f"{removed} targets of the scene before are"
             self._window.say(f"bed of {Path(path).name}; the {targets} removed (Undo brings all back)")

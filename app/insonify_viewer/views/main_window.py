@@ -75,6 +75,7 @@ class MainWindow(QMainWindow):
     target_wanted = Signal(str)
     closing = Signal()
     files_wanted = Signal(list)  # paths of files that are dropped together
+    contacts_wanted = Signal()
 
     def __init__(self, *, native: bool, palettes: tuple[str, ...]) -> None:
         super().__init__()

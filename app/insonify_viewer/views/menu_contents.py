@@ -20,6 +20,8 @@ def fill_menus(window: MainWindow, menus: Menus) -> LooksMenu:
     """Put every command into the menus, before those of panels; return the choice of theme and size."""
     menus.file.addMenu(window.scenes.menu()).setText("Scenes")
     menus.group("File", [window.open_scene, window.open_recording, window.open_dem])
+    contacts = menus.add("File", "Open contacts…", "Open a file of contacts in place of those in the list")
+    contacts.triggered.connect(lambda: window.contacts_wanted.emit())
     menus.file.addMenu(window.recent)
     menus.group("File", [window.save.scene, window.save.record, window.save.picture])
     menus.file.addSeparator()

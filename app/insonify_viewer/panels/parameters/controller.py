@@ -9,7 +9,7 @@ from insonify.scene.links import split_description
 from insonify_viewer.effects import EffectMeter, EffectTicks
 from insonify_viewer.effects.rows import describe_tick
 from insonify_viewer.field_names import name_edit, name_field
-from insonify_viewer.fields import NumberField
+from insonify_viewer.fields import NumberField, part_at
 from insonify_viewer.modelling import Modelling
 from insonify_viewer.panels.panel import Panel, Place, RecordGrowth, Workbench
 from insonify_viewer.panels.parameters.moving_values import follow_values
@@ -24,6 +24,7 @@ from insonify_viewer.panels.parameters.sections import (
 from insonify_viewer.panels.parameters.trying import Trials, glide_value, row_of
 from insonify_viewer.panels.parameters.view.parameters_view import ParametersView
 
+DROPPED = ("water", "track.motion", "targets")  # parts that take a file over when it is dropped on the window
 ASIDE = 0.08  # slant ranges by which a copy of a target lies beside it
 PATIENCE = 0.25  # s, for the thread that measures when the window closes
 
@@ -184,6 +185,7 @@ class ParametersPanel(Panel):
             place = path.removesuffix("kind") + "path"
             file = self._files.ask_for(place)
             self._session.settle({path: value, place: file} if file else None)
+            self._keep_recent(place, file)
         else:
             self._session.settle({path: value} if path else None)
 
@@ -193,6 +195,12 @@ class ParametersPanel(Panel):
             self._files.ask_for_dem(self._session.scene)
         elif file := self._files.ask_for(path):
             self._session.settle({path: file})
+            self._keep_recent(path, file)
+
+    def _keep_recent(self, path: str, file: str) -> None:
+        """Put a file among the recent ones, if a field took it over which a drop would give it to."""
+        if path.startswith(DROPPED) and part_at(self._session.scene, path) == file:
+            self._files.keep_recent(file)
 
     def _reset(self, paths: tuple[str, ...]) -> None:
         """Reset fields to the scene as it was opened."""
