@@ -91,7 +91,7 @@ def open_window(
 def keep_display(viewer: Viewer) -> None:
     """Show the record by the display options of the last start, and keep every change of them for the next."""
     settings = viewer.window.settings
-    viewer.session.show(**settings.display)
+    viewer.session.show_first(**settings.display)
     viewer.session.displayed.connect(settings.keep_display)
 
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any
 
+from insonify.display.display_options import DisplayOptions
 from insonify.scene import Scene
 from insonify_viewer.fields import part_at
 
@@ -24,6 +25,8 @@ PLACES = {
 SILENT = ("sonar", "seabed", "track", "water", "receiver", "recorder")
 # Fields whose names need the part that holds them.
 AMBIGUOUS = {("seabed", "depth"): "bed depth", ("track", "depth"): "fish depth", ("track", "heading"): "track heading"}
+# Display options whose names are not those of the window.
+OPTIONS = {"side": "sides", "reverse": "reversed colours", "levels": "contrast", "draped": "draping in 3-D"}
 SPELLED = {"tvg": "TVG"}
 
 
@@ -67,6 +70,12 @@ def name_edit(scene: Scene, changes: Mapping[str, Any]) -> str:
     while all(len(part) > common + 1 and part[common] == parts[0][common] for part in parts):
         common += 1
     return name_field(scene, ".".join(parts[0][:common])) if common else name_field(scene, paths[0])
+
+
+def name_display(before: DisplayOptions, after: DisplayOptions) -> str:
+    """Name a change of display options by the one or two that differ, as "palette" or "gain, contrast"."""
+    changed = [name for name, old, new in zip(before._fields, before, after, strict=True) if old != new]
+    return ", ".join(OPTIONS.get(name, name.replace("_", " ")) for name in changed) if len(changed) < 3 else "display"
 
 
 def _name_item(scene: Scene, steps: list[str], of: str) -> tuple[str, ...]:

@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING
 
+from insonify.display.display_options import DisplayOptions
 from insonify.scene import Scene
 from insonify_viewer.modelling import Modelling
 
@@ -26,6 +27,8 @@ class State:
         The scene as it was opened.
     contacts : tuple of Contact
         States share those that stay, with the compressed pictures around them.
+    display : DisplayOptions
+        How records are shown.
     edit : str
         Name of the edit that led to the state.
     """
@@ -34,11 +37,16 @@ class State:
     modelling: Modelling
     opened: Scene = field(compare=False)
     contacts: tuple[Contact, ...] = ()
+    display: DisplayOptions = field(default_factory=DisplayOptions)
     edit: str = field(default="", compare=False)
 
     def simulates_as(self, other: State) -> bool:
         """Whether another state has the same scene and the same modelling."""
         return (self.scene, self.modelling) == (other.scene, other.modelling)
+
+    def shows(self, other: State) -> bool:
+        """Whether another state differs by the display alone."""
+        return self.simulates_as(other) and self.contacts == other.contacts
 
 
 class History:
@@ -78,6 +86,20 @@ class History:
         self._future = []
         self.present = state
 
+    def show(self, display: DisplayOptions, name: str) -> None:
+        """Change the display by a step, which takes up further changes of the same name."""
+        state = replace(self.present, display=display, edit=name)
+        if not all(state.shows(later) for later in self._future):
+            self._show_throughout(display)
+            return
+        if self._past and self.present.edit == name and self._past[-1].shows(state):
+            self.present, self._future = self._past.pop(), []
+        self.turn_to(state)
+
+    def show_first(self, display: DisplayOptions) -> None:
+        """Begin with a display, without a step."""
+        self.present = replace(self.present, display=display)
+
     def undo(self, steps: int) -> bool:
         """Go back some steps; return whether there was one."""
         return self._step(self._past, self._future, steps)
@@ -98,6 +120,13 @@ class History:
         for state in reversed(since[:-1]):
             self._past.append(self.present)
             self.present = replace(state, scene=right.scene, modelling=right.modelling, opened=right.opened)
+
+    def _show_throughout(self, display: DisplayOptions) -> None:
+        """Change the display here and in what can be redone, which is not given up for another look."""
+        before = self.present.display._asdict()
+        changed = {name: value for name, value in display._asdict().items() if value != before[name]}
+        self.present = replace(self.present, display=display)
+        self._future = [replace(state, display=state.display._replace(**changed)) for state in self._future]
 
     def _step(self, taken: list[State], given: list[State], steps: int) -> bool:
         """Move from one list of states to the other."""

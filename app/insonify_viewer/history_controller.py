@@ -31,6 +31,7 @@ class HistoryController:
         window.history.undone.connect(session.undo)
         window.history.redone.connect(session.redo)
         session.changed.connect(self._follow_scene)
+        session.displayed.connect(lambda _: self._show())
         contacts.changed.connect(self._show)
         self._show()
 

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 from insonify.display.display_options import DisplayOptions
 from insonify.scene import Scene, SceneError, edit
 from insonify_viewer.dependent_edits import add_dependent_edits
-from insonify_viewer.field_names import name_edit
+from insonify_viewer.field_names import name_display, name_edit
 from insonify_viewer.history import History, State
 from insonify_viewer.modelling import Modelling
 
@@ -76,7 +76,7 @@ class Session:
     marked : Event
         Called with the marked point of the record, or None.
     displayed : Event
-        Called with the display options of the records.
+        Called with the display options of the records after every change of them.
     file : str
         File of the person's own that the scene was last read from or written to; empty if there is none.
     """
@@ -84,7 +84,6 @@ class Session:
     def __init__(self, scene: Scene) -> None:
         self.changed, self.said, self.marked, self.displayed = Event(), Event(), Event(), Event()
         self.refused, self.contacts_changed = Event(), Event()
-        self._display = DisplayOptions()
         self._scene, self._history = scene, History(State(scene, Modelling(), scene))
         self._dragged = ""
         self._mark: Mark | None = None
@@ -114,14 +113,29 @@ class Session:
     @property
     def display(self) -> DisplayOptions:
         """Display options of the simulated record and of recordings."""
-        return self._display
+        return self._history.present.display
 
-    def show(self, **options: Any) -> None:
-        """Change some of the display options; they are no part of the scene, and no step of undo."""
-        display = self._display._replace(**options)
-        if display != self._display:
-            self._display = display
+    def show(self, name: str = "", **options: Any) -> None:
+        """Change some of the display options, by a step of undo that takes up further changes of the same.
+
+        While edits of the scene or of contacts can be redone, it is no step of its own: they stay.
+
+        Parameters
+        ----------
+        name : str
+            Name of the change for undo; by default that of the options.
+        **options : object
+            New values by name.
+        """
+        display = self.display._replace(**options)
+        if display != self.display:
+            self._history.show(display, name or name_display(self.display, display))
             self.displayed.emit(display)
+
+    def show_first(self, **options: Any) -> None:
+        """Begin with display options of an earlier start, without a step of undo."""
+        self._history.show_first(self.display._replace(**options))
+        self.displayed.emit(self.display)
 
     @property
     def opened(self) -> Scene:
@@ -242,6 +256,8 @@ class Session:
         self.said.emit("")
         self._tell_contacts(before)
         now = self._history.present
+        if now.display != before.display:
+            self.displayed.emit(now.display)
         if now.scene is not self._scene or (now.modelling, now.opened) != (before.modelling, before.opened):
             self._show_scene()
 

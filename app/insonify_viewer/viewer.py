@@ -153,8 +153,7 @@ class Viewer(QObject):
 
     def find_levels(self) -> None:
         """Set the contrast from the record on screen, without gain."""
-        self.window.gain.setValue(0)
-        self.session.show(levels=None)
+        self.session.show("contrast of the record", gain=0.0, levels=None)
         self._contrast.due = True
         self._settle_levels()
 

@@ -209,10 +209,10 @@ def test_both_records_have_one_display(compared: Any, qtbot: Any) -> None:
 
 @pytest.mark.parametrize("options", [{}, {"ground_range": True}, {"newest_on_top": False}, {"side": "starboard"}])
 def test_a_lies_pixel_for_pixel_over_b(compared: Any, qtbot: Any, options: dict[str, Any]) -> None:
+    compared.session.undo()
     compared.session.show(**options)
     view, overlay = compared.window.waterfall, compared.window.overlay
     view.magnify(1.6)
-    compared.session.undo()
     qtbot.waitUntil(lambda: compared.complete, timeout=60000)
     compared.find_levels()
     compared.comparison.tick(0.0)

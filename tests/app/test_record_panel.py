@@ -14,12 +14,15 @@ from PySide6.QtTest import QTest
 from PySide6.QtWidgets import QFileDialog, QMessageBox
 from test_record_display import drag
 
+from insonify.display.display_options import DisplayOptions
 from insonify.scene import Scene, edit, load_scene
+from insonify_viewer.application import keep_display
 from insonify_viewer.contacts.contact import Contact
 from insonify_viewer.contacts.files import read_contacts
 from insonify_viewer.panels.record.view import contact_list
 from insonify_viewer.panels.record.view.record_view import TICKS
 from insonify_viewer.session import Mark
+from insonify_viewer.views.settings import Settings
 
 
 @pytest.fixture
@@ -64,6 +67,44 @@ def test_sides_scale_and_palette(viewer: Any, panel: Any, qtbot: Any) -> None:
     combo.setCurrentIndex(2)
     combo.activated.emit(2)
     assert viewer.window.palettes.currentText() == viewer.session.display.palette == combo.currentText()
+
+
+def test_display_options_are_undone_by_name(viewer: Any, panel: Any) -> None:
+    window, session = viewer.window, viewer.session
+    keep_display(viewer)
+    assert not session.undoable, "what is kept from the last start is no step"
+    traced = session.scene
+    combo = panel.view.choices["palette"].combo
+    for name in ("grey", "viridis"):
+        combo.setCurrentText(name)
+        combo.activated.emit(combo.currentIndex())
+    panel.view.ticks["ground_range"].click()
+    for tenths in (10, 20, 45):
+        window.gain.setValue(tenths)
+    assert session.undoable == ("gain", "ground range", "palette")
+    assert Settings().display == {"palette": "viridis", "ground_range": True}
+    assert window.undo.text() == "Undo: gain"
+    window.undo.trigger()
+    assert (window.gain.value(), panel.view.gains[0].field.text()) == (0, "0 dB")
+    window.undo.trigger()
+    assert not panel.view.ticks["ground_range"].isChecked()
+    assert Settings().display == {"palette": "viridis"}
+    window.undo.trigger()
+    assert window.palettes.currentText() == "copper"
+    assert Settings().display == {}, "the next start shows what is shown now"
+    assert window.redo.text() == "Redo: palette"
+    session.redo(3)
+    assert session.display == DisplayOptions(palette="viridis", ground_range=True, gain=4.5)
+    assert session.scene is traced
+    assert not window.isWindowModified(), "the display is no part of the scene"
+
+
+def test_contrast_found_from_the_record_is_a_step_of_its_own(viewer: Any) -> None:
+    viewer.window.gain.setValue(60)
+    viewer.find_levels()
+    assert viewer.session.undoable == ("contrast of the record", "gain")
+    viewer.window.undo.trigger()
+    assert viewer.window.gain.value() == 60
 
 
 def test_gains_of_each_side_are_typed(viewer: Any, panel: Any) -> None:

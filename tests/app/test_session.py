@@ -245,6 +245,39 @@ def test_the_history_has_an_end(default: Scene) -> None:
     assert len(contacts) == 20
 
 
+def test_another_look_gives_up_nothing_that_can_be_redone(default: Scene) -> None:
+    session = Session(default)
+    session.settle({"track.altitude": 7.0})
+    session.show(palette="grey")
+    session.undo(2)
+    session.show(ground_range=True)
+    assert not session.undoable
+    session.redo(2)
+    assert session.scene.track.altitude == 7.0
+    assert (session.display.palette, session.display.ground_range) == ("grey", True)
+
+
+def test_a_look_and_back_is_no_step(default: Scene) -> None:
+    session = Session(default)
+    session.settle({"track.altitude": 7.0})
+    for on in (True, False):
+        session.show(ground_range=on)
+    assert session.undoable == ("altitude",)
+    session.drag({"track.altitude": 8.0})
+    session.show(gain=3.0)
+    assert session.scene.track.altitude == 8.0, "the drag goes on"
+    session.settle()
+    assert session.undoable == ("altitude", "gain", "altitude")
+
+
+def test_a_look_outlasts_a_refused_scene(default: Scene) -> None:
+    session = Session(default)
+    session.settle({"seed": 5})
+    session.show(gain=3.0)
+    session.take_back()
+    assert (session.scene, session.display.gain, session.undoable) == (default, 3.0, ("gain",))
+
+
 def test_refusal_is_one_sentence(default: Scene) -> None:
     session = Session(default)
     refused: list[Exception] = []
