@@ -28,6 +28,7 @@ from insonify.scene import load_scene
 from insonify_viewer import application
 from insonify_viewer.contacts.contact import Contact
 from insonify_viewer.viewer import Viewer
+from insonify_viewer.views.crash_recovery import CrashRecovery
 
 def ask(window, title, question, *rest):
     print("ASKED", question, flush=True)
@@ -39,8 +40,13 @@ Viewer.open = lambda viewer, scene, file="": (opened(viewer, scene, file), repor
 FISH = Contact("fish", "a shoal?", "A scene", 3, "port", 7, 2.0, snapshot=bytes(range(256)))
 def report(viewer):
     print("ALTITUDE", viewer.session.scene.track.altitude, viewer.session.unsaved, flush=True)
-def report_contacts(viewer):
-    print("CONTACTS", viewer.contacts.all == (FISH,), viewer.contacts.unsaved, flush=True)
+offer = CrashRecovery.offer
+def offer_and_report(recovery):
+    offer(recovery)
+    if sys.argv[1] == "look":
+        print("CONTACTS", recovery._contacts.all == (FISH,), recovery._contacts.unsaved, flush=True)
+        print("READY", flush=True)
+CrashRecovery.offer = offer_and_report
 def aged():
     # By the window's own loop of events: a busy machine delays all its timers alike.
     QTimer.singleShot(5000, lambda: print("AGED", flush=True))
@@ -51,9 +57,6 @@ def begin(viewer):
         QTimer.singleShot(300, lambda: viewer.contacts.add(FISH))
     if sys.argv[1] == "mark":
         QTimer.singleShot(300, aged)
-    if sys.argv[1] == "look":
-        QTimer.singleShot(1400, lambda: report_contacts(viewer))
-        QTimer.singleShot(1500, lambda: print("READY", flush=True))
 Viewer.start = begin
 application.open_window(load_scene("default"))
 """
