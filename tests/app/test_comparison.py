@@ -11,6 +11,16 @@ from PIL import Image
 from PySide6.QtCore import QPoint, QRect, Qt
 from PySide6.QtGui import QImage
 from PySide6.QtTest import QTest
+from PySide6.QtWidgets import (
+    QAbstractButton,
+    QAbstractSlider,
+    QApplication,
+    QComboBox,
+    QLineEdit,
+    QListWidget,
+    QTabBar,
+)
+from test_menus import activate
 
 from insonify.cli import main
 from insonify.scene import Scene, edit, load_partner, load_scene
@@ -191,6 +201,55 @@ def test_a_is_shown_while_the_key_is_held(compared: Any, qtbot: Any) -> None:
     assert colour(compared) == dark
     QTest.keyRelease(compared.window.waterfall, Qt.Key.Key_X)
     assert colour(compared) == bright
+
+
+@pytest.mark.parametrize("kind", [QComboBox, QListWidget, QTabBar, QAbstractSlider, QAbstractButton, "seabed"])
+def test_the_key_works_wherever_the_keyboard_is(compared: Any, qtbot: Any, kind: Any) -> None:
+    window = compared.window
+    activate(window, qtbot)
+    window.open_panel("lessons")
+    widget = compared.seabed.view._canvas.widget if kind == "seabed" else in_view(window, kind)
+    chosen = widget.currentIndex() if isinstance(widget, (QComboBox, QListWidget)) else None
+    widget.setFocus()
+    assert QApplication.focusWidget() is widget
+    bright = colour(compared)
+    QTest.keyPress(widget, Qt.Key.Key_X)
+    assert colour(compared) < bright
+    QTest.keyRelease(widget, Qt.Key.Key_X)
+    assert colour(compared) == bright
+    assert chosen is None or widget.currentIndex() == chosen, "it is no letter of an entry"
+
+
+def test_the_key_is_let_go_where_the_keyboard_went(compared: Any, qtbot: Any) -> None:
+    window = compared.window
+    activate(window, qtbot)
+    bright, combo = colour(compared), in_view(window, QComboBox)
+    combo.setFocus()
+    QTest.keyPress(combo, Qt.Key.Key_X)
+    window.findChild(QLineEdit, "search").setFocus()
+    assert colour(compared) < bright
+    QTest.keyRelease(QApplication.focusWidget(), Qt.Key.Key_X, Qt.KeyboardModifier.ShiftModifier)
+    assert colour(compared) == bright
+
+
+@pytest.mark.parametrize("name", ["search", "value"])
+def test_the_key_is_a_letter_where_text_is_typed(compared: Any, qtbot: Any, name: str) -> None:
+    window = compared.window
+    activate(window, qtbot)
+    line = next(line for line in window.findChildren(QLineEdit, name) if line.isVisible())
+    line.setFocus()
+    bright = colour(compared)
+    QTest.keyPress(line, Qt.Key.Key_X)
+    assert colour(compared) == bright
+    QTest.keyRelease(line, Qt.Key.Key_X)
+    assert "x" in line.text()
+    line.undo()
+
+
+def in_view(window: Any, kind: Any) -> Any:
+    """A widget of a kind that is shown and takes the keyboard."""
+    shown = (child for child in window.findChildren(kind) if child.isVisible() and child.isEnabled())
+    return next(child for child in shown if child.focusPolicy() != Qt.FocusPolicy.NoFocus)
 
 
 def test_both_records_have_one_display(compared: Any, qtbot: Any) -> None:
