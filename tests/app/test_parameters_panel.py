@@ -386,6 +386,8 @@ def test_a_parameter_is_found_by_words(open_viewer: Any, small: Scene, qtbot: An
     view.search.setFocus()
     QTest.keyClicks(view.search, " zzz")
     assert view._found.rows == {}
+    QTest.keyClick(viewer.window.waterfall, Qt.Key.Key_Escape)
+    assert view.search.text().endswith(" zzz"), "Escape elsewhere is not meant for the search"
     view.search.findChild(QShortcut).activated.emit()  # Escape
     assert view._found is None
     assert view._sections["sonar"].isVisible()

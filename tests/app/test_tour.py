@@ -7,6 +7,8 @@ from typing import Any
 
 import pytest
 from PySide6.QtCore import QRect, Qt
+from PySide6.QtWidgets import QApplication
+from test_menus import activate
 
 from insonify.scene import Scene
 from insonify_viewer import application
@@ -43,6 +45,24 @@ def test_back_and_skip(open_viewer: Opener, small: Scene, qtbot: Any) -> None:
     assert tour.card.title.text().startswith("1 of 5")
     qtbot.mouseClick(tour.card.skip, Qt.MouseButton.LeftButton)
     assert tour.card is None
+
+
+def test_escape_leaves_the_tour(open_viewer: Opener, small: Scene, qtbot: Any) -> None:
+    viewer = open_viewer(small)
+    window = viewer.window
+    activate(window, qtbot)
+    window.waterfall.setFocus()
+    tour = begin(viewer)
+    assert QApplication.focusWidget() is tour.card.next
+    qtbot.keyClick(tour.card.next, Qt.Key.Key_Escape)
+    assert tour.card is None
+    assert QApplication.focusWidget() is window.waterfall, "the keyboard is where it was"
+    for elsewhere in (window.waterfall, window.palettes):
+        begin(viewer)
+        elsewhere.setFocus()
+        qtbot.keyClick(elsewhere, Qt.Key.Key_Escape)
+        assert tour.card is None
+        assert QApplication.focusWidget() is elsewhere
 
 
 def test_the_window_stays_free_during_the_tour(open_viewer: Opener, small: Scene) -> None:

@@ -6,7 +6,9 @@ from collections.abc import Callable
 from typing import TYPE_CHECKING, NamedTuple
 
 from PySide6.QtCore import QEvent, QObject, QPoint, QRect, QSize, Qt
+from PySide6.QtGui import QKeyEvent
 from PySide6.QtWidgets import QFrame, QHBoxLayout, QLabel, QVBoxLayout, QWidget
+from shiboken6 import isValid
 
 from insonify_viewer.errors.guarded_overrides import guard_override
 from insonify_viewer.views.push_button import push_button
@@ -48,6 +50,7 @@ class Tour(QObject):
         self._place = 0
         self._shown: tuple[TourStep, ...] = ()
         self._outline: _Outline | None = None
+        self._before: QWidget | None = None  # what had the keyboard before the tour
         self.card: TourCard | None = None
         window.installEventFilter(self)
 
@@ -63,11 +66,14 @@ class Tour(QObject):
         self.card.next.clicked.connect(lambda: self._go(1))
         self.card.skip.clicked.connect(self.end)
         self._show()
+        self._before = self._window.focusWidget()
         self.card.next.setFocus()
 
     def end(self) -> None:
-        """Leave the tour."""
+        """Leave the tour; the keyboard returns to where it was, unless it has left the card meanwhile."""
         if self.card is not None and self._outline is not None:
+            if self.card.isAncestorOf(self._window.focusWidget()) and self._before and isValid(self._before):
+                self._before.setFocus()
             for widget in (self.card, *self._outline.bars):
                 widget.hide()
                 widget.deleteLater()
@@ -75,9 +81,12 @@ class Tour(QObject):
 
     @guard_override(False)
     def eventFilter(self, watched: QObject, event: QEvent) -> bool:
-        """Follow the window when its size changes."""
+        """Follow the window when its size changes, and leave the tour by Escape, unless a widget takes that key."""
         if event.type() is QEvent.Type.Resize and self.card is not None:
             self._show()
+        if self.card is not None and _is_escape(event):
+            self.end()
+            return True
         return super().eventFilter(watched, event)
 
     def _go(self, steps: int) -> None:
@@ -118,7 +127,7 @@ class TourCard(QFrame):
         self.title, self.words = QLabel(), QLabel()
         self.title.setObjectName("choice")
         self.words.setWordWrap(True)
-        self.skip = push_button("Skip", "Leave the tour; Help, Tour shows it again")
+        self.skip = push_button("Skip", "Leave the tour (Escape); Help, Tour shows it again")
         self.back = push_button("Back", "To the step before")
         self.next = push_button("Next", "To the next step")
         row = QHBoxLayout()
@@ -198,6 +207,12 @@ def tour_steps(window: MainWindow) -> tuple[TourStep, ...]:
             lambda: window.menuBar(),
         ),
     )  # fmt: skip
+
+
+def _is_escape(event: QEvent) -> bool:
+    if not isinstance(event, QKeyEvent) or event.type() is not QEvent.Type.KeyPress:
+        return False
+    return event.key() == Qt.Key.Key_Escape
 
 
 def _is_in_view(part: QWidget | None) -> bool:

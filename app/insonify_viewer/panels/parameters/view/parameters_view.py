@@ -282,8 +282,9 @@ def _search_line(view: ParametersView) -> QLineEdit:
         line.clear()
         line.clearFocus()
 
-    QShortcut(QKeySequence.StandardKey.Find, view, begin, context=Qt.ShortcutContext.WindowShortcut)
-    QShortcut(QKeySequence(Qt.Key.Key_Escape), line, end, context=Qt.ShortcutContext.WidgetShortcut)
+    QShortcut(QKeySequence.StandardKey.Find, view, begin)
+    # Qt for Python ignores a context among the arguments; Escape would be taken from the whole window.
+    QShortcut(QKeySequence(Qt.Key.Key_Escape), line, end).setContext(Qt.ShortcutContext.WidgetShortcut)
     return line
 
 
