@@ -20,6 +20,7 @@ from insonify_viewer.views.pixel_marks import LIT
 from insonify_viewer.views.pv_meshes import BedPatch, ScanFan, ScanLine
 from insonify_viewer.views.seabed_canvas import InteractiveCanvas, OffScreenCanvas
 from insonify_viewer.views.seabed_handles import SeabedHandles
+from insonify_viewer.views.seabed_keys import SeabedKeys
 from insonify_viewer.views.sound_actors import SoundActors
 from insonify_viewer.views.theme import MARK_IN_WATER
 
@@ -36,6 +37,7 @@ FOCUS = (-0.22, 0.0, -0.20)
 VIEW_ANGLE = 54.0
 FISH = 0.075  # length in slant ranges: larger than life, so that it shows
 LOWEST = 0.03  # least slope of the line of sight, by which the camera stays above the bed
+STEEPEST = math.radians(88.0)  # depression of the line of sight, at which the view still has an upper edge
 NEAREST, FARTHEST = 0.05, 6.0  # distance of the camera from its focus, in slant ranges
 ANISOTROPY = 4  # of the bed's texture, so that it is sharp far away
 FADED = 0.25  # opacity of a bed of an earlier scene
@@ -85,6 +87,8 @@ class SeabedView(QWidget):
         self._due.setSingleShot(True)
         self._due.timeout.connect(self.draw_now)
         self.handles = SeabedHandles(self._canvas.plotter, self._canvas.widget, self._sight, self._later)
+        self.keys = SeabedKeys(self._canvas.widget, self.turn, self.magnify)
+        self._canvas.widget.setAccessibleName("Seabed in 3-D")
 
     def show_bed(self, patch: BedPatch) -> None:
         """Show another bed."""
@@ -189,6 +193,26 @@ class SeabedView(QWidget):
     def reset_camera(self) -> None:
         """Reset the camera to its place behind and above the fish, when the fish is shown next."""
         self._reach = 0.0
+
+    def turn(self, across: float, up: float) -> None:
+        """Turn the scene about the focus of the camera by degrees to the right and upwards, as a drag does."""
+        camera = self._canvas.plotter.camera
+        x, y, z = away = np.array(camera.position) - np.array(camera.focal_point)
+        bearing = math.atan2(y, x) - math.radians(across)
+        slope = min(math.atan2(z, math.hypot(x, y)) - math.radians(up), STEEPEST)
+        level = math.cos(slope)
+        direction = np.array([level * math.cos(bearing), level * math.sin(bearing), math.sin(slope)])
+        camera.position = tuple(np.array(camera.focal_point) + np.linalg.norm(away) * direction)
+        self._clip()
+        self._later()
+
+    def magnify(self, factor: float) -> None:
+        """Move the camera closer to its focus by a factor, within the limits of the wheel."""
+        camera = self._canvas.plotter.camera
+        focus = np.array(camera.focal_point)
+        camera.position = tuple(focus + (np.array(camera.position) - focus) / factor)
+        self._clip()
+        self._later()
 
     def close_view(self) -> None:
         """Release the drawing resources."""
