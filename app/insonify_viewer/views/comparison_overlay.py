@@ -5,11 +5,22 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 from PySide6.QtCore import QEvent, QObject, QPoint, QRect, QRectF, Qt
-from PySide6.QtGui import QColor, QImage, QLinearGradient, QMouseEvent, QPainter, QPaintEvent, QPen, QWheelEvent
+from PySide6.QtGui import (
+    QColor,
+    QImage,
+    QKeyEvent,
+    QLinearGradient,
+    QMouseEvent,
+    QPainter,
+    QPaintEvent,
+    QPen,
+    QWheelEvent,
+)
 from PySide6.QtWidgets import QWidget
 
 from insonify_viewer.comparison.arrangement import Arrangement
 from insonify_viewer.errors.guarded_overrides import guard_override
+from insonify_viewer.views.arrow_keys import modifiers_of
 from insonify_viewer.views.difference_picture import DifferencePicture, decibels_between, draw_difference
 from insonify_viewer.views.record_image import EMPTY
 from insonify_viewer.views.theme import ACCENT, ACCENT_IN_WATER, GROUND, MARK, TEXT
@@ -19,6 +30,8 @@ from insonify_viewer.views.waterfall_view import WaterfallView
 
 GRIP = 6  # px beside the split line in which it is taken hold of
 HIGH = 18  # px, of a caption
+WIPE = 0.02  # share of the plot by which a key moves the split line
+WIPES: dict[int, float] = {Qt.Key.Key_Left: -WIPE, Qt.Key.Key_Right: WIPE}  # with Alt
 
 
 class ComparisonOverlay(QWidget):
@@ -47,6 +60,7 @@ class ComparisonOverlay(QWidget):
         self._difference_of: tuple[int, int, int, QRect] | None = None  # versions of A and B, ping on top, place
         self.setMouseTracking(True)
         b.installEventFilter(self)
+        b.is_covered = self.take
         self.hide()
 
     def show_records(self, titles: tuple[str, str], *, by_ping: bool) -> None:
@@ -109,10 +123,30 @@ class ComparisonOverlay(QWidget):
 
     @guard_override(False)
     def eventFilter(self, watched: QObject, event: QEvent) -> bool:
-        """Keep the size of record B."""
+        """Keep the size of record B, and move the split line by its keys."""
         if event.type() is QEvent.Type.Resize:
             self._lay()
-        return False
+        if not isinstance(event, QKeyEvent) or event.type() is not QEvent.Type.KeyPress:
+            return False
+        wipes = event.key() in WIPES and modifiers_of(event) == Qt.KeyboardModifier.AltModifier
+        if not wipes or self._arrangement is not Arrangement.WIPED:
+            return False
+        self._move_split(self._split + WIPES[event.key()])
+        return True
+
+    def take(self, place: QPoint) -> bool:
+        """Tell the record that is drawn at a place that it is pointed at; return whether that is A."""
+        if not self.isVisible():
+            return False
+        over = self.covers(place)
+        if over:
+            self._b.hovered.emit(None)
+        self._a.hovered.emit(self._a.mark_at(place) if over else None)
+        return over
+
+    def _move_split(self, share: float) -> None:
+        self._split = min(max(share, 0.0), 1.0)
+        self.update()
 
     def _lay(self) -> None:
         """Cover record B, and compute the picture of A for its place, unless A has a view of its own."""
@@ -248,17 +282,13 @@ class ComparisonOverlay(QWidget):
         place = event.position().toPoint()
         if self._dragged:
             plot = self._b.plot_area
-            self._split = min(max((place.x() - plot.left()) / max(plot.width(), 1), 0.0), 1.0)
-            self.update()
+            self._move_split((place.x() - plot.left()) / max(plot.width(), 1))
             return
         if self._on_split(place):
             self.setCursor(Qt.CursorShape.SplitHCursor)
         else:
             self.unsetCursor()
-        over = self.covers(place)
-        self._a.hovered.emit(self._a.mark_at(place) if over else None)
-        if over:
-            self._b.hovered.emit(None)
+        self.take(place)
         self._pass_on(event)
 
     def mouseReleaseEvent(self, event: QMouseEvent) -> None:

@@ -31,10 +31,12 @@ class TitledWaterfall(WaterfallView):
         self._title, self._by_ping = "", True
         self._laid: tuple[object, ...] = ()
         super().__init__(native=native, parent=parent)
+        self.show_title("")
 
     def show_title(self, title: str) -> None:
         """Write a title above the record."""
         self._title = title
+        self.setAccessibleName(f"Record A: {title}" if title else "Record A")
         self.update()
 
     def lie_over(self, live: WaterfallView | None, *, by_ping: bool) -> None:

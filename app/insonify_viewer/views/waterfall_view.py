@@ -1,13 +1,17 @@
-"""Scrolling record that is pointed at, scrubbed, moved, zoomed and measured with the mouse."""
+"""Scrolling record that is pointed at, scrubbed, moved, zoomed and measured with the mouse, or by keys."""
 
 from __future__ import annotations
 
+from collections.abc import Callable
+
 from PySide6.QtCore import QEvent, QPoint, QRect, Qt, Signal
-from PySide6.QtGui import QMouseEvent, QPainter, QWheelEvent
+from PySide6.QtGui import QFocusEvent, QKeyEvent, QMouseEvent, QPainter, QWheelEvent
 from PySide6.QtWidgets import QWidget
 
 from insonify_viewer.errors.guarded_overrides import guard_override
+from insonify_viewer.views.arrow_keys import ENTER, modifiers_of, steps_of
 from insonify_viewer.views.record_canvas import RecordCanvas
+from insonify_viewer.views.record_cursor import RecordCursor
 from insonify_viewer.views.record_handles import RecordHandles
 
 PINGS_A_NOTCH = 16
@@ -15,10 +19,15 @@ NOTCH = 120  # of the wheel, in eighths of a degree
 CLOSER = 1.25  # magnification by a notch
 SIDEWAYS = 0.1  # share of the plot by which a notch moves it across
 STILL = 3  # px by which the mouse may move in a click
+PAGES: dict[int, int] = {Qt.Key.Key_PageUp: -1, Qt.Key.Key_PageDown: 1}  # down
+KEYS = "Arrow keys move the cursor and the record, Return explains the pixel at the cursor, C marks a contact there."
+BY_TAB = Qt.FocusReason.TabFocusReason, Qt.FocusReason.BacktabFocusReason
 
 
 class WaterfallView(RecordCanvas):
-    """Draws a record, and signals what the mouse does to it.
+    """Draws a record, and signals what mouse and keys do to it.
+
+    Keys move a cursor from bin to bin, and the record under it from ping to ping, in the direction of the wheel.
 
     Parameters
     ----------
@@ -31,6 +40,8 @@ class WaterfallView(RecordCanvas):
     ----------
     measuring : bool
         Whether a drag measures; else it moves a zoomed record, and the record along the tow.
+    is_covered : callable
+        Whether another record lies over a position of the view, which is then told that it is pointed at.
     """
 
     hovered = Signal(object)  # Mark or None
@@ -44,7 +55,11 @@ class WaterfallView(RecordCanvas):
         self.setMouseTracking(True)
         self.setFocusPolicy(Qt.FocusPolicy.StrongFocus)
         self.setCursor(Qt.CursorShape.CrossCursor)
+        self.setAccessibleName("Record")
+        self.setAccessibleDescription(KEYS)
         self.measuring = False
+        self.is_covered: Callable[[QPoint], bool] = lambda _: False
+        self._cursor = RecordCursor(self._plot, self.mark_at, self.place_of)
         self.handles = RecordHandles(self.place_of, self.update, self)
         self._pressed: QPoint | None = None
         self._taken: QPoint | None = None  # where a handle was taken
@@ -107,6 +122,7 @@ class WaterfallView(RecordCanvas):
         cross = Qt.CursorShape.SizeAllCursor if gripped else Qt.CursorShape.CrossCursor
         self.setCursor(Qt.CursorShape.SizeVerCursor if on_rail else cross)
         self.setToolTip("Drag to any ping of the tow" if on_rail else gripped)
+        self._cursor.put(place)
         self.hovered.emit(self.mark_at(place))
 
     def _take_handle(self, place: QPoint) -> bool:
@@ -130,11 +146,15 @@ class WaterfallView(RecordCanvas):
         plot, zoom = self._plot(), self._projection.zoom
         u = (before.x() - place.x()) / max(plot.width(), 1)
         v = (before.y() - place.y()) / max(plot.height(), 1)
-        moved = zoom.moved(u, v)
+        self._move(u, v * (zoom.lower - zoom.upper) * self._record.pings)
+
+    def _move(self, across: float, down: float) -> None:
+        """Show what lies to the right by a share of the plot, and below by some pings."""
+        zoom, pings = self._projection.zoom, self._record.pings
+        moved = zoom.moved(across, down / ((zoom.lower - zoom.upper) * pings))
         self.show_zoom(moved if moved != zoom else self._zoom)
-        wanted = v * (zoom.lower - zoom.upper)
         # The zoom goes no farther; the tow may.
-        self._scroll_by((wanted - (moved.upper - zoom.upper)) * self._record.pings)
+        self._scroll_by(down - (moved.upper - zoom.upper) * pings)
 
     def _scrub(self, event: QMouseEvent) -> None:
         self.scrubbed.emit(self._handle.ping_at(event.position()))
@@ -164,3 +184,66 @@ class WaterfallView(RecordCanvas):
         if whole:
             self._notches -= whole
             self.scrolled.emit(whole)
+
+    @guard_override(None)
+    def focusInEvent(self, event: QFocusEvent) -> None:
+        """Show the cursor to the person who comes by the Tab key."""
+        super().focusInEvent(event)
+        if event.reason() in BY_TAB:
+            self._point()
+
+    def keyPressEvent(self, event: QKeyEvent) -> None:
+        """Move cursor and record, go to an end of the tow, or pin the pixel at the cursor."""
+        key, keys, steps = event.key(), modifiers_of(event), steps_of(event)
+        if steps is not None:
+            self._step_across(steps[0])
+            self._step_down(steps[1])
+            self._point()
+        elif key in PAGES and not keys:
+            upper, lower = self._projection.ages
+            self._move_under_cursor(PAGES[key] * abs(lower - upper))
+            self._point()
+        elif key in (Qt.Key.Key_Home, Qt.Key.Key_End) and keys == Qt.KeyboardModifier.ControlModifier:
+            self._go_to_end((key == Qt.Key.Key_Home) == self._look.newest_on_top)
+        elif key in ENTER and not keys:
+            self._point()
+            if not self.is_covered(self._cursor.place):
+                self._click(self._cursor.place)
+        else:
+            super().keyPressEvent(event)
+
+    def _step_across(self, bins: int) -> None:
+        """Move the cursor along the row; at an edge of the plot, a zoomed record moves with it."""
+        way = 1 if bins > 0 else -1
+        for _ in range(abs(bins)):
+            if not self._cursor.step(way, 0):
+                self._move(SIDEWAYS * way, 0.0)
+                self._cursor.step(way, 0)
+
+    def _step_down(self, pings: int) -> None:
+        """Move the record under the cursor, or the cursor where the record goes no farther."""
+        before = self._top, self._zoom
+        self._move_under_cursor(pings)
+        if (self._top, self._zoom) == before:
+            for _ in range(abs(pings)):
+                self._cursor.step(0, 1 if pings > 0 else -1)
+
+    def _move_under_cursor(self, down: float) -> None:
+        """Move the record by some pings while the cursor stays where it is in the view."""
+        place = self._cursor.place
+        self._move(0.0, down)
+        self._cursor.put(place)
+
+    def _go_to_end(self, newest: bool) -> None:
+        """Signal the last ping of the tow, or the one on top of its first page."""
+        place, last = self._cursor.place, self._handle.last
+        self.scrubbed.emit(last if newest else min(self._record.pings - 1, last))
+        self._cursor.put(place)
+        self._point()
+
+    def _point(self) -> None:
+        """Signal the bin at the cursor as if the mouse were there."""
+        place = self._cursor.place
+        self._cursor.put(place)
+        if not self.is_covered(place):
+            self.hovered.emit(self.mark_at(place))
