@@ -6,7 +6,9 @@ from typing import Any
 
 import pytest
 from PySide6.QtCore import QPoint, Qt
-from PySide6.QtWidgets import QFileDialog
+from PySide6.QtTest import QTest
+from PySide6.QtWidgets import QApplication, QFileDialog
+from test_menus import activate
 
 from insonify.scene import Scene, edit
 from insonify_viewer.session import Session
@@ -96,6 +98,65 @@ def test_a_click_into_the_water_asks_for_the_rays_to_it(open_viewer: Any, layere
     assert shown[0].target == pytest.approx((30.0, 25.0), abs=0.3)
     assert len(shown[0].eigenrays) == 1
     assert viewer.session.scene == layered
+
+
+def test_keys_choose_a_point_and_move_it(open_viewer: Any, layered: Scene, qtbot: Any) -> None:
+    viewer = open_viewer(layered)
+    activate(viewer.window, qtbot)
+    wait_for_rays(viewer, qtbot)
+    view = viewer.panels["water"].view
+    view.setFocus(Qt.FocusReason.TabFocusReason)
+    QTest.keyClick(view, Qt.Key.Key_Tab)
+    plain = view.grab().toImage()
+    QTest.keyClick(view, Qt.Key.Key_Tab)
+    assert QApplication.focusWidget() is view
+    assert view.grab().toImage() != plain, "the chosen point is seen"
+    QTest.keyClick(view, Qt.Key.Key_Backtab)
+    for _ in range(7):  # as a key that is held
+        QTest.keyPress(view, Qt.Key.Key_Right)
+    QTest.keyPress(view, Qt.Key.Key_Down, Qt.KeyboardModifier.ShiftModifier)
+    water = viewer.session.scene.water
+    assert (water.depth[1], water.sound_speed[1]) == pytest.approx((11.0, 1518.0 + 7 * 0.2))
+    assert not viewer.session.can_undo, "the key is still down"
+    QTest.keyRelease(view, Qt.Key.Key_Right)
+    wait_for_rays(viewer, qtbot)
+    viewer.session.undo()
+    assert viewer.session.scene == layered, "one step of undo"
+    for _ in range(3):
+        QTest.keyClick(view, Qt.Key.Key_Left)  # not one of the steps is lost while rays are traced
+    assert viewer.session.scene.water.sound_speed[1] == pytest.approx(1518.0 - 3 * 0.2)
+
+
+def test_a_point_is_settled_when_the_keyboard_leaves_it(open_viewer: Any, layered: Scene, qtbot: Any) -> None:
+    viewer = open_viewer(layered)
+    activate(viewer.window, qtbot)
+    wait_for_rays(viewer, qtbot)
+    view = viewer.panels["water"].view
+    view.setFocus(Qt.FocusReason.TabFocusReason)
+    QTest.keyPress(view, Qt.Key.Key_Left)
+    assert not viewer.session.can_undo
+    viewer.window.waterfall.setFocus()
+    assert viewer.session.can_undo
+
+
+def test_a_key_asks_for_the_rays_to_a_point_of_the_water(open_viewer: Any, layered: Scene, qtbot: Any) -> None:
+    viewer = open_viewer(layered)
+    activate(viewer.window, qtbot)
+    wait_for_rays(viewer, qtbot)
+    panel, view = viewer.panels["water"], viewer.panels["water"].view
+    view.setFocus(Qt.FocusReason.BacktabFocusReason)
+    plain = view.grab().toImage()
+    QTest.keyClick(view, Qt.Key.Key_Right, Qt.KeyboardModifier.ShiftModifier)
+    QTest.keyClick(view, Qt.Key.Key_Down)
+    assert view.grab().toImage() != plain, "the cross is seen"
+    assert viewer.session.scene == layered
+    QTest.keyClick(view, Qt.Key.Key_Return)
+    frame = view._frame()
+    assert panel._target == pytest.approx((0.6 * frame.reach, 0.51 * frame.bottom))
+    wait_for_rays(viewer, qtbot)
+    assert view._diagram.target == pytest.approx(panel._target)
+    QTest.keyClick(view, Qt.Key.Key_Tab)
+    assert QApplication.focusWidget() is not view, "the cross is the last stop"
 
 
 def test_columns_of_water_have_no_sliders(open_viewer: Any, layered: Scene, qtbot: Any) -> None:
