@@ -22,6 +22,9 @@ class PanelSet(dict[str, Panel]):
 
     def __init__(self, workbench: Workbench) -> None:
         super().__init__({panel.name: panel(workbench) for panel in find_panels()})
+        for panel in self.values():
+            if not panel.widget.accessibleName():
+                panel.widget.setAccessibleName(panel.title)
         self._planned: Simulation | None = None  # the one whose plan they show
 
     @property

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from PySide6.QtCore import Qt
 from PySide6.QtGui import QAccessible
 from PySide6.QtWidgets import (
     QAbstractButton,
@@ -25,6 +26,12 @@ WHOLE = (QComboBox, QAbstractSpinBox, QLineEdit, QAbstractItemView)  # what is i
 def controls_of(window: QWidget) -> list[QWidget]:
     """Every slider, field, combo box, tick, button and list below a widget, without their own parts."""
     return [child for child in window.findChildren(QWidget) if is_control(child)]
+
+
+def takes_keyboard(widget: QWidget) -> bool:
+    """Whether a widget can have the keyboard, and is no part of another one."""
+    inner = any(isinstance(parent, WHOLE) for parent in _parents(widget))
+    return widget.focusPolicy() != Qt.FocusPolicy.NoFocus and not inner and not widget.objectName().startswith("qt_")
 
 
 def is_control(widget: QWidget) -> bool:

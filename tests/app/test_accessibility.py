@@ -6,13 +6,13 @@ from collections.abc import Iterator
 from typing import Any
 
 import pytest
-from controls import accessible_name, bring_to_front, controls_of, place_of
+from controls import accessible_name, bring_to_front, controls_of, place_of, takes_keyboard
 from PySide6.QtCore import QPoint, Qt
 from PySide6.QtWidgets import QApplication, QCheckBox, QLabel, QLineEdit, QPushButton, QSlider, QTabBar, QWidget
 from test_menus import activate
 
 from insonify.scene import Scene
-from insonify_viewer.application import enlarge_text
+from insonify_viewer.application import enlarge_text, has_opengl
 from insonify_viewer.fields import NumberField
 from insonify_viewer.panels.parameters.view.section_box import SectionBox
 from insonify_viewer.views.field_rows import Combo
@@ -94,6 +94,17 @@ def test_a_range_is_that_of_the_bounds_or_of_the_slider(bounds: Any, slider: Any
 def test_a_number_without_unit_says_so() -> None:
     number = NumberField("seed", "seed", "seed", "", 0, 1, None, log=False, integer=True, bounds=(0, 9))
     assert number.about == "seed (no unit; 0 to 9)"
+
+
+def test_everything_that_takes_the_keyboard_has_a_name(window: MainWindow) -> None:
+    """Views, tabs and scroll areas too; a text is named by its words, and one without words says nothing."""
+    own = (child for child in window.findChildren(QWidget) if takes_keyboard(child))
+    speaking = [child for child in own if not isinstance(child, QLabel) or child.text()]
+    kinds = {type(child).__name__ for child in speaking}
+    assert {"WaterfallView", "TitledWaterfall", "WaterView", "QTabBar", "ParametersView", "ScrollColumn"} <= kinds
+    assert "QtInteractor" in kinds or not has_opengl()
+    assert [place_of(child) for child in speaking if not accessible_name(child)] == []
+    assert all(tabs.accessibleName() for tabs in window.findChildren(QTabBar))
 
 
 def test_every_control_has_a_name(window: MainWindow) -> None:

@@ -42,7 +42,7 @@ from insonify_viewer.views.settings import Settings
 from insonify_viewer.views.status_line import StatusLine
 from insonify_viewer.views.text_scale import scaled
 from insonify_viewer.views.titled_waterfall import TitledWaterfall
-from insonify_viewer.views.tool_widgets import GainSlider, make_combo
+from insonify_viewer.views.tool_widgets import GainSlider, button_of, make_combo, with_key
 from insonify_viewer.views.tour import Tour, tour_steps
 from insonify_viewer.views.waterfall_view import WaterfallView
 
@@ -180,7 +180,7 @@ class MainWindow(QMainWindow):
         self.pause.setText("Pause" if running else "Play")
         set_icon(self.pause, "pause" if running else "play")
         tip = "Pause the tow; the mouse wheel then looks back" if running else "Tow on from the ping on top"
-        self.pause.setToolTip(_with_key(tip, self.pause.shortcut()))
+        self.pause.setToolTip(with_key(tip, self.pause.shortcut()))
 
     @guard_override(None)
     def closeEvent(self, event: QCloseEvent) -> None:
@@ -224,7 +224,7 @@ class MainWindow(QMainWindow):
         if panel.button.icon:
             set_icon(action, panel.button.icon)
             self._bar.insertAction(self._after_buttons, action)
-            name_button(_button(self._bar, action))
+            name_button(button_of(self._bar, action))
         self._buttons[panel.name] = action
 
     def _open_window(self, panel: Panel) -> None:
@@ -259,7 +259,7 @@ class MainWindow(QMainWindow):
         bar.addSeparator()
         self.undo = self._tool(bar, "Undo", "Undo the last edit", QKeySequence(key.Undo))
         self.redo = self._tool(bar, "Redo", "Redo the edit that was undone", QKeySequence(key.Redo))
-        undo, redo = ((action, _button(bar, action)) for action in (self.undo, self.redo))
+        undo, redo = ((action, button_of(bar, action)) for action in (self.undo, self.redo))
         self.history = HistoryMenus(undo, redo)
         bar.addSeparator()
         self.pause = self._tool(bar, "Pause", "Pause the tow; the mouse wheel then looks back", QKeySequence("Space"))
@@ -341,17 +341,5 @@ class MainWindow(QMainWindow):
     def _action(self, text: str, tip: str, shortcut: QKeySequence) -> QAction:
         action = QAction(text, self)
         action.setShortcut(shortcut)
-        action.setToolTip(_with_key(tip, shortcut))
+        action.setToolTip(with_key(tip, shortcut))
         return action
-
-
-def _with_key(tip: str, shortcut: QKeySequence) -> str:
-    key = shortcut.toString(QKeySequence.SequenceFormat.NativeText)
-    return f"{tip} ({key})" if key else tip
-
-
-def _button(bar: QToolBar, action: QAction) -> QToolButton:
-    """Button of an action in a tool bar."""
-    button = bar.widgetForAction(action)
-    assert isinstance(button, QToolButton)
-    return button

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from itertools import pairwise
 
 from PySide6.QtCore import Qt
-from PySide6.QtWidgets import QDockWidget, QMainWindow, QTabWidget, QWidget
+from PySide6.QtWidgets import QDockWidget, QMainWindow, QTabBar, QTabWidget, QWidget
 
 from insonify_viewer.panels.panel import Panel, Place
 from insonify_viewer.views.panel_room import PanelRoom
@@ -59,6 +59,7 @@ class PanelDocks:
             self._window.resizeDocks(docks, [scaled(self._window, SIDE)] * len(docks), Qt.Orientation.Horizontal)
             for dock in docks[:1]:
                 dock.raise_()
+        self._name_tabs()
 
     def __contains__(self, panel: str) -> bool:
         """Whether a panel, by its name, stands in a dock."""
@@ -78,6 +79,7 @@ class PanelDocks:
                 if not other.isHidden() and self._window.dockWidgetArea(other) is area:
                     self._window.tabifyDockWidget(other, dock)
             dock.show()
+            self._name_tabs()
         dock.raise_()
 
     def show(self, panel: Panel, shown: bool) -> None:
@@ -103,3 +105,8 @@ class PanelDocks:
         self._room.watch(dock)
         self._docks[panel.name] = dock
         return dock
+
+    def _name_tabs(self) -> None:
+        """Name the tabs of panels for screen readers; Qt makes some when panels come to stand behind one another."""
+        for tabs in self._window.findChildren(QTabBar):
+            tabs.setAccessibleName("Panels")

@@ -1,11 +1,12 @@
-"""Widgets of the tool bar: a slider that gives way, and lists to choose from."""
+"""Widgets of the tool bar: a slider that gives way, lists to choose from, and buttons of actions."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
 
 from PySide6.QtCore import QSize, Qt
-from PySide6.QtWidgets import QComboBox, QSlider
+from PySide6.QtGui import QAction, QKeySequence
+from PySide6.QtWidgets import QComboBox, QSlider, QToolBar, QToolButton
 
 from insonify_viewer.errors.guarded_overrides import guard_override
 
@@ -33,3 +34,16 @@ def make_combo(entries: Sequence[tuple[str, object]], name: str) -> QComboBox:
     for text, data in entries:
         combo.addItem(text, data)
     return combo
+
+
+def with_key(tip: str, shortcut: QKeySequence) -> str:
+    """Append a shortcut to a tooltip, as the system writes it."""
+    key = shortcut.toString(QKeySequence.SequenceFormat.NativeText)
+    return f"{tip} ({key})" if key else tip
+
+
+def button_of(bar: QToolBar, action: QAction) -> QToolButton:
+    """Return the button of an action in a tool bar."""
+    button = bar.widgetForAction(action)
+    assert isinstance(button, QToolButton)
+    return button

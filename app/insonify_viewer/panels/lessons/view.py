@@ -178,6 +178,7 @@ class StepPage(QWidget):
 
     def _lay_out(self) -> None:
         self._scroll = ScrollColumn()
+        self._scroll.setAccessibleName("Step of the lesson")
         column = self._scroll.column
         column.setSpacing(10)
         done = _row(self.tick, self.show_me)
