@@ -14,12 +14,13 @@ from test_menus import activate
 from insonify.scene import Scene, edit, load_scene
 from insonify_viewer.panels.jobs.view.dataset_question import DatasetQuestion
 from insonify_viewer.viewer import Viewer
-from insonify_viewer.views.help_dialogs import HELD_KEYS, AboutDialog, KeysDialog
+from insonify_viewer.views.help_dialogs import AboutDialog, KeysDialog
+from insonify_viewer.views.key_list import OTHER_KEYS
 from insonify_viewer.views.scene_gallery import SceneGallery
 
 DIALOGS: dict[str, Callable[[QWidget], QWidget]] = {
     "about": AboutDialog,
-    "keys": lambda window: KeysDialog(window, window.menus.all, HELD_KEYS),  # type: ignore[attr-defined]
+    "keys": lambda window: KeysDialog(window, window.menus.all, OTHER_KEYS),  # type: ignore[attr-defined]
     "gallery": SceneGallery,
     "data set": lambda window: DatasetQuestion(["mines"], window),
 }

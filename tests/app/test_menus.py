@@ -4,14 +4,17 @@ from __future__ import annotations
 
 from collections import Counter
 from importlib.metadata import version
+from pathlib import Path
 from typing import Any
 
 from PySide6.QtCore import Qt
-from PySide6.QtGui import QAction, QGuiApplication
+from PySide6.QtGui import QAction, QGuiApplication, QKeySequence, QShortcut
 from PySide6.QtWidgets import QMenu, QToolBar, QToolButton, QWidget
 
+import insonify_viewer
 from insonify.scene import Scene
 from insonify_viewer.views.help_dialogs import AboutDialog, KeysDialog
+from insonify_viewer.views.key_list import OTHER_KEYS
 
 
 def entries(menu: QMenu) -> list[QAction]:
@@ -66,13 +69,34 @@ def test_keys_are_listed(open_viewer: Any, small: Scene, qtbot: Any) -> None:
     activate(window, qtbot)
     qtbot.keyClick(window, "?")
     qtbot.waitUntil(lambda: window.findChild(KeysDialog) is not None)
-    listed = window.findChild(KeysDialog).list
-    pairs = {
-        (row.text(0), row.text(1))
-        for group in (listed.topLevelItem(i) for i in range(listed.topLevelItemCount()))
-        for row in (group.child(i) for i in range(group.childCount()))
-    }
+    pairs = listed_keys(window.findChild(KeysDialog))
     assert {("Save scene…", "Ctrl+S"), ("Keep as A", "K"), ("Lessons", "Ctrl+L")} <= pairs
+    others = {("show record A while held", "X"), ("find a parameter", "Ctrl+F"), ("zoom about the mouse", "Ctrl+wheel")}
+    assert others <= pairs
+
+
+def test_every_key_that_is_made_is_listed(open_viewer: Any, small: Scene, qtbot: Any) -> None:
+    viewer = open_viewer(small)
+    window = viewer.window
+    for name in viewer.panels:
+        window.open_panel(name)
+    dialog = KeysDialog(window, window.menus.all, OTHER_KEYS)
+    listed = {key for _, keys in listed_keys(dialog) for key in (keys, *keys.split())}
+    native = QKeySequence.SequenceFormat.NativeText
+    actions = {action.shortcut().toString(native) for action in window.findChildren(QAction)} - {""}
+    assert actions - listed == set()
+    shortcuts = [shortcut.key().toString(native) for shortcut in window.findChildren(QShortcut)]
+    assert set(shortcuts) - listed == set()
+    sources = Path(insonify_viewer.__file__).parent.rglob("*.py")
+    made = sum(path.read_text(encoding="utf-8").count("QShortcut(") for path in sources)
+    assert len(shortcuts) >= made, "this test sees every shortcut that is made"
+
+
+def listed_keys(dialog: KeysDialog) -> set[tuple[str, str]]:
+    """What the list of keys shows: commands with their keys."""
+    groups = (dialog.list.topLevelItem(number) for number in range(dialog.list.topLevelItemCount()))
+    rows = (group.child(number) for group in groups for number in range(group.childCount()))
+    return {(row.text(0), row.text(1)) for row in rows}
 
 
 def test_about_is_copied(open_viewer: Any, small: Scene, qtbot: Any) -> None:

@@ -18,16 +18,12 @@ from PySide6.QtWidgets import (
 from insonify_viewer.errors.versions import list_versions, version_of
 
 _NATIVE = QKeySequence.SequenceFormat.NativeText
-HELD_KEYS = (
-    ("show record A while held", "X"),
-    ("look back along a paused record", "mouse wheel"),
-    ("stop the job that has the keyboard", "Delete"),
-)
+ROOM, HIGH = 60, 640  # px: beside the columns of the list of keys, and its height
 LICENCE = "MIT licence: free to use, change and pass on, without warranty."
 
 
 class KeysDialog(QDialog):
-    """Lists every command that has a key, by its menu.
+    """Lists every command that has a key, by its menu, and the keys of views.
 
     Parameters
     ----------
@@ -35,11 +31,13 @@ class KeysDialog(QDialog):
         Owner.
     menus : list of QMenu
         Menus of the window.
-    others : tuple of (str, str)
-        Keys that are no commands of menus, and what they do.
+    others : tuple of (str, tuple of (str, str))
+        By title, what is done by keys that are no commands of menus, and the keys.
     """
 
-    def __init__(self, window: QWidget, menus: list[QMenu], others: tuple[tuple[str, str], ...]) -> None:
+    def __init__(
+        self, window: QWidget, menus: list[QMenu], others: tuple[tuple[str, tuple[tuple[str, str], ...]], ...]
+    ) -> None:
         super().__init__(window)
         self.setAttribute(Qt.WidgetAttribute.WA_DeleteOnClose)
         self.setWindowTitle("Keyboard shortcuts")
@@ -48,13 +46,15 @@ class KeysDialog(QDialog):
         self.list.setHeaderLabels(["command", "key"])
         for menu in menus:
             self._add(menu.title().replace("&", ""), [(a.text(), a.shortcut()) for a in _commands(menu)])
-        self._add("Mouse and held keys", list(others))
+        for title, keys in others:
+            self._add(title, list(keys))
         self.list.expandAll()
-        self.list.resizeColumnToContents(0)
+        for column in range(2):
+            self.list.resizeColumnToContents(column)
         layout = QVBoxLayout(self)
         layout.addWidget(self.list)
         layout.addWidget(_closing(self))
-        self.resize(460, 560)
+        self.resize(self.list.columnWidth(0) + self.list.columnWidth(1) + ROOM, HIGH)
 
     def _add(self, title: str, keys: list[tuple[str, QKeySequence | str]]) -> None:
         shown = [(text, key if isinstance(key, str) else key.toString(_NATIVE)) for text, key in keys]

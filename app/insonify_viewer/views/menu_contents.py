@@ -7,8 +7,9 @@ from typing import TYPE_CHECKING
 from PySide6.QtCore import Qt
 from PySide6.QtWidgets import QToolButton
 
-from insonify_viewer.views.help_dialogs import HELD_KEYS, AboutDialog, KeysDialog
+from insonify_viewer.views.help_dialogs import AboutDialog, KeysDialog
 from insonify_viewer.views.icons import set_icon
+from insonify_viewer.views.key_list import OTHER_KEYS
 from insonify_viewer.views.looks_menu import LooksMenu
 from insonify_viewer.views.menus import Menus
 
@@ -35,8 +36,8 @@ def fill_menus(window: MainWindow, menus: Menus) -> LooksMenu:
     menus.group("View", [window.projector, window.reset_view])
     looks = LooksMenu(window, menus.view, window.settings, window.say)
     menus.view.addSeparator()
-    keys = menus.add("Help", "Keyboard shortcuts", "Every command that has a key", "?")
-    keys.triggered.connect(lambda: KeysDialog(window, menus.all, HELD_KEYS).show())
+    keys = menus.add("Help", "Keyboard shortcuts", "Every command that has a key, and the keys of views", "?")
+    keys.triggered.connect(lambda: KeysDialog(window, menus.all, OTHER_KEYS).show())
     menus.add("Help", "Tour", "Five steps through the window").triggered.connect(window.tour.begin)
     about = menus.add("Help", "About insonify", "Versions, licence, citation")
     about.triggered.connect(lambda: AboutDialog(window).show())
