@@ -101,7 +101,7 @@ def test_everything_that_takes_the_keyboard_has_a_name(window: MainWindow) -> No
     own = (child for child in window.findChildren(QWidget) if takes_keyboard(child))
     speaking = [child for child in own if not isinstance(child, QLabel) or child.text()]
     kinds = {type(child).__name__ for child in speaking}
-    assert {"WaterfallView", "TitledWaterfall", "WaterView", "QTabBar", "ParametersView", "ScrollColumn"} <= kinds
+    assert {"WaterfallView", "RecordAView", "WaterView", "QTabBar", "ParametersView", "ScrollColumn"} <= kinds
     assert "QtInteractor" in kinds or not has_opengl()
     assert [place_of(child) for child in speaking if not accessible_name(child)] == []
     assert all(tabs.accessibleName() for tabs in window.findChildren(QTabBar))

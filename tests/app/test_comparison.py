@@ -190,6 +190,17 @@ def test_a_kept_record_stays_while_the_scene_changes(compared: Any) -> None:
     assert "+6 dB" in shown.changes.text()
 
 
+def test_both_records_are_named_where_they_stand_side_by_side(compared: Any, qtbot: Any) -> None:
+    views = compared.window.record_a, compared.window.waterfall
+    assert [view._title for view in views] == ["", ""]
+    compared.comparison.arrange(Arrangement.BESIDE)
+    assert [view._title for view in views] == ["A  material diffuse 0.2", "B  material diffuse 0.4"]
+    compared.session.settle({"seabed.material.diffuse": 0.5})
+    assert views[1]._title == "B  material diffuse 0.5"
+    compared.comparison.arrange(Arrangement.ALONE)
+    assert [view._title for view in views] == ["", ""]
+
+
 def test_a_is_shown_while_the_key_is_held(compared: Any, qtbot: Any) -> None:
     bright = colour(compared)
     QTest.keyPress(compared.window, Qt.Key.Key_X)

@@ -195,6 +195,11 @@ class Comparison:
         self._window.waterfall.moved.connect(self._move)
         self._recordings.reading.connect(self._make_room)
         self._recordings.opened.connect(self._take_recording)
+        self._session.changed.connect(self._follow_scene)
+
+    def _follow_scene(self, _scene: Scene, settled: bool) -> None:
+        if settled and self.a is not None:
+            self._name_records()
 
     def _make_room(self) -> None:
         """Show a recording that is being read side by side, unless another is shown in another way."""
@@ -218,7 +223,6 @@ class Comparison:
         self._set(kept)  # first, so that the picture is computed once, for its place
         self._view.show_levels(self._window.waterfall.levels)
         self._view.show_record(kept.record, scene.sonar.range, scene.track.speed / scene.sonar.ping_rate)
-        self._view.show_title(scene.title)
         self._move(self._window.waterfall.top)
         self._measure()
 
@@ -238,9 +242,18 @@ class Comparison:
             self._window.records.hide()
         if self.a is None:
             self._window.overlay.leave()
+            self._window.waterfall.show_title("")
         else:
-            self._window.overlay.show_records(self.titles, by_ping=self.kept is not None)
+            self._name_records()
             self._window.overlay.arrange(self.arrangement)
+
+    def _name_records(self) -> None:
+        """Say which record is A and which B, above them where they stand side by side."""
+        a, b = self.titles
+        self._window.overlay.show_records((a, b), by_ping=self.kept is not None)
+        beside = self.arrangement is Arrangement.BESIDE
+        self._view.show_title(f"A  {a}" if beside else "")
+        self._window.waterfall.show_title(f"B  {b}" if beside else "")
 
     def _move(self, top: int) -> None:
         """Let a kept record follow the live one."""
@@ -315,7 +328,7 @@ class Comparison:
         if compared is not self._compared or self.kept is None:
             return
         self.difference = found or "cannot be compared"
-        self._window.overlay.show_records(self.titles, by_ping=True)
+        self._name_records()
         changes = self.changes
         if is_edit and changes:
             named = ", ".join(change.in_words() for change in changes)

@@ -161,7 +161,6 @@ class RecordingPlayer:
         self._record = Record(recording.held, recording.bins)
         self._clock = TowClock(recording.held - 1)
         self._clock.run(False)
-        self._view.show_title(recording.path.name)
         self._view.show_record(self._record, recording.slant_range, recording.step)
         self._view.show_last(recording.pings - 1)
         self._show_top()

@@ -22,9 +22,9 @@ from insonify_viewer.comparison.arrangement import Arrangement
 from insonify_viewer.errors.guarded_overrides import guard_override
 from insonify_viewer.views.arrow_keys import modifiers_of
 from insonify_viewer.views.difference_picture import DifferencePicture, decibels_between, draw_difference
+from insonify_viewer.views.record_a_view import RecordAView
 from insonify_viewer.views.record_image import EMPTY
 from insonify_viewer.views.theme import ACCENT, ACCENT_IN_WATER, GROUND, MARK, TEXT
-from insonify_viewer.views.titled_waterfall import TitledWaterfall
 from insonify_viewer.views.two_sided_palette import two_sided_table
 from insonify_viewer.views.waterfall_view import WaterfallView
 
@@ -41,13 +41,13 @@ class ComparisonOverlay(QWidget):
 
     Parameters
     ----------
-    a : TitledWaterfall
+    a : RecordAView
         View of record A.
     b : WaterfallView
         View of record B, of which the overlay is a child.
     """
 
-    def __init__(self, a: TitledWaterfall, b: WaterfallView) -> None:
+    def __init__(self, a: RecordAView, b: WaterfallView) -> None:
         super().__init__(b)
         self._a, self._b = a, b
         self._titles = ("A", "B")

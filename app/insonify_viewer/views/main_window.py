@@ -35,13 +35,13 @@ from insonify_viewer.views.menus import Menus
 from insonify_viewer.views.panel_docks import PanelDocks
 from insonify_viewer.views.panel_room import PanelRoom
 from insonify_viewer.views.recent_menu import RecentMenu
+from insonify_viewer.views.record_a_view import RecordAView
 from insonify_viewer.views.records_side_by_side import RecordsSideBySide
 from insonify_viewer.views.save_menu import SaveMenu
 from insonify_viewer.views.scene_menu import SceneMenu
 from insonify_viewer.views.settings import Settings
 from insonify_viewer.views.status_line import StatusLine
 from insonify_viewer.views.text_scale import scaled
-from insonify_viewer.views.titled_waterfall import TitledWaterfall
 from insonify_viewer.views.tool_widgets import GainSlider, button_of, make_combo, with_key
 from insonify_viewer.views.tour import Tour, tour_steps
 from insonify_viewer.views.waterfall_view import WaterfallView
@@ -93,7 +93,7 @@ class MainWindow(QMainWindow):
         self._splitter.addWidget(self.waterfall)
         self._splitter.setSizes([500, 500])
         self._splitter.setChildrenCollapsible(False)
-        self.record_a = TitledWaterfall(native=native)
+        self.record_a = RecordAView(native=native)
         self.records = RecordsSideBySide(self._splitter, self.waterfall, self.record_a)
         self._room = PanelRoom(self, self._splitter)
         self._docks = PanelDocks(self, self._room)

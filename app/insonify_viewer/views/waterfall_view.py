@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 
 from PySide6.QtCore import QEvent, QPoint, QRect, Qt, Signal
-from PySide6.QtGui import QFocusEvent, QKeyEvent, QMouseEvent, QPainter, QWheelEvent
+from PySide6.QtGui import QColor, QFocusEvent, QKeyEvent, QMouseEvent, QPainter, QPaintEvent, QWheelEvent
 from PySide6.QtWidgets import QWidget
 
 from insonify_viewer.errors.guarded_overrides import guard_override
@@ -13,6 +13,7 @@ from insonify_viewer.views.arrow_keys import ENTER, modifiers_of, steps_of
 from insonify_viewer.views.record_canvas import RecordCanvas
 from insonify_viewer.views.record_cursor import RecordCursor
 from insonify_viewer.views.record_handles import RecordHandles
+from insonify_viewer.views.theme import TEXT
 
 PINGS_A_NOTCH = 16
 NOTCH = 120  # of the wheel, in eighths of a degree
@@ -57,7 +58,7 @@ class WaterfallView(RecordCanvas):
         self.setCursor(Qt.CursorShape.CrossCursor)
         self.setAccessibleName("Record")
         self.setAccessibleDescription(KEYS)
-        self.measuring = False
+        self.measuring, self._title = False, ""
         self.is_covered: Callable[[QPoint], bool] = lambda _: False
         self._cursor = RecordCursor(self._plot, self.mark_at, self.place_of)
         self.handles = RecordHandles(self.place_of, self.update, self)
@@ -124,6 +125,25 @@ class WaterfallView(RecordCanvas):
         self.setToolTip("Drag to any ping of the tow" if on_rail else gripped)
         self._cursor.put(place)
         self.hovered.emit(self.mark_at(place))
+
+    def show_title(self, title: str) -> None:
+        """Write a title above the record; an empty one is none."""
+        if title != self._title:
+            self._title = title
+            self.update()
+
+    @guard_override(None)
+    def paintEvent(self, event: QPaintEvent) -> None:
+        """Draw the record and its title."""
+        super().paintEvent(event)
+        plot, high = self._plot(), self._scaled(16)
+        with QPainter(self) as painter:
+            painter.setPen(QColor(TEXT))
+            metrics = painter.fontMetrics()
+            room = plot.width() - 2 * metrics.horizontalAdvance("starboard") - 16
+            title = metrics.elidedText(self._title, Qt.TextElideMode.ElideMiddle, max(room, 0))
+            heading = QRect(plot.left(), plot.top() - self._scaled(20), plot.width(), high)
+            painter.drawText(heading, Qt.AlignmentFlag.AlignHCenter, title)
 
     def _take_handle(self, place: QPoint) -> bool:
         """Take hold of the handle of a target, unless a drag measures."""

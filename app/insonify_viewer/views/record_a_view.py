@@ -1,22 +1,20 @@
-"""Record A: beside the live record with a title, or laid over it, pixel for pixel."""
+"""Record A: beside the live record, or laid over it, pixel for pixel."""
 
 from __future__ import annotations
 
 from dataclasses import replace
 
-from PySide6.QtCore import QRect, Qt
-from PySide6.QtGui import QColor, QPainter, QPaintEvent
+from PySide6.QtCore import QRect
+from PySide6.QtGui import QPainter
 from PySide6.QtWidgets import QWidget
 
-from insonify_viewer.errors.guarded_overrides import guard_override
 from insonify_viewer.record_display.layout import project_record
 from insonify_viewer.record_display.projection import Zoom
-from insonify_viewer.views.theme import TEXT
 from insonify_viewer.views.waterfall_view import WaterfallView
 
 
-class TitledWaterfall(WaterfallView):
-    """Draws a record that is not the live one, with its title; while it lies over the live one, others draw it there.
+class RecordAView(WaterfallView):
+    """Draws a record that is not the live one; while it lies over the live one, others draw it there.
 
     Parameters
     ----------
@@ -28,16 +26,10 @@ class TitledWaterfall(WaterfallView):
 
     def __init__(self, *, native: bool = False, parent: QWidget | None = None) -> None:
         self._live: WaterfallView | None = None
-        self._title, self._by_ping = "", True
+        self._by_ping = True
         self._laid: tuple[object, ...] = ()
         super().__init__(native=native, parent=parent)
         self.show_title("")
-
-    def show_title(self, title: str) -> None:
-        """Write a title above the record."""
-        self._title = title
-        self.setAccessibleName(f"Record A: {title}" if title else "Record A")
-        self.update()
 
     def lie_over(self, live: WaterfallView | None, *, by_ping: bool) -> None:
         """Compute the picture for the place of another record, or with None for a view of its own.
@@ -96,15 +88,3 @@ class TitledWaterfall(WaterfallView):
         left, right = ((metres - first) / (last - first) for metres in live.projection.shown)
         upper, lower = (age * self.rows_a_ping / self._record.pings for age in live.projection.ages)
         return Zoom(left, right, upper, lower) if self._look.newest_on_top else Zoom(left, right, 1 - upper, 1 - lower)
-
-    @guard_override(None)
-    def paintEvent(self, event: QPaintEvent) -> None:
-        """Draw the record and its title."""
-        super().paintEvent(event)
-        plot = self.plot_area
-        with QPainter(self) as painter:
-            heading = QRect(plot.left(), plot.top() - 20, plot.width(), 16)
-            painter.setPen(QColor(TEXT))
-            room = max(plot.width() - 2 * painter.fontMetrics().horizontalAdvance("starboard") - 16, 0)
-            title = painter.fontMetrics().elidedText(self._title, Qt.TextElideMode.ElideMiddle, room)
-            painter.drawText(heading, Qt.AlignmentFlag.AlignHCenter, title)
