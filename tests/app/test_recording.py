@@ -397,9 +397,9 @@ def test_in_a_narrow_window_the_records_take_the_room(viewer: Any, folder: Path,
     qtbot.waitUntil(lambda: window._splitter.sizes()[0] > 250)
     window.resize(880, 600)
     qtbot.waitUntil(lambda: window._splitter.sizes()[0] == 0)
-    _, simulated, recorded = window._splitter.sizes()
+    _, recorded, simulated = window._splitter.sizes()
     assert abs(simulated - recorded) <= 2
-    assert window.waterfall.geometry().right() < window.record_a.geometry().left()
+    assert window.record_a.geometry().right() < window.waterfall.geometry().left()
     window.resize(1600, 900)
     qtbot.waitUntil(lambda: window._splitter.sizes()[0] > 250)
 

@@ -300,7 +300,7 @@ class MainWindow(QMainWindow):
     def _project(self, large: bool) -> None:
         """Fill the screen, with large type at a wide record, or return to the window."""
         self.waterfall.enlarge_text(LARGE if large else 1.0)
-        self._splitter.setSizes([300, 700] if large else [500, 500])
+        self._splitter.setSizes([300, 700, 700] if large else [500, 500, 500])
         if large:
             self.showFullScreen()
         else:

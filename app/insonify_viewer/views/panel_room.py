@@ -34,7 +34,7 @@ class PanelRoom(QObject):
     def make(self) -> None:
         """Show the 3-D view, unless the window is too narrow for it beside the panels and the record."""
         views = [self._splitter.widget(place) for place in range(self._splitter.count())]
-        solid, live, *others = [view for view in views if view is not None]
+        solid, *others, live = [view for view in views if view is not None]
         left = self._narrowest(Qt.DockWidgetArea.LeftDockWidgetArea)
         right = self._narrowest(Qt.DockWidgetArea.RightDockWidgetArea)
         # Beside record A alone, the 3-D view can be drawn out from the edge.

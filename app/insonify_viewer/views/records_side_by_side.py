@@ -11,7 +11,7 @@ ROOMY = 1000  # px of the middle of the window, from which the 3-D view keeps a 
 
 
 class RecordsSideBySide(QObject):
-    """Shows record A beside the live record.
+    """Shows record A left of the live record.
 
     Parameters
     ----------
@@ -27,7 +27,7 @@ class RecordsSideBySide(QObject):
         self._before: list[int] = []
         self._roomy = False
         splitter.installEventFilter(self)
-        splitter.addWidget(beside)
+        splitter.insertWidget(splitter.indexOf(live), beside)  # A stands left of B, as where A is wiped over it
         beside.hide()
 
     def show(self) -> None:
