@@ -181,7 +181,7 @@ def test_a_kept_record_beside_the_live_one_has_a_cursor(viewer: Any, qtbot: Any)
     assert cross is not None
     QTest.keyClick(view, Key.Key_Right)
     assert view._marks.cross == Mark(cross.ping, 1, cross.bin + 1)
-    assert view.accessibleName().startswith("Record A: ")
+    assert view.accessibleName().startswith("Record A ")
     QTest.keyClick(view, Key.Key_C)
     (contact,) = viewer.panels["record"].contacts.all
     assert contact.mark == view._marks.cross

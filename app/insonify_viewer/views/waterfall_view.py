@@ -130,6 +130,7 @@ class WaterfallView(RecordCanvas):
         """Write a title above the record; an empty one is none."""
         if title != self._title:
             self._title = title
+            self.setAccessibleName(f"Record {title}".strip())
             self.update()
 
     @guard_override(None)
