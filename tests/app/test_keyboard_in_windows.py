@@ -70,6 +70,14 @@ def test_tab_reaches_every_control_of_a_window(name: str, open_viewer: Any, smal
     assert_walked(window, qtbot)
 
 
+def test_every_control_of_a_question_has_a_tooltip(open_viewer: Any, small: Scene) -> None:
+    question = DIALOGS["data set"](open_viewer(small).window)
+    answers = question.buttons.buttons()  # type: ignore[attr-defined]
+    controls = [control for control in controls_of(question) if control not in answers]
+    assert len(controls) == 5
+    assert [place_of(control) for control in controls if not control.toolTip()] == []
+
+
 @pytest.mark.parametrize("name", DIALOGS)
 def test_tab_reaches_every_control_of_a_dialog(name: str, open_viewer: Any, small: Scene, qtbot: Any) -> None:
     dialog = DIALOGS[name](open_viewer(small).window)

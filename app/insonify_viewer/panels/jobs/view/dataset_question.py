@@ -58,7 +58,7 @@ class DatasetQuestion(QDialog):
         self.scenes = QSpinBox()
         self.scenes.setRange(1, MOST_SCENES)
         self.scenes.setValue(USUAL_SCENES)
-        self.scenes.setToolTip("Number of scenes that are drawn at random")
+        self.scenes.setToolTip(f"Number of scenes that are drawn at random, 1 to {MOST_SCENES}")
         self.folder = QLineEdit(str(Path.home() / (bundled[0] if bundled else "dataset")))
         self.folder.setObjectName("line")
         self.folder.setToolTip("Folder to make, or one in which a stopped data set goes on")
@@ -68,9 +68,9 @@ class DatasetQuestion(QDialog):
         self.buttons.accepted.connect(self.accept)
         self.buttons.rejected.connect(self.reject)
         form = QFormLayout(self)
-        form.addRow("Specification", _beside(self.specification, "File…", self._choose_file))
+        form.addRow("Specification", _beside(self.specification, "File…", "Pick a TOML file", self._choose_file))
         form.addRow("Scenes", self.scenes)
-        form.addRow("Folder", _beside(self.folder, "Choose…", self._choose_folder))
+        form.addRow("Folder", _beside(self.folder, "Choose…", "Pick the folder of the data set", self._choose_folder))
         form.addRow(self.buttons)
 
     @property
@@ -89,12 +89,13 @@ class DatasetQuestion(QDialog):
             self.folder.setText(folder)
 
 
-def _beside(field: QWidget, text: str, choose: Callable[[], None]) -> QWidget:
+def _beside(field: QWidget, text: str, tip: str, choose: Callable[[], None]) -> QWidget:
     """Put a field and its button side by side."""
     line = QWidget()
     row = QHBoxLayout(line)
     row.setContentsMargins(0, 0, 0, 0)
     button = QPushButton(text)
+    button.setToolTip(tip)
     button.clicked.connect(choose)
     row.addWidget(field, 1)
     row.addWidget(button)
