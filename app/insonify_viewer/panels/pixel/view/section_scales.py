@@ -13,7 +13,7 @@ from PySide6.QtGui import QPolygonF
 if TYPE_CHECKING:
     from insonify.explanation.cross_section import CrossSection
 
-LEFT, RIGHT, TOP, BOTTOM = 46.0, 22.0, 10.0, 22.0  # px
+LEFT, RIGHT, TOP, BOTTOM = 46.0, 22.0, 10.0, 22.0  # px at the usual size of the text
 BELOW, ABOVE = 0.12, 0.08  # of the water's height, drawn below the bed and above the sonar
 FLATTEST = 1e-9  # least extent of heights as a share of them, so that their edges are two numbers
 
@@ -34,6 +34,8 @@ class SectionScales:
         Heights at the lower and the upper edge, m.
     mirrored : bool
         Whether ground range grows to the left, as on the port side of the record.
+    text : float
+        Size of the text over the usual one.
     """
 
     area: QRectF
@@ -41,18 +43,20 @@ class SectionScales:
     low: float
     high: float
     mirrored: bool
+    text: float = 1.0
 
     @classmethod
-    def of(cls, section: CrossSection, size: tuple[float, float], surfaced: bool) -> SectionScales:
-        """Fit a section into a widget; ``surfaced`` shows the sea surface too."""
+    def of(cls, section: CrossSection, size: tuple[float, float], surfaced: bool, text: float = 1.0) -> SectionScales:
+        """Fit a section into a widget; ``surfaced`` shows the sea surface too, ``text`` enlarges the margins."""
         bed = section.bed[np.isfinite(section.bed[:, 1]), 1]
         sonar = float(section.sonar.place[2])
         high = section.sonar.surface if surfaced else sonar
         # A fish towed at a depth may be below all of a measured bed.
         low = min(float(bed.min()) if bed.size else sonar - 1.0, high)
         tall = max(high - low, 1.0, FLATTEST * abs(low))
-        area = QRectF(LEFT, TOP, max(size[0] - LEFT - RIGHT, 1.0), max(size[1] - TOP - BOTTOM, 1.0))
-        return cls(area, section.reach, low - BELOW * tall, high + ABOVE * tall, section.side == 0)
+        left, right, bottom = LEFT * text, RIGHT * text, BOTTOM * text
+        area = QRectF(left, TOP, max(size[0] - left - right, 1.0), max(size[1] - TOP - bottom, 1.0))
+        return cls(area, section.reach, low - BELOW * tall, high + ABOVE * tall, section.side == 0, text)
 
     def at(self, ground_range: float, height: float) -> QPointF:
         """Pixel of a ground range and a height, m."""

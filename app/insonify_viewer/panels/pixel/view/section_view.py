@@ -6,13 +6,14 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
-from PySide6.QtCore import QEvent, QPointF, QRectF, Qt
+from PySide6.QtCore import QEvent, QPointF, QRectF, QSizeF, Qt
 from PySide6.QtGui import QColor, QPainter, QPaintEvent, QPen, QPixmap, QResizeEvent
 from PySide6.QtWidgets import QWidget
 
 from insonify_viewer.errors.guarded_overrides import guard_override
 from insonify_viewer.panels.pixel.view.section_scales import SectionScales
 from insonify_viewer.views.pixels import round_steps
+from insonify_viewer.views.text_scale import text_scale
 from insonify_viewer.views.theme import ACCENT_IN_WATER, GROUND, MARK_IN_WATER, OVER_WATER, QUIET
 
 if TYPE_CHECKING:
@@ -79,14 +80,16 @@ class SectionView(QWidget):
             with QPainter(picture) as painter:
                 painter.setFont(self.font())
                 painter.setRenderHint(QPainter.RenderHint.Antialiasing)
-                _paint(painter, *self._shown, (self.width(), self.height()))
+                _paint(painter, *self._shown, (self.width(), self.height()), text_scale(self))
         return picture
 
 
-def _paint(painter: QPainter, explanation: PixelExplanation, section: CrossSection, size: tuple[int, int]) -> None:
+def _paint(
+    painter: QPainter, explanation: PixelExplanation, section: CrossSection, size: tuple[int, int], text: float
+) -> None:
     """Paint water, bed, targets, rays and scales."""
     ghosts = any(each.path != "direct" for each in explanation.contributions)
-    scales = SectionScales.of(section, size, surfaced=ghosts)
+    scales = SectionScales.of(section, size, surfaced=ghosts, text=text)
     painter.fillRect(scales.area, QColor(WATER))
     painter.setClipRect(scales.area)
     _paint_bed(painter, scales, section)
@@ -127,7 +130,8 @@ def _name_target(painter: QPainter, scales: SectionScales, name: str, face: Poin
     left = place.x() - 6.0 - width if scales.mirrored else place.x() + 6.0
     left = min(max(left, scales.area.left()), scales.area.right() - width)
     painter.setPen(QColor(TARGET))
-    painter.drawText(QRectF(left, place.y() - 20.0, width, 16.0), Qt.TextFlag.TextDontClip, name)
+    top_left = QPointF(left, place.y() - 20.0 * scales.text)
+    painter.drawText(QRectF(top_left, QSizeF(width, 16.0 * scales.text)), Qt.TextFlag.TextDontClip, name)
 
 
 def _paint_ring(painter: QPainter, scales: SectionScales, section: CrossSection, slant_range: float) -> None:
@@ -155,18 +159,19 @@ def _paint_rays(painter: QPainter, scales: SectionScales, section: CrossSection,
 def _paint_scales(painter: QPainter, scales: SectionScales, section: CrossSection) -> None:
     """Write ground ranges below and depths beside the section."""
     painter.setPen(QColor(QUIET))
-    area = scales.area
-    for distance in round_steps(0.0, scales.reach, max(int(area.width() / 70), 1)):
+    area, wide, high = scales.area, 80.0 * scales.text, 16.0 * scales.text
+    for distance in round_steps(0.0, scales.reach, max(int(area.width() / (70 * scales.text)), 1)):
         x = scales.at(distance, 0.0).x()
-        painter.drawText(
-            QRectF(x - 40.0, area.bottom() + 3.0, 80.0, 16.0), Qt.AlignmentFlag.AlignHCenter, f"{distance:g} m"
-        )
+        place = QRectF(x - 0.5 * wide, area.bottom() + 3.0, wide, high)
+        painter.drawText(place, Qt.AlignmentFlag.AlignHCenter, f"{distance:g} m")
     right = Qt.AlignmentFlag.AlignRight | Qt.AlignmentFlag.AlignVCenter
     surface = section.sonar.surface
-    for depth in round_steps(surface - scales.high, surface - scales.low, max(int(area.height() / 40), 1)):
+    for depth in round_steps(
+        surface - scales.high, surface - scales.low, max(int(area.height() / (40 * scales.text)), 1)
+    ):
         y = scales.at(0.0, surface - depth).y()
         if area.top() <= y <= area.bottom():
-            painter.drawText(QRectF(0.0, y - 8.0, area.left() - 6.0, 16.0), right, f"{depth:g} m")
+            painter.drawText(QRectF(0.0, y - 0.5 * high, area.left() - 6.0, high), right, f"{depth:g} m")
 
 
 def _flat(section: CrossSection, points: Points) -> Points:
