@@ -100,8 +100,8 @@ def _beds_are_shaded_once() -> Iterator[None]:
     """
     from insonify_viewer.views import pv_meshes, seabed_view
 
-    def plain_texture(anisotropy: int) -> Any:
-        texture = blank_texture(anisotropy)
+    def plain_texture() -> Any:
+        texture = blank_texture()
         texture.mipmap = False
         return texture
 

@@ -180,6 +180,13 @@ def test_a_view_that_is_turned_draws_a_lighter_bed_of_the_same_shape(
     assert _drawn_beds(view) == (True, False)
 
 
+def test_textures_are_filtered_alike_in_all_directions(open_viewer: Any, small: Scene) -> None:
+    # Otherwise Mesa's software renderer may loop over the texels of one pixel for minutes, and the window hangs.
+    plotter = open_viewer(small).seabed.view._canvas.plotter
+    textures = [actor.GetTexture() for actor in plotter.actors.values() if hasattr(actor, "GetTexture")]
+    assert [one.GetMaximumAnisotropicFiltering() for one in textures if one is not None] == [1.0, 1.0]
+
+
 def _drawn_beds(view: Any) -> tuple[bool, bool]:
     return bool(view._bed_actor.visibility), bool(view._thinned_actor.visibility)
 

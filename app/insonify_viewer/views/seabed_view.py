@@ -39,7 +39,6 @@ FISH = 0.075  # length in slant ranges: larger than life, so that it shows
 LOWEST = 0.03  # least slope of the line of sight, by which the camera stays above the bed
 STEEPEST = math.radians(88.0)  # depression of the line of sight, at which the view still has an upper edge
 NEAREST, FARTHEST = 0.05, 6.0  # distance of the camera from its focus, in slant ranges
-ANISOTROPY = 4  # of the bed's texture, so that it is sharp far away
 FADED = 0.25  # opacity of a bed of an earlier scene
 REST = 4.0  # pause between two drawings, in drawing times, which leaves time for the window
 
@@ -224,8 +223,8 @@ class SeabedView(QWidget):
         plotter.set_background(WATER[0], top=WATER[1])
         plotter.renderer.camera.is_set = True  # else PyVista draws the view when the camera is first asked for
         add: dict[str, Any] = {"render": False, "reset_camera": False, "show_scalar_bar": False}
-        self._bed_actor = plotter.add_mesh(self._bed, texture=_blank_texture(ANISOTROPY), lighting=False, **add)
-        self._thinned_actor = plotter.add_mesh(self._thinned_bed, texture=_blank_texture(1), lighting=False, **add)
+        self._bed_actor = plotter.add_mesh(self._bed, texture=_blank_texture(), lighting=False, **add)
+        self._thinned_actor = plotter.add_mesh(self._thinned_bed, texture=_blank_texture(), lighting=False, **add)
         shiny: dict[str, Any] = {"ambient": 0.35, "diffuse": 0.7, "specular": 0.25}
         ball = pv.Sphere()
         ball.cell_data["colour"] = np.zeros((ball.n_cells, 3), np.uint8)
@@ -278,7 +277,7 @@ class SeabedView(QWidget):
         camera.clipping_range = (0.02 * kept, kept + 6.0 * self._reach)
 
     def _thin(self, held: bool) -> None:
-        """Draw a bed of fewer nodes, filtered faster, while the person holds the view, so that it turns smoothly."""
+        """Draw a bed of fewer nodes while the person holds the view, so that it turns smoothly."""
         self._held = held
         self._bed_actor.visibility = self._bed_shown and not held
         self._thinned_actor.visibility = self._bed_shown and held
@@ -316,11 +315,13 @@ def _about_z(angle: float) -> NDArray[np.float64]:
     return np.array([[cos, -sin, 0.0], [sin, cos, 0.0], [0.0, 0.0, 1.0]])
 
 
-def _blank_texture(anisotropy: int) -> Any:
-    """Return a black texture that is filtered with at most so many samples along the line of sight."""
+def _blank_texture() -> Any:
+    """Return a black texture that is filtered alike in all directions."""
     texture = pv.Texture(np.zeros((2, 2, 3), np.uint8))
     texture.interpolate = texture.mipmap = True
-    texture.SetMaximumAnisotropicFiltering(float(anisotropy))
+    # VTK asks for four samples along the line of sight. Mesa's software renderer then loops for minutes, or for ever,
+    # over the texels of one pixel where a triangle is seen from its edge, and the window hangs.
+    texture.SetMaximumAnisotropicFiltering(1.0)
     return texture
 
 
