@@ -15,8 +15,9 @@ from insonify.kernels.common.jit import NOTHING, inlined_uncounted, kernel_separ
 from insonify.kernels.geometry.cross_sections import NEVER
 from insonify.kernels.sweep.facets import Facet, deposit_facet
 from insonify.kernels.sweep.partial_segments import FINE, deposit_partial_segment
-from insonify.kernels.targets.angular_zbuffer import NO_PRIMITIVE, bisect_directions
+from insonify.kernels.targets.angular_zbuffer import NO_PRIMITIVE
 from insonify.kernels.targets.apparent_targets import load_apparent_source, rays_apart
+from insonify.kernels.targets.directions import bisect_directions
 from insonify.kernels.targets.occlusion import is_hidden, next_visible
 from insonify.kernels.targets.primitives import intersect_primitive, load_primitive
 

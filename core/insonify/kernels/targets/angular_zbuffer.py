@@ -16,15 +16,15 @@ import numpy as np
 from numpy.typing import NDArray
 
 from insonify.kernels.common.jit import INTEGER, inlined_uncounted, kernel, kernel_separate
-from insonify.kernels.common.search import last_not_above
 from insonify.kernels.common.types import Mesh, Solids
 from insonify.kernels.geometry.cross_sections import may_cut_solid, section_solid, solid_distance_bound
 from insonify.kernels.targets.apparent_targets import FIELDS, apply_apparent_sources, load_apparent_source
+from insonify.kernels.targets.directions import bisect_directions, measure_directions
 from insonify.kernels.targets.mesh_sections import SAME, cut_mesh
+from insonify.kernels.targets.nearest_primitives import find_nearest
 from insonify.kernels.targets.primitives import (
     intersect_primitive,
     load_primitive,
-    meet_primitive,
     nearest_distance,
     perpendicular_angle,
 )
@@ -35,7 +35,6 @@ EDGE = 1e-9  # share of an interval by which the outermost cells of a body end i
 CROSSED = 1e-5  # share of a distance by which a primitive must come before another to cross it
 SPREAD = np.cos(np.pi * np.arange(FACETS + 1) / FACETS)
 NO_PRIMITIVE = -1
-STEEPEST = 1e-17  # least cosine of a launch angle
 
 
 class AngularZbuffer(NamedTuple):
@@ -61,6 +60,7 @@ class AngularZbuffer(NamedTuple):
         np.float64
     ]  # one over the distance, nearly so if it is curved, is level · cos θ + rise · sin θ
     nearness_sine: NDArray[np.float64]
+    rays: NDArray[np.float64]  # (3, cells) work space: what `meet_body` measures along the rays to one body
 
 
 def empty_zbuffer(solids: Solids, mesh: Mesh) -> AngularZbuffer:
@@ -83,7 +83,7 @@ def empty_zbuffer(solids: Solids, mesh: Mesh) -> AngularZbuffer:
     line, source, rim = np.zeros((primitives, 4)), np.zeros((primitives, FIELDS)), np.zeros((bodies, RIMS))
     return AngularZbuffer(
         body, low, high, line, source, rim, first, edge, cosine, sine, nearest, distance, incidence, lean, near,
-        far, nearness_cosine, nearness_sine,
+        far, nearness_cosine, nearness_sine, np.zeros((3, cells)),
     )  # fmt: skip
 
 
@@ -148,7 +148,7 @@ def _fill_cells(solids, mesh, plane, bent, zbuffer, solid_primitives, primitives
     cells = 0
     for crossings_known in (False, True):
         cells = _sort_edges(zbuffer, edges)
-        _find_nearest(solids, mesh, plane, bent, zbuffer, solid_primitives, primitives, cells)
+        find_nearest(solids, mesh, plane, bent, zbuffer, solid_primitives, primitives, cells)
         edges = cells + 1
         if not crossings_known and primitives > 1:
             edges = _add_crossings(solids, mesh, plane, bent, zbuffer, solid_primitives, primitives, cells)
@@ -196,82 +196,10 @@ def _sort_edges(zbuffer, edges):
     return count - 1
 
 
-@inlined_uncounted
-def measure_directions(angle, cosine, sine):
-    """Cosines and sines of launch angles by their series, whose terms beyond the last leave out less than 1e-17.
-
-    The library's functions, called angle by angle, take ten times as long as this vector code.
-
-    Parameters
-    ----------
-    angle : ndarray of float64
-        From -π/2 to π/2, rad.
-    cosine, sine : ndarray of float64
-        At least as long; filled. A cosine is above 0, since straight down is still ahead.
-    """
-    for k in range(angle.size):
-        squared = angle[k] * angle[k]
-        c = s = 1.0
-        for n in range(22, 0, -2):
-            c = 1.0 - squared * c * (1.0 / (n * (n - 1)))
-            s = 1.0 - squared * s * (1.0 / (n * (n + 1)))
-        cosine[k], sine[k] = max(c, STEEPEST), angle[k] * s
-
-
 @kernel
 def _sort(edge, edges):
     """Sort the first edges in place."""
     edge[:edges].sort()
-
-
-@inlined_uncounted
-def _find_nearest(solids, mesh, plane, bent, zbuffer, solid_primitives, primitives, cells):
-    """Find the primitive that is nearest in every cell and the distances to it."""
-    for p in range(primitives):
-        straight = p < solid_primitives and not bent
-        least = solid_distance_bound(solids, zbuffer.body[p], plane) if straight else 0.0
-        source = load_apparent_source(bent, zbuffer.source[p])
-        primitive = load_primitive(solids, mesh, plane, zbuffer.body[p], zbuffer.line[p], source)
-        zbuffer.first[p] = max(last_not_above(zbuffer.edge[: cells + 1], zbuffer.low[p]), 0)
-        _keep_nearest(p, primitive, least, cells, zbuffer)
-    for p in range(primitives):
-        source = load_apparent_source(bent, zbuffer.source[p])
-        primitive = load_primitive(solids, mesh, plane, zbuffer.body[p], zbuffer.line[p], source)
-        _measure_edges(p, primitive, cells, zbuffer)
-
-
-@inlined_uncounted
-def _keep_nearest(p, primitive, least, cells, zbuffer):
-    """Enter a primitive in the cells where nothing nearer is; of two at one distance the first stays.
-
-    Cells that hold something nearer than ``least``, which no point of it is, are passed over.
-    """
-    edge, cosine, sine = zbuffer.edge, zbuffer.cosine, zbuffer.sine
-    nearest, distance, incidence, lean = zbuffer.nearest, zbuffer.distance, zbuffer.incidence, zbuffer.lean
-    low, high, cell = zbuffer.low[p], zbuffer.high[p], zbuffer.first[p]
-    while cell < cells and edge[cell] < high:
-        if least < distance[cell] and low < 0.5 * (edge[cell] + edge[cell + 1]) < high:
-            c, s = bisect_directions(cosine[cell], sine[cell], cosine[cell + 1], sine[cell + 1])
-            here, cos_incidence, leaning = meet_primitive(primitive, c, s)
-            if here < distance[cell]:
-                nearest[cell], distance[cell], incidence[cell], lean[cell] = p, here, cos_incidence, leaning
-        cell += 1
-
-
-@inlined_uncounted
-def _measure_edges(p, primitive, cells, zbuffer):
-    """Measure the distances to a primitive along the edges of the cells in which it is the nearest."""
-    edge, cosine, sine, near, far = zbuffer.edge, zbuffer.cosine, zbuffer.sine, zbuffer.near, zbuffer.far
-    nearest, first, high = zbuffer.nearest, zbuffer.first[p], zbuffer.high[p]
-    cell = first
-    while cell < cells and edge[cell] < high:
-        if nearest[cell] == p:
-            if cell > first and nearest[cell - 1] == p:
-                near[cell] = far[cell - 1]
-            else:
-                near[cell], _ = intersect_primitive(primitive, cosine[cell], sine[cell])
-            far[cell], _ = intersect_primitive(primitive, cosine[cell + 1], sine[cell + 1])
-        cell += 1
 
 
 @inlined_uncounted
@@ -338,25 +266,6 @@ def _fit_nearness(cells, zbuffer):
         per_near, per_far = share / near[cell], share / far[cell]
         nearness_cosine[cell] = s_high * per_near - s_low * per_far if held else 0.0
         nearness_sine[cell] = c_low * per_far - c_high * per_near if held else 0.0
-
-
-@inlined_uncounted
-def bisect_directions(c_from, s_from, c_to, s_to):
-    """Direction halfway between two others.
-
-    Parameters
-    ----------
-    c_from, s_from, c_to, s_to : float
-        Cosines and sines of the two directions.
-
-    Returns
-    -------
-    tuple of two float
-        Cosine and sine.
-    """
-    c, s = c_from + c_to, s_from + s_to
-    per_norm = 1.0 / math.sqrt(c * c + s * s)
-    return c * per_norm, s * per_norm
 
 
 @inlined_uncounted
