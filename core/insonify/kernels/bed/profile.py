@@ -15,6 +15,7 @@ MEAN_PARTS = 12
 # Entries of one vectorised pass. Passes run on to a whole multiple and leave garbage past the last entry, because a
 # scalar loop over the remainder would take as long as many more entries together. Up to FEW entries a scalar loop wins.
 AT_ONCE, FEW = 32, 8
+WORD = 8  # marks of segments in an int64, tested at once
 
 
 class Profile(NamedTuple):

@@ -10,7 +10,7 @@ from __future__ import annotations
 
 import math
 
-from insonify.kernels.bed.profile import padded_count
+from insonify.kernels.bed.profile import WORD, padded_count
 from insonify.kernels.common.jit import inlined_uncounted, kernel_uncounted
 from insonify.kernels.common.range_bins import FIXED_POINT, spread_energy
 from insonify.kernels.common.scattering import scatter_paired_segments
@@ -18,7 +18,6 @@ from insonify.kernels.common.types import LIGHT
 from insonify.kernels.multipath.image_sources import height_delay, tilt_delay
 from insonify.kernels.sweep.partial_segments import FINE
 from insonify.kernels.sweep.segment_densities import deposit_densities
-from insonify.kernels.sweep.visibility import WORD
 
 
 @kernel_uncounted

@@ -17,7 +17,7 @@ from numpy.typing import DTypeLike, NDArray
 from insonify.kernels.beam.azimuth_sector import is_whole_beam, raise_sector
 from insonify.kernels.beam.knot_weights import weigh_knots, weigh_paired_knots
 from insonify.kernels.beam.pattern_samples import FINE_ROOT, FINE_SINE
-from insonify.kernels.bed.profile import Profile, empty_profile, padded_count, profile_capacity
+from insonify.kernels.bed.profile import WORD, Profile, empty_profile, padded_count, profile_capacity
 from insonify.kernels.bed.slice import slice_bed
 from insonify.kernels.common.jit import inlined_uncounted, kernel, kernel_uncounted
 from insonify.kernels.common.range_bins import accumulate_bins
@@ -46,7 +46,6 @@ from insonify.kernels.refraction.apparent_positions import COLUMNS, straight_gri
 from insonify.kernels.sweep.sweep import LOWEST, aim_plane, visible_from
 from insonify.kernels.sweep.target_echoes import ground_range_at, launch_angle
 from insonify.kernels.sweep.visibility import (
-    WORD,
     SegmentEchoes,
     empty_segment_echoes,
     launch_slopes,

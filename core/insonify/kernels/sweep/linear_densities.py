@@ -10,7 +10,7 @@ import math
 
 import numpy as np
 
-from insonify.kernels.bed.profile import padded_count
+from insonify.kernels.bed.profile import WORD, padded_count
 from insonify.kernels.common.jit import inlined_uncounted
 from insonify.kernels.common.types import LIGHT
 
@@ -82,10 +82,16 @@ def deposit_linear_densities(count, echoes, bin_length, bins):
     per_bin, last = 1.0 / bin_length, bins.size - 2.0
     _work_out_steps(padded_count(count), r, energy, change, per_bin, last, steps, place)
     _add_steps(count, place, steps, echoes.even, echoes.odd)
-    _merge_steps(bins, echoes.even, echoes.odd)
-    remaining = echoes.early
-    for j in range(_list_remaining(count - 1, energy, place, remaining)):
-        _move_over_borders(np.uint64(remaining[j]), r, energy, change, per_bin, last, bins)
+    _merge_steps(count, place, echoes.even, echoes.odd, bins)
+    _mark_remaining(padded_count(count), energy, place, echoes.beyond)
+    echoes.beyond[count - 1 : count - 1 + WORD] = False
+    # Few segments are marked, so that whole words of marks are tested at once.
+    words = echoes.beyond[: (count - 1 + WORD - 1) // WORD * WORD].view(np.int64)
+    for word in range(words.size):
+        if words[word] != 0:
+            for i in range(WORD * word, WORD * word + WORD):
+                if echoes.beyond[i]:
+                    _move_over_borders(np.uint64(i), r, energy, change, per_bin, last, bins)
 
 
 @inlined_uncounted
@@ -136,23 +142,27 @@ def _add_step(i, place, steps, bins):
 
 
 @inlined_uncounted
-def _merge_steps(bins, even, odd):
-    """Add two difference arrays to a third, and clear them; past its end they hold nothing."""
-    for k in range(bins.size):
-        bins[k] += even[k] + odd[k]
-        even[k] = 0
-        odd[k] = 0
+def _merge_steps(count, place, even, odd, bins):
+    """Add two difference arrays, where the places of knots have filled them, to a third, and clear them."""
+    nearest = farthest = place[0]
+    for i in range(count):
+        nearest = place[i] if place[i] < nearest else nearest
+        farthest = place[i] if place[i] > farthest else farthest
+    # Each knot fills four bins; past the array's end they hold nothing.
+    end = min(np.int64(farthest) + 4, bins.size)
+    taken, one, other = bins[nearest:end], even[nearest:end], odd[nearest:end]
+    for k in range(taken.size):
+        taken[k] += one[k] + other[k]
+        one[k] = 0
+        other[k] = 0
 
 
 @inlined_uncounted
-def _list_remaining(segments, energy, place, out):
-    """List the segments with a third border, and those that come nearer outwards; return their number."""
-    number = np.uint64(0)
+def _mark_remaining(segments, energy, place, beyond):
+    """Mark the segments with a third border, and those that come nearer outwards."""
     for i in range(segments):
-        out[number] = i
         # Unsigned, what is below zero is more than two.
-        number += np.uint64((np.uint32(place[i + 1] - place[i]) > np.uint32(2)) & (energy[i] != 0.0))
-    return np.int64(number)
+        beyond[i] = (np.uint32(place[i + 1] - place[i]) > np.uint32(2)) & (energy[i] != 0.0)
 
 
 @inlined_uncounted

@@ -17,7 +17,7 @@ from numpy.typing import DTypeLike, NDArray
 
 from insonify.kernels.beam.azimuth_sector import AzimuthSector
 from insonify.kernels.bed.grid import is_oblique
-from insonify.kernels.bed.profile import Profile, empty_profile, profile_capacity
+from insonify.kernels.bed.profile import WORD, Profile, empty_profile, profile_capacity
 from insonify.kernels.bed.slice import prefetch_strip, slice_bed, snap_to_grid
 from insonify.kernels.common.jit import inlined_uncounted, kernel
 from insonify.kernels.common.prefetch import prefetch_row
@@ -34,7 +34,7 @@ from insonify.kernels.sweep.linear_densities import deposit_linear_densities
 from insonify.kernels.sweep.partial_segments import BedSegment, deposit_partial_segment
 from insonify.kernels.sweep.segment_densities import deposit_densities
 from insonify.kernels.sweep.target_echoes import deposit_targets, deposit_visible_stretches
-from insonify.kernels.sweep.visibility import WORD, SegmentEchoes, empty_segment_echoes, find_visible_echoes
+from insonify.kernels.sweep.visibility import SegmentEchoes, empty_segment_echoes, find_visible_echoes
 from insonify.kernels.targets.angular_zbuffer import AngularZbuffer, empty_zbuffer, fill_zbuffer
 from insonify.kernels.targets.occlusion import occluded_slopes, occlusion_of
 

@@ -16,7 +16,7 @@ from numpy.typing import DTypeLike, NDArray
 from insonify.kernels.beam.knot_weights import weigh_knots
 from insonify.kernels.beam.pattern_samples import FINE_SINE
 from insonify.kernels.bed.grid import is_oblique
-from insonify.kernels.bed.profile import padded_count
+from insonify.kernels.bed.profile import WORD, padded_count
 from insonify.kernels.common.jit import inlined_uncounted
 from insonify.kernels.common.range_bins import FIXED_POINT
 from insonify.kernels.common.scattering import incidence_powers, scatter_segments
@@ -25,7 +25,6 @@ from insonify.kernels.sweep.linear_densities import fit_densities
 from insonify.kernels.sweep.partial_segments import FINE
 
 NADIR = -1e30  # slope of a ray straight down
-WORD = 8  # marks in an int64
 
 
 class SegmentEchoes(NamedTuple):
@@ -45,6 +44,7 @@ class SegmentEchoes(NamedTuple):
     late: NDArray[np.int64]  # and what the next bin takes
     third: NDArray[np.int64]  # of oblique planes, what the bin after that takes
     fourth: NDArray[np.int64]  # and the one after
+    beyond: NDArray[np.bool_]  # segments of oblique planes over three borders or more; a word beyond them is unmarked
     even: NDArray[np.int64]  # difference arrays of oblique planes, of every other knot; cleared between planes
     odd: NDArray[np.int64]
 
@@ -65,10 +65,14 @@ def empty_segment_echoes(capacity: int, bins: int, dtype: DTypeLike = np.float32
     SegmentEchoes
     """
     launch, horizon, weight, cos_squared, scale, energy, change = np.zeros((7, capacity), dtype)
-    r, cut = np.zeros(capacity), np.zeros(capacity + WORD, np.bool_)
+    r, place = np.zeros(capacity), np.zeros(capacity, np.int32)
+    cut, beyond = np.zeros(capacity + WORD, np.bool_), np.zeros(capacity + WORD, np.bool_)
     early, late, third, fourth = np.zeros((4, capacity), np.int64)
-    place, steps = np.zeros(capacity, np.int32), (early, late, third, fourth, *np.zeros((2, bins + 4), np.int64))
-    return SegmentEchoes(r, launch, horizon, weight, cos_squared, scale, energy, cut, change, place, *steps)
+    even, odd = np.zeros((2, bins + 4), np.int64)
+    return SegmentEchoes(
+        r, launch, horizon, weight, cos_squared, scale, energy, cut, change, place, early, late, third, fourth, beyond,
+        even, odd,
+    )  # fmt: skip
 
 
 @inlined_uncounted
