@@ -134,6 +134,29 @@ def test_c_marks_a_contact_at_the_cursor(viewer: Any) -> None:
     assert contact.mark == Mark(450, 1, 59)
 
 
+def test_return_begins_and_ends_a_measured_line(viewer: Any) -> None:
+    view, lines = viewer.window.waterfall, []
+    view.measured.connect(lambda first, last: lines.append((first, last)))
+    point(viewer, Mark(450, 1, 60))
+    press(viewer, Key.Key_M)
+    assert "Return" in viewer.window.status.sentence.text()
+    press(viewer, Key.Key_Right)
+    assert not lines, "no line has begun"
+    press(viewer, Key.Key_Return)
+    assert viewer.inspection.mark is None
+    press(viewer, Key.Key_Right, Modifier.ShiftModifier)
+    assert lines[-1] == (Mark(450, 1, 61), Mark(450, 1, 71))
+    assert "m" in viewer.panels["record"].view.measured.text()
+    press(viewer, Key.Key_Return)
+    count = len(lines)
+    press(viewer, Key.Key_Left)
+    assert len(lines) == count, "the line has ended"
+    press(viewer, Key.Key_Return)
+    press(viewer, Key.Key_M)
+    press(viewer, Key.Key_Return)
+    assert viewer.inspection.mark == Mark(450, 1, 70), "without measuring a pixel is explained"
+
+
 def test_tab_shows_the_cursor(viewer: Any) -> None:
     view = viewer.window.waterfall
     viewer.session.point_at(None)

@@ -15,6 +15,7 @@ OTHER_KEYS: tuple[tuple[str, tuple[tuple[str, str], ...]], ...] = (
             ("look back and forward by a page, outside lessons", "PgDown PgUp"),
             ("go to the upper and the lower end of the tow", "Ctrl+Home Ctrl+End"),
             ("explain the pixel at the cursor, or let it go", "Return"),
+            ("begin and end a measured line, after M", "Return"),
             ("move the line between A and B (wiped)", "Alt+← →"),
         ),
     ),

@@ -9,6 +9,7 @@ from PySide6.QtGui import QColor, QFocusEvent, QKeyEvent, QMouseEvent, QPainter,
 from PySide6.QtWidgets import QWidget
 
 from insonify_viewer.errors.guarded_overrides import guard_override
+from insonify_viewer.session import Mark
 from insonify_viewer.views.arrow_keys import ENTER, modifiers_of, steps_of
 from insonify_viewer.views.record_canvas import RecordCanvas
 from insonify_viewer.views.record_cursor import RecordCursor
@@ -39,8 +40,6 @@ class WaterfallView(RecordCanvas):
 
     Attributes
     ----------
-    measuring : bool
-        Whether a drag measures; else it moves a zoomed record, and the record along the tow.
     is_covered : callable
         Whether another record lies over a position of the view, which is then told that it is pointed at.
     """
@@ -58,7 +57,8 @@ class WaterfallView(RecordCanvas):
         self.setCursor(Qt.CursorShape.CrossCursor)
         self.setAccessibleName("Record")
         self.setAccessibleDescription(KEYS)
-        self.measuring, self._title = False, ""
+        self._measuring, self._title = False, ""
+        self._begun: Mark | None = None  # where the Return key has begun a line
         self.is_covered: Callable[[QPoint], bool] = lambda _: False
         self._cursor = RecordCursor(self._plot, self.mark_at, self.place_of)
         self.handles = RecordHandles(self.place_of, self.update, self)
@@ -66,6 +66,15 @@ class WaterfallView(RecordCanvas):
         self._taken: QPoint | None = None  # where a handle was taken
         self._dragged: QPoint | None = None  # where a drag under way has come to
         self._notches = 0.0
+
+    @property
+    def measuring(self) -> bool:
+        """Whether a drag, or Return at both ends, measures; else a drag moves the record, and Return explains."""
+        return self._measuring
+
+    @measuring.setter
+    def measuring(self, measuring: bool) -> None:
+        self._measuring, self._begun = measuring, None
 
     def magnify(self, factor: float, place: QPoint | None = None) -> None:
         """Zoom about a place of the plot, else about its middle."""
@@ -227,11 +236,18 @@ class WaterfallView(RecordCanvas):
         elif key in (Qt.Key.Key_Home, Qt.Key.Key_End) and keys == Qt.KeyboardModifier.ControlModifier:
             self._go_to_end((key == Qt.Key.Key_Home) == self._look.newest_on_top)
         elif key in ENTER and not keys:
-            self._point()
-            if not self.is_covered(self._cursor.place):
-                self._click(self._cursor.place)
+            self._enter()
         else:
             super().keyPressEvent(event)
+
+    def _enter(self) -> None:
+        """Begin or end a line at the cursor while measuring; else signal a click there."""
+        self._point()
+        place = self._cursor.place
+        if self.measuring:
+            self._begun = self.mark_at(place) if self._begun is None else None
+        elif not self.is_covered(place):
+            self._click(place)
 
     def _step_across(self, bins: int) -> None:
         """Move the cursor along the row; at an edge of the plot, a zoomed record moves with it."""
@@ -266,5 +282,8 @@ class WaterfallView(RecordCanvas):
         """Signal the bin at the cursor as if the mouse were there."""
         place = self._cursor.place
         self._cursor.put(place)
+        mark = self.mark_at(place)
         if not self.is_covered(place):
-            self.hovered.emit(self.mark_at(place))
+            self.hovered.emit(mark)
+        if self._begun is not None and mark is not None:
+            self.measured.emit(self._begun, mark)

@@ -167,7 +167,7 @@ class RecordPanel(Panel):
             each.show_measured(None)
         self.view.show_measured("")
         if measuring:
-            self._workbench.say("drag over the record to measure; M ends measuring")
+            self._workbench.say("drag over the record to measure, or press Return at both ends; M ends measuring")
 
     def _show_measured(self, view: WaterfallView, first: Mark, last: Mark) -> None:
         ends = self._locate(view, first), self._locate(view, last)

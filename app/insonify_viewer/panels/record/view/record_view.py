@@ -45,6 +45,7 @@ GAINS = (  # option, place in it, label, what it does
     ("side_slopes", 0, "port slope", "Time-varied gain of port per decade of range, 0 dB at half the range"),
     ("side_slopes", 1, "starb. slope", "Time-varied gain of starboard per decade of range, 0 dB at half the range"),
 )
+MEASURE = "Drag over the record, or press Return at both ends, to measure"
 KEYS = (("1", "both"), ("2", "port"), ("3", "starboard"))
 
 
@@ -72,7 +73,7 @@ class RecordView(SidePanel):
         self.usual = push_button("Usual display", "Put all display options back, gains and contrast too", wide=True)
         self.usual.clicked.connect(self._show_usual)
         self.histogram = HistogramView()
-        self.measure = self._tick("Measure by a drag", "M", "Drag over the record to measure", self.measuring)
+        self.measure = self._tick("Measure a line", "M", MEASURE, self.measuring)
         self.measured = QLabel()
         self.measured.setObjectName("about")
         self.measured.setWordWrap(True)
