@@ -13,6 +13,7 @@ from test_menus import activate
 
 from insonify.scene import Scene
 from insonify_viewer.comparison.arrangement import Arrangement
+from insonify_viewer.record_display.projection import Zoom
 from insonify_viewer.session import Mark
 from insonify_viewer.views.comparison_overlay import WIPE
 
@@ -155,6 +156,15 @@ def test_return_begins_and_ends_a_measured_line(viewer: Any) -> None:
     press(viewer, Key.Key_M)
     press(viewer, Key.Key_Return)
     assert viewer.inspection.mark == Mark(450, 1, 70), "without measuring a pixel is explained"
+
+
+def test_zooming_by_keys_leaves_the_cursor_on_its_bin(viewer: Any) -> None:
+    view = viewer.window.waterfall
+    point(viewer, Mark(470, 1, 40))
+    before = view.place_of(Mark(470, 1, 40))
+    press(viewer, Key.Key_Plus)
+    assert view._zoom != Zoom()
+    assert (view.place_of(Mark(470, 1, 40)) - before).manhattanLength() <= 4
 
 
 def test_tab_shows_the_cursor(viewer: Any) -> None:

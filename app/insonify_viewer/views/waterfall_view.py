@@ -76,6 +76,11 @@ class WaterfallView(RecordCanvas):
     def measuring(self, measuring: bool) -> None:
         self._measuring, self._begun = measuring, None
 
+    @property
+    def cursor_place(self) -> QPoint | None:
+        """Where the cursor is in the view; None without the keyboard."""
+        return self._cursor.place if self.hasFocus() else None
+
     def magnify(self, factor: float, place: QPoint | None = None) -> None:
         """Zoom about a place of the plot, else about its middle."""
         plot = self._plot()

@@ -190,9 +190,11 @@ class RecordPanel(Panel):
         return locate_simulated(simulation, mark)
 
     def _zoom(self, factor: float) -> None:
-        for each in (self._simulated, self._recorded):
+        views = self._simulated, self._recorded
+        about = next((each.cursor_place for each in views if each.cursor_place is not None), None)
+        for each in views:
             if factor:
-                each.magnify(factor)
+                each.magnify(factor, about)
             else:
                 each.show_zoom(Zoom())
 
