@@ -58,4 +58,4 @@ def meet_bed(
 def _above(ground: AnyGround, begin: Vector, way: Vector, share: Vector) -> Vector:
     """Heights of points of the line above the bed, m."""
     points = begin + np.multiply.outer(share, way)
-    return np.asarray(points[:, 2] - ground.height_at(points[:, 0], points[:, 1]))
+    return np.asarray(points[:, 2] - ground.height_at_once(points[:, 0], points[:, 1]))

@@ -95,7 +95,7 @@ def locate_mark(simulation: Simulation, mark: Mark) -> tuple[float, float | None
     sonar, ground = simulation.scene.sonar, simulation.ground
     slant = (mark.bin + 0.5) * sonar.range / sonar.bins
     pose = simulation.poses(np.array([mark.ping], dtype=np.int64))
-    below = float(ground.height_at(pose.x, pose.y)[0])
+    below = float(ground.height_at_once(pose.x, pose.y)[0])
     height = float(pose.z[0]) - (0.0 if math.isnan(below) else below)
     true_slant = (mark.bin + 0.5) * simulation.arrays.bin_length
     # The beam is a cone about the fish's axis, squinted from the plane athwart; with the bow up it leans forward.
@@ -107,5 +107,5 @@ def locate_mark(simulation: Simulation, mark: Mark) -> tuple[float, float | None
     left = across if mark.side == 0 else -across
     cos, sin = math.cos(float(pose.heading[0])), math.sin(float(pose.heading[0]))
     x, y = float(pose.x[0]) + ahead * cos - left * sin, float(pose.y[0]) + ahead * sin + left * cos
-    z = float(ground.height_at(np.array([x]), np.array([y]))[0])
+    z = float(ground.height_at_once(np.array([x]), np.array([y]))[0])
     return slant, math.hypot(across, ahead), None if math.isnan(z) else (x, y, z)

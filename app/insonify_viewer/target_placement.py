@@ -78,7 +78,7 @@ def _free_place(simulation: Simulation, scene: Scene, top: int) -> tuple[float, 
         for i, share in itertools.product(range(len(pings)), ABEAM)
     ]
     x, y = (np.array(column) for column in list(zip(*places))[:2])
-    there = np.flatnonzero(np.isfinite(simulation.ground.height_at(x, y)))
+    there = np.flatnonzero(np.isfinite(simulation.ground.height_at_once(x, y)))
     if not there.size:
         raise SceneError("there is no bed beside this part of the tow; move on along it, then add the target")
     clear = [k for k in there if _clearance(scene, x[k], y[k]) > APART * scene.sonar.range]

@@ -32,6 +32,7 @@ class ArrayCache:
         self._bytes = 0
         self._lock = Lock()
         self._making: dict[Hashable, Lock] = {}  # held by the thread that makes a result; others wait for it
+        self._tokens: weakref.WeakKeyDictionary[Callable[..., Any], object] = weakref.WeakKeyDictionary()
         self._dead: deque[object] = deque()  # tokens of functions that are gone
 
     @property
@@ -60,7 +61,14 @@ class ArrayCache:
                 return self._make(key, lambda: function(*given, **named))
 
         weakref.finalize(kept, self._drop, token)
+        self._tokens[kept] = token
         return kept
+
+    def find(self, function: Callable[..., Kept], *given: Hashable) -> Kept | None:
+        """Return the result of a function that `keep` returned, if it is kept; it is not made."""
+        key = self._tokens.get(function), given, ()
+        with self._lock:
+            return self._newest(key) if key in self._results else None
 
     def clear(self) -> None:
         """Drop all results; they are made again when they are asked for."""

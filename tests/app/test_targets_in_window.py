@@ -151,7 +151,7 @@ def test_beside_the_bed_there_is_no_place(small: Scene) -> None:
     from stand_in import StandIn
 
     simulation = StandIn(small, 0.03)
-    simulation.ground = SimpleNamespace(height_at=lambda x, y: np.full(x.shape, np.nan))  # type: ignore[assignment]
+    simulation.ground = SimpleNamespace(height_at_once=lambda x, y: np.full(x.shape, np.nan))  # type: ignore[assignment]
     with pytest.raises(SceneError, match="there is no bed beside this part of the tow"):
         new_target(simulation, small, "box", 100)  # type: ignore[arg-type]
 

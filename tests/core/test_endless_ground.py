@@ -109,6 +109,33 @@ def test_heights_are_those_of_the_window():
     np.testing.assert_array_equal(ground.height_near(x, y), ground.height_at(x, y))
 
 
+def _forbidden(row, column):
+    raise AssertionError(f"tile {row}, {column} is made")
+
+
+@pytest.mark.parametrize("every", [1, 4])
+def test_heights_of_a_few_places_need_no_tile(every):
+    ground = build_ground(SCENE).thinned(every)
+    x, y = np.random.default_rng(3).uniform(-60.0, 60.0, (2, 50))
+    ARRAYS.clear()
+    at_once = replace(ground, heights=_forbidden).height_at_once(x, y)
+    exact = ground.height_at(x, y)
+    np.testing.assert_allclose(at_once, exact, rtol=0.0, atol=1e-5 * np.std(exact))
+
+
+def test_heights_of_a_few_places_are_those_of_tiles_that_are_kept():
+    ground, (x, y) = build_ground(SCENE), np.random.default_rng(4).uniform(-60.0, 60.0, (2, 50))
+    exact = ground.height_at(x, y)
+    np.testing.assert_array_equal(ground.height_at_once(x, y), exact)
+
+
+def test_heights_beyond_an_excerpt_need_no_tile():
+    excerpt = replace(build_excerpt(SCENE, (0.0, 0.0), (10.0, 10.0)), heights=_forbidden)
+    x, y = np.array([5.0, 300.0]), np.array([5.0, -70.0])
+    exact = build_ground(SCENE).height_at(x, y)
+    np.testing.assert_allclose(excerpt.height_at_once(x, y), exact, rtol=0.0, atol=1e-6)
+
+
 @pytest.mark.parametrize("reach", [0.0, 30.0, 0.4 * TILE, 1.3 * 0.4 * TILE])
 def test_a_window_holds_each_node_at_its_place_whatever_window_is_held(reach):
     ground = build_ground(edit(SCENE, {"seabed.material": {"kind": "fractal", "of": ["fine_sand", "coarse_sand"]}}))

@@ -47,7 +47,7 @@ def locate_simulated(simulation: Simulation, mark: Mark) -> Location:
     """Locate a bin of a simulated record."""
     slant, ground, position = locate_mark(simulation, mark)
     pose = simulation.poses(np.array([mark.ping], dtype=np.int64))
-    altitude = float(pose.z[0] - simulation.ground.height_at(pose.x, pose.y)[0])
+    altitude = float(pose.z[0] - simulation.ground.height_at_once(pose.x, pose.y)[0])
     place = None if position is None else position[:2]
     return Location(mark, slant, ground, place, altitude, float(pose.heading[0]))
 

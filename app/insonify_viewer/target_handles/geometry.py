@@ -186,7 +186,7 @@ def _place(simulation: Simulation, target: Target, ahead: float, aside: float = 
     y = target.position[1] + ahead * math.sin(angle) + aside * math.cos(angle)
     if len(target.position) == 3:
         return x, y, target.position[2] - simulation.ground.datum
-    bed = float(simulation.ground.height_at(np.array([x]), np.array([y]))[0])
+    bed = float(simulation.ground.height_at_once(np.array([x]), np.array([y]))[0])
     up = target.underside + target.outline.extent((0.0, 0.0, 1.0))
     return x, y, (0.0 if math.isnan(bed) else bed) + up
 

@@ -19,7 +19,7 @@ from insonify.scene.reliefs.random_relief import RandomRelief
 from insonify.scene.seabed import Seabed
 from insonify.terrain.endless_excerpt import EndlessExcerpt
 from insonify.terrain.endless_field import Nodes
-from insonify.terrain.endless_ground import AnyGround, EndlessGround, Tiles
+from insonify.terrain.endless_ground import SQUARE, AnyGround, EndlessGround, Tiles
 from insonify.terrain.endless_relief import endless_heights
 from insonify.terrain.ground import Ground
 from insonify.terrain.lattice import Lattice, Map
@@ -112,6 +112,7 @@ def _endless_ground(scene: Scene, heights: Tiles) -> EndlessGround:
     return EndlessGround(
         heights=heights,
         materials=_kept_map_tiles(*_endless_map(scene)),
+        squares=lambda row, column: _kept_squares(*_endless_relief(scene))(row, column),
         names=names,
         reflectivities=reflectivities,
         spacing=seabed.spacing,
@@ -243,10 +244,23 @@ def _kept_materials(
     return material_indices(layout, lattice, seed, place)
 
 
+_kept_heights = lru_cache(maxsize=GROUNDS)(endless_heights)
+
+
 @lru_cache(maxsize=GROUNDS)
 def _kept_tiles(parts: tuple[RandomRelief, ...], spacing: float, seed: int) -> Tiles:
-    heights = endless_heights(parts, spacing, seed)
+    heights = _kept_heights(parts, spacing, seed)
     return keep_arrays(lambda row, column: heights(Nodes.of_tile(row, column)).astype(np.float32))
+
+
+@lru_cache(maxsize=GROUNDS)
+def _kept_squares(parts: tuple[RandomRelief, ...], spacing: float, seed: int) -> Tiles:
+    heights = _kept_heights(parts, spacing, seed)
+
+    def square(row: int, column: int) -> NDArray[np.float32]:
+        return heights(Nodes(row * SQUARE, column * SQUARE, SQUARE, SQUARE)).astype(np.float32)
+
+    return keep_arrays(square)
 
 
 @lru_cache(maxsize=GROUNDS)

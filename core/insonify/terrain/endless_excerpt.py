@@ -81,6 +81,14 @@ class EndlessExcerpt(EndlessGround):
             heights[beyond] = super().height_at(np.asarray(x)[beyond], np.asarray(y)[beyond])
         return heights
 
+    def height_at_once(self, x: Column, y: Column) -> Column:
+        """Bilinear height as in `height_at`, of squares where the rectangle ends."""
+        heights = self.held.height_at(x, y)
+        beyond = np.isnan(heights)
+        if beyond.any():
+            heights[beyond] = super().height_at_once(np.asarray(x)[beyond], np.asarray(y)[beyond])
+        return heights
+
     def height_near(self, x: Column, y: Column) -> Column:
         """Bilinear height above the datum, that of the nearest edge where the rectangle ends."""
         return self.held.height_near(x, y)

@@ -12,7 +12,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from insonify.array_cache import keep_arrays
+from insonify.array_cache import ARRAYS, keep_arrays
 from insonify.parallel import in_parallel
 from insonify.scene.materials import Reflectivity
 from insonify.terrain.endless_field import TILE
@@ -20,9 +20,11 @@ from insonify.terrain.ground import Ground, bilinear, tell_cells_apart
 
 Column = NDArray[np.float64]
 Tiles = Callable[[int, int], NDArray[Any]]
+_Places = NDArray[np.int64]
 
 FARTHEST = 2**31  # tiles along an axis, farther than any tow
-KEPT_THINNED = 4  # heights and materials of two grounds that are thinned
+SQUARE = 64  # nodes along a side of a square, of which a tile holds a whole number
+KEPT_THINNED = 6  # heights, squares and materials of two grounds that are thinned
 
 
 class HeldWindow(NamedTuple):
@@ -52,6 +54,9 @@ class EndlessGround:
     heights, materials : callable
         Functions of the row and column of a tile, which return (TILE, TILE) float32 and uint8. Node (0, 0) lies at the
         local origin.
+    squares : callable
+        Function of the row and column of a square, which returns (SQUARE, SQUARE) float32 heights, in a tenth of a
+        tile's time. They differ from those of tiles by rounding.
     names : tuple of str
         Names of the materials.
     reflectivities : tuple of Reflectivity
@@ -64,6 +69,7 @@ class EndlessGround:
 
     heights: Tiles
     materials: Tiles
+    squares: Tiles
     names: tuple[str, ...]
     reflectivities: tuple[Reflectivity, ...]
     spacing: float
@@ -126,8 +132,8 @@ class EndlessGround:
         """Return the bed thinned to every n-th node along each axis, with node (0, 0)."""
         if every == 1:
             return self
-        heights, materials = (_thinned(tiles, every) for tiles in (self.heights, self.materials))
-        return replace(self, heights=heights, materials=materials, spacing=every * self.spacing)
+        heights, materials, squares = (_thinned(tiles, every) for tiles in (self.heights, self.materials, self.squares))
+        return replace(self, heights=heights, materials=materials, squares=squares, spacing=every * self.spacing)
 
     def height_at(self, x: Column, y: Column) -> Column:
         """Bilinear height above the datum, NaN where a place is no number that tells cells apart.
@@ -142,30 +148,64 @@ class EndlessGround:
         float64 array
             Metres above the datum.
         """
-        u, v = np.asarray(x, dtype=np.float64) / self.spacing, np.asarray(y, dtype=np.float64) / self.spacing
-        known = tell_cells_apart(u, v)
-        u, v = np.where(known, u, 0.0), np.where(known, v, 0.0)
-        i, j = np.floor(u).astype(np.int64), np.floor(v).astype(np.int64)
-        return np.where(known, bilinear(lambda k, m: self._at(j + k, i + m), u - i, v - j), np.nan)
+        return self._interpolated(x, y, self._at)
+
+    def height_at_once(self, x: Column, y: Column) -> Column:
+        """Bilinear height as in `height_at`, of squares where the tile is not kept: a tile takes too long to wait for.
+
+        Parameters
+        ----------
+        x, y : float64 arrays
+            Local coordinates of a few places in metres, of one shape.
+
+        Returns
+        -------
+        float64 array
+            Metres above the datum; less exact by rounding where a tile is not kept.
+        """
+        return self._interpolated(x, y, self._at_once)
 
     def height_near(self, x: Column, y: Column) -> Column:
         """Bilinear height above the datum as in `height_at`, because there is ground everywhere."""
         return self.height_at(x, y)
 
-    def _at(self, row: NDArray[np.int64], column: NDArray[np.int64]) -> Column:
+    def _interpolated(self, x: Column, y: Column, at: Callable[[_Places, _Places], Column]) -> Column:
+        """Bilinear height between the nodes whose heights a function of their rows and columns returns."""
+        u, v = np.asarray(x, dtype=np.float64) / self.spacing, np.asarray(y, dtype=np.float64) / self.spacing
+        known = tell_cells_apart(u, v)
+        u, v = np.where(known, u, 0.0), np.where(known, v, 0.0)
+        i, j = np.floor(u).astype(np.int64), np.floor(v).astype(np.int64)
+        return np.where(known, bilinear(lambda k, m: at(j + k, i + m), u - i, v - j), np.nan)
+
+    def _at(self, row: _Places, column: _Places) -> Column:
         """Heights of nodes of the given rows and columns."""
-        heights = np.empty(row.shape)
-        tile_row, tile_column = row // TILE, column // TILE
-        # One number a tile, because rows of two are sorted ten times as slowly.
-        number = tile_row * FARTHEST + tile_column
-        for each in np.unique(number):
-            here = number == each
-            tile = self.heights(int(tile_row[here][0]), int(tile_column[here][0]))
-            heights[here] = tile[row[here] % TILE, column[here] % TILE]
+        return _gathered(row, column, TILE, lambda here: self.heights(*here))
+
+    def _at_once(self, row: _Places, column: _Places) -> Column:
+        """Heights of nodes, of squares where the tile is not kept."""
+        heights = _gathered(row, column, TILE, lambda here: ARRAYS.find(self.heights, *here))
+        missing = np.isnan(heights)
+        heights[missing] = _gathered(row[missing], column[missing], SQUARE, lambda here: self.squares(*here))
         return heights
 
 
 AnyGround = Ground | EndlessGround
+
+
+def _gathered(
+    row: _Places, column: _Places, side: int, make: Callable[[tuple[int, int]], NDArray[Any] | None]
+) -> Column:
+    """Values of nodes from the squares of some nodes a side that hold them; NaN where there is no square."""
+    values = np.full(row.shape, np.nan)
+    down, across = row // side, column // side
+    # One number a square, because rows of two are sorted ten times as slowly.
+    number = down * FARTHEST + across
+    for each in np.unique(number):
+        here = number == each
+        square = make((int(down[here][0]), int(across[here][0])))
+        if square is not None:
+            values[here] = square[row[here] % side, column[here] % side]
+    return values
 
 
 @lru_cache(maxsize=KEPT_THINNED)

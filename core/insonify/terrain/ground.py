@@ -112,6 +112,10 @@ class Ground:
         z = self.heights
         return np.where(inside, bilinear(lambda k, m: z[rows[k], columns[m]], u - i, v - j), np.nan)
 
+    def height_at_once(self, x: NDArray[np.float64], y: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Bilinear height as in `height_at`: the whole bed is there."""
+        return self.height_at(x, y)
+
     def height_near(self, x: NDArray[np.float64], y: NDArray[np.float64]) -> NDArray[np.float64]:
         """Bilinear height above the datum, continued outside the bed by the height of the nearest bed.
 
