@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import tomllib
 from functools import cache
 from importlib.util import find_spec
@@ -55,8 +56,7 @@ def bundled_specifications(folder: str) -> dict[str, Path]:
 
 def file_version(path: str | Path) -> tuple[int, int]:
     """Return numbers that change with the content of a file; zeros for anything else, which the reader refuses."""
-    file = Path(path)
-    if not file.is_file():
+    if not os.path.isfile(path):  # unlike the method of Path, no error for a name that is too long
         return 0, 0
-    status = file.stat()
+    status = os.stat(path)
     return status.st_mtime_ns, status.st_size

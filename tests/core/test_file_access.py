@@ -29,6 +29,7 @@ from insonify.io.sound_speed_casts import read_cast
 from insonify.scene import SceneError, load_scene
 from insonify.scene.autocorrelations.file import read_autocorrelation
 from insonify.scene.materials.image import read_picture
+from insonify.simulation import simulate
 
 READERS = {
     "scene.toml": load_scene,
@@ -69,6 +70,21 @@ def test_a_folder_is_refused(tmp_path, name):
     (tmp_path / name).mkdir()
     with pytest.raises(SceneError, match=rf"{name}.* cannot be read \(Is a directory\); give"):
         READERS[name](str(tmp_path / name))
+
+
+NAMING = {
+    "seabed.relief.path": '[seabed]\nspacing = 1.0\nrelief = {{ kind = "dem", path = "{}.tif" }}',
+    "seabed.material.path": '[seabed]\nmaterial = {{ kind = "image", path = "{}.png", of = ["silt", "mud"] }}',
+    "targets.0.path": '[[targets]]\nkind = "mesh"\nposition = [1.0, 5.0]\npath = "{}.obj"',
+}
+
+
+@pytest.mark.parametrize("field", NAMING)
+def test_a_name_too_long_is_refused_by_the_field_that_holds_it(tmp_path, field):
+    scene = tmp_path / "scene.toml"
+    scene.write_text(NAMING[field].format("x" * 300))
+    with pytest.raises(SceneError, match=rf"{field}: .*File name too long"):
+        simulate(load_scene(scene))
 
 
 def test_a_file_that_becomes_a_pipe_is_refused(tmp_path, monkeypatch):
