@@ -74,7 +74,9 @@ def test_a_folder_is_refused(tmp_path, name):
 
 NAMING = {
     "seabed.relief.path": '[seabed]\nspacing = 1.0\nrelief = {{ kind = "dem", path = "{}.tif" }}',
-    "seabed.material.path": '[seabed]\nmaterial = {{ kind = "image", path = "{}.png", of = ["silt", "mud"] }}',
+    "seabed.material.path": (
+        '[seabed]\nmaterial = {{ kind = "image", path = "{}.png", of = ["silt", "rock"], width = 9.0 }}'
+    ),
     "targets.0.path": '[[targets]]\nkind = "mesh"\nposition = [1.0, 5.0]\npath = "{}.obj"',
 }
 
