@@ -129,6 +129,33 @@ def test_a_name_that_is_too_long_is_one_sentence(tmp_path, capsys, name):
     assert list(tmp_path.iterdir()) == []
 
 
+@pytest.mark.skipif(sys.platform != "linux", reason="names are text there")
+@pytest.mark.parametrize("suffix", [*OUTPUTS, ".tif"])
+def test_a_name_that_is_no_text_is_written_or_refused(tmp_path, whole, suffix):
+    path = tmp_path / f"\udcff{suffix}"
+    command = "mosaic" if suffix == ".tif" else "render"
+    done = run([command, str(whole / "record.nc"), "-o", str(path)], {"PYTHONIOENCODING": "utf-8:strict"})
+    if suffix in (".nc", ".tif"):
+        assert done.returncode == 2
+        assert done.stderr.count("\n") == 1
+        assert r"\udcff" in done.stderr
+        assert "needs a path in UTF-8; check the path" in done.stderr
+        assert list(tmp_path.iterdir()) == []
+    else:
+        assert (done.returncode, done.stderr) == (0, "")
+        assert r"\udcff" in done.stdout
+        assert list(tmp_path.iterdir()) == [path]
+
+
+@pytest.mark.skipif(sys.platform != "linux", reason="names are text there")
+@pytest.mark.parametrize("suffix", [".nc", ".png"])
+def test_a_recording_whose_name_is_no_text_is_written_in_other_formats(tmp_path, whole, suffix):
+    path = tmp_path / "\udcff.xtf"
+    path.write_bytes((whole / "record.xtf").read_bytes())
+    assert cli.main(["render", str(path), "-o", str(tmp_path / f"record{suffix}")]) == 0
+    assert read_record(path).title == "\ufffd.xtf"
+
+
 def test_a_name_just_short_enough_is_written(tmp_path):
     path = tmp_path / ("x" * 252 + ".nc")
     assert render(path) == 0

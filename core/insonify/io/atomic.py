@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import errno
 import signal
 import sys
 import threading
@@ -49,6 +50,11 @@ def replacing(path: str | Path) -> Iterator[Path]:
     except OSError as error:
         # The error names the final path, not the temporary one.
         raise type(error)(error.errno, error.strerror or str(error), str(path)) from error
+    except UnicodeEncodeError as error:
+        if error.object != str(beside):
+            raise
+        # HDF5 and GDAL take paths as UTF-8, whatever the bytes of a name on disk.
+        raise OSError(errno.EILSEQ, "this format needs a path in UTF-8", str(path)) from error
 
 
 def _put(beside: Path, final: Path) -> None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import warnings
 from collections.abc import Sequence
 from pathlib import Path
@@ -135,7 +136,7 @@ def assemble(path: Path, pings: Sequence[dict[int, SideEchoes]], track: Recorded
             BOTTOM_TRACK: (ACROSS[1], bottom, labels("m", "slant range of the first echo of the bed in the record")),
         },
         coordinates(track.times, slant_range, sides[0].sound_speed),
-        {"title": path.name} | track.attributes,
+        {"title": os.fsencode(path.name).decode(errors="replace")} | track.attributes,
     ).assign(platform(track.columns, find_georeference(track.attributes)))
 
 
