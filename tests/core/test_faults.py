@@ -120,6 +120,18 @@ def test_a_scene_is_not_written_over(tmp_path, capsys):
     assert scene.read_text() == "seed = 1\n"
 
 
+@pytest.mark.parametrize("suffix", OUTPUTS)
+@pytest.mark.parametrize("target", ["scene.toml", "loop"])
+def test_a_link_is_followed_only_to_a_file_of_its_own_kind(tmp_path, capsys, suffix, target):
+    (tmp_path / "scene.toml").write_text("seed = 1\n")
+    link = tmp_path / f"record{suffix}"
+    link.symlink_to(link.name if target == "loop" else target)
+    assert cli.main(["render", str(tmp_path / "scene.toml"), "-o", str(link)]) == 2
+    assert f"which is no {suffix}; give another name\n" in capsys.readouterr().err
+    assert (tmp_path / "scene.toml").read_text() == "seed = 1\n"
+    assert link.is_symlink()
+
+
 @pytest.mark.parametrize("name", ["x" * 300 + ".nc", "x" * 300 + ".png", "é" * 150 + ".npz"])
 def test_a_name_that_is_too_long_is_one_sentence(tmp_path, capsys, name):
     assert render(tmp_path / name) == 2

@@ -229,6 +229,10 @@ def check_output(name: str, suffixes: tuple[str, ...], option: str = "-o") -> Pa
         raise SceneError(
             f"{where}: {path.suffix!r} is not written by this command; end the name in {' or '.join(suffixes)}"
         )
+    # What a link leads to is replaced: a scene, say, must not become a record.
+    leads_to = Path(os.path.realpath(path))
+    if path.is_symlink() and (leads_to.is_symlink() or leads_to.suffix.lower() != path.suffix.lower()):
+        raise SceneError(f"{where}: is a link to {os.readlink(path)!r}, which is no {path.suffix}; give another name")
     if not path.parent.is_dir():
         raise SceneError(f"{where}: there is no folder {str(path.parent)!r}; create it or give another name")
     # Refused before the work starts. A protected file is left alone even where its folder would let it be replaced.
