@@ -325,6 +325,14 @@ def test_a_closed_output_is_no_trouble():
     assert (done.returncode, done.stderr) == (0, "")
 
 
+@pytest.mark.parametrize("streams", ["2", "0, 1, 2"])
+@pytest.mark.parametrize(("words", "code"), [(["scenes"], 0), (["plan", "nowhere"], 2), (["plan", "--nothing"], 2)])
+def test_closed_streams_leave_the_exit_code(streams, words, code):
+    closed = f"import os, subprocess, sys; [os.close(k) for k in ({streams},)]; os._exit(subprocess.call(sys.argv[1:]))"
+    command = [sys.executable, "-c", closed, sys.executable, "-m", "insonify", *words]
+    assert subprocess.run(command, stdout=subprocess.DEVNULL, check=False).returncode == code
+
+
 def test_an_interrupt_while_the_command_loads_is_one_sentence(monkeypatch, capsys):
     def interrupted():
         raise KeyboardInterrupt
