@@ -9,6 +9,7 @@ import os
 import sys
 import warnings
 from collections.abc import Sequence
+from contextlib import suppress
 from pathlib import Path
 from typing import Any, NoReturn
 
@@ -59,7 +60,7 @@ def main(words: Sequence[str] | None = None) -> int:
         return 0
     except OSError as error:
         return _complain(
-            f"{error.filename or 'file'}: {error.strerror or error}; check the path, its permissions and the disk"
+            f"{error.filename or 'output'}: {error.strerror or error}; check the path, its permissions and the disk"
         )
     except MemoryError:
         return _complain(
@@ -79,7 +80,9 @@ def _warn(message: Warning | str, category: type[Warning], *where: Any, **more: 
 
 
 def _complain(sentence: str) -> int:
-    sys.stderr.write(f"insonify: {' '.join(sentence.split())}\n")
+    with suppress(OSError):  # standard error on a full disk: the exit code tells
+        sys.stderr.write(f"insonify: {' '.join(sentence.split())}\n")
+        sys.stderr.flush()
     return WRONG
 
 

@@ -325,6 +325,18 @@ def test_a_closed_output_is_no_trouble():
     assert (done.returncode, done.stderr) == (0, "")
 
 
+@pytest.mark.skipif(not Path("/dev/full").exists(), reason="no device that is always full")
+@pytest.mark.parametrize("words", [["scenes"], ["plan", "nowhere"]])
+def test_streams_on_a_full_disk_are_told_as_far_as_they_can_be(words):
+    with open("/dev/full", "w", encoding="utf-8") as full:
+        command = [sys.executable, "-m", "insonify", *words]
+        told = subprocess.run(command, stdout=full, stderr=subprocess.PIPE, text=True, check=False)
+        silent = subprocess.run(command, stdout=full, stderr=full, check=False)
+    assert (told.returncode, silent.returncode) == (2, 2)
+    assert told.stderr.startswith("insonify: output: No space" if words == ["scenes"] else "insonify: scene 'nowhere'")
+    assert "Traceback" not in told.stderr
+
+
 @pytest.mark.parametrize("streams", ["2", "0, 1, 2"])
 @pytest.mark.parametrize(("words", "code"), [(["scenes"], 0), (["plan", "nowhere"], 2), (["plan", "--nothing"], 2)])
 def test_closed_streams_leave_the_exit_code(streams, words, code):

@@ -7,10 +7,12 @@ import pytest
 import xarray as xr
 from PIL import Image
 
-from insonify.accuracy.record_statistics import measure_statistics
+from insonify.accuracy.comparison_page import draw_comparison
+from insonify.accuracy.record_statistics import AmplitudeSpectrum, measure_statistics
 from insonify.cli import main
 from insonify.io.records import read_record, write_record
-from insonify.scene import SceneError
+from insonify.scene import SceneError, edit, load_scene
+from insonify.simulation import simulate
 
 REAL = Path(__file__).parents[3] / "shared" / "data" / "xtf" / "scotsman-iver2.xtf"
 PINGS, BINS = 320, 512
@@ -178,6 +180,15 @@ def test_a_real_recording():
     low, middle, high = np.percentile(found.variation, [10.0, 50.0, 90.0])
     assert 0.25 < low < middle < high < 0.55
     assert found.shadow_depth == pytest.approx(24.0, abs=2.0)
+
+
+def test_powers_beyond_what_axes_show_are_left_out(tmp_path):
+    scene = edit(load_scene("pipe-span"), {"track.pings": 140, "sonar.bins": 200})
+    record, frequency = simulate(scene), np.geomspace(0.1, 5.0, 63)
+    found = measure_statistics(record)
+    for power in (1e308, 1e-308, np.inf):
+        wild = found._replace(along=AmplitudeSpectrum(frequency, np.full(63, power)))
+        draw_comparison((record, record), (found, wild)).savefig(tmp_path / "page.png", dpi=20)
 
 
 def test_compare_draws_a_sheet_and_says_the_numbers(tmp_path, capsys):

@@ -22,6 +22,7 @@ HUES = (BLUE, ORANGE)
 WIDTH, DPI = 15.0, 110  # inches
 MARGIN, GAP, GRAPHS = 0.6, 0.75, 2.7  # inches; the last is the height of the graphs
 TALLEST = 11.0  # inches, of the pictures
+MOST = 1e200  # of a logarithmic axis, whose ticks overflow beyond
 
 
 def write_comparison(
@@ -149,5 +150,6 @@ def _named(axes: Any, title: str, label: str) -> None:
 
 
 def _curve(axes: Any, spectrum: AmplitudeSpectrum, hue: str) -> None:
-    axes.loglog(*spectrum, color=hue, linewidth=1.4)
+    shown = (np.where((part > 1.0 / MOST) & (part < MOST), part, np.nan) for part in spectrum)
+    axes.loglog(*shown, color=hue, linewidth=1.4)
     axes.grid(True, which="both", color=FAINT, alpha=0.15, linewidth=0.6)
