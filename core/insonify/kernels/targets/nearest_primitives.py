@@ -41,9 +41,9 @@ def find_nearest(solids, mesh, plane, bent, zbuffer, solid_primitives, primitive
         first = zbuffer.first[p] = max(last_not_above(edge, zbuffer.low[p]), 0)
         if p < solid_primitives:
             last = min(last_not_above(edge, zbuffer.high[p]) + 1, cells)
-            _keep_nearest_body(p, primitive, first, last - first, zbuffer)
+            _keep_nearer_body(p, primitive, first, last - first, zbuffer)
         else:
-            _keep_nearest(p, primitive, cells, zbuffer)
+            _keep_nearer_triangle(p, primitive, cells, zbuffer)
     for p in range(solid_primitives, primitives):
         source = load_apparent_source(bent, zbuffer.source[p])
         primitive = load_primitive(solids, mesh, plane, zbuffer.body[p], zbuffer.line[p], source)
@@ -51,8 +51,8 @@ def find_nearest(solids, mesh, plane, bent, zbuffer, solid_primitives, primitive
 
 
 @inlined_uncounted
-def _keep_nearest_body(p, body, first, count, zbuffer):
-    """Enter a body in the cells where nothing nearer is, with its distances along their middles and edges.
+def _keep_nearer_body(p, body, first, count, zbuffer):
+    """Enter a body in the cells where it is nearer than what they hold: its distances along middles and edges.
 
     Rays that it need not meet are followed too, because all of them at once take less time than one by one.
     """
@@ -95,8 +95,8 @@ def _replace_of(p, count, nearest, values, kept):
 
 
 @inlined_uncounted
-def _keep_nearest(p, triangle, cells, zbuffer):
-    """Enter a triangle in the cells where nothing nearer is; of two at one distance the first stays."""
+def _keep_nearer_triangle(p, triangle, cells, zbuffer):
+    """Enter a triangle in the cells where it is nearer than what they hold; of two at one distance the first stays."""
     edge, cosine, sine = zbuffer.edge, zbuffer.cosine, zbuffer.sine
     nearest, distance, incidence, lean = zbuffer.nearest, zbuffer.distance, zbuffer.incidence, zbuffer.lean
     low, high, cell = zbuffer.low[p], zbuffer.high[p], zbuffer.first[p]
