@@ -289,6 +289,7 @@ def simulate_blocks(
     forced: Mapping[str, str] | None = None,
     truth: bool = False,
     block: int | None = None,
+    pings: range | None = None,
     threads: int | None = None,
 ) -> Iterator[xr.Dataset]:
     """Simulate a scene's record block by block, so that memory does not grow with its length.
@@ -298,8 +299,9 @@ def simulate_blocks(
     scene, method, tolerance, forced, truth, threads
         As in `simulate`.
     block : int, optional
-        Pings at a time; when left out, as many as take a quarter of a second and 16 MB. The record does not depend on
-        it.
+        Pings at a time, on which the record does not depend; else as many as take a quarter of a second and 16 MB.
+    pings : range, optional
+        Successive pings, such as those that a record still lacks; all of the track when left out.
 
     Yields
     ------
@@ -315,10 +317,12 @@ def simulate_blocks(
     if block is not None and block < 1:
         raise SceneError(f"block: {block} pings at a time are none; give at least 1")
     asked: dict[str, Any] = {"method": method, "tolerance": tolerance, "forced": forced}
+    if pings is not None and not (pings.step == 1 and 0 <= pings.start <= pings.stop <= scene.track.pings):
+        raise SceneError(f"pings: {pings} is not of the track; give successive ones of its {scene.track.pings}")
     simulation = prepare(scene, **asked, threads=threads)
     attributes = record_attributes(scene, simulation.plan, **asked)
     so_far: list[TargetTruth] = []
-    for traced in trace_blocks(simulation, truth, block):
+    for traced in trace_blocks(simulation, truth, block, pings):
         if truth:
             so_far = [join_target_truth(*so_far, find_target_truth(scene, traced.columns, int(traced.pings[0])))]
         yield make_dataset(scene, simulation.ground, *traced, so_far[0] if truth else None, attributes)
@@ -350,10 +354,8 @@ def trace_blocks(
     Parameters
     ----------
     simulation : Simulation
-    truth, block
+    truth, block, pings
         As in `simulate_blocks`.
-    pings : range, optional
-        Successive pings; all of the track when left out.
 
     Yields
     ------

@@ -58,6 +58,20 @@ def test_blocks_of_any_size_make_the_same_record():
         xr.testing.assert_identical(xr.concat(parts, "ping_time", combine_attrs="override"), whole)
 
 
+@pytest.mark.parametrize("first", [1, 40, 70])
+@pytest.mark.parametrize("name", ["rough-tow", "ghosts", "endless"])
+def test_a_record_goes_on_at_any_ping(name, first):
+    scene = edit(load_scene(name), {"track.pings": 71, "sonar.bins": 200, "receiver.speckle": "rayleigh"})
+    rest = xr.concat(simulate_blocks(scene, pings=range(first, 71), block=13), "ping_time", combine_attrs="override")
+    xr.testing.assert_identical(rest, simulate(scene).isel(ping_time=slice(first, None)))
+
+
+@pytest.mark.parametrize("pings", [range(-1, 5), range(3, 72), range(0, 60, 2), range(9, 3)])
+def test_pings_beyond_the_track_are_refused(pings):
+    with pytest.raises(SceneError, match=r"^pings: range.* successive ones of its 71$"):
+        next(simulate_blocks(small(71), pings=pings))
+
+
 @pytest.mark.parametrize("truth", [False, True])
 def test_a_whole_record_traced_in_several_blocks_is_the_same(monkeypatch, truth):
     scene = small(71, receiver__speckle="rayleigh")
