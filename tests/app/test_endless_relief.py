@@ -35,7 +35,8 @@ def summing(monkeypatch: pytest.MonkeyPatch) -> list[str]:
         return made
 
     monkeypatch.setattr(build, "endless_heights", watched)
-    build._kept_tiles.cache_clear()
+    for kept in (build._kept_relief, build._kept_tiles, build._kept_squares):
+        kept.cache_clear()
     return names
 
 

@@ -20,6 +20,7 @@ from insonify.scene.seabed import Seabed
 from insonify.terrain.endless_excerpt import EndlessExcerpt
 from insonify.terrain.endless_field import Nodes
 from insonify.terrain.endless_ground import SQUARE, AnyGround, EndlessGround, Tiles
+from insonify.terrain.endless_relief import Heights as NodeHeights
 from insonify.terrain.endless_relief import endless_heights
 from insonify.terrain.ground import Ground
 from insonify.terrain.lattice import Lattice, Map
@@ -244,18 +245,20 @@ def _kept_materials(
     return material_indices(layout, lattice, seed, place)
 
 
-_kept_heights = lru_cache(maxsize=GROUNDS)(endless_heights)
+@lru_cache(maxsize=GROUNDS)
+def _kept_relief(parts: tuple[RandomRelief, ...], spacing: float, seed: int) -> NodeHeights:
+    return endless_heights(parts, spacing, seed)
 
 
 @lru_cache(maxsize=GROUNDS)
 def _kept_tiles(parts: tuple[RandomRelief, ...], spacing: float, seed: int) -> Tiles:
-    heights = _kept_heights(parts, spacing, seed)
+    heights = _kept_relief(parts, spacing, seed)
     return keep_arrays(lambda row, column: heights(Nodes.of_tile(row, column)).astype(np.float32))
 
 
 @lru_cache(maxsize=GROUNDS)
 def _kept_squares(parts: tuple[RandomRelief, ...], spacing: float, seed: int) -> Tiles:
-    heights = _kept_heights(parts, spacing, seed)
+    heights = _kept_relief(parts, spacing, seed)
 
     def square(row: int, column: int) -> NDArray[np.float32]:
         return heights(Nodes(row * SQUARE, column * SQUARE, SQUARE, SQUARE)).astype(np.float32)
