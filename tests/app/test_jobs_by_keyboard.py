@@ -144,8 +144,9 @@ def test_a_file_is_named_by_the_keyboard(open_viewer: Opener, endless_work: Scen
     QApplication.setAttribute(Qt.ApplicationAttribute.AA_DontUseNativeDialogs)
 
     def answer() -> None:
-        dialog = QApplication.activeModalWidget()
-        if not isinstance(dialog, QFileDialog):
+        dialog, focused = QApplication.activeModalWidget(), QApplication.focusWidget()
+        # The keyboard may come to the dialog later than the dialog to the screen.
+        if not isinstance(dialog, QFileDialog) or focused is None or not dialog.isAncestorOf(focused):
             QTimer.singleShot(50, answer)
             return
         qtbot.keyClicks(focus(), str(tmp_path / "record.nc"))
