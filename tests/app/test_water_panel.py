@@ -100,12 +100,18 @@ def test_a_click_into_the_water_asks_for_the_rays_to_it(open_viewer: Any, layere
     assert viewer.session.scene == layered
 
 
-def test_keys_choose_a_point_and_move_it(open_viewer: Any, layered: Scene, qtbot: Any) -> None:
-    viewer = open_viewer(layered)
+def open_with_keyboard(open_viewer: Any, scene: Scene, qtbot: Any) -> tuple[Any, Any]:
+    """Open a viewer, and return it and its view of the water, which has the keyboard."""
+    viewer = open_viewer(scene)
     activate(viewer.window, qtbot)
     wait_for_rays(viewer, qtbot)
     view = viewer.panels["water"].view
     view.setFocus(Qt.FocusReason.TabFocusReason)
+    return viewer, view
+
+
+def test_keys_choose_a_point_and_move_it(open_viewer: Any, layered: Scene, qtbot: Any) -> None:
+    viewer, view = open_with_keyboard(open_viewer, layered, qtbot)
     QTest.keyClick(view, Qt.Key.Key_Tab)
     plain = view.grab().toImage()
     QTest.keyClick(view, Qt.Key.Key_Tab)
@@ -128,11 +134,7 @@ def test_keys_choose_a_point_and_move_it(open_viewer: Any, layered: Scene, qtbot
 
 
 def test_a_point_is_settled_when_the_keyboard_leaves_it(open_viewer: Any, layered: Scene, qtbot: Any) -> None:
-    viewer = open_viewer(layered)
-    activate(viewer.window, qtbot)
-    wait_for_rays(viewer, qtbot)
-    view = viewer.panels["water"].view
-    view.setFocus(Qt.FocusReason.TabFocusReason)
+    viewer, view = open_with_keyboard(open_viewer, layered, qtbot)
     QTest.keyPress(view, Qt.Key.Key_Left)
     assert not viewer.session.undoable
     viewer.window.waterfall.setFocus()
