@@ -1,35 +1,32 @@
-"""A simulated record as a Dataset: its variables, coordinates and attributes."""
+"""Variables, coordinates and attributes of a simulated record."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping
 from functools import cache
 from importlib.metadata import version
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from insonify.acoustics.water import recording_speed
 from insonify.io.georeference import find_georeference
+from insonify.io.record_block import RecordBlock, make_record_block
 from insonify.io.record_schema import coordinates, echo_variable, label_variables, platform, target_variables
 from insonify.kernels.common.types import Poses
 from insonify.packing.navigation import platform_columns
 from insonify.planning import Plan
 from insonify.scene import Scene, scene_to_toml
 from insonify.terrain import AnyGround
+from insonify.traced_blocks import Columns
 from insonify.tracers.labels import PATHS
 from insonify.tracers.target_truth import TargetTruth
-
-if TYPE_CHECKING:
-    import xarray as xr
-
-Columns = dict[str, NDArray[Any]]
 
 _version = cache(version)  # reads a file
 
 
-def make_dataset(
+def make_block(
     scene: Scene,
     ground: AnyGround,
     pings: NDArray[np.int64],
@@ -37,8 +34,8 @@ def make_dataset(
     columns: Columns,
     truth: TargetTruth | None,
     attributes: Mapping[str, Any],
-) -> xr.Dataset:
-    """Make the Dataset of some pings.
+) -> RecordBlock:
+    """Make the block of a record that holds some pings.
 
     Parameters
     ----------
@@ -58,11 +55,9 @@ def make_dataset(
 
     Returns
     -------
-    Dataset
+    RecordBlock
         Dimensions (channel, ping_time, range_sample).
     """
-    import xarray as xr  # takes longer to import than a preview takes to trace
-
     sonar = scene.sonar
     slant_range = (np.arange(sonar.bins) + 0.5) * (sonar.range / sonar.bins)
     variables = echo_variable(columns["intensity"])
@@ -74,7 +69,7 @@ def make_dataset(
         variables |= label_variables(columns, targets, materials, PATHS, volumes)
         variables |= target_variables(truth._asdict(), targets) if targets else {}
     coords = coordinates(pings / sonar.ping_rate, slant_range, recording_speed(scene, ground.datum))
-    return xr.Dataset(variables, coords, attributes)
+    return make_record_block(variables, coords, attributes)
 
 
 def record_attributes(

@@ -4,14 +4,15 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from insonify.dataset import Columns, make_dataset, record_attributes
+from insonify.dataset import make_block, record_attributes
+from insonify.io.record_block import RecordBlock
 from insonify.kernels.common.types import Poses, SceneArrays
-from insonify.packing.navigation import bed_beneath, make_poses, refuse_track_off_bed, take_poses
+from insonify.packing.navigation import bed_beneath, make_poses, refuse_track_off_bed
 from insonify.packing.terrain_tiles import TerrainTiles
 from insonify.packing.track import TowLine, tow_line_at
 from insonify.parallel import count_threads, limited_threads
@@ -21,6 +22,7 @@ from insonify.planning.selection import check_request, choose_model, keep_plan
 from insonify.receiver import Reception, Traced, prepare_reception, record_echoes
 from insonify.scene import Scene, SceneError
 from insonify.terrain import AnyGround
+from insonify.traced_blocks import trace_blocks, trace_whole
 from insonify.tracers.labels import RecordLabels, trace_labels
 from insonify.tracers.registry import Tracer
 from insonify.tracers.target_truth import TargetTruth, find_target_truth, join_target_truth
@@ -29,9 +31,6 @@ if TYPE_CHECKING:
     import xarray as xr
 
 UNKNOWN_COST = 1e-4  # s, of a ping, where the plan tells none
-BLOCK_TIME = 0.25  # s, predicted for a block
-BLOCK_BYTES = 16e6  # of a block; a stream that is written holds three
-ECHO_BYTES, LABEL_BYTES = 4, 64  # of one bin with all copies
 
 Echoes = NDArray[np.float32]
 
@@ -268,17 +267,10 @@ def simulate(
     simulation = prepare(scene, **asked, threads=threads)
     pings = np.arange(scene.track.pings, dtype=np.int64)
     poses = simulation.poses(pings)
-    size = _block_size(simulation, truth, streamed=False)
-    columns: Columns = {}
-    for first in range(0, pings.size, size):
-        part = slice(first, first + size)
-        columns = _enter_block(columns, simulation, pings, poses, part, truth)
-        if progress is not None:
-            progress(min(part.stop, pings.size), pings.size)
+    columns = trace_whole(simulation, pings, poses, truth, progress)
     found = find_target_truth(scene, columns, 0) if truth else None
-    return make_dataset(
-        scene, simulation.ground, pings, poses, columns, found, record_attributes(scene, simulation.plan, **asked)
-    )
+    attributes = record_attributes(scene, simulation.plan, **asked)
+    return make_block(scene, simulation.ground, pings, poses, columns, found, attributes).to_dataset()
 
 
 def simulate_blocks(
@@ -314,6 +306,29 @@ def simulate_blocks(
     SceneError
         One sentence with what is wrong and the remedy.
     """
+    asked: dict[str, Any] = {"method": method, "tolerance": tolerance, "forced": forced, "threads": threads}
+    for simulated in simulate_record_blocks(scene, **asked, truth=truth, block=block, pings=pings):
+        yield simulated.to_dataset()
+
+
+def simulate_record_blocks(
+    scene: Scene,
+    *,
+    method: str = "auto",
+    tolerance: float = 0.03,
+    forced: Mapping[str, str] | None = None,
+    truth: bool = False,
+    block: int | None = None,
+    pings: range | None = None,
+    threads: int | None = None,
+) -> Iterator[RecordBlock]:
+    """Simulate a scene's record as `simulate_blocks` does, whose parameters these are, without Datasets.
+
+    Yields
+    ------
+    RecordBlock
+        Successive pings.
+    """
     if block is not None and block < 1:
         raise SceneError(f"block: {block} pings at a time are none; give at least 1")
     asked: dict[str, Any] = {"method": method, "tolerance": tolerance, "forced": forced}
@@ -325,76 +340,4 @@ def simulate_blocks(
     for traced in trace_blocks(simulation, truth, block, pings):
         if truth:
             so_far = [join_target_truth(*so_far, find_target_truth(scene, traced.columns, int(traced.pings[0])))]
-        yield make_dataset(scene, simulation.ground, *traced, so_far[0] if truth else None, attributes)
-
-
-class TracedBlock(NamedTuple):
-    """Successive pings of a record.
-
-    Attributes
-    ----------
-    pings : (n,) int64
-        Their numbers.
-    poses : Poses
-        Their poses.
-    columns : dict of str to (n, 2, bins) array
-        ``intensity``, and labels by their names if asked for.
-    """
-
-    pings: NDArray[np.int64]
-    poses: Poses
-    columns: Columns
-
-
-def trace_blocks(
-    simulation: Simulation, truth: bool = False, block: int | None = None, pings: range | None = None
-) -> Iterator[TracedBlock]:
-    """Trace the record of a simulation block by block.
-
-    Parameters
-    ----------
-    simulation : Simulation
-    truth, block, pings
-        As in `simulate_blocks`.
-
-    Yields
-    ------
-    TracedBlock
-    """
-    size = _block_size(simulation, truth, streamed=True) if block is None else block
-    wanted = range(simulation.scene.track.pings) if pings is None else pings
-    for first in range(wanted.start, wanted.stop, size):
-        some = np.arange(first, min(first + size, wanted.stop), dtype=np.int64)
-        poses = simulation.poses(some)
-        yield TracedBlock(some, poses, _trace_columns(simulation, some, poses, truth))
-
-
-def _block_size(simulation: Simulation, truth: bool, *, streamed: bool) -> int:
-    """Return the number of pings to trace at a time, by time and by the memory that a block takes."""
-    bytes_a_ping = 2 * simulation.scene.sonar.bins * (ECHO_BYTES + LABEL_BYTES * truth)
-    fitting = int(BLOCK_BYTES / bytes_a_ping) if streamed or truth else simulation.scene.track.pings
-    return max(1, min(fitting, simulation.pings_within(BLOCK_TIME)))
-
-
-def _enter_block(
-    whole: Columns, simulation: Simulation, pings: NDArray[np.int64], poses: Poses, part: slice, truth: bool
-) -> Columns:
-    """Simulate some of the pings and enter them in the columns of a record, which their first block makes."""
-    some = take_poses(poses, part)
-    if part.start == 0 and part.stop >= pings.size:
-        return _trace_columns(simulation, pings, some, truth)
-    out = whole["intensity"][part] if whole else None
-    for name, column in _trace_columns(simulation, pings[part], some, truth, out).items():
-        if name not in whole:
-            whole[name] = np.empty((pings.size, *column.shape[1:]), column.dtype)
-        if column is not out:
-            whole[name][part] = column
-    return whole
-
-
-def _trace_columns(
-    simulation: Simulation, pings: NDArray[np.int64], poses: Poses, truth: bool, out: Echoes | None = None
-) -> Columns:
-    """Intensity of some pings, and their labels if asked for, (n, 2, bins) each."""
-    labels = simulation.labels(poses)._asdict() if truth else {}
-    return {"intensity": simulation.record(pings, poses, out)} | labels
+        yield make_block(scene, simulation.ground, *traced, so_far[0] if truth else None, attributes)

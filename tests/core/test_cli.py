@@ -196,7 +196,7 @@ def test_trouble_leaves_the_old_file(tmp_path, capsys, monkeypatch, suffix, trou
     path = tmp_path / f"record{suffix}"
     path.write_bytes(b"old")
     simulate_module = importlib.import_module("insonify.simulation")
-    blocks = simulate_module.trace_blocks
+    blocks = importlib.import_module("insonify.traced_blocks").trace_blocks
 
     def troubled(*arguments, **options):
         yield next(blocks(*arguments, **options))
@@ -272,14 +272,15 @@ def test_the_installed_command_needs_no_window():
     assert wrong.stderr.count("\n") == 1
 
 
-def test_a_picture_needs_no_tables(tmp_path):
-    """A picture is drawn without xarray and pandas, which take a second to import."""
+@pytest.mark.parametrize("suffix", [".png", ".nc", ".npz", ".xtf"])
+def test_a_record_or_a_picture_of_it_needs_no_tables(tmp_path, suffix):
+    """Both are made without xarray and pandas, which take half a second to import."""
     code = (
         "import sys; from insonify.cli import main; code = main(sys.argv[1:]);"
-        "loaded = {'xarray', 'pandas', 'netCDF4'} & set(sys.modules);"
+        "loaded = {'xarray', 'pandas', 'dask'} & set(sys.modules);"
         "sys.exit(code or (f'loaded {loaded}' if loaded else 0))"
     )
-    words = ["render", *SMALL, "-o", str(tmp_path / "record.png")]
+    words = ["render", *SMALL, "-o", str(tmp_path / f"record{suffix}")]
     done = subprocess.run([sys.executable, "-c", code, *words], capture_output=True, text=True, check=False)
     assert (done.returncode, done.stderr) == (0, "")
 

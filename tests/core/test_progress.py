@@ -118,7 +118,7 @@ def blocks(*arguments, **options):
     print("begun", flush=True)
     time.sleep(60)
     yield
-insonify.simulation.simulate_blocks = blocks
+insonify.simulation.simulate_record_blocks = blocks
 sys.argv = ["insonify", "render", "default", "-o", sys.argv[1]]
 process.run()
 """

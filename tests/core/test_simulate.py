@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 import xarray as xr
 
-from insonify import simulation as module
+from insonify import traced_blocks as module
 from insonify.planning import plan
 from insonify.scene import SceneError, edit, load_scene, scene_from_toml
 from insonify.simulation import prepare, simulate, simulate_blocks

@@ -180,12 +180,12 @@ def write(
     """
     # lazy: the other commands need neither Matplotlib nor the kernels
     from insonify.parallel import one_ahead
-    from insonify.simulation import prepare, simulate_blocks
+    from insonify.simulation import prepare, simulate_record_blocks
 
     pings = scene.track.pings
     asked: dict[str, Any] = {"method": method, "tolerance": tolerance, "forced": forced, "threads": threads}
     if not _is_picture(path):
-        blocks = one_ahead(simulate_blocks(scene, **asked, truth=truth))
+        blocks = one_ahead(simulate_record_blocks(scene, **asked, truth=truth))
         write_record(path, track(blocks, pings, lambda block: block.sizes["ping_time"]), **(choices or {}))
         return
     # lazy: the other commands need no kernels

@@ -16,7 +16,8 @@ from insonify.display.range_axis import RangeAxis, choose_kind, make_range_axis
 from insonify.io.records.bottom_track import complete_altitude, find_altitude
 from insonify.packing.navigation import platform_columns
 from insonify.scene import SceneError
-from insonify.simulation import Simulation, trace_blocks
+from insonify.simulation import Simulation
+from insonify.traced_blocks import trace_blocks
 
 if TYPE_CHECKING:
     import xarray as xr

@@ -64,6 +64,8 @@ class FileFormat(Generic[Content]):
         What to do with a file that its library cannot read.
     labelled : bool
         Of a record: whether the labels of its bins and what it tells of each target are written too.
+    of_blocks : bool
+        Of a record: whether it is written from `RecordBlock`, without Datasets.
     """
 
     description: str
@@ -76,6 +78,7 @@ class FileFormat(Generic[Content]):
     converter: str = ""
     remedy: str = "export it again"
     labelled: bool = False
+    of_blocks: bool = False
 
 
 class FormatRegistry(Generic[Content]):
@@ -215,9 +218,13 @@ class FormatRegistry(Generic[Content]):
         **options : str
             Choices among the format's `WriteOption`; the first of each where left out.
         """
-        write = next(each.write for each in self.formats() if each.write and path.suffix.lower() in each.suffixes)
+        write = self.writer_of(path).write
         with replacing(path) as beside:
-            write(beside, parts, **options)
+            cast("Callable[..., None]", write)(beside, parts, **options)
+
+    def writer_of(self, path: Path) -> FileFormat[Content]:
+        """Return the format in which a file is written, whose suffix must be one of `writable`."""
+        return next(each for each in self.formats() if each.write and path.suffix.lower() in each.suffixes)
 
     def refusal(self, path: str | Path, fault: str, remedy: str) -> SceneError:
         """Return one sentence with the fault of a file and the remedy."""

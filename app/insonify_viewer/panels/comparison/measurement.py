@@ -28,12 +28,13 @@ def measure_record(record: xr.Dataset) -> Measured:
 def measure_simulation(simulation: Simulation) -> Measured:
     """Measure the statistics of the whole record of a simulation."""
     # lazy: loads xarray on a thread of its own; the window opens before
-    from insonify.dataset import make_dataset
+    from insonify.dataset import make_block
     from insonify.io.record_schema import join_blocks
-    from insonify.simulation import trace_blocks
+    from insonify.traced_blocks import trace_blocks
 
     title = {"title": simulation.scene.title}
     blocks = [
-        make_dataset(simulation.scene, simulation.ground, *traced, None, title) for traced in trace_blocks(simulation)
+        make_block(simulation.scene, simulation.ground, *traced, None, title).to_dataset()
+        for traced in trace_blocks(simulation)
     ]
     return measure_record(join_blocks(blocks))

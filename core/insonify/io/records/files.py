@@ -11,12 +11,13 @@ import numpy as np
 
 from insonify.io.file_access import guarded
 from insonify.io.formats import FormatRegistry
+from insonify.io.record_block import Record, as_block, as_dataset
 from insonify.io.record_schema import ACROSS, CHANNELS
 
 if TYPE_CHECKING:
     import xarray as xr
 
-RECORDS: FormatRegistry[xr.Dataset] = FormatRegistry("a record", "insonify.io.records", "insonify.record_formats")
+RECORDS: FormatRegistry[Record] = FormatRegistry("a record", "insonify.io.records", "insonify.record_formats")
 # Variables that drawing needs, with their dimensions.
 NEEDED = {"intensity": ACROSS, "slant_range": ACROSS[2:]} | {
     f"platform_{name}": ACROSS[1:2] for name in ("x", "y", "altitude")
@@ -47,7 +48,7 @@ def read_record(path: str | Path, frequency: float | None = None) -> xr.Dataset:
     selected: dict[str, Any] = {} if frequency is None else {"frequency": frequency}
     if selected and "frequency" not in RECORDS.selects(str(path)):
         raise RECORDS.refusal(path, "holds one frequency alone", "leave the choice of a frequency out")
-    record = RECORDS.read(str(path), **selected)
+    record = as_dataset(RECORDS.read(str(path), **selected))
     with guarded(partial(RECORDS.refusal, path), "give a record written by insonify"):
         fault = _fault(record)
     if fault is not None:
@@ -55,19 +56,20 @@ def read_record(path: str | Path, frequency: float | None = None) -> xr.Dataset:
     return record
 
 
-def write_record(path: str | Path, blocks: Iterable[xr.Dataset], **options: str) -> None:
+def write_record(path: str | Path, blocks: Iterable[Record], **options: str) -> None:
     """Write a record by the suffix of its file.
 
     Parameters
     ----------
     path : str or Path
         File to create or replace; it appears only when complete.
-    blocks : iterable of Dataset
+    blocks : iterable of RecordBlock or Dataset
         Successive pings, as from ``simulate_blocks``.
     **options : str
         Choices of the format, such as ``bits="8"`` of XTF.
     """
-    RECORDS.write(Path(path), blocks, **options)
+    turned = as_block if RECORDS.writer_of(Path(path)).of_blocks else as_dataset
+    RECORDS.write(Path(path), map(turned, blocks), **options)
 
 
 def _fault(record: xr.Dataset) -> str | None:

@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 from insonify.io.file_access import one_at_a_time
 from insonify.io.formats import FileFormat, WriteOption
 from insonify.io.netcdf_files import read_stored
+from insonify.io.record_block import RecordBlock, RecordVariable
 from insonify.io.record_schema import CONVENTIONS, TARGET_TRUTH
 
 if TYPE_CHECKING:
@@ -25,15 +26,15 @@ CHUNK_BYTES = 1e6
 EPOCH = "nanoseconds since 1970-01-01"
 
 
-def write_netcdf(path: str | Path, blocks: Iterable[xr.Dataset], *, compression: str = "none") -> None:
+def write_netcdf(path: str | Path, blocks: Iterable[RecordBlock], *, compression: str = "none") -> None:
     """Write a record block by block.
 
     Parameters
     ----------
     path : str or Path
         File to write.
-    blocks : iterable of Dataset
-        Successive pings, as from ``simulate_blocks``.
+    blocks : iterable of RecordBlock
+        Successive pings.
     compression : str
         ``none`` or ``zlib``, which is lossless.
     """
@@ -68,14 +69,14 @@ def _disk_errors() -> Iterator[None]:
         raise OSError(errno.EIO, f"could not be written ({error})") from error
 
 
-def append_to(file: Any, block: xr.Dataset, compression: str = "none") -> None:
+def append_to(file: Any, block: RecordBlock, compression: str = "none") -> None:
     """Append a block of pings to an open netCDF file; the first block defines its variables.
 
     Parameters
     ----------
     file : netCDF4.Dataset
         Open for writing.
-    block : Dataset
+    block : RecordBlock
         Pings that follow those in the file.
     compression : str
         As in `write_netcdf`.
@@ -93,7 +94,7 @@ def append_to(file: Any, block: xr.Dataset, compression: str = "none") -> None:
             file[name][...] = _stored(variable.values)
 
 
-def _lay_out(file: Any, block: xr.Dataset, compression: str) -> None:
+def _lay_out(file: Any, block: RecordBlock, compression: str) -> None:
     """Define dimensions, variables and attributes; only the dimension of pings is unlimited."""
     # Without compression, rows go to the file directly; a cache of chunks would only copy them once more.
     packed: dict[str, Any] = (
@@ -102,35 +103,40 @@ def _lay_out(file: Any, block: xr.Dataset, compression: str) -> None:
     for name, size in block.sizes.items():
         file.createDimension(name, None if name == ALONG else size)
     for name, variable in block.variables.items():
-        is_text = variable.dtype.kind in "UOT"
-        stored = str if is_text else _stored(variable.values[..., :0] if variable.ndim else variable.values).dtype
+        values = variable.values
+        is_text = values.dtype.kind in "UOT"
+        stored = str if is_text else _stored(values[..., :0] if values.ndim else values).dtype
         chunked = not is_text and ALONG in variable.dims
         layout = {"chunksizes": _chunks(variable), "fill_value": False, **packed} if chunked else {}
         made = file.createVariable(name, stored, variable.dims, **layout)
-        made.setncatts(_attributes(block, str(name), variable))
-    file.setncatts(CONVENTIONS | {key: _plain(value) for key, value in block.attrs.items()})
+        made.setncatts(_attributes(block, name, variable))
+    file.setncatts(CONVENTIONS | {key: _plain(value) for key, value in block.attributes.items()})
 
 
-def _chunks(variable: xr.Variable) -> list[int]:
+def _chunks(variable: RecordVariable) -> list[int]:
     """Sizes of a variable's chunks: of one channel, equal parts of the first block of pings, a megabyte at most."""
-    sizes = dict(zip(variable.dims, variable.shape))
+    sizes = dict(zip(variable.dims, variable.values.shape))
     pings = max(sizes[ALONG], 1)
     sizes["channel"] = 1
-    bytes_a_ping = variable.dtype.itemsize * math.prod(size for name, size in sizes.items() if name != ALONG)
+    bytes_a_ping = variable.values.dtype.itemsize * math.prod(size for name, size in sizes.items() if name != ALONG)
     parts = math.ceil(pings * bytes_a_ping / CHUNK_BYTES)
     sizes[ALONG] = math.ceil(pings / max(parts, 1))
     return [max(sizes[name], 1) for name in variable.dims]
 
 
-def _attributes(block: xr.Dataset, name: str, variable: xr.Variable) -> dict[str, Any]:
-    attributes = {key: _plain(value) for key, value in variable.attrs.items()}
-    if variable.dtype.kind == "M":
+def _attributes(block: RecordBlock, name: str, variable: RecordVariable) -> dict[str, Any]:
+    attributes, kind = {key: _plain(value) for key, value in variable.attributes.items()}, variable.values.dtype.kind
+    if kind == "M":
         attributes |= {"units": EPOCH, "calendar": "proleptic_gregorian"}
-    if variable.dtype.kind == "b":
+    if kind == "b":
         attributes["dtype"] = "bool"
     # CF lists auxiliary coordinates in an attribute of the variables that have them.
-    others = [str(c) for c in block.coords if c not in block.dims and set(block[c].dims) <= set(variable.dims)]
-    if name in block.data_vars and others:
+    others = [
+        one
+        for one in block.coordinates
+        if one not in block.sizes and set(block.variables[one].dims) <= set(variable.dims)
+    ]
+    if name not in block.coordinates and others:
         attributes["coordinates"] = " ".join(others)
     return attributes
 
@@ -158,5 +164,6 @@ NETCDF = FileFormat(
     write_netcdf,
     remedy="give a record written by insonify",
     labelled=True,
+    of_blocks=True,
     options=(WriteOption("compression", ("none", "zlib"), "lossless compression of netCDF"),),
 )

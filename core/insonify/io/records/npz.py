@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 
 from insonify.io.formats import FileFormat
 from insonify.io.numpy_files import SUFFIX, Archive
+from insonify.io.record_block import RecordBlock
 from insonify.io.record_schema import ACROSS, TARGET_TRUTH, dimensions_of
 
 if TYPE_CHECKING:
@@ -22,7 +23,7 @@ ALONG_RANGE = ("slant_range", "travel_time")  # coordinates
 ATTRIBUTE = "attrs."  # before the names of attributes
 
 
-def write_npz(path: str | Path, blocks: Iterable[xr.Dataset]) -> None:
+def write_npz(path: str | Path, blocks: Iterable[RecordBlock]) -> None:
     """Write a record as one array for each variable; readable by ``numpy.load`` without pickles.
 
     An archive is written at once, so that the record must fit in memory; netCDF suits long tracks.
@@ -31,7 +32,7 @@ def write_npz(path: str | Path, blocks: Iterable[xr.Dataset]) -> None:
     ----------
     path : str or Path
         File to write.
-    blocks : iterable of Dataset
+    blocks : iterable of RecordBlock
         Successive pings. Variables and coordinates keep their names and shapes; attributes become ``attrs.<name>``.
     """
     parts = list(blocks)
@@ -40,8 +41,8 @@ def write_npz(path: str | Path, blocks: Iterable[xr.Dataset]) -> None:
             along = ALONG in variable.dims
             told = parts if along else parts[-1:] if name in TARGET_TRUTH else parts[:1]
             axis = variable.dims.index(ALONG) if along else 0
-            _write_joined(archive, str(name), [_stored(part.variables[name].values) for part in told], axis)
-        for key, value in parts[0].attrs.items():
+            _write_joined(archive, name, [_stored(part.variables[name].values) for part in told], axis)
+        for key, value in parts[0].attributes.items():
             _write_joined(archive, f"{ATTRIBUTE}{key}", [_stored(np.array(value))], 0)
 
 
@@ -90,5 +91,11 @@ def _dimensions(name: str, shape: tuple[int, ...], sizes: dict[str, int]) -> tup
 
 
 NPZ = FileFormat(
-    "NumPy arrays", (".npz",), read_npz, write_npz, remedy="give a record written by insonify", labelled=True
+    "NumPy arrays",
+    (".npz",),
+    read_npz,
+    write_npz,
+    remedy="give a record written by insonify",
+    labelled=True,
+    of_blocks=True,
 )

@@ -251,4 +251,5 @@ XTF = FileFormat(
     write_xtf,
     selects=("frequency",),
     options=(WriteOption("bits", tuple(SAMPLE_TYPES), "size of a sample of XTF"),),
+    of_blocks=True,
 )

@@ -16,21 +16,20 @@ from __future__ import annotations
 import ctypes
 import math
 import tempfile
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Mapping
 from datetime import datetime, timedelta
 from pathlib import Path
-from typing import IO, TYPE_CHECKING, Any, NamedTuple
+from typing import IO, Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from insonify.io.georeference import Georeference, convergence, find_georeference, to_degrees
+from insonify.io.record_block import RecordBlock
 from insonify.io.record_schema import PLATFORM
 
-if TYPE_CHECKING:
-    import xarray as xr
-
 PROGRAM = b"insonify"
+ALONG_TRACK, ALONG_RANGE = ("ping_time", *PLATFORM), ("slant_range", "travel_time")
 KNOT = 1852.0 / 3600.0  # m/s
 ALIGNMENT = 64  # bytes, to a multiple of which packets are padded
 DEGREES, METRES = 3, 0  # of NavUnits
@@ -72,7 +71,7 @@ SAMPLE_TYPES = {
 class _Survey(NamedTuple):
     """What a whole record tells besides its echoes."""
 
-    attributes: dict[str, Any]
+    attributes: Mapping[str, Any]
     times: NDArray[np.float64]  # (pings,) s
     platform: dict[str, NDArray[np.float64]]  # (pings,) each, by the names of PLATFORM
     slant_range: float  # m, of the far edge of the last bin
@@ -86,7 +85,7 @@ def counts(dtype: np.dtype[Any]) -> float:
     return 2.0 ** (8 * dtype.itemsize) if dtype.kind == "u" else 1.0
 
 
-def write_xtf(path: str | Path, blocks: Iterable[xr.Dataset], bits: str = "16") -> None:
+def write_xtf(path: str | Path, blocks: Iterable[RecordBlock], bits: str = "16") -> None:
     """Write a record as a side-scan recording.
 
     Amplitudes go through a temporary file beside the recording, because the scale of integers follows from the
@@ -96,8 +95,8 @@ def write_xtf(path: str | Path, blocks: Iterable[xr.Dataset], bits: str = "16") 
     ----------
     path : str or Path
         File to write.
-    blocks : iterable of Dataset
-        Successive pings, as from ``simulate_blocks``.
+    blocks : iterable of RecordBlock
+        Successive pings.
     bits : str
         ``16``, ``8``, ``32`` or ``float``: size of a sample. The unit of integers is a power of two, so that the
         amplitudes read back are exactly the rounded ones.
@@ -113,24 +112,25 @@ def write_xtf(path: str | Path, blocks: Iterable[xr.Dataset], bits: str = "16") 
             file.write(_packet(header, survey, sides, kind, unit))
 
 
-def _spool(blocks: Iterable[xr.Dataset], spool: IO[bytes]) -> _Survey:
+def _spool(blocks: Iterable[RecordBlock], spool: IO[bytes]) -> _Survey:
     """Store the amplitudes of all pings one after another; keep their navigation."""
-    parts: list[xr.Dataset] = []
+    parts: list[dict[str, NDArray[Any]]] = []
+    attributes: Mapping[str, Any] = {}
     loudest = 0.0
     for block in blocks:
-        amplitude = np.sqrt(block["intensity"].transpose("ping_time", "channel", "range_sample").values)
+        variables = block.variables
+        amplitude = np.sqrt(variables["intensity"].along("ping_time", "channel", "range_sample"))
         np.ascontiguousarray(amplitude, dtype=np.float32).tofile(spool)
         loudest = max(loudest, float(amplitude.max()))
-        parts.append(block.drop_vars([name for name in block.data_vars if name not in PLATFORM]).load())
+        parts.append({name: variables[name].values for name in (*ALONG_TRACK, *ALONG_RANGE) if name in variables})
+        attributes = attributes or block.attributes
     first = parts[0]
     edge = float(first["slant_range"][-1] + first["slant_range"][0])  # the first centre is half a bin from 0
     duration = edge * float(first["travel_time"][-1] / first["slant_range"][-1])
-    unknown = np.full(sum(part.sizes["ping_time"] for part in parts), np.nan)
-    columns = {
-        name: np.concatenate([part[name].values for part in parts]) if name in first else unknown for name in PLATFORM
-    }
-    times = np.concatenate([part["ping_time"].values for part in parts])
-    return _Survey(first.attrs, times, columns, edge, duration, first.sizes["range_sample"], loudest)
+    times = np.concatenate([part["ping_time"] for part in parts])
+    unknown = np.full(times.size, np.nan)
+    columns = {name: np.concatenate([part[name] for part in parts]) if name in first else unknown for name in PLATFORM}
+    return _Survey(attributes, times, columns, edge, duration, first["slant_range"].size, loudest)
 
 
 def _unit(loudest: float, kind: SampleType) -> float:

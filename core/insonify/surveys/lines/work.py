@@ -7,23 +7,22 @@ from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from functools import cached_property
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
-from insonify.dataset import make_dataset, record_attributes
+from insonify.dataset import make_block, record_attributes
 from insonify.io.atomic import replacing
+from insonify.io.record_block import RecordBlock
 from insonify.io.records import write_record
 from insonify.planning import Plan, plan
 from insonify.scene import Scene, edit
-from insonify.simulation import prepare, trace_blocks
+from insonify.simulation import prepare
 from insonify.surveys.engine.jobs import FLAGS, digest_of, name_job
 from insonify.surveys.lines.specification import SurveySpecification
 from insonify.surveys.lines.track import SurveyLine, SurveyTrack, join_lines, lay_lines
 from insonify.surveys.specification import contents_of
-
-if TYPE_CHECKING:
-    import xarray as xr
+from insonify.traced_blocks import trace_blocks
 
 TRACK = "track.csv"
 RECORDS = "records"
@@ -121,12 +120,12 @@ class SurveyWork:
         """Simulate a few pings."""
         prepare(self.scene, plan=self.plan).intensity(np.arange(WARMING))
 
-    def _blocks(self, pings: range) -> Iterator[xr.Dataset]:
+    def _blocks(self, pings: range) -> Iterator[RecordBlock]:
         """Record of some pings, block by block."""
         simulation = prepare(self.scene, plan=self.plan)
         attributes = record_attributes(self.scene, simulation.plan, "auto", TOLERANCE, None)
         for block in trace_blocks(simulation, pings=pings):
-            yield make_dataset(self.scene, simulation.ground, *block, None, attributes)
+            yield make_block(self.scene, simulation.ground, *block, None, attributes)
 
 
 def record_name(number: int, suffix: str) -> str:

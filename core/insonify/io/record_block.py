@@ -1,0 +1,112 @@
+"""Successive pings of a record as plain arrays: what a Dataset holds, without the time that xarray takes to import."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any, NamedTuple, TypeAlias
+
+import numpy as np
+from numpy.typing import NDArray
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+
+class RecordVariable(NamedTuple):
+    """A variable of a record.
+
+    Attributes
+    ----------
+    dims : tuple of str
+        Names of its dimensions.
+    values : array
+    attributes : mapping
+    """
+
+    dims: tuple[str, ...]
+    values: NDArray[Any]
+    attributes: Mapping[str, Any]
+
+    def along(self, *dims: str) -> NDArray[Any]:
+        """Return the values with the dimensions in an order."""
+        return self.values.transpose([self.dims.index(name) for name in dims])
+
+
+@dataclass(frozen=True, eq=False)
+class RecordBlock:
+    """Successive pings of a record.
+
+    Attributes
+    ----------
+    variables : mapping of str to RecordVariable
+        By name, coordinates too, in the order of a Dataset.
+    coordinates : tuple of str
+        Names of the coordinates among them.
+    attributes : mapping
+        Of the record.
+    """
+
+    variables: Mapping[str, RecordVariable]
+    coordinates: tuple[str, ...]
+    attributes: Mapping[str, Any]
+
+    @property
+    def sizes(self) -> dict[str, int]:
+        """Length of each dimension."""
+        each = self.variables.values()
+        return {name: size for one in each for name, size in zip(one.dims, one.values.shape)}
+
+    def to_dataset(self) -> xr.Dataset:
+        """Return the pings as a Dataset, which shares the arrays."""
+        import xarray as xr  # takes longer to import than a preview takes to trace
+
+        return xr.Dataset(dict(self.variables), attrs=self.attributes).set_coords(self.coordinates)
+
+
+Record: TypeAlias = "RecordBlock | xr.Dataset"
+
+
+def make_record_block(
+    data: Mapping[str, Any], coordinates: Mapping[str, Any], attributes: Mapping[str, Any]
+) -> RecordBlock:
+    """Make a block from variables as a Dataset takes them.
+
+    Parameters
+    ----------
+    data, coordinates : mapping of str to tuple or sequence
+        Dimensions, values and attributes of each variable, one dimension by its name alone; or the values of the
+        dimension of that name, which becomes a coordinate.
+    attributes : mapping
+
+    Returns
+    -------
+    RecordBlock
+    """
+    variables = {name: _variable(name, given) for name, given in {**data, **coordinates}.items()}
+    named = [name for name, each in variables.items() if each.dims == (name,)]
+    return RecordBlock(variables, tuple(dict.fromkeys([*coordinates, *named])), attributes)
+
+
+def _variable(name: str, given: tuple[Any, ...] | Sequence[Any]) -> RecordVariable:
+    """Return a variable given in one of the ways of `make_record_block`."""
+    if not isinstance(given, tuple):
+        return RecordVariable((name,), np.array(given), {})
+    dims, values, attributes = given
+    return RecordVariable((dims,) if isinstance(dims, str) else tuple(dims), np.asarray(values), attributes)
+
+
+def as_block(record: Record) -> RecordBlock:
+    """Return a block or a Dataset as a block, which shares the arrays."""
+    if isinstance(record, RecordBlock):
+        return record
+    variables = {
+        str(name): RecordVariable(tuple(map(str, each.dims)), each.values, each.attrs)
+        for name, each in record.variables.items()
+    }
+    return RecordBlock(variables, tuple(map(str, record.coords)), record.attrs)
+
+
+def as_dataset(record: Record) -> xr.Dataset:
+    """Return a block or a Dataset as a Dataset."""
+    return record.to_dataset() if isinstance(record, RecordBlock) else record
