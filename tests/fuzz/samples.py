@@ -1,19 +1,20 @@
-"""Small valid files of every format that is read, with the command that reads them."""
+"""Small valid files of every format that is read, with the command that reads them.
+
+`python -m fuzz.samples FOLDER NAME...` writes each to a folder of its name. Libraries are imported where they write:
+who only damages files does not hold them.
+"""
 
 from __future__ import annotations
 
 import io
+import sys
 import warnings
 from collections.abc import Callable
 from pathlib import Path
 from typing import NamedTuple
 
-import netCDF4
 import numpy as np
-import rasterio
-import trimesh
 from PIL import Image
-from rasterio.errors import NotGeoreferencedWarning
 
 from fuzz.mutations import (
     Mutation,
@@ -26,11 +27,6 @@ from fuzz.mutations import (
     mutate_text,
     mutate_zip,
 )
-from insonify.io.records import write_record
-from insonify.scene import edit, load_scene
-from insonify.simulation import simulate
-from jsf_files import write_jsf
-from xtf_files import write_xtf
 
 
 class Sample(NamedTuple):
@@ -81,6 +77,10 @@ HEIGHTS = np.round(-30.0 + np.sin(np.arange(48.0)).reshape(6, 8), 3)
 
 
 def _record(path: Path, pings: int = 6, bins: int = 60) -> None:
+    from insonify.io.records import write_record
+    from insonify.scene import edit, load_scene
+    from insonify.simulation import simulate
+
     scene = edit(load_scene("pipe-span"), {"track.pings": pings, "sonar.bins": bins})
     write_record(path, [simulate(scene)])
 
@@ -91,6 +91,8 @@ def _zarr(path: Path) -> None:
 
 def _classic_record(path: Path) -> None:
     """A record in netCDF-3, which other programs write."""
+    import netCDF4
+
     _record(path)
     with (
         netCDF4.Dataset(path) as made,
@@ -105,6 +107,9 @@ def _classic_record(path: Path) -> None:
 
 
 def _tiff(path: Path, **options: object) -> None:
+    import rasterio
+    from rasterio.errors import NotGeoreferencedWarning
+
     rows = HEIGHTS.astype(np.float32)
     where = {"crs": "EPSG:32633", "nodata": -9999.0, "transform": rasterio.Affine(1.0, 0.0, 5e5, 0.0, -1.0, 6e6)}
     with warnings.catch_warnings():
@@ -115,10 +120,14 @@ def _tiff(path: Path, **options: object) -> None:
 
 
 def _tiff_in_degrees(path: Path) -> None:
+    import rasterio
+
     _tiff(path, crs="EPSG:4326", transform=rasterio.Affine(1e-5, 0.0, 10.0, 0.0, -1e-5, 54.0))
 
 
 def _mesh(path: Path) -> None:
+    import trimesh
+
     body = trimesh.creation.icosphere(subdivisions=1)
     if path.suffix == ".gltf":
         for name, content in trimesh.Scene(body).export(file_type="gltf", merge_buffers=True).items():
@@ -129,6 +138,8 @@ def _mesh(path: Path) -> None:
 
 def _scene_gltf(path: Path) -> None:
     """Several nodes with transforms, which may come to refer to one another."""
+    import trimesh
+
     scene = trimesh.Scene()
     for k in range(3):
         move = np.eye(4)
@@ -159,11 +170,15 @@ def _npy(**options: object) -> bytes:
 
 
 def _jsf(path: Path) -> None:
+    from jsf_files import write_jsf
+
     echoes = np.random.default_rng(1).integers(1, 4000, (6, 50))
     write_jsf(path, [{"samples": [row, row], "altitude": 5000, "x": 600 * k} for k, row in enumerate(echoes)])
 
 
 def _xtf(path: Path, pings: int = 6, bins: int = 50) -> None:
+    from xtf_files import write_xtf
+
     echoes = np.random.default_rng(1).integers(1, 4000, (pings, bins))
     told = {"SensorPrimaryAltitude": 5.0}
     write_xtf(path, [{"samples": [row, row], "SensorXcoordinate": 0.2 * k} | told for k, row in enumerate(echoes)])
@@ -281,3 +296,10 @@ SAMPLES = {
     "correlation-csv": Sample("lags.csv", _bytes(LAGS), mutate_text, CORRELATION),
     "scene": Sample("scene.toml", _bytes(SCENE), mutate_scene, commands=SCENES),
 }  # fmt: skip
+
+
+if __name__ == "__main__":
+    for name in sys.argv[2:]:
+        place = Path(sys.argv[1], name, SAMPLES[name].file)
+        place.parent.mkdir(parents=True)
+        SAMPLES[name].write(place)

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import subprocess
+import sys
 from pathlib import Path
 from typing import Any
 
@@ -21,6 +23,7 @@ KINDS = {
 }
 
 OTHER = "correlation-csv"  # for any other title
+TESTS = Path(__file__).parents[1]
 
 
 class Answers:
@@ -36,9 +39,8 @@ class Answers:
 
     def __init__(self, random: np.random.Generator, folder: Path) -> None:
         self._random, self._folder, self._files = random, folder, 0
-        # Made before the window opens: to simulate a recording takes half a second of the main thread.
-        names = {OTHER, *(name for names in KINDS.values() for name in names)}
-        self._whole = {name: _whole_file(name, folder) for name in sorted(names)}
+        names = sorted({OTHER, *(name for names in KINDS.values() for name in names)})
+        self._whole = _whole_files(names, folder / "whole")
         QFileDialog.getOpenFileName = self._open  # type: ignore[method-assign,assignment]
         QFileDialog.getSaveFileName = self._save  # type: ignore[method-assign,assignment]
         QMessageBox.question = lambda *_: QMessageBox.StandardButton.Discard  # type: ignore[method-assign,assignment]
@@ -67,10 +69,7 @@ class Answers:
         return str(self._folder / f"saved-{self._files}-{name}"), ""
 
 
-def _whole_file(name: str, folder: Path) -> bytes:
-    """Contents of an undamaged sample."""
-    path = folder / SAMPLES[name].file
-    SAMPLES[name].write(path)
-    contents = path.read_bytes()
-    path.unlink()
-    return contents
+def _whole_files(names: list[str], folder: Path) -> dict[str, bytes]:
+    """Contents of undamaged samples by name; another process writes them, whose libraries the window need not hold."""
+    subprocess.run([sys.executable, "-m", "fuzz.samples", str(folder), *names], check=True, cwd=TESTS)
+    return {name: (folder / name / SAMPLES[name].file).read_bytes() for name in names}
