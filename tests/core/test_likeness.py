@@ -6,7 +6,9 @@ import numpy as np
 import pytest
 import xarray as xr
 from PIL import Image
+from scipy.signal import periodogram
 
+from insonify.accuracy import record_statistics
 from insonify.accuracy.comparison_page import draw_comparison
 from insonify.accuracy.record_statistics import AmplitudeSpectrum, measure_statistics
 from insonify.cli import main
@@ -52,6 +54,13 @@ def test_speckle_varies_as_a_rayleigh_envelope_with_a_white_spectrum():
         # White noise of variance 4/π - 1 between zero and the highest frequency.
         np.testing.assert_allclose(spectrum.power.mean(), (4.0 / np.pi - 1.0) * 2.0 * step, rtol=0.05)
         assert abs(spectrum.slope()) < 0.06
+
+
+def test_periodograms_are_those_of_scipy():
+    segments = np.random.default_rng(1).exponential(size=(7, 128)) + np.linspace(0.0, 3.0, 128)
+    _, power = periodogram(segments, 1.0 / STEP, window="hann", detrend="linear", axis=-1)
+    found = record_statistics._periodograms(segments, STEP)
+    np.testing.assert_allclose(found[:, 1:-1], power[:, 1:-1], rtol=1e-9)
 
 
 def test_an_even_bed_has_no_variation():

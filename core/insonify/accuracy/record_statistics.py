@@ -12,7 +12,6 @@ import numpy as np
 import xarray as xr
 from numpy.lib.stride_tricks import sliding_window_view
 from numpy.typing import NDArray
-from scipy.signal import periodogram
 
 from insonify.acoustics.error_range import ERROR_ALTITUDES
 from insonify.display.normalisation import normalise
@@ -169,9 +168,23 @@ def _spectrum(amplitude: NDArray[np.float32], bed: NDArray[np.bool_], step: floa
     segments = segments[mean > 0.0] / mean[mean > 0.0, None]
     if len(segments) == 0:
         return None
-    frequency, power = periodogram(segments, 1.0 / step, window="hann", detrend="linear", axis=-1)
+    power = _periodograms(segments, step)
     # The median is robust against targets; that of an exponential variable is ln 2 times its mean.
-    return AmplitudeSpectrum(frequency[1:-1], np.median(power[:, 1:-1], axis=0) / np.log(2.0))
+    median = np.median(power[:, 1:-1], axis=0) / np.log(2.0)
+    return AmplitudeSpectrum(np.arange(1, SEGMENT // 2) / (SEGMENT * step), median)
+
+
+def _periodograms(segments: NDArray[np.float64], step: float) -> NDArray[np.float64]:
+    """Power per frequency of segments less their linear trends and under a Hann window; the middle ones count twice.
+
+    As `scipy.signal.periodogram`, whose import takes 0.3 s and 40 MB: also in a window that compares two records.
+    """
+    count = segments.shape[-1]
+    window = 0.5 - 0.5 * np.cos(2.0 * np.pi * np.arange(count) / count)
+    line = np.arange(count) - 0.5 * (count - 1)
+    slope = segments @ line / (line @ line)
+    level = segments - segments.mean(axis=-1, keepdims=True) - slope[..., None] * line
+    return np.asarray(2.0 * step * np.abs(np.fft.rfft(window * level)) ** 2 / (window @ window))
 
 
 def _amplitude_step(intensity: NDArray[np.float32]) -> float:
