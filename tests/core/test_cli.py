@@ -285,6 +285,22 @@ def test_a_record_or_a_picture_of_it_needs_no_tables(tmp_path, suffix):
     assert (done.returncode, done.stderr) == (0, "")
 
 
+def test_datasets_are_made_without_the_arrays_of_dask(tmp_path):
+    """Where Dask is installed xarray imports them, a quarter of a second, to find out whether arrays are in memory."""
+    code = (
+        "import sys; from insonify.cli import main; import insonify; from insonify.io.records import read_record;"
+        "from insonify.scene import edit, load_scene;"
+        "scene = edit(load_scene('default'), {'track.pings': 3, 'sonar.bins': 40});"
+        "record = insonify.simulate(scene, truth=True); record.intensity.values;"
+        "codes = [main(['render', *sys.argv[2:], '-o', sys.argv[1] + suffix]) for suffix in ('.nc', '.npz', '.xtf')];"
+        "[read_record(sys.argv[1] + suffix) for suffix in ('.npz', '.xtf')];"
+        "sys.exit(any(codes) or 'dask.array' in sys.modules)"
+    )
+    words = [str(tmp_path / "record"), *SMALL]
+    done = subprocess.run([sys.executable, "-c", code, *words], capture_output=True, text=True, check=False)
+    assert (done.returncode, done.stderr) == (0, "")
+
+
 def test_the_first_pings_of_a_picture_wait_for_no_library_that_draws_it(tmp_path):
     """Matplotlib and SciPy take longer to import than the pings take to trace."""
     code = (

@@ -61,7 +61,13 @@ class RecordBlock:
         """Return the pings as a Dataset, which shares the arrays."""
         import xarray as xr  # takes longer to import than a preview takes to trace
 
-        return xr.Dataset(dict(self.variables), attrs=self.attributes).set_coords(self.coordinates)
+        # xarray is told that arrays are in memory: to find out, it imports dask.array where Dask is installed. Times it
+        # has to convert.
+        variables = {
+            name: xr.Variable(*each, fastpath=each.values.dtype.kind not in "Mm")
+            for name, each in self.variables.items()
+        }
+        return xr.Dataset(variables, attrs=self.attributes).set_coords(self.coordinates)
 
 
 Record: TypeAlias = "RecordBlock | xr.Dataset"

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from insonify.io.formats import FileFormat
 from insonify.io.numpy_files import SUFFIX, Archive
-from insonify.io.record_block import RecordBlock
+from insonify.io.record_block import RecordBlock, make_record_block
 from insonify.io.record_schema import ACROSS, TARGET_TRUTH, dimensions_of
 
 if TYPE_CHECKING:
@@ -68,15 +68,16 @@ def _write_joined(archive: zipfile.ZipFile, name: str, parts: list[NDArray[Any]]
 
 def read_npz(path: str | Path) -> xr.Dataset:
     """Read a record written by `write_npz`."""
-    import xarray as xr  # slow to import, and no other command needs it at its start
-
     with Archive(str(path)) as stored:
         arrays = {name: stored[name] for name in stored.names}
     told = [name for name in arrays if name.startswith(ATTRIBUTE)]
     attributes = {name.removeprefix(ATTRIBUTE): arrays.pop(name).item() for name in told}
     sizes = dict(zip(ACROSS, arrays["intensity"].shape))
-    named = {name: (_dimensions(name, values.shape, sizes), values) for name, values in arrays.items()}
-    return xr.Dataset(named, attrs=attributes).set_coords([name for name in ALONG_RANGE if name in named])
+    named: dict[str, Any] = {
+        name: (_dimensions(name, values.shape, sizes), values, {}) for name, values in arrays.items()
+    }
+    coordinates = {name: named.pop(name) for name in ALONG_RANGE if name in named}
+    return make_record_block(named, coordinates, attributes).to_dataset()
 
 
 def _dimensions(name: str, shape: tuple[int, ...], sizes: dict[str, int]) -> tuple[str, ...]:

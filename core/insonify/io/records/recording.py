@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 
 from insonify.errors import FileWarning
 from insonify.io.georeference import find_georeference
+from insonify.io.record_block import make_record_block
 from insonify.io.record_schema import ACROSS, coordinates, labels, platform
 from insonify.io.records.bottom_track import BOTTOM_TRACK, track_bottom
 from insonify.io.records.files import RECORDS
@@ -114,8 +115,6 @@ def assemble(path: Path, pings: Sequence[dict[int, SideEchoes]], track: Recorded
         As `simulate` makes it, and ``bottom_track`` beside the recorded ``platform_altitude``. Intensity is the square
         of the amplitudes, 0 where nothing was recorded.
     """
-    import xarray as xr  # slow to import, and no other command needs it at its start
-
     sides = [side for ping in pings for side in ping.values()]
     bin_length = sorted(side.slant_range / side.amplitude.size for side in sides)[len(sides) // 2]
     bins = max(round(side.slant_range / bin_length) for side in sides)
@@ -130,14 +129,15 @@ def assemble(path: Path, pings: Sequence[dict[int, SideEchoes]], track: Recorded
             _lay(amplitude[row, number], side, bin_length)
     slant_range, intensity = (np.arange(bins) + 0.5) * bin_length, amplitude**2
     bottom = track_bottom(intensity, bin_length)
-    return xr.Dataset(
+    return make_record_block(
         {
             "intensity": (ACROSS, intensity, labels("1", "square of the samples")),
             BOTTOM_TRACK: (ACROSS[1], bottom, labels("m", "slant range of the first echo of the bed in the record")),
-        },
+        }
+        | platform(track.columns, find_georeference(track.attributes)),
         coordinates(track.times, slant_range, sides[0].sound_speed),
         {"title": os.fsencode(path.name).decode(errors="replace")} | track.attributes,
-    ).assign(platform(track.columns, find_georeference(track.attributes)))
+    ).to_dataset()
 
 
 def _lay(row: NDArray[np.float32], side: SideEchoes, bin_length: float) -> None:
