@@ -8,8 +8,6 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from insonify.terrain import EndlessGround
-
 if TYPE_CHECKING:
     from insonify.kernels.common.types import Mesh, Poses, Solids
     from insonify.simulation import Simulation
@@ -48,6 +46,9 @@ def next_pause(
         The tow pauses where a measured bed ends, and once before the first target leaves the screen. Over other beds
         without targets it never pauses.
     """
+    # lazy: the window opens before Numba is loaded
+    from insonify.terrain import EndlessGround
+
     ground = simulation.ground
     if not (isinstance(ground, EndlessGround) or ground.periodic):
         pose = simulation.poses(np.array([newest - 1, newest], dtype=np.int64))

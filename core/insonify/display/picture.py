@@ -16,7 +16,6 @@ from skimage import exposure
 
 from insonify.display.display_options import PALETTES, DisplayOptions, Levels, find_palettes
 from insonify.display.range_axis import RangeAxis
-from insonify.kernels.display.rows import ROWS_A_THREAD, average_bins, colour_values
 from insonify.parallel import in_parallel
 from insonify.scene import SceneError
 
@@ -225,6 +224,9 @@ def average_columns(
     -------
     (n, columns) float32
     """
+    # lazy: the window opens before Numba is loaded
+    from insonify.kernels.display.rows import ROWS_A_THREAD, average_bins
+
     # Rows that share their edges are views of one row.
     grids = edges[:1] if edges.strides[0] == 0 else edges
     # Of one type whatever rows and edges are views of, so that one kernel serves them all.
@@ -256,6 +258,8 @@ def colour_rows(values: NDArray[np.float32], low: float, high: float, table: NDA
     -------
     (..., columns) uint32
     """
+    from insonify.kernels.display.rows import ROWS_A_THREAD, colour_values  # lazy: as above
+
     scale = np.float32(255.0 / max(high - low, 1e-30))
     rows = np.ascontiguousarray(values).reshape(-1, values.shape[-1])
     out = np.empty(rows.shape, np.uint32)

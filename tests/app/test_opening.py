@@ -1,0 +1,26 @@
+"""The window opens before libraries are loaded that only the record or the 3-D view needs."""
+
+from __future__ import annotations
+
+import subprocess
+import sys
+
+OPENED = """
+import sys
+from insonify.scene import load_scene
+from insonify_viewer.application import make_application
+from insonify_viewer.viewer import Viewer
+application = make_application()
+viewer = Viewer(load_scene("default"))
+viewer.window.show()
+application.processEvents()
+loaded = sorted({"numba", "pyvista", "matplotlib", "xarray", "pandas"} & set(sys.modules))
+viewer.window.close()
+sys.exit(f"loaded {loaded}" if loaded else 0)
+"""
+
+
+def test_the_window_opens_before_kernels_and_three_dimensions_are_loaded() -> None:
+    """Numba alone takes a third of a second to import."""
+    done = subprocess.run([sys.executable, "-c", OPENED], capture_output=True, text=True, check=False, timeout=120)
+    assert (done.returncode, done.stderr) == (0, "")
