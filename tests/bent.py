@@ -23,26 +23,32 @@ def layered(heights: ArrayLike, speeds: ArrayLike, sonar: float, surface: float 
 
 def speed_and_gradient(water: Water, z: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Speed of sound at heights, which is linear between the nodes and level beyond them, and how it grows upwards."""
-    speeds = water.speed[0]
-    slopes = np.concatenate([[0.0], np.diff(speeds) / np.diff(water.height), [0.0]])
-    layer = sum((z >= node).astype(np.intp) for node in water.height)
-    node = np.maximum(layer - 1, 0)
+    speeds, heights = water.speed[0], water.height
+    slopes = np.concatenate([[0.0], np.diff(speeds) / np.diff(heights), [0.0]])
+    at_zero = speeds[[0, *range(speeds.size)]] - slopes * heights[[0, *range(speeds.size)]]
+    layer = np.zeros(z.shape, np.intp)
+    for height in heights:
+        layer += z >= height
     g = slopes[layer]
-    return speeds[node] + g * (z - water.height[node]), g
+    return at_zero[layer] + g * z, g
 
 
 def onward(water: Water, state: Sequence[np.ndarray], ds: ArrayLike) -> list[np.ndarray]:
-    """One step of the ray equations, by the rule of the middle twice over (Runge and Kutta's fourth order)."""
+    """One step of the ray equations, by the rule of the middle twice over (Runge and Kutta's fourth order).
 
-    def rates(x, z, a, t):
-        (c, g), cosine = speed_and_gradient(water, z), np.cos(a)
-        return cosine, np.sin(a), -g / c * cosine, 1.0 / c
+    Of ground range, height, cosine and sine of the angle above the horizontal, and travel time.
+    """
+
+    def rates(x, z, level, up, t):
+        c, g = speed_and_gradient(water, z)
+        turn = -g / c * level  # of the angle, by length
+        return level, up, -turn * up, turn * level, 1.0 / c
 
     k1 = rates(*state)
     k2 = rates(*(s + 0.5 * ds * k for s, k in zip(state, k1)))
     k3 = rates(*(s + 0.5 * ds * k for s, k in zip(state, k2)))
     k4 = rates(*(s + ds * k for s, k in zip(state, k3)))
-    return [s + ds / 6.0 * (a + 2.0 * b + 2.0 * c + d) for s, a, b, c, d in zip(state, k1, k2, k3, k4)]
+    return [s + ds / 6.0 * (a + 2.0 * (b + c) + d) for s, a, b, c, d in zip(state, k1, k2, k3, k4)]
 
 
 def follow(
@@ -52,7 +58,7 @@ def follow(
 
     Returns ground range, height, direction and travel time where each ends (NaN if it meets nothing), and what it met.
     """
-    state = [np.zeros_like(angles), np.full_like(angles, z), angles.copy(), np.zeros_like(angles)]
+    state = [np.zeros_like(angles), np.full_like(angles, z), np.cos(angles), np.sin(angles), np.zeros_like(angles)]
     last = [np.full_like(angles, np.nan) for _ in state]  # before the step in which it ends
     alive = np.arange(angles.size)
     for _ in range(int(1.1 * reach / step)):
@@ -64,12 +70,12 @@ def follow(
         if alive.size == 0:
             break
     ends = np.isfinite(last[0])
-    there = _ends(water, [values[ends] for values in last], hit, step)
+    at, height, level, up, time = _ends(water, [values[ends] for values in last], hit, step)
     out = {name: np.full_like(angles, np.nan) for name in ("x", "z", "angle", "time")}
-    for name, values in zip(out, there):
+    for name, values in zip(out, (at, height, np.arctan2(up, level), time)):
         out[name][ends] = values
     what = np.full(angles.shape, -2)
-    what[ends] = hit(there[0], there[1])
+    what[ends] = hit(at, height)
     return out | {"what": what}
 
 

@@ -71,23 +71,24 @@ def frustum(start: ArrayLike, end: ArrayLike, first: float, last: float) -> Meet
 
     def meet(origin: Array, way: Array) -> tuple[Array, Array]:
         along, rate = (origin - begin) @ axis, way @ axis
-        off, out = (origin - begin) - along * axis, way - rate[..., None] * axis
+        off = (origin - begin) - along * axis
+        # Of the parts across the axis: products with one another and, as the ways are unit vectors, squares.
+        squared, product, out = off @ off, way @ off, 1.0 - rate * rate
         radius, growth = first + taper * along, taper * rate
-        a, b, c = dot(out, out) - growth**2, out @ off - growth * radius, off @ off - radius**2
+        a, b, c = out - growth**2, product - growth * radius, squared - radius**2
         best, cosine = np.full(rate.shape, np.inf), np.zeros(rate.shape)
         with np.errstate(invalid="ignore", divide="ignore"):
-            for sign in (-1.0, 1.0):
-                t = (-b + sign * np.sqrt(b * b - a * c)) / a
-                across = off + t[..., None] * out
-                normal = across / norm(across)[..., None] - taper * axis
-                facing = -dot(normal, way) / np.sqrt(1.0 + taper**2)
-                inside = (along + t * rate >= 0.0) & (along + t * rate <= length) & (radius + t * growth > 0.0)
+            root = np.sqrt(b * b - a * c)
+            for t in ((-b - root) / a, (-b + root) / a):
+                wide, place = radius + t * growth, along + t * rate
+                facing = (taper * rate - (product + t * out) / wide) / np.sqrt(1.0 + taper**2)
+                inside = (place >= 0.0) & (place <= length) & (wide > 0.0)
                 met = (t > 0.0) & inside & (t < best) & (facing > 0.0)
                 best, cosine = np.where(met, t, best), np.where(met, facing, cosine)
             for place, side, wide in ((0.0, -1.0, first), (length, 1.0, last)):
                 t = (place - along) / rate
-                across = norm(off + t[..., None] * out)
-                met = (t > 0.0) & (across <= wide) & (t < best) & (side * rate < 0.0)
+                across = squared + t * (2.0 * product + t * out)
+                met = (t > 0.0) & (across <= wide * wide) & (t < best) & (side * rate < 0.0)
                 best, cosine = np.where(met, t, best), np.where(met, -side * rate, cosine)
         return best, cosine
 
