@@ -99,14 +99,15 @@ def box(centre: ArrayLike, axes: Array, half: ArrayLike) -> Meeting:
     """Meeting of rays with a box whose axes are the columns of a rotation."""
 
     def meet(origin: Array, way: Array) -> tuple[Array, Array]:
-        start, own = (origin - np.asarray(centre)) @ axes, way @ axes
-        own = np.where(own == 0.0, 1e-30, own)
-        one, other = (-np.asarray(half) - start) / own, (np.asarray(half) - start) / own
-        # Reductions of an axis of three are slow.
-        (x, y, z), leaves = np.moveaxis(np.minimum(one, other), -1, 0), np.moveaxis(np.maximum(one, other), -1, 0)
-        distance, leaves = np.maximum(np.maximum(x, y), z), np.minimum(np.minimum(leaves[0], leaves[1]), leaves[2])
-        face = np.where(x == distance, 0, np.where(y == distance, 1, 2))[..., None]
-        cosine = np.abs(np.take_along_axis(own, face, -1)[..., 0])
+        shape = way.shape[:-1]
+        distance, leaves, cosine = np.full(shape, -np.inf), np.full(shape, np.inf), np.zeros(shape)
+        for axis, extent in zip(np.asarray(axes).T, np.asarray(half)):
+            start, own = (origin - np.asarray(centre)) @ axis, way @ axis
+            own = np.where(own == 0.0, 1e-30, own)
+            one, other = (-extent - start) / own, (extent - start) / own
+            enters = np.minimum(one, other)
+            cosine = np.where(enters > distance, np.abs(own), cosine)
+            distance, leaves = np.maximum(distance, enters), np.minimum(leaves, np.maximum(one, other))
         return np.where((distance < leaves) & (distance > 0.0), distance, np.inf), cosine
 
     return meet
@@ -213,11 +214,11 @@ def shadow_shares(
         way = np.stack(np.broadcast_arrays(level * np.sin(azimuth), level * np.cos(azimuth), -height / r), axis=-1)
         # An area of r dr dφ; the rest is the same for all.
         echo = strength(height / r, (1.0, 0.0, 1.0)) * respond(level * np.sin(azimuth), r) * r
-        met = np.array([meet(origin, way)[0] for meet in targets])
-        k, nearest = (r[:, 0] / bin_length).astype(int), met.argmin(axis=0)
+        met = [meet(origin, way)[0] for meet in targets]
+        k, nearest = (r[:, 0] / bin_length).astype(int), np.minimum.reduce(met)
         whole += np.bincount(k, echo.sum(axis=1), bins)
         for target in range(len(targets)):
-            behind = (met[target] < r) & (nearest == target)
+            behind = (nearest < r) & (met[target] == nearest)
             hidden[target] += np.bincount(k, np.where(behind, echo, 0.0).sum(axis=1), bins)
     share = hidden.sum(axis=0) / np.where(whole > 0.0, whole, 1.0)
     return share, np.where(share > 0.0, hidden.argmax(axis=0), -2)
