@@ -8,10 +8,10 @@ import sys
 OPENED = """
 import sys
 from insonify.scene import load_scene
-from insonify_viewer.application import make_application
+from insonify_viewer.application import has_opengl, make_application
 from insonify_viewer.viewer import Viewer
 application = make_application()
-viewer = Viewer(load_scene("default"))
+viewer = Viewer(load_scene("default"), accelerated=has_opengl())
 viewer.window.show()
 application.processEvents()
 loaded = sorted({"numba", "pyvista", "matplotlib", "xarray", "pandas"} & set(sys.modules))
