@@ -321,6 +321,14 @@ def test_distances_lead_to_bins_and_back(kind: str) -> None:
     assert make_range_axis(kind, 500, 0.1, 60.0) is None or kind == "slant"
 
 
+def test_ground_range_reaches_the_slant_range_under_a_sonar_below_the_bed():
+    # As over a measured bed that rises above the depth of the tow, by more than the range too.
+    for altitude in (-10.0, -60.0):
+        axis = make_range_axis("ground", 500, 0.1, altitude)
+        assert axis is not None
+        assert axis.reach == 50.0
+
+
 def test_without_water_a_picture_begins_at_the_first_echo_of_each_ping() -> None:
     intensity = np.zeros((2, 3, BINS), np.float32)
     altitudes = np.array([8.0, 10.0, 12.0])

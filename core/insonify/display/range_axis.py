@@ -89,4 +89,6 @@ def make_range_axis(kind: str, bins: int, bin_length: float, lowest: float) -> R
         return RangeAxis(kind, bins, bin_length, end)
     if not lowest < end:
         return None
-    return RangeAxis(kind, bins, bin_length, end - lowest if kind == BED else math.sqrt(end**2 - lowest**2))
+    # A sonar below the level of the bed may hear some of it as far out as at its own height.
+    reach = end - lowest if kind == BED else math.sqrt(end**2 - max(lowest, 0.0) ** 2)
+    return RangeAxis(kind, bins, bin_length, reach)
