@@ -41,6 +41,17 @@ def test_an_echo_lies_at_its_ground_range(small: Scene, heading: float, side: in
     assert (bed == 99).all()
 
 
+def test_a_record_narrower_than_a_pixel_of_the_bed_leaves_it_as_it_is(small: Scene) -> None:
+    from stand_in import ground_of
+
+    pings = np.arange(3)
+    poses = make_poses(small, ground_of(small.seabed), pings)
+    tone_map = make_tone_map(DisplayOptions(palette="grey", levels=(0.0, 1.0)), (0.0, 1.0))
+    strip = RecordStrip(poses, np.ones((3, 80), np.float32), np.full(3, 10.0), 0.2501, tone_map)  # 0.4 m of ground
+    bed = np.full((8, 8, 3), 99, np.uint8)
+    np.testing.assert_array_equal(drape_record(bed, (0.0, 0.0), 90.0, strip), bed)
+
+
 def test_the_option_lays_the_record_over_the_bed_and_takes_it_off(open_viewer: Any, small: Scene, qtbot: Any) -> None:
     viewer = open_viewer(small)
     shown: list[np.ndarray] = []

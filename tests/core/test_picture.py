@@ -376,6 +376,7 @@ def test_colours_are_looked_up_by_the_place_between_both_levels(colours):
     np.testing.assert_array_equal(colour_rows(values, low, high, table), expected)
     assert colour_rows(np.full((1, 1), np.nan, np.float32), low, high, table) == table[0]
     assert colour_rows(values[:0], low, high, table).shape == (0, 50)
+    assert colour_rows(values[:, :0], low, high, table).shape == (len(values), 0)
 
 
 @pytest.mark.parametrize("altitude", [-1.0, -1e5, -1e9, -1e300])

@@ -131,8 +131,6 @@ class RecordImage:
 
 def _coloured(columns: NDArray[np.float32], projection: Projection, tone_map: ToneMap) -> NDArray[np.uint32]:
     """Colours of display columns, blank beyond the last bin."""
-    if not columns.size:  # of a window that opens, before the kernel that colours is loaded
-        return np.empty(columns.shape, np.uint32)
     painted = tone_map.colours(columns)
     if not projection.axis.shows_water:
         painted[columns < 0.0] = EMPTY

@@ -258,6 +258,8 @@ def colour_rows(values: NDArray[np.float32], low: float, high: float, table: NDA
     -------
     (..., columns) uint32
     """
+    if not values.size:
+        return np.empty(values.shape, np.uint32)
     from insonify.kernels.display.rows import ROWS_A_THREAD, colour_values  # lazy: as above
 
     scale = np.float32(255.0 / max(high - low, 1e-30))
