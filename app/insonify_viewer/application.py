@@ -50,23 +50,7 @@ def open_window(
     pair: Arrangement | None = None,
     panel: str = "",
 ) -> int:
-    """Open the viewer, run it until it is closed, and return an exit code.
-
-    Parameters
-    ----------
-    scene : Scene
-        Scene to open; the one that a lesson starts from, if one is given.
-    pin : Mark, optional
-        Pixel to pin.
-    lesson : Lesson, optional
-        Lesson to begin.
-    recording : str
-        File of a record to show beside the scene; empty for none.
-    pair : Arrangement, optional
-        How the partner that the scene names is shown; it is not shown when left out.
-    panel : str
-        Name of a panel to open; empty for none.
-    """
+    """Open the viewer, run it until it is closed, and return an exit code."""
     settings = Settings()
     application = make_application(settings.theme)
     enlarge_text(application, settings.size)
@@ -139,13 +123,7 @@ def draw_window(
     pair: Arrangement | None = None,
     panel: str = "",
 ) -> None:
-    """Draw the viewer's window into a PNG, without a screen; `open_window` explains the parameters.
-
-    Raises
-    ------
-    SceneError
-        If the scene cannot be simulated, the recording not read, or the picture not written.
-    """
+    """Draw the viewer's window into a PNG, without a screen; `open_window` explains the parameters."""
     application = make_application()
     with main_thread_collection():
         viewer = Viewer(scene, accelerated=False)

@@ -27,25 +27,7 @@ class AutoPause(NamedTuple):
 def next_pause(
     simulation: Simulation, before: int, newest: int, held: int, *, for_targets: bool = True
 ) -> AutoPause | None:
-    """Find the ping between two others at which the tow pauses by itself.
-
-    Parameters
-    ----------
-    simulation : Simulation
-        Prepared scene.
-    before, newest : int
-        The newest ping before and after an advance of the tow.
-    held : int
-        Number of pings on screen.
-    for_targets : bool
-        Whether targets are a reason to pause.
-
-    Returns
-    -------
-    AutoPause or None
-        The tow pauses where a measured bed ends, and once before the first target leaves the screen. Over other beds
-        without targets it never pauses.
-    """
+    """Find the ping between two others at which the tow pauses by itself."""
     # lazy: the window opens before Numba is loaded
     from insonify.terrain import EndlessGround
 

@@ -31,24 +31,7 @@ def target_colours(scene: Scene) -> NDArray[np.uint8]:
 
 
 def bed_image(ground: Ground, centre: tuple[float, float], half: float, size: int) -> NDArray[np.uint8]:
-    """Shade the bed within a window, seen from above.
-
-    Parameters
-    ----------
-    ground : Ground
-        Heights and materials.
-    centre : (float, float)
-        Middle of the window, in local metres.
-    half : float
-        Half its side, in metres.
-    size : int
-        Pixels a side.
-
-    Returns
-    -------
-    (size, size, 3) uint8
-        Row 0 at the far y. Slopes are exaggerated so that faint ripples show.
-    """
+    """Shade the bed within a window, seen from above."""
     offset = ((np.arange(size) + 0.5) / size * 2.0 - 1.0).astype(np.float32)
     x, y = centre[0] + half * offset, centre[1] + half * offset
     z = sample_heights(ground, x, y)
@@ -76,22 +59,7 @@ def _colours(ground: Ground) -> NDArray[np.float32]:
 
 
 def sample_heights(ground: Ground, x: NDArray[Any], y: NDArray[Any]) -> NDArray[np.float32]:
-    """Bilinear heights on a grid along the axes.
-
-    Parameters
-    ----------
-    ground : Ground
-        Heights.
-    x : (nx,) float array
-        Local coordinates, in metres.
-    y : (ny,) float array
-        Local coordinates, in metres.
-
-    Returns
-    -------
-    (ny, nx) float32
-        Metres above the datum, NaN where there is no bed.
-    """
+    """Bilinear heights on a grid along the axes."""
     ny, nx = ground.heights.shape
     j, part_y = _nodes(y, ground.y0, ground.spacing, ny, periodic=ground.periodic)
     i, part_x = _nodes(x, ground.x0, ground.spacing, nx, periodic=ground.periodic)

@@ -22,17 +22,6 @@ def thin_new_ground(scene: Scene, known: Scene | None) -> Scene:
 
     Endless ground shares all but its finest waves with the same ground at a multiple of the spacing, and the time that
     a window takes falls with the square of it.
-
-    Parameters
-    ----------
-    scene : Scene
-    known : Scene or None
-        The scene that was traced last at full accuracy.
-
-    Returns
-    -------
-    Scene
-        The scene itself where its ground is known, is not endless, or has waves that no wider spacing resolves.
     """
     if not scene.seabed.endless or (known is not None and _ground_of(scene) == _ground_of(known)):
         return scene
@@ -45,19 +34,7 @@ def thin_new_ground(scene: Scene, known: Scene | None) -> Scene:
 
 
 def pack_beneath(scene: Scene, pings: NDArray[np.int64]) -> PackedScene:
-    """Pack a scene over endless ground, of which no more is made than some pings hear.
-
-    Parameters
-    ----------
-    scene : Scene
-    pings : (n,) int64
-        Their numbers.
-
-    Raises
-    ------
-    SceneError
-        As `insonify.planning.models.pack`.
-    """
+    """Pack a scene over endless ground, of which no more is made than some pings hear."""
     # lazy: loaded on the worker; the window opens before Numba is loaded
     from insonify.packing.track import tow_line_at
     from insonify.planning.models import pack

@@ -61,19 +61,7 @@ def register(subparsers: Any) -> None:
 
 
 def run(arguments: argparse.Namespace) -> int:
-    """Open the viewer, or draw its window into a picture where it cannot be opened.
-
-    Parameters
-    ----------
-    arguments : Namespace
-        Scene, settings, ``recording``, ``snapshot``, ``panel``, ``pin``, ``pair`` and ``lesson``. The file of a record
-        may stand for the scene.
-
-    Returns
-    -------
-    int
-        Exit code.
-    """
+    """Open the viewer, or draw its window into a picture where it cannot be opened."""
     recording = _take_recording(arguments)
     lesson = None if arguments.lesson is None else _chosen_lesson(arguments)
     scene = chosen_scene(arguments) if lesson is None else next(states_of(lesson))[1].scene

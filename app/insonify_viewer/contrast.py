@@ -16,20 +16,7 @@ SAMPLED = 4  # every so many rows are looked at
 
 
 class Contrast:
-    """Shows a record by the display options, and chooses the ends of the palette where these leave them open.
-
-    Parameters
-    ----------
-    waterfall : WaterfallView
-        Shows the record.
-    session : Session
-        Holds the display options.
-
-    Attributes
-    ----------
-    due : bool
-        Whether the contrast is still to be chosen from the record.
-    """
+    """Shows a record by the display options, and chooses the ends of the palette where these leave them open."""
 
     def __init__(self, waterfall: WaterfallView, session: Session) -> None:
         self._waterfall, self._decibels = waterfall, session.display.decibels

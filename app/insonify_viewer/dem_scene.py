@@ -18,24 +18,7 @@ LONGEST_RANGE = 1000.0
 
 
 def scene_over_dem(scene: Scene, path: str) -> Scene:
-    """Replace the bed of a scene by a grid of heights, and lay the track across its middle.
-
-    Parameters
-    ----------
-    scene : Scene
-        Its sonar, water and material are kept; its targets are removed.
-    path : str
-        File of heights.
-
-    Returns
-    -------
-    Scene
-
-    Raises
-    ------
-    SceneError
-        If the file cannot be read as a grid of heights.
-    """
+    """Replace the bed of a scene by a grid of heights, and lay the track across its middle."""
     # lazy: the window opens before Numba is loaded
     from insonify.acoustics.water import speed_at_sonar
     from insonify.terrain import EndlessGround, build_ground

@@ -25,22 +25,7 @@ SWINGS = ("surge", "sway", "heave", "yaw", "pitch", "roll")
 
 
 def add_dependent_edits(scene: Scene, changes: Mapping[str, Any]) -> tuple[Changes, str]:
-    """Add the dependent edits to an edit.
-
-    Parameters
-    ----------
-    scene : Scene
-        Scene to edit.
-    changes : mapping of str to object
-        New values by dotted path.
-
-    Returns
-    -------
-    changes : dict
-        The edit and its dependent edits; a value that was asked for is never overruled.
-    remark : str
-        One sentence that names the dependent edits, empty if there is nothing to say.
-    """
+    """Add the dependent edits to an edit."""
     complete: Changes = {}
     remarks = []
     for rule in (

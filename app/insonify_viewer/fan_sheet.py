@@ -18,18 +18,7 @@ Points = NDArray[np.float64]
 
 
 def fan_sheet(simulation: Simulation, ping: int) -> Points:
-    """Triangles of the fan of one ping, both sides.
-
-    Parameters
-    ----------
-    simulation : Simulation
-    ping : int
-
-    Returns
-    -------
-    (n, 3, 3) float64
-        Corners in local coordinates, m; the first is the sonar. Rays are drawn straight.
-    """
+    """Triangles of the fan of one ping, both sides."""
     # lazy: loads Numba on a thread; the window opens before
     from insonify.explanation.cross_section import cut_cross_section
 

@@ -31,19 +31,7 @@ SPELLED = {"tvg": "TVG"}
 
 
 def name_field(scene: Scene, path: str) -> str:
-    """Name the field at a dotted path, as "beam width", "pipe 1 gap height 4" or "relief rms".
-
-    Parameters
-    ----------
-    scene : Scene
-        Scene that holds the field.
-    path : str
-        Dotted path.
-
-    Returns
-    -------
-    str
-    """
+    """Name the field at a dotted path, as "beam width", "pipe 1 gap height 4" or "relief rms"."""
     steps = path.split(".")
     if tuple(steps) in AMBIGUOUS:
         return AMBIGUOUS[steps[0], steps[1]]

@@ -11,46 +11,22 @@ from insonify_viewer.quantities import format_quantity
 
 @dataclass(frozen=True)
 class NumberField:
-    """A number with a slider, or without one if the field declares no slider range.
+    """A number with a slider, or without one if the field declares no slider range."""
 
-    Attributes
-    ----------
-    path : str
-        Dotted path of the field, as ``insonify.scene.edit`` takes it.
-    label, tooltip, unit : str
-        Texts to show.
-    indent : int
-        Nesting depth within the section.
-    value : float
-        Value that applies, also if the scene leaves the field open.
-    slider : (float, float) or None
-        Ends of the slider.
-    log : bool
-        Whether the slider is logarithmic.
-    integer : bool
-        Whether the number is an integer.
-    idle : str
-        Why the number has no effect at present; empty if it has.
-    rare : bool
-        Whether few people change it, so that it is folded away.
-    name : str
-        Full name, understood without the rows around it; empty if that is the label.
-    bounds : (float or None, float or None)
-        Smallest and largest value that the scene accepts; None where there is no bound.
-    """
-
-    path: str
-    label: str
+    path: str  # dotted path of the field, as ``insonify.scene.edit`` takes it
+    label: str  # texts to show
     tooltip: str
     unit: str
-    indent: int
-    value: float
-    slider: tuple[float, float] | None
-    log: bool
-    integer: bool
-    idle: str = ""
-    rare: bool = False
-    name: str = ""
+    indent: int  # nesting depth within the section
+    value: float  # value that applies, also if the scene leaves the field open
+    slider: tuple[float, float] | None  # (float, float) ends of the slider
+    log: bool  # whether the slider is logarithmic
+    integer: bool  # whether the number is an integer
+    idle: str = ""  # why the number has no effect at present; empty if it has
+    rare: bool = False  # whether few people change it, so that it is folded away
+    name: str = ""  # full name, understood without the rows around it; empty if that is the label
+    # (float or None, float or None) smallest and largest value that the scene accepts; None where there is no
+    # bound.
     bounds: tuple[float | None, float | None] = (None, None)
 
     @property
@@ -71,25 +47,17 @@ class NumberField:
 
 @dataclass(frozen=True)
 class ChoiceField:
-    """A choice among names; `NumberField` explains the attributes.
-
-    Attributes
-    ----------
-    options : tuple
-        Values to choose from.
-    meanings : tuple of str
-        What each of them is, in a sentence; empty where their names say it.
-    """
+    """A choice among names; `NumberField` explains the attributes."""
 
     path: str
     label: str
     tooltip: str
     indent: int
     value: str | int
-    options: tuple[str | int, ...]
+    options: tuple[str | int, ...]  # values to choose from
     rare: bool = False
     name: str = ""
-    meanings: tuple[str, ...] = ()
+    meanings: tuple[str, ...] = ()  # what each of them is, in a sentence; empty where their names say it
 
     @property
     def about(self) -> str:

@@ -32,27 +32,7 @@ TAKES = "a scene (.toml), a recording, contacts, a grid of heights, a mesh, a me
 
 
 class FileOpening:
-    """Opens a file as what its suffix says it is.
-
-    Parameters
-    ----------
-    session : Session
-        The scene, which a bed, a cast, navigation or a mesh becomes a part of.
-    simulator : Simulator
-        The worker that reads casts and navigation.
-    window : MainWindow
-        Its menus, its list of recent files and drops on it ask for files.
-    files : FileDialogs
-        Asks for files and reads them.
-    recordings : RecordingPlayer
-        Shows recordings.
-    targets : TargetEditor
-        Places meshes.
-    contacts : ContactList
-        Takes contacts.
-    saving : Saving
-        Asks what becomes of unsaved changes before others take their place.
-    """
+    """Opens a file as what its suffix says it is."""
 
     def __init__(
         self,

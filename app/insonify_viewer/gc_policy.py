@@ -30,11 +30,6 @@ def collected_by_hand() -> Iterator[GcPolicy]:
     """Turn automatic collection off until the block ends, and collect everything then.
 
     Objects that exist before are frozen meanwhile: they are mostly those of libraries, which take long to traverse.
-
-    Yields
-    ------
-    GcPolicy
-        To be called regularly on the main thread.
     """
     gc.disable()
     gc.freeze()

@@ -17,28 +17,14 @@ UNDO_DEPTH = 200
 
 @dataclass(frozen=True)
 class State:
-    """What undo goes back to: declarations and small things, never arrays.
-
-    Attributes
-    ----------
-    scene : Scene
-    modelling : Modelling
-    opened : Scene
-        The scene as it was opened.
-    contacts : tuple of Contact
-        States share those that stay, with the compressed pictures around them.
-    display : DisplayOptions
-        How records are shown.
-    edit : str
-        Name of the edit that led to the state.
-    """
+    """What undo goes back to: declarations and small things, never arrays."""
 
     scene: Scene
     modelling: Modelling
-    opened: Scene = field(compare=False)
-    contacts: tuple[Contact, ...] = ()
-    display: DisplayOptions = field(default_factory=DisplayOptions)
-    edit: str = field(default="", compare=False)
+    opened: Scene = field(compare=False)  # the scene as it was opened
+    contacts: tuple[Contact, ...] = ()  # states share those that stay, with the compressed pictures around them
+    display: DisplayOptions = field(default_factory=DisplayOptions)  # how records are shown
+    edit: str = field(default="", compare=False)  # name of the edit that led to the state
 
     def simulates_as(self, other: State) -> bool:
         """Whether another state has the same scene and the same modelling."""
@@ -50,17 +36,7 @@ class State:
 
 
 class History:
-    """The present state, and up to `UNDO_DEPTH` states before it.
-
-    Parameters
-    ----------
-    present : State
-        State to begin with.
-
-    Attributes
-    ----------
-    present : State
-    """
+    """The present state, and up to `UNDO_DEPTH` states before it."""
 
     def __init__(self, present: State) -> None:
         self.present = present

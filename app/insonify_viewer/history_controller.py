@@ -12,19 +12,7 @@ if TYPE_CHECKING:
 
 
 class HistoryController:
-    """Connects undo and redo of a window with the one history of its session.
-
-    Parameters
-    ----------
-    session : Session
-        Has the history.
-    contacts : ContactList
-        The contacts of the session, which may be saved or not.
-    saving : Saving
-        Knows what is not saved.
-    window : MainWindow
-        Has the commands, and the title.
-    """
+    """Connects undo and redo of a window with the one history of its session."""
 
     def __init__(self, session: Session, contacts: ContactList, saving: Saving, window: MainWindow) -> None:
         self._session, self._saving, self._window = session, saving, window

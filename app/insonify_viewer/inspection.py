@@ -20,36 +20,16 @@ Place = tuple[float, float, float]
 
 @dataclass(frozen=True, eq=False)
 class SoundDrawing:
-    """The sound of one pixel in three dimensions, in local coordinates, m.
+    """The sound of one pixel in three dimensions, in local coordinates, m."""
 
-    Attributes
-    ----------
-    rays, blocked : tuple of (n, 3) float64
-        Ways of the sound that is heard, and of the sound that something keeps from the bed.
-    heard, hidden : (n, 2, 3) float64
-        Stretches of bed and targets that echo in the pixel, and of bed that is hidden.
-    """
-
-    rays: tuple[Points, ...]
+    rays: tuple[Points, ...]  # ways of the sound that is heard, and of the sound that something keeps from the bed
     blocked: tuple[Points, ...]
-    heard: Points
+    heard: Points  # (n, 2, 3) stretches of bed and targets that echo in the pixel, and of bed that is hidden
     hidden: Points
 
 
 class Inspection:
-    """Pinned pixel, picked place, and their pictures.
-
-    Attributes
-    ----------
-    pinned : Event
-        Called with the pinned `Mark`, or None.
-    picked : Event
-        Called with the place picked in three dimensions, local coordinates in metres, or None.
-    lit : Event
-        Called with the marks of the pixels that hear the picked place.
-    drawn : Event
-        Called with a `SoundDrawing`, or None.
-    """
+    """Pinned pixel, picked place, and their pictures."""
 
     def __init__(self) -> None:
         self.pinned, self.picked, self.lit, self.drawn = Event(), Event(), Event(), Event()

@@ -17,24 +17,7 @@ class StoppedError(Exception):
 
 
 class Job:
-    """Long work beside the window.
-
-    Parameters
-    ----------
-    work : callable
-        The work: takes a function that it calls with the share done, now and then, and returns a result. That
-        function raises `StoppedError` once the job is to stop.
-    call_later : callable
-        Calls (receive, result) on the main thread.
-    progressed : callable
-        Receives the share done.
-    done : callable
-        Receives the result.
-    failed : callable
-        Receives a `Failure`; its sentence is empty if the work was stopped.
-    name : str
-        Of the thread.
-    """
+    """Long work beside the window."""
 
     def __init__(
         self,

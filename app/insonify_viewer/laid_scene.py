@@ -20,15 +20,9 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, eq=False)
 class LaidScene:
-    """A scene with its ground and arrays; it can be shown, but not yet traced.
+    """A scene with its ground and arrays; it can be shown, but not yet traced."""
 
-    Attributes
-    ----------
-    packed : PackedScene
-        The scene, its ground and its arrays.
-    """
-
-    packed: PackedScene
+    packed: PackedScene  # the scene, its ground and its arrays
 
     @property
     def scene(self) -> Scene:

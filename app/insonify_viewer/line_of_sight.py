@@ -20,21 +20,7 @@ Vector = NDArray[np.float64]
 def meet_bed(
     ground: AnyGround, begin: Vector, end: Vector, heights: tuple[float, float]
 ) -> tuple[float, float, float] | None:
-    """Find where a line of sight meets the bed first.
-
-    Parameters
-    ----------
-    ground : AnyGround
-    begin, end : (3,) float64
-        Ends of the line, in local metres.
-    heights : (float, float)
-        Least and greatest height of the bed.
-
-    Returns
-    -------
-    (float, float, float) or None
-        Local metres; None if the line misses the bed.
-    """
+    """Find where a line of sight meets the bed first."""
     way = end - begin
     if way[2] >= 0.0:
         return None

@@ -27,13 +27,6 @@ class MarkController:
     """Looks marked points up; their labels come from a thread of their own, a moment later.
 
     On endless ground, whose heights may take a second, the points come from another thread too.
-
-    Parameters
-    ----------
-    show : callable
-        Shows a `MarkedPoint`, or None.
-    call_later : callable
-        Calls (receive, result) on the main thread.
     """
 
     def __init__(

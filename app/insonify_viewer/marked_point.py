@@ -21,51 +21,19 @@ Position = tuple[float, float, float]
 
 @dataclass(frozen=True)
 class MarkedPoint:
-    """What the record and the scene hold at a point of the record.
+    """What the record and the scene hold at a point of the record."""
 
-    Attributes
-    ----------
-    mark : Mark
-        Ping, side and bin of the point.
-    slant_range : float
-        As recorded, in metres.
-    ground_range : float or None
-        In metres; None in the water column.
-    position : (float, float, float) or None
-        Local coordinates of the bed there; None in the water column or where there is no bed.
-    intensity : float
-        Linear, before display gain.
-    label : PixelLabel or None
-        What the bin shows; None while it is not known.
-    """
-
-    mark: Mark
-    slant_range: float
-    ground_range: float | None
+    mark: Mark  # ping, side and bin of the point
+    slant_range: float  # as recorded, in metres
+    ground_range: float | None  # in metres; None in the water column
+    # (float, float, float) local coordinates of the bed there; None in the water column or where there is no bed.
     position: Position | None
-    intensity: float
-    label: PixelLabel | None = None
+    intensity: float  # linear, before display gain
+    label: PixelLabel | None = None  # what the bin shows; None while it is not known
 
 
 def marked_point(simulation: Simulation, record: Record, level: LevelBed, mark: Mark) -> MarkedPoint | None:
-    """Look a point of the record up.
-
-    Parameters
-    ----------
-    simulation : Simulation
-        Prepared scene.
-    record : Record
-        Pings held.
-    level : LevelBed
-        Intensities of a level bed, by which the record is divided.
-    mark : Mark
-        Ping, side and bin.
-
-    Returns
-    -------
-    MarkedPoint or None
-        None where the record holds nothing.
-    """
+    """Look a point of the record up."""
     amplitude = record.amplitude_at(mark.ping, mark.side, mark.bin)
     if amplitude is None or mark.bin >= simulation.scene.sonar.bins:
         return None
@@ -74,24 +42,7 @@ def marked_point(simulation: Simulation, record: Record, level: LevelBed, mark: 
 
 
 def locate_mark(simulation: Simulation, mark: Mark) -> tuple[float, float | None, Position | None]:
-    """Find where a point of the record lies, on a bed that is level across the track.
-
-    Parameters
-    ----------
-    simulation : Simulation
-        Prepared scene.
-    mark : Mark
-        Point of the record.
-
-    Returns
-    -------
-    slant_range : float
-        As recorded, in metres.
-    ground_range : float or None
-        sqrt(r² − h²) for the height h above the bed under the sonar; None in the water column.
-    position : (float, float, float) or None
-        Local coordinates of the bed there; None in the water column or where there is no bed.
-    """
+    """Find where a point of the record lies, on a bed that is level across the track."""
     sonar, ground = simulation.scene.sonar, simulation.ground
     slant = (mark.bin + 0.5) * sonar.range / sonar.bins
     pose = simulation.poses(np.array([mark.ping], dtype=np.int64))

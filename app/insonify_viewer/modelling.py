@@ -12,17 +12,10 @@ OF_FINENESS = ("method", "planes", "rays", "step")
 
 @dataclass(frozen=True)
 class Modelling:
-    """The tolerance of a plan, and its forced choices.
+    """The tolerance of a plan, and its forced choices."""
 
-    Attributes
-    ----------
-    tolerance : float
-        Greatest error beyond 1.4 altitudes, as a share of the record.
-    forced : tuple of (str, str)
-        Subject and choice of the plan's entries that are forced; each subject at most once.
-    """
-
-    tolerance: float = USUAL
+    tolerance: float = USUAL  # greatest error beyond 1.4 altitudes, as a share of the record
+    # Subject and choice of the plan's entries that are forced; each subject at most once.
     forced: tuple[tuple[str, str], ...] = ()
 
     def forcing(self, subject: str, choice: str | None) -> Modelling:

@@ -14,15 +14,7 @@ Errand = tuple[Callable[[], Any], Callable[[Any], None]]
 
 
 class NewestWins:
-    """Runs errands one at a time; a new one replaces one that still waits. The thread begins with the first.
-
-    Parameters
-    ----------
-    name : str
-        Of the thread.
-    call_later : callable
-        Calls (receive, result) on the main thread.
-    """
+    """Runs errands one at a time; a new one replaces one that still waits. The thread begins with the first."""
 
     def __init__(self, name: str, call_later: Callable[[Callable[[Any], None], Any], None]) -> None:
         self._call_later, self._faults = call_later, FaultReport()

@@ -12,13 +12,7 @@ if TYPE_CHECKING:
 
 
 class PanelSet(dict[str, Panel]):
-    """Every panel that is found, by name, in the order in which the window shows them.
-
-    Parameters
-    ----------
-    workbench : Workbench
-        What the viewer offers to them.
-    """
+    """Every panel that is found, by name, in the order in which the window shows them."""
 
     def __init__(self, workbench: Workbench) -> None:
         super().__init__({panel.name: panel(workbench) for panel in find_panels()})

@@ -19,30 +19,14 @@ LEAST = 0.05  # share hidden that is worth telling
 
 @dataclass(frozen=True)
 class PixelLabel:
-    """The label of one bin.
+    """The label of one bin."""
 
-    Attributes
-    ----------
-    source : str
-        What the greatest echo comes from: ``pipe 1``, ``bed``; empty without an echo.
-    material : str
-        Of the source; empty where it has none.
-    ghost : str
-        The path of that echo in words; empty for the direct one.
-    shadow : str
-        What hides the bed there: ``shadow of pipe 1``; empty where no target hides it.
-    ground_range : float or None
-        Of the echo, in metres.
-    incidence : float or None
-        On the source, in degrees.
-    """
-
-    source: str = ""
-    material: str = ""
-    ghost: str = ""
-    shadow: str = ""
-    ground_range: float | None = None
-    incidence: float | None = None
+    source: str = ""  # what the greatest echo comes from: ``pipe 1``, ``bed``; empty without an echo
+    material: str = ""  # of the source; empty where it has none
+    ghost: str = ""  # the path of that echo in words; empty for the direct one
+    shadow: str = ""  # what hides the bed there: ``shadow of pipe 1``; empty where no target hides it
+    ground_range: float | None = None  # of the echo, in metres
+    incidence: float | None = None  # on the source, in degrees
 
     @property
     def words(self) -> list[str]:
@@ -55,17 +39,7 @@ class PixelLabel:
 
 
 def label_bin(simulation: Simulation, labels: RecordLabels, side: int, range_bin: int) -> PixelLabel:
-    """Read the label of one bin.
-
-    Parameters
-    ----------
-    simulation : Simulation
-        The simulation that made the labels.
-    labels : RecordLabels
-        Of one ping.
-    side, range_bin : int
-        Port is 0; bins count from the sonar.
-    """
+    """Read the label of one bin."""
     # lazy: loads Numba; the window opens before
     from insonify.tracers.labels import PATHS
 

@@ -45,23 +45,7 @@ def format_time_left(seconds: float) -> str:
 
 
 def parse_quantity(text: str, unit: str, like: str = "") -> float | None:
-    """Read a number with a unit that people write, or without one.
-
-    Parameters
-    ----------
-    text : str
-        Such as ``20 cm``, ``500 kHz``, ``0,2``.
-    unit : str
-        Unit of the value.
-    like : str
-        Text that the field showed before. A plain number has its unit: beside ``0.1 ms``, ``0.2`` means 0.2 ms. A
-        number with an exponent has the unit of the value.
-
-    Returns
-    -------
-    float or None
-        In ``unit``; None for anything else.
-    """
+    """Read a number with a unit that people write, or without one."""
     parts = QUANTITY.fullmatch(text.strip().replace("−", "-"))
     if parts is None:
         return None

@@ -19,24 +19,6 @@ class Record:
 
     Rows run against the ping numbers, so that the newest is the upper one; columns run from far port over nadir to
     far starboard, as the record is read.
-
-    Parameters
-    ----------
-    pings : int
-        Number of pings held.
-    bins : int
-        Range bins per side.
-
-    Attributes
-    ----------
-    amplitude : (pings, 2 bins) float32
-        Amplitudes relative to a level bed; 0 without echo, or where no ping is held.
-    ping : (pings,) int64
-        Number of the ping in each row, -1 for none.
-    stamp : (pings,) int64
-        Stamp of the request that each row was traced for; see `missing`.
-    altitude : (pings,) float64
-        Height of the sonar above the bed in metres; NaN where it is not known.
     """
 
     def __init__(self, pings: int, bins: int) -> None:
@@ -62,24 +44,7 @@ class Record:
     def put(
         self, pings: Rows, amplitude: NDArray[np.float32], stamp: int, altitude: NDArray[np.float64] | None = None
     ) -> Rows:
-        """Store traced pings.
-
-        Parameters
-        ----------
-        pings : (n,) int64
-            Their numbers, each at most once.
-        amplitude : (n, 2, bins) float32
-            Port and starboard, near to far.
-        stamp : int
-            Stamp of the request that they were traced for.
-        altitude : (n,) float64, optional
-            Their altitudes in metres; not known when left out.
-
-        Returns
-        -------
-        (n,) int64
-            The rows they took.
-        """
+        """Store traced pings."""
         rows = self.rows(pings)
         self.amplitude[rows, : self.bins] = amplitude[:, 0, ::-1]
         self.amplitude[rows, self.bins :] = amplitude[:, 1]

@@ -37,24 +37,12 @@ class Lock(Protocol):
 
 
 class LeftWork(NamedTuple):
-    """What a window left behind when it ended without closing.
+    """What a window left behind when it ended without closing."""
 
-    Attributes
-    ----------
-    scene : Scene or None
-        As it was last edited; None if it had no unsaved changes.
-    contacts : tuple of Contact
-        Empty if they had no unsaved changes.
-    changed : float
-        When they were last written, in seconds since 1970.
-    stem : Path
-        Their files without suffix.
-    """
-
-    scene: Scene | None
-    contacts: tuple[Contact, ...]
-    changed: float
-    stem: Path
+    scene: Scene | None  # as it was last edited; None if it had no unsaved changes
+    contacts: tuple[Contact, ...]  # empty if they had no unsaved changes
+    changed: float  # when they were last written, in seconds since 1970
+    stem: Path  # their files without suffix
 
     def remove(self) -> None:
         """Remove the files."""
@@ -63,13 +51,7 @@ class LeftWork(NamedTuple):
 
 
 class Recovery:
-    """Writes the unsaved work of one window beside that of others.
-
-    Parameters
-    ----------
-    make_lock : callable
-        Makes the lock in a file.
-    """
+    """Writes the unsaved work of one window beside that of others."""
 
     def __init__(self, make_lock: Callable[[str], Lock]) -> None:
         self._make_lock = make_lock

@@ -31,19 +31,7 @@ Savers = Mapping[str, Callable[[], bool]]  # what saves, by the name of what is 
 
 
 class Saving:
-    """Saves what the window shows.
-
-    Parameters
-    ----------
-    session : Session
-        The scene and its modelling.
-    contacts : ContactList
-        The contacts of the session.
-    window : MainWindow
-        Its actions ask for saving.
-    jobs : JobList
-        Writes the record.
-    """
+    """Saves what the window shows."""
 
     def __init__(self, session: Session, contacts: ContactList, window: MainWindow, jobs: JobList) -> None:
         self._session, self._contacts, self._window, self._jobs = session, contacts, window, jobs

@@ -39,25 +39,7 @@ VIEW = "insonify_viewer.views.seabed_view"
 
 
 class SeabedController:
-    """Loads the view and its libraries, and passes on only what has changed.
-
-    Parameters
-    ----------
-    simulator : Simulator
-        The worker that makes meshes and textures.
-    accelerated : bool
-        Whether OpenGL widgets work here.
-
-    Attributes
-    ----------
-    picked : Event
-        Called with a place of the bed or of a target that the person clicks, local coordinates in metres.
-    taken, pulled, released : Event
-        Called with the number of a handle when the mouse takes hold of it, with the place of the bed under the mouse
-        while it is held, and when it is let go.
-    failed : Event
-        Called with a `Failure` or a `SceneError` when a bed cannot be drawn; the one on screen stays.
-    """
+    """Loads the view and its libraries, and passes on only what has changed."""
 
     def __init__(self, simulator: Simulator, *, accelerated: bool) -> None:
         self._simulator, self._accelerated = simulator, accelerated
@@ -100,19 +82,7 @@ class SeabedController:
     def show_sonar(
         self, simulation: Simulation | LaidScene, ping: int, tones: NDArray[np.float32], *, at_once: bool = False
     ) -> None:
-        """Move the sonar to a ping; update bed and targets if they have changed.
-
-        Parameters
-        ----------
-        simulation : Simulation or LaidScene
-            The scene with its bed.
-        ping : int
-            Ping to show.
-        tones : (2 bins,) float32
-            Brightness of the record's row, 0 to 1.
-        at_once : bool
-            Whether a new bed is made beside the worker, which may be busy for long; else when the worker rests.
-        """
+        """Move the sonar to a ping; update bed and targets if they have changed."""
         self._latest = (simulation, ping, tones, at_once)
         if self._view is None:
             return

@@ -35,21 +35,11 @@ class Event:
 
 @dataclass(frozen=True)
 class Mark:
-    """A bin of the record.
+    """A bin of the record."""
 
-    Attributes
-    ----------
-    ping : int
-        Number of the ping.
-    side : int
-        0 for port, 1 for starboard.
-    bin : int
-        Range bin, counted from the sonar.
-    """
-
-    ping: int
-    side: int
-    bin: int
+    ping: int  # number of the ping
+    side: int  # 0 for port, 1 for starboard
+    bin: int  # range bin, counted from the sonar
 
 
 class Session:
@@ -57,28 +47,6 @@ class Session:
 
     An edit under way (a slider being dragged) is provisional: every move starts from the last settled scene, so that
     the dependent edits of a move vanish when the slider returns. Settling makes one step of undo of the whole drag.
-
-    Parameters
-    ----------
-    scene : Scene
-        Scene to start with.
-
-    Attributes
-    ----------
-    changed : Event
-        Called with (scene, settled) after every change of the scene or its modelling.
-    contacts_changed : Event
-        Called after every change of the contacts.
-    said : Event
-        Called with one sentence for the person.
-    refused : Event
-        Called with the `SceneError` of an edit that is not valid.
-    marked : Event
-        Called with the marked point of the record, or None.
-    displayed : Event
-        Called with the display options of the records after every change of them.
-    file : str
-        File of the person's own that the scene was last read from or written to; empty if there is none.
     """
 
     def __init__(self, scene: Scene) -> None:
@@ -119,13 +87,6 @@ class Session:
         """Change some of the display options, by a step of undo that takes up further changes of the same.
 
         While edits of the scene or of contacts can be redone, it is no step of its own: they stay.
-
-        Parameters
-        ----------
-        name : str
-            Name of the change for undo; by default that of the options.
-        **options : object
-            New values by name.
         """
         display = self.display._replace(**options)
         if display != self.display:
@@ -164,17 +125,7 @@ class Session:
         return True
 
     def settle(self, changes: Mapping[str, Any] | None = None, name: str = "", said: str = "") -> bool:
-        """Apply changes finally, or those of the drag under way; return whether they are valid.
-
-        Parameters
-        ----------
-        changes : mapping of str to object, optional
-            New values by dotted path; None for those of the drag under way.
-        name : str
-            Name of the edit for undo; by default that of the field.
-        said : str
-            Sentence about the edit; what else it changes is told after it.
-        """
+        """Apply changes finally, or those of the drag under way; return whether they are valid."""
         scene = self._scene if changes is None else self._edited(changes, said)
         if scene is None:
             # The widget that asked must return to the valid value.
@@ -202,17 +153,7 @@ class Session:
         self.changed.emit(self._scene, True)
 
     def open(self, scene: Scene, file: str = "", *, bundled: bool = False) -> None:
-        """Replace the scene, with no choice forced, as one step of undo.
-
-        Parameters
-        ----------
-        scene : Scene
-            Scene to turn to.
-        file : str
-            File that it was read from; a scene without one counts as not saved.
-        bundled : bool
-            Whether that file comes with the program, and is not to be written.
-        """
+        """Replace the scene, with no choice forced, as one step of undo."""
         if file:
             self._saved[file] = scene
         self.file = "" if bundled else file

@@ -42,16 +42,6 @@ class Simulator(QObject):
 
     A new request replaces one that waits. A request under way runs to the end of its block, so that a slider that moves
     all the time still shows pings; the rest of it must be requested again.
-
-    Parameters
-    ----------
-    prepare : callable, optional
-        Makes a `Simulation` like `insonify.simulation.prepare`, which it replaces in tests.
-    pack : callable, optional
-        Makes a `PackedScene` like `insonify.planning.models.pack`, to show the bed before the first pings; by default
-        the core's, unless ``prepare`` is replaced.
-    parent : QObject, optional
-        Owner.
     """
 
     answered = Signal(object)
@@ -105,13 +95,7 @@ class Simulator(QObject):
         self.send(lambda: self._prepared(scene, modelling, fine=True)[0], receive)
 
     def simulate_beside(self, scene: Scene, modelling: Modelling) -> SimulatedScene:
-        """Prepare another scene on the calling thread, to be traced there.
-
-        Raises
-        ------
-        SceneError
-            If the scene cannot be simulated.
-        """
+        """Prepare another scene on the calling thread, to be traced there."""
         # lazy: loaded on the worker; the window opens before Numba is loaded
         from insonify.display.normalisation import LevelBed
 
@@ -136,22 +120,7 @@ class Simulator(QObject):
             self._changed.notify()
 
     def trace_beside(self, scene: Scene, modelling: Modelling, pings: NDArray[np.int64]) -> NDArray[np.float32]:
-        """Trace pings of another scene on the calling thread alone, beside the worker.
-
-        Parameters
-        ----------
-        scene : Scene
-            Scene to trace; choices that are forced for another are left to its own plan.
-        modelling : Modelling
-            Its tolerance holds.
-        pings : (n,) int64
-            Their numbers.
-
-        Returns
-        -------
-        (n, 2, bins) float32
-            Amplitude relative to the level bed's.
-        """
+        """Trace pings of another scene on the calling thread alone, beside the worker."""
         # lazy: loaded beside the worker; the window opens before Numba is loaded
         from insonify.display.normalisation import LevelBed
         from insonify.parallel import limited_threads

@@ -20,26 +20,7 @@ if TYPE_CHECKING:
 
 
 class TargetEditor:
-    """Adds the targets that the window's menu asks for, each as one step of undo.
-
-    Parameters
-    ----------
-    session : Session
-        The scene to edit.
-    window : MainWindow
-        The window with the menu.
-    simulator : Simulator
-        The worker that reads meshes.
-    files : FileDialogs
-        Dialogs that ask for meshes.
-    added : callable
-        Receives the dotted path of a target that was added.
-
-    Attributes
-    ----------
-    handles : TargetHandles
-        Handles of the targets in the views.
-    """
+    """Adds the targets that the window's menu asks for, each as one step of undo."""
 
     def __init__(
         self,

@@ -31,31 +31,7 @@ def needs_file(kind: str) -> bool:
 
 
 def new_target(simulation: Simulation, scene: Scene, kind: str, top: int, path: str = "") -> dict[str, Any]:
-    """Declare a new target at a free place.
-
-    Parameters
-    ----------
-    simulation : Simulation
-        Simulation on screen, with its bed and poses.
-    scene : Scene
-        Scene that receives the target; it may be newer.
-    kind : str
-        Kind of the target.
-    top : int
-        Newest ping on screen.
-    path : str
-        File of a kind that is read from one.
-
-    Returns
-    -------
-    dict
-        Declaration of the target as plain values.
-
-    Raises
-    ------
-    SceneError
-        If there is no bed to put it on, or the file cannot be read.
-    """
+    """Declare a new target at a free place."""
     x, y, heading = _free_place(simulation, scene, top)
     target: dict[str, Any] = {"kind": kind, "position": [round(x, 2), round(y, 2)]}
     model = TARGETS.models(Target)[kind]

@@ -6,20 +6,7 @@ SPEEDS = (0.25, 0.5, 1.0, 2.0, 4.0, 8.0, 16.0)
 
 
 class TowClock:
-    """Counts pings at the ping rate times a speed; a paused clock can look back.
-
-    Parameters
-    ----------
-    newest : int
-        Ping to start from.
-
-    Attributes
-    ----------
-    running : bool
-        Whether the clock counts.
-    speed : float
-        Factor on the ping rate.
-    """
+    """Counts pings at the ping rate times a speed; a paused clock can look back."""
 
     def __init__(self, newest: int) -> None:
         self.running = True

@@ -55,27 +55,7 @@ LEAP = 0.2  # s, greatest advance of the tow in one tick, after the window was b
 
 
 class Viewer(QObject):
-    """Connects one window with one session.
-
-    Parameters
-    ----------
-    scene : Scene
-        Scene to open.
-    accelerated : bool
-        Whether OpenGL widgets work here.
-    prepare : callable, optional
-        Replaces `insonify.simulation.prepare` in tests.
-
-    Attributes
-    ----------
-    session, contacts, inspection, tow, simulator, window, record, files, opening, jobs, saving, recordings, comparison,
-    targets
-        The parts that it connects.
-    panels : PanelSet
-        The panels of the window, by name.
-    failure : str
-        Why the first scene cannot be simulated; empty if it can.
-    """
+    """Connects one window with one session."""
 
     def __init__(self, scene: Scene, *, accelerated: bool, prepare: Any = None) -> None:
         super().__init__()
@@ -158,15 +138,7 @@ class Viewer(QObject):
         self._settle_levels()
 
     def open(self, scene: Scene, file: str = "") -> None:
-        """Open another scene at the start of its track; a tow that paused by itself runs on.
-
-        Parameters
-        ----------
-        scene : Scene
-            Scene to open.
-        file : str
-            The file that it was read from; without one it counts as not saved.
-        """
+        """Open another scene at the start of its track; a tow that paused by itself runs on."""
         self.tow.restart(pings_held(scene) - 1)
         if self._stopped:
             self.run(True)

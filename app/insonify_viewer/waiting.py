@@ -10,18 +10,10 @@ FEW = 16  # missing pings that a running tow always has
 
 
 class Waiting(NamedTuple):
-    """A wait that the person sees.
+    """A wait that the person sees."""
 
-    Attributes
-    ----------
-    what : str
-        What is waited for.
-    share : float or None
-        Share done; None while it is not known.
-    """
-
-    what: str
-    share: float | None = None
+    what: str  # what is waited for
+    share: float | None = None  # share done; None while it is not known
 
 
 class Activity(NamedTuple):
@@ -43,24 +35,7 @@ class WaitingWatch:
     def look(
         self, now: float, *, number: int, arrived: int, missing: int, shown: int, running: bool, activity: Activity
     ) -> Waiting | None:
-        """Return what the record waits for; None while it does not wait, or not for long.
-
-        Parameters
-        ----------
-        now : float
-            Time in seconds.
-        number : int
-            Number of the edit that the pings are wanted for.
-        arrived : int
-            Number of the edit that the newest pings were traced for; a wait begins anew with it, so that there is none
-            while the record follows a slider.
-        missing, shown : int
-            Pings on screen that are not traced for it, and all pings on screen.
-        running : bool
-            Whether the tow runs, so that a few pings are always missing.
-        activity : Activity
-            What the worker does.
-        """
+        """Return what the record waits for; None while it does not wait, or not for long."""
         if missing <= (FEW if running else 0):
             self._since = None
             return None

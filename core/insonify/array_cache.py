@@ -18,13 +18,7 @@ LIMIT = 96 * 2**20  # bytes; endless ground takes twice as long with 80 MiB
 
 
 class ArrayCache:
-    """Arrays, and tuples and dataclasses of arrays, that functions returned; the least recently used are dropped first.
-
-    Parameters
-    ----------
-    limit : int
-        Greatest number of bytes of all arrays together. The newest result is kept even if it alone is larger.
-    """
+    """Results of functions (arrays, tuples, dataclasses of arrays); the least recently used are dropped first."""
 
     def __init__(self, limit: int) -> None:
         self.limit = limit

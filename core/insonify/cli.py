@@ -33,18 +33,7 @@ APT = (
 
 
 def main(words: Sequence[str] | None = None) -> int:
-    """Run the command.
-
-    Parameters
-    ----------
-    words : sequence of str, optional
-        Arguments; the process's own when left out.
-
-    Returns
-    -------
-    int
-        0, 2 after a mistake, 130 after an interrupt.
-    """
+    """Run the command."""
     try:
         with warnings.catch_warnings(), watch_compilation(CompilationBar()):
             warnings.simplefilter("always", FileWarning)
@@ -105,13 +94,7 @@ class _Parser(argparse.ArgumentParser):
 
 
 def build_parser() -> tuple[argparse.ArgumentParser, dict[str, Any]]:
-    """Build the parser with the sub-commands of `insonify.commands` and those of installed packages.
-
-    Returns
-    -------
-    (ArgumentParser, dict)
-        The parser, and its sub-commands by name.
-    """
+    """Build the parser with the sub-commands of `insonify.commands` and those of installed packages."""
     parser = _Parser(
         prog="insonify",
         description="Tow a side-scan sonar over a seabed of your own making and watch the record scroll.",

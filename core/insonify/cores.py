@@ -18,13 +18,7 @@ MOUNT = Path("/sys/fs/cgroup")
 
 @cache
 def most_threads() -> int:
-    """Return the greatest number of threads that work at a time: `INSONIFY_THREADS`, or else the usable cores.
-
-    Raises
-    ------
-    SceneError
-        If the variable is no whole number from 1.
-    """
+    """Return the greatest number of threads that work at a time: `INSONIFY_THREADS`, or else the usable cores."""
     declared = os.environ.get(VARIABLE, "").strip()
     if not declared:
         return usable_cores()

@@ -35,29 +35,7 @@ def make_block(
     truth: TargetTruth | None,
     attributes: Mapping[str, Any],
 ) -> RecordBlock:
-    """Make the block of a record that holds some pings.
-
-    Parameters
-    ----------
-    scene : Scene
-    ground : AnyGround
-        Its bed.
-    pings : (n,) int64
-        Ping numbers.
-    poses : Poses
-        Their poses.
-    columns : dict of str to (n, 2, bins) array
-        ``intensity``, and labels by their names if there are any.
-    truth : TargetTruth, optional
-        What the pings up to the last of these show of each target, with labels alone.
-    attributes : mapping
-        From `record_attributes`.
-
-    Returns
-    -------
-    RecordBlock
-        Dimensions (channel, ping_time, range_sample).
-    """
+    """Make the block of a record that holds some pings."""
     sonar = scene.sonar
     slant_range = (np.arange(sonar.bins) + 0.5) * (sonar.range / sonar.bins)
     variables = echo_variable(columns["intensity"])
@@ -75,20 +53,7 @@ def make_block(
 def record_attributes(
     scene: Scene, plan: Plan, method: str, tolerance: float, forced: Mapping[str, str] | None
 ) -> dict[str, Any]:
-    """Attributes of a record: the scene, how it was simulated, and by which version.
-
-    Parameters
-    ----------
-    scene : Scene
-    plan : Plan
-        By which it was simulated.
-    method, tolerance, forced
-        As in `insonify.simulate`.
-
-    Returns
-    -------
-    dict of str to str or float
-    """
+    """Attributes of a record: the scene, how it was simulated, and by which version."""
     attributes: dict[str, Any] = {
         "title": scene.title,
         "scene": scene_to_toml(scene),

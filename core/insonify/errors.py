@@ -16,12 +16,7 @@ class FileWarning(UserWarning):
 
 @contextmanager
 def located(path: str) -> Iterator[None]:
-    """Put the dotted path of a part of a scene in front of the field that an error within names.
-
-    Raises
-    ------
-    SceneError
-    """
+    """Put the dotted path of a part of a scene in front of the field that an error within names."""
     try:
         yield
     except SceneError as error:

@@ -24,18 +24,7 @@ _limit: ContextVar[int | None] = ContextVar("threads", default=None)
 
 
 class PerThread(threading.local, Generic[Made]):
-    """One object for each thread that asks for it, such as the work space of a kernel.
-
-    Parameters
-    ----------
-    make : callable
-        Makes the object.
-
-    Attributes
-    ----------
-    own : object
-        That of the current thread.
-    """
+    """One object for each thread that asks for it, such as the work space of a kernel."""
 
     def __init__(self, make: Callable[[], Made]) -> None:
         # A `threading.local` is initialised anew in every thread that touches it.
@@ -44,13 +33,7 @@ class PerThread(threading.local, Generic[Made]):
 
 @contextmanager
 def limited_threads(threads: int | None) -> Iterator[None]:
-    """Limit the threads that work on what is called within the block; None leaves the limit as it is.
-
-    Raises
-    ------
-    SceneError
-        If there are none.
-    """
+    """Limit the threads that work on what is called within the block; None leaves the limit as it is."""
     if threads is not None and threads < 1:
         raise SceneError(f"threads: {threads} is too few; give at least 1")
     token = _limit.set(_limit.get() if threads is None else threads)
@@ -73,22 +56,6 @@ def in_parallel(
 
     The calling thread takes part. The others come from one pool of the process, however many callers it has; a share
     may call `in_parallel` itself and is helped by those that are free.
-
-    Parameters
-    ----------
-    block : callable
-        Works on pings first to last - 1 and touches nothing that another share touches.
-    count : int
-        Number of pings.
-    threads : int, optional
-        As many as `limited_threads` and the process allow when left out.
-    least : int
-        Pings worth handing to a thread, which takes 0.1 ms to wake up.
-
-    Returns
-    -------
-    list
-        What the calls returned, in order of the pings.
     """
     workers = min(count_threads(threads), max(count // least, 1))
     shares = [(0, count)] if workers == 1 else list(_shares(count, workers, least))

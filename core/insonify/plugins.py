@@ -12,17 +12,7 @@ from typing import Any
 
 
 def modules_in(package: str) -> list[ModuleType]:
-    """Import every module of a package, in the order of their names.
-
-    Parameters
-    ----------
-    package : str
-        Dotted name of the package; its sub-packages count as modules.
-
-    Returns
-    -------
-    list of module
-    """
+    """Import every module of a package, in the order of their names."""
     return [import_module(found.name) for found in pkgutil.iter_modules(import_module(package).__path__, f"{package}.")]
 
 

@@ -100,21 +100,7 @@ class _Lines:
 
 
 def open_progress(doing: str, total: float, unit: str = "", *, done: float = 0, delay: float = 0.0) -> Progress:
-    """Begin to report the progress of long work.
-
-    Parameters
-    ----------
-    doing : str
-        What is being done, in a few words; may be empty.
-    total : float
-        When all is done.
-    unit : str
-        What is counted; empty for a share.
-    done : float
-        At the start.
-    delay : float
-        Seconds before a bar appears.
-    """
+    """Begin to report the progress of long work."""
     if os.environ.get(VARIABLE) == "lines":
         return _Lines(doing, total, unit, done)
     return _Bar(doing, total, unit, done, delay)
@@ -134,13 +120,7 @@ def report_progress(
 
 @contextmanager
 def report_waiting(doing: str = PREPARING) -> Iterator[None]:
-    """Say what is being done, and on a terminal for how long by now, where nobody knows how long it takes.
-
-    Parameters
-    ----------
-    doing : str
-        In a few words.
-    """
+    """Say what is being done, and on a terminal for how long by now, where nobody knows how long it takes."""
     if os.environ.get(VARIABLE) == "lines":
         _Lines(doing, 1.0, "", 0.0)
         yield

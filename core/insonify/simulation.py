@@ -37,39 +37,18 @@ Echoes = NDArray[np.float32]
 
 @dataclass(frozen=True, eq=False)
 class Simulation:
-    """A scene made ready to trace any of its pings.
+    """A scene made ready to trace any of its pings."""
 
-    Attributes
-    ----------
-    scene : Scene
-        The declaration.
-    plan : Plan
-        Methods and settings of the tracing.
-    ground : AnyGround
-        The bed.
-    arrays : SceneArrays
-        The whole scene as tracers take it; of endless ground only the piece at the start of the track.
-    reduced : SceneArrays
-        The scene without the effects that the plan omits; this one is traced.
-    tiles : TerrainTiles
-        The ground about each ping, with as many nodes as the plan keeps.
-    tracer : Tracer
-        The method that finds echoes.
-    reception : Reception
-        The receiver, which turns echoes into the record.
-    threads : int, optional
-        Greatest number of threads that work on it.
-    """
-
-    scene: Scene
-    plan: Plan
-    ground: AnyGround
+    scene: Scene  # the declaration
+    plan: Plan  # methods and settings of the tracing
+    ground: AnyGround  # the bed
+    # The whole scene as tracers take it; of endless ground only the piece at the start of the track.
     arrays: SceneArrays
-    reduced: SceneArrays
-    tiles: TerrainTiles
-    tracer: Tracer
-    reception: Reception
-    threads: int | None = None
+    reduced: SceneArrays  # the scene without the effects that the plan omits; this one is traced
+    tiles: TerrainTiles  # the ground about each ping, with as many nodes as the plan keeps
+    tracer: Tracer  # the method that finds echoes
+    reception: Reception  # the receiver, which turns echoes into the record
+    threads: int | None = None  # greatest number of threads that work on it
 
     def poses(self, pings: NDArray[np.int64]) -> Poses:
         """Return position and attitude of the sonar at the given pings; beyond the track's last the tow goes on."""
@@ -322,13 +301,7 @@ def simulate_record_blocks(
     pings: range | None = None,
     threads: int | None = None,
 ) -> Iterator[RecordBlock]:
-    """Simulate a scene's record as `simulate_blocks` does, whose parameters these are, without Datasets.
-
-    Yields
-    ------
-    RecordBlock
-        Successive pings.
-    """
+    """Simulate a scene's record as `simulate_blocks` does, whose parameters these are, without Datasets."""
     if block is not None and block < 1:
         raise SceneError(f"block: {block} pings at a time are none; give at least 1")
     asked: dict[str, Any] = {"method": method, "tolerance": tolerance, "forced": forced}

@@ -42,38 +42,17 @@ class Traceable(Protocol):
 
 
 class TracedBlock(NamedTuple):
-    """Successive pings of a record.
+    """Successive pings of a record."""
 
-    Attributes
-    ----------
-    pings : (n,) int64
-        Their numbers.
-    poses : Poses
-        Their poses.
-    columns : dict of str to (n, 2, bins) array
-        ``intensity``, and labels by their names if asked for.
-    """
-
-    pings: NDArray[np.int64]
-    poses: Poses
-    columns: Columns
+    pings: NDArray[np.int64]  # (n,) their numbers
+    poses: Poses  # their poses
+    columns: Columns  # ``intensity``, and labels by their names if asked for
 
 
 def trace_blocks(
     simulation: Traceable, truth: bool = False, block: int | None = None, pings: range | None = None
 ) -> Iterator[TracedBlock]:
-    """Trace the record of a simulation block by block.
-
-    Parameters
-    ----------
-    simulation : Simulation
-    truth, block, pings
-        As in `simulate_blocks`.
-
-    Yields
-    ------
-    TracedBlock
-    """
+    """Trace the record of a simulation block by block."""
     size = _block_size(simulation, truth, streamed=True) if block is None else block
     wanted = range(simulation.scene.track.pings) if pings is None else pings
     for first in range(wanted.start, wanted.stop, size):
@@ -89,25 +68,7 @@ def trace_whole(
     truth: bool = False,
     progress: Callable[[int, int], None] | None = None,
 ) -> Columns:
-    """Trace the whole record of a simulation, block by block into arrays of its length.
-
-    Parameters
-    ----------
-    simulation : Simulation
-    pings : (n,) int64
-        All of its pings.
-    poses : Poses
-        Their poses.
-    truth : bool
-        Whether to add labels.
-    progress : callable, optional
-        Called with the pings done and the pings in all.
-
-    Returns
-    -------
-    dict of str to (n, 2, bins) array
-        As of `TracedBlock`.
-    """
+    """Trace the whole record of a simulation, block by block into arrays of its length."""
     size = _block_size(simulation, truth, streamed=False)
     columns: Columns = {}
     for first in range(0, pings.size, size):

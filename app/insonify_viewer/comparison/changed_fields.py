@@ -29,12 +29,7 @@ class Change(NamedTuple):
 
 
 def list_changes(before: tuple[Scene, Modelling], after: tuple[Scene, Modelling]) -> list[Change]:
-    """List what differs between two scenes and their modellings; of a part of another kind the kind alone.
-
-    Parameters
-    ----------
-    before, after : tuple of Scene and Modelling
-    """
+    """List what differs between two scenes and their modellings; of a part of another kind the kind alone."""
     old, new = (dict(_values(plain(scene))) for scene, _ in (before, after))
     differing = [path for path in dict.fromkeys([*old, *new]) if old.get(path) != new.get(path)]
     return [

@@ -38,30 +38,6 @@ class Comparison:
 
     A kept record follows the ping on top of B, ping by ping; the pings that it lacks are traced on a thread of their
     own. A recording is played by `RecordingPlayer`.
-
-    Parameters
-    ----------
-    window : MainWindow
-        Shows both records.
-    session : Session
-        The scene of B.
-    simulator : Simulator
-        Prepares scenes, and passes results to the main thread.
-    recordings : RecordingPlayer
-        Opens recordings.
-
-    Attributes
-    ----------
-    changed : Event
-        Called when another record is A, or both are arranged in another way.
-    measured : Event
-        Called when `difference` is known anew.
-    a : KeptRecord, Recording or None
-        Record A.
-    arrangement : Arrangement
-        How both are shown.
-    difference : str
-        What B changes, in words; empty while it is not known.
     """
 
     def __init__(self, window: MainWindow, session: Session, simulator: Simulator, recordings: RecordingPlayer) -> None:

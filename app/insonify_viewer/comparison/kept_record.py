@@ -35,24 +35,7 @@ def find_altitude(simulation: Simulation, pings: NDArray[np.int64]) -> NDArray[n
 
 
 class KeptRecord:
-    """The record of a scene under one modelling, traced where it is looked at.
-
-    Parameters
-    ----------
-    scene : Scene
-        Its scene.
-    modelling : Modelling
-        Its modelling.
-    simulated : SimulatedScene, optional
-        The scene, ready to be traced; it may come later.
-
-    Attributes
-    ----------
-    scene, modelling, simulated
-        As given.
-    record : Record
-        The pings that are traced.
-    """
+    """The record of a scene under one modelling, traced where it is looked at."""
 
     def __init__(self, scene: Scene, modelling: Modelling, simulated: SimulatedScene | None = None) -> None:
         self.scene, self.modelling, self.simulated = scene, modelling, simulated

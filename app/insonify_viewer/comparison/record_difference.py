@@ -23,21 +23,11 @@ NOTHING_SEEN = 5e-4  # share below which a change is not told in numbers
 
 @dataclass(frozen=True, eq=False)
 class RecordSnapshot:
-    """Copy of the record of a scene.
+    """Copy of the record of a scene."""
 
-    Attributes
-    ----------
-    scene : Scene
-        Its scene.
-    ping : (n,) int64
-        Numbers of the pings.
-    intensity : (n, 2 bins) float32
-        Relative to a level bed, from far port to far starboard.
-    """
-
-    scene: Scene
-    ping: NDArray[np.int64]
-    intensity: NDArray[np.float32]
+    scene: Scene  # its scene
+    ping: NDArray[np.int64]  # (n,) numbers of the pings
+    intensity: NDArray[np.float32]  # (n, 2 bins) relative to a level bed, from far port to far starboard
 
     @classmethod
     def of(cls, record: Record, scene: Scene) -> RecordSnapshot:
@@ -47,22 +37,14 @@ class RecordSnapshot:
 
 
 class RecordDifference(NamedTuple):
-    """Difference of a record from the one before it.
+    """Difference of a record from the one before it."""
 
-    Attributes
-    ----------
-    share : float
-        rms of the difference of the intensities over the rms of the record before, beyond 1.4 altitudes, as the error
-        of a method is given. The strongest echoes rule it.
-    decibels : float
-        Ratio of the mean intensities in dB, beyond 1.4 altitudes; NaN where the record after is silent.
-    visible : float
-        Share of the bins lit in one record or both, at all ranges, whose level changes by 1 dB or more. Every bin
-        counts alike, as in the picture.
-    """
-
+    # Rms of the difference of the intensities over the rms of the record before, beyond 1.4 altitudes, as the
+    # error of a method is given. The strongest echoes rule it.
     share: float
-    decibels: float
+    decibels: float  # ratio of the mean intensities in dB, beyond 1.4 altitudes; NaN where the record after is silent
+    # Share of the bins lit in one record or both, at all ranges, whose level changes by 1 dB or more. Every bin
+    # counts alike, as in the picture.
     visible: float
 
     def in_words(self) -> str:
@@ -84,18 +66,7 @@ def are_comparable(before: Scene, after: Scene) -> bool:
 
 
 def compare_records(before: RecordSnapshot, after: RecordSnapshot) -> RecordDifference | None:
-    """Compare two records with the same bins, ping by ping.
-
-    Parameters
-    ----------
-    before, after : RecordSnapshot
-        The scene of the record before says which bins lie beyond 1.4 altitudes.
-
-    Returns
-    -------
-    RecordDifference or None
-        None if they have too few pings in common, or the record before is silent.
-    """
+    """Compare two records with the same bins, ping by ping."""
     _, ours, theirs = np.intersect1d(before.ping, after.ping, assume_unique=True, return_indices=True)
     if ours.size < FEWEST:
         return None
@@ -117,13 +88,7 @@ def compare_records(before: RecordSnapshot, after: RecordSnapshot) -> RecordDiff
 
 
 def visible_share(before: NDArray[np.float32], after: NDArray[np.float32]) -> float:
-    """Share of the bins lit in one record or both whose level changes by 1 dB or more; 0 where none is lit.
-
-    Parameters
-    ----------
-    before, after : ndarray of float32
-        Intensities relative to a level bed, of one shape. What is 40 dB below the bed counts as dark.
-    """
+    """Share of the bins lit in one record or both whose level changes by 1 dB or more; 0 where none is lit."""
     lit = (before > FLOOR) | (after > FLOOR)
     one, other = before[lit] + np.float32(FLOOR), after[lit] + np.float32(FLOOR)
     step = np.float32(10.0 ** (VISIBLE / 10.0))

@@ -25,23 +25,14 @@ UNKNOWN = "not recorded"
 
 @dataclass(frozen=True, eq=False)
 class Recording:
-    """A record that was read from a file.
+    """A record that was read from a file."""
 
-    Attributes
-    ----------
-    path : Path
-        The file.
-    dataset : Dataset
-        The record, from ``records.read_record``.
-    amplitude : (pings, 2, bins) float32
-        Amplitudes relative to the median curve of the record; port first, near to far.
-    altitude : (pings,) float64
-        Height of the sonar above the bed in metres, as recorded, else by the bottom track; NaN where neither is known.
-    """
-
-    path: Path
-    dataset: xr.Dataset
+    path: Path  # the file
+    dataset: xr.Dataset  # the record, from ``records.read_record``
+    # (pings, 2, bins) amplitudes relative to the median curve of the record; port first, near to far.
     amplitude: NDArray[np.float32]
+    # (pings,) height of the sonar above the bed in metres, as recorded, else by the bottom track; NaN where
+    # neither is known.
     altitude: NDArray[np.float64]
 
     @property
@@ -94,20 +85,7 @@ def is_recording(path: str) -> bool:
 
 
 def load_recording(path: str, frequency: float | None = None) -> Recording:
-    """Read a record and relate it to its own median curve, as ``insonify compare`` draws it.
-
-    Parameters
-    ----------
-    path : str
-        A file of one of the formats of `RECORDS`.
-    frequency : float, optional
-        Carrier frequency in Hz, of a recording with several; the first when left out.
-
-    Raises
-    ------
-    SceneError
-        One sentence with what is wrong with the file and the remedy.
-    """
+    """Read a record and relate it to its own median curve, as ``insonify compare`` draws it."""
     # lazy: loads SciPy and kernels on a thread of its own; the window opens before
     from insonify.display.normalisation import normalise
     from insonify.display.sheet import compute_median_curve
@@ -121,19 +99,7 @@ def load_recording(path: str, frequency: float | None = None) -> Recording:
 
 
 def describe_point(recording: Recording, mark: Mark) -> dict[str, str]:
-    """Tell what is known of a point of a recording: where the sonar was, and what it received.
-
-    Parameters
-    ----------
-    recording : Recording
-    mark : Mark
-        A bin of one of its pings.
-
-    Returns
-    -------
-    dict of str to str
-        Name and value as they are shown, with ``not recorded`` for what the file lacks.
-    """
+    """Tell what is known of a point of a recording: where the sonar was, and what it received."""
     level = float(recording.amplitude[mark.ping, mark.side, mark.bin])
     return {
         "ping": f"{mark.ping} of {recording.pings}",

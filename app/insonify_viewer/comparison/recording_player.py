@@ -28,34 +28,6 @@ class RecordingPlayer:
 
     A recording is opened with the tow paused and its first screenful shown. To play one that is at its end begins it
     anew.
-
-    Parameters
-    ----------
-    window : MainWindow
-        Shows the recording.
-    session : Session
-        Holds the display options.
-    tow : TowClock
-        Says whether to play, and how fast.
-    simulator : Simulator
-        Passes results to the main thread.
-    pause : callable
-        Pauses the tow.
-
-    Attributes
-    ----------
-    opened : Event
-        Called with the `Recording` that is shown now, or None once it is closed.
-    reading : Event
-        Called when a file is about to be read.
-    pointed : Event
-        Called with the `Mark` under the mouse, or None.
-    moved : Event
-        Called with the ping that is on top now.
-    recording : Recording or None
-        The one that is shown.
-    failure : str
-        Why the last file could not be read, in one sentence; empty if it could.
     """
 
     def __init__(

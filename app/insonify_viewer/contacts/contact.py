@@ -14,43 +14,21 @@ SIDES = ("port", "starboard")
 
 @dataclass(frozen=True)
 class Contact:
-    """A point of a record with a name.
+    """A point of a record with a name."""
 
-    Attributes
-    ----------
-    name, note : str
-        As the person writes them.
-    source : str
-        Title of the scene, or name of the file of the recording.
-    ping : int
-    side : str
-        ``port`` or ``starboard``.
-    range_bin : int
-    slant_range : float
-        In metres.
-    ground_range : float or None
-        In metres; None in the water column.
-    x, y : float or None
-        Place in metres of the scene or of the recording's map; None where it is not known.
-    longitude, latitude : float or None
-        In degrees; None where the map is not known.
-    snapshot : bytes
-        Picture around it as PNG; empty if there is none.
-    """
-
-    name: str
+    name: str  # as the person writes them
     note: str
-    source: str
+    source: str  # title of the scene, or name of the file of the recording
     ping: int
-    side: str
+    side: str  # ``port`` or ``starboard``
     range_bin: int
-    slant_range: float
-    ground_range: float | None = None
-    x: float | None = None
+    slant_range: float  # in metres
+    ground_range: float | None = None  # in metres; None in the water column
+    x: float | None = None  # place in metres of the scene or of the recording's map; None where it is not known
     y: float | None = None
-    longitude: float | None = None
+    longitude: float | None = None  # in degrees; None where the map is not known
     latitude: float | None = None
-    snapshot: bytes = b""
+    snapshot: bytes = b""  # picture around it as PNG; empty if there is none
 
     @property
     def mark(self) -> Mark:
@@ -59,20 +37,7 @@ class Contact:
 
 
 class ContactList:
-    """The contacts of a session, in the order in which they were marked, and their file; each change is a step of undo.
-
-    Parameters
-    ----------
-    session : Session
-        Holds the contacts, and their history.
-
-    Attributes
-    ----------
-    changed : Event
-        Called after every change, and after they were saved.
-    file : str
-        File that they were last read from or written to; empty if there is none.
-    """
+    """Contacts of a session in the order of marking, and their file; each change is a step of undo."""
 
     def __init__(self, session: Session) -> None:
         self.changed = Event()

@@ -28,11 +28,6 @@ def write_contacts(path: Path, contacts: Iterable[Contact]) -> None:
 
     GeoJSON follows RFC 7946: geometries hold longitude and latitude, and are null where these are not known. All fields
     are properties, the snapshot as base64.
-
-    Raises
-    ------
-    OSError
-        If writing fails; an older file is kept.
     """
     text = _as_csv(contacts) if path.suffix.lower() == CSV else _as_geojson(contacts)
     with replacing(path) as beside:
@@ -53,13 +48,7 @@ def is_contacts(path: str) -> bool:
 
 
 def read_contacts(path: Path) -> tuple[Contact, ...]:
-    """Read contacts by the suffix of a file.
-
-    Raises
-    ------
-    SceneError
-        One sentence that names the file, the contact and what is wrong with it.
-    """
+    """Read contacts by the suffix of a file."""
     try:
         text = path.read_text(encoding="utf-8-sig")
         rows = _rows_of_csv(text) if path.suffix.lower() == CSV else _rows_of_geojson(text)

@@ -15,22 +15,12 @@ Changes = dict[str, Any]
 
 @dataclass(frozen=True)
 class Effect:
-    """A part of the scene with a kind that stands for its absence.
+    """A part of the scene with a kind that stands for its absence."""
 
-    Attributes
-    ----------
-    name, meaning : str
-        Texts to show.
-    path : str
-        Dotted path of the part.
-    off, on : str
-        Kind without the effect, and the kind that a scene gets that never had it.
-    """
-
-    name: str
+    name: str  # texts to show
     meaning: str
-    path: str
-    off: str
+    path: str  # dotted path of the part
+    off: str  # kind without the effect, and the kind that a scene gets that never had it
     on: str
 
     def is_on(self, scene: Scene) -> bool:

@@ -42,13 +42,6 @@ class EffectMeter:
 
     Each record is relative to the level bed of its own scene, as it is shown. Both are compared without speckle, except
     for what the speckle itself changes. Figures of recent scenes are kept.
-
-    Parameters
-    ----------
-    simulator : Simulator
-        Makes simulations, and calls back on the main thread.
-    updated : callable
-        Called when a figure has been measured.
     """
 
     def __init__(self, simulator: Simulator, updated: Callable[[], None]) -> None:
@@ -69,19 +62,7 @@ class EffectMeter:
     def begin(
         self, simulation: Simulation, record: Record, modelling: Modelling, variants: Mapping[str, dict[str, Any]]
     ) -> None:
-        """Measure what is not known yet.
-
-        Parameters
-        ----------
-        simulation : Simulation
-            That of the record.
-        record : Record
-            The record on screen.
-        modelling : Modelling
-            Its modelling.
-        variants : mapping of str to dict
-            Edit of the scene for each effect, by name.
-        """
+        """Measure what is not known yet."""
         self.stop()
         scene = simulation.scene
         found = self._find(scene, modelling)

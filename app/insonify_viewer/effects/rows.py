@@ -15,22 +15,12 @@ AUDIBLE = 0.05  # dB, the least change of the mean level that is told
 
 
 class EffectRow(NamedTuple):
-    """What is shown of an effect.
+    """What is shown of an effect."""
 
-    Attributes
-    ----------
-    name, meaning : str
-        Texts of the tick box.
-    on : bool
-        Whether the scene has it.
-    figure, explanation : str
-        What it changes, "…" while that is measured, and the same in a sentence.
-    """
-
-    name: str
+    name: str  # texts of the tick box
     meaning: str
-    on: bool
-    figure: str
+    on: bool  # whether the scene has it
+    figure: str  # what it changes, "…" while that is measured, and the same in a sentence
     explanation: str
 
 

@@ -9,22 +9,7 @@ from insonify_viewer.errors.versions import list_versions
 
 
 def write_details(failure: Failure, scene: str, said: Sequence[str]) -> str:
-    """Write what helps to find the cause of an error, as text.
-
-    Parameters
-    ----------
-    failure : Failure
-        The error.
-    scene : str
-        The scene as TOML.
-    said : sequence of str
-        What the status bar said last, the newest last.
-
-    Returns
-    -------
-    str
-        Sentence, traceback if there is one, last sentences of the status bar, versions and scene.
-    """
+    """Write what helps to find the cause of an error, as text."""
     parts = (
         ("", [failure.sentence]),
         ("Traceback", failure.trace.splitlines()),

@@ -9,18 +9,10 @@ from insonify.scene import SceneError
 
 
 class Failure(NamedTuple):
-    """What went wrong.
+    """What went wrong."""
 
-    Attributes
-    ----------
-    sentence : str
-        For the person.
-    trace : str
-        Where it went wrong, as Python tells it; empty for a mistake in a scene, a file or a number.
-    """
-
-    sentence: str
-    trace: str = ""
+    sentence: str  # for the person
+    trace: str = ""  # where it went wrong, as Python tells it; empty for a mistake in a scene, a file or a number
 
 
 def describe_error(error: BaseException, what: str = "this") -> Failure:

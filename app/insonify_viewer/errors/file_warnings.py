@@ -12,13 +12,7 @@ from insonify.errors import FileWarning
 
 @contextmanager
 def told_file_warnings(tell: Callable[[str], None]) -> Iterator[None]:
-    """Tell the person what a file lacks that is read all the same; other warnings are written as before.
-
-    Parameters
-    ----------
-    tell : callable
-        Takes one sentence, on the thread that reads the file.
-    """
+    """Tell the person what a file lacks that is read all the same; other warnings are written as before."""
     before = warnings.showwarning
 
     def show(message: Warning | str, category: type[Warning], *where: Any, **more: Any) -> None:

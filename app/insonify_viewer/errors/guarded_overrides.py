@@ -18,16 +18,6 @@ def guard_override(otherwise: R) -> Callable[[Callable[P, R]], Callable[P, R]]:
 
     PySide 6.11 on Python 3.11 ends the process when a function written in C raises in an override that Qt calls on
     behalf of Python code, for instance in a ``paintEvent`` under ``repaint()`` or a ``resizeEvent`` under ``show()``.
-
-    Parameters
-    ----------
-    otherwise : object
-        Returned in place of the result of a call that raised.
-
-    Returns
-    -------
-    callable
-        Decorator. An exception is reported once per object until another one is raised or a call succeeds.
     """
 
     def decorate(method: Callable[P, R]) -> Callable[P, R]:

@@ -23,28 +23,14 @@ class State(Enum):
 
 
 class Stage(NamedTuple):
-    """What a job does now, and how much of it is done.
+    """What a job does now, and how much of it is done."""
 
-    Attributes
-    ----------
-    doing : str
-        What it does, for the person.
-    done, total : float
-        How much is done, of how much; a total of 0 is not known.
-    unit : str
-        What is counted.
-    began : float
-        Monotonic seconds at which it began, or went on after something else.
-    first : float
-        How much was done by then.
-    """
-
-    doing: str = "starting"
-    done: float = 0.0
+    doing: str = "starting"  # what it does, for the person
+    done: float = 0.0  # how much is done, of how much; a total of 0 is not known
     total: float = 0.0
-    unit: str = ""
-    began: float = 0.0
-    first: float = 0.0
+    unit: str = ""  # what is counted
+    began: float = 0.0  # monotonic seconds at which it began, or went on after something else
+    first: float = 0.0  # how much was done by then
 
     @property
     def share(self) -> float | None:

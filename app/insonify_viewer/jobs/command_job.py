@@ -22,19 +22,7 @@ LINES = 200  # of what the command said on standard error that are kept
 
 
 class CommandJob(BackgroundJob):
-    """A command of ``insonify``, run as from a shell; the results are the same to the bit.
-
-    Parameters
-    ----------
-    title : str
-        What it makes, for the person.
-    arguments : sequence of str
-        Of the command.
-    result : Path
-        The file or folder that it makes.
-    call_later, changed
-        As of `BackgroundJob`.
-    """
+    """A command of ``insonify``, run as from a shell; the results are the same to the bit."""
 
     def __init__(
         self,

@@ -20,17 +20,7 @@ Watcher = Callable[[BackgroundJob], None]
 
 
 class JobList:
-    """Commands and other long work that a window has started, the newest last.
-
-    Parameters
-    ----------
-    call_later : callable
-        Calls (receive, value) on the main thread.
-
-    Attributes
-    ----------
-    jobs : list of BackgroundJob
-    """
+    """Commands and other long work that a window has started, the newest last."""
 
     def __init__(self, call_later: Callable[[Callable[[Any], None], Any], None]) -> None:
         self._call_later = call_later

@@ -13,22 +13,7 @@ WORKING, WHOLE = "working", 1.0  # the only stage
 
 
 class ThreadJob(BackgroundJob):
-    """Work whose result is an object that the window goes on with.
-
-    Parameters
-    ----------
-    title : str
-        What it makes, for the person.
-    work : callable
-        The work; see `Job`.
-    call_later, changed
-        As of `BackgroundJob`.
-
-    Attributes
-    ----------
-    value : object
-        What the work returned; None before that.
-    """
+    """Work whose result is an object that the window goes on with."""
 
     def __init__(
         self,

@@ -17,30 +17,15 @@ if TYPE_CHECKING:
 
 
 class Location(NamedTuple):
-    """Place of a bin on a level bed.
+    """Place of a bin on a level bed."""
 
-    Attributes
-    ----------
-    mark : Mark
-        The bin.
-    slant_range : float
-        Of the bin's centre, in metres.
-    ground_range : float or None
-        In metres; None in the water column.
-    place : (float, float) or None
-        Its x and y in metres; None in the water column, or where there is no bed.
-    altitude : float
-        Of the sonar above the bed, in metres; NaN where it is not known.
-    heading : float
-        Of the sonar, radians counter-clockwise from +x; NaN where it is not known.
-    """
-
-    mark: Mark
-    slant_range: float
-    ground_range: float | None
+    mark: Mark  # the bin
+    slant_range: float  # of the bin's centre, in metres
+    ground_range: float | None  # in metres; None in the water column
+    # (float, float) its x and y in metres; None in the water column, or where there is no bed.
     place: tuple[float, float] | None
-    altitude: float
-    heading: float
+    altitude: float  # of the sonar above the bed, in metres; NaN where it is not known
+    heading: float  # of the sonar, radians counter-clockwise from +x; NaN where it is not known
 
 
 def locate_simulated(simulation: Simulation, mark: Mark) -> Location:

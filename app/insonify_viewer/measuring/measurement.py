@@ -10,31 +10,19 @@ from insonify_viewer.measuring.location import Location
 
 @dataclass(frozen=True)
 class Measurement:
-    """What a line across a record measures.
+    """What a line across a record measures."""
 
-    Attributes
-    ----------
-    slant : float
-        Difference of the slant ranges, in metres.
-    straight, along, across : float or None
-        Horizontal distances in metres: between the ends, along the heading at the first and athwart it; None where an
-        end has no known place.
-    pings : int
-        Pings between the ends.
-    height : float or None
-        Height in metres of a target whose shadow the line spans; None unless both ends lie on one side and the line
-        runs across the track.
-    round_height : float or None
-        The same of a round body that rests on the bed; None with ``height``.
-    """
-
-    slant: float
+    slant: float  # difference of the slant ranges, in metres
+    # Horizontal distances in metres: between the ends, along the heading at the first and athwart it; None where
+    # an end has no known place.
     straight: float | None
     along: float | None
     across: float | None
-    pings: int
+    pings: int  # pings between the ends
+    # Height in metres of a target whose shadow the line spans; None unless both ends lie on one side and the line
+    # runs across the track.
     height: float | None
-    round_height: float | None
+    round_height: float | None  # the same of a round body that rests on the bed; None with ``height``
 
     @property
     def words(self) -> str:
@@ -61,22 +49,7 @@ def measure(first: Location, last: Location) -> Measurement:
 
 
 def shadow_height(altitude: float, slant_range: float, shadow: float) -> float:
-    """Height of a target from its shadow on a level bed, h = A L / (R + L), by similar triangles.
-
-    Parameters
-    ----------
-    altitude : float
-        A of the sonar above the bed, in metres.
-    slant_range : float
-        R at which the shadow begins, in metres.
-    shadow : float
-        L of the shadow in slant range, in metres.
-
-    Returns
-    -------
-    float
-        Height in metres of the point of the target that the last ray before the shadow's end touches.
-    """
+    """Height of a target from its shadow on a level bed, h = A L / (R + L), by similar triangles."""
     return altitude * shadow / (slant_range + shadow)
 
 
@@ -87,20 +60,6 @@ def round_shadow_height(altitude: float, slant_range: float, shadow: float) -> f
     ray touches it from below; the bed heard up to there covers the beginning of the shadow. The two tangents from the
     sonar to the circle are equal, and so are those from each end on the bed. With the ground ranges G and F of the ends
     they give h = A (1 - (R + G) / (R + L + F)). With slant ranges alone in the bracket it is `shadow_height`.
-
-    Parameters
-    ----------
-    altitude : float
-        A of the sonar above the bed, in metres.
-    slant_range : float
-        R at which the shadow begins, in metres, at least the altitude.
-    shadow : float
-        L of the shadow in slant range, in metres.
-
-    Returns
-    -------
-    float
-        Diameter of the body across the track, in metres.
     """
     near, far = (slant + math.sqrt(slant**2 - altitude**2) for slant in (slant_range, slant_range + shadow))
     return altitude * (1.0 - near / far)  # derived from equal tangents

@@ -16,13 +16,7 @@ GROUP = "insonify.panels"
 
 
 def find_panels() -> list[Any]:
-    """Find the classes of all panels, in the order in which the window shows them.
-
-    Returns
-    -------
-    list of type
-        Classes that derive from `insonify_viewer.panels.panel.Panel`.
-    """
+    """Find the classes of all panels, in the order in which the window shows them."""
     found = [module.PANEL for module in modules_in(__name__) if hasattr(module, "PANEL")]
     found += [entry.load() for entry in announced(GROUP)]
     return sorted(found, key=lambda panel: (panel.rank, panel.name))

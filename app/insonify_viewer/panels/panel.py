@@ -42,23 +42,13 @@ class Place(Enum):
 
 
 class Button(NamedTuple):
-    """The command that opens a panel, in a menu and, with an icon, among the tools.
+    """The command that opens a panel, in a menu and, with an icon, among the tools."""
 
-    Attributes
-    ----------
-    text, tooltip, shortcut : str
-        Words of the command and its key.
-    icon : str
-        Name of a file in ``resources/icons``; empty if the command stands in the menu alone.
-    menu : str
-        Title of its menu: File, Edit, View, Record, Tools or Help.
-    """
-
-    text: str
+    text: str  # words of the command and its key
     tooltip: str
     shortcut: str
-    icon: str = ""
-    menu: str = "View"
+    icon: str = ""  # name of a file in ``resources/icons``; empty if the command stands in the menu alone
+    menu: str = "View"  # title of its menu: File, Edit, View, Record, Tools or Help
 
 
 class SceneOpener(Protocol):
@@ -71,101 +61,47 @@ class SceneOpener(Protocol):
 
 @dataclass(frozen=True)
 class Workbench:
-    """What the viewer offers to its panels.
+    """What the viewer offers to its panels."""
 
-    Attributes
-    ----------
-    session : Session
-        The scene and its modelling, both editable.
-    simulator : Simulator
-        The worker thread, for what takes longer than a few milliseconds.
-    files : FileDialogs
-        Dialogs that ask for files.
-    say : callable
-        Shows a sentence in the status bar.
-    complain : callable
-        Shows an error in the status bar, a `Failure` or an exception, with a button that copies details.
-    copy_details : callable
-        Copies the details of a `Failure` that is shown elsewhere.
-    pause : callable
-        Pauses the tow.
-    go_to : callable
-        Pauses the tow, and puts a ping on top of the record.
-    record_views : (WaterfallView, WaterfallView)
-        Views of the live record and of record A.
-    add_actions : callable
-        Puts actions into the menu of the record, so that their keys work in the whole window.
-    drape : callable
-        Lays a `RecordStrip` over the bed of the 3-D view, or shows the bed as it is for None.
-    open_panel : callable
-        Opens the panel of a name.
-    inspection : Inspection
-        The pinned pixel, the picked place, and what is drawn of both.
-    jobs : JobList
-        Runs commands in processes of their own.
-    recordings : RecordingPlayer
-        Opens a recording and plays it beside the simulated record.
-    comparison : Comparison
-        Record A beside the live record.
-    contacts : ContactList
-        Contacts of the session.
-    open_contacts : callable
-        Reads contacts from a file that the person names, in place of the present ones.
-    save_contacts : callable
-        Writes the contacts to a file that the person names.
-    open_scene : callable
-        Opens (scene, file) at the start of its track; its argument ``ask`` says whether the person is asked first what
-        becomes of unsaved changes. Returns whether the scene was opened.
-    light_fields : callable
-        Lights the fields at some dotted paths wherever they are shown, and no others.
-    project : callable
-        Switches the view for a projector, full screen and in large type, on or off.
-    """
-
-    session: Session
-    simulator: Simulator
-    files: FileDialogs
-    say: Callable[[str], None]
+    session: Session  # the scene and its modelling, both editable
+    simulator: Simulator  # the worker thread, for what takes longer than a few milliseconds
+    files: FileDialogs  # dialogs that ask for files
+    say: Callable[[str], None]  # shows a sentence in the status bar
+    # Shows an error in the status bar, a `Failure` or an exception, with a button that copies details.
     complain: Callable[[Failure | Exception], None]
-    copy_details: Callable[[Failure], None]
-    pause: Callable[[], None]
-    go_to: Callable[[int], None]
+    copy_details: Callable[[Failure], None]  # copies the details of a `Failure` that is shown elsewhere
+    pause: Callable[[], None]  # pauses the tow
+    go_to: Callable[[int], None]  # pauses the tow, and puts a ping on top of the record
+    # (WaterfallView, WaterfallView) views of the live record and of record A.
     record_views: tuple[WaterfallView, WaterfallView]
+    # Puts actions into the menu of the record, so that their keys work in the whole window.
     add_actions: Callable[[Sequence[Any]], None]
+    # Lays a `RecordStrip` over the bed of the 3-D view, or shows the bed as it is for None.
     drape: Callable[[RecordStrip | None], None]
-    open_panel: Callable[[str], None]
-    inspection: Inspection
-    jobs: JobList
-    recordings: RecordingPlayer
-    comparison: Comparison
-    contacts: ContactList
-    open_contacts: Callable[[], None]
-    save_contacts: Callable[[], bool]
+    open_panel: Callable[[str], None]  # opens the panel of a name
+    inspection: Inspection  # the pinned pixel, the picked place, and what is drawn of both
+    jobs: JobList  # runs commands in processes of their own
+    recordings: RecordingPlayer  # opens a recording and plays it beside the simulated record
+    comparison: Comparison  # record A beside the live record
+    contacts: ContactList  # contacts of the session
+    open_contacts: Callable[[], None]  # reads contacts from a file that the person names, in place of the present ones
+    save_contacts: Callable[[], bool]  # writes the contacts to a file that the person names
+    # Opens (scene, file) at the start of its track; its argument ``ask`` says whether the person is asked first
+    # what becomes of unsaved changes. Returns whether the scene was opened.
     open_scene: SceneOpener
+    # Lights the fields at some dotted paths wherever they are shown, and no others.
     light_fields: Callable[[tuple[str, ...]], None]
-    project: Callable[[bool], None]
+    project: Callable[[bool], None]  # switches the view for a projector, full screen and in large type, on or off
 
 
 @dataclass(frozen=True)
 class RecordGrowth:
-    """Pings that the record on screen has just taken over.
+    """Pings that the record on screen has just taken over."""
 
-    Attributes
-    ----------
-    answer : TracedPings
-        The traced pings and the simulation that traced them.
-    record : Record
-        All pings on screen.
-    current : bool
-        Whether the pings are traced at full accuracy and belong to the scene as it is now.
-    complete : bool
-        Whether no ping on screen is missing.
-    """
-
-    answer: TracedPings
-    record: Record
-    current: bool
-    complete: bool
+    answer: TracedPings  # the traced pings and the simulation that traced them
+    record: Record  # all pings on screen
+    current: bool  # whether the pings are traced at full accuracy and belong to the scene as it is now
+    complete: bool  # whether no ping on screen is missing
 
 
 class Panel(Protocol):

@@ -21,50 +21,19 @@ MOST = 8  # places between two pings
 
 @dataclass(frozen=True, eq=False)
 class RecordStrip:
-    """Successive pings of a record, and where they were sent.
+    """Successive pings of a record, and where they were sent."""
 
-    Attributes
-    ----------
-    poses : Poses
-        Of the pings.
-    amplitude : (n, 2 bins) float32
-        From far port to far starboard.
-    altitude : (n,) float64
-        In metres.
-    bin_length : float
-        Slant range of a bin in metres.
-    tone_map : ToneMap
-        Colours of amplitudes.
-    """
-
-    poses: Poses
-    amplitude: NDArray[np.float32]
-    altitude: NDArray[np.float64]
-    bin_length: float
-    tone_map: ToneMap
+    poses: Poses  # of the pings
+    amplitude: NDArray[np.float32]  # (n, 2 bins) from far port to far starboard
+    altitude: NDArray[np.float64]  # (n,) in metres
+    bin_length: float  # slant range of a bin in metres
+    tone_map: ToneMap  # colours of amplitudes
 
 
 def drape_record(
     image: NDArray[np.uint8], centre: tuple[float, float], half: float, strip: RecordStrip
 ) -> NDArray[np.uint8]:
-    """Lay a record over a square picture of the bed; what is higher or hidden lies where slant range puts it.
-
-    Parameters
-    ----------
-    image : (size, size, 3) uint8
-        Row 0 at the far y.
-    centre : (float, float)
-        Of the picture, in local metres.
-    half : float
-        Half its side, in metres.
-    strip : RecordStrip
-        The record.
-
-    Returns
-    -------
-    (size, size, 3) uint8
-        The picture itself where the record is not heard.
-    """
+    """Lay a record over a square picture of the bed; what is higher or hidden lies where slant range puts it."""
     size, bins = len(image), strip.amplitude.shape[1] // 2
     lowest = float(strip.altitude.min(initial=math.inf))
     axis = make_range_axis(GROUND, bins, strip.bin_length, lowest)

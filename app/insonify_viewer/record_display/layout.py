@@ -38,19 +38,7 @@ def project_record(look: DisplayOptions, record: Record, axis: RangeAxis, zoom: 
 
 
 def zoom_to_true_scale(zoom: Zoom, room: tuple[int, int], across: float, along: float, *, newest_on_top: bool) -> Zoom:
-    """Show as much of the track as fills the room at true scale, from the newest ping of the zoom on.
-
-    Parameters
-    ----------
-    zoom : Zoom
-        Its left and right edges stay.
-    room : (int, int)
-        Width and height in pixels.
-    across, along : float
-        Metres of the whole picture.
-    newest_on_top : bool
-        Whether the newest ping is at the upper edge.
-    """
+    """Show as much of the track as fills the room at true scale, from the newest ping of the zoom on."""
     metres = (zoom.right - zoom.left) * across / room[0] * room[1]
     share = min(metres / along, 1.0)
     if newest_on_top:

@@ -45,35 +45,17 @@ class Zoom(NamedTuple):
 
 @dataclass(frozen=True, eq=False)
 class Projection:
-    """Bins of a record in a plot, whose places are shares from its left and upper edges.
+    """Bins of a record in a plot, whose places are shares from its left and upper edges."""
 
-    Attributes
-    ----------
-    axis : RangeAxis
-        Distance across the plot.
-    side : str
-        ``both``, ``port`` or ``starboard``.
-    newest_on_top : bool
-        Whether later pings stand above earlier ones.
-    zoom : Zoom
-        Part that is shown.
-    newest : int
-        Number of the newest ping of the picture.
-    pings : int
-        Pings from the upper to the lower edge of the whole picture.
-    altitude_of : callable
-        Altitudes of pings, (n,) int64 to (n,) float64, in metres; 0 where they are not known.
-    factors : (2 bins,) float32, optional
-        Factors on the amplitudes of a row, from far port to far starboard.
-    """
-
-    axis: RangeAxis
-    side: str
-    newest_on_top: bool
-    zoom: Zoom
-    newest: int
-    pings: int
+    axis: RangeAxis  # distance across the plot
+    side: str  # ``both``, ``port`` or ``starboard``
+    newest_on_top: bool  # whether later pings stand above earlier ones
+    zoom: Zoom  # part that is shown
+    newest: int  # number of the newest ping of the picture
+    pings: int  # pings from the upper to the lower edge of the whole picture
+    # Altitudes of pings, (n,) int64 to (n,) float64, in metres; 0 where they are not known.
     altitude_of: Callable[[NDArray[np.int64]], Values]
+    # (2 bins,) factors on the amplitudes of a row, from far port to far starboard.
     factors: NDArray[np.float32] | None = None
 
     @property
@@ -131,24 +113,7 @@ class Projection:
     def columns(
         self, amplitude: NDArray[np.float32], altitude: Values, width: int, rows: NDArray[np.int64] | None = None
     ) -> NDArray[np.float32]:
-        """Average bins into the columns of the plot, or repeat them where there are more columns than bins.
-
-        Parameters
-        ----------
-        amplitude : (m, 2 bins) float32
-            Rows of a record, from far port to far starboard.
-        altitude : (n,) float64
-            Altitudes of those that are wanted, in metres.
-        width : int
-            Columns of the plot.
-        rows : (n,) int64, optional
-            Those that are wanted; all when left out.
-
-        Returns
-        -------
-        (n, width) float32
-            `BEYOND` beyond the last bin.
-        """
+        """Average bins into the columns of the plot, or repeat them where there are more columns than bins."""
         edges, nadir = self._edges(width)
         out = np.empty((len(altitude), width), dtype=np.float32)
         bins = self.axis.bins

@@ -15,21 +15,12 @@ SILENT = np.float32(1e-15)  # amplitude that stands for silence in decibels
 
 
 class ToneMap(NamedTuple):
-    """Colours of amplitudes.
+    """Colours of amplitudes."""
 
-    Attributes
-    ----------
-    ends : (float, float)
-        Amplitudes, or their decibels, of the first colour and of the last one before the highlights.
-    decibels : bool
-        Whether colours are linear in decibels.
-    table : (n,) uint32
-        Colours as 0xffRRGGBB.
-    """
-
+    # (float, float) amplitudes, or their decibels, of the first colour and of the last one before the highlights.
     ends: tuple[float, float]
-    decibels: bool
-    table: NDArray[np.uint32]
+    decibels: bool  # whether colours are linear in decibels
+    table: NDArray[np.uint32]  # (n,) colours as 0xffRRGGBB
 
     def colours(self, amplitude: NDArray[np.float32]) -> NDArray[np.uint32]:
         """Colour amplitudes, as 0xffRRGGBB."""

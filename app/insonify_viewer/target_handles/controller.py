@@ -27,20 +27,7 @@ DONE = {"move": "moved", "turn": "turned", "resize": "resized", "raise": "height
 
 
 class TargetHandles:
-    """Shows handles in the record and in three dimensions, and edits the scene while one is dragged.
-
-    Parameters
-    ----------
-    session : Session
-        The scene to edit.
-    waterfall : WaterfallView
-        The record.
-
-    Attributes
-    ----------
-    chosen : int or None
-        Position of the chosen target in the scene, which can be turned and resized too.
-    """
+    """Shows handles in the record and in three dimensions, and edits the scene while one is dragged."""
 
     def __init__(self, session: Session, waterfall: WaterfallView) -> None:
         self._session, self._waterfall = session, waterfall

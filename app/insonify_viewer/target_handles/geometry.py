@@ -30,21 +30,13 @@ DIGITS = 3  # of positions and sizes in metres
 
 @dataclass(frozen=True)
 class Handle:
-    """A place by which a target is held.
+    """A place by which a target is held."""
 
-    Attributes
-    ----------
-    target : int
-        Position of the target in the scene.
-    action : str
-        What a drag does: ``move``, ``turn``, ``resize``, ``thicken`` across the heading alone, or ``raise`` in height.
-    place : (float, float, float)
-        Local coordinates, in metres.
-    """
-
-    target: int
+    target: int  # position of the target in the scene
+    # What a drag does: ``move``, ``turn``, ``resize``, ``thicken`` across the heading alone, or ``raise`` in
+    # height.
     action: Action
-    place: Place
+    place: Place  # (float, float, float) local coordinates, in metres
 
 
 def handles_of(simulation: Simulation, chosen: int | None) -> tuple[Handle, ...]:
@@ -88,22 +80,7 @@ def target_at(scene: Scene, x: float, y: float) -> int | None:
 
 
 def drag_edit(scene: Scene, handle: Handle, begun: Place, now: Place) -> dict[str, Any]:
-    """Edit that a drag of a handle makes.
-
-    Parameters
-    ----------
-    scene : Scene
-        Scene in which the drag began.
-    handle : Handle
-        Handle that is held.
-    begun, now : (float, float, float)
-        Places under the mouse at the beginning of the drag and now.
-
-    Returns
-    -------
-    dict
-        New values by dotted path.
-    """
+    """Edit that a drag of a handle makes."""
     target, path = scene.targets[handle.target], f"targets.{handle.target}"
     x, y, *height = target.position
     if handle.action == "move":
@@ -144,19 +121,7 @@ def _raised(target: Any, path: str, factor: float) -> dict[str, Any]:
 
 
 def echo_mark(simulation: Simulation, place: Place) -> Mark | None:
-    """Find the bin in which a place is heard abeam, by straight sound; None if it is out of range or never abeam.
-
-    Parameters
-    ----------
-    simulation : Simulation
-        Prepared scene.
-    place : (float, float, float)
-        Local coordinates, in metres.
-
-    Returns
-    -------
-    Mark or None
-    """
+    """Find the bin in which a place is heard abeam, by straight sound; None if it is out of range or never abeam."""
     scene, arrays = simulation.scene, simulation.arrays
     step = scene.track.speed / scene.sonar.ping_rate
     line = simulation.line(np.zeros(1, dtype=np.int64))

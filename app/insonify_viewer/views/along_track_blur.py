@@ -9,20 +9,7 @@ from numpy.typing import NDArray
 
 
 def blur_along_track(columns: NDArray[np.float32], reach: NDArray[np.float64]) -> NDArray[np.float32]:
-    """Average energy over the number of successive pings that the beam covers.
-
-    Parameters
-    ----------
-    columns : (n, width) float32
-        Amplitudes of successive pings, from far port over nadir to far starboard.
-    reach : (width,) float64
-        Number of pings that the beam covers in every column; less than one counts as one.
-
-    Returns
-    -------
-    (n, width) float32
-        Blurred amplitudes; the first and the last ping are repeated beyond the ends.
-    """
+    """Average energy over the number of successive pings that the beam covers."""
     half = 0.5 * np.maximum(reach, 1.0)
     margin = int(half.max() + 0.5) + 1
     energy = np.square(np.pad(columns, ((margin, margin), (0, 0)), mode="edge"))

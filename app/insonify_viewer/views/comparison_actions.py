@@ -11,20 +11,7 @@ from insonify_viewer.views.held_key import HeldKey
 
 
 class ComparisonActions(QObject):
-    """Actions that keep a record as A, show it, and return to it.
-
-    Parameters
-    ----------
-    window : QWidget
-        Window in which the keys work.
-
-    Attributes
-    ----------
-    keep, partner, back : QAction
-        Keep the live record as A; trace the partner of the scene as A; return to the scene of A.
-    actions : list of QAction
-        All of them.
-    """
+    """Actions that keep a record as A, show it, and return to it."""
 
     toggled = Signal(object)  # Arrangement to turn to, or to leave if it is shown
     held = Signal(bool)  # whether A is to be shown in the place of B

@@ -38,13 +38,6 @@ class ComparisonOverlay(QWidget):
     """Lies over the view of record B and draws record A there, at the same scale.
 
     Where it draws nothing, the mouse belongs to record B.
-
-    Parameters
-    ----------
-    a : RecordAView
-        View of record A.
-    b : WaterfallView
-        View of record B, of which the overlay is a child.
     """
 
     def __init__(self, a: RecordAView, b: WaterfallView) -> None:

@@ -17,19 +17,7 @@ from insonify_viewer.views.main_window import MainWindow
 
 
 class CrashRecovery(QObject):
-    """Writes scene and contacts of a session every few seconds while they have unsaved changes.
-
-    Parameters
-    ----------
-    window : MainWindow
-        Its end, after the question about unsaved changes, removes the file.
-    session : Session
-        The scene.
-    contacts : ContactList
-        The contacts.
-    opened : callable
-        Opens a scene (scene, file) in the window.
-    """
+    """Writes scene and contacts of a session every few seconds while they have unsaved changes."""
 
     def __init__(
         self, window: MainWindow, session: Session, contacts: ContactList, opened: Callable[[Scene, str], None]

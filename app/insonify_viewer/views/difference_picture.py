@@ -17,36 +17,14 @@ Columns = tuple[NDArray[np.float32], NDArray[np.bool_]]
 
 
 class DifferencePicture(NamedTuple):
-    """Ratio of two records.
+    """Ratio of two records."""
 
-    Attributes
-    ----------
-    pixels : (n, width) uint32
-        Colours 0xffRRGGBB, newest ping first.
-    span : float
-        Decibels at the ends of the palette.
-    """
-
-    pixels: NDArray[np.uint32]
-    span: float
+    pixels: NDArray[np.uint32]  # (n, width) colours 0xffRRGGBB, newest ping first
+    span: float  # decibels at the ends of the palette
 
 
 def decibels_between(a: Columns, b: Columns, rows: NDArray[np.int64]) -> NDArray[np.float32]:
-    """Level of B over A, pixel by pixel.
-
-    Parameters
-    ----------
-    a, b : tuple of (n, width) float32 and (n,) bool
-        Amplitudes relative to a level bed in display columns of one width, newest ping first; negative beyond the last
-        bin. And which pings are held.
-    rows : (n of b,) int64
-        Row of A for each of B.
-
-    Returns
-    -------
-    (n of b, width) float32
-        Decibels; NaN where one of both holds nothing.
-    """
+    """Level of B over A, pixel by pixel."""
     known = (rows >= 0) & (rows < len(a[1])) & b[1]
     known[known] = a[1][rows[known]]
     one, other = a[0][rows[known]], b[0][known]
@@ -59,17 +37,7 @@ def decibels_between(a: Columns, b: Columns, rows: NDArray[np.int64]) -> NDArray
 
 
 def draw_difference(decibels: NDArray[np.float32], table: NDArray[np.uint32], empty: int) -> DifferencePicture:
-    """Colour decibels, with ends that hold all but a few pixels.
-
-    Parameters
-    ----------
-    decibels : (n, width) float32
-        NaN takes the colour ``empty``.
-    table : (256,) uint32
-        Two-sided palette.
-    empty : int
-        Colour 0xffRRGGBB.
-    """
+    """Colour decibels, with ends that hold all but a few pixels."""
     unknown = np.isnan(decibels)
     sizes = np.abs(decibels.ravel()[::SAMPLED])
     sizes = sizes[np.isfinite(sizes)]

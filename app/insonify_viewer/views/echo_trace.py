@@ -24,19 +24,7 @@ def room_for_trace(height: int) -> int:
 
 
 def draw_trace(painter: QPainter, area: QRect, loudest: NDArray[np.float32], title: str, at: float | None) -> None:
-    """Draw the trace of one ping.
-
-    Parameters
-    ----------
-    painter : QPainter
-    area : QRect
-        Below the record, as wide as it.
-    loudest : (width,) float32
-        Loudest amplitude in every column of the record; NaN is drawn as silence.
-    title : str
-    at : float, optional
-        Place of the pinned bin, from 0 to 1 across the record.
-    """
+    """Draw the trace of one ping."""
     with np.errstate(divide="ignore"):
         levels = 20.0 * np.log10(np.nan_to_num(loudest.astype(np.float64)))
     top = max(STEP * math.ceil(float(levels.max(initial=0.0)) / STEP), STEP)

@@ -59,15 +59,7 @@ class Combo(QComboBox):
 
 
 class NameLabel(QLabel):
-    """Name of a field; a double click, or its menu, resets a field that was changed.
-
-    Parameters
-    ----------
-    text, about : str
-        The name, which takes several lines if it is long, and the tooltip.
-    indent : int
-        Nesting depth.
-    """
+    """Name of a field; a double click, or its menu, resets a field that was changed."""
 
     def __init__(self, text: str, about: str, indent: int) -> None:
         super().__init__()
@@ -112,15 +104,7 @@ class NameLabel(QLabel):
 
 
 class NumberRow:
-    """Row of a number: its name, a slider, and a text field.
-
-    Parameters
-    ----------
-    number : Number
-        Field to show.
-    dragged, settled : callable
-        Called with (path, value) while the slider is held, and when a value is final.
-    """
+    """Row of a number: its name, a slider, and a text field."""
 
     def __init__(self, number: NumberField, dragged: Change, settled: Change) -> None:
         self._number, self._dragged, self._settled = number, dragged, settled
@@ -200,15 +184,7 @@ class NumberRow:
 
 
 class ChoiceRow:
-    """Row of a choice: its name and a combo box.
-
-    Parameters
-    ----------
-    choice : Choice
-        Field to show.
-    settled : callable
-        Called with (path, value) when another entry is picked.
-    """
+    """Row of a choice: its name and a combo box."""
 
     def __init__(self, choice: ChoiceField, settled: Change) -> None:
         self._choice, self._settled = choice, settled
@@ -242,15 +218,7 @@ class ChoiceRow:
 
 
 class FileRow:
-    """Row of a file: a button with its name, which asks for another.
-
-    Parameters
-    ----------
-    file : File
-        Field to show.
-    asked : callable
-        Called with the path of the field when the person wants another file.
-    """
+    """Row of a file: a button with its name, which asks for another."""
 
     def __init__(self, file: FileField, asked: Callable[[str], None]) -> None:
         self.label = NameLabel(file.label, file.tooltip, file.indent)

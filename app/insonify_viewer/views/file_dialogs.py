@@ -27,19 +27,7 @@ MAPS = "Pictures (*.png *.tif *.tiff);;All files (*)"
 
 
 class FileDialogs:
-    """Asks for files, opens them, and reports errors in one sentence.
-
-    Parameters
-    ----------
-    window : MainWindow
-        Owner of the dialogs, which shows errors.
-    simulator : Simulator
-        The worker that reads measured beds.
-    opened : callable
-        Receives a scene that was opened, and its file; empty for a scene that is in no file.
-    may_leave : callable
-        Asks what becomes of unsaved changes of the scene; returns whether another may be opened.
-    """
+    """Asks for files, opens them, and reports errors in one sentence."""
 
     def __init__(
         self,

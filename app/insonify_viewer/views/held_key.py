@@ -27,15 +27,6 @@ class HeldKey(QObject):
 
     Lists and combo boxes would look for an entry with that letter, so the key is taken before the widget that has the
     keyboard receives it.
-
-    Parameters
-    ----------
-    window : QWidget
-        Window in which the key works, wherever no widget takes it as text.
-    key : Key
-        The key.
-    held : callable
-        Receives True when the key is pressed, False when it is let go or the window loses the keyboard.
     """
 
     def __init__(self, window: QWidget, key: Qt.Key, held: Callable[[bool], None]) -> None:

@@ -23,17 +23,7 @@ LICENCE = "MIT licence: free to use, change and pass on, without warranty."
 
 
 class KeysDialog(QDialog):
-    """Lists every command that has a key, by its menu, and the keys of views.
-
-    Parameters
-    ----------
-    window : QWidget
-        Owner.
-    menus : list of QMenu
-        Menus of the window.
-    others : tuple of (str, tuple of (str, str))
-        By title, what is done by keys that are no commands of menus, and the keys.
-    """
+    """Lists every command that has a key, by its menu, and the keys of views."""
 
     def __init__(
         self, window: QWidget, menus: list[QMenu], others: tuple[tuple[str, tuple[tuple[str, str], ...]], ...]

@@ -12,18 +12,7 @@ MOST = 20  # edits in a menu
 
 
 class HistoryMenus(QObject):
-    """Names what undo and redo would do; their tool buttons, held, list all edits.
-
-    Parameters
-    ----------
-    undo, redo : (QAction, QToolButton)
-        The actions and their buttons.
-
-    Attributes
-    ----------
-    lists : tuple of QMenu
-        The lists of the edits that can be undone and redone.
-    """
+    """Names what undo and redo would do; their tool buttons, held, list all edits."""
 
     undone = Signal(int)  # steps
     redone = Signal(int)

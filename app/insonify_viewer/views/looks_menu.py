@@ -16,24 +16,7 @@ NAMES = {Theme.SYSTEM: "As the system", Theme.DARK: "Dark", Theme.LIGHT: "Light"
 
 
 class LooksMenu(QObject):
-    """Changes the looks of a window and keeps them in the settings.
-
-    Parameters
-    ----------
-    window : QMainWindow
-        Window whose looks change.
-    menu : QMenu
-        Menu to add to.
-    settings : Settings
-        Where the choices are kept.
-    say : callable
-        Receives a sentence.
-
-    Attributes
-    ----------
-    themes, sizes : list of QAction
-        One for each theme, and for each size of the text.
-    """
+    """Changes the looks of a window and keeps them in the settings."""
 
     def __init__(self, window: QMainWindow, menu: QMenu, settings: Settings, say: Callable[[str], None]) -> None:
         super().__init__(window)

@@ -53,20 +53,7 @@ LARGE = 1.6  # factor on the text of the record for a projector
 
 
 class MainWindow(QMainWindow):
-    """Holds views and panels, and signals what the person asks for.
-
-    Parameters
-    ----------
-    native : bool
-        Whether the record needs a native window of its own.
-    palettes : tuple of str
-        Names of the palettes to choose from.
-
-    Attributes
-    ----------
-    may_close : callable
-        Whether the window may close now; it may ask the person.
-    """
+    """Holds views and panels, and signals what the person asks for."""
 
     gain_changed = Signal(float)
     palette_changed = Signal(str)

@@ -10,19 +10,7 @@ from PySide6.QtWidgets import QMainWindow, QMenu
 
 
 class Menus(QObject):
-    """The menus of a window.
-
-    Parameters
-    ----------
-    window : QMainWindow
-        Window that has the menu bar.
-
-    Attributes
-    ----------
-    file, edit, view, record, tools, help : QMenu
-        Files; edits of the scene; panels and looks of the window; the record and the tow; what measures and computes;
-        help.
-    """
+    """The menus of a window."""
 
     def __init__(self, window: QMainWindow) -> None:
         super().__init__(window)

@@ -23,15 +23,7 @@ AREAS = {
 
 
 class PanelDocks:
-    """Mounts panels at the sides of a window and below; those at one place stand one behind the other.
-
-    Parameters
-    ----------
-    window : QMainWindow
-        Window to mount them in.
-    room : PanelRoom
-        Makes room for those that are open.
-    """
+    """Mounts panels at the sides of a window and below; those at one place stand one behind the other."""
 
     def __init__(self, window: QMainWindow, room: PanelRoom) -> None:
         self._window, self._room = window, room

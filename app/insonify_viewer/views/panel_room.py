@@ -12,15 +12,7 @@ HANDLES = 24  # px, of the lines between the parts
 
 
 class PanelRoom(QObject):
-    """Leaves out the 3-D view while the panels at the sides and the record need its room.
-
-    Parameters
-    ----------
-    window : QMainWindow
-        Window with docks at its sides.
-    splitter : QSplitter
-        Its middle; the 3-D view is its first part.
-    """
+    """Leaves out the 3-D view while the panels at the sides and the record need its room."""
 
     def __init__(self, window: QMainWindow, splitter: QSplitter) -> None:
         super().__init__(window)

@@ -12,20 +12,7 @@ HEADROOM = 24  # times the upper level that takes the last colour: 28 dB
 
 
 def column_means(amplitude: NDArray[np.float32], width: int) -> NDArray[np.float32]:
-    """Average bins into display columns, or repeat them where there are more columns than bins.
-
-    Parameters
-    ----------
-    amplitude : (n, bins) float32
-        Rows of a record.
-    width : int
-        Display columns.
-
-    Returns
-    -------
-    (n, width) float32
-        Means; every bin counts in one column, so that no echo is lost.
-    """
+    """Average bins into display columns, or repeat them where there are more columns than bins."""
     bins = amplitude.shape[1]
     edges = np.arange(width + 1) * bins // width
     if width >= bins:

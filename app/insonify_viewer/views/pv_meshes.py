@@ -34,24 +34,12 @@ STEPS = 16  # of the window, per slant range
 
 @dataclass(frozen=True, eq=False)
 class BedPatch:
-    """Mesh and texture of the bed around the fish.
+    """Mesh and texture of the bed around the fish."""
 
-    Attributes
-    ----------
-    centre : (float, float)
-        Its middle, in local metres.
-    points : (MESH_NODES², 3) float32
-        Nodes of the mesh.
-    image : (TEXTURE_SIZE, TEXTURE_SIZE, 3) uint8
-        Shaded colours, row 0 at the far y.
-    half : float
-        Half the side of the window, in metres.
-    """
-
-    centre: tuple[float, float]
-    points: NDArray[np.float32]
-    image: NDArray[np.uint8]
-    half: float
+    centre: tuple[float, float]  # (float, float) its middle, in local metres
+    points: NDArray[np.float32]  # (MESH_NODES², 3) nodes of the mesh
+    image: NDArray[np.uint8]  # (TEXTURE_SIZE, TEXTURE_SIZE, 3) shaded colours, row 0 at the far y
+    half: float  # half the side of the window, in metres
 
 
 def window_centre(line: TowLine, reach: float) -> tuple[float, float]:
@@ -63,22 +51,7 @@ def window_centre(line: TowLine, reach: float) -> tuple[float, float]:
 
 
 def bed_patch(bed: AnyGround, centre: tuple[float, float], reach: float) -> BedPatch:
-    """Sample and shade the bed within a window.
-
-    Parameters
-    ----------
-    bed : AnyGround
-        Heights and materials.
-    centre : (float, float)
-        Middle of the window, in local metres.
-    reach : float
-        Slant range of the sonar, in metres.
-
-    Returns
-    -------
-    BedPatch
-        Nodes without bed lie at the lowest height, in the colour of the water.
-    """
+    """Sample and shade the bed within a window."""
     half = WINDOW * reach / 2.0
     ground = bed.around(centre, half)
     x = np.linspace(centre[0] - half, centre[0] + half, MESH_NODES)
@@ -106,20 +79,7 @@ def thinned_points(points: NDArray[np.float32]) -> NDArray[np.float32]:
 
 
 def targets_mesh(solids: Solids, mesh: Mesh, colours: NDArray[np.uint8]) -> Any:
-    """Return the targets as one surface; solids beyond `MAX_SOLIDS` are left out.
-
-    Parameters
-    ----------
-    solids, mesh : Solids, Mesh
-        Solids and triangles of the targets.
-    colours : (targets, 3) uint8
-        Colour of each target.
-
-    Returns
-    -------
-    PolyData
-        With the ``colour`` of every face.
-    """
+    """Return the targets as one surface; solids beyond `MAX_SOLIDS` are left out."""
     parts: list[Any] = []
     if len(mesh.corners):
         corners = mesh.corners.reshape(-1, 3)
@@ -205,13 +165,7 @@ ScanLine = tuple[NDArray[np.float64], NDArray[np.float64]]
 
 
 class ScanFan:
-    """The current scan: a sheet from the fish to the bed, and its footprint.
-
-    Attributes
-    ----------
-    sheet, footprint : PolyData
-        Updated in place by `move`.
-    """
+    """The current scan: a sheet from the fish to the bed, and its footprint."""
 
     def __init__(self) -> None:
         n = 2 * LINE_POINTS
@@ -229,19 +183,7 @@ class ScanFan:
         scanned: ScanLine,
         tones: NDArray[np.float32],
     ) -> None:
-        """Move sheet and footprint to a pose.
-
-        Parameters
-        ----------
-        arrays : SceneArrays
-            Packed scene, for range and beam width.
-        pose : Poses
-            One pose.
-        scanned : ScanLine
-            From `scan_line` for the pose.
-        tones : (2 bins,) float32
-            Brightness of the record's newest row, 0 to 1, far port to far starboard.
-        """
+        """Move sheet and footprint to a pose."""
         line, slant = scanned
         ahead = np.array([math.cos(pose.heading[0]), math.sin(pose.heading[0]), 0.0])
         reach = arrays.bins * arrays.bin_length
@@ -264,15 +206,7 @@ def scan_colours(tones: NDArray[np.float32]) -> NDArray[np.uint8]:
 
 
 def scan_line(ground: AnyGround, arrays: SceneArrays, pose: Poses) -> ScanLine:
-    """Points of the bed under the beam, far port to far starboard, and their slant ranges.
-
-    Returns
-    -------
-    line : (2 LINE_POINTS, 3) float64
-        Local metres. A squinted beam is a cone about the fish's axis, and with the bow up it leans forward.
-    slant : (2 LINE_POINTS,) float64
-        Metres from the sonar.
-    """
+    """Points of the bed under the beam, far port to far starboard, and their slant ranges."""
     reach = arrays.bins * arrays.bin_length
     below = bed_below(ground, pose)
     height, squint = float(pose.z[0]) - below, arrays.pattern.centre

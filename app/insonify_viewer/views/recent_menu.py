@@ -12,15 +12,7 @@ from insonify_viewer.views.settings import Settings
 
 
 class RecentMenu(QMenu):
-    """Signals the recent file that the person picks; files that are gone are marked.
-
-    Parameters
-    ----------
-    window : QWidget
-        Owner.
-    settings : Settings
-        Keeps the list.
-    """
+    """Signals the recent file that the person picks; files that are gone are marked."""
 
     wanted = Signal(str)
 

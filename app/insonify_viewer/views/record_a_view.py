@@ -14,15 +14,7 @@ from insonify_viewer.views.waterfall_view import WaterfallView
 
 
 class RecordAView(WaterfallView):
-    """Draws a record that is not the live one; while it lies over the live one, others draw it there.
-
-    Parameters
-    ----------
-    native : bool
-        Whether the widget owns a native window.
-    parent : QWidget, optional
-        Owner.
-    """
+    """Draws a record that is not the live one; while it lies over the live one, others draw it there."""
 
     def __init__(self, *, native: bool = False, parent: QWidget | None = None) -> None:
         self._live: WaterfallView | None = None
@@ -32,15 +24,7 @@ class RecordAView(WaterfallView):
         self.show_title("")
 
     def lie_over(self, live: WaterfallView | None, *, by_ping: bool) -> None:
-        """Compute the picture for the place of another record, or with None for a view of its own.
-
-        Parameters
-        ----------
-        live : WaterfallView, optional
-            Shows the other record; its metres across are those of the picture.
-        by_ping : bool
-            Whether rows are paired by their pings, else by the distance from the newest one.
-        """
+        """Compute the picture for the place of another record, or with None for a view of its own."""
         known = self._live is live and self._by_ping is by_ping
         self._live, self._by_ping = live, by_ping
         if not known:

@@ -34,15 +34,7 @@ GEOMETRY = ("side", "ground_range", "water_column", "side_gains", "side_slopes",
 
 
 class RecordCanvas(QWidget):
-    """Draws a `Record`; a row is coloured once, when it arrives.
-
-    Parameters
-    ----------
-    native : bool
-        Whether the widget owns a native window; beside an OpenGL widget others are drawn several times slower.
-    parent : QWidget, optional
-        Owner.
-    """
+    """Draws a `Record`; a row is coloured once, when it arrives."""
 
     moved = Signal(int)  # newest ping on screen
     recoloured = Signal()  # the colours of amplitudes have changed
@@ -121,17 +113,7 @@ class RecordCanvas(QWidget):
             self._fit()
 
     def show_rows(self, rows: Rows, alike: int = 1, reach: NDArray[np.float64] | None = None) -> None:
-        """Update rows that the record has just received.
-
-        Parameters
-        ----------
-        rows : (n,) int64
-            Rows of successive pings.
-        alike : int
-            Number of successive pings that are the same.
-        reach : (bins,) float64, optional
-            Number of pings that the beam covers, over which energy is averaged.
-        """
+        """Update rows that the record has just received."""
         if not self._projection.axis.shows_water or self._look.ground_range or not self._look.water_column:
             axis = choose_axis(self._look, self._record, self._range)
             if axis != self._projection.axis:  # a lower ping hears farther

@@ -10,17 +10,7 @@ from insonify_viewer.session import Mark
 
 
 class RecordCursor:
-    """A place of the plot, from where the mouse last was; it follows its bin when the record is zoomed or moves.
-
-    Parameters
-    ----------
-    plot : callable
-        Place of the record in the view.
-    mark_at : callable
-        Bin at a position of the view, or None.
-    place_of : callable
-        Position of a bin in the view.
-    """
+    """A place of the plot, from where the mouse last was; it follows its bin when the record is zoomed or moves."""
 
     def __init__(
         self,

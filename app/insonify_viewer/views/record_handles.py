@@ -29,17 +29,7 @@ Shown = tuple[int, Mark, str, bool]
 
 
 class RecordHandles(QObject):
-    """Handles at bins of a record.
-
-    Parameters
-    ----------
-    place_of : callable
-        Position of a bin in the view.
-    changed : callable
-        Called when they are to be drawn anew.
-    parent : QObject
-        Owner.
-    """
+    """Handles at bins of a record."""
 
     taken = Signal(int)  # number of a handle
     pulled = Signal(object)  # Mark under the mouse

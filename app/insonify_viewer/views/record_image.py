@@ -18,17 +18,7 @@ SNAPSHOT = 128  # px, side of a picture about a place
 
 
 class RecordImage:
-    """Display columns and colours of the rows of a record.
-
-    Attributes
-    ----------
-    pixels : (pings, width) uint32
-        Colours of the rows as 0xffRRGGBB, in the order of the record's rows, or against it with the newest below.
-    version : int
-        Counts the changes of the picture.
-    oldest : int
-        Stamp; rows with an older one are dimmed.
-    """
+    """Display columns and colours of the rows of a record."""
 
     def __init__(self) -> None:
         self.version = 0

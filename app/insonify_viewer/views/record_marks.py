@@ -15,27 +15,13 @@ from insonify_viewer.views.record_overlays import draw_contacts, draw_cross, dra
 
 @dataclass
 class RecordMarks:
-    """What is marked in a record, and how it is painted.
+    """What is marked in a record, and how it is painted."""
 
-    Attributes
-    ----------
-    cross : Mark or None
-        Point under the mouse.
-    pin : Mark or None
-        Pinned pixel.
-    lit : tuple of Mark
-        Pixels that hear a picked place.
-    contacts : sequence of (Mark, str, bool)
-        Contacts with their names; True for the chosen one.
-    line : (Mark, Mark, str) or None
-        Ends of a measured line, and its length in words.
-    """
-
-    cross: Mark | None = None
-    pin: Mark | None = None
-    lit: tuple[Mark, ...] = ()
-    contacts: Sequence[tuple[Mark, str, bool]] = ()
-    line: tuple[Mark, Mark, str] | None = None
+    cross: Mark | None = None  # point under the mouse
+    pin: Mark | None = None  # pinned pixel
+    lit: tuple[Mark, ...] = ()  # pixels that hear a picked place
+    contacts: Sequence[tuple[Mark, str, bool]] = ()  # contacts with their names; True for the chosen one
+    line: tuple[Mark, Mark, str] | None = None  # (Mark, Mark, str) ends of a measured line, and its length in words
 
     @property
     def pointed(self) -> Mark | None:

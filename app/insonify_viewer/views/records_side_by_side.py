@@ -11,15 +11,7 @@ ROOMY = 1000  # px of the middle of the window, from which the 3-D view keeps a 
 
 
 class RecordsSideBySide(QObject):
-    """Shows record A left of the live record.
-
-    Parameters
-    ----------
-    splitter : QSplitter
-        Holds the 3-D view and the live record.
-    live, beside : QWidget
-        Views of the live record and of record A.
-    """
+    """Shows record A left of the live record."""
 
     def __init__(self, splitter: QSplitter, live: QWidget, beside: QWidget) -> None:
         super().__init__(splitter)

@@ -15,20 +15,7 @@ from insonify_viewer.views.theme import EDGE, QUIET, TEXT
 
 
 def draw_range_ruler(painter: QPainter, plot: QRect, projection: Projection, scale: str, text: float) -> None:
-    """Draw metres of range from nadir to both sides.
-
-    Parameters
-    ----------
-    painter : QPainter
-    plot : QRect
-        The record.
-    projection : Projection
-        Of the record.
-    scale : str
-        Whether the record is at true scale.
-    text : float
-        Factor on the usual size of the text.
-    """
+    """Draw metres of range from nadir to both sides."""
     base = plot.bottom() + 1
     for value, x in range_ticks(plot, projection, text):
         painter.setPen(QColor(EDGE))
@@ -59,20 +46,7 @@ def range_ticks(plot: QRect, projection: Projection, text: float) -> list[tuple[
 
 
 def draw_ping_ruler(painter: QPainter, area: QRect, projection: Projection, step: float, text: float) -> None:
-    """Draw ping numbers, each with the metres towed.
-
-    Parameters
-    ----------
-    painter : QPainter
-    area : QRect
-        Beside the record, as high as it.
-    projection : Projection
-        Of the record.
-    step : float
-        Metres between pings.
-    text : float
-        Factor on the usual size of the text.
-    """
+    """Draw ping numbers, each with the metres towed."""
     right, width = area.right() + 1, area.width() - 9
     newest, oldest = sorted(projection.ages)
     steps = round_steps(0.0, oldest - newest, max(int(area.height() / (70 * text)), 1))

@@ -57,19 +57,7 @@ def ask_about_jobs(window: QWidget, running: int) -> bool:
 
 
 def ask_where_to_save(window: QWidget, title: str, suggestion: str, formats: Formats) -> Path | None:
-    """Ask for the file to write; None if no file was named.
-
-    Parameters
-    ----------
-    window : QWidget
-        Owner of the dialog.
-    title : str
-        Of the dialog.
-    suggestion : str
-        File name or path to start from.
-    formats : sequence of (str, str)
-        Names and suffixes of the formats. A name without any of the suffixes gets that of the format that is picked.
-    """
+    """Ask for the file to write; None if no file was named."""
     filters = {f"{name} (*{suffix})": suffix for name, suffix in formats}
     named, picked = QFileDialog.getSaveFileName(window, title, suggestion, ";;".join(filters))
     if not named:
@@ -88,13 +76,7 @@ def _may_replace(window: QWidget, path: Path) -> bool:
 
 
 def save_picture(window: QWidget, path: Path) -> None:
-    """Write a picture of the window as PNG.
-
-    Raises
-    ------
-    OSError
-        If writing fails; an older picture is kept.
-    """
+    """Write a picture of the window as PNG."""
     with replacing(path) as beside:
         if not window.grab().save(str(beside), "PNG", QUICK):
             raise OSError(errno.EIO, "the picture cannot be written", str(path))

@@ -7,20 +7,7 @@ from PySide6.QtWidgets import QMenu, QToolButton, QWidget
 
 
 class SaveMenu(QToolButton):
-    """A button with one action for each kind of file.
-
-    Parameters
-    ----------
-    window : QWidget
-        The window in which the keys of the actions work.
-
-    Attributes
-    ----------
-    scene, record, picture : QAction
-        Save the declaration, the simulated pings, the window.
-    jobs : QAction
-        Lists what runs beside the window.
-    """
+    """A button with one action for each kind of file."""
 
     def __init__(self, window: QWidget) -> None:
         super().__init__(window)

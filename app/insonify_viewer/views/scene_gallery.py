@@ -19,11 +19,6 @@ class SceneGallery(QDialog):
     """Shows a picture and the title of every bundled scene, and signals the file of the one that is clicked.
 
     Scenes on which a method fails come last.
-
-    Parameters
-    ----------
-    parent : QWidget
-        Owner.
     """
 
     wanted = Signal(str)

@@ -13,15 +13,7 @@ from insonify_viewer.views.scene_gallery import FAILURE, SceneGallery
 
 
 class SceneMenu(QToolButton):
-    """Signals the scene that the person picks.
-
-    Parameters
-    ----------
-    from_file, recording : QAction
-        Open a scene file instead, and a recording beside the scene.
-    parent : QWidget, optional
-        Owner.
-    """
+    """Signals the scene that the person picks."""
 
     wanted = Signal(str)
 

@@ -12,17 +12,7 @@ LABEL = 92.0  # px, of the ping beside a held handle
 
 
 class ScrubHandle:
-    """Geometry and painting of the handle, with the last ping on top or below as in the record.
-
-    Attributes
-    ----------
-    last : int
-        Last ping that it reaches.
-    held : bool
-        Whether the person holds it.
-    newest_on_top : bool
-        Whether the last ping is at the upper end.
-    """
+    """Geometry and painting of the handle, with the last ping on top or below as in the record."""
 
     def __init__(self) -> None:
         self.last = 1

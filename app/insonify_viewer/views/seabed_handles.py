@@ -29,19 +29,7 @@ COLOURS = {
 
 
 class SeabedHandles(QObject):
-    """Points by which targets are held in three dimensions.
-
-    Parameters
-    ----------
-    plotter : pyvista.Plotter
-        Draws them.
-    widget : QWidget
-        Receives the mouse.
-    sight : callable
-        Ends of the line of sight through a point of the view, in device pixels from its lower left corner.
-    drawn : callable
-        Called when they are to be drawn anew.
-    """
+    """Points by which targets are held in three dimensions."""
 
     taken = Signal(int)  # number of a handle
     pulled = Signal(object, object)  # ends of the line of sight under the mouse

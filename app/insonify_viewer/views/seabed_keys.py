@@ -26,15 +26,6 @@ class SeabedKeys(QObject):
     """Turns and zooms a view by keys, and leaves all others to the window.
 
     Elsewhere in the window + and − zoom the record.
-
-    Parameters
-    ----------
-    widget : QWidget
-        Has the keyboard; VTK would take every key.
-    turn : callable
-        Turns the view by degrees across and up.
-    zoom : callable
-        Magnifies the view by a factor.
     """
 
     def __init__(self, widget: QWidget, turn: Callable[[float, float], None], zoom: Callable[[float], None]) -> None:

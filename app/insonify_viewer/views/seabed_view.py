@@ -50,15 +50,7 @@ def load_libraries(*, accelerated: bool) -> None:
 
 
 class SeabedView(QWidget):
-    """Shows bed, targets and sonar; drawings are delayed and merged, because they may be slow.
-
-    Parameters
-    ----------
-    accelerated : bool
-        Whether OpenGL widgets work; else pictures are drawn off-screen.
-    parent : QWidget, optional
-        Owner.
-    """
+    """Shows bed, targets and sonar; drawings are delayed and merged, because they may be slow."""
 
     sighted = Signal(object, object, object)  # ends of the line of sight through a click, and a target's place or None
 

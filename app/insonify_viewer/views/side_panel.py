@@ -11,20 +11,7 @@ from insonify_viewer.views.text_scale import scaled
 
 
 class ScrollColumn(QScrollArea):
-    """A column of widgets that scrolls down and, by itself, never sideways.
-
-    Parameters
-    ----------
-    parent : QWidget, optional
-        Owner.
-
-    Attributes
-    ----------
-    body : QWidget
-        Holds the column.
-    column : QVBoxLayout
-        The layout to which widgets are added.
-    """
+    """A column of widgets that scrolls down and, by itself, never sideways."""
 
     def __init__(self, parent: QWidget | None = None) -> None:
         super().__init__(parent)

@@ -23,12 +23,7 @@ LIFT = 0.002  # share of the slant range by which stretches of the bed are drawn
 
 
 class SoundActors:
-    """Actors of one plotter that draw a `SoundDrawing`.
-
-    Parameters
-    ----------
-    plotter : Plotter
-    """
+    """Actors of one plotter that draw a `SoundDrawing`."""
 
     def __init__(self, plotter: Any) -> None:
         add: dict[str, Any] = {"render": False, "reset_camera": False, "lighting": False}

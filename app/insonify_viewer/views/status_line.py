@@ -20,16 +20,7 @@ KEPT = 20  # sentences that are kept for the details of an error
 
 
 class StatusLine(QWidget):
-    """Shows one sentence; beside that of an error stands a button that copies details.
-
-    Attributes
-    ----------
-    sentence : QLabel
-    copy : QPushButton
-        Copies the details of the error that is shown.
-    describe_scene : callable
-        Returns the present scene as TOML.
-    """
+    """Shows one sentence; beside that of an error stands a button that copies details."""
 
     def __init__(self) -> None:
         super().__init__()

@@ -30,19 +30,7 @@ class TourStep(NamedTuple):
 
 
 class Tour(QObject):
-    """Leads through a window step by step; nothing is locked meanwhile.
-
-    Parameters
-    ----------
-    window : QWidget
-    steps : tuple of TourStep
-        A step whose part is not in view is left out.
-
-    Attributes
-    ----------
-    card : TourCard or None
-        What is shown; None before the tour begins and after it ends.
-    """
+    """Leads through a window step by step; nothing is locked meanwhile."""
 
     def __init__(self, window: QWidget, steps: tuple[TourStep, ...]) -> None:
         super().__init__(window)
@@ -111,13 +99,7 @@ class Tour(QObject):
 
 
 class TourCard(QFrame):
-    """Title, words and buttons of a step.
-
-    Attributes
-    ----------
-    title, words : QLabel
-    back, next, skip : QPushButton
-    """
+    """Title, words and buttons of a step."""
 
     def __init__(self, window: QWidget) -> None:
         super().__init__(window)

@@ -10,17 +10,7 @@ MANY = 10.0  # ratio that is told in whole numbers
 
 
 def plot_at_true_scale(room: QRect, along: float, across: float, *, always: bool = False) -> QRect:
-    """Largest plot at true scale in the upper left of a room, or the whole room where too little of it would be filled.
-
-    Parameters
-    ----------
-    room : QRect
-        Space for the plot.
-    along, across : float
-        Metres along the track and across it that the plot shows.
-    always : bool
-        Whether the plot is at true scale however little of the room it fills.
-    """
+    """Largest plot at true scale in the upper left of a room, or the whole room where too little would be filled."""
     scale = min(room.width() / across, room.height() / along)
     plot = QRect(room.left(), room.top(), max(round(across * scale), 1), max(round(along * scale), 1))
     filled = plot.width() * plot.height() / max(room.width() * room.height(), 1)

@@ -16,11 +16,6 @@ def told_errors(complain: Callable[[Failure], None]) -> Iterator[None]:
     """Tell the person of every exception that no slot caught, besides writing faults to standard error.
 
     A `SceneError` is no fault: a file of the scene may be damaged or removed while the window shows it.
-
-    Parameters
-    ----------
-    complain : callable
-        Shows a `Failure`.
     """
     before = sys.excepthook
 

@@ -30,18 +30,6 @@ class WaterfallView(RecordCanvas):
     """Draws a record, and signals what mouse and keys do to it.
 
     Keys move a cursor from bin to bin, and the record under it from ping to ping, in the direction of the wheel.
-
-    Parameters
-    ----------
-    native : bool
-        Whether the widget owns a native window; beside an OpenGL widget others are drawn several times slower.
-    parent : QWidget, optional
-        Owner.
-
-    Attributes
-    ----------
-    is_covered : callable
-        Whether another record lies over a position of the view, which is then told that it is pointed at.
     """
 
     hovered = Signal(object)  # Mark or None

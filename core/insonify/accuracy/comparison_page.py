@@ -28,25 +28,7 @@ MOST = 1e200  # of a logarithmic axis, whose ticks overflow beyond
 def write_comparison(
     path: str | Path, records: tuple[xr.Dataset, xr.Dataset]
 ) -> tuple[RecordStatistics, RecordStatistics]:
-    """Measure the statistics of two records and write them side by side as PNG.
-
-    Parameters
-    ----------
-    path : str or Path
-        File to make or replace; it appears only when whole.
-    records : (Dataset, Dataset)
-        From ``records.read_record`` or ``simulate``.
-
-    Returns
-    -------
-    (RecordStatistics, RecordStatistics)
-        Statistics of the two records.
-
-    Raises
-    ------
-    SceneError
-        If one has too little bed to measure.
-    """
+    """Measure the statistics of two records and write them side by side as PNG."""
     measured = measure_statistics(records[0]), measure_statistics(records[1])
     figure = draw_comparison(records, measured)
     with replacing(path) as beside:
@@ -57,18 +39,7 @@ def write_comparison(
 def draw_comparison(
     records: tuple[xr.Dataset, xr.Dataset], measured: tuple[RecordStatistics, RecordStatistics]
 ) -> Figure:
-    """Draw two records on one page: pictures with one scale and palette, graphs of their statistics below.
-
-    Parameters
-    ----------
-    records : (Dataset, Dataset)
-    measured : (RecordStatistics, RecordStatistics)
-
-    Returns
-    -------
-    matplotlib.figure.Figure
-        Figure with an Agg canvas.
-    """
+    """Draw two records on one page: pictures with one scale and palette, graphs of their statistics below."""
     look = DisplayOptions(palette="grey")
     sheets = [gather_record_sheet(record, look) for record in records]
     levels = choose_contrast(np.concatenate([sheet.amplitude.ravel() for sheet in sheets]))

@@ -22,41 +22,18 @@ WINDOW, MAX_LAG = 8, 96  # bins on either side of an echo, and bins by which it 
 
 @dataclass(frozen=True)
 class Displacement:
-    """Distances in slant range between shadows and echoes of a record and those of its reference, in metres.
+    """Distances in slant range between shadows and echoes of a record and those of its reference, in metres."""
 
-    Attributes
-    ----------
-    shadow_edge : float
-        Mean distance between the edges of the reference's shadows and the record's; NaN if there are none.
-    echo : float
-        Mean distance between echoes that stand out from the bed's; NaN if there are none.
-    lost : int
-        Echoes that stand out in the reference and are missing in the record; they have no distance.
-    """
-
+    # Mean distance between the edges of the reference's shadows and the record's; NaN if there are none.
     shadow_edge: float
-    echo: float
-    lost: int = 0
+    echo: float  # mean distance between echoes that stand out from the bed's; NaN if there are none
+    lost: int = 0  # echoes that stand out in the reference and are missing in the record; they have no distance
 
 
 def measure_displacement(
     arrays: SceneArrays, poses: Poses, a: NDArray[np.floating], b: NDArray[np.floating]
 ) -> Displacement:
-    """Measure how far a record displaces the shadows and echoes of its reference.
-
-    Parameters
-    ----------
-    arrays : SceneArrays
-        Scene of both records.
-    poses : Poses
-        Poses of their n pings.
-    a, b : (n, 2, bins) float
-        Record and reference.
-
-    Returns
-    -------
-    Displacement
-    """
+    """Measure how far a record displaces the shadows and echoes of its reference."""
     curve = np.broadcast_to(compute_flat_bed_curves(arrays, poses), np.shape(b))
     scale = np.divide(1.0, curve, out=np.zeros_like(curve), where=curve > 0.0)
     beyond = find_first_bin(ERROR_ALTITUDES, arrays, poses)
@@ -74,16 +51,6 @@ def find_edge_shifts(a: NDArray[np.floating], b: NDArray[np.floating]) -> list[f
     A shadow is a run of at least `SHADOW_BINS` bins darker than `DARK` times the median of the bins with an echo. Its
     edge is where a record, from the middle of the shadow outwards, first rises to half of the reference's level just
     outside, interpolated between bin centres. Where a record has no shadow at all, the edge is the middle itself.
-
-    Parameters
-    ----------
-    a, b : (bins,) float
-        Record and reference of one side, divided by the flat bed's curve.
-
-    Returns
-    -------
-    list of float
-        Positive away from the sonar; near and far edges, in order.
     """
     heard = b[b > 0.0]
     if heard.size == 0:
@@ -120,16 +87,6 @@ def find_echo_shifts(a: NDArray[np.floating], b: NDArray[np.floating]) -> list[f
     within `WINDOW` bins. That window slides along the record by up to `MAX_LAG` bins to the maximum of the normalised
     correlation; the difference of the centroids there adds the fraction of a bin. The echo counts as lost where the
     record stays below `LOUD` / 2 medians or below `LOST` times the echo.
-
-    Parameters
-    ----------
-    a, b : (bins,) float
-        Record and reference of one side, divided by the flat bed's curve.
-
-    Returns
-    -------
-    list of float
-        Positive away from the sonar, in order of range; NaN for a lost echo.
     """
     heard = b[b > 0.0]
     if heard.size == 0:

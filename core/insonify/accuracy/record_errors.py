@@ -20,24 +20,12 @@ from insonify.kernels.common.types import Poses, SceneArrays
 
 @dataclass(frozen=True)
 class RecordErrors:
-    """Errors of a record against its reference, both divided by the flat-bed curve; shares, not percent.
+    """Errors of a record against its reference, both divided by the flat-bed curve; shares, not percent."""
 
-    Attributes
-    ----------
-    all_bins : float
-        ‖a − b‖ / ‖b‖ over all bins from the first return.
-    beyond : float
-        The same over bins beyond 1.4 times the altitude: the error to which a tolerance refers.
-    energy_bias : float
-        Energy of a over that of b, less 1.
-    dark_leakage : float
-        Share of the energy of a in bins where b has none.
-    """
-
-    all_bins: float
-    beyond: float
-    energy_bias: float
-    dark_leakage: float
+    all_bins: float  # ‖a − b‖ / ‖b‖ over all bins from the first return
+    beyond: float  # the same over bins beyond 1.4 times the altitude: the error to which a tolerance refers
+    energy_bias: float  # energy of a over that of b, less 1
+    dark_leakage: float  # share of the energy of a in bins where b has none
 
 
 def compute_errors(
@@ -48,22 +36,7 @@ def compute_errors(
     first_bin: int,
     beyond_bin: int,
 ) -> RecordErrors:
-    """Compute the errors of a record against its reference, given the flat-bed curve.
-
-    Parameters
-    ----------
-    a, b : (..., bins) float
-        Record and reference.
-    curve : (bins,) or (..., bins) float
-        Flat-bed curve; bins where it is zero do not count.
-    first_bin, beyond_bin : int
-        First bin of the first return, first bin beyond 1.4 times the altitude.
-
-    Returns
-    -------
-    RecordErrors
-        Zero if both records are silent, infinite if only the reference is.
-    """
+    """Compute the errors of a record against its reference, given the flat-bed curve."""
     level = np.broadcast_to(np.asarray(curve, dtype=np.float64), np.shape(b))[..., first_bin:]
     scale = np.divide(1.0, level, out=np.zeros_like(level), where=level > 0.0)
     one = np.asarray(a, dtype=np.float64)[..., first_bin:] * scale
@@ -82,21 +55,7 @@ def compute_errors(
 def compare_records(
     arrays: SceneArrays, poses: Poses, a: NDArray[np.floating], b: NDArray[np.floating]
 ) -> RecordErrors:
-    """Compute the errors of a record of some poses against its reference, by the flat-bed curve of each ping.
-
-    Parameters
-    ----------
-    arrays : SceneArrays
-        Scene of both records.
-    poses : Poses
-        Poses of their n pings.
-    a, b : (n, 2, bins) float
-        Record and reference.
-
-    Returns
-    -------
-    RecordErrors
-    """
+    """Compute the errors of a record of some poses against its reference, by the flat-bed curve of each ping."""
     return compute_errors(
         a,
         b,

@@ -35,17 +35,10 @@ CLIPPED = 1e-4  # share of samples at the greatest amplitude from which it is ta
 
 
 class AmplitudeSpectrum(NamedTuple):
-    """Power spectrum of the relative amplitude in one direction.
+    """Power spectrum of the relative amplitude in one direction."""
 
-    Attributes
-    ----------
-    frequency : (63,) float64
-        Cycles per metre, without zero and the highest.
-    power : (63,) float64
-        One-sided density in metres: its integral over frequency is the variance of amplitude over mean.
-    """
-
-    frequency: NDArray[np.float64]
+    frequency: NDArray[np.float64]  # (63,) cycles per metre, without zero and the highest
+    # (63,) one-sided density in metres: its integral over frequency is the variance of amplitude over mean.
     power: NDArray[np.float64]
 
     def slope(self) -> float:
@@ -56,28 +49,15 @@ class AmplitudeSpectrum(NamedTuple):
 
 
 class RecordStatistics(NamedTuple):
-    """Statistics of a record.
+    """Statistics of a record."""
 
-    Attributes
-    ----------
-    variation : (patches,) float64
-        Coefficient of variation of the amplitude in each even patch; 0.523 for fully developed speckle.
-    amplitude : (patches, 256) float32
-        Amplitudes in those patches, over the mean of each.
-    along, across : Spectrum
-        Along the track and across it; the latter in slant range.
-    shadow_depth : float
-        Median level of shadows, in dB below the record's own median; NaN where there are none.
-    silent : bool
-        Whether shadows hold less than half a step of the record, so that they may be deeper still.
-    """
-
+    # (patches,) coefficient of variation of the amplitude in each even patch; 0.523 for fully developed speckle.
     variation: NDArray[np.float64]
-    amplitude: NDArray[np.float32]
-    along: AmplitudeSpectrum
+    amplitude: NDArray[np.float32]  # (patches, 256) amplitudes in those patches, over the mean of each
+    along: AmplitudeSpectrum  # along the track and across it; the latter in slant range
     across: AmplitudeSpectrum
-    shadow_depth: float
-    silent: bool
+    shadow_depth: float  # median level of shadows, in dB below the record's own median; NaN where there are none
+    silent: bool  # whether shadows hold less than half a step of the record, so that they may be deeper still
 
     def lines(self) -> list[str]:
         """Describe the statistics in three lines."""
@@ -108,22 +88,7 @@ class RecordStatistics(NamedTuple):
 
 
 def measure_statistics(record: xr.Dataset) -> RecordStatistics:
-    """Measure the statistics of a record.
-
-    Parameters
-    ----------
-    record : Dataset
-        From ``records.read_record`` or ``simulate``.
-
-    Returns
-    -------
-    RecordStatistics
-
-    Raises
-    ------
-    SceneError
-        If the record has too little bed.
-    """
+    """Measure the statistics of a record."""
     intensity = record["intensity"].transpose("channel", "ping_time", "range_sample").values
     curve = compute_median_curve(record)[:, 0]
     amplitude = normalise(intensity, curve)

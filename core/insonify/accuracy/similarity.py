@@ -16,18 +16,7 @@ _compare: Callable[..., float] = metrics.structural_similarity
 
 
 def measure_similarity(a: NDArray[np.floating], b: NDArray[np.floating]) -> float:
-    """Structural similarity (SSIM) of two pictures of records along the range; 1 for equal pictures.
-
-    Parameters
-    ----------
-    a, b : (..., columns) float
-        Normalised amplitudes, both shown at the contrast chosen for ``b``. Rows need not be neighbours.
-
-    Returns
-    -------
-    float
-        Mean over all windows of 7 columns (Wang et al. 2004).
-    """
+    """Structural similarity (SSIM) of two pictures of records along the range; 1 for equal pictures."""
     levels = choose_contrast(np.asarray(b, dtype=np.float32))
     one, other = (map_tones(np.asarray(each, dtype=np.float32), levels).reshape(-1, np.shape(b)[-1]) for each in (a, b))
     if one.shape[-1] < SSIM_COLUMNS:

@@ -16,18 +16,10 @@ Key = TypeVar("Key", bound=Hashable)
 
 @dataclass(frozen=True)
 class Timing:
-    """Time of a call in seconds.
+    """Time of a call in seconds."""
 
-    Attributes
-    ----------
-    median : float
-        Median over all rounds.
-    spread : float
-        Half the distance between the quartiles, as a share of the median.
-    """
-
-    median: float
-    spread: float
+    median: float  # median over all rounds
+    spread: float  # half the distance between the quartiles, as a share of the median
 
 
 def time_calls(
@@ -38,25 +30,7 @@ def time_calls(
     clock: Callable[[], float] = perf_counter,
     progress: Callable[[float], None] = lambda share: None,
 ) -> dict[Key, Timing]:
-    """Time several calls in turns, so that other load on the machine affects all of them equally.
-
-    Parameters
-    ----------
-    calls : mapping to callable
-        Calls by name; each is called once beforehand, so that compilation is not timed.
-    rounds : int
-        Number of timed calls of each, at least 3.
-    seconds : float
-        Elapsed time after which no further round begins.
-    clock : callable
-        Clock in seconds: elapsed time, or the processor time of this thread, which other load hardly affects.
-    progress : callable
-        Called after every call with the share of the rounds done; may raise to stop.
-
-    Returns
-    -------
-    dict to Timing
-    """
+    """Time several calls in turns, so that other load on the machine affects all of them equally."""
     for call in calls.values():
         call()
         progress(0.0)

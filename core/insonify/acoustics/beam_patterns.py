@@ -16,22 +16,7 @@ SHAPES = {"every_grazing": EVERY_GRAZING, "top_hat": TOP_HAT, "gaussian": GAUSSI
 
 
 def make_pattern(scene: Scene, sound_speed: float) -> tuple[float, BeamPattern]:
-    """Half width and pattern of the beam of a scene, packed for the tracers.
-
-    Parameters
-    ----------
-    scene : Scene
-        Gives sonar and motion.
-    sound_speed : float
-        Sound speed at the sonar, in m/s.
-
-    Returns
-    -------
-    half_width : float
-        Half width of a top-hat, or half the span of the main lobe, in radians; 0 for a knife.
-    BeamPattern
-        Not tabulated for a level top-hat or knife with a uniform vertical beam.
-    """
+    """Half width and pattern of the beam of a scene, packed for the tracers."""
     beam, vertical = scene.sonar.beam, scene.sonar.vertical.response
     sounding = Sounding(sound_speed, scene.sonar.frequency, scene.sonar.range)
     half_width = beam.half_width(sounding)
@@ -72,23 +57,7 @@ def _integral(extent: NDArray[np.float64], energy: NDArray[np.float64]) -> NDArr
 def vertical_energy(
     vertical: VerticalBeamKind, wavelength: float, passes: int, depression: NDArray[np.float64]
 ) -> NDArray[np.float64]:
-    """Response of a vertical beam in the plane across the fish, as the tracers' `vertical_response` has it.
-
-    Parameters
-    ----------
-    vertical : VerticalBeamKind
-    wavelength : float
-        Metres.
-    passes : int
-        Of the sound through the beam.
-    depression : (n,) float64
-        Angles below the level fish, in radians.
-
-    Returns
-    -------
-    (n,) float64
-        1 on the axis; 0 behind the transducer.
-    """
+    """Response of a vertical beam in the plane across the fish, as the tracers' `vertical_response` has it."""
     response = vertical.response
     if response.shape == "every_grazing":
         return np.ones(depression.shape)

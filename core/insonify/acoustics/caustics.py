@@ -64,28 +64,7 @@ def caustics(
 def airy_pressure(
     frequency: float, times: tuple[ArrayLike, ArrayLike], amplitudes: tuple[ArrayLike, ArrayLike]
 ) -> NDArray[np.float64]:
-    """Sound pressure near a caustic from the ray that has touched it and the one that has not; finite on it.
-
-    Parameters
-    ----------
-    frequency : float
-        Hz.
-    times : (array_like, array_like)
-        Arrival times of the first ray and of the other, in seconds.
-    amplitudes : (array_like, array_like)
-        Amplitude of each ray alone by ray theory; both diverge towards the caustic, where the rays meet.
-
-    Returns
-    -------
-    ndarray
-        Modulus of the pressure, in the unit of the amplitudes. On the caustic itself, where they are infinite, NaN.
-
-    Notes
-    -----
-    The uniform approximation with the Airy function (Ludwig 1966; Brekhovskikh and Lysanov, Fundamentals of Ocean
-    Acoustics), |p| = √π |(A1 + A2) ρ^¼ Ai(−ρ) + i (A1 − A2) ρ^−¼ Ai′(−ρ)| with
-    ρ = (¾ω(t2 − t1))^⅔. Far from the caustic it is the sum of two waves, a quarter of a turn apart besides their times.
-    """
+    """Sound pressure near a caustic from the ray that has touched it and the one that has not; finite on it."""
     from scipy.special import airy
 
     first, second = np.asarray(amplitudes[0], dtype=np.float64), np.asarray(amplitudes[1], dtype=np.float64)

@@ -18,22 +18,7 @@ LAMBERT = Reflectivity(1.0, 0.0, 1.0)
 def flat_bed_curve(
     arrays: SceneArrays, altitude: float, reflectivity: Reflectivity | None = None
 ) -> NDArray[np.float64]:
-    """Record of a level bed under a level sonar with a uniform vertical beam.
-
-    Parameters
-    ----------
-    arrays : SceneArrays
-        Law, beam, bins and range factors.
-    altitude : float
-        Height of the sonar above the bed, in metres.
-    reflectivity : Reflectivity, optional
-        Reflectivity of the bed; a Lambert bed of albedo 1 when left out.
-
-    Returns
-    -------
-    (bins,) float64
-        Energy (law `sonar`) or radiance (law `light`) per bin; 0 before the first return.
-    """
+    """Record of a level bed under a level sonar with a uniform vertical beam."""
     diffuse, specular, shininess = (reflectivity or LAMBERT)[:3]
     edges = np.arange(arrays.bins + 1) * arrays.bin_length
     near, far = np.maximum(edges[:-1], altitude), np.maximum(edges[1:], altitude)

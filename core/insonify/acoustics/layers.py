@@ -16,24 +16,14 @@ Values = NDArray[np.float64]
 
 @dataclass(frozen=True, eq=False)
 class SoundSpeedField:
-    """Speed of sound, linear between its points (in a section over triangles) and constant beyond them.
+    """Speed of sound, linear between its points (in a section over triangles) and constant beyond them."""
 
-    Attributes
-    ----------
-    depth : (n,) float64
-        Metres, increasing.
-    distance : (m,) float64
-        Metres along a level line through the scene's (0, 0), increasing; one for water that is everywhere the same.
-    speed : (m, n) float64
-        m/s.
-    heading : float
-        Heading of that line, radians counter-clockwise from +x.
-    """
-
-    depth: Values
+    depth: Values  # (n,) metres, increasing
+    # (m,) metres along a level line through the scene's (0, 0), increasing; one for water that is everywhere the
+    # same.
     distance: Values
-    speed: Values
-    heading: float = 0.0
+    speed: Values  # (m, n) m/s
+    heading: float = 0.0  # heading of that line, radians counter-clockwise from +x
 
     @property
     def axis(self) -> tuple[float, float]:
@@ -41,13 +31,7 @@ class SoundSpeedField:
         return math.cos(self.heading), math.sin(self.heading)
 
     def speed_at(self, x: ArrayLike, y: ArrayLike, depth: ArrayLike) -> Values:
-        """Speed of sound at places of the scene, in m/s.
-
-        Parameters
-        ----------
-        x, y, depth : array_like
-            Local coordinates and depth, in metres; they broadcast together.
-        """
+        """Speed of sound at places of the scene, in m/s."""
         cos, sin = self.axis
         along, below = np.broadcast_arrays(np.asarray(x) * cos + np.asarray(y) * sin, np.asarray(depth))
         if self.distance.size == 1:
@@ -73,13 +57,7 @@ def _within(places: Values, wanted: Values) -> tuple[NDArray[np.int64], Values]:
 
 
 def make_sound_speed_field(water: WaterKind) -> SoundSpeedField:
-    """Sound speed of a declared water.
-
-    Raises
-    ------
-    SceneError
-        If a cast cannot be read or holds an impossible sound speed.
-    """
+    """Sound speed of a declared water."""
     return _kept_field(water, water.version)
 
 

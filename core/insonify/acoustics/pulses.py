@@ -19,76 +19,26 @@ MOST_SAMPLES = 1 << 25  # of summed waves: half a gigabyte
 
 
 class Taps(NamedTuple):
-    """Shares of the energy of a bin that a pulse spreads over the bins around it.
+    """Shares of the energy of a bin that a pulse spreads over the bins around it."""
 
-    Attributes
-    ----------
-    weights : (n,) float64
-        One for each bin reached, near to far.
-    before : int
-        Number of bins reached that are nearer than the bin itself.
-    """
-
-    weights: NDArray[np.float64]
-    before: int
+    weights: NDArray[np.float64]  # (n,) one for each bin reached, near to far
+    before: int  # number of bins reached that are nearer than the bin itself
 
 
 def envelope(pulse: PulseKind, offset: NDArray[np.float64], sound_speed: float) -> NDArray[np.float64]:
-    """Amplitude of the echo of a point after the receiver's filter, 1 at its peak.
-
-    Parameters
-    ----------
-    pulse : PulseKind
-        Pulse of finite length.
-    offset : float64 array
-        Slant range beyond that of the point, in metres.
-    sound_speed : float
-        m/s.
-
-    Returns
-    -------
-    float64 array
-        Amplitude; negative values occur in sidelobes of a filter.
-    """
+    """Amplitude of the echo of a point after the receiver's filter, 1 at its peak."""
     return pulse.envelope(2.0 * np.asarray(offset) / sound_speed)
 
 
 def samples_per_bin(pulse: PulseKind, sound_speed: float, bin_length: float) -> int:
-    """Count the samples of a bin at which waves are summed: one, or as many as the pulse resolves within the bin.
-
-    Parameters
-    ----------
-    pulse : PulseKind
-        An ideal pulse resolves a bin.
-    sound_speed : float
-        m/s.
-    bin_length : float
-        True slant range of a bin, in metres.
-    """
+    """Count the samples of a bin at which waves are summed: one, or as many as the pulse resolves within the bin."""
     resolution = 0.5 * sound_speed * pulse.resolution or bin_length
     return math.ceil(min(bin_length / resolution, float(MOST_SAMPLES)) * (1.0 - 1e-9))
 
 
 @lru_cache(maxsize=16)
 def pulse_taps(pulse: PulseKind, sound_speed: float, bin_length: float) -> Taps:
-    """Weights by which a pulse spreads the energy of a bin over range bins.
-
-    Parameters
-    ----------
-    pulse : PulseKind
-    sound_speed : float
-        m/s.
-    bin_length : float
-        True slant range of a bin, in metres.
-
-    Returns
-    -------
-    Taps
-        Their sum is the equivalent length of the pulse ∫|envelope|² dr in bins: cτ/2 for a tone; c/2B times 1, 1.36 or
-        1.5 for a chirp of uniform, Hamming or Hann spectrum; 1 for an ideal pulse. A bin then holds the mean intensity
-        of the echoes from all the bed under the pulse, on the assumption that the energy of each bin is spread evenly
-        over its slant ranges.
-    """
+    """Weights by which a pulse spreads the energy of a bin over range bins."""
     exact = pulse.taps(0.5 * sound_speed * pulse.length / bin_length)
     return _integrated_taps(pulse, sound_speed, bin_length) if exact is None else Taps(exact, 0)
 
@@ -115,22 +65,7 @@ def _integrated_taps(pulse: PulseKind, sound_speed: float, bin_length: float) ->
 
 
 def coherence(pulse: PulseKind, sound_speed: float, bin_length: float) -> NDArray[np.float64]:
-    """Correlation of the amplitudes of range bins, for many small scatterers.
-
-    Parameters
-    ----------
-    pulse : PulseKind
-    sound_speed : float
-        m/s.
-    bin_length : float
-        True slant range of a bin, in metres.
-
-    Returns
-    -------
-    (n,) float64
-        At 0 to n - 1 bins apart, 0 beyond: the envelope's own correlation ∫h(r) h(r + Δ) dr / ∫h². For a tone it is
-        1 − Δ/(cτ/2); of a chirp's response, `COHERENT_CELLS` on either side count.
-    """
+    """Correlation of the amplitudes of range bins, for many small scatterers."""
     exact = pulse.coherence(0.5 * sound_speed * pulse.length / bin_length)
     return _integrated_coherence(pulse, sound_speed, bin_length) if exact is None else exact
 
@@ -156,16 +91,6 @@ def coherent_taps(pulse: PulseKind, sound_speed: float, bin_length: float) -> ND
     """Weights of a filter that gives white noise the coherence of a pulse.
 
     Parameters as in `coherence`.
-
-    Returns
-    -------
-    (n,) float64
-        Weights of the bin itself and of the bins before it; their squares sum to 1.
-
-    References
-    ----------
-    Kolmogorov's factorisation: the half of the logarithm of the power spectrum that is causal is the logarithm of the
-    filter's (Oppenheim & Schafer, Discrete-Time Signal Processing, on the complex cepstrum).
     """
     line = coherence(pulse, sound_speed, bin_length)
     if line.size == 1:

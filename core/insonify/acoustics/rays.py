@@ -42,26 +42,7 @@ ALONG_STATIONS = SectionPlane(0.0, 1.0)
 def follow_paths(
     water: Water, height: float, angles: Values, ranges: Values, limits: RayLimits
 ) -> tuple[RayPoints, Any]:
-    """Follow rays along the line of the water's stations.
-
-    Parameters
-    ----------
-    water : Water
-    height : float
-        At which they start, at place 0 along that line, in metres.
-    angles : (n,) float64
-        Of launch, radians above the horizontal.
-    ranges : (m,) float64
-        Where points are wanted, ascending, in metres.
-    limits : Limits
-
-    Returns
-    -------
-    points : Points
-        Of arrays of shape (n, m + 1).
-    ends : (n,) int64
-        Codes of `kernels.refraction.ray_paths`.
-    """
+    """Follow rays along the line of the water's stations."""
     shape = (angles.size, ranges.size + 1)
     x, z, cosine, sine, time, q = (np.full(shape, math.nan) for _ in range(6))
     turns, tops, bottoms = (np.zeros(shape, np.int64) for _ in range(3))
@@ -72,27 +53,7 @@ def follow_paths(
 
 
 def join_points(water: Water, z_from: float, z_to: float, x: float, low: float, high: float, most: int) -> Values:
-    """Find the rays between two points.
-
-    Parameters
-    ----------
-    water : Water
-        Of one station, or rays run along the line of its stations.
-    z_from, z_to : float
-        Heights, in metres; the first at place 0 along the line of stations.
-    x : float
-        Ground range between them, in metres.
-    low, high : float
-        Heights at which rays are reflected, in metres; infinite ones are none.
-    most : int
-        Reflections that a ray may have.
-
-    Returns
-    -------
-    (n, COLUMNS) float64
-        As by `eigenray_search.find_eigenrays`, by launch angle, radians above the horizontal. Rays that have come to
-        that height ORDERS times before are left out.
-    """
+    """Find the rays between two points."""
     span = EndPoints(float(z_from), float(z_to), float(x), float(low), float(high), int(most))
     if water.station.size > 1:
         return _join_across(water, span)
@@ -198,22 +159,7 @@ def _bisect(
 
 
 def find_shadows(water: Water, z_from: float, z_to: float, low: float, high: float, farthest: float) -> Values:
-    """Find the shadow zones: ranges at which no direct ray reaches a height in layered water.
-
-    Parameters
-    ----------
-    water : Water
-        Of one station.
-    z_from, z_to, low, high : float
-        As in `join_points`; rays end at ``low`` and ``high``.
-    farthest : float
-        Greatest ground range of the search, in metres.
-
-    Returns
-    -------
-    (n, 2) float64
-        Beginning and end of each shadow, in metres, ascending.
-    """
+    """Find the shadow zones: ranges at which no direct ray reaches a height in layered water."""
     span = EndPoints(float(z_from), float(z_to), math.inf, float(low), float(high), 0)
     edges = _critical_angles(water, span)
     lit = np.full((edges.size - 1, ORDERS, 2), math.inf)

@@ -21,13 +21,7 @@ def bin_centres(arrays: SceneArrays) -> Curve:
 
 
 def along_track_angle(arrays: SceneArrays) -> Curve:
-    """Equivalent width of the two-way beam pattern b along the track, ∫ b ds, of every bin.
-
-    Returns
-    -------
-    (bins,) float64
-        In radians, of the sine s: 2 sin(w/2) for a fan of width w; 1 m / r for a knife, which is 1 m wide at any range.
-    """
+    """Equivalent width of the two-way beam pattern b along the track, ∫ b ds, of every bin."""
     if arrays.half_width <= 0.0:
         return 1.0 / bin_centres(arrays)
     if not arrays.pattern.tabulated:
@@ -46,23 +40,7 @@ def coherence_angle(arrays: SceneArrays) -> Curve:
 
 
 def volume_echo(arrays: SceneArrays, altitude: float, depth: float) -> Curve:
-    """Volume reverberation of one side for a scattering strength of 1 m⁻¹, of every bin.
-
-    Parameters
-    ----------
-    arrays : SceneArrays
-        Beam, bins and range factors.
-    altitude, depth : float
-        Height of the sonar above the bed and its depth, in metres.
-
-    Returns
-    -------
-    (bins,) float64
-        Ψ r² Δr times the range factor; with the taps of the pulse, S_v + 10 log(Ψ r² cτ/2) (Urick, Principles of
-        Underwater Sound, chapter 8). Ψ is the two-way equivalent solid angle of one side, without the part above a flat
-        sea surface or beneath a level bed. With the track as axis, a solid angle is the sine along it times the angle
-        about it, which runs from −asin(altitude/r) to asin(depth/r).
-    """
+    """Volume reverberation of one side for a scattering strength of 1 m⁻¹, of every bin."""
     r = bin_centres(arrays)
     elevation = np.linspace(-0.5 * math.pi, 0.5 * math.pi, ELEVATIONS + 1)
     response = _vertical(arrays, 0.5 * (elevation[1:] + elevation[:-1]))
@@ -73,21 +51,7 @@ def volume_echo(arrays: SceneArrays, altitude: float, depth: float) -> Curve:
 
 
 def surface_echo(arrays: SceneArrays, depth: float) -> Curve:
-    """Surface reverberation of one side for a scattering strength of 1 m² per m², of every bin.
-
-    Parameters
-    ----------
-    arrays : SceneArrays
-        Beam, bins and range factors.
-    depth : float
-        Depth of the sonar, in metres.
-
-    Returns
-    -------
-    (bins,) float64
-        Area of the ring of a flat sea surface inside the beam, weighted by the pattern, times the range factor; 0 at
-        ranges shorter than the depth.
-    """
+    """Surface reverberation of one side for a scattering strength of 1 m² per m², of every bin."""
     height = max(depth, 0.0)
     edges = np.maximum(np.arange(arrays.bins + 1) * arrays.bin_length, height)
     x = np.sqrt((edges - height) * (edges + height))  # never of a negative number, as a difference of squares may be

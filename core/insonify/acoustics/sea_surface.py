@@ -18,17 +18,7 @@ STRATA = 8  # of tilts, each combined with two of heights
 
 
 def make_surface_multipath(surface: SurfaceKind) -> SurfaceMultipath:
-    """Paths by the sea surface and its facets, packed for the kernels.
-
-    Parameters
-    ----------
-    surface : SurfaceKind
-
-    Returns
-    -------
-    SurfaceMultipath
-        A flat surface has one facet, a rough one sixteen.
-    """
+    """Paths by the sea surface and its facets, packed for the kernels."""
     paths = surface.paths
     if not any(paths):
         return no_surface_multipath()
@@ -38,16 +28,7 @@ def make_surface_multipath(surface: SurfaceKind) -> SurfaceMultipath:
 
 
 def facets() -> NDArray[np.float64]:
-    """Equally likely facets that represent a rough sea surface.
-
-    Returns
-    -------
-    (2, 16, 4) float64
-        For sound that is reflected once and twice: the interval of heights, in rms heights, and the interval of squared
-        tilts, in variances of the slope, that each facet covers. Heights are Gaussian, of mean 0 and variance 1. The
-        square of one Gaussian tilt, or the mean of two squares, has mean 1. Every stratum of tilts has a high facet and
-        an equally low one, so that height and tilt are uncorrelated.
-    """
+    """Equally likely facets that represent a rough sea surface."""
     heights = _heights(2 * STRATA)
     ranks = 7 * (np.arange(STRATA) + 1) % (STRATA + 1) - 1
     rows = []

@@ -15,42 +15,16 @@ DEPTHS = 64  # at which the sound speed between sonar and bed is sampled
 
 
 class RefractionEffect(NamedTuple):
-    """Effect of refraction on the farthest echo of the bed.
+    """Effect of refraction on the farthest echo of the bed."""
 
-    Attributes
-    ----------
-    shift : float
-        Displacement in slant range from a straight ray at the sound speed of the sonar, in metres.
-    level : float
-        Greatest relative change of its level.
-    most : float
-        Bound: the greater of shift in bins and level if all water differed from that at the sonar by the maximum.
-    """
-
-    shift: float
-    level: float
+    shift: float  # displacement in slant range from a straight ray at the sound speed of the sonar, in metres
+    level: float  # greatest relative change of its level
+    # Bound: the greater of shift in bins and level if all water differed from that at the sonar by the maximum.
     most: float
 
 
 def estimate_refraction(scene: Scene) -> RefractionEffect:
-    """Estimate the effect of refraction on a scene's farthest echo, in closed form.
-
-    Parameters
-    ----------
-    scene : Scene
-
-    Returns
-    -------
-    RefractionEffect
-        To first order travel time is that along the straight line (Fermat), R·mean(1/c). By Snell's law the cosine of
-        the grazing angle grows with the speed, so that its sine squared falls by 2 Δc/c · cot²θ; backscatter goes with
-        that, spreading there and back with as much again at most.
-
-    Raises
-    ------
-    SceneError
-        If a cast cannot be read.
-    """
+    """Estimate the effect of refraction on a scene's farthest echo, in closed form."""
     layers, reference = make_sound_speed_field(scene.water), speed_at_sonar(scene)
     if (layers.speed == layers.speed[0, 0]).all():
         return RefractionEffect(0.0, 0.0, 0.0)

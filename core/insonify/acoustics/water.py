@@ -12,25 +12,7 @@ from insonify.scene import Scene
 
 
 def speed_at_sonar(scene: Scene, datum: float | None = None) -> float:
-    """Sound speed at the place and depth of the first ping.
-
-    Parameters
-    ----------
-    scene : Scene
-    datum : float, optional
-        Height of the mean bed above the sea surface, in metres (negative); that of ``seabed.depth`` when left out,
-        which differs from the mean of a DEM.
-
-    Returns
-    -------
-    float
-        m/s; slant range is one-way travel time times this speed.
-
-    Raises
-    ------
-    SceneError
-        If a cast cannot be read.
-    """
+    """Sound speed at the place and depth of the first ping."""
     mean_bed = scene.seabed.depth if datum is None else -datum
     depth = mean_bed - scene.altitude if scene.track.depth is None else scene.track.depth
     return float(make_sound_speed_field(scene.water).speed_at(*scene.track.start, depth))
@@ -42,27 +24,7 @@ def recording_speed(scene: Scene, datum: float | None = None) -> float:
 
 
 def make_water(scene: Scene, datum: float, low: float = -math.inf) -> Water:
-    """Sound speed over height above the mean bed, packed for the kernels.
-
-    Parameters
-    ----------
-    scene : Scene
-        Gives the water.
-    datum : float
-        Height of the mean bed above the sea surface, in metres (negative).
-    low : float
-        Height above the datum of the lowest bed, in metres; water below it is left out.
-
-    Returns
-    -------
-    Water
-        Not refracting where the speed is the same everywhere.
-
-    Raises
-    ------
-    SceneError
-        If a cast cannot be read.
-    """
+    """Sound speed over height above the mean bed, packed for the kernels."""
     layers = _cut(make_sound_speed_field(scene.water), 0.0, -(low + datum))
     reference = speed_at_sonar(scene, datum)
     if (layers.speed == layers.speed[0, 0]).all():

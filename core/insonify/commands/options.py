@@ -17,14 +17,7 @@ Block = TypeVar("Block")
 
 
 def add_scene(parser: argparse.ArgumentParser, *, optional: bool = False) -> None:
-    """Add the options for a scene and its settings.
-
-    Parameters
-    ----------
-    parser : ArgumentParser
-    optional : bool
-        Whether the default scene stands in for one not given.
-    """
+    """Add the options for a scene and its settings."""
     explained = "name of a bundled scene (see 'insonify scenes') or a TOML file"
     if optional:
         parser.add_argument("scene", nargs="?", default=DEFAULT_SCENE, metavar="SCENE", help=explained)
@@ -65,28 +58,7 @@ SIDES = ("port", "starboard")
 
 
 def find_pixel(scene: Scene, ping: int, side: str, slant_range: float) -> tuple[int, int, int]:
-    """Find a pixel of a scene's record.
-
-    Parameters
-    ----------
-    scene : Scene
-    ping : int
-        Number of the ping, from 0.
-    side : str
-        ``port`` or ``starboard``.
-    slant_range : float
-        m.
-
-    Returns
-    -------
-    tuple of three int
-        Ping, side (0 port, 1 starboard) and range bin.
-
-    Raises
-    ------
-    SceneError
-        If the record has no such pixel.
-    """
+    """Find a pixel of a scene's record."""
     pings, sonar = scene.track.pings, scene.sonar
     if not 0 <= ping < pings:
         raise SceneError(f"ping {ping}: the track has none such; give one from 0 to {pings - 1}")
@@ -129,13 +101,7 @@ class _Methods:
 
 
 def chosen_model(arguments: argparse.Namespace) -> dict[str, str]:
-    """Return the overrides of the plan, by their subjects.
-
-    Raises
-    ------
-    SceneError
-        If one is not written SUBJECT=CHOICE. The plan checks subjects and choices.
-    """
+    """Return the overrides of the plan, by their subjects."""
     forced = {}
     for text in arguments.model:
         subject, equals, choice = text.partition("=")
@@ -158,13 +124,7 @@ def add_frequency(parser: argparse.ArgumentParser) -> None:
 
 
 def chosen_scene(arguments: argparse.Namespace) -> Scene:
-    """Load the scene, apply all settings, then validate.
-
-    Raises
-    ------
-    SceneError
-        One sentence with the field, the value and the remedy.
-    """
+    """Load the scene, apply all settings, then validate."""
     if is_record(arguments.scene):
         name = arguments.scene
         if Path(name).suffix.lower() in RECORDS.foreign():
@@ -179,16 +139,7 @@ def chosen_scene(arguments: argparse.Namespace) -> Scene:
 
 
 def add_output(parser: argparse.ArgumentParser, suffixes: tuple[str, ...], explained: str | None = None) -> None:
-    """Add the option for the file to write.
-
-    Parameters
-    ----------
-    parser : ArgumentParser
-    suffixes : tuple of str
-        Accepted suffixes, each with its dot.
-    explained : str, optional
-        What they stand for; the suffixes alone when left out.
-    """
+    """Add the option for the file to write."""
     help_text = f"file to write: {explained or ', '.join(suffixes)}"
     parser.add_argument("-o", "--output", required=True, metavar="OUT", help=help_text)
     parser.set_defaults(suffixes=suffixes)
@@ -200,26 +151,7 @@ def chosen_output(arguments: argparse.Namespace) -> Path:
 
 
 def check_output(name: str, suffixes: tuple[str, ...], option: str = "-o") -> Path:
-    """Return the path of an output after checking that it can be written.
-
-    Parameters
-    ----------
-    name : str
-        Path as typed.
-    suffixes : tuple of str
-        Accepted suffixes, each with its dot.
-    option : str
-        Option that the path was given with, for the error.
-
-    Returns
-    -------
-    Path
-
-    Raises
-    ------
-    SceneError
-        One sentence with the remedy.
-    """
+    """Return the path of an output after checking that it can be written."""
     path, where = Path(name), f"{option} {name}"
     if path.is_dir() and not _is_store(path):
         raise SceneError(f"{where}: is a folder; give the name of a file in it")
@@ -248,16 +180,7 @@ def _is_store(path: Path) -> bool:
 
 
 def tracked(blocks: Iterator[Block], pings: int, count: Callable[[Block], int]) -> Iterator[Block]:
-    """Yield blocks of pings; a terminal shows their progress when the work takes longer than a second.
-
-    Parameters
-    ----------
-    blocks : iterator
-    pings : int
-        In all.
-    count : callable
-        Number of pings of a block.
-    """
+    """Yield blocks of pings; a terminal shows their progress when the work takes longer than a second."""
     with report_waiting():
         block = next(blocks, None)  # makes the bed and the plan, where they have not been made
     with report_progress("", pings, "ping", delay=1.0) as progress:

@@ -159,25 +159,7 @@ def write(
     threads: int | None = None,
     track: Tracker = tracked,
 ) -> None:
-    """Simulate a scene and write its record or picture.
-
-    Parameters
-    ----------
-    scene : Scene
-    path : Path
-        A picture, or a record of a format in `RECORDS`; appears only when whole.
-    look : DisplayOptions
-        For pictures.
-    choices : mapping of str to str, optional
-        Of the record's format, see `insonify.io.formats.WriteOption`.
-    method, tolerance, forced, threads
-        As in `insonify.simulate`.
-    truth : bool
-        Whether a record holds labels; a picture shows none.
-    track : callable
-        Passes blocks of pings on and follows their progress, as `insonify.commands.options.tracked` does. What it
-        raises ends the work, and nothing is written.
-    """
+    """Simulate a scene and write its record or picture."""
     # lazy: the other commands need neither Matplotlib nor the kernels
     from insonify.parallel import one_ahead
     from insonify.simulation import prepare, simulate_record_blocks

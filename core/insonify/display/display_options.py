@@ -33,67 +33,32 @@ CHOICES = {"side": SIDES, "palette": PALETTES, "scale": SCALES}
 
 
 class DisplayOptions(NamedTuple):
-    """How a record is shown, in the window and as a picture.
+    """How a record is shown, in the window and as a picture."""
 
-    Attributes
-    ----------
-    side : str
-        ``both``, ``port`` or ``starboard``.
-    ground_range : bool
-        Ground range in place of slant range; the water column then is left out.
-    palette : str
-        Name of a palette.
-    gain : float
-        Of both sides, dB.
-    water_column : bool
-        Whether slant range begins at the sonar; else at the first echo of the bed.
-    reverse : bool
-        Whether the palette runs from bright to dark.
-    decibels : bool
-        Whether the palette is linear in decibels; else in amplitude.
-    levels : (float, float) or None
-        Amplitudes at the ends of the palette; None to choose them from the record.
-    side_gains : (float, float)
-        Of port and starboard alone, dB.
-    side_slopes : (float, float)
-        Time-varied gain of port and starboard beyond that of the record, in dB per decade of slant range; 0 dB at half
-        the range.
-    newest_on_top : bool
-        Whether later pings stand above earlier ones.
-    bottom_line, range_lines : bool
-        Whether the first echo of the bed, and lines of equal range, are drawn.
-    scale : str
-        Of the window: ``fit`` for true scale where most of the room is filled, ``true`` for true scale with a part of
-        the track where the whole does not fill the room, ``fill`` for all of the room.
-    draped : bool
-        Of the window: whether the record is laid over the bed of the 3-D view.
-    """
-
-    side: str = "both"
-    ground_range: bool = False
-    palette: str = DEFAULT_PALETTE
-    gain: float = 0.0
-    water_column: bool = True
-    reverse: bool = False
-    decibels: bool = False
+    side: str = "both"  # ``both``, ``port`` or ``starboard``
+    ground_range: bool = False  # ground range in place of slant range; the water column then is left out
+    palette: str = DEFAULT_PALETTE  # name of a palette
+    gain: float = 0.0  # of both sides, dB
+    water_column: bool = True  # whether slant range begins at the sonar; else at the first echo of the bed
+    reverse: bool = False  # whether the palette runs from bright to dark
+    decibels: bool = False  # whether the palette is linear in decibels; else in amplitude
+    # (float, float) amplitudes at the ends of the palette; None to choose them from the record.
     levels: Levels | None = None
-    side_gains: tuple[float, float] = (0.0, 0.0)
+    side_gains: tuple[float, float] = (0.0, 0.0)  # (float, float) of port and starboard alone, dB
+    # (float, float) time-varied gain of port and starboard beyond that of the record, in dB per decade of slant
+    # range; 0 dB at half the range.
     side_slopes: tuple[float, float] = (0.0, 0.0)
-    newest_on_top: bool = True
-    bottom_line: bool = False
+    newest_on_top: bool = True  # whether later pings stand above earlier ones
+    bottom_line: bool = False  # whether the first echo of the bed, and lines of equal range, are drawn
     range_lines: bool = False
+    # Of the window: ``fit`` for true scale where most of the room is filled, ``true`` for true scale with a part
+    # of the track where the whole does not fill the room, ``fill`` for all of the room.
     scale: str = SCALES[0]
-    draped: bool = False
+    draped: bool = False  # of the window: whether the record is laid over the bed of the 3-D view
 
 
 def read_display(settings: Sequence[str]) -> dict[str, Any]:
-    """Read options from texts of the form ``name=value``, with values as in TOML.
-
-    Raises
-    ------
-    SceneError
-        If there is no such option, or its value is of another type.
-    """
+    """Read options from texts of the form ``name=value``, with values as in TOML."""
     options = {}
     for setting in settings:
         name, value = read_setting(setting, "--display")

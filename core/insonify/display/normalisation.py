@@ -31,69 +31,23 @@ _SMOOTH = 64  # the median curve is smoothed over the bins divided by this
 
 
 class LevelBed:
-    """Record of a level, perfect Lambert bed under every ping, by which a picture of a simulation is normalised.
-
-    Parameters
-    ----------
-    simulation : Simulation
-        Prepared simulation.
-    """
+    """Record of a level, perfect Lambert bed under every ping, by which a picture of a simulation is normalised."""
 
     def __init__(self, simulation: Simulation) -> None:
         self._simulation = simulation
         self._kept = keep_arrays(self._curve)
 
     def curves(self, pings: NDArray[np.int64]) -> NDArray[np.float64]:
-        """Compute the records of level beds at the altitudes of pings, each rounded to an eighth of a bin.
-
-        Parameters
-        ----------
-        pings : (n,) int64
-            Ping numbers.
-
-        Returns
-        -------
-        (n, 1, bins) float64
-            Positive in every bin.
-        """
+        """Compute the records of level beds at the altitudes of pings, each rounded to an eighth of a bin."""
         curves, which = self._curves_of(pings)
         return curves[which][:, None]
 
     def normalise(self, intensity: NDArray[np.float32], pings: NDArray[np.int64]) -> NDArray[np.float32]:
-        """Compute amplitudes relative to the level beds of pings.
-
-        Parameters
-        ----------
-        intensity : (n, 2, bins) float32
-            Record of the pings.
-        pings : (n,) int64
-            Ping numbers.
-
-        Returns
-        -------
-        (n, 2, bins) float32
-            As `normalise` by the curves of the pings.
-        """
+        """Compute amplitudes relative to the level beds of pings."""
         return self._relate(np.array(intensity, dtype=np.float32, order="C"), pings)
 
     def amplitudes(self, pings: NDArray[np.int64]) -> NDArray[np.float32]:
-        """Trace pings and compute their amplitudes relative to the level beds, in the memory of their intensities.
-
-        Parameters
-        ----------
-        pings : (n,) int64
-            Ping numbers.
-
-        Returns
-        -------
-        (n, 2, bins) float32
-            As `normalise` gives them.
-
-        Raises
-        ------
-        SceneError
-            As `Simulation.intensity`.
-        """
+        """Trace pings and compute their amplitudes relative to the level beds, in the memory of their intensities."""
         return self._relate(np.ascontiguousarray(self._simulation.intensity(pings)), pings)
 
     def _relate(self, record: NDArray[np.float32], pings: NDArray[np.int64]) -> NDArray[np.float32]:
@@ -125,16 +79,6 @@ def extend_to_water_column(curve: NDArray[np.float64]) -> NDArray[np.float64]:
     """Extend the first return of a curve over the bins before it, in which objects above the bed may echo.
 
     The first bin of the bed is partly filled, so the larger of the first two values is used.
-
-    Parameters
-    ----------
-    curve : (bins,) float64
-        Record of a level bed.
-
-    Returns
-    -------
-    (bins,) float64
-        Positive everywhere; 1 where there is no return at all.
     """
     heard = np.flatnonzero(curve > 0.0)
     if heard.size == 0:
@@ -152,20 +96,6 @@ def estimate_median_curve(
 
     It is the median of the recording at every slant range, after Lambert's law has removed the effect of the grazing
     angle as the altitude changes.
-
-    Parameters
-    ----------
-    intensity : (2, pings, bins) float32
-        Energy of the record.
-    altitude : (pings,) float64
-        Height above the bed, in metres; 0 where it is not known.
-    bin_length : float
-        Slant range of a bin, in metres.
-
-    Returns
-    -------
-    (pings, 1, bins) float64
-        Positive everywhere; smooth over a 64th of the bins.
     """
     some = slice(None, None, intensity.shape[1] // _PINGS + 1)
     r = (np.arange(intensity.shape[-1]) + 0.5) * bin_length
@@ -192,20 +122,7 @@ def _middle(echoes: NDArray[np.floating]) -> float:
 
 
 def normalise(intensity: NDArray[np.float32], curve: NDArray[np.float64]) -> NDArray[np.float32]:
-    """Compute amplitudes relative to a curve.
-
-    Parameters
-    ----------
-    intensity : (..., bins) float32
-        Energy of a record.
-    curve : (bins,) or (..., bins) float64
-        Positive curve by which the record is divided.
-
-    Returns
-    -------
-    (..., bins) float32
-        Square root of the ratio; 0 where the record is silent.
-    """
+    """Compute amplitudes relative to a curve."""
     curves = np.asarray(curve, dtype=np.float64)
     which = np.arange(math.prod(curves.shape[:-1])).reshape(curves.shape[:-1])
     amplitude = np.array(intensity, dtype=np.float32, order="C")

@@ -28,36 +28,15 @@ LEFT, RIGHT, TOP, BOTTOM = 86, 196, 92, 62  # margins in pixels
 
 
 class PageCaption(NamedTuple):
-    """Text of a page.
-
-    Attributes
-    ----------
-    title : str
-    line : str
-        Line that describes how the record was made.
-    level : str
-        Level to which the echoes are relative.
-    """
+    """Text of a page."""
 
     title: str
-    line: str
-    level: str
+    line: str  # line that describes how the record was made
+    level: str  # level to which the echoes are relative
 
 
 def write_page(path: str | Path, sheet: RecordSheet, look: DisplayOptions, caption: PageCaption) -> None:
-    """Write a sheet with scales, colour bar and caption as PNG.
-
-    Parameters
-    ----------
-    path : str or Path
-        File to make or replace; it appears only when whole.
-    sheet : RecordSheet
-        Sheet from `gather_sheet` or `gather_record_sheet`.
-    look : DisplayOptions
-        Palette and gain.
-    caption : PageCaption
-        Caption from `caption_scene` or `caption_record`.
-    """
+    """Write a sheet with scales, colour bar and caption as PNG."""
     figure = draw_page(sheet, look, caption)
     with replacing(path) as beside, warnings.catch_warnings():
         warnings.filterwarnings("ignore", "Glyph .* missing")  # a title in any script
@@ -65,19 +44,7 @@ def write_page(path: str | Path, sheet: RecordSheet, look: DisplayOptions, capti
 
 
 def draw_page(sheet: RecordSheet, look: DisplayOptions, caption: PageCaption) -> Figure:
-    """Draw a sheet on a page, one pixel per amplitude.
-
-    Parameters
-    ----------
-    sheet : RecordSheet
-    look : DisplayOptions
-    caption : PageCaption
-
-    Returns
-    -------
-    matplotlib.figure.Figure
-        Figure with an Agg canvas.
-    """
+    """Draw a sheet on a page, one pixel per amplitude."""
     height, width = sheet.amplitude.shape
     whole = (LEFT + width + RIGHT, TOP + height + BOTTOM)
     figure = make_figure(whole[0] / DPI, whole[1] / DPI, dpi=DPI)
@@ -154,22 +121,7 @@ def _colour_bar(axes: Any, look: DisplayOptions, levels: tuple[float, float], le
 
 
 def place_decibel_ticks(levels: tuple[float, float], gain: float, *, decibels: bool = False) -> list[tuple[float, str]]:
-    """Place ticks at round decibels along a bar that is linear in amplitude, or in decibels.
-
-    Parameters
-    ----------
-    levels : (float, float)
-        Amplitudes of the two ends before the gain.
-    gain : float
-        Display gain in dB.
-    decibels : bool
-        Whether the bar is linear in decibels.
-
-    Returns
-    -------
-    list of (float, str)
-        Place from 0 to 1 and text, from the top down, at least 0.07 apart.
-    """
+    """Place ticks at round decibels along a bar that is linear in amplitude, or in decibels."""
     low, high = levels
     highest = math.floor(20.0 * math.log10(high) - gain)
     ticks: list[tuple[float, str]] = []
@@ -223,15 +175,7 @@ def _tow(scene: Scene) -> str:
 
 
 def caption_record(record: xr.Dataset, along: float, look: DisplayOptions) -> PageCaption:
-    """Caption of a record read from a file, from its own data.
-
-    Parameters
-    ----------
-    record : Dataset
-    along : float
-        Along-track length in metres.
-    look : DisplayOptions
-    """
+    """Caption of a record read from a file, from its own data."""
     pings, bins = record.sizes["ping_time"], record.sizes["range_sample"]
     parts = [f"{bins} bins of {200.0 * float(record['slant_range'][0]):.3g} cm", f"{pings} pings"]
     altitude = record["platform_altitude"].values

@@ -42,23 +42,7 @@ _ENOUGH = 200_000  # amplitudes that suffice for a percentile
 
 @cache
 def load_palette(name: str) -> NDArray[np.uint8]:
-    """Read a palette: its file holds one colour per line, ``#rrggbb``, evenly spaced from silence to the maximum.
-
-    Parameters
-    ----------
-    name : str
-        Name of a palette, see `find_palettes`.
-
-    Returns
-    -------
-    (256, 3) uint8
-        Red, green, blue; entry 0 stands for silence.
-
-    Raises
-    ------
-    SceneError
-        If there is no such palette.
-    """
+    """Read a palette: its file holds one colour per line, ``#rrggbb``, evenly spaced from silence to the maximum."""
     palettes = find_palettes()
     if name not in palettes:
         raise SceneError(f"palette {name!r} is not known; choose one of {', '.join(palettes)}")
@@ -83,18 +67,6 @@ def choose_contrast(amplitude: NDArray[np.float32], *, decibels: bool = False) -
     Shadows (zeros) do not count. The span follows the texture of the bed within limits: a bed without texture stays in
     the middle of the palette and distinct from a shadow, one strong target does not darken the rest, and a material
     that covers a tenth of the picture keeps its texture however strong it is.
-
-    Parameters
-    ----------
-    amplitude : float32 array
-        From ``normalise``.
-    decibels : bool
-        Whether the palette is linear in decibels, and so has room for highlights.
-
-    Returns
-    -------
-    (float, float)
-        Low and high; (0, 1) for a picture without echoes.
     """
     sample = amplitude.ravel()[:: amplitude.size // _ENOUGH + 1]
     heard = sample[np.isfinite(sample) & (sample > 0.0)]
@@ -117,24 +89,7 @@ def span_decibels(levels: Levels) -> Levels:
 def map_tones(
     amplitude: NDArray[np.float32], levels: Levels, gain: float = 0.0, *, decibels: bool = False
 ) -> NDArray[np.uint8]:
-    """Turn amplitudes into entries of a palette.
-
-    Parameters
-    ----------
-    amplitude : float32 array
-        From ``normalise``.
-    levels : (float, float)
-        From ``contrast``.
-    gain : float
-        Display gain in dB.
-    decibels : bool
-        Whether tones are linear in decibels; else in amplitude.
-
-    Returns
-    -------
-    uint8 array
-        Same shape; 0 at and below the low level, 255 at and above the high one.
-    """
+    """Turn amplitudes into entries of a palette."""
     low, high = levels
     amplified = np.nan_to_num(amplitude) * np.float32(10.0 ** (gain / 20.0))
     if decibels:
@@ -149,21 +104,7 @@ def mirror_channels(
     edges: NDArray[np.float64],
     side: str = "both",
 ) -> NDArray[np.float32]:
-    """Lay out the channels with port to the left of nadir and the newest ping on top.
-
-    Parameters
-    ----------
-    sides : (pings, 2, bins) float32
-        Amplitudes, oldest ping first.
-    edges : (pings, columns + 1) float64
-        Edges of a side's columns, in bins, from nadir outwards; from ``column_edges``.
-    side : str
-        ``both``, or ``port`` or ``starboard`` alone, then with nadir at the left.
-
-    Returns
-    -------
-    (pings, columns or 2 columns) float32
-    """
+    """Lay out the channels with port to the left of nadir and the newest ping on top."""
     newest_first = slice(None, None, -1)
     port, starboard = (average_columns(sides[newest_first, channel], edges[newest_first]) for channel in (0, 1))
     if side == "both":
@@ -172,21 +113,7 @@ def mirror_channels(
 
 
 def compute_column_edges(altitude: NDArray[np.float64], axis: RangeAxis, columns: int) -> NDArray[np.float64]:
-    """Compute the edges of equally wide columns as positions in the bins of one side.
-
-    Parameters
-    ----------
-    altitude : (pings,) float64
-        Height of the sonar above the bed, in metres.
-    axis : RangeAxis
-        Distance that the columns are steps of.
-    columns : int
-        Columns of a side.
-
-    Returns
-    -------
-    (pings, columns + 1) float64
-    """
+    """Compute the edges of equally wide columns as positions in the bins of one side."""
     return place_columns(np.linspace(0.0, axis.reach, columns + 1), altitude, axis)
 
 
@@ -208,21 +135,6 @@ def average_columns(
     """Average rows between successive edges, with parts of bins weighted by their width.
 
     Columns wider than a bin average it, so that no narrow echo is lost; columns narrower than a bin repeat it.
-
-    Parameters
-    ----------
-    rows : (m, columns of rows) float32
-        Amplitudes.
-    edges : (n, columns + 1) float64
-        Increasing positions in bins; equal edges give 0.
-    picked : (n,) int64, optional
-        Rows to average, instead of all.
-    bins : range, optional
-        Columns of rows that hold the bins, near to far, in steps of 1 or -1; all when left out.
-
-    Returns
-    -------
-    (n, columns) float32
     """
     # lazy: the window opens before Numba is loaded
     from insonify.kernels.display.rows import ROWS_A_THREAD, average_bins
@@ -245,19 +157,7 @@ def average_columns(
 
 
 def colour_rows(values: NDArray[np.float32], low: float, high: float, table: NDArray[np.uint32]) -> NDArray[np.uint32]:
-    """Colour values by a table whose colours go on beyond the upper end.
-
-    Parameters
-    ----------
-    values : (..., columns) float32
-    low, high : float
-        Values of the first colour, and of the one after 255 more.
-    table : (colours,) uint32
-
-    Returns
-    -------
-    (..., columns) uint32
-    """
+    """Colour values by a table whose colours go on beyond the upper end."""
     if not values.size:
         return np.empty(values.shape, np.uint32)
     from insonify.kernels.display.rows import ROWS_A_THREAD, colour_values  # lazy: as above
@@ -276,21 +176,7 @@ def colour_rows(values: NDArray[np.float32], low: float, high: float, table: NDA
 def colour_amplitudes(
     amplitude: NDArray[np.float32], look: DisplayOptions | None = None, levels: Levels | None = None
 ) -> NDArray[np.uint8]:
-    """Colour amplitudes.
-
-    Parameters
-    ----------
-    amplitude : (rows, columns) float32
-        From ``mirrored``.
-    look : DisplayOptions, optional
-        Palette, gain and scale.
-    levels : (float, float), optional
-        Darkest and brightest amplitude; chosen by ``contrast`` when left out.
-
-    Returns
-    -------
-    (rows, columns, 3) uint8
-    """
+    """Colour amplitudes."""
     look = look or DisplayOptions()
     ends = choose_contrast(amplitude) if levels is None else levels
     return shown_palette(look)[map_tones(amplitude, ends, look.gain, decibels=look.decibels)]

@@ -14,25 +14,14 @@ NAMES = {SLANT: "slant range", BED: "slant range behind the first echo", GROUND:
 
 
 class RangeAxis(NamedTuple):
-    """Distance from the inner edge of one side of a picture, and the range bins that lie there.
+    """Distance from the inner edge of one side of a picture, and the range bins that lie there."""
 
-    Attributes
-    ----------
-    kind : str
-        ``slant`` for slant range r; ``bed`` for r − h, the slant range behind the first echo of a level bed at the
-        altitude h; ``ground`` for sqrt(r² − h²), its ground range.
-    bins : int
-        Range bins of a side.
-    bin_length : float
-        Slant range of a bin, in metres.
-    reach : float
-        Distance of the outer edge, in metres.
-    """
-
+    # ``slant`` for slant range r; ``bed`` for r − h, the slant range behind the first echo of a level bed at the
+    # altitude h; ``ground`` for sqrt(r² − h²), its ground range.
     kind: str
-    bins: int
-    bin_length: float
-    reach: float
+    bins: int  # range bins of a side
+    bin_length: float  # slant range of a bin, in metres
+    reach: float  # distance of the outer edge, in metres
 
     @property
     def shows_water(self) -> bool:
@@ -66,24 +55,7 @@ def choose_kind(*, ground_range: bool, water_column: bool) -> str:
 
 
 def make_range_axis(kind: str, bins: int, bin_length: float, lowest: float) -> RangeAxis | None:
-    """Make an axis that reaches as far as the ping at the lowest altitude hears.
-
-    Parameters
-    ----------
-    kind : str
-        ``slant``, ``bed`` or ``ground``.
-    bins : int
-        Range bins of a side.
-    bin_length : float
-        Slant range of a bin, in metres.
-    lowest : float
-        Least altitude of the sonar, in metres; NaN if none is known.
-
-    Returns
-    -------
-    RangeAxis or None
-        None where the bed is needed and is not within range.
-    """
+    """Make an axis that reaches as far as the ping at the lowest altitude hears."""
     end = bins * bin_length
     if kind == SLANT:
         return RangeAxis(kind, bins, bin_length, end)

@@ -25,56 +25,26 @@ WIDEST_SPECTRUM, NARROWEST_SPECTRUM = 1.5, 8.0  # of the farthest peak; cycles a
 
 
 class Curve(NamedTuple):
-    """A curve with its axes.
+    """A curve with its axes."""
 
-    Attributes
-    ----------
-    title, note : str
-        What it shows; the figure that a reader looks for.
-    x, y : (n,) float64
-    x_unit, y_unit : str
-        The second is "dB" for levels, empty for amplitudes.
-    """
-
-    title: str
+    title: str  # what it shows; the figure that a reader looks for
     note: str
-    x: NDArray[np.float64]
+    x: NDArray[np.float64]  # (n,)
     y: NDArray[np.float64]
-    x_unit: str
+    x_unit: str  # the second is "dB" for levels, empty for amplitudes
     y_unit: str
 
 
 class ReliefSpectrum(NamedTuple):
-    """Spectrum of a fractal bed over the plane of wave numbers.
+    """Spectrum of a fractal bed over the plane of wave numbers."""
 
-    Attributes
-    ----------
-    decibels : (n, n) float64
-        Power below the greatest; rows run with fy, columns with fx.
-    reach : float
-        Both wave numbers run from −reach to reach, in cycles per period.
-    peaks : tuple of (float, float)
-        The declared peaks (fx, fy), in cycles per period.
-    """
-
-    decibels: NDArray[np.float64]
-    reach: float
-    peaks: tuple[tuple[float, float], ...]
+    decibels: NDArray[np.float64]  # (n, n) power below the greatest; rows run with fy, columns with fx
+    reach: float  # both wave numbers run from −reach to reach, in cycles per period
+    peaks: tuple[tuple[float, float], ...]  # the declared peaks (fx, fy), in cycles per period
 
 
 def beam_curve(scene: Scene) -> Curve | None:
-    """Two-way level over the angle from the beam's axis along the track, at the range of the sonar.
-
-    Returns
-    -------
-    Curve or None
-        None for a beam without width.
-
-    Raises
-    ------
-    SceneError
-        If the sound speed at the sonar cannot be known.
-    """
+    """Two-way level over the angle from the beam's axis along the track, at the range of the sonar."""
     beam = scene.sonar.beam
     if not beam.has_width:
         return None
@@ -91,13 +61,7 @@ def beam_curve(scene: Scene) -> Curve | None:
 
 
 def vertical_beam_curve(scene: Scene) -> Curve | None:
-    """Level of the vertical beam over the angle below the horizon; None for one that is uniform.
-
-    Raises
-    ------
-    SceneError
-        If the sound speed at the sonar cannot be known.
-    """
+    """Level of the vertical beam over the angle below the horizon; None for one that is uniform."""
     vertical = scene.sonar.vertical
     if not vertical.shades:
         return None
@@ -112,13 +76,7 @@ def vertical_beam_curve(scene: Scene) -> Curve | None:
 
 
 def pulse_curve(scene: Scene) -> Curve | None:
-    """Amplitude of a point's echo over time; None for a pulse shorter than any bin.
-
-    Raises
-    ------
-    SceneError
-        If the sound speed at the sonar cannot be known.
-    """
+    """Amplitude of a point's echo over time; None for a pulse shorter than any bin."""
     pulse = scene.sonar.pulse
     if pulse.length == 0.0:
         return None
@@ -149,14 +107,7 @@ def pulse_spectrum_curve(scene: Scene) -> Curve | None:
 
 
 def relief_spectrum(scene: Scene, reach: float | None = None) -> ReliefSpectrum | None:
-    """Spectrum of a fractal bed; None for other reliefs.
-
-    Parameters
-    ----------
-    scene : Scene
-    reach : float, optional
-        Greatest wave numbers, in cycles per period; such that the peaks lie within unless given.
-    """
+    """Spectrum of a fractal bed; None for other reliefs."""
     relief = scene.seabed.relief
     if not isinstance(relief, Fractal):
         return None

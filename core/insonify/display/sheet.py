@@ -30,49 +30,24 @@ HEIGHTS = (420, 1800)  # least and greatest number of rows of a sheet
 
 
 class RecordSheet(NamedTuple):
-    """Amplitudes of a record in rows and columns of display.
+    """Amplitudes of a record in rows and columns of display."""
 
-    Attributes
-    ----------
-    amplitude : (rows, columns) float32
-        Amplitudes relative to a curve; newest ping on top, port mirrored about nadir.
-    reach : float
-        Range of the outer edge of a side, in metres.
-    along : float
-        Along-track length, in metres.
-    pings : int
-        Number of pings.
-    altitude : (pings,) float64
-        Above the bed, in metres.
-    """
-
+    # (rows, columns) amplitudes relative to a curve; newest ping on top, port mirrored about nadir.
     amplitude: NDArray[np.float32]
-    reach: float
-    along: float
-    pings: int
-    altitude: NDArray[np.float64]
+    reach: float  # range of the outer edge of a side, in metres
+    along: float  # along-track length, in metres
+    pings: int  # number of pings
+    altitude: NDArray[np.float64]  # (pings,) above the bed, in metres
 
 
 class SheetPings(NamedTuple):
-    """Successive pings, as far as a picture shows them.
+    """Successive pings, as far as a picture shows them."""
 
-    Attributes
-    ----------
-    intensity : (n, 2, bins) float32
-        Linear, port first.
-    x, y : (n,) float64
-        Position of the sonar, in metres.
-    altitude : (n,) float64
-        Above the bed beneath, in metres, as `find_altitude` completes it.
-    bin_length : float
-        Slant range of a bin, in metres.
-    """
-
-    intensity: Record
-    x: NDArray[np.float64]
+    intensity: Record  # (n, 2, bins) linear, port first
+    x: NDArray[np.float64]  # (n,) position of the sonar, in metres
     y: NDArray[np.float64]
-    altitude: NDArray[np.float64]
-    bin_length: float
+    altitude: NDArray[np.float64]  # (n,) above the bed beneath, in metres, as `find_altitude` completes it
+    bin_length: float  # slant range of a bin, in metres
 
 
 def take_sheet_pings(record: xr.Dataset) -> SheetPings:
@@ -87,12 +62,7 @@ def take_sheet_pings(record: xr.Dataset) -> SheetPings:
 
 
 def trace_sheet_pings(simulation: Simulation) -> Iterator[SheetPings]:
-    """Trace the record of a simulation block by block, as far as a picture shows it.
-
-    Parameters
-    ----------
-    simulation : Simulation
-    """
+    """Trace the record of a simulation block by block, as far as a picture shows it."""
     sonar = simulation.scene.sonar
     bin_length = sonar.range / sonar.bins
     for block in trace_blocks(simulation):
@@ -103,29 +73,7 @@ def trace_sheet_pings(simulation: Simulation) -> Iterator[SheetPings]:
 
 
 def gather_sheet(blocks: Iterable[SheetPings], relative: Relative, pings: int, look: DisplayOptions) -> RecordSheet:
-    """Collect blocks of a record in a sheet.
-
-    Parameters
-    ----------
-    blocks : iterable of SheetPings
-        Successive pings.
-    relative : callable
-        From intensities, (n, 2, bins), and their ping numbers to amplitudes relative to a curve, as
-        `LevelBed.normalise`.
-    pings : int
-        Number of pings of the whole record.
-    look : DisplayOptions
-        Side and kind of range.
-
-    Returns
-    -------
-    RecordSheet
-
-    Raises
-    ------
-    SceneError
-        If the picture leaves the water column out and the record ends before the bed begins.
-    """
+    """Collect blocks of a record in a sheet."""
     columns = WIDTH[look.side]
     together = math.ceil(pings / MOST_ROWS)  # pings that share a row
     rows = np.zeros((math.ceil(pings / together), columns), dtype=np.float32)
@@ -150,19 +98,7 @@ def gather_sheet(blocks: Iterable[SheetPings], relative: Relative, pings: int, l
 
 
 def gather_record_sheet(record: xr.Dataset, look: DisplayOptions) -> RecordSheet:
-    """Make a sheet of a whole record relative to its own median at every range.
-
-    Parameters
-    ----------
-    record : Dataset
-        From ``records.read_record`` or ``simulate``.
-    look : DisplayOptions
-        Side and kind of range.
-
-    Returns
-    -------
-    RecordSheet
-    """
+    """Make a sheet of a whole record relative to its own median at every range."""
     own = compute_median_curve(record)
     return gather_sheet(
         [take_sheet_pings(record)],
@@ -178,17 +114,7 @@ def compute_median_curve(record: xr.Dataset) -> NDArray[np.float64]:
 
 
 def resample_rows(rows: NDArray[np.float32], height: int) -> NDArray[np.float32]:
-    """Resample rows to a number of rows, by their mean where there are more.
-
-    Parameters
-    ----------
-    rows : (n, columns) float32
-    height : int
-
-    Returns
-    -------
-    (height, columns) float32
-    """
+    """Resample rows to a number of rows, by their mean where there are more."""
     edges = np.broadcast_to(np.linspace(0.0, len(rows), height + 1), (rows.shape[1], height + 1))
     return average_columns(np.ascontiguousarray(rows.T), edges).T
 

@@ -21,18 +21,7 @@ def make_figure(width: float, height: float, **options: Any) -> Figure:
 
 
 def style_axes(axes: Any, size: float, *, framed: bool = False, width: float = LINE_WIDTH) -> None:
-    """Set ticks and frame of some axes: a whole frame, or its left and lower sides.
-
-    Parameters
-    ----------
-    axes : Axes
-    size : float
-        Size of the tick labels in points.
-    framed : bool
-        Whether the upper and right sides of the frame are drawn.
-    width : float
-        Line width in points.
-    """
+    """Set ticks and frame of some axes: a whole frame, or its left and lower sides."""
     axes.tick_params(which="both", color=FAINT, labelcolor=INK, labelsize=size, width=width)
     for side, spine in axes.spines.items():
         spine.set(color=FAINT, linewidth=width, visible=framed or side in ("left", "bottom"))

@@ -25,20 +25,11 @@ SILENCE = -math.inf
 
 @dataclass(frozen=True)
 class Term:
-    """One term of a budget.
+    """One term of a budget."""
 
-    Attributes
-    ----------
-    name : str
-        ``spreading``, ``absorption``, …
-    decibels : float
-    detail : str
-        What it comes from, in few words.
-    """
-
-    name: str
+    name: str  # ``spreading``, ``absorption``, …
     decibels: float
-    detail: str = ""
+    detail: str = ""  # what it comes from, in few words
 
 
 def decibels(ratio: float) -> float:
@@ -47,41 +38,13 @@ def decibels(ratio: float) -> float:
 
 
 def normal_strength(reflectivity: Column, *, light: bool) -> float:
-    """Scattering strength of a material at normal incidence.
-
-    Parameters
-    ----------
-    reflectivity : (3,) float64
-        Lambert's share k_d, Phong's share k_s and its exponent n.
-    light : bool
-        Whether the scene's law is `light`.
-
-    Returns
-    -------
-    float
-        (k_d + k_s (n + 2)/2) / π; under law `light` k_d + k_s. docs/theory/scattering.md
-    """
+    """Scattering strength of a material at normal incidence."""
     diffuse, specular, shininess = (float(number) for number in reflectivity)
     return diffuse + specular if light else (diffuse + specular * (shininess + 2.0) / 2.0) / math.pi
 
 
 def echo_terms(parts: EchoParts, normal: float, *, light: bool) -> list[Term]:
-    """Terms of the echo of some parts in a pixel, before source level and receiver.
-
-    Parameters
-    ----------
-    parts : EchoParts
-        Heard, of one contributor by one path, with the weights of `pixel_window`.
-    normal : float
-        Scattering strength of its material at normal incidence.
-    light : bool
-        Whether the scene's law is `light`.
-
-    Returns
-    -------
-    list of Term
-        They add up to the decibels of Σ value.
-    """
+    """Terms of the echo of some parts in a pixel, before source level and receiver."""
     echo, spread, value = parts.echo.sum(), parts.spread.sum(), parts.value.sum()
     middle = float(np.average(0.5 * (parts.near + parts.far), weights=parts.value))
     terms = [

@@ -17,11 +17,6 @@ def compile_explanations(simulation: Simulation) -> None:
     """Explain and label a few pixels of a simulation, so that all kernels for it are compiled.
 
     Kernels of targets are compiled at the first ping that crosses one: the pixels lie on pings abeam of targets too.
-
-    Parameters
-    ----------
-    simulation : Simulation
-        From `insonify.prepare`.
     """
     scene = simulation.scene
     pings = _pings_abeam(simulation)

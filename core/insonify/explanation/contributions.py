@@ -18,43 +18,19 @@ Points = NDArray[np.float64]
 
 @dataclass(frozen=True, eq=False)
 class Contribution:
-    """What returns a part of the pixel's echo.
+    """What returns a part of the pixel's echo."""
 
-    Attributes
-    ----------
-    source : str
-        ``pipe 1``, ``bed``, ``sea surface``.
-    material : str
-        Empty where there is none.
-    path : str
-        Of `insonify.tracers.labels.PATHS`.
-    target : int
-        Index of the declared target, -1 for what is none.
-    row : int
-        Of the material among those of the scene, -1 where there is none.
-    share : float
-        Of the mean echo in the pixel.
-    ground_range, incidence : float
-        Means weighted by the echo, m and degrees.
-    parts : EchoParts
-        Of which it is made.
-    places : (n, 2, 3) float64
-        Where the sound goes: beginnings and ends of the parts, in local coordinates, m.
-    rays : tuple of (n, 3) float64
-        The way of the sound to the loudest of them, and back where that is another one.
-    """
-
-    source: str
-    material: str
-    path: str
-    target: int
-    row: int
-    share: float
-    ground_range: float
+    source: str  # ``pipe 1``, ``bed``, ``sea surface``
+    material: str  # empty where there is none
+    path: str  # of `insonify.tracers.labels.PATHS`
+    target: int  # index of the declared target, -1 for what is none
+    row: int  # of the material among those of the scene, -1 where there is none
+    share: float  # of the mean echo in the pixel
+    ground_range: float  # means weighted by the echo, m and degrees
     incidence: float
-    parts: EchoParts
-    places: Points
-    rays: tuple[Points, ...]
+    parts: EchoParts  # of which it is made
+    places: Points  # (n, 2, 3) where the sound goes: beginnings and ends of the parts, in local coordinates, m
+    rays: tuple[Points, ...]  # the way of the sound to the loudest of them, and back where that is another one
 
     @property
     def words(self) -> str:
@@ -66,17 +42,7 @@ class Contribution:
 
 
 def find_contributions(pixel: PixelParts) -> tuple[Contribution, ...]:
-    """Find what returns the echo in a pixel.
-
-    Parameters
-    ----------
-    pixel : PixelParts
-
-    Returns
-    -------
-    tuple of Contribution
-        By share, the greatest first.
-    """
+    """Find what returns the echo in a pixel."""
     heard = pixel.parts.take((pixel.parts.state == HEARD) & (pixel.parts.value > 0.0))
     if not heard.value.size:
         return ()

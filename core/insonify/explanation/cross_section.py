@@ -22,53 +22,22 @@ SAMPLES = 1024  # of the bed's profile
 
 @dataclass(frozen=True, eq=False)
 class CrossSection:
-    """What one plane cuts, as ground range and height above the datum, m.
-
-    Attributes
-    ----------
-    ping, side : int
-    azimuth : float
-        Of the plane, from athwart towards the bow, rad.
-    sonar : SonarPose
-    reach : float
-        Ground range to which the section is drawn, m.
-    bed : (n, 2) float64
-        Profile of the bed, NaN where there is none.
-    heard, hidden : (m, 2, 2) float64
-        Stretches of the bed that the sonar sees, and that other bed or targets hide from it.
-    targets : tuple of (str, (k, 2, 2) float64)
-        Names of the targets, and what the sonar sees of each.
-    horizon : (k, 2, 2) float64
-        From each crest of the bed that hides bed to the end of what it hides.
-    """
+    """What one plane cuts, as ground range and height above the datum, m."""
 
     ping: int
     side: int
-    azimuth: float
+    azimuth: float  # of the plane, from athwart towards the bow, rad
     sonar: SonarPose
-    reach: float
-    bed: Points
-    heard: Points
+    reach: float  # ground range to which the section is drawn, m
+    bed: Points  # (n, 2) profile of the bed, NaN where there is none
+    heard: Points  # (m, 2, 2) stretches of the bed that the sonar sees, and that other bed or targets hide from it
     hidden: Points
-    targets: tuple[tuple[str, Points], ...]
-    horizon: Points
+    targets: tuple[tuple[str, Points], ...]  # names of the targets, and what the sonar sees of each
+    horizon: Points  # (k, 2, 2) from each crest of the bed that hides bed to the end of what it hides
 
 
 def cut_cross_section(simulation: Simulation, ping: int, side: int) -> CrossSection:
-    """Cut the scene along the axis of the beam of one ping.
-
-    Parameters
-    ----------
-    simulation : Simulation
-    ping : int
-    side : int
-        0 port, 1 starboard.
-
-    Returns
-    -------
-    CrossSection
-        Where refraction folds, without what is heard and hidden.
-    """
+    """Cut the scene along the axis of the beam of one ping."""
     arrays, pose = arrays_at(simulation, ping)
     sonar, reach = locate_sonar(simulation, pose, side), arrays.bins * arrays.bin_length
     _, folded = make_apparent_tables(arrays, pose)

@@ -30,38 +30,16 @@ Points = NDArray[np.float64]
 
 @dataclass(frozen=True, order=True)
 class Listener:
-    """A pixel that hears a place.
-
-    Attributes
-    ----------
-    ping, side, bin : int
-    path : str
-        Of `insonify.tracers.labels.PATHS`.
-    """
+    """A pixel that hears a place."""
 
     ping: int
     side: int
     bin: int
-    path: str
+    path: str  # of `insonify.tracers.labels.PATHS`
 
 
 def find_listeners(simulation: Simulation, place: Points, pings: NDArray[np.int64]) -> tuple[Listener, ...]:
-    """Find the pixels that hear a place of the bed or of a target.
-
-    Parameters
-    ----------
-    simulation : Simulation
-    place : (3,) float64
-        Local coordinates, height above the datum, m.
-    pings : (n,) int64
-        Pings to look at.
-
-    Returns
-    -------
-    tuple of Listener
-        Of the direct path where the sonar sees the place; of a path by way of the sea surface where the place's own
-        plane returns an echo by that path in its bin. Where refraction folds, nothing is known.
-    """
+    """Find the pixels that hear a place of the bed or of a target."""
     found: list[Listener] = []
     for ping, side, azimuth, level in _within_beam(simulation, place, pings):
         found += _listen(simulation, place, int(ping), int(side), float(azimuth), float(level))

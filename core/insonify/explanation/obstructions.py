@@ -15,36 +15,16 @@ Points = NDArray[np.float64]
 
 @dataclass(frozen=True, eq=False)
 class Obstruction:
-    """What hides a part of the bed that would echo in the pixel.
+    """What hides a part of the bed that would echo in the pixel."""
 
-    Attributes
-    ----------
-    hider : str
-        ``pipe 1``, or ``crest of the bed``.
-    target : int
-        Index of the declared target, -1 for the bed.
-    place : (3,) float64
-        Crest of the bed, or middle of the bed that a target hides, in local coordinates, m.
-    ground_range : float
-        Of that place, m.
-    share : float
-        Of what the pixel would echo if nothing hid anything.
-    echo : float
-        Mean echo that the hidden bed would add, in the units of the parts.
-    places : (n, 2, 3) float64
-        The hidden bed.
-    rays : tuple of (n, 3) float64
-        From the sonar to the hidden bed, through what hides it.
-    """
-
-    hider: str
-    target: int
-    place: Points
-    ground_range: float
-    share: float
-    echo: float
-    places: Points
-    rays: tuple[Points, ...]
+    hider: str  # ``pipe 1``, or ``crest of the bed``
+    target: int  # index of the declared target, -1 for the bed
+    place: Points  # (3,) crest of the bed, or middle of the bed that a target hides, in local coordinates, m
+    ground_range: float  # of that place, m
+    share: float  # of what the pixel would echo if nothing hid anything
+    echo: float  # mean echo that the hidden bed would add, in the units of the parts
+    places: Points  # (n, 2, 3) the hidden bed
+    rays: tuple[Points, ...]  # from the sonar to the hidden bed, through what hides it
 
     @property
     def faces_away(self) -> bool:
@@ -53,17 +33,7 @@ class Obstruction:
 
 
 def find_obstructions(pixel: PixelParts) -> tuple[Obstruction, ...]:
-    """Find what hides bed that would echo in a pixel.
-
-    Parameters
-    ----------
-    pixel : PixelParts
-
-    Returns
-    -------
-    tuple of Obstruction
-        By share, the greatest first.
-    """
+    """Find what hides bed that would echo in a pixel."""
     parts = pixel.parts
     hidden = parts.take(parts.state != HEARD)
     whole = float(parts.value.sum())

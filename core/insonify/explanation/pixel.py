@@ -32,45 +32,23 @@ DETAILS = {
 
 @dataclass(frozen=True, eq=False)
 class PixelExplanation:
-    """Explanation of one pixel.
+    """Explanation of one pixel."""
 
-    Attributes
-    ----------
-    ping, side, bin : int
-        The pixel; port is side 0.
-    slant_range : float
-        Of its centre as recorded, m.
-    value : float
-        Linear intensity in the record.
-    terms : tuple of Term
-        Decibels that add up to the value: of the greatest contribution, of the others, then of the receiver.
-    contributions : tuple of Contribution
-        By share, the greatest first.
-    obstructions : tuple of Obstruction
-        By share likewise.
-    unhidden : float
-        Level in dB that the mean echo would have if nothing hid anything, with source level and gain; minus infinity
-        for silence.
-    sonar : SonarPose
-        The sonar at that ping.
-    summary : str
-        One sentence: what is heard, or why nothing is.
-    approximations : tuple of str
-        What is not exactly as the record has it; empty where everything is.
-    """
-
-    ping: int
+    ping: int  # the pixel; port is side 0
     side: int
     bin: int
-    slant_range: float
-    value: float
+    slant_range: float  # of its centre as recorded, m
+    value: float  # linear intensity in the record
+    # Decibels that add up to the value: of the greatest contribution, of the others, then of the receiver.
     terms: tuple[Term, ...]
-    contributions: tuple[Contribution, ...]
-    obstructions: tuple[Obstruction, ...]
+    contributions: tuple[Contribution, ...]  # by share, the greatest first
+    obstructions: tuple[Obstruction, ...]  # by share likewise
+    # Level in dB that the mean echo would have if nothing hid anything, with source level and gain; minus
+    # infinity for silence.
     unhidden: float
-    sonar: SonarPose
-    summary: str
-    approximations: tuple[str, ...]
+    sonar: SonarPose  # the sonar at that ping
+    summary: str  # one sentence: what is heard, or why nothing is
+    approximations: tuple[str, ...]  # what is not exactly as the record has it; empty where everything is
 
     @property
     def level(self) -> float:

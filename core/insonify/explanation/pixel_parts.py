@@ -24,31 +24,15 @@ MOST_RAYS = 12  # to the parts of one contributor
 
 @dataclass(frozen=True, eq=False)
 class PixelParts:
-    """Parts of the echo in one pixel.
-
-    Attributes
-    ----------
-    simulation : Simulation
-    arrays : SceneArrays
-        As traced, over the ground about the ping.
-    pose : Poses
-        Of the ping.
-    side : int
-    window : PixelWindow
-        Bins that echo in the pixel.
-    sonar : SonarPose
-    folded : bool
-        Whether refraction folds, so that parts are single rays.
-    parts : EchoParts
-    """
+    """Parts of the echo in one pixel."""
 
     simulation: Simulation
-    arrays: SceneArrays
-    pose: Poses
+    arrays: SceneArrays  # as traced, over the ground about the ping
+    pose: Poses  # of the ping
     side: int
-    window: PixelWindow
+    window: PixelWindow  # bins that echo in the pixel
     sonar: SonarPose
-    folded: bool
+    folded: bool  # whether refraction folds, so that parts are single rays
     parts: EchoParts
 
     def name(self, target: int, path: int = DIRECT) -> str:
@@ -81,17 +65,7 @@ class PixelParts:
 
 
 def find_pixel_parts(simulation: Simulation, ping: int, side: int, pixel: int) -> PixelParts:
-    """Find the parts of the echo in one pixel.
-
-    Parameters
-    ----------
-    simulation : Simulation
-    ping, side, pixel : int
-
-    Returns
-    -------
-    PixelParts
-    """
+    """Find the parts of the echo in one pixel."""
     arrays, pose = arrays_at(simulation, ping)
     window, sonar = pixel_window(arrays, simulation.reception.taps, pixel), locate_sonar(simulation, pose, side)
     parts = find_echo_parts(arrays, pose, side, window.window, **settings_of(simulation))

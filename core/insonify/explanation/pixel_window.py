@@ -14,36 +14,17 @@ from insonify.kernels.labels.echo_parts import Window
 
 
 class PixelWindow(NamedTuple):
-    """Bins that echo in one pixel.
+    """Bins that echo in one pixel."""
 
-    Attributes
-    ----------
-    window : Window
-        Weights of each bin: share that the pulse brings into the pixel; the same with spreading; and with absorption.
-    near, far : float
-        Slant ranges between which they lie, m.
-    """
-
+    # Weights of each bin: share that the pulse brings into the pixel; the same with spreading; and with
+    # absorption.
     window: Window
-    near: float
+    near: float  # slant ranges between which they lie, m
     far: float
 
 
 def pixel_window(arrays: SceneArrays, taps: Taps, pixel: int) -> PixelWindow:
-    """Range bins whose echoes the pulse brings into a pixel.
-
-    Parameters
-    ----------
-    arrays : SceneArrays
-    taps : Taps
-        Of the pulse.
-    pixel : int
-        Its range bin.
-
-    Returns
-    -------
-    PixelWindow
-    """
+    """Range bins whose echoes the pulse brings into a pixel."""
     late = np.arange(taps.weights.size) - taps.before
     # Beyond the last bin the echo goes on at its last value, as in the receiver.
     source = np.minimum(pixel - late, arrays.bins - 1)

@@ -30,33 +30,14 @@ STAGES: tuple[tuple[str, tuple[str, ...]], ...] = (
 
 
 class ReceiverStage(NamedTuple):
-    """The record of one ping once a stage of the receiver acts.
+    """The record of one ping once a stage of the receiver acts."""
 
-    Attributes
-    ----------
-    name : str
-        Empty for the echo of the pulse alone.
-    record : (2, bins) float32
-        Linear intensity.
-    """
-
-    name: str
-    record: Record
+    name: str  # empty for the echo of the pulse alone
+    record: Record  # (2, bins) linear intensity
 
 
 def record_by_stages(simulation: Simulation, ping: int) -> list[ReceiverStage]:
-    """Record one ping stage by stage.
-
-    Parameters
-    ----------
-    simulation : Simulation
-    ping : int
-
-    Returns
-    -------
-    list of ReceiverStage
-        First the echo after the pulse, then every stage that changes anything. The last is the record itself.
-    """
+    """Record one ping stage by stage."""
     whole, bare = simulation.reception, _without_stages(simulation.reception)
     trace, stages, present = _Tracing(simulation, ping), [], bare
     stages.append(ReceiverStage("", trace.record(bare)))

@@ -24,24 +24,12 @@ SECOND_BOTTOM, SURFACE = PATHS.index("second_bottom"), PATHS.index("surface")
 
 @dataclass(frozen=True, eq=False)
 class SonarPose:
-    """The sonar at one ping, and one of its sides.
+    """The sonar at one ping, and one of its sides."""
 
-    Attributes
-    ----------
-    place : (3,) float64
-        Local coordinates, height above the datum, m.
-    ahead : (2,) float64
-        Level unit vector of the heading.
-    abeam : (2,) float64
-        Level unit vector to the side.
-    surface, below : float
-        Heights of the sea surface and of the bed beneath the sonar, m.
-    """
-
-    place: Points
-    ahead: Points
-    abeam: Points
-    surface: float
+    place: Points  # (3,) local coordinates, height above the datum, m
+    ahead: Points  # (2,) level unit vector of the heading
+    abeam: Points  # (2,) level unit vector to the side
+    surface: float  # heights of the sea surface and of the bed beneath the sonar, m
     below: float
 
     def direction(self, azimuth: float) -> Points:
@@ -55,16 +43,7 @@ class SonarPose:
 
 
 def locate_sonar(simulation: Simulation, pose: Poses, side: int) -> SonarPose:
-    """Place the sonar of one ping.
-
-    Parameters
-    ----------
-    simulation : Simulation
-    pose : Poses
-        Of one ping.
-    side : int
-        0 port, 1 starboard.
-    """
+    """Place the sonar of one ping."""
     cos, sin = math.cos(float(pose.heading[0])), math.sin(float(pose.heading[0]))
     turn = 1.0 if side == PORT else -1.0
     below = float(simulation.ground.height_at(pose.x, pose.y)[0])
@@ -80,24 +59,7 @@ def locate_sonar(simulation: Simulation, pose: Poses, side: int) -> SonarPose:
 def trace_path(
     arrays: SceneArrays, sonar: SonarPose, path: int, azimuth: float, launch: float, place: Points
 ) -> Points:
-    """Way of the sound out and back in the plane of an azimuth.
-
-    Parameters
-    ----------
-    arrays : SceneArrays
-    sonar : SonarPose
-    path : int
-        Of `PATHS`.
-    azimuth, launch : float
-        Azimuth of the plane, and launch angle above the horizontal, which only bent rays need, rad.
-    place : (2,) float64
-        Ground range and height of what echoes, m.
-
-    Returns
-    -------
-    (n, 2) float64
-        Ground ranges and heights along the way out, and back where that is another one.
-    """
+    """Way of the sound out and back in the plane of an azimuth."""
     start = np.array([0.0, sonar.place[2]])
     if path == SURFACE:
         return np.array([start, [0.0, sonar.surface], start])
@@ -151,23 +113,7 @@ def _bent_ray(arrays: SceneArrays, sonar: SonarPose, azimuth: float, launch: flo
 
 
 def height_by_range(sonar: SonarPose, path: int, ground_range: float, slant_range: float, low: float) -> float:
-    """Height at which an echo by way of the sea surface has a slant range, at a ground range.
-
-    Parameters
-    ----------
-    sonar : SonarPose
-    path : int
-        Of `PATHS`, neither direct nor of the surface itself.
-    ground_range, slant_range : float
-        m.
-    low : float
-        Least height, m; the greatest is that of the sonar.
-
-    Returns
-    -------
-    float
-        Slant range falls as the place rises; beyond both heights the nearer one.
-    """
+    """Height at which an echo by way of the sea surface has a slant range, at a ground range."""
     bottom, top = low, float(sonar.place[2])
     for _ in range(HALVINGS):
         middle = 0.5 * (bottom + top)
@@ -177,21 +123,7 @@ def height_by_range(sonar: SonarPose, path: int, ground_range: float, slant_rang
 
 
 def path_range(sonar: SonarPose, path: int, ground_range: float, height: float) -> float:
-    """Slant range of an echo by way of the sea surface: half the way by both images of the sonar.
-
-    Parameters
-    ----------
-    sonar : SonarPose
-    path : int
-        Of `PATHS`, neither direct nor of the surface itself.
-    ground_range, height : float
-        Of what echoes, m.
-
-    Returns
-    -------
-    float
-        m.
-    """
+    """Slant range of an echo by way of the sea surface: half the way by both images of the sonar."""
     up, rise = sonar.surface - float(sonar.place[2]), height - float(sonar.place[2])
     images = {SURFACE_BOTTOM_SURFACE: (2.0 * up, 2.0 * up), SECOND_BOTTOM: (0.0, 2.0 * (sonar.surface - sonar.below))}
     one, other = images.get(path, (0.0, 2.0 * up))

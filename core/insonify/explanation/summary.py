@@ -21,19 +21,7 @@ SPREAD = 0.95  # share of the echo of the first contributor up to which others a
 def summarise_pixel(
     pixel: PixelParts, contributions: Sequence[Contribution], obstructions: Sequence[Obstruction]
 ) -> str:
-    """Say what a pixel shows, or why it is dark.
-
-    Parameters
-    ----------
-    pixel : PixelParts
-    contributions : sequence of Contribution
-    obstructions : sequence of Obstruction
-        Both by share.
-
-    Returns
-    -------
-    str
-    """
+    """Say what a pixel shows, or why it is dark."""
     hiding = sum(each.share for each in obstructions)
     if obstructions and (hiding >= SHADOW or not contributions):
         return _shadow(obstructions[0], bool(contributions))

@@ -25,41 +25,21 @@ LEAST_RMS = 1e-6  # m
 
 
 class PowerLaw(NamedTuple):
-    """Spectral density A f^−2β of a field on the bed, of both signs of the frequency f in cycles a metre.
+    """Spectral density A f^−2β of a field on the bed, of both signs of the frequency f in cycles a metre."""
 
-    Attributes
-    ----------
-    log_level, exponent : float
-        ln A and β; A in m² times the unit of the field squared, at one cycle a metre.
-    """
-
-    log_level: float
+    log_level: float  # ln A and β; A in m² times the unit of the field squared, at one cycle a metre
     exponent: float
 
 
 @dataclass(frozen=True)
 class BedParameters:
-    """Parameters of a bed that are learned.
+    """Parameters of a bed that are learned."""
 
-    Attributes
-    ----------
-    relief : PowerLaw or None
-        Heights in metres; None for a level bed.
-    patches : PowerLaw or None
-        Logarithm of the backscatter; None for an even material.
-    speckle : float
-        Variance of the relative amplitude by speckle.
-    diffuse : float
-        Lambert's share of the material, in the middle of its patches.
-    mirrors : bool
-        Whether the material has the mirror lobe of the sediment that is nearest in level, rather than none.
-    """
-
-    relief: PowerLaw | None
-    patches: PowerLaw | None
-    speckle: float
-    diffuse: float
-    mirrors: bool
+    relief: PowerLaw | None  # heights in metres; None for a level bed
+    patches: PowerLaw | None  # logarithm of the backscatter; None for an even material
+    speckle: float  # variance of the relative amplitude by speckle
+    diffuse: float  # Lambert's share of the material, in the middle of its patches
+    mirrors: bool  # whether the material has the mirror lobe of the sediment that is nearest in level, rather than none
 
     def scaled(self, decibels: float) -> BedParameters:
         """Material louder by a number of decibels, as far as it returns no more than arrives."""
@@ -67,18 +47,7 @@ class BedParameters:
 
 
 def set_bed(scene: Scene, bed: BedParameters) -> Scene:
-    """Give a scene a bed and speckle of some parameters, on a grid as fine as the record resolves.
-
-    Parameters
-    ----------
-    scene : Scene
-        Scene with the sonar and the track of a record.
-    bed : BedParameters
-
-    Returns
-    -------
-    Scene
-    """
+    """Give a scene a bed and speckle of some parameters, on a grid as fine as the record resolves."""
     period, spacing = choose_grid(scene)
     values = plain(scene)
     seabed = {
@@ -105,15 +74,7 @@ def choose_grid(scene: Scene) -> tuple[float, float]:
 
 
 def realised_rms(law: PowerLaw, period: float, spacing: float) -> float:
-    """Root mean square over one period of a field with a spectral density, on a grid.
-
-    Parameters
-    ----------
-    law : PowerLaw
-        It levels off below one cycle per period.
-    period, spacing : float
-        In metres.
-    """
+    """Root mean square over one period of a field with a spectral density, on a grid."""
     log_level, exponent = law
     half = round(period / spacing) // 2
     x, y = np.arange(1.0 - half, half)[:, None], np.arange(0.0, half)

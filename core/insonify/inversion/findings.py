@@ -22,44 +22,18 @@ MATCHED, DIFFERS, TAKEN, ESTIMATED, UNKNOWN = "matched", "differs", "as recorded
 
 
 class Finding(NamedTuple):
-    """One line of the report.
+    """One line of the report."""
 
-    Attributes
-    ----------
-    quantity : str
-        What is compared.
-    recorded, simulated : str
-        Its values, empty where there is none.
-    verdict : str
-        ``matched``, ``differs``, ``as recorded``, ``estimated`` or ``not in the record``.
-    """
-
-    quantity: str
-    recorded: str
+    quantity: str  # what is compared
+    recorded: str  # its values, empty where there is none
     simulated: str
-    verdict: str
+    verdict: str  # ``matched``, ``differs``, ``as recorded``, ``estimated`` or ``not in the record``
 
 
 def report_findings(
     record: xr.Dataset, own: xr.Dataset, sonar: RecordedSonar, scene: Scene, fit: RoughnessFit
 ) -> tuple[Finding, ...]:
-    """Compare a record with that of the scene learned from it.
-
-    Parameters
-    ----------
-    record, own : Dataset
-        The record, and that of the learned scene.
-    sonar : RecordedSonar
-        What was declared and what was assumed.
-    scene : Scene
-        The learned scene.
-    fit : RoughnessFit
-        Of the record.
-
-    Returns
-    -------
-    tuple of Finding
-    """
+    """Compare a record with that of the scene learned from it."""
     return (
         *_geometry(record, sonar, scene),
         *_sonar(sonar, scene),

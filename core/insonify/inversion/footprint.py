@@ -18,27 +18,14 @@ FAINTEST = 0.05  # of the spectrum of speckle over its mean, where a pulse lets 
 
 
 class Footprint(NamedTuple):
-    """Resolution of a sonar.
-
-    Attributes
-    ----------
-    pulse : PulseKind
-    sound_speed : float
-        m/s.
-    bin_length : float
-        Slant range of a bin, in metres.
-    directions, sensitivity : (n,) float64
-        Sines along the track and the two-way response of the beam there; none for a knife.
-    light : bool
-        Whether the law of scattering is `light`.
-    """
+    """Resolution of a sonar."""
 
     pulse: PulseKind
-    sound_speed: float
-    bin_length: float
-    directions: Field
+    sound_speed: float  # m/s
+    bin_length: float  # slant range of a bin, in metres
+    directions: Field  # (n,) sines along the track and the two-way response of the beam there; none for a knife
     sensitivity: Field
-    light: bool
+    light: bool  # whether the law of scattering is `light`
 
     @property
     def cell(self) -> float:

@@ -24,20 +24,11 @@ LONGEST = 2048  # pings, from the middle of a longer record
 
 @dataclass(frozen=True)
 class Learned:
-    """A scene learned from a record, and how its own record compares.
+    """A scene learned from a record, and how its own record compares."""
 
-    Attributes
-    ----------
-    scene : Scene
-        On a straight, level track.
-    findings : tuple of Finding
-        What matched, what did not, and what the record does not tell.
-    navigation : mapping of str to (pings,) float64, or None
-        Time, x, y, altitude and heading of a track that is not straight and level.
-    """
-
-    scene: Scene
-    findings: tuple[Finding, ...]
+    scene: Scene  # on a straight, level track
+    findings: tuple[Finding, ...]  # what matched, what did not, and what the record does not tell
+    # Time, x, y, altitude and heading of a track that is not straight and level.
     navigation: Mapping[str, Any] | None = None
 
     def lines(self) -> list[str]:

@@ -20,18 +20,11 @@ STEEPEST = 85.0  # degrees
 
 
 class LevelCurve(NamedTuple):
-    """Level of a record, in dB: that of its range plus that of its grazing angle, besides Lambert's sin² θ.
+    """Level of a record, in dB: that of its range plus that of its grazing angle, besides Lambert's sin² θ."""
 
-    Attributes
-    ----------
-    by_range : (bins,) float64
-        Gain, spreading, absorption and material.
-    angles, by_angle : (n,) float64
-        Vertical beam and the bed's own law of scattering, by the grazing angle in degrees; zero throughout for a level
-        track, where angle and range are one.
-    """
-
-    by_range: Field
+    by_range: Field  # (bins,) gain, spreading, absorption and material
+    # (n,) vertical beam and the bed's own law of scattering, by the grazing angle in degrees; zero throughout for
+    # a level track, where angle and range are one.
     angles: Field
     by_angle: Field
 
@@ -45,19 +38,7 @@ class LevelCurve(NamedTuple):
 def fit_level_curve(
     intensity: NDArray[np.float32], altitude: Field, bin_length: float, *, separate: bool
 ) -> LevelCurve:
-    """Fit the level of a record: its median at every slant range, and what follows the grazing angle instead.
-
-    Parameters
-    ----------
-    intensity : (2, pings, bins) float32
-        Linear.
-    altitude : (pings,) float64
-        Metres.
-    bin_length : float
-        In metres of slant range.
-    separate : bool
-        Whether effects of the angle are told from those of range, where the altitude changes enough.
-    """
+    """Fit the level of a record: its median at every slant range, and what follows the grazing angle instead."""
     r = np.asarray((np.arange(intensity.shape[2]) + 0.5) * bin_length)
     lowest = int(np.argmin(altitude))
     median = estimate_median_curve(intensity, altitude, bin_length)[lowest, 0]

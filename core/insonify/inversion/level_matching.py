@@ -32,15 +32,7 @@ def correct_gains(gains: Pairs, recorded: SoundedBed, simulated: SoundedBed) -> 
 
 
 def correct_beam(levels: Pairs, recorded: SoundedBed, simulated: SoundedBed, passes: int) -> Pairs:
-    """One-way levels in dB of a vertical beam by the angle below the horizontal, changed likewise.
-
-    Parameters
-    ----------
-    levels : tuple of (degrees, dB)
-    recorded, simulated : SoundedBed
-    passes : int
-        How often sound passes the beam.
-    """
+    """One-way levels in dB of a vertical beam by the angle below the horizontal, changed likewise."""
     angles = recorded.level.angles
     own = np.interp(angles, simulated.level.angles, simulated.level.by_angle)
     return _added(levels, angles, (recorded.level.by_angle - own) / passes)

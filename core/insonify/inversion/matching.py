@@ -36,19 +36,11 @@ EVERY_NODE = {"spacing": "1"}  # nodes left out would make the relief smoother
 
 @dataclass(frozen=True)
 class Candidate:
-    """Bed, speckle, gains and vertical beam of a scene that is tried.
-
-    Attributes
-    ----------
-    bed : BedParameters
-    gains : tuple of (bin, dB), or None
-        Time-varied gain of a sonar whose own is not known.
-    vertical : tuple of (degrees, dB), or None
-        Vertical beam of a sonar whose own is not known and whose altitude changes enough to show it.
-    """
+    """Bed, speckle, gains and vertical beam of a scene that is tried."""
 
     bed: BedParameters
-    gains: Pairs | None
+    gains: Pairs | None  # time-varied gain of a sonar whose own is not known
+    # Vertical beam of a sonar whose own is not known and whose altitude changes enough to show it.
     vertical: Pairs | None
 
     def set_on(self, scene: Scene) -> Scene:
@@ -63,19 +55,7 @@ class Candidate:
 
 
 class Matching:
-    """Search for the bed whose simulated record has the fit and the level of a recorded one.
-
-    Parameters
-    ----------
-    scene : Scene
-        With sonar and track of the record.
-    sonar : RecordedSonar
-    recorded : SoundedBed
-    spectra : SegmentSpectra
-        Of the same record.
-    progress : callable
-        Called with the share done before every simulation.
-    """
+    """Search for the bed whose simulated record has the fit and the level of a recorded one."""
 
     def __init__(
         self,

@@ -27,44 +27,19 @@ Column = NDArray[np.float64]
 
 
 class RecordedSonar(NamedTuple):
-    """Sonar and track of a record as a scene.
+    """Sonar and track of a record as a scene."""
 
-    Attributes
-    ----------
-    scene : Scene
-        With a level bed of one material and a straight track.
-    altitude : (pings,) float64
-        Height above the bed, in metres.
-    navigation : mapping of str to (pings,) float64 or None
-        Time, x, y, altitude and heading of a track that is not straight and level; None otherwise.
-    simulated : bool
-        Whether the record carries the scene that it was simulated from, so that beam, pulse and gains are known.
-    assumed : tuple of str
-        Fields that neither the record nor the caller declares.
-    """
-
-    scene: Scene
-    altitude: Column
+    scene: Scene  # with a level bed of one material and a straight track
+    altitude: Column  # (pings,) height above the bed, in metres
+    # Time, x, y, altitude and heading of a track that is not straight and level; None otherwise.
     navigation: Mapping[str, Column] | None
+    # Whether the record carries the scene that it was simulated from, so that beam, pulse and gains are known.
     simulated: bool
-    assumed: tuple[str, ...]
+    assumed: tuple[str, ...]  # fields that neither the record nor the caller declares
 
 
 def declare_sonar(record: xr.Dataset, changes: Mapping[str, Any]) -> RecordedSonar:
-    """Take sonar and track from a record.
-
-    Parameters
-    ----------
-    record : Dataset
-        From ``records.read_record`` or ``simulate``.
-    changes : mapping of str to object
-        Fields of the scene by dotted path that the caller knows, such as ``sonar.beam.width``.
-
-    Raises
-    ------
-    SceneError
-        If the record shows no bed, or a field is set that is learned.
-    """
+    """Take sonar and track from a record."""
     _refuse_learned(changes)
     altitude = _altitude(record)
     carried = _carried_scene(record)

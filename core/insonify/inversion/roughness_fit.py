@@ -24,41 +24,21 @@ SILENT = 1e-3  # speckle over the mean power of the record, at least: leakage an
 
 
 class PowerLawFit(NamedTuple):
-    """Spectral density A f^−2β, of both signs of the frequency f in cycles a metre.
+    """Spectral density A f^−2β, of both signs of the frequency f in cycles a metre."""
 
-    Attributes
-    ----------
-    log_level, exponent : float
-        ln A and β.
-    log_level_error, exponent_error : float
-        Their standard errors.
-    """
-
-    log_level: float
+    log_level: float  # ln A and β
     exponent: float
-    log_level_error: float
+    log_level_error: float  # their standard errors
     exponent_error: float
 
 
 class RoughnessFit(NamedTuple):
-    """What explains the spectra of a record.
+    """What explains the spectra of a record."""
 
-    Attributes
-    ----------
-    relief : PowerLawFit
-        Heights, in m⁴ (cycles a metre)^2β.
-    patches : PowerLawFit or None
-        Logarithm of the backscatter by patches of material; None if none are fitted.
-    speckle : float
-        Variance of the relative amplitude by speckle.
-    cost : float
-        Negative logarithm of the likelihood.
-    """
-
-    relief: PowerLawFit
-    patches: PowerLawFit | None
-    speckle: float
-    cost: float
+    relief: PowerLawFit  # heights, in m⁴ (cycles a metre)^2β
+    patches: PowerLawFit | None  # logarithm of the backscatter by patches of material; None if none are fitted
+    speckle: float  # variance of the relative amplitude by speckle
+    cost: float  # negative logarithm of the likelihood
 
 
 class _GroupModel(NamedTuple):
@@ -80,20 +60,6 @@ def fit_roughness(
     by half the logarithm of their backscatter in every direction alike. Beam, pulse and bins average both. Speckle is
     white but for the pulse. Whittle's likelihood, Σ ln S + I/S over frequencies, weighs each frequency by what it
     tells (Whittle 1953).
-
-    Parameters
-    ----------
-    spectra : SegmentSpectra
-    footprint : Footprint
-        Of the sonar.
-    patches : bool
-        Whether patches of material are fitted as well.
-    near : RoughnessFit, optional
-        Fit of a similar record, from which to start; several exponents are tried when left out.
-
-    Returns
-    -------
-    RoughnessFit
     """
     models = [_group_model(group, spectra, footprint, patches) for group in spectra.groups]
     laws = len(models[0].transfers)

@@ -23,30 +23,14 @@ Field = NDArray[np.float64]
 
 
 class SoundedBed(NamedTuple):
-    """A record with the altitude that its own first echoes tell.
+    """A record with the altitude that its own first echoes tell."""
 
-    Attributes
-    ----------
-    title : str
-        Name of the record in messages.
-    intensity : (2, pings, bins) float32
-        Linear, port first.
-    altitude : (pings,) float64
-        Height of the sonar above the bed, in metres.
-    bin_length : float
-        Slant range of a bin, in metres.
-    ping_spacing : float
-        Mean distance between pings, in metres.
-    level : LevelCurve
-        Level by range and angle.
-    """
-
-    title: str
-    intensity: NDArray[np.float32]
-    altitude: Field
-    bin_length: float
-    ping_spacing: float
-    level: LevelCurve
+    title: str  # name of the record in messages
+    intensity: NDArray[np.float32]  # (2, pings, bins) linear, port first
+    altitude: Field  # (pings,) height of the sonar above the bed, in metres
+    bin_length: float  # slant range of a bin, in metres
+    ping_spacing: float  # mean distance between pings, in metres
+    level: LevelCurve  # level by range and angle
 
     @property
     def slant_range(self) -> Field:
@@ -59,60 +43,28 @@ class SoundedBed(NamedTuple):
 
 
 class AngleGroup(NamedTuple):
-    """Median spectrum of the segments of similar grazing angle.
+    """Median spectrum of the segments of similar grazing angle."""
 
-    Attributes
-    ----------
-    sine : float
-        Sine of the mean grazing angle.
-    slant_range : float
-        Mean slant range, in metres.
-    power : (SEGMENT, SEGMENT // 2 + 1) float64
-        Density of the relative amplitude in m², over frequencies along the track (in the order of `numpy.fft`) and in
-        slant range; its integral over both signs of both frequencies is the variance.
-    segments : int
-        Number of segments.
-    """
-
-    sine: float
-    slant_range: float
+    sine: float  # sine of the mean grazing angle
+    slant_range: float  # mean slant range, in metres
+    # (SEGMENT, SEGMENT // 2 + 1) density of the relative amplitude in m², over frequencies along the track (in
+    # the order of `numpy.fft`) and in slant range; its integral over both signs of both frequencies is the
+    # variance.
     power: Field
-    segments: int
+    segments: int  # number of segments
 
 
 class SegmentSpectra(NamedTuple):
-    """Spectra of a record by grazing angle.
+    """Spectra of a record by grazing angle."""
 
-    Attributes
-    ----------
-    along : (SEGMENT,) float64
-        Frequencies along the track, cycles a metre.
-    across : (SEGMENT // 2 + 1,) float64
-        Frequencies in slant range, cycles a metre.
-    groups : tuple of AngleGroup
-        From grazing to steep angles.
-    sample : float
-        Area of a sample, distance between pings times length of a bin, in m².
-    """
-
-    along: Field
-    across: Field
-    groups: tuple[AngleGroup, ...]
-    sample: float
+    along: Field  # (SEGMENT,) frequencies along the track, cycles a metre
+    across: Field  # (SEGMENT // 2 + 1,) frequencies in slant range, cycles a metre
+    groups: tuple[AngleGroup, ...]  # from grazing to steep angles
+    sample: float  # area of a sample, distance between pings times length of a bin, in m²
 
 
 def sound_bed(record: xr.Dataset, altitude: Field, *, separate: bool) -> SoundedBed:
-    """Take from a record what its bed is learned from.
-
-    Parameters
-    ----------
-    record : Dataset
-        From ``records.read_record`` or ``simulate``.
-    altitude : (pings,) float64
-        Height of the sonar above the bed, in metres.
-    separate : bool
-        As in `fit_level_curve`: for a sonar whose vertical beam is not known.
-    """
+    """Take from a record what its bed is learned from."""
     x, y = record["platform_x"].values, record["platform_y"].values
     spacing = float(np.hypot(np.diff(x), np.diff(y)).mean()) if len(x) > 1 else 0.0
     intensity = record["intensity"].transpose("channel", "ping_time", "range_sample").values
@@ -128,11 +80,6 @@ def measure_segment_spectra(bed: SoundedBed) -> SegmentSpectra:
 
     The amplitude is the square root of the intensity over the level of the record. For a Lambert bed it is nearly
     linear in the slope along the line of sight. The median over the segments of a group is robust against targets.
-
-    Raises
-    ------
-    SceneError
-        If the record has fewer than 128 pings or bins of bed, or its pings do not move on.
     """
     sine, ranges, power = _measure_periodograms(bed)
     order = np.argsort(sine, kind="stable")

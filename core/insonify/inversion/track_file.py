@@ -30,21 +30,7 @@ def staged_track(scene: Scene, navigation: Columns | None) -> Iterator[Scene]:
 
 
 def write_learned(path: str | Path, scene: Scene, navigation: Columns | None) -> list[Path]:
-    """Write a scene as TOML, and its track as CSV beside it.
-
-    Parameters
-    ----------
-    path : str or Path
-        TOML file to make or replace; it appears only when whole, after the track.
-    scene : Scene
-    navigation : mapping of str to (pings,) float64, or None
-        Columns of the track; without them the scene is written as it is.
-
-    Returns
-    -------
-    list of Path
-        The files written.
-    """
+    """Write a scene as TOML, and its track as CSV beside it."""
     path, written = Path(path), []
     if navigation is not None:
         beside = path.with_name(f"{path.stem}-track.csv")

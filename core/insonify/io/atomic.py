@@ -24,16 +24,6 @@ def replacing(path: str | Path) -> Iterator[Path]:
 
     After an error, an interrupt or a request to end, the old file is unchanged and no temporary file is left. What a
     killed process left is removed by the next one that writes the same file.
-
-    Parameters
-    ----------
-    path : str or Path
-        File to create or replace.
-
-    Yields
-    ------
-    Path
-        Temporary path with the suffix of ``path``.
     """
     final = Path(path)
     # A link is followed, so that the file it points to is replaced, not the link.

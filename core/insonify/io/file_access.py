@@ -26,14 +26,7 @@ for _library in ("trimesh", "rasterio", "PIL", "fiona"):
 
 
 class FileFault(Exception):
-    """What is wrong with a file, and the remedy; `guarded` makes a sentence of both.
-
-    Parameters
-    ----------
-    fault : str
-        Predicate of the file, such as "is a device".
-    remedy : str
-    """
+    """What is wrong with a file, and the remedy; `guarded` makes a sentence of both."""
 
     def __init__(self, fault: str, remedy: str) -> None:
         super().__init__(fault, remedy)
@@ -42,19 +35,7 @@ class FileFault(Exception):
 
 @contextmanager
 def guarded(refusal: Callable[[str, str], SceneError], remedy: str) -> Iterator[None]:
-    """Turn every error of a block that reads a file into one sentence, and keep warnings off the terminal.
-
-    Parameters
-    ----------
-    refusal : callable
-        Makes the sentence of a fault and a remedy.
-    remedy : str
-        For errors of libraries, which say none.
-
-    Raises
-    ------
-    SceneError
-    """
+    """Turn every error of a block that reads a file into one sentence, and keep warnings off the terminal."""
     told: list[warnings.WarningMessage] = []
     try:
         with one_at_a_time(), warnings.catch_warnings(record=True) as told:
@@ -87,12 +68,7 @@ def reason(error: Exception) -> str:
 
 
 def check_regular(path: str | Path, remedy: str = "give the path of a file") -> None:
-    """Refuse folders, devices, pipes and files that do not exist, without opening them.
-
-    Raises
-    ------
-    FileFault, OSError
-    """
+    """Refuse folders, devices, pipes and files that do not exist, without opening them."""
     try:
         _check_mode(os.stat(path).st_mode, remedy)
     except (FileNotFoundError, NotADirectoryError):
@@ -100,12 +76,7 @@ def check_regular(path: str | Path, remedy: str = "give the path of a file") -> 
 
 
 def check_folder(path: str | Path, remedy: str = "give the path of a folder") -> None:
-    """Refuse what is no folder, and a folder that holds anything but folders and regular files.
-
-    Raises
-    ------
-    FileFault, OSError
-    """
+    """Refuse what is no folder, and a folder that holds anything but folders and regular files."""
     if not os.path.isdir(path):
         raise FileFault(MISSING, remedy)
     for place, folders, files in os.walk(path):
@@ -116,23 +87,13 @@ def check_folder(path: str | Path, remedy: str = "give the path of a folder") ->
 
 
 def open_regular(path: str | Path) -> BinaryIO:
-    """Open a regular file for reading; never waits, as the opening of a pipe does.
-
-    Raises
-    ------
-    FileFault, OSError
-    """
+    """Open a regular file for reading; never waits, as the opening of a pipe does."""
     check_regular(path)
     return open(path, "rb", opener=_open_at_once)
 
 
 def read_text(path: str | Path, encoding: str = "utf-8-sig", largest: int = LARGEST_TEXT) -> str:
-    """Read a text file of limited size, with line ends of any system.
-
-    Raises
-    ------
-    FileFault, OSError, UnicodeDecodeError
-    """
+    """Read a text file of limited size, with line ends of any system."""
     with open_regular(path) as file:
         content = file.read(largest + 1)
     if len(content) > largest:
@@ -154,12 +115,7 @@ def stored_bytes(path: str | Path) -> int:
 
 
 def check_expansion(path: str | Path, expanded: int) -> None:
-    """Refuse a file that announces far more than is stored of it, before memory is allocated.
-
-    Raises
-    ------
-    FileFault
-    """
+    """Refuse a file that announces far more than is stored of it, before memory is allocated."""
     if expanded > largest_expansion(path):
         raise FileFault(
             f"announces {expanded / 1e9:.3g} GB, {EXPANSION} times more than it stores",
@@ -168,12 +124,7 @@ def check_expansion(path: str | Path, expanded: int) -> None:
 
 
 def check_companions(path: str | Path) -> None:
-    """Refuse a file beside which a device or a pipe has its name with another ending, which a library would open.
-
-    Raises
-    ------
-    FileFault
-    """
+    """Refuse a file beside which a device or a pipe has its name with another ending, which a library would open."""
     file = Path(path)
     for other in file.parent.glob(f"{_literal(file.stem)}.*"):
         if not (other.is_file() or other.is_dir() or not other.exists()):
@@ -181,12 +132,7 @@ def check_companions(path: str | Path) -> None:
 
 
 def companion(path: str | Path, name: str) -> Path:
-    """Return the path of a file that another file refers to, which must lie beside it or in a folder there.
-
-    Raises
-    ------
-    FileFault
-    """
+    """Return the path of a file that another file refers to, which must lie beside it or in a folder there."""
     folder = Path(path).resolve().parent
     found = (folder / name).resolve() if "\0" not in name else folder
     if not found.is_relative_to(folder) or Path(name).is_absolute() or found == folder:

@@ -12,18 +12,7 @@ Reader = TypeVar("Reader", bound=Callable[..., Any])
 
 
 def kept_until_changed(maxsize: int) -> Callable[[Reader], Reader]:
-    """Decorate a reader so that the contents of the last files are kept; a file written anew is read anew.
-
-    Parameters
-    ----------
-    maxsize : int
-        How many contents are kept. Callers share them and must not write to them.
-
-    Returns
-    -------
-    callable
-        Decorator of functions of a path and other hashable arguments.
-    """
+    """Decorate a reader so that the contents of the last files are kept; a file written anew is read anew."""
 
     def decorate(read: Reader) -> Reader:
         @lru_cache(maxsize)

@@ -19,66 +19,33 @@ Content = TypeVar("Content")
 
 
 class WriteOption(NamedTuple):
-    """A choice that a format offers when it is written, which becomes an option of the commands that write.
+    """A choice that a format offers when it is written, which becomes an option of the commands that write."""
 
-    Attributes
-    ----------
-    name : str
-        Keyword of the format's ``write``; the option is ``--name``.
-    choices : tuple of str
-        The first is the default.
-    description : str
-        One line for help texts.
-    """
-
-    name: str
-    choices: tuple[str, ...]
-    description: str
+    name: str  # keyword of the format's ``write``; the option is ``--name``
+    choices: tuple[str, ...]  # the first is the default
+    description: str  # one line for help texts
 
 
 @dataclass(frozen=True)
 class FileFormat(Generic[Content]):
-    """How files of some suffixes are read and written.
+    """How files of some suffixes are read and written."""
 
-    Attributes
-    ----------
-    description : str
-        Name of the format, such as "netCDF".
-    suffixes : tuple of str
-        In lower case, each with its dot.
-    read : callable, optional
-        Takes the path of a regular file and returns its content; None if the format is only written. It may raise
-        anything: `FormatRegistry.read` makes one sentence of it.
-    write : callable, optional
-        Takes a path, an iterable of successive parts and the options; None if the format is only read. It writes a new
-        file, which replaces the old one when it is complete.
-    options : tuple of WriteOption
-        Choices of writing.
-    selects : tuple of str
-        Keywords of ``read`` that select a part of the content, such as ``frequency``.
-    folder : bool
-        Whether a file of the format is a folder.
-    converter : str
-        Of a format that is neither read nor written: the program that converts it to one that is.
-    remedy : str
-        What to do with a file that its library cannot read.
-    labelled : bool
-        Of a record: whether the labels of its bins and what it tells of each target are written too.
-    of_blocks : bool
-        Of a record: whether it is written from `RecordBlock`, without Datasets.
-    """
-
-    description: str
-    suffixes: tuple[str, ...]
+    description: str  # name of the format, such as "netCDF"
+    suffixes: tuple[str, ...]  # in lower case, each with its dot
+    # Takes the path of a regular file and returns its content; None if the format is only written. It may raise
+    # anything: `FormatRegistry.read` makes one sentence of it.
     read: Callable[..., Content] | None = None
+    # Takes a path, an iterable of successive parts and the options; None if the format is only read. It writes a
+    # new file, which replaces the old one when it is complete.
     write: Callable[..., None] | None = None
-    options: tuple[WriteOption, ...] = ()
-    selects: tuple[str, ...] = ()
-    folder: bool = False
-    converter: str = ""
-    remedy: str = "export it again"
+    options: tuple[WriteOption, ...] = ()  # choices of writing
+    selects: tuple[str, ...] = ()  # keywords of ``read`` that select a part of the content, such as ``frequency``
+    folder: bool = False  # whether a file of the format is a folder
+    converter: str = ""  # of a format that is neither read nor written: the program that converts it to one that is
+    remedy: str = "export it again"  # what to do with a file that its library cannot read
+    # Of a record: whether the labels of its bins and what it tells of each target are written too.
     labelled: bool = False
-    of_blocks: bool = False
+    of_blocks: bool = False  # of a record: whether it is written from `RecordBlock`, without Datasets
 
 
 class FormatRegistry(Generic[Content]):
@@ -87,15 +54,6 @@ class FormatRegistry(Generic[Content]):
     Every `FileFormat` at the top level of a module of the package belongs to the registry. So do formats, and modules
     that hold formats, which installed packages announce as entry points of the group. Modules are imported when the
     formats are first asked for; they import what is slow to load within their readers and writers.
-
-    Parameters
-    ----------
-    contents : str
-        What a file holds, with its article, such as "a measured cast".
-    package, group : str
-        Where formats are found.
-    error : str
-        Sentence that refuses a file, with places for path, fault and remedy.
     """
 
     def __init__(self, contents: str, package: str, group: str, error: str = "{path}: {fault}; {remedy}") -> None:
@@ -146,21 +104,7 @@ class FormatRegistry(Generic[Content]):
         return ", ".join(f"{suffix} ({names[suffix]})" for suffix in suffixes)
 
     def read(self, path: str, alternative: str = "", **selected: Any) -> Content:
-        """Read a file by its suffix.
-
-        Parameters
-        ----------
-        path : str
-        alternative : str
-            What else may be given, for the remedy.
-        **selected
-            Keywords among the format's ``selects``.
-
-        Raises
-        ------
-        SceneError
-            One sentence, if the format is not known, there is no such regular file, or it cannot be read.
-        """
+        """Read a file by its suffix."""
         found = self.format_of(path, alternative)
         refusal = partial(self.refusal, path)
         with guarded(refusal, found.remedy):
@@ -170,19 +114,7 @@ class FormatRegistry(Generic[Content]):
             return cast("Callable[..., Content]", found.read)(path, **selected)
 
     def format_of(self, path: str, alternative: str = "") -> FileFormat[Content]:
-        """Return the format in which a file is read, by its suffix.
-
-        Parameters
-        ----------
-        path : str
-        alternative : str
-            What else may be given, for the remedy.
-
-        Raises
-        ------
-        SceneError
-            If the format is not read here.
-        """
+        """Return the format in which a file is read, by its suffix."""
         suffix = Path(path).suffix.lower()
         found = [each for each in self.formats() if suffix in each.suffixes]
         readable = next((each for each in found if each.read), None)
@@ -208,16 +140,7 @@ class FormatRegistry(Generic[Content]):
         return tuple(option for each in written for option in each.options)
 
     def write(self, path: Path, parts: Iterable[Content], **options: str) -> None:
-        """Write a file by its suffix, which must be one of `writable`; it appears only when it is complete.
-
-        Parameters
-        ----------
-        path : Path
-        parts : iterable
-            Successive parts of the content.
-        **options : str
-            Choices among the format's `WriteOption`; the first of each where left out.
-        """
+        """Write a file by its suffix, which must be one of `writable`; it appears only when it is complete."""
         write = self.writer_of(path).write
         with replacing(path) as beside:
             cast("Callable[..., None]", write)(beside, parts, **options)

@@ -18,18 +18,10 @@ LATITUDES_OF_UTM = (-80.0, 84.0)
 
 
 class Georeference(NamedTuple):
-    """Where the x and y of a record lie.
+    """Where the x and y of a record lie."""
 
-    Attributes
-    ----------
-    crs : str
-        Coordinate reference system of the map, as PROJ takes it; empty if it is not known.
-    origin : (float, float)
-        Easting and northing of (0, 0) on that map, in metres.
-    """
-
-    crs: str
-    origin: tuple[float, float]
+    crs: str  # coordinate reference system of the map, as PROJ takes it; empty if it is not known
+    origin: tuple[float, float]  # (float, float) easting and northing of (0, 0) on that map, in metres
 
     def attributes(self) -> dict[str, Any]:
         """Return the attributes that keep the place in a record."""
@@ -50,13 +42,7 @@ def local_georeference(longitude: float, latitude: float) -> Georeference:
 
 
 def utm_zone(longitude: float, latitude: float) -> str:
-    """Return the EPSG code of the 6° zone of the Universal Transverse Mercator grid (WGS 84) that holds a place.
-
-    Raises
-    ------
-    SceneError
-        If the place lies beyond the grid, near a pole.
-    """
+    """Return the EPSG code of the 6° zone of the Universal Transverse Mercator grid (WGS 84) that holds a place."""
     south, north = LATITUDES_OF_UTM
     if not south <= latitude <= north:
         raise SceneError(f"latitude {latitude:.4g}° is beyond the zones of UTM; choose another map")
@@ -65,25 +51,7 @@ def utm_zone(longitude: float, latitude: float) -> str:
 
 
 def to_degrees(place: Georeference, x: Values, y: Values) -> tuple[Values, Values]:
-    """Return longitude and latitude on WGS 84.
-
-    Parameters
-    ----------
-    place : Georeference
-        With a coordinate reference system.
-    x, y : float64
-        Of the record, in metres.
-
-    Returns
-    -------
-    tuple of float64
-        Degrees, east and north positive.
-
-    Raises
-    ------
-    SceneError
-        If the coordinate reference system is not known to PROJ.
-    """
+    """Return longitude and latitude on WGS 84."""
     return project(place.crs, DEGREES, x + place.origin[0], y + place.origin[1])
 
 
@@ -94,25 +62,13 @@ def from_degrees(place: Georeference, longitude: Values, latitude: Values) -> tu
 
 
 def project(source: str, target: str, x: Values, y: Values) -> tuple[Values, Values]:
-    """Transform coordinates from one reference system to another; x is the easting or the longitude.
-
-    Raises
-    ------
-    SceneError
-        If a system is not known to PROJ.
-    """
+    """Transform coordinates from one reference system to another; x is the easting or the longitude."""
     found = _transformer(source, target).transform(x, y)
     return np.asarray(found[0], dtype=np.float64), np.asarray(found[1], dtype=np.float64)
 
 
 def convergence(place: Georeference) -> float:
-    """Return the bearing of the map's north at the record's origin, in degrees clockwise from true north.
-
-    Parameters
-    ----------
-    place : Georeference
-        With a coordinate reference system. The bearing changes by about 0.01° over a kilometre.
-    """
+    """Return the bearing of the map's north at the record's origin, in degrees clockwise from true north."""
     from pyproj import Geod  # lazy: a tenth of a second to import, and only files with a place need it
 
     step = 10.0  # m, over which a degree's rounding does not matter

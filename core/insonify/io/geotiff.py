@@ -15,23 +15,7 @@ BLOCK = 256  # cells of a tile's side
 def write_geotiff(
     path: Path, values: NDArray[np.float32], corner: tuple[float, float], cell: float, crs: str, *, band: str, unit: str
 ) -> None:
-    """Write a grid with NaN as its value for no data.
-
-    Parameters
-    ----------
-    path : Path
-        File to create or replace; it appears only when complete.
-    values : (rows, columns) float32
-        Northernmost row first.
-    corner : (float, float)
-        Easting and northing of the upper left corner.
-    cell : float
-        Side of a cell, in metres.
-    crs : str
-        Coordinate reference system, as PROJ takes it; empty if there is none.
-    band, unit : str
-        What the numbers are, and their unit.
-    """
+    """Write a grid with NaN as its value for no data."""
     # lazy: GDAL takes a fifth of a second to load
     import rasterio
 

@@ -37,25 +37,6 @@ def run_isolated(read: Callable[[str], Result], path: str) -> Result:
     """Call a reader in another process.
 
     The process is kept for later calls. To be called within `guarded`, one at a time.
-
-    Parameters
-    ----------
-    read : callable
-        A function at the top level of a module; what it returns holds arrays and plain values.
-    path : str
-        A regular file.
-
-    Returns
-    -------
-    object
-        What the function returns.
-
-    Raises
-    ------
-    SceneError, FileFault
-        As the function raises them.
-    RuntimeError
-        With the reason, for all other errors.
     """
     path = os.path.abspath(path)
     if not sys.executable:  # Python is embedded in another program

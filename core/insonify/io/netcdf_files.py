@@ -32,18 +32,7 @@ class StoredFile(NamedTuple):
 
 
 def read_stored(path: str) -> StoredFile:
-    """Read all variables of the root group of a netCDF file.
-
-    Parameters
-    ----------
-    path : str
-        A regular file.
-
-    Raises
-    ------
-    FileFault
-        If they announce more than `file_access.largest_expansion`, or are of types made by the file.
-    """
+    """Read all variables of the root group of a netCDF file."""
     return run_isolated(read_with_netcdf, path)
 
 
@@ -62,17 +51,7 @@ def read_with_netcdf(path: str) -> StoredFile:
 
 
 def check_variables(path: str, variables: Iterable[Any]) -> None:
-    """Refuse variables that take too much memory, or hold other things than numbers and text.
-
-    Parameters
-    ----------
-    path : str
-    variables : iterable of netCDF4.Variable
-
-    Raises
-    ------
-    FileFault
-    """
+    """Refuse variables that take too much memory, or hold other things than numbers and text."""
     variables = list(variables)
     for variable in variables:
         if variable.dtype is not str and not isinstance(variable.datatype, np.dtype):

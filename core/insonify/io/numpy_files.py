@@ -19,18 +19,7 @@ PACKED = (zipfile.ZIP_STORED, zipfile.ZIP_DEFLATED)
 
 
 def read_npy(path: str) -> NDArray[Any]:
-    """Read an array.
-
-    Parameters
-    ----------
-    path : str
-        An ``.npy`` file.
-
-    Raises
-    ------
-    FileFault
-        If the header does not agree with the size of the file.
-    """
+    """Read an array."""
     with open_regular(path) as file:
         length = file.seek(0, 2)
         file.seek(0)
@@ -41,19 +30,7 @@ def read_npy(path: str) -> NDArray[Any]:
 
 
 class Archive:
-    """Arrays of an ``.npz`` file, each read when it is asked for.
-
-    Parameters
-    ----------
-    path : str
-        A regular file.
-
-    Raises
-    ------
-    FileFault
-        If a member is encrypted or packed in an unusual way, if its header does not agree with its size, or if all
-        together announce more than `file_access.largest_expansion`.
-    """
+    """Arrays of an ``.npz`` file, each read when it is asked for."""
 
     def __init__(self, path: str) -> None:
         self.file = open_regular(path)

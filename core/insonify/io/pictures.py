@@ -20,23 +20,7 @@ COLOURED = ("LA", "RGB", "RGBA", "CMYK", "YCbCr", "HSV", "LAB")
 
 
 def read_pixels(path: str) -> tuple[str, NDArray[np.integer]]:
-    """Read a picture; colours become the grey that an eye sees.
-
-    Parameters
-    ----------
-    path : str
-
-    Returns
-    -------
-    (str, (rows, columns) array of int)
-        Mode of the pixels in Pillow's words, such as ``L`` for 8 bits of grey or ``P`` for the numbers of a palette;
-        and the pixels from the top row.
-
-    Raises
-    ------
-    FileFault, RuntimeError
-        If it is no picture in PNG or TIFF, or too large.
-    """
+    """Read a picture; colours become the grey that an eye sees."""
     check_regular(path)
     return run_isolated(decode_picture, path)
 

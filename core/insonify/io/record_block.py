@@ -14,17 +14,9 @@ if TYPE_CHECKING:
 
 
 class RecordVariable(NamedTuple):
-    """A variable of a record.
+    """A variable of a record."""
 
-    Attributes
-    ----------
-    dims : tuple of str
-        Names of its dimensions.
-    values : array
-    attributes : mapping
-    """
-
-    dims: tuple[str, ...]
+    dims: tuple[str, ...]  # names of its dimensions
     values: NDArray[Any]
     attributes: Mapping[str, Any]
 
@@ -35,21 +27,11 @@ class RecordVariable(NamedTuple):
 
 @dataclass(frozen=True, eq=False)
 class RecordBlock:
-    """Successive pings of a record.
+    """Successive pings of a record."""
 
-    Attributes
-    ----------
-    variables : mapping of str to RecordVariable
-        By name, coordinates too, in the order of a Dataset.
-    coordinates : tuple of str
-        Names of the coordinates among them.
-    attributes : mapping
-        Of the record.
-    """
-
-    variables: Mapping[str, RecordVariable]
-    coordinates: tuple[str, ...]
-    attributes: Mapping[str, Any]
+    variables: Mapping[str, RecordVariable]  # by name, coordinates too, in the order of a Dataset
+    coordinates: tuple[str, ...]  # names of the coordinates among them
+    attributes: Mapping[str, Any]  # of the record
 
     @property
     def sizes(self) -> dict[str, int]:
@@ -76,19 +58,7 @@ Record: TypeAlias = "RecordBlock | xr.Dataset"
 def make_record_block(
     data: Mapping[str, Any], coordinates: Mapping[str, Any], attributes: Mapping[str, Any]
 ) -> RecordBlock:
-    """Make a block from variables as a Dataset takes them.
-
-    Parameters
-    ----------
-    data, coordinates : mapping of str to tuple or sequence
-        Dimensions, values and attributes of each variable, one dimension by its name alone; or the values of the
-        dimension of that name, which becomes a coordinate.
-    attributes : mapping
-
-    Returns
-    -------
-    RecordBlock
-    """
+    """Make a block from variables as a Dataset takes them."""
     variables = {name: _variable(name, given) for name, given in {**data, **coordinates}.items()}
     named = [name for name, each in variables.items() if each.dims == (name,)]
     return RecordBlock(variables, tuple(dict.fromkeys([*coordinates, *named])), attributes)

@@ -47,22 +47,7 @@ CONVENTIONS = {"Conventions": "CF-1.10"}
 
 
 def coordinates(times: NDArray[np.float64], slant_range: NDArray[np.floating], sound_speed: float) -> dict[str, Any]:
-    """Return a record's coordinates.
-
-    Parameters
-    ----------
-    times : (pings,) float64
-        Seconds since the first ping.
-    slant_range : (bins,) float64
-        Of the bins' centres, in metres.
-    sound_speed : float
-        By which time was turned into range, in m/s.
-
-    Returns
-    -------
-    dict
-        By name, as a Dataset takes them.
-    """
+    """Return a record's coordinates."""
     travel_time = 2.0 * slant_range / sound_speed
     return {
         "channel": list(CHANNELS),
@@ -73,20 +58,7 @@ def coordinates(times: NDArray[np.float64], slant_range: NDArray[np.floating], s
 
 
 def platform(columns: Iterable[NDArray[np.float64]], place: Georeference | None = None) -> dict[str, Any]:
-    """Return the variables of the sonar's position and attitude.
-
-    Parameters
-    ----------
-    columns : iterable of (pings,) float64
-        In the order and the units of ``PLATFORM``.
-    place : Georeference, optional
-        Where x and y lie; with a map it adds longitude and latitude.
-
-    Returns
-    -------
-    dict
-        By name, as a Dataset takes them.
-    """
+    """Return the variables of the sonar's position and attitude."""
     found = {name: ("ping_time", column, labels(*told)) for (name, told), column in zip(PLATFORM.items(), columns)}
     if place is not None and place.crs:
         degrees = to_degrees(place, found["platform_x"][1], found["platform_y"][1])
@@ -116,18 +88,7 @@ def join_blocks(blocks: Sequence[xr.Dataset]) -> xr.Dataset:
 
 
 def echo_variable(intensity: NDArray[np.float32]) -> dict[str, Any]:
-    """Return the variable that holds the echoes.
-
-    Parameters
-    ----------
-    intensity : (pings, 2, bins) float32
-        Linear, port first.
-
-    Returns
-    -------
-    dict
-        By name, as a Dataset takes it.
-    """
+    """Return the variable that holds the echoes."""
     told = labels("1", "echo intensity, linear, before display gain")
     return {"intensity": (ACROSS, np.moveaxis(intensity, 1, 0), told)}
 
@@ -139,21 +100,7 @@ def label_variables(
     paths: Sequence[str],
     volumes: Sequence[str],
 ) -> dict[str, Any]:
-    """Return the variables that label each range bin, with the names of their numbers.
-
-    Parameters
-    ----------
-    columns : mapping of str to (pings, 2, bins) array
-        By the name of the variable: ``target_id`` (-2 nothing, -1 the bed), ``material`` and ``path`` (-1 nothing),
-        ``shadow``, ``shadow_id`` and ``volume_id`` (-2 nothing), ``ground_range``, ``incidence`` and ``caustic``.
-    targets, materials, paths, volumes : sequence of str
-        Names of what is counted from 0; without volumes there is no ``volume_id``.
-
-    Returns
-    -------
-    dict
-        By name, as a Dataset takes them.
-    """
+    """Return the variables that label each range bin, with the names of their numbers."""
     whose, things = _count_from(0, *targets), _count_from(-1, "nothing", *materials)
     attributes = {
         "target_id": _flags("greatest contributor of the bin", {-2: "nothing", -1: "bed"} | whose),
@@ -175,20 +122,7 @@ def label_variables(
 
 
 def target_variables(columns: Mapping[str, NDArray[Any]], targets: Sequence[str]) -> dict[str, Any]:
-    """Return the variables that tell what the record shows of each target.
-
-    Parameters
-    ----------
-    columns : mapping of str to array
-        By the names in ``TARGET_TRUTH``.
-    targets : sequence of str
-        Names, which become a coordinate.
-
-    Returns
-    -------
-    dict
-        By name, as a Dataset takes them.
-    """
+    """Return the variables that tell what the record shows of each target."""
     told = {name: (dims, columns[name], labels(*text)) for name, (dims, *text) in TARGET_TRUTH.items()}
     return {TARGET: list(targets), BOX[2]: list(BOUNDS)} | told
 

@@ -29,19 +29,7 @@ class Leftover(NamedTuple):
 
 
 def temporary_path(final: Path, kind: str = UNFINISHED) -> Path:
-    """Return a path beside a file for what becomes it or was it, such as ``.record.unfinished-host-123-0.nc``.
-
-    Parameters
-    ----------
-    final : Path
-    kind : str
-        ``unfinished`` or ``former``.
-
-    Returns
-    -------
-    Path
-        With the suffix of the file; no other thread or process has the same.
-    """
+    """Return a path beside a file for what becomes it or was it, such as ``.record.unfinished-host-123-0.nc``."""
     end = f".{kind}-{_host()}-{os.getpid()}-{next(_numbers)}{final.suffix}"
     stem = final.stem
     while stem and len(os.fsencode(f".{stem}{end}")) > LONGEST_NAME:
@@ -53,16 +41,6 @@ def clear_leftovers(final: Path) -> None:
     """Remove what ended processes of this user and machine left beside a file; warn of what others may be writing.
 
     A folder that was being replaced when its writer was killed is put back.
-
-    Parameters
-    ----------
-    final : Path
-        File about to be written.
-
-    Warns
-    -----
-    FileWarning
-        For each unfinished file that is not removed.
     """
     for left in list(_leftovers(final)):
         if left.host != _host() or not _is_own(left.path):

@@ -11,31 +11,14 @@ from insonify.lessons.states import LessonState, start_state
 
 
 def check_lesson(lesson: Lesson) -> None:
-    """Check that every step of a lesson can be done, one after the other.
-
-    Parameters
-    ----------
-    lesson : Lesson
-        Lesson to check.
-
-    Raises
-    ------
-    SceneError
-        One sentence with the lesson, the step, what is wrong and the remedy.
-    """
+    """Check that every step of a lesson can be done, one after the other."""
     for step, start, end in states_of(lesson):
         with _named(lesson, step):
             _check_step(step, start, end)
 
 
 def states_of(lesson: Lesson) -> Iterator[tuple[Step, LessonState, LessonState]]:
-    """Yield every step of a lesson with the states in which it begins and ends, if each is done as it says.
-
-    Raises
-    ------
-    SceneError
-        Where a scene or a field of a move does not exist, or a value is out of bounds.
-    """
+    """Yield every step of a lesson with the states in which it begins and ends, if each is done as it says."""
     with _named(lesson):
         end = start_state(lesson.scene, lesson.set)
     for step in lesson.steps:

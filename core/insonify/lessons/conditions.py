@@ -41,33 +41,14 @@ Term = Callable[[Lookup], Value]
 
 @dataclass(frozen=True)
 class Condition:
-    """A condition over fields.
+    """A condition over fields."""
 
-    Attributes
-    ----------
-    text : str
-        As written.
-    fields : tuple of str
-        Dotted paths that it reads, each once, in the order of the text.
-    """
-
-    text: str
-    fields: tuple[str, ...]
+    text: str  # as written
+    fields: tuple[str, ...]  # dotted paths that it reads, each once, in the order of the text
     _term: Term = field(repr=False, compare=False)
 
     def holds(self, lookup: Lookup) -> bool:
-        """Whether the condition holds.
-
-        Parameters
-        ----------
-        lookup : callable
-            Value of a field by its dotted path; None where there is no such field at present.
-
-        Returns
-        -------
-        bool
-            False also where a field that decides has no value, or where a number meets a text.
-        """
+        """Whether the condition holds."""
         try:
             return self._term(lookup) is True
         except (_NoValue, ZeroDivisionError, TypeError):
@@ -75,19 +56,7 @@ class Condition:
 
 
 def parse_condition(text: str) -> Condition:
-    """Parse a condition, such as ``sonar.beam.width >= 5 and sonar.beam.kind == "fan"``.
-
-    Parameters
-    ----------
-    text : str
-        Numbers, texts in quotes, ``true``, ``false`` and dotted paths, joined by ``+ - * /``, by one comparison
-        ``== != < <= > >=``, and these by ``and``, ``or``, ``not`` and brackets.
-
-    Raises
-    ------
-    SceneError
-        One sentence with what stands where it does not belong.
-    """
+    """Parse a condition, such as ``sonar.beam.width >= 5 and sonar.beam.kind == "fan"``."""
     if len(text) > LONGEST:
         raise _fault(text, f"has {len(text)} characters; write at most {LONGEST}")
     parser = _Parser(text)

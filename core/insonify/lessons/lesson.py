@@ -29,25 +29,7 @@ class StepHead(Declaration):
 
 
 class Step(StepHead):
-    """One step of a lesson.
-
-    Attributes
-    ----------
-    title : str
-        Heading.
-    text : str
-        What to move, in Markdown.
-    look_for, question, answer : str
-        In Markdown.
-    done : str
-        The condition that notices that the step was done.
-    move : dict of str to object
-        One way to do it: values by dotted path, of the scene or of the window.
-    scene : str
-        Bundled scene that the step opens first; empty where it goes on with the one before.
-    set : dict of str to object
-        Values of that scene to change.
-    """
+    """One step of a lesson."""
 
     title: str
     text: str
@@ -67,25 +49,7 @@ class Step(StepHead):
 
 
 class Lesson(LessonHead):
-    """A lesson.
-
-    Attributes
-    ----------
-    name : str
-        Of its file, without the suffix.
-    title : str
-        Heading.
-    scene : str
-        Bundled scene that it starts from.
-    set : dict of str to object
-        Values of that scene to change at the start, by dotted path.
-    order : int
-        Its place in the list.
-    introduction : str
-        In Markdown.
-    steps : tuple of Step
-        At least one.
-    """
+    """A lesson."""
 
     name: str
     introduction: str

@@ -27,18 +27,7 @@ Head = TypeVar("Head", bound=Declaration)
 
 
 def load_lesson(name_or_path: str | Path) -> Lesson:
-    """Read a lesson.
-
-    Parameters
-    ----------
-    name_or_path : str or Path
-        Name of a bundled lesson, or a Markdown file.
-
-    Raises
-    ------
-    SceneError
-        One sentence with what is wrong and the remedy.
-    """
+    """Read a lesson."""
     path = bundled_lessons().get(str(name_or_path)) or Path(name_or_path)
     with guarded(partial(_unreadable, name_or_path), "give a readable Markdown file"):
         text = read_text(path, largest=LARGEST)
@@ -52,21 +41,7 @@ def load_lessons() -> tuple[Lesson, ...]:
 
 
 def parse_lesson(text: str, name: str) -> Lesson:
-    """Parse the text of a lesson.
-
-    Parameters
-    ----------
-    text : str
-        Front matter between lines of ``+++``, an introduction, and steps under headings of the second rank. Each step
-        has a text, a block of TOML, and paragraphs that begin with ``Look for:``, ``Question:`` and ``Answer:``.
-    name : str
-        Of the lesson, for errors.
-
-    Raises
-    ------
-    SceneError
-        One sentence with what is wrong and the remedy.
-    """
+    """Parse the text of a lesson."""
     front = _FRONT.match(text)
     if front is None:
         raise SceneError(f"lesson {name}: has no front matter; begin with title, scene and order between lines of +++")

@@ -25,17 +25,10 @@ WINDOW_FIELDS = {
 
 @dataclass(frozen=True)
 class LessonState:
-    """A scene, and the state of the window about it.
+    """A scene, and the state of the window about it."""
 
-    Attributes
-    ----------
-    scene : Scene
-        The scene.
-    window : mapping of str to value
-        Values by dotted path; each begins with a name in `WINDOW_FIELDS`.
-    """
-
-    scene: Scene
+    scene: Scene  # the scene
+    # Values by dotted path; each begins with a name in `WINDOW_FIELDS`.
     window: Mapping[str, Value] = field(default_factory=dict)
 
     def value(self, path: str) -> Value | None:
@@ -46,13 +39,7 @@ class LessonState:
         return self.window.get(path, usual)
 
     def moved(self, move: Mapping[str, Any]) -> LessonState:
-        """Return the state after a move.
-
-        Raises
-        ------
-        SceneError
-            One sentence with the field, the value and the remedy.
-        """
+        """Return the state after a move."""
         inside, outside = split_move(move)
         scene = edit(self.scene, inside) if inside else self.scene
         for path, value in outside.items():
@@ -61,13 +48,7 @@ class LessonState:
 
 
 def start_state(scene: str, changes: Mapping[str, Any]) -> LessonState:
-    """Return the state in which a bundled scene is opened, with some values changed.
-
-    Raises
-    ------
-    SceneError
-        One sentence with the field, the value and the remedy.
-    """
+    """Return the state in which a bundled scene is opened, with some values changed."""
     if scene not in bundled_scenes():
         raise SceneError(f"scene: {scene!r} does not come with insonify; choose one of {', '.join(bundled_scenes())}")
     loaded = load_scene(scene)
@@ -86,20 +67,7 @@ def split_move(move: Mapping[str, Any]) -> tuple[dict[str, Any], dict[str, Any]]
 
 
 def field_value(scene: Scene, path: str) -> Value | None:
-    """Value of a field of the scene.
-
-    Parameters
-    ----------
-    scene : Scene
-        Scene to read.
-    path : str
-        Dotted path, list positions as numbers: ``targets.0.gap``.
-
-    Returns
-    -------
-    float, str, bool or None
-        Where a field is left open, the value that applies; None where there is no such field, or a table or list.
-    """
+    """Value of a field of the scene."""
     place: Any = scene
     owner, step = place, ""
     for step in path.split("."):

@@ -18,25 +18,13 @@ SHAPE = (0.42, 0.8)  # height of a picture over its width
 
 @dataclass(frozen=True, eq=False)
 class Camera:
-    """A pinhole camera: where it stands, and the window that it looks through.
+    """A pinhole camera: where it stands, and the window that it looks through."""
 
-    Attributes
-    ----------
-    place : (3,) float64
-        Local coordinates, in metres.
-    axes : (3, 3) float64
-        Rows: to the right, up, ahead.
-    low, high : (2,) float64
-        Corners of the window, as slopes to the right and up.
-    width, height : int
-        Of the picture, in pixels.
-    """
-
-    place: Vectors
-    axes: Vectors
-    low: Vectors
+    place: Vectors  # (3,) local coordinates, in metres
+    axes: Vectors  # (3, 3) rows: to the right, up, ahead
+    low: Vectors  # (2,) corners of the window, as slopes to the right and up
     high: Vectors
-    width: int
+    width: int  # of the picture, in pixels
     height: int
 
     def directions(self, rows: NDArray[np.int64], samples: int) -> Vectors:
@@ -58,15 +46,7 @@ class Camera:
 
 
 def make_camera(cutaway: Cutaway, width: int) -> Camera:
-    """Place a camera astern, aside and above a cutaway, with a window that shows all of it.
-
-    Parameters
-    ----------
-    cutaway : Cutaway
-        Box to look at.
-    width : int
-        Width of the picture in pixels.
-    """
+    """Place a camera astern, aside and above a cutaway, with a window that shows all of it."""
     middle = 0.5 * (cutaway.low + cutaway.high)
     level = math.cos(DEPRESSION)
     back = (

@@ -26,39 +26,18 @@ SWATH = 0.9  # share of the ground range that is shown of a bed without targets
 
 @dataclass(frozen=True, eq=False)
 class Cutaway:
-    """A box of bed and water, along and across the heading of the sonar.
+    """A box of bed and water, along and across the heading of the sonar."""
 
-    Attributes
-    ----------
-    axes : (3, 3) float64
-        Rows: ahead, to port, up.
-    low, high : (3,) float64
-        Corners of the box along these axes, in metres from the local origin.
-    lamp : (3,) float64
-        Where the sonar is: local x and y, height above the datum.
-    seen : (n, 3) float64
-        Points that a picture must show: corners of the bed, the sonar, outermost points of the targets.
-    aside : float
-        Side of the camera, 1 for port and -1 for starboard: the side with fewer targets.
-    """
-
-    axes: Vectors
-    low: Vectors
+    axes: Vectors  # (3, 3) rows: ahead, to port, up
+    low: Vectors  # (3,) corners of the box along these axes, in metres from the local origin
     high: Vectors
-    lamp: Vectors
+    lamp: Vectors  # (3,) where the sonar is: local x and y, height above the datum
+    # (n, 3) points that a picture must show: corners of the bed, the sonar, outermost points of the targets.
     seen: Vectors
-    aside: float
+    aside: float  # side of the camera, 1 for port and -1 for starboard: the side with fewer targets
 
     def intersect(self, origin: Vectors, ways: Vectors) -> tuple[Vectors, Vectors, NDArray[np.int64]]:
-        """Distances at which rays from one origin enter and leave the box.
-
-        Returns
-        -------
-        enter, leave : (n,) float64
-            Metres; a ray that misses the box leaves before it enters.
-        face : (n,) int64
-            Axis of the face through which each ray enters.
-        """
+        """Distances at which rays from one origin enter and leave the box."""
         o, d = self.axes @ origin, ways @ self.axes.T
         d = np.where(d == 0.0, 1e-300, d)
         one, other = (self.low - o) / d, (self.high - o) / d
@@ -67,13 +46,7 @@ class Cutaway:
 
 
 def make_cutaway(optical: OpticalScene) -> Cutaway:
-    """Choose the box to show: the targets with their shadows and the sonar, or a square of the swath without targets.
-
-    Parameters
-    ----------
-    optical : OpticalScene
-        Scene to draw.
-    """
+    """Choose the box to show: the targets, their shadows and the sonar, or a square of the swath without targets."""
     pose, arrays = optical.pose, optical.arrays
     ahead, lamp = _ahead(optical.heading), np.array([pose.x[0], pose.y[0], pose.z[0]])
     axes = np.array([ahead, [-ahead[1], ahead[0], 0.0], [0.0, 0.0, 1.0]])

@@ -40,21 +40,7 @@ FAR = 1e4  # m
 
 
 def light_picture(optical: OpticalScene, cutaway: Cutaway, width: int = WIDTH) -> NDArray[np.uint8]:
-    """Draw a scene lit by a lamp at the sonar, half way along the track.
-
-    Parameters
-    ----------
-    optical : OpticalScene
-        Scene to draw.
-    cutaway : Cutaway
-        Box of the scene that the picture shows.
-    width : int
-        Width of the picture in pixels.
-
-    Returns
-    -------
-    (height, width, 3) uint8
-    """
+    """Draw a scene lit by a lamp at the sonar, half way along the track."""
     renderer = LightRenderer(optical, cutaway)
     camera = make_camera(cutaway, width)
     shares = in_parallel(lambda first, last: renderer.rows(camera, first, last), camera.height)
@@ -62,15 +48,7 @@ def light_picture(optical: OpticalScene, cutaway: Cutaway, width: int = WIDTH) -
 
 
 class LightRenderer:
-    """Traces rays of sight through a cutaway and lights what they hit.
-
-    Parameters
-    ----------
-    optical : OpticalScene
-        Scene to draw.
-    cutaway : Cutaway
-        Box of the scene that the picture shows.
-    """
+    """Traces rays of sight through a cutaway and lights what they hit."""
 
     def __init__(self, optical: OpticalScene, cutaway: Cutaway) -> None:
         self._cutaway = cutaway
@@ -81,32 +59,13 @@ class LightRenderer:
         self._hues = hues(names)
 
     def rows(self, camera: Camera, first: int, last: int) -> Vectors:
-        """Average the light of the rays through each pixel of some rows.
-
-        Returns
-        -------
-        (rows, width, 6) float64
-            As from `light_along`.
-        """
+        """Average the light of the rays through each pixel of some rows."""
         ways = camera.directions(np.arange(first, last), SAMPLES)
         seen = self.light_along(camera.place, ways.reshape(-1, 3))
         return np.asarray(seen.reshape(*ways.shape[:-1], 6).mean(axis=(1, 3)))
 
     def light_along(self, place: Vectors, ways: Vectors) -> Vectors:
-        """Trace rays from the eye and return the light that arrives along them.
-
-        Parameters
-        ----------
-        place : (3,) float64
-            Of the eye: local x and y, height above the datum, in metres.
-        ways : (n, 3) float64
-            Unit directions.
-
-        Returns
-        -------
-        (n, 6) float64
-            Red, green and blue of lit surfaces, still to be exposed; then of water and fish, as they are shown.
-        """
+        """Trace rays from the eye and return the light that arrives along them."""
         seen = np.concatenate([np.zeros(ways.shape), _water(ways)], axis=1)
         enter, leave, face = self._cutaway.intersect(place, ways)
         inside = np.flatnonzero(leave > enter)
@@ -155,17 +114,7 @@ def _water(ways: Vectors) -> Vectors:
 
 
 def tone_mapped(seen: Vectors) -> NDArray[np.uint8]:
-    """Tone-map the light of lit surfaces and add the water, giving 8-bit colours.
-
-    Parameters
-    ----------
-    seen : (height, width, 6) float64
-        Light from `LightRenderer.rows`.
-
-    Returns
-    -------
-    (height, width, 3) uint8
-    """
+    """Tone-map the light of lit surfaces and add the water, giving 8-bit colours."""
     light, given = seen[..., :3], seen[..., 3:]
     brightness = light @ LUMINANCE
     lit = brightness[brightness > 0.0]

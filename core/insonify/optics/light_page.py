@@ -20,20 +20,7 @@ INK, FAINT = "#f2f6f8", "#b9cbd3"
 
 
 def write_light(path: Path, optical: OpticalScene) -> tuple[int, int]:
-    """Draw a scene by light, with its title, and write it as PNG.
-
-    Parameters
-    ----------
-    path : Path
-        File to make or replace; it appears only when whole.
-    optical : OpticalScene
-        Scene to draw.
-
-    Returns
-    -------
-    (int, int)
-        Width and height in pixels.
-    """
+    """Draw a scene by light, with its title, and write it as PNG."""
     from matplotlib.backends.backend_agg import FigureCanvasAgg
     from matplotlib.figure import Figure
 

@@ -16,51 +16,23 @@ LONG = 400.0  # m after which a ray through mirrors ends
 
 
 class OpticalHits(NamedTuple):
-    """Hits of rays of sight, with the share of light that each returns.
+    """Hits of rays of sight, with the share of light that each returns."""
 
-    Attributes
-    ----------
-    ray : (n,) int64
-        Number of the ray.
-    where, way, normal : (n, 3) float64
-        Place of the hit, direction of the ray, and unit normal on the ray's side; the normal is zero inside a body.
-    what : (n,) int64
-        Index of the target, or ``BED`` (-1).
-    share : (n,) float64
-        Share of the surface's light that reaches the eye.
-    escaped : (n,) float64
-        Share of the ray that goes on from here and hits nothing.
-    """
-
-    ray: NDArray[np.int64]
+    ray: NDArray[np.int64]  # (n,) number of the ray
+    # (n, 3) place of the hit, direction of the ray, and unit normal on the ray's side; the normal is zero inside
+    # a body.
     where: Vectors
     way: Vectors
     normal: Vectors
-    what: NDArray[np.int64]
-    share: NDArray[np.float64]
-    escaped: NDArray[np.float64]
+    what: NDArray[np.int64]  # (n,) index of the target, or ``BED`` (-1)
+    share: NDArray[np.float64]  # (n,) share of the surface's light that reaches the eye
+    escaped: NDArray[np.float64]  # (n,) share of the ray that goes on from here and hits nothing
 
 
 def find_optical_hits(
     arrays: SceneArrays, starts: Vectors, ways: Vectors, reach: NDArray[np.float64], of_bed: int
 ) -> OpticalHits:
-    """Trace rays to their first hit within reach, and on where bounces are followed.
-
-    Parameters
-    ----------
-    arrays : SceneArrays
-        Packed scene; its number of bounces is followed.
-    starts, ways : (n, 3) float64
-        Origins in the water, and unit directions.
-    reach : (n,) float64
-        Greatest distance of each ray in metres.
-    of_bed : int
-        Number of rows of the reflectivity table that belong to the bed.
-
-    Returns
-    -------
-    OpticalHits
-    """
+    """Trace rays to their first hit within reach, and on where bounces are followed."""
     distance, what, normal = cast(arrays, starts, ways, reach=float(reach.max(initial=0.0)))
     ray = np.flatnonzero(distance <= reach)
     if arrays.bounces > 0:

@@ -16,37 +16,17 @@ from insonify.terrain import Ground, build_ground
 
 @dataclass(frozen=True, eq=False)
 class OpticalScene:
-    """A scene packed for rays of light.
+    """A scene packed for rays of light."""
 
-    Attributes
-    ----------
-    scene : Scene
-        Its declaration.
-    ground : Ground
-        The bed around the sonar.
-    arrays : SceneArrays
-        Packed scene in water without refraction: rays of light are straight.
-    pose : Poses
-        The sonar half way along the track.
-    heading : float
-        Heading of the track there in radians.
-    """
-
-    scene: Scene
-    ground: Ground
-    arrays: SceneArrays
-    pose: Poses
-    heading: float
+    scene: Scene  # its declaration
+    ground: Ground  # the bed around the sonar
+    arrays: SceneArrays  # packed scene in water without refraction: rays of light are straight
+    pose: Poses  # the sonar half way along the track
+    heading: float  # heading of the track there in radians
 
 
 def make_optical_scene(scene: Scene) -> OpticalScene:
-    """Build and pack a scene for rays of light.
-
-    Raises
-    ------
-    SceneError
-        If the scene cannot be built.
-    """
+    """Build and pack a scene for rays of light."""
     everywhere = build_ground(scene)
     arrays = pack_scene(scene, everywhere)
     middle = np.array([scene.track.pings // 2], dtype=np.int64)

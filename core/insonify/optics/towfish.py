@@ -15,17 +15,7 @@ LINE = 0.0007  # of it: radius of the plumb line
 
 
 def with_towfish(arrays: SceneArrays, cutaway: Cutaway, of_bed: int) -> SceneArrays:
-    """Add the towfish, and a plumb line from it to the bed, to a packed scene.
-
-    Parameters
-    ----------
-    arrays : SceneArrays
-        Packed scene.
-    cutaway : Cutaway
-        Box of the scene that the picture shows; its lamp is where the fish is.
-    of_bed : int
-        Number of rows of the reflectivity table that belong to the bed; the targets' rows follow, the fish's is last.
-    """
+    """Add the towfish, and a plumb line from it to the bed, to a packed scene."""
     longer = float((cutaway.high - cutaway.low)[:2].max())
     length, ahead = SIZE * longer, cutaway.axes[0]
     nose, waist, tail = (cutaway.lamp + share * length * ahead for share in (0.42, -0.3, -0.55))

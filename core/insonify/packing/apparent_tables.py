@@ -31,23 +31,7 @@ class _Extent(NamedTuple):
 
 
 def make_apparent_tables(arrays: SceneArrays, poses: Poses) -> tuple[ApparentTables, NDArray[np.bool_]]:
-    """Tabulate apparent positions for the heights of some pings.
-
-    Parameters
-    ----------
-    arrays : SceneArrays
-        The packed scene.
-    poses : Poses
-        Poses of the sonar, n pings.
-
-    Returns
-    -------
-    apparent : ApparentTables
-        Tables at whole steps of height, so that each ping's depend on its own height alone.
-    folded : (n,) bool
-        Pings for which no tables hold: some place is reached by no ray or by several, the water differs along the
-        level, or a table would be too large.
-    """
+    """Tabulate apparent positions for the heights of some pings."""
     if not arrays.water.bent or poses.z.size == 0:
         return no_apparent_tables(), np.zeros(poses.z.size, np.bool_)
     if arrays.water.station.size > 1:

@@ -14,38 +14,14 @@ CLOSED = 0.99  # share of the whole sphere that a closed mesh covers from inside
 
 
 def refuse_sonar_in_solid(solids: Solids, statuses: list[int]) -> None:
-    """Raise if a kernel found the sonar inside a solid.
-
-    Parameters
-    ----------
-    solids : Solids
-        The analytic bodies of all targets.
-    statuses : list of int
-        What the kernel returned of each block of pings: -1 - k if the sonar is inside solid k, else 0.
-
-    Raises
-    ------
-    SceneError
-    """
+    """Raise if a kernel found the sonar inside a solid."""
     for status in statuses:
         if status < 0:
             _refuse(int(solids.target[-1 - status]))
 
 
 def refuse_sonar_in_mesh(arrays: SceneArrays, poses: Poses) -> None:
-    """Raise if a ping is sent from inside a mesh.
-
-    Parameters
-    ----------
-    arrays : SceneArrays
-        The packed scene.
-    poses : Poses
-        Where the sonar is.
-
-    Raises
-    ------
-    SceneError
-    """
+    """Raise if a ping is sent from inside a mesh."""
     mesh = arrays.mesh
     if mesh.target.size == 0:
         return
@@ -70,22 +46,7 @@ def _within(places: NDArray[np.float64], low: NDArray[np.float64], high: NDArray
 
 
 def solid_angle(corners: NDArray[np.float64]) -> float:
-    """Signed solid angle of triangles as seen from the origin: ±4π within a closed shape, 0 outside.
-
-    Parameters
-    ----------
-    corners : (n, 3, 3) float64
-        Of each triangle.
-
-    Returns
-    -------
-    float
-        Steradians.
-
-    References
-    ----------
-    van Oosterom and Strackee (1983): tan(Ω/2) = a·(b × c) / (abc + (a·b)c + (a·c)b + (b·c)a).
-    """
+    """Signed solid angle of triangles as seen from the origin: ±4π within a closed shape, 0 outside."""
     a, b, c = corners[:, 0], corners[:, 1], corners[:, 2]
     la, lb, lc = np.linalg.norm(corners, axis=2).T
     volume = (a * np.cross(b, c)).sum(axis=1)

@@ -26,27 +26,7 @@ def sonar_height(scene: Scene, ground: AnyGround) -> float:
 
 
 def make_poses(scene: Scene, ground: AnyGround, pings: NDArray[np.int64]) -> Poses:
-    """Place the sonar at the given pings; numbers beyond the track's last ping go on along its line.
-
-    Parameters
-    ----------
-    scene : Scene
-        Whose track it is.
-    ground : AnyGround
-        The bed, for tows that follow it.
-    pings : (n,) int64
-        Ping numbers, from 0.
-
-    Returns
-    -------
-    Poses
-        Each a function of the scene and its number alone.
-
-    Raises
-    ------
-    SceneError
-        If a recorded motion cannot be read.
-    """
+    """Place the sonar at the given pings; numbers beyond the track's last ping go on along its line."""
     line, known = tow_line_at(scene, pings), recorded_at(scene, pings)
     zero = np.zeros(line.x.shape)
     moved = _displacement(scene, pings)
@@ -66,23 +46,7 @@ def take_poses(poses: Poses, places: NDArray[np.int64] | slice) -> Poses:
 
 
 def bed_beneath(scene: Scene, ground: AnyGround, pings: NDArray[np.int64]) -> NDArray[np.float64]:
-    """Smoothed height of the bed under the line, which a fish can follow: a mean over one altitude to either side.
-
-    Parameters
-    ----------
-    scene : Scene
-        Whose track it is.
-    ground : AnyGround
-        The bed.
-    pings : (n,) int64
-        Ping numbers.
-
-    Returns
-    -------
-    (n,) float64
-        Metres above the datum, continuous along the line: a raised cosine weighs the bed, and where there is none the
-        nearest stands for it.
-    """
+    """Smoothed height of the bed under the line, which a fish can follow: a mean over one altitude to either side."""
     share = np.arange(1 - SAMPLES, SAMPLES) / SAMPLES
     # The altitude of a tow at a given depth over a measured bed follows from the bed's heights alone.
     reach = abs(sonar_height(scene, ground)) * scene.sonar.ping_rate / scene.track.speed
@@ -97,20 +61,6 @@ def interpolate_bed_beneath(scene: Scene, ground: AnyGround, pings: NDArray[np.i
 
     The knots, at which it is that of `bed_beneath`, are an eighth of an altitude apart: the smoothing makes that dense
     enough.
-
-    Parameters
-    ----------
-    scene : Scene
-        Whose track it is.
-    ground : AnyGround
-        The bed.
-    pings : (n,) int64
-        Ping numbers.
-
-    Returns
-    -------
-    (n,) float64
-        Metres above the datum; of each ping a function of its number alone.
     """
     apart = abs(sonar_height(scene, ground)) * scene.sonar.ping_rate / scene.track.speed / KNOTS
     if apart <= 1.0:
@@ -141,32 +91,14 @@ def _raised_cosine() -> NDArray[np.float64]:
 
 
 def platform_columns(poses: Poses, ground: AnyGround) -> tuple[NDArray[np.float64], ...]:
-    """Position, depth, altitude and attitude of the sonar as a record holds them, (pings,) each.
-
-    Parameters
-    ----------
-    poses : Poses
-        Where the sonar is.
-    ground : AnyGround
-        The bed.
-
-    Returns
-    -------
-    tuple of (pings,) float64
-        In the order and the units of `insonify.io.record_schema.PLATFORM`.
-    """
+    """Position, depth, altitude and attitude of the sonar as a record holds them, (pings,) each."""
     altitude = poses.z - ground.height_at(poses.x, poses.y)
     attitude = map(np.degrees, (poses.heading, poses.pitch, poses.roll))
     return poses.x, poses.y, -(poses.z + ground.datum), altitude, *attitude
 
 
 def refuse_track_off_bed(scene: Scene, ground: AnyGround) -> None:
-    """Refuse a tow that never comes within range of a bounded bed, unless a target may be in range.
-
-    Raises
-    ------
-    SceneError
-    """
+    """Refuse a tow that never comes within range of a bounded bed, unless a target may be in range."""
     if isinstance(ground, EndlessGround) or ground.periodic or scene.targets:
         return
     line = tow_line_at(scene, np.unique(np.linspace(0, scene.track.pings - 1, 512).astype(np.int64)))

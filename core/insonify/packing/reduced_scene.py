@@ -16,25 +16,7 @@ from insonify.scene.surfaces import WAYS
 def reduce_scene(
     arrays: SceneArrays, *, bed: Bed, ways: Collection[str], bounces: int, targets: Collection[int]
 ) -> SceneArrays:
-    """Remove from a scene's arrays the targets, paths and bounces that the plan omits.
-
-    Parameters
-    ----------
-    arrays : SceneArrays
-        With all that the scene declares.
-    bed : Bed
-        With as many nodes as are modelled.
-    ways : collection of str
-        Paths by the sea surface that are modelled.
-    bounces : int
-        Mirror-like bounces followed.
-    targets : collection of int
-        Targets that are there, by their places in the scene; the others leave their numbers behind.
-
-    Returns
-    -------
-    SceneArrays
-    """
+    """Remove from a scene's arrays the targets, paths and bounces that the plan omits."""
     multipath = arrays.multipath
     heard: dict[str, Any] = {way: getattr(multipath, way) and way in ways for way in WAYS}
     arrays = arrays._replace(

@@ -28,14 +28,7 @@ _SHARED: dict[int, tuple[weakref.ref[NDArray[np.float32]], weakref.ref[NDArray[n
 
 
 def pack_scene(scene: Scene, ground: AnyGround) -> SceneArrays:
-    """Pack a scene and its ground for the tracers; tiles of endless ground take the place of its bed.
-
-    Raises
-    ------
-    SceneError
-        If a target lies where there is no bed to carry it, a cast cannot be read, or the water's speed or the bed's
-        spacing leaves the pings, the pulse or the range no room.
-    """
+    """Pack a scene and its ground for the tracers; tiles of endless ground take the place of its bed."""
     solids, mesh, reflectivities = make_bodies(scene, ground)
     sonar = scene.sonar
     bed = make_bed(ground.around(scene.track.start, 0.0))
@@ -83,20 +76,7 @@ def make_bed(ground: Ground) -> Bed:
 
 
 def make_limits(reflectivities: Iterable[Sequence[Any]], pattern: BeamPattern, bin_length: float) -> SegmentLimits:
-    """How far the bed's segments may extend under a beam.
-
-    Parameters
-    ----------
-    reflectivities : iterable of sequence of float
-        Of each of the bed's materials: Lambert's share, Phong's share and its exponent.
-    pattern : BeamPattern
-    bin_length : float
-        Slant range of one bin, m.
-
-    Returns
-    -------
-    SegmentLimits
-    """
+    """How far the bed's segments may extend under a beam."""
     shininess = max((row[2] for row in reflectivities if row[1] > 0.0), default=0.0)
     angle = math.inf if pattern.vertical == EVERY_GRAZING else VERTICAL_SHARE * pattern.s_vertical
     return SegmentLimits(shininess, bin_length, angle, MISPLACED, True)

@@ -28,18 +28,7 @@ class _Belt(NamedTuple):
 
 
 def make_surface_patches(solids: Solids, mesh: Mesh) -> SurfacePatches:
-    """Cut the surfaces of all bodies into patches.
-
-    Parameters
-    ----------
-    solids, mesh : Solids, Mesh
-        The bodies.
-
-    Returns
-    -------
-    SurfacePatches
-        Belts no wider than a metre; triangles halved until no edge is longer than that.
-    """
+    """Cut the surfaces of all bodies into patches."""
     belts = [belt for body in range(solids.shape.size) for belt in _belts(solids, body) if belt.area > 0.0]
     corners, triangle = _small_triangles(mesh.corners)
     n, m = len(belts), triangle.size

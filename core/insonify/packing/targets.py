@@ -18,13 +18,7 @@ from insonify.terrain import AnyGround
 
 
 def make_bodies(scene: Scene, ground: AnyGround) -> tuple[Solids, Mesh, list[Reflectivity]]:
-    """Pose every target; its material joins the table of the ground's.
-
-    Raises
-    ------
-    SceneError
-        If a target lies where there is no bed to carry it, or its file cannot be read.
-    """
+    """Pose every target; its material joins the table of the ground's."""
     shapes = list(_placed(scene, ground))
     materials = [target.material.reflectivity for target in scene.targets]
     before = len(ground.reflectivities)

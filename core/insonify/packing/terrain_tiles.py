@@ -29,15 +29,7 @@ _TURNS = count(1)
 
 
 class TerrainTiles:
-    """Beds, one for each tile of endless ground; any other ground is one tile.
-
-    Parameters
-    ----------
-    ground : AnyGround
-        The bed.
-    reach : float
-        Greatest slant range of the record, in metres.
-    """
+    """Beds, one for each tile of endless ground; any other ground is one tile."""
 
     def __init__(self, ground: AnyGround, reach: float) -> None:
         self._ground, self.reach = ground, reach
@@ -55,41 +47,13 @@ class TerrainTiles:
     def map(
         self, trace: Callable[[SceneArrays, Poses], tuple[Column, ...]], arrays: SceneArrays, poses: Poses
     ) -> tuple[Column, ...]:
-        """Trace pings tile by tile.
-
-        Parameters
-        ----------
-        trace : callable
-            From the scene over one tile and the poses over it to arrays whose first axis is that of the pings.
-        arrays : SceneArrays
-            The scene, over any ground.
-        poses : Poses
-            Where the sonar is, n pings. The tile beneath each is a function of its pose alone.
-
-        Returns
-        -------
-        tuple of (n, …) arrays
-            In the order of the pings.
-        """
+        """Trace pings tile by tile."""
         parts = ((some, trace(tile, take_poses(poses, some))) for some, tile in self.split(arrays, poses))
         places, found = zip(*parts)
         return tuple(_join(places, columns) for columns in zip(*found))
 
     def split(self, arrays: SceneArrays, poses: Poses) -> Iterator[tuple[NDArray[np.int64] | slice, SceneArrays]]:
-        """Sort poses by the tiles beneath them.
-
-        Parameters
-        ----------
-        arrays, poses
-            As in `map`.
-
-        Yields
-        ------
-        places : int64 array or slice
-            Which of the poses.
-        arrays : SceneArrays
-            The scene over the tile beneath them.
-        """
+        """Sort poses by the tiles beneath them."""
         if self._beds is None or poses.x.size == 0:
             yield slice(None), arrays
             return
@@ -101,14 +65,7 @@ class TerrainTiles:
 
 
 class _WindowBeds:
-    """Beds of the windows of endless ground; the least recently used are dropped.
-
-    Parameters
-    ----------
-    ground : EndlessGround
-    reach : float
-        Greatest slant range of the record, in metres.
-    """
+    """Beds of the windows of endless ground; the least recently used are dropped."""
 
     def __init__(self, ground: EndlessGround, reach: float) -> None:
         self._ground, self._reach = ground, reach
@@ -138,15 +95,7 @@ class _WindowBeds:
         return made
 
     def shrink(self, limit: int, least: int = 0) -> int:
-        """Drop the least recently used beds that are too many or exceed a number of bytes, and return the bytes left.
-
-        Parameters
-        ----------
-        limit : int
-            Bytes.
-        least : int
-            How many beds are kept whatever they take.
-        """
+        """Drop the least recently used beds above a number or a size in bytes, and return the bytes left."""
         with self._lock:
             sizes = [bed.heights.nbytes + bed.transposed.nbytes + bed.materials.nbytes for bed in self._beds.values()]
             while len(sizes) > least and (len(sizes) > self._room or sum(sizes) > limit):

@@ -21,31 +21,15 @@ ANGLES = ("heading", "pitch", "roll")
 
 
 class TowLine(NamedTuple):
-    """Positions and headings along the line of a tow.
+    """Positions and headings along the line of a tow."""
 
-    Attributes
-    ----------
-    x, y : float64 arrays
-        Local coordinates in metres.
-    heading : float64 array
-        Radians counter-clockwise from +x.
-    """
-
-    x: Column
+    x: Column  # local coordinates in metres
     y: Column
-    heading: Column
+    heading: Column  # radians counter-clockwise from +x
 
 
 def tow_line_at(scene: Scene, pings: NDArray[np.floating] | NDArray[np.int64]) -> TowLine:
-    """Positions along the line of a tow, without the motion of the fish about it.
-
-    Parameters
-    ----------
-    scene : Scene
-        Whose track it is.
-    pings : array
-        Ping numbers of any shape, also between pings and before the first.
-    """
+    """Positions along the line of a tow, without the motion of the fish about it."""
     track = scene.track
     line = _follow_turns(track, np.asarray(pings, dtype=np.float64) * (track.speed / scene.sonar.ping_rate))
     known = recorded_at(scene, pings)
@@ -106,26 +90,7 @@ def _pieces(track: Track) -> _Pieces:
 
 
 def recorded_at(scene: Scene, pings: NDArray[np.floating] | NDArray[np.int64]) -> dict[str, Column]:
-    """Interpolate the recorded position and attitude of the fish at pings; the first row is the first ping.
-
-    Parameters
-    ----------
-    scene : Scene
-        Whose track it is.
-    pings : array
-        Ping numbers of any shape.
-
-    Returns
-    -------
-    dict of str to array
-        Any of x, y, depth, altitude in metres, heading, pitch, roll in radians. After the last row the tow goes on
-        along its last heading at the speed of the track.
-
-    Raises
-    ------
-    SceneError
-        If a file cannot be read, or two parts of the scene set the same quantity.
-    """
+    """Interpolate the recorded position and attitude of the fish at pings; the first row is the first ping."""
     track = scene.track
     recordings = [recording for motion in track.motions if (recording := motion.recording()) is not None]
     if not recordings:

@@ -6,21 +6,7 @@ from insonify.scene import Scene, SceneError
 
 
 def check_method(scene: Scene, method: str, bounces: int) -> None:
-    """Raise an error if a method cannot simulate what the scene declares.
-
-    Parameters
-    ----------
-    scene : Scene
-    method : str
-        Requested method, or "auto".
-    bounces : int
-        Number of specular bounces to follow.
-
-    Raises
-    ------
-    SceneError
-        One sentence with the field, the value and the remedy.
-    """
+    """Raise an error if a method cannot simulate what the scene declares."""
     surface = scene.water.surface
     if bounces > 0 and method in ("sweep", "march"):
         raise SceneError(f"sonar.bounces: {method!r} does not follow bounces, here {bounces}; set it to 0 or use rays")
@@ -37,13 +23,7 @@ def check_method(scene: Scene, method: str, bounces: int) -> None:
 
 
 def check_refraction(scene: Scene, method: str) -> None:
-    """Raise an error if water that refracts sound is combined with an effect computed along straight rays only.
-
-    Raises
-    ------
-    SceneError
-        One sentence with the field, the value and the remedy.
-    """
+    """Raise an error if water that refracts sound is combined with an effect computed along straight rays only."""
     surface = scene.water.surface
     if scene.receiver.speckle.interferes:
         raise SceneError(

@@ -15,18 +15,7 @@ LOUD = 3.0  # times the mean energy of those searched
 
 
 def add_loud_pings(packed: PackedScene, pings: ProbePings) -> ProbePings:
-    """Add those pings over the track that are much louder than others, by one plane over the bed alone.
-
-    Parameters
-    ----------
-    packed : PackedScene
-        A scene whose speckle does not interfere.
-    pings : ProbePings
-
-    Returns
-    -------
-    ProbePings
-    """
+    """Add those pings over the track that are much louder than others, by one plane over the bed alone."""
     if packed.scene.seabed.relief.level:
         return pings
     searched = spread_over_track(packed.scene, SEARCHED)

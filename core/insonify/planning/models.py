@@ -59,24 +59,12 @@ class Model(NamedTuple):
 
 
 class ReducedScene(NamedTuple):
-    """Scene as a model simulates it.
+    """Scene as a model simulates it."""
 
-    Attributes
-    ----------
-    whole : SceneArrays
-        With all that the scene declares, but straight rays if the model takes them.
-    arrays : SceneArrays
-        Without the effects that the model omits; this one is traced.
-    tiles : TerrainTiles
-        The ground about each ping, with as many nodes as the model keeps.
-    tracer : Tracer
-        The method that finds echoes.
-    """
-
-    whole: SceneArrays
-    arrays: SceneArrays
-    tiles: TerrainTiles
-    tracer: Tracer
+    whole: SceneArrays  # with all that the scene declares, but straight rays if the model takes them
+    arrays: SceneArrays  # without the effects that the model omits; this one is traced
+    tiles: TerrainTiles  # the ground about each ping, with as many nodes as the model keeps
+    tracer: Tracer  # the method that finds echoes
 
 
 @dataclass(frozen=True, eq=False)
@@ -100,13 +88,7 @@ class PackedScene:
         return ReducedScene(whole, arrays, tiles, tracer)
 
     def trace(self, model: Model, poses: Poses) -> NDArray[np.float32]:
-        """Trace pings by a model on one thread, (pings, sides, bins).
-
-        Raises
-        ------
-        SceneError
-            If the sonar is inside a target.
-        """
+        """Trace pings by a model on one thread, (pings, sides, bins)."""
         reduced = self.reduced(model)
 
         def on_tile(tile: SceneArrays, poses: Poses) -> tuple[NDArray[np.float32]]:
@@ -143,23 +125,7 @@ class PackedScene:
 
 
 def divide_profile(reach: float, spacing: float, height: float) -> tuple[float, float, float]:
-    """Count the segments of a profile that are too long for one density of echo, their parts, and the other segments.
-
-    Parameters
-    ----------
-    reach : float
-        Ground range, m.
-    spacing : float
-        Length of a segment, m.
-    height : float
-        Of the sonar above the bed, m.
-
-    Returns
-    -------
-    tuple of three float
-        Long segments lie nearer than their length over `FINE`, and each is divided into one part more than parts of
-        that share of the range fit in.
-    """
+    """Count the segments of a profile too long for one density of echo, their parts, and the other segments."""
     height = max(height, spacing)
     nearer = min(math.sqrt(max((spacing / FINE) ** 2 - height**2, 0.0)), reach)
     segments = nearer / spacing
@@ -173,12 +139,6 @@ def weigh_path(arrays: SceneArrays) -> float:
 
 
 def pack(scene: Scene, ground: AnyGround | None = None) -> PackedScene:
-    """Build the ground of a scene, unless it is given, and pack its arrays.
-
-    Raises
-    ------
-    SceneError
-        If a file cannot be read, or the ground and the arrays cannot be made.
-    """
+    """Build the ground of a scene, unless it is given, and pack its arrays."""
     ground = ground or build_ground(scene)
     return PackedScene(scene, ground, pack_scene(scene, ground))

@@ -15,62 +15,30 @@ ERROR, COST = 8, 10  # characters of the last two columns
 
 @dataclass(frozen=True)
 class PlanEntry:
-    """One choice of a plan.
+    """One choice of a plan."""
 
-    Attributes
-    ----------
-    subject : str
-        Subject of the choice, by which another choice is forced: "planes", "bending", "targets", ...
-    choice : str
-        Choice in words.
-    reason : str
-        Reason with numbers.
-    modelled : bool
-        Whether the effect is modelled or left out.
-    error : float
-        Error due to this choice, measured on a few pings, as a share of the record.
-    cost : float
-        Seconds per ping that it adds on this machine, both sides on one thread; for an effect left out, that it would
-        add.
-    options : tuple of str
-        Choices that can be forced; none if there is no choice. Other numbers than those listed are accepted.
-    forced : bool
-        Whether the user forced it.
-    """
-
-    subject: str
-    choice: str
-    reason: str
-    modelled: bool = True
-    error: float = 0.0
+    subject: str  # subject of the choice, by which another choice is forced: "planes", "bending", "targets", ..
+    choice: str  # choice in words
+    reason: str  # reason with numbers
+    modelled: bool = True  # whether the effect is modelled or left out
+    error: float = 0.0  # error due to this choice, measured on a few pings, as a share of the record
+    # Seconds per ping that it adds on this machine, both sides on one thread; for an effect left out, that it
+    # would add.
     cost: float = field(default=0.0, compare=False)
+    # Choices that can be forced; none if there is no choice. Other numbers than those listed are accepted.
     options: tuple[str, ...] = ()
-    forced: bool = False
+    forced: bool = False  # whether the user forced it
 
 
 @dataclass(frozen=True)
 class Plan:
-    """Model with which a scene is simulated.
+    """Model with which a scene is simulated."""
 
-    Attributes
-    ----------
-    model : Model
-        Tracer, settings and effects.
-    entries : tuple of PlanEntry
-        All choices.
-    error : float
-        Measured error beyond 1.4 times the altitude, as a share of the record.
-    work : float
-        Work of a ping, by which models are compared: a count, the same on every machine.
-    cost : float
-        Seconds per ping on this machine, both sides on one thread.
-    """
-
-    model: Model
-    entries: tuple[PlanEntry, ...] = ()
-    error: float = 0.0
-    work: float = 0.0
-    cost: float = field(default=0.0, compare=False)
+    model: Model  # tracer, settings and effects
+    entries: tuple[PlanEntry, ...] = ()  # all choices
+    error: float = 0.0  # measured error beyond 1.4 times the altitude, as a share of the record
+    work: float = 0.0  # work of a ping, by which models are compared: a count, the same on every machine
+    cost: float = field(default=0.0, compare=False)  # seconds per ping on this machine, both sides on one thread
 
     @property
     def method(self) -> str:
@@ -126,13 +94,7 @@ class Plan:
         ]
 
     def table(self, width: int | None = None) -> str:
-        """Format all entries as a table in plain text.
-
-        Parameters
-        ----------
-        width : int, optional
-            Characters per line; the width of the terminal when left out.
-        """
+        """Format all entries as a table in plain text."""
         wide = min(max(width or shutil.get_terminal_size().columns, NARROWEST), WIDEST)
         rows: list[str] = []
         for title, modelled in (("Modelled", True), ("Left out", False)):

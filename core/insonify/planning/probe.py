@@ -36,15 +36,7 @@ class Traced(NamedTuple):
 
 
 class Probe:
-    """A few pings of a scene, each traced at most once by any model.
-
-    Parameters
-    ----------
-    packed : PackedScene
-        The scene.
-    pings : ProbePings
-        Its pings.
-    """
+    """A few pings of a scene, each traced at most once by any model."""
 
     def __init__(self, packed: PackedScene, pings: ProbePings) -> None:
         self._packed = packed
@@ -57,13 +49,7 @@ class Probe:
         self._differences: dict[tuple[Model, Model, float, bool, int | None], float] = {}
 
     def leave_out_collisions(self, model: Model) -> None:
-        """Leave out pings in which the sonar is inside a target: they are refused when they are simulated.
-
-        Raises
-        ------
-        SceneError
-            If it is in all of them.
-        """
+        """Leave out pings in which the sonar is inside a target: they are refused when they are simulated."""
         try:
             self._trace(model, self._is_across.size)
         except SceneError:
@@ -92,18 +78,7 @@ class Probe:
     def difference(
         self, coarse: Model, fine: Model, *, nearer: float = 0.0, cautious: bool = False, most: int | None = None
     ) -> float:
-        """Error of a model against a finer one: the greater of that over the track and that across targets.
-
-        Parameters
-        ----------
-        coarse, fine : Model
-        nearer : float
-            Weight of the error over all bins from the first return; 0 for bins beyond 1.4 altitudes alone.
-        cautious : bool
-            Whether the standard error is added, by which it varies from ping to ping.
-        most : int, optional
-            Pings on which they are compared at most.
-        """
+        """Error of a model against a finer one: the greater of that over the track and that across targets."""
         coarse, fine = _without_surface_echo(coarse, fine)
         if coarse == fine:
             return 0.0

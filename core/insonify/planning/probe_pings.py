@@ -34,18 +34,10 @@ Pings = NDArray[np.int64]
 
 
 class ProbePings(NamedTuple):
-    """Pings on which errors are measured.
+    """Pings on which errors are measured."""
 
-    Attributes
-    ----------
-    spread : (n,) int64
-        Pings over the whole track.
-    across : (m,) int64
-        Pings in which the beam crosses targets.
-    """
-
-    spread: Pings
-    across: Pings
+    spread: Pings  # (n,) pings over the whole track
+    across: Pings  # (m,) pings in which the beam crosses targets
 
     @property
     def all(self) -> Pings:
@@ -62,23 +54,7 @@ class ProbePings(NamedTuple):
 def choose_probe_pings(
     scene: Scene, ground: AnyGround, targets: tuple[int, ...], half_width: float = 0.0
 ) -> ProbePings:
-    """Choose the pings on which a plan measures errors.
-
-    Parameters
-    ----------
-    scene : Scene
-    ground : AnyGround
-        The bed.
-    targets : tuple of int
-        Indices of the targets in reach of the track.
-    half_width : float
-        Of the beam's main lobe, in radians.
-
-    Returns
-    -------
-    ProbePings
-        A function of the scene alone.
-    """
+    """Choose the pings on which a plan measures errors."""
     spread = spread_over_track(scene, SPREAD)
     if scene.seabed.relief.measured:
         spread = _spread_over_bed(scene, ground, scene.track.pings)

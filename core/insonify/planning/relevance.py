@@ -17,13 +17,7 @@ OTHER_TILES = 2.0  # bound on the heights of endless ground, in those of the til
 
 
 def outline_of(scene: Scene, number: int) -> Outline:
-    """Outline of a target of a scene.
-
-    Raises
-    ------
-    SceneError
-        If its file cannot be read.
-    """
+    """Outline of a target of a scene."""
     with located(f"targets.{number}"):
         return scene.targets[number].outline
 
@@ -71,14 +65,7 @@ def find_multipaths_in_reach(scene: Scene) -> dict[str, float]:
 
 
 def find_audible_multipaths(scene: Scene, bed: Bed) -> frozenset[str]:
-    """Return the multipaths by the sea surface whose echoes may arrive within the range.
-
-    Parameters
-    ----------
-    scene : Scene
-    bed : Bed
-        The bed, or its tile at the start of the track.
-    """
+    """Return the multipaths by the sea surface whose echoes may arrive within the range."""
     waves = HIGHEST * scene.water.surface.rms_height
     # A measured bed may lie at any depth.
     rise = (

@@ -60,12 +60,7 @@ def plan(
 
 
 def check_request(scene: Scene, tolerance: float, method: str, forced: Mapping[str, str]) -> None:
-    """Raise an error if a plan cannot be made, before the scene is built.
-
-    Raises
-    ------
-    SceneError
-    """
+    """Raise an error if a plan cannot be made, before the scene is built."""
     if not (math.isfinite(tolerance) and tolerance > 0.0):
         raise SceneError(f"tolerance: {tolerance!r} is not above 0; give a share such as 0.03")
     if method not in METHODS:
@@ -103,28 +98,7 @@ def _more_together(case: Case, model: Model, apart: float, together: float) -> P
 
 
 def keep_plan(packed: PackedScene, last: Plan, method: str, forced: Mapping[str, str]) -> Plan:
-    """Keep the plan of a similar scene as far as the geometry of this one admits it, without measuring anything.
-
-    Parameters
-    ----------
-    packed : PackedScene
-    last : Plan
-        A plan of this scene or of one like it.
-    method : str
-        A tracer's name, or "auto".
-    forced : mapping of str to str
-        Choices that replace those of the plan.
-
-    Returns
-    -------
-    Plan
-        The same plan if all of its choices hold for this scene, otherwise one without entries.
-
-    Raises
-    ------
-    SceneError
-        If its model cannot be simulated.
-    """
+    """Keep the plan of a similar scene as far as the geometry of this one admits it, without measuring anything."""
     case, model = Case(packed, _asked(method, forced), forced), Model()
     for choice in STAGED:
         model = model._replace(**{choice.field: choice.kept(case, model, last.model)})

@@ -26,28 +26,7 @@ def record_echoes(
     pings: NDArray[np.int64],
     out: Record | None = None,
 ) -> Record:
-    """Trace pings and turn their echoes into a record.
-
-    Parameters
-    ----------
-    reception : Reception
-        From `make_reception`.
-    trace : callable
-        From a scene to the intensity of its echoes, (n, 2, bins), or to their waves, as `receive` takes them.
-    arrays : SceneArrays
-        The scene. Where materials have K speckle of their own it is traced a second time, with every reflectivity
-        divided by its material's shape: echoes are linear in the reflectivity, so that the ratio of both is the mean
-        of 1/ν over the echoes of a bin.
-    pings : (n,) int64
-        Ping numbers.
-    out : (n, 2, bins) float32, optional
-        Takes the record; traced intensities are overwritten with it when left out.
-
-    Returns
-    -------
-    (n, 2, bins) float32
-        Intensity as received.
-    """
+    """Trace pings and turn their echoes into a record."""
     traced = trace(arrays)
     divided: Traced | None = None
     if reception.divided_by_shape is not None:
@@ -75,25 +54,7 @@ def _place_of(traced: Traced, bins: int) -> Record:
 
 
 def receive(reception: Reception, traced: Traced, pings: NDArray[np.int64], divided: Traced | None = None) -> Record:
-    """Turn traced echoes into a record.
-
-    Parameters
-    ----------
-    reception : Reception
-        From `make_reception`.
-    traced : (n, 2, bins) float32 or (n, 2, bins * samples) complex128
-        Intensity for an ideal pulse, or of interfering scatterers; the waves of these where `Reception.sums_waves`.
-    pings : (n,) int64
-        Ping numbers.
-    divided : (n, 2, bins) float32, optional
-        Intensity of the same echoes, each divided by the shape of its material's K speckle; the receiver's own shape
-        holds for all when left out.
-
-    Returns
-    -------
-    (n, 2, bins) float32
-        Intensity as received; the traced array itself where nothing applies.
-    """
+    """Turn traced echoes into a record."""
     received = _sum_of_waves if reception.sums_waves else _echoes_alone
     record = received(reception, traced, pings, divided)
     if reception.amplifies:

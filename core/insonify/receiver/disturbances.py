@@ -19,27 +19,13 @@ Record = NDArray[np.float32]
 
 @dataclass(frozen=True, eq=False)
 class Disturbances:
-    """Ringing and interference of a scene.
+    """Ringing and interference of a scene."""
 
-    Attributes
-    ----------
-    seed : int
-        Of the scene.
-    ringing : (1, 1, columns) float32 or None
-        Intensity of the ringing in every bin, or in every sample of a bin.
-    interference : float
-        Intensity of the other sonar's pings, 0 where there is none.
-    timing : Timing
-        When bins are received and when the other sonar pings.
-    columns : int
-        Bins, or samples of all bins.
-    """
-
-    seed: int
-    ringing: Record | None
-    interference: float
-    timing: Timing
-    columns: int
+    seed: int  # of the scene
+    ringing: Record | None  # (1, 1, columns) intensity of the ringing in every bin, or in every sample of a bin
+    interference: float  # intensity of the other sonar's pings, 0 where there is none
+    timing: Timing  # when bins are received and when the other sonar pings
+    columns: int  # bins, or samples of all bins
 
     def waves(self, pings: NDArray[np.int64]) -> Iterator[tuple[Record, Record]]:
         """Yield intensity and phase (turns) of each wave, (n or 1, 1, columns); both sides receive it alike."""
@@ -52,16 +38,7 @@ class Disturbances:
 
 
 def make_disturbances(scene: Scene, arrays: SceneArrays, samples: int) -> Disturbances | None:
-    """Ringing and interference that a scene declares, None where it declares neither.
-
-    Parameters
-    ----------
-    scene : Scene
-    arrays : SceneArrays
-        Gives the bins and the speed of sound by which they are timed.
-    samples : int
-        Samples of a bin at which waves are summed.
-    """
+    """Ringing and interference that a scene declares, None where it declares neither."""
     bin_time, columns = 2.0 * arrays.bin_length / arrays.water.reference / samples, arrays.bins * samples
     level = scene.receiver.ringing.decibels((np.arange(columns, dtype=np.float64) + 0.5) * np.float64(bin_time))
     foreign = scene.receiver.interference.pings

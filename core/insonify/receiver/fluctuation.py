@@ -22,24 +22,12 @@ TINY = np.finfo(np.float32).tiny
 
 @dataclass(frozen=True)
 class Fluctuation:
-    """Gain and delay of the pings, two slow random processes.
+    """Gain and delay of the pings, two slow random processes."""
 
-    Attributes
-    ----------
-    seed : int
-        Seed of both processes.
-    half_width : float
-        Half width of the triangle that smooths white noise into them, in pings.
-    spread : float
-        Standard deviation of the logarithm of the gain.
-    delay : float
-        Standard deviation of the delay, in bins.
-    """
-
-    seed: int
-    half_width: float
-    spread: float
-    delay: float
+    seed: int  # seed of both processes
+    half_width: float  # half width of the triangle that smooths white noise into them, in pings
+    spread: float  # standard deviation of the logarithm of the gain
+    delay: float  # standard deviation of the delay, in bins
 
     def gains(self, pings: NDArray[np.int64]) -> NDArray[np.float32]:
         """Lognormal factors of mean 1, (n, 1, 1)."""

@@ -45,25 +45,7 @@ def crosstalk(scene: Scene) -> float:
 
 
 def time_varied_gain(scene: Scene, arrays: SceneArrays, echo: Curve, noise: float, depth: float) -> Curve:
-    """Factor of intensity by which the time-varied gain lifts every bin.
-
-    Parameters
-    ----------
-    scene : Scene
-    arrays : SceneArrays
-    echo : (bins,) float64
-        Intensity at the receiver of the echo of a level Lambert bed of albedo 1.
-    noise : float
-        Mean intensity of the noise.
-    depth : float
-        Of the sonar, in metres.
-
-    Returns
-    -------
-    (bins,) float64
-        10^(gain/10) with the gain that the scene declares, out to the range where that echo falls below
-        the noise, and constant beyond. Source level and gain together are limited to `GREATEST_GAIN`.
-    """
+    """Factor of intensity by which the time-varied gain lifts every bin."""
     r = bin_centres(arrays)
     bins = RangeBins(np.arange(r.size, dtype=np.float64), r, 2.0 * r / arrays.water.reference)
     if scene.receiver.tvg.stops_at_noise:

@@ -24,22 +24,13 @@ NARROWEST_TRIANGLE = 0.5  # pings
 
 @dataclass(frozen=True, eq=False)
 class WaveField:
-    """Complex Gaussian waves of mean energy 1, a function of ping, side and bin alone.
+    """Complex Gaussian waves of mean energy 1, a function of ping, side and bin alone."""
 
-    Attributes
-    ----------
-    seed, stream : int
-        Seed and stream of the hash; further looks take the following streams.
-    taps : (m,) float32
-        Weights of the noise of a bin and of the bins before it; their squares sum to 1.
-    half_width : (m - 1 + bins,) float64
-        Half width of the triangle that smooths the noise along the track, in pings, of every bin, starting m - 1 bins
-        before the first.
-    """
-
-    seed: int
+    seed: int  # seed and stream of the hash; further looks take the following streams
     stream: int
-    taps: NDArray[np.float32]
+    taps: NDArray[np.float32]  # (m,) weights of the noise of a bin and of the bins before it; their squares sum to 1
+    # (m - 1 + bins,) half width of the triangle that smooths the noise along the track, in pings, of every bin,
+    # starting m - 1 bins before the first.
     half_width: NDArray[np.float64]
 
     def energies(self, pings: NDArray[np.int64], looks: int = 1) -> NDArray[np.float32]:
@@ -91,22 +82,7 @@ class WaveField:
 
 
 def make_field(seed: int, stream: int, taps: NDArray[np.float64], interval: NDArray[np.float64]) -> WaveField:
-    """Random field with a given correlation along range and along the track.
-
-    Parameters
-    ----------
-    seed, stream : int
-        Seed and stream of the hash.
-    taps : (m,) float64
-        From `insonify.acoustics.pulses.coherent_taps`.
-    interval : (bins,) float64
-        ∫|ρ|² along the track, in pings, where |ρ|² is the correlation of the energies; up to 1, pings are independent.
-        Intervals of a few pings are met to 5 %, because the triangle is sampled at whole pings.
-
-    Returns
-    -------
-    WaveField
-    """
+    """Random field with a given correlation along range and along the track."""
     wide = np.maximum(interval / TRIANGLE_INTERVAL, NARROWEST_TRIANGLE)
     early = np.full(taps.size - 1, wide[0])
     return WaveField(seed, stream, taps.astype(np.float32), np.concatenate([early, wide]))

@@ -32,49 +32,25 @@ Curve = NDArray[np.float64]
 
 @dataclass(frozen=True, eq=False)
 class Reception:
-    """The receiver of a scene, prepared for any of its pings.
+    """The receiver of a scene, prepared for any of its pings."""
 
-    Attributes
-    ----------
-    taps : Taps
-        Energy that the pulse spreads over neighbouring bins.
-    reverberation : (bins,) float64
-        Mean intensity of volume and surface reverberation.
-    fluctuation, speckle : Fluctuation, Speckle or None
-        None where the scene has none; interfering scatterers are no speckle of the receiver's.
-    divided_by_shape : (materials, 3) float64 or None
-        Reflectivities over the shape of each material's K speckle; None where the receiver's own shape holds for all.
-    coherent : bool
-        Whether traced echoes already hold pulse and speckle, because single scatterers interfered.
-    samples : int
-        Samples of a bin at which waves are summed; 1 unless scatterers interfere.
-    crosstalk : float
-        Share of the energy of each channel that leaks into the other.
-    source : float
-        Source level as a factor of intensity.
-    noise : float
-        Mean intensity of the noise.
-    reverberation_field, noise_field : WaveField
-        Waves of both, of mean energy 1.
-    gain : (bins,) float64
-        Time-varied gain.
-    volumes, disturbances, recording : VolumeEchoes, Disturbances, Recording or None
-        Schools and plumes, ringing and interference, and the recorder; None where the scene has none.
-    """
-
-    taps: Taps
-    reverberation: Curve
+    taps: Taps  # energy that the pulse spreads over neighbouring bins
+    reverberation: Curve  # (bins,) mean intensity of volume and surface reverberation
+    # None where the scene has none; interfering scatterers are no speckle of the receiver's.
     fluctuation: Fluctuation | None
     speckle: Speckle | None
+    # (materials, 3) reflectivities over the shape of each material's K speckle; None where the receiver's own
+    # shape holds for all.
     divided_by_shape: Curve | None
-    coherent: bool
-    samples: int
-    crosstalk: float
-    source: float
-    noise: float
-    reverberation_field: WaveField
+    coherent: bool  # whether traced echoes already hold pulse and speckle, because single scatterers interfered
+    samples: int  # samples of a bin at which waves are summed; 1 unless scatterers interfere
+    crosstalk: float  # share of the energy of each channel that leaks into the other
+    source: float  # source level as a factor of intensity
+    noise: float  # mean intensity of the noise
+    reverberation_field: WaveField  # waves of both, of mean energy 1
     noise_field: WaveField
-    gain: Curve
+    gain: Curve  # (bins,) time-varied gain
+    # Schools and plumes, ringing and interference, and the recorder; None where the scene has none.
     volumes: VolumeEchoes | None
     disturbances: Disturbances | None
     recording: Recording | None
@@ -111,21 +87,7 @@ class Reception:
 
 
 def prepare_reception(scene: Scene, ground: AnyGround, arrays: SceneArrays) -> Reception:
-    """Prepare the receiver of a scene for the height of its first ping.
-
-    Parameters
-    ----------
-    scene : Scene
-        Gives pulse, receiver and seed.
-    ground : AnyGround
-        The bed.
-    arrays : SceneArrays
-        The packed scene.
-
-    Returns
-    -------
-    Reception
-    """
+    """Prepare the receiver of a scene for the height of its first ping."""
     first = np.zeros(1, dtype=np.int64)
     z = make_poses(scene, ground, first).z
     altitude = max(float((z - bed_beneath(scene, ground, first))[0]), arrays.bin_length)
@@ -145,25 +107,7 @@ def make_reception(
     k_shapes: Sequence[float | None] = (),
     volumes: VolumeEchoes | None = None,
 ) -> Reception:
-    """Prepare the receiver of a scene.
-
-    Parameters
-    ----------
-    scene : Scene
-        Gives pulse, receiver and seed.
-    arrays : SceneArrays
-        The packed scene.
-    altitude, depth : float
-        Height of the sonar above the mean bed, and its depth, in metres.
-    k_shapes : sequence of float or None
-        Shape of the K speckle of every material, by its row; None where the receiver's own holds.
-    volumes : VolumeEchoes, optional
-        Schools and plumes.
-
-    Returns
-    -------
-    Reception
-    """
+    """Prepare the receiver of a scene."""
     speed, pulse = arrays.water.reference, scene.sonar.pulse
     taps = pulse_taps(pulse, speed, arrays.bin_length)
     if arrays.law == LIGHT:

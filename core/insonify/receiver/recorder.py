@@ -19,36 +19,16 @@ LARGEST = float(np.finfo(np.float32).max)
 
 @dataclass(frozen=True, eq=False)
 class Recording:
-    """What a recorder makes of detected intensities.
+    """What a recorder makes of detected intensities."""
 
-    Attributes
-    ----------
-    seed : int
-        Of the scene.
-    times : (k,) float64
-        From which the gains hold, in seconds after the first ping.
-    gains : (k,) float64
-        Factors of intensity.
-    sides : (2,) float64
-        Factors of intensity of port and starboard.
-    full_scale : float
-        Greatest intensity that is recorded.
-    step : float
-        Step of the recorded amplitudes; 0 where nothing is rounded.
-    dropped : float
-        Share of the pings that are lost.
-    ping_rate : float
-        Pings per second.
-    """
-
-    seed: int
-    times: NDArray[np.float64]
-    gains: NDArray[np.float64]
-    sides: NDArray[np.float64]
-    full_scale: float
-    step: float
-    dropped: float
-    ping_rate: float
+    seed: int  # of the scene
+    times: NDArray[np.float64]  # (k,) from which the gains hold, in seconds after the first ping
+    gains: NDArray[np.float64]  # (k,) factors of intensity
+    sides: NDArray[np.float64]  # (2,) factors of intensity of port and starboard
+    full_scale: float  # greatest intensity that is recorded
+    step: float  # step of the recorded amplitudes; 0 where nothing is rounded
+    dropped: float  # share of the pings that are lost
+    ping_rate: float  # pings per second
 
     def record(self, detected: NDArray[np.float32], pings: NDArray[np.int64]) -> NDArray[np.float32]:
         """Record detected intensities, (n, 2, bins)."""
@@ -66,14 +46,7 @@ class Recording:
 
 
 def make_recording(scene: Scene, loudest: float) -> Recording | None:
-    """Prepare the recorder of a scene, None for one that changes nothing.
-
-    Parameters
-    ----------
-    scene : Scene
-    loudest : float
-        Intensity of a level bed of albedo 1 in its loudest bin, which a full scale that is not declared holds.
-    """
+    """Prepare the recorder of a scene, None for one that changes nothing."""
     declared = scene.receiver.recorder
     if declared == Recorder():
         return None

@@ -26,21 +26,11 @@ FIRST_COLUMN, LAST_COLUMN = -12.0, 5.5  # log₂ of that number; beyond 2^5.5 li
 
 @dataclass(frozen=True, eq=False)
 class BedTexture:
-    """Gamma-distributed strength of the bed about its mean, the texture of K speckle.
+    """Gamma-distributed strength of the bed about its mean, the texture of K speckle."""
 
-    Attributes
-    ----------
-    field : WaveField
-        Exponential numbers, correlated as far as resolution cells overlap.
-    shape : float
-        ν of the gamma distribution in a cell of the reference size.
-    growth : (bins,) float64
-        Size of the resolution cells over the reference size.
-    """
-
-    field: WaveField
-    shape: float
-    growth: NDArray[np.float64]
+    field: WaveField  # exponential numbers, correlated as far as resolution cells overlap
+    shape: float  # ν of the gamma distribution in a cell of the reference size
+    growth: NDArray[np.float64]  # (bins,) size of the resolution cells over the reference size
 
     def strengths(
         self, pings: NDArray[np.int64], inverse_shape: NDArray[np.float32] | None = None
@@ -56,21 +46,11 @@ class BedTexture:
 
 @dataclass(frozen=True, eq=False)
 class Speckle:
-    """Random factors of mean 1 by which the receiver multiplies the bins.
+    """Random factors of mean 1 by which the receiver multiplies the bins."""
 
-    Attributes
-    ----------
-    field : WaveField
-        Energy of interfering scatterers.
-    looks : int
-        Independent records averaged.
-    texture : BedTexture or None
-        Present for K speckle.
-    """
-
-    field: WaveField
-    looks: int
-    texture: BedTexture | None
+    field: WaveField  # energy of interfering scatterers
+    looks: int  # independent records averaged
+    texture: BedTexture | None  # present for K speckle
 
     @property
     def inverse_shape(self) -> float:
@@ -120,22 +100,7 @@ def make_speckle(scene: Scene, arrays: SceneArrays) -> Speckle | None:
 
 
 def divide_by_shape(scene: Scene, arrays: SceneArrays, k_shapes: Sequence[float | None]) -> NDArray[np.float64] | None:
-    """Divide the reflectivity of every material by the shape of its K speckle.
-
-    Parameters
-    ----------
-    scene : Scene
-        Its speckle applies.
-    arrays : SceneArrays
-        With the reflectivities of all materials.
-    k_shapes : sequence of float or None
-        By row of those; None where the receiver's own shape holds.
-
-    Returns
-    -------
-    (materials, 3) float64 or None
-        None where no material has a shape of its own. The exponent of the lobe stays as it is.
-    """
+    """Divide the reflectivity of every material by the shape of its K speckle."""
     texture = scene.receiver.speckle.texture
     if texture is None or all(shape is None for shape in k_shapes):
         return None
@@ -146,14 +111,7 @@ def divide_by_shape(scene: Scene, arrays: SceneArrays, k_shapes: Sequence[float 
 
 @lru_cache(maxsize=1)
 def shape_table() -> NDArray[np.float32]:
-    """Table from exponential numbers E to gamma numbers T of the same quantile, both of mean 1.
-
-    Returns
-    -------
-    (rows, columns) float32
-        log₂ T; rows at steps of 1/8 in log₂ ν, columns at steps of 1/16 in log₂ E. T = E for ν = 1, and T grows as
-        E^(1/ν) below the table. Bilinear interpolation keeps mean and variance to 0.1 %.
-    """
+    """Table from exponential numbers E to gamma numbers T of the same quantile, both of mean 1."""
     from scipy import special  # lazy: takes longer to import than a preview takes to trace
 
     octaves = math.ceil(math.log2(LARGEST_SHAPE / SMALLEST_SHAPE) * ROWS)

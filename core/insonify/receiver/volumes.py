@@ -21,21 +21,11 @@ TOGETHER = 256  # points of a group that a beam takes in or passes over
 
 @dataclass(frozen=True, eq=False)
 class VolumeEchoes:
-    """Echoes of the volumes of a scene.
+    """Echoes of the volumes of a scene."""
 
-    Attributes
-    ----------
-    arrays : SceneArrays
-        Beam, bins and range factors.
-    poses : callable
-        From ping numbers to poses of the sonar.
-    points : tuple of EchoPoints
-        Points by which each volume is sampled.
-    """
-
-    arrays: SceneArrays
-    poses: Callable[[NDArray[np.int64]], Poses]
-    points: tuple[EchoPoints, ...]
+    arrays: SceneArrays  # beam, bins and range factors
+    poses: Callable[[NDArray[np.int64]], Poses]  # from ping numbers to poses of the sonar
+    points: tuple[EchoPoints, ...]  # points by which each volume is sampled
 
     def energy(self, pings: NDArray[np.int64]) -> NDArray[np.float32]:
         """Mean energy for a pulse of one bin, (n, 2, bins)."""
@@ -53,15 +43,7 @@ class VolumeEchoes:
 
 
 def make_volume_echoes(scene: Scene, arrays: SceneArrays, ground: AnyGround) -> VolumeEchoes | None:
-    """Prepare the volumes that a scene declares, None where it declares none.
-
-    Parameters
-    ----------
-    scene : Scene
-    arrays : SceneArrays
-    ground : AnyGround
-        The bed; what lies below it, or above the sea surface, does not echo.
-    """
+    """Prepare the volumes that a scene declares, None where it declares none."""
     if not scene.volumes:
         return None
     points = tuple(_echo_points(*_in_water(volume, ground)) for volume in scene.volumes)

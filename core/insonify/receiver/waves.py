@@ -14,15 +14,9 @@ Record = NDArray[np.float32]
 
 @dataclass(frozen=True, eq=False)
 class Waves:
-    """Complex amplitudes, whose squared moduli are intensities.
+    """Complex amplitudes, whose squared moduli are intensities."""
 
-    Attributes
-    ----------
-    real, imaginary : (n, 2, bins * samples) float32
-        Of pings, port and starboard; changed in place.
-    """
-
-    real: Record
+    real: Record  # (n, 2, bins * samples) of pings, port and starboard; changed in place
     imaginary: Record
 
     def add(self, energy: Record, turns: Record) -> None:

@@ -81,25 +81,7 @@ def parameter(
     rare: bool = False,
     **bounds: Any,
 ) -> Any:
-    """Declare one scene parameter.
-
-    Parameters
-    ----------
-    default : object, optional
-        Value when the scene does not say; required when left out.
-    unit : str
-        Unit as printed beside the number, empty for a pure number.
-    description : str
-        One line for tooltips, documentation and messages.
-    slider : (float, float), optional
-        Useful range of a slider; the bounds may be wider.
-    log : bool
-        Whether a slider moves in equal ratios.
-    rare : bool
-        Whether few people change it: the viewer folds it away.
-    **bounds
-        Pydantic constraints (``gt``, ``ge``, ``lt``, ``le``, ``min_length`` ...).
-    """
+    """Declare one scene parameter."""
     extra: dict[str, Any] = {"unit": unit, "log": log}
     if rare:
         extra["rare"] = True

@@ -16,13 +16,7 @@ from insonify.scene.scene import Scene
 
 
 def build(values: Mapping[str, Any]) -> Scene:
-    """Validate plain values into a scene.
-
-    Raises
-    ------
-    SceneError
-        One sentence with the field, the value and the remedy.
-    """
+    """Validate plain values into a scene."""
     try:
         return Scene.model_validate(dict(values))
     except ValidationError as error:
@@ -35,21 +29,7 @@ def plain(scene: Scene) -> dict[str, Any]:
 
 
 def edit(scene: Scene, changes: Mapping[str, Any]) -> Scene:
-    """Apply changes to a scene, then validate the whole scene.
-
-    Parameters
-    ----------
-    scene : Scene
-        Scene to start from; it is left as it was.
-    changes : mapping of str to object
-        New values by dotted path, list positions as numbers: ``{"seabed.relief.peaks.0.1": 4.0}``.
-        Changing a ``kind`` keeps the fields both kinds share. None returns an optional field to its default.
-
-    Raises
-    ------
-    SceneError
-        One sentence with the field, the value and the remedy.
-    """
+    """Apply changes to a scene, then validate the whole scene."""
     values = plain(scene)
     # A kind decides which fields exist, so kinds go first whatever the order given.
     kinds = [path for path in changes if path.endswith("kind")]

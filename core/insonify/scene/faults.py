@@ -12,18 +12,7 @@ from insonify.scene.kinds import kind_name, models_of
 
 
 def describe_fault(error: ValidationError, root: type[BaseModel]) -> str:
-    """Describe the first fault of a declaration in one sentence: field, value, remedy.
-
-    Parameters
-    ----------
-    error : ValidationError
-    root : type
-        The declaration that was being validated.
-
-    Returns
-    -------
-    str
-    """
+    """Describe the first fault of a declaration in one sentence: field, value, remedy."""
     faults = error.errors()
     path = _path(faults[0]["loc"], root)
     # Where a field accepts several types, the error of the closest type lies at the greatest depth.

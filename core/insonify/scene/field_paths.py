@@ -8,19 +8,7 @@ from insonify.scene.kinds import models_of
 
 
 def is_field(root: type[BaseModel], path: str) -> bool:
-    """Whether a dotted path leads to a field of a declaration, for some choice of the kinds on its way.
-
-    Parameters
-    ----------
-    root : type
-        Declaration that the path begins at.
-    path : str
-        Names of fields, and positions in lists: ``targets.0.gap``.
-
-    Returns
-    -------
-    bool
-    """
+    """Whether a dotted path leads to a field of a declaration, for some choice of the kinds on its way."""
     models: tuple[type[BaseModel], ...] = (root,)
     known = False
     for step in path.split("."):

@@ -46,13 +46,7 @@ def load_scene(name_or_path: str | Path) -> Scene:
 
 
 def load_partner(scene: Scene) -> Scene | None:
-    """Read the scene that a scene is to be compared with; None if it names none.
-
-    Raises
-    ------
-    SceneError
-        One sentence with what is wrong and the remedy.
-    """
+    """Read the scene that a scene is to be compared with; None if it names none."""
     if not scene.partner:
         return None
     named = [word for word in scene.partner if "=" not in word]
@@ -94,15 +88,7 @@ def scene_to_toml(scene: Scene) -> str:
 
 
 def with_paths_beside(source: Path, value: Any) -> Any:
-    """Take every relative ``path`` of nested values from the folder of the file that they were read from.
-
-    Parameters
-    ----------
-    source : Path
-        That file.
-    value : object
-        Plain values of TOML.
-    """
+    """Take every relative ``path`` of nested values from the folder of the file that they were read from."""
     if isinstance(value, list):
         return [with_paths_beside(source, item) for item in value]
     if not isinstance(value, dict):

@@ -27,15 +27,7 @@ def kind_name(model: type[BaseModel]) -> str | None:
 
 
 class Family:
-    """All kinds of one choice.
-
-    Parameters
-    ----------
-    name : str
-        Plural noun: the family's name in the group of entry points.
-    package : str, optional
-        Package whose modules hold one kind or more each.
-    """
+    """All kinds of one choice."""
 
     def __init__(self, name: str, package: str | None = None) -> None:
         self.name, self.package = name, package
@@ -86,20 +78,7 @@ class Family:
 
 
 class KindOf:
-    """Annotation of a field that holds one declaration of a family.
-
-    Parameters
-    ----------
-    family : Family
-    base : type, optional
-        Only kinds that derive from this class.
-    default : str, optional
-        Kind of a table that does not say its own; such a table is refused when left out.
-    text : str, optional
-        Kind that a bare text stands for; when left out the text is the name of the kind.
-    number : str, optional
-        Kind that a bare number stands for.
-    """
+    """Annotation of a field that holds one declaration of a family."""
 
     def __init__(
         self,

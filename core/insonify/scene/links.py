@@ -10,21 +10,11 @@ _LINK = re.compile(r"\[(?P<words>[^\]]+)\]\((?P<path>[a-z_][\w.]*)=(?P<literal>[
 
 
 class Link(NamedTuple):
-    """A value to try.
+    """A value to try."""
 
-    Attributes
-    ----------
-    words : str
-        The words that are linked.
-    path : str
-        Dotted path of the field.
-    value : object
-        Value to try.
-    """
-
-    words: str
-    path: str
-    value: Any
+    words: str  # the words that are linked
+    path: str  # dotted path of the field
+    value: Any  # value to try
 
 
 def split_description(text: str) -> tuple[str | Link, ...]:

@@ -15,22 +15,7 @@ def exact_cos(degrees: float) -> float:
 
 
 def rotation_matrix(heading: float, pitch: float, roll: float) -> NDArray[np.float64]:
-    """Rotate a body by its heading about z, then by its pitch and its roll, each about its own rotated axes.
-
-    Parameters
-    ----------
-    heading : float
-        Degrees counter-clockwise from +x.
-    pitch : float
-        Degrees, bow up.
-    roll : float
-        Degrees, port side up.
-
-    Returns
-    -------
-    (3, 3) float64
-        Its columns are the world directions of the body's bow, port side and top: R = Rz(heading) Ry(−pitch) Rx(roll).
-    """
+    """Rotate a body by its heading about z, then by its pitch and its roll, each about its own rotated axes."""
     (ch, sh), (cp, sp), (cr, sr) = ((exact_cos(a), exact_cos(a - 90.0)) for a in (heading, pitch, roll))
     about_z = np.array([[ch, -sh, 0.0], [sh, ch, 0.0], [0.0, 0.0, 1.0]])
     bow_up = np.array([[cp, 0.0, -sp], [0.0, 1.0, 0.0], [sp, 0.0, cp]])

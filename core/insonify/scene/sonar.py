@@ -54,17 +54,7 @@ class Sonar(Declaration):
     )
 
     def refuse_haste(self, sound_speed: float) -> None:
-        """Raise an error if a ping follows before the echoes from the whole range have returned.
-
-        Parameters
-        ----------
-        sound_speed : float
-            Of the water at the sonar, in m/s.
-
-        Raises
-        ------
-        SceneError
-        """
+        """Raise an error if a ping follows before the echoes from the whole range have returned."""
         fastest = sound_speed / (2.0 * self.range)
         if self.ping_rate > fastest:
             raise SceneError(
@@ -73,17 +63,7 @@ class Sonar(Declaration):
             )
 
     def refuse_long_pulse(self, sound_speed: float) -> None:
-        """Raise an error if a pulse lasts more bins than a record may have.
-
-        Parameters
-        ----------
-        sound_speed : float
-            Of the water at the sonar, in m/s.
-
-        Raises
-        ------
-        SceneError
-        """
+        """Raise an error if a pulse lasts more bins than a record may have."""
         bin_length = self.range / self.bins
         longest = MOST_BINS * bin_length / (0.5 * sound_speed)
         if self.pulse.length > longest:

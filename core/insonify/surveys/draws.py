@@ -11,41 +11,13 @@ SEED_BITS = 53  # of a drawn seed: every reader of JSON keeps it exactly
 
 
 def hash_share(seed: int, number: int, path: str) -> float:
-    """Hash a seed, a number and a path to a uniform number inside (0, 1).
-
-    Parameters
-    ----------
-    seed : int
-        Of the specification.
-    number : int
-        Of the scene.
-    path : str
-        What is drawn.
-
-    Returns
-    -------
-    float
-        The same on every machine, whatever else is drawn.
-    """
+    """Hash a seed, a number and a path to a uniform number inside (0, 1)."""
     digest = hashlib.blake2b(f"{seed}\n{number}\n{path}".encode(), digest_size=8).digest()
     return ((int.from_bytes(digest, "big") >> 12) + 0.5) * 2.0**-52
 
 
 class Draws:
-    """Values of one scene, and a record of them.
-
-    Parameters
-    ----------
-    seed : int
-        Of the specification.
-    number : int
-        Of the scene.
-
-    Attributes
-    ----------
-    drawn : dict of str to object
-        Every value that was drawn, by its path.
-    """
+    """Values of one scene, and a record of them."""
 
     def __init__(self, seed: int, number: int) -> None:
         self._seed, self._number = seed, number

@@ -22,25 +22,14 @@ ALIKE = 0.01  # share by which pings may lie nearer than a cell: positions in fi
 
 @dataclass(frozen=True, eq=False)
 class Mosaic:
-    """Levels on a grid of the map.
+    """Levels on a grid of the map."""
 
-    Attributes
-    ----------
-    level : (rows, columns) float32
-        dB relative to the median of its record at that slant range; NaN where nothing was insonified; northernmost
-        row first.
-    corner : (float, float)
-        Easting and northing of the upper left corner, in metres.
-    cell : float
-        Side of a cell, in metres.
-    count : (rows, columns) uint16
-        Records that have a sample in the cell.
-    """
-
+    # (rows, columns) dB relative to the median of its record at that slant range; NaN where nothing was
+    # insonified; northernmost row first.
     level: NDArray[np.float32]
-    corner: tuple[float, float]
-    cell: float
-    count: NDArray[np.uint16]
+    corner: tuple[float, float]  # (float, float) easting and northing of the upper left corner, in metres
+    cell: float  # side of a cell, in metres
+    count: NDArray[np.uint16]  # (rows, columns) records that have a sample in the cell
 
 
 @dataclass(eq=False)
@@ -65,24 +54,6 @@ def make_mosaic(swaths: Collection[Swath], cell: float | None = None, overlap: s
 
     Every swath is filled between successive pings of its record, except over gaps of more than five times their usual
     distance, and averaged in energy within a cell. The rule of overlaps then decides between records.
-
-    Parameters
-    ----------
-    swaths : collection of Swath
-        At least one.
-    cell : float, optional
-        Side of a cell in metres; from `choose_cell` when left out.
-    overlap : str
-        ``mean`` of the records' energies, ``last`` record, ``strongest``, or the record ``nearest`` in ground range.
-
-    Returns
-    -------
-    Mosaic
-
-    Raises
-    ------
-    SceneError
-        If the mosaic is too large.
     """
     cell = choose_cell(swaths) if cell is None else cell
     low, shape = _extent(swaths, cell)

@@ -25,27 +25,7 @@ Model = TypeVar("Model", bound=BaseModel)
 
 
 def read_specification(name: str, model: type[Model], bundled: Mapping[str, Path], changes: Mapping[str, Any]) -> Model:
-    """Read a specification.
-
-    Parameters
-    ----------
-    name : str
-        Of a bundled one, or of a TOML file; relative paths in it are taken from its folder.
-    model : type
-        Declaration that it is validated by.
-    bundled : mapping of str to Path
-    changes : mapping of str to object
-        Values in place of its own.
-
-    Returns
-    -------
-    Declaration
-
-    Raises
-    ------
-    SceneError
-        One sentence with the field, the value and the remedy.
-    """
+    """Read a specification."""
     path = bundled.get(name) or Path(name)
     with guarded(partial(_unreadable, name, bundled), "give a readable TOML file"):
         text = read_text(path, largest=LARGEST)

@@ -24,30 +24,14 @@ SIDEWAYS = (90.0, -90.0)  # degrees from the heading to port and starboard
 
 @dataclass(frozen=True, eq=False)
 class Swath:
-    """The pings of a record as lines on the map, from below the sonar to the farthest ground range.
+    """The pings of a record as lines on the map, from below the sonar to the farthest ground range."""
 
-    Attributes
-    ----------
-    nadir : (pings, 2) float64
-        Easting and northing below the sonar, in metres.
-    ends : (pings, 2, 2) float64
-        Of the far ends of both sides, port first.
-    reach : float
-        Ground range of the far ends, in metres.
-    altitude : (pings,) float64
-        In metres.
-    amplitude : (pings, 2, bins) float32
-        Relative to the median of the record at that slant range.
-    bin_length : float
-        In metres of slant range.
-    """
-
-    nadir: NDArray[np.float64]
-    ends: NDArray[np.float64]
-    reach: float
-    altitude: NDArray[np.float64]
-    amplitude: NDArray[np.float32]
-    bin_length: float
+    nadir: NDArray[np.float64]  # (pings, 2) easting and northing below the sonar, in metres
+    ends: NDArray[np.float64]  # (pings, 2, 2) of the far ends of both sides, port first
+    reach: float  # ground range of the far ends, in metres
+    altitude: NDArray[np.float64]  # (pings,) in metres
+    amplitude: NDArray[np.float32]  # (pings, 2, bins) relative to the median of the record at that slant range
+    bin_length: float  # in metres of slant range
 
     @property
     def spacing(self) -> float:
@@ -68,21 +52,7 @@ class Swath:
 
 
 def choose_map(name: str, record: xr.Dataset, crs: str | None) -> str:
-    """Return the coordinate reference system of a mosaic: the wanted one, else the UTM zone of a record's first ping.
-
-    Parameters
-    ----------
-    name : str
-        Of the record, for errors.
-    record : Dataset
-    crs : str, optional
-        As PROJ takes it.
-
-    Returns
-    -------
-    str
-        Empty for a record in metres of a map that is not known, or of no place at all.
-    """
+    """Return the coordinate reference system of a mosaic: as given, else the UTM zone of a record's first ping."""
     place = find_georeference(record.attrs)
     if place is None or not place.crs:
         if crs is not None and place is None:
@@ -95,27 +65,7 @@ def choose_map(name: str, record: xr.Dataset, crs: str | None) -> str:
 
 
 def lay_swath(name: str, record: xr.Dataset, crs: str, altitude: str = ALTITUDES[0]) -> Swath:
-    """Lay the swath of a record on the map.
-
-    Parameters
-    ----------
-    name : str
-        Of the record, for errors.
-    record : Dataset
-    crs : str
-        Of the map, from `choose_map`.
-    altitude : str
-        ``recorded``, or ``bottom-track``. A record without altitude is bottom-tracked in any case.
-
-    Returns
-    -------
-    Swath
-
-    Raises
-    ------
-    SceneError
-        If the record has neither altitude nor an edge of the bed, ends before the bed, or lies on another map.
-    """
+    """Lay the swath of a record on the map."""
     heights = _altitudes(name, record, altitude)
     record = record.assign(platform_altitude=("ping_time", heights))
     bin_length = 2.0 * float(record["slant_range"].values[0])
@@ -160,24 +110,7 @@ def _headings(record: xr.Dataset) -> NDArray[np.float64]:
 def put_on_map(
     name: str, place: Georeference | None, crs: str, x: NDArray[np.float64], y: NDArray[np.float64]
 ) -> NDArray[np.float64]:
-    """Transform positions of a record to the map.
-
-    Parameters
-    ----------
-    name : str
-        Of the record, for errors.
-    place : Georeference, optional
-        Where the record lies on Earth.
-    crs : str
-        Of the map, from `choose_map`.
-    x, y : (n,) float64
-        In metres.
-
-    Returns
-    -------
-    (n, 2) float64
-        Easting and northing.
-    """
+    """Transform positions of a record to the map."""
     if place is None:
         if crs:
             raise SceneError(f"{name}: has no place on Earth, and other records have; make a mosaic of its own of it")

@@ -44,11 +44,6 @@ def build_ground(scene: Scene) -> AnyGround:
 
     Node (0, 0) of a synthetic bed lies at the local (0, 0), so that the landscape does not depend on the track. Grounds
     share arrays that are kept for the next call and must not be written to.
-
-    Raises
-    ------
-    SceneError
-        If a file cannot be read, a period holds no wave, or no relief reproduces the record of a pattern.
     """
     if scene.seabed.endless:
         return _endless_ground(scene, _kept_tiles(*_endless_relief(scene)))
@@ -70,20 +65,7 @@ def build_ground(scene: Scene) -> AnyGround:
 
 
 def build_excerpt(scene: Scene, low: tuple[float, float], high: tuple[float, float]) -> EndlessExcerpt:
-    """Endless ground of a scene of which one rectangle is made at once, for pictures that are soon out of date.
-
-    Parameters
-    ----------
-    scene : Scene
-        With endless ground.
-    low, high : (float, float)
-        Two corners of the rectangle, x and y in local metres.
-
-    Raises
-    ------
-    SceneError
-        As `build_ground`.
-    """
+    """Endless ground of a scene of which one rectangle is made at once, for pictures that are soon out of date."""
     # Its fields are not kept, and those of tiles are made where a tile is asked for.
     heights = endless_heights(*_endless_relief(scene))
     whole = _endless_ground(scene, lambda row, column: _kept_tiles(*_endless_relief(scene))(row, column))
@@ -134,13 +116,7 @@ def _endless_map(scene: Scene) -> _EndlessMap:
 
 
 def cells_of_period(period: float, spacing: float) -> int:
-    """Return the number of cells along one side of a period of relief.
-
-    Raises
-    ------
-    SceneError
-        If they are too few for a wave.
-    """
+    """Return the number of cells along one side of a period of relief."""
     cells = round(period / spacing)
     if cells < FEWEST_CELLS:
         raise SceneError(
@@ -183,21 +159,6 @@ def sample_heights(
 
     The measured heights are interpolated bilinearly, as between the nodes of any bed, to the grid of the detail, which
     begins at the corner of the measured grid and repeats from there.
-
-    Parameters
-    ----------
-    relief : ReliefKind
-    spacing : float
-        Metres between nodes.
-    origin : (float, float), optional
-        Map coordinates of the local (0, 0).
-    seed : int
-        Of the detail.
-
-    Raises
-    ------
-    SceneError
-        If the bed cannot be made, or has too many nodes.
     """
     grid = relief.sample(spacing, origin)
     if not relief.detail:

@@ -22,17 +22,10 @@ class EndlessExcerpt(EndlessGround):
     """Endless ground of which no tiles are made where one rectangle suffices.
 
     A window of tiles holds several times the nodes that a few hundred pings need, which pays where the tow goes on.
-
-    Attributes
-    ----------
-    make : callable
-        Makes the ground of some `Nodes`, which ends at their edges.
-    held : Ground
-        The rectangle; pings are traced over it, whatever window they are in.
     """
 
-    make: Callable[[Nodes], Ground]
-    held: Ground
+    make: Callable[[Nodes], Ground]  # makes the ground of some `Nodes`, which ends at their edges
+    held: Ground  # the rectangle; pings are traced over it, whatever window they are in
 
     @classmethod
     def of(cls, whole: EndlessGround, make: Callable[[Nodes], Ground], low: Corner, high: Corner) -> EndlessExcerpt:

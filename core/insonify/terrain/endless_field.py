@@ -44,19 +44,11 @@ KAISER = 9.0  # shape of its window: images are 90 dB down
 
 
 class Nodes(NamedTuple):
-    """Rectangle of nodes of a lattice.
+    """Rectangle of nodes of a lattice."""
 
-    Attributes
-    ----------
-    row, column : int
-        Its lowest node along y and x; node (0, 0) lies at the origin.
-    rows, columns : int
-        Number of nodes along either axis.
-    """
-
-    row: int
+    row: int  # its lowest node along y and x; node (0, 0) lies at the origin
     column: int
-    rows: int
+    rows: int  # number of nodes along either axis
     columns: int
 
     @classmethod
@@ -85,15 +77,6 @@ class EndlessField:
 
     Of the lattices of a tile, parts are kept for its neighbours; any other rectangle is made by itself, with all that
     it needs and no more.
-
-    Parameters
-    ----------
-    bands : tuple of Band
-        Parts of the spectrum, which add.
-    spacing : float
-        Metres between nodes. Fields on lattices of half the spacing share all but the finest waves.
-    seed, stream : int
-        Seed and stream of the hash.
     """
 
     def __init__(self, bands: tuple[Band, ...], spacing: float, seed: int, stream: int) -> None:
@@ -116,18 +99,7 @@ class EndlessField:
         return self._top.variance + sum(pyramids[0].variance for pyramids in self._moved)
 
     def values(self, nodes: Nodes) -> Field:
-        """Values on some nodes.
-
-        Parameters
-        ----------
-        nodes : Nodes
-            (rows, columns) of them.
-
-        Returns
-        -------
-        (rows, columns) float64
-            Those of a rectangle that is no tile differ from those of tiles by rounding alone.
-        """
+        """Values on some nodes."""
         total = self.complex_values(nodes).real
         if self._top.variance > FAINT * self.variance:
             total = total + self._top.values(nodes)
@@ -297,24 +269,7 @@ def _side_of_parts(coarser: int) -> int:
 def gather_tiles(
     tile: Callable[[int, int], NDArray[Any]], first: tuple[int, int], shape: tuple[int, int], side: int = TILE
 ) -> NDArray[Any]:
-    """Rectangle of nodes assembled from tiles.
-
-    Parameters
-    ----------
-    tile : callable
-        Tile of a row and a column.
-    first : (int, int)
-        Lowest node along y and x.
-    shape : (ny, nx)
-        Nodes.
-    side : int
-        Nodes along a side of a tile.
-
-    Returns
-    -------
-    (ny, nx) array
-        Values of the nodes, in the data type of the tiles.
-    """
+    """Rectangle of nodes assembled from tiles."""
     rows, columns = (_pieces(low, count, side) for low, count in zip(first, shape))
     whole = np.empty(shape, dtype=tile(rows[0].tile, columns[0].tile).dtype)
     for row in rows:

@@ -28,52 +28,29 @@ KEPT_THINNED = 6  # heights, squares and materials of two grounds that are thinn
 
 
 class HeldWindow(NamedTuple):
-    """Heights and materials of a window of endless ground, which are not written to.
+    """Heights and materials of a window of endless ground, which are not written to."""
 
-    Attributes
-    ----------
-    row, column : int
-        As numbered by `EndlessGround.cell`.
-    heights : (n, n) float32
-        As `EndlessGround.window` stores them, of one reach.
-    materials : (n, n) uint8
-    """
-
-    row: int
+    row: int  # as numbered by `EndlessGround.cell`
     column: int
-    heights: NDArray[np.float32]
-    materials: NDArray[np.uint8]
+    heights: NDArray[np.float32]  # (n, n) as `EndlessGround.window` stores them, of one reach
+    materials: NDArray[np.uint8]  # (n, n)
 
 
 @dataclass(frozen=True, eq=False)
 class EndlessGround:
-    """Heights and materials of a bed without period or end.
+    """Heights and materials of a bed without period or end."""
 
-    Attributes
-    ----------
-    heights, materials : callable
-        Functions of the row and column of a tile, which return (TILE, TILE) float32 and uint8. Node (0, 0) lies at the
-        local origin.
-    squares : callable
-        Function of the row and column of a square, which returns (SQUARE, SQUARE) float32 heights, in a tenth of a
-        tile's time. They differ from those of tiles by rounding.
-    names : tuple of str
-        Names of the materials.
-    reflectivities : tuple of Reflectivity
-        Scattering parameters of the materials.
-    spacing : float
-        Metres between nodes.
-    datum : float
-        World height of the mean bed, in metres.
-    """
-
+    # Functions of the row and column of a tile, which return (TILE, TILE) float32 and uint8. Node (0, 0) lies at
+    # the local origin.
     heights: Tiles
     materials: Tiles
+    # Function of the row and column of a square, which returns (SQUARE, SQUARE) float32 heights, in a tenth of a
+    # tile's time. They differ from those of tiles by rounding.
     squares: Tiles
-    names: tuple[str, ...]
-    reflectivities: tuple[Reflectivity, ...]
-    spacing: float
-    datum: float
+    names: tuple[str, ...]  # names of the materials
+    reflectivities: tuple[Reflectivity, ...]  # scattering parameters of the materials
+    spacing: float  # metres between nodes
+    datum: float  # world height of the mean bed, in metres
 
     @property
     def same_windows(self) -> Hashable:
@@ -86,23 +63,7 @@ class EndlessGround:
         return np.stack([np.floor(y / side), np.floor(x / side)], axis=-1).astype(np.int64)
 
     def window(self, row: int, column: int, reach: float, held: HeldWindow | None = None) -> Ground:
-        """Ground of one window and its surroundings.
-
-        Parameters
-        ----------
-        row, column : int
-            Window, as numbered by `cell`.
-        reach : float
-            Metres of ground around the window.
-        held : HeldWindow, optional
-            Another window of the same reach, from which the nodes that both hold are copied.
-
-        Returns
-        -------
-        Ground
-            A torus: node (j, i) of the world is stored at (j mod ny, i mod nx), so that code which wraps indices finds
-            every node within reach at its place in the world. Nodes beyond are not held.
-        """
+        """Ground of one window and its surroundings."""
         margin = math.ceil(reach / self.spacing) + 2
         side = TILE + 2 * margin + 1
         square = _Square(row * TILE - margin, column * TILE - margin, side)
@@ -136,33 +97,11 @@ class EndlessGround:
         return replace(self, heights=heights, materials=materials, squares=squares, spacing=every * self.spacing)
 
     def height_at(self, x: Column, y: Column) -> Column:
-        """Bilinear height above the datum, NaN where a place is no number that tells cells apart.
-
-        Parameters
-        ----------
-        x, y : float64 arrays
-            Local coordinates in metres, of one shape.
-
-        Returns
-        -------
-        float64 array
-            Metres above the datum.
-        """
+        """Bilinear height above the datum, NaN where a place is no number that tells cells apart."""
         return self._interpolated(x, y, self._at)
 
     def height_at_once(self, x: Column, y: Column) -> Column:
-        """Bilinear height as in `height_at`, of squares where the tile is not kept: a tile takes too long to wait for.
-
-        Parameters
-        ----------
-        x, y : float64 arrays
-            Local coordinates of a few places in metres, of one shape.
-
-        Returns
-        -------
-        float64 array
-            Metres above the datum; less exact by rounding where a tile is not kept.
-        """
+        """Bilinear height as in `height_at`, from squares where the tile is not cached: a tile takes too long."""
         return self._interpolated(x, y, self._at_once)
 
     def height_near(self, x: Column, y: Column) -> Column:
@@ -223,19 +162,11 @@ def _thinned(tiles: Tiles, every: int) -> Tiles:
 
 
 class _Square(NamedTuple):
-    """Square of nodes.
+    """Square of nodes."""
 
-    Attributes
-    ----------
-    row, column : int
-        Its lowest node along y and x.
-    side : int
-        Nodes along a side.
-    """
-
-    row: int
+    row: int  # its lowest node along y and x
     column: int
-    side: int
+    side: int  # nodes along a side
 
     def part(self, row: int, column: int) -> tuple[range, range]:
         """Rows and columns of the nodes of a tile that are within the square."""

@@ -17,22 +17,7 @@ Heights = Callable[[Nodes], Field]
 
 
 def endless_heights(parts: tuple[RandomRelief, ...], spacing: float, seed: int) -> Heights:
-    """Heights of endless ground, the sum of several random reliefs.
-
-    Parameters
-    ----------
-    parts : tuple of relief
-        Reliefs to add; each has its own stream of random numbers.
-    spacing : float
-        Metres between nodes.
-    seed : int
-        Seed of the landscape.
-
-    Returns
-    -------
-    callable
-        Function of some `Nodes`, which returns (rows, columns) float64: metres above the mean bed.
-    """
+    """Heights of endless ground, the sum of several random reliefs."""
     extendable = [part for part in parts if isinstance(part, ExtendableRelief)]
     made = [_masked(part, spacing, seed, RELIEF_PART * number) for number, part in enumerate(extendable)]
 

@@ -17,37 +17,18 @@ FARTHEST = 2.0**52  # cells; beyond, neighbouring integers are one number
 
 @dataclass(frozen=True, eq=False)
 class Ground:
-    """Heights and materials of a bed.
+    """Heights and materials of a bed."""
 
-    Attributes
-    ----------
-    heights : (ny, nx) float32
-        Metres above the datum, NaN where there is no bed; axis 0 is y, axis 1 is x, both increasing.
-    materials : (ny, nx) uint8
-        Row of ``reflectivities`` for the cell whose low corner is that node.
-    names : tuple of str
-        Names of the materials.
-    reflectivities : tuple of Reflectivity
-        Scattering parameters of the materials.
-    x0, y0 : float
-        Local coordinates of node (0, 0), in metres.
-    spacing : float
-        Metres between nodes.
-    periodic : bool
-        Whether the bed repeats after nx by ny cells; if not, there is no bed outside.
-    datum : float
-        World height of the mean bed, in metres (negative under water).
-    """
-
+    # (ny, nx) metres above the datum, NaN where there is no bed; axis 0 is y, axis 1 is x, both increasing.
     heights: NDArray[np.float32]
-    materials: NDArray[np.uint8]
-    names: tuple[str, ...]
-    reflectivities: tuple[Reflectivity, ...]
-    x0: float
+    materials: NDArray[np.uint8]  # (ny, nx) row of ``reflectivities`` for the cell whose low corner is that node
+    names: tuple[str, ...]  # names of the materials
+    reflectivities: tuple[Reflectivity, ...]  # scattering parameters of the materials
+    x0: float  # local coordinates of node (0, 0), in metres
     y0: float
-    spacing: float
-    periodic: bool
-    datum: float
+    spacing: float  # metres between nodes
+    periodic: bool  # whether the bed repeats after nx by ny cells; if not, there is no bed outside
+    datum: float  # world height of the mean bed, in metres (negative under water)
 
     def around(self, centre: tuple[float, float], half: float) -> Ground:
         """Ground of a square around a place: this ground itself, which is stored as a whole."""
@@ -55,13 +36,7 @@ class Ground:
         return self
 
     def thinned(self, every: int) -> Ground:
-        """Return the bed thinned to every n-th node along each axis, with node (0, 0); a level bed gets wider cells.
-
-        Parameters
-        ----------
-        every : int
-            n; for a periodic bed a divisor of its number of nodes along either axis.
-        """
+        """Return the bed thinned to every n-th node along each axis, with node (0, 0); a level bed gets wider cells."""
         if every == 1:
             return self
         step = 1 if self.periodic and self._is_level else every
@@ -77,18 +52,7 @@ class Ground:
         return len(self.reflectivities) == 1 and bool((self.heights == self.heights[0, 0]).all())
 
     def height_at(self, x: NDArray[np.float64], y: NDArray[np.float64]) -> NDArray[np.float64]:
-        """Bilinear height above the datum, NaN where there is no bed, or no number that tells cells apart.
-
-        Parameters
-        ----------
-        x, y : (n,) float64
-            Local coordinates in metres.
-
-        Returns
-        -------
-        (n,) float64
-            Metres above the datum.
-        """
+        """Bilinear height above the datum, NaN where there is no bed, or no number that tells cells apart."""
         return self._interpolated(*self._in_cells(x, y))
 
     def _in_cells(self, x: NDArray[np.float64], y: NDArray[np.float64]) -> tuple[NDArray[np.float64], ...]:
@@ -117,18 +81,7 @@ class Ground:
         return self.height_at(x, y)
 
     def height_near(self, x: NDArray[np.float64], y: NDArray[np.float64]) -> NDArray[np.float64]:
-        """Bilinear height above the datum, continued outside the bed by the height of the nearest bed.
-
-        Parameters
-        ----------
-        x, y : float64 arrays
-            Local coordinates in metres, of one shape.
-
-        Returns
-        -------
-        float64 array
-            Metres above the datum.
-        """
+        """Bilinear height above the datum, continued outside the bed by the height of the nearest bed."""
         u, v = self._in_cells(x, y)
         if not self.periodic:
             # In cells: the last node's place in metres may be rounded to beyond it.
@@ -154,19 +107,7 @@ def tell_cells_apart(u: NDArray[np.float64], v: NDArray[np.float64]) -> NDArray[
 
 
 def bilinear(corner: Callable[[int, int], NDArray[Any]], fu: NDArray[Any], fv: NDArray[Any]) -> NDArray[Any]:
-    """Bilinear interpolation within cells.
-
-    Parameters
-    ----------
-    corner : callable
-        Values at the lower or upper row (0 or 1) and the lower or upper column.
-    fu, fv : float64 arrays
-        Position within the cell along columns and rows, from 0 to 1.
-
-    Returns
-    -------
-    float64 array
-    """
+    """Bilinear interpolation within cells."""
     low = corner(0, 0) * (1 - fu) + corner(0, 1) * fu
     high = corner(1, 0) * (1 - fu) + corner(1, 1) * fu
     return np.asarray(low * (1 - fv) + high * fv)

@@ -18,28 +18,7 @@ SHOWN = 1024  # nodes along a side of the picture of endless ground
 
 
 def relief(seabed: Seabed, shape: tuple[int, int] | None = None, *, seed: int = 1) -> Field:
-    """Heights of a seabed above its mean.
-
-    Parameters
-    ----------
-    seabed : Seabed
-        Depth, spacing and relief.
-    shape : (ny, nx), optional
-        Samples of one period along y and x, or nodes of endless ground from the origin; the grid of the seabed when
-        left out. The same seed gives the same landscape on every shape; its rms is exact on the grid of the seabed.
-    seed : int
-        Seed of the landscape.
-
-    Returns
-    -------
-    (ny, nx) float64
-        Metres above the mean bed, NaN where there is none; axis 0 is y, axis 1 is x, both increasing.
-
-    Raises
-    ------
-    SceneError
-        If a shape is given for a measured bed, which has its own, if it has no nodes, or if the bed cannot be built.
-    """
+    """Heights of a seabed above its mean."""
     if shape is not None and min(shape) < 1:
         raise SceneError(f"shape: {shape} has no nodes; give at least (1, 1)")
     if seabed.endless:
@@ -59,19 +38,7 @@ def relief(seabed: Seabed, shape: tuple[int, int] | None = None, *, seed: int = 
 
 
 def relief_picture(scene: Scene) -> NDArray[np.uint8]:
-    """Heights of the bed of a scene as grey levels.
-
-    Parameters
-    ----------
-    scene : Scene
-        Scene whose bed is drawn.
-
-    Returns
-    -------
-    (ny, nx) uint8
-        The lowest height is 0, the highest 255; the first row is the northernmost. 0 also where there is no bed or
-        no relief. A bed that does not vary along x is drawn 256 nodes wide, endless ground 1024 nodes from the origin.
-    """
+    """Heights of the bed of a scene as grey levels."""
     ground = build_ground(scene)
     if isinstance(ground, EndlessGround):
         heights = gather_tiles(ground.heights, (0, 0), (SHOWN, SHOWN))[::-1]

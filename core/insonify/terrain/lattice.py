@@ -12,25 +12,13 @@ Map = NDArray[np.uint8]
 
 @dataclass(frozen=True)
 class Lattice:
-    """Number, spacing and position of the cells of a bed.
+    """Number, spacing and position of the cells of a bed."""
 
-    Attributes
-    ----------
-    shape : (int, int)
-        Cells along y and x.
-    spacing : float
-        Metres between nodes.
-    x0, y0 : float
-        Local coordinates of node (0, 0), in metres.
-    periodic : bool
-        Whether the bed repeats.
-    """
-
-    shape: tuple[int, int]
-    spacing: float
-    x0: float = 0.0
+    shape: tuple[int, int]  # (int, int) cells along y and x
+    spacing: float  # metres between nodes
+    x0: float = 0.0  # local coordinates of node (0, 0), in metres
     y0: float = 0.0
-    periodic: bool = True
+    periodic: bool = True  # whether the bed repeats
 
     @property
     def size(self) -> tuple[float, float]:

@@ -22,24 +22,7 @@ STRIP = 64  # rows at a time, whose numbers stay in the processor's cache
 def lattice_noise(
     seed: int, stream: int, spacing: float, rows: range, columns: range, out: Field | None = None
 ) -> Field:
-    """White Gaussian noise of unit variance on a rectangle of an endless lattice.
-
-    Parameters
-    ----------
-    seed, stream : int
-        Seed and stream of the hash.
-    spacing : float
-        Spacing of the lattice; lattices of different spacings have different numbers.
-    rows, columns : range
-        Indices of either sign; the first column and the number of columns are even.
-    out : (rows, columns) float64, optional
-        Where the noise is put, and what is returned.
-
-    Returns
-    -------
-    (rows, columns) float64
-        Values that depend on seed, stream, spacing and position alone.
-    """
+    """White Gaussian noise of unit variance on a rectangle of an endless lattice."""
     key = splitmix64(splitmix64(splitmix64(np.uint64(seed)) ^ np.uint64(stream)) ^ np.float64(spacing).view(np.uint64))
     keys = _mixed(np.uint64(key) ^ np.array(rows, dtype=np.int64).view(np.uint64))
     # One hash gives the two numbers of a pair of neighbours (Box and Muller 1958). Their 24 bits suffice, because

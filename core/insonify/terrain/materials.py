@@ -30,17 +30,10 @@ class BedCells(Lattice):
 
     The material of a place depends on the seed and the place, not on the grid; only the borders of bands move slightly,
     because a finer grid has finer waves.
-
-    Attributes
-    ----------
-    seed : int
-        Seed of the random fields.
-    place : Georeference, optional
-        Place of the local (0, 0) on Earth.
     """
 
-    seed: int = 0
-    place: Georeference | None = None
+    seed: int = 0  # seed of the random fields
+    place: Georeference | None = None  # place of the local (0, 0) on Earth
 
     def patches(self, size: float, count: int) -> Map:
         """Assign every cell to the nearest of hashed points, one per square; squares divide the period of a bed."""
@@ -67,18 +60,10 @@ class BedCells(Lattice):
 
 @dataclass(frozen=True)
 class EndlessCells(BedCells):
-    """Cells of some nodes of endless ground, and the random fields over them.
+    """Cells of some nodes of endless ground, and the random fields over them."""
 
-    Attributes
-    ----------
-    nodes : Nodes
-        The nodes.
-    period : float
-        Metres beyond which a fractal field is smooth.
-    """
-
-    nodes: Nodes = NO_NODES
-    period: float = 0.0
+    nodes: Nodes = NO_NODES  # the nodes
+    period: float = 0.0  # metres beyond which a fractal field is smooth
 
     def bands(self, beta: float, count: int) -> Map:
         """Split a fractal field by height into bands of equal expected area."""

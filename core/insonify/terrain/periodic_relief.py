@@ -17,24 +17,7 @@ from insonify.terrain.periodic_waves import Shape, WaveGrid
 
 
 def periodic_heights(parts: tuple[RandomRelief, ...], shape: Shape, reference: Shape, seed: int) -> Field:
-    """Heights of one period of the sum of several reliefs.
-
-    Parameters
-    ----------
-    parts : tuple of relief
-        Reliefs of one period; each has its own stream of random numbers.
-    shape : (ny, nx)
-        Samples per period along y and x.
-    reference : (ny, nx)
-        Grid on which every rms holds exactly.
-    seed : int
-        Seed of the landscape.
-
-    Returns
-    -------
-    (ny, nx) float64
-        Metres above the mean bed, exactly periodic.
-    """
+    """Heights of one period of the sum of several reliefs."""
     total = _heights(parts[0], 0, shape, reference, seed)
     for number, part in enumerate(parts[1:], 1):
         total += _heights(part, number, shape, reference, seed)
@@ -42,24 +25,7 @@ def periodic_heights(parts: tuple[RandomRelief, ...], shape: Shape, reference: S
 
 
 def unmasked_heights(relief: RandomRelief, shape: Shape, reference: Shape, seed: int, stream: int = RELIEF) -> Field:
-    """Heights of one period of one relief, without its mask.
-
-    Parameters
-    ----------
-    relief : RandomRelief
-        Spectrum, and the rms that heights have on the reference grid.
-    shape : (ny, nx)
-        Samples per period along y and x.
-    reference : (ny, nx)
-        Grid on which the rms holds exactly.
-    seed, stream : int
-        Seed and stream of the random coefficients.
-
-    Returns
-    -------
-    (ny, nx) float64
-        Metres above the mean, exactly periodic.
-    """
+    """Heights of one period of one relief, without its mask."""
     waves = WaveGrid(shape, seed, stream)
     return relief.heights(waves, waves if shape == reference else WaveGrid(reference, seed, stream))
 

@@ -24,15 +24,7 @@ MOST_THREADS = 2  # more do not shorten a transform that memory limits
 
 
 class WaveGrid:
-    """Random waves of one period, sampled on a grid.
-
-    Parameters
-    ----------
-    shape : (ny, nx)
-        Samples per period along y and x.
-    seed, stream : int
-        Seed and stream of the random coefficients.
-    """
+    """Random waves of one period, sampled on a grid."""
 
     def __init__(self, shape: Shape, seed: int, stream: int) -> None:
         self.shape, self._seed, self._stream = shape, seed, stream

@@ -13,28 +13,7 @@ FEWEST = 16.0  # cycles per period between the lowest and the highest frequency
 
 
 def amplitude_exponent(heights: NDArray[np.floating]) -> float:
-    """Exponent β of the amplitude spectrum f^−β of a field, by maximum likelihood.
-
-    Parameters
-    ----------
-    heights : (ny, nx) float
-        One period, of any unit.
-
-    Returns
-    -------
-    float
-        β, from waves of 4 cycles per period up to the Nyquist frequency; ±0.007 at 512².
-
-    Raises
-    ------
-    SceneError
-        If the field has too few waves.
-
-    References
-    ----------
-    Whittle 1953, "Estimation and information in stationary time series": minus the logarithm of the likelihood of
-    exponential powers P about a·f^−2β, with the level a at its best.
-    """
+    """Exponent β of the amplitude spectrum f^−β of a field, by maximum likelihood."""
     from scipy.optimize import minimize_scalar
 
     highest = min(heights.shape) / 2.0

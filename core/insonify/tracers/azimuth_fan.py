@@ -41,26 +41,7 @@ GROUND_RANGES = 256  # at which the beam's azimuths are looked at
 def lay_planes(
     arrays: SceneArrays, poses: Poses, planes: int, laid_at: float | None = None
 ) -> list[tuple[NDArray[np.int64], AzimuthFan]]:
-    """Lay the planes of a scene's beam.
-
-    Parameters
-    ----------
-    arrays : SceneArrays
-        The packed scene.
-    poses : Poses
-        Poses of the sonar.
-    planes : int
-        Planes across the main lobe; 1 for one that stands for the whole beam.
-    laid_at : float, optional
-        Height above the lowest bed from which the planes of level pings with a pattern are laid, in metres; their own
-        when left out.
-
-    Returns
-    -------
-    list of ((m,) int64, AzimuthFan)
-        Pings that share their planes, by their places among the poses. Heights are rounded up and pitches to a part
-        of the beam, so that a ping's planes depend on the ping alone and a level tow needs one set.
-    """
+    """Lay the planes of a scene's beam."""
     if planes == 1 and arrays.half_width > 0.0:
         return [(np.arange(poses.x.size), _whole_beam(arrays))]
     if not arrays.pattern.tabulated or arrays.half_width <= 0.0:
@@ -97,20 +78,7 @@ def _octave_steps(arrays: SceneArrays, z: NDArray[np.float64]) -> NDArray[np.flo
 def lay_planes_of_images(
     arrays: SceneArrays, poses: Poses, planes: int
 ) -> list[tuple[NDArray[np.int64], AzimuthFan, AzimuthFan]]:
-    """Lay the planes of the sonar and those of its image in the sea surface, a fish upside down.
-
-    Parameters
-    ----------
-    arrays, poses, planes
-        As in `lay_planes`.
-
-    Returns
-    -------
-    list of ((m,) int64, AzimuthFan, AzimuthFan)
-        Pings that share both fans, by their places among the poses. Without a surface both are those of the sonar. The
-        image of a level fish has the sonar's planes, each with the reach of its own: from a greater height they might
-        lie farther apart, but planes that differ would have to be sliced one by one.
-    """
+    """Lay the planes of the sonar and those of its image in the sea surface, a fish upside down."""
     laid = lay_planes(arrays, poses, planes)
     if not arrays.multipath.enabled:
         return [(places, beam, beam) for places, beam in laid]
@@ -129,19 +97,7 @@ def lay_planes_of_images(
 
 
 def _whole_beam(arrays: SceneArrays) -> AzimuthFan:
-    """Lay one plane along the axis of a beam, which stands for the whole beam.
-
-    Parameters
-    ----------
-    arrays : SceneArrays
-        Its beam applies.
-
-    Returns
-    -------
-    AzimuthFan
-        One on either side. Every range is as loud as the whole beam would make it over ground that is even along the
-        track; variation along the track within the beam is lost.
-    """
+    """Lay one plane along the axis of a beam, which stands for the whole beam."""
     half, pattern = arrays.half_width, arrays.pattern
     # s = cos θ sin φ, so that an integral over s is one over azimuths times cos θ cos φ, and x is r cos θ.
     squint = math.asin(min(max(pattern.centre, -1.0), 1.0))
@@ -151,22 +107,7 @@ def _whole_beam(arrays: SceneArrays) -> AzimuthFan:
 
 
 def beam_planes(half_width: float, planes: int) -> AzimuthFan:
-    """Place the planes of a beam.
-
-    Parameters
-    ----------
-    half_width : float
-        Of the fan, in radians; 0 for a knife.
-    planes : int
-        Planes across the fan's far field. An odd one lies athwart, the others in pairs about it.
-
-    Returns
-    -------
-    AzimuthFan
-        Inner planes at equal steps across the beam, then outer ones in growing steps towards the bow and the stern:
-        near nadir a beam is a cone that takes in all azimuths. Each reaches only as far as it is in the beam; lengths
-        are per metre of the sonar's height above the lowest bed, so that every ping has planes of its own.
-    """
+    """Place the planes of a beam."""
     if half_width <= 0.0:
         return AzimuthFan(*(np.array([value]) for value in (0.0, 0.0, 1.0, 0.0, 0.0, math.inf, math.inf)))
     s_beam = math.sin(half_width)
@@ -207,29 +148,7 @@ def beam_planes(half_width: float, planes: int) -> AzimuthFan:
 def pattern_planes(
     arrays: SceneArrays, planes: int, height: float, pitches: NDArray[np.float64], laid_at: float | None = None
 ) -> AzimuthFan:
-    """Place the planes of a beam with a pattern, which may be turned, tipped and wider near by.
-
-    Parameters
-    ----------
-    arrays : SceneArrays
-        Its beam and range apply.
-    planes : int
-        Planes across the main lobe.
-    height : float
-        Greatest height of the sonar above the lowest bed, in metres.
-    pitches : (n,) float64
-        Least and greatest pitch of the fish, in radians.
-    laid_at : float, optional
-        Height in metres from which the planes are laid; `height` when left out. Those that are heard from there come
-        first, then those that are heard from `height` alone.
-
-    Returns
-    -------
-    AzimuthFan
-        Edges laid from the beam's far end outwards on both hands. Each step is the main lobe's width divided by the
-        planes, at the farthest place where the lobe takes in that azimuth. Across sidelobes steps are twice as wide,
-        and grow if there are no targets that could fall between. Lengths are per metre of height.
-    """
+    """Place the planes of a beam with a pattern, which may be turned, tipped and wider near by."""
     pattern = arrays.pattern
     outline = _Outline(
         centre=pattern.centre,

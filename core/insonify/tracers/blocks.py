@@ -18,27 +18,7 @@ Record = NDArray[np.float32]
 def trace_blocks(
     arrays: SceneArrays, poses: Poses, trace: Callable[[Poses, int, int], int], threads: int | None, least: int = 1
 ) -> None:
-    """Trace pings block by block, on several threads.
-
-    Parameters
-    ----------
-    arrays : SceneArrays
-        The packed scene.
-    poses : Poses
-        Poses of the sonar, n pings.
-    trace : callable
-        Takes the poses of pings first to last - 1, ``first`` and ``last``; returns a kernel's status: -1 - k if the
-        sonar is inside solid k, else 0.
-    threads : int or None
-        Threads to use, all cores if None.
-    least : int
-        Pings worth handing to a thread.
-
-    Raises
-    ------
-    SceneError
-        If the sonar runs into a target.
-    """
+    """Trace pings block by block, on several threads."""
 
     def block(first: int, last: int) -> int:
         return int(trace(take_poses(poses, slice(first, last)), first, last))

@@ -44,55 +44,34 @@ class EchoParts:
     """Parts of the echo in some range bins of one side of one ping, one entry a part.
 
     Parts by way of the sea surface lie in the bins alone: what is not known of them is NaN.
-
-    Attributes
-    ----------
-    state : int64
-        HEARD, BEHIND_BED or BEHIND_TARGET; hidden parts have the echo that they would return were they in sight.
-    path : int64
-        Place of the propagation path among `insonify.tracers.labels.PATHS`.
-    azimuth : float64
-        Of the plane in which the part lies, from athwart towards the bow, rad.
-    target, material : int64
-        Index of the declared target, -1 for the bed; row of the reflectivity table.
-    hider : int64
-        Index of the target that hides the part, -2 where none does.
-    crest : (n, 2) float64
-        Ground range and height above the datum of the bed's highest place, as the sonar sees it, before the part, m.
-    begin, end : (n, 2) float64
-        Ground range and height above the datum of both ends, m.
-    near, far : float64
-        Slant range of both ends, m.
-    launch : float64
-        Launch angle of the middle above the horizontal, rad.
-    cosine, strength : float64
-        Cosine of the incidence, and the scattering strength of the material there, m² per m² and steradian.
-    weight, width, vertical, gain : float64
-        Factor of the beam and of refraction (law `sonar`: m, along the track), of which ``width`` is the part without
-        the response of the beam, ``vertical`` the response of the vertical beam and ``gain`` that of refraction.
-    echo, spread, value : float64
-        Echo in the bins, weighed by each of three weights.
     """
 
+    # HEARD, BEHIND_BED or BEHIND_TARGET; hidden parts have the echo that they would return were they in sight.
     state: Numbers
-    path: Numbers
-    azimuth: Column
-    target: Numbers
+    path: Numbers  # place of the propagation path among `insonify.tracers.labels.PATHS`
+    azimuth: Column  # of the plane in which the part lies, from athwart towards the bow, rad
+    target: Numbers  # index of the declared target, -1 for the bed; row of the reflectivity table
     material: Numbers
-    hider: Numbers
+    hider: Numbers  # index of the target that hides the part, -2 where none does
+    # (n, 2) ground range and height above the datum of the bed's highest place, as the sonar sees it, before the
+    # part, m.
     crest: Column
-    begin: Column
+    begin: Column  # (n, 2) ground range and height above the datum of both ends, m
     end: Column
-    near: Column
+    near: Column  # slant range of both ends, m
     far: Column
-    launch: Column
+    launch: Column  # launch angle of the middle above the horizontal, rad
+    # Cosine of the incidence, and the scattering strength of the material there, m² per m² and steradian.
     cosine: Column
     strength: Column
+    # Factor of the beam and of refraction (law `sonar`: m, along the track), of which ``width`` is the part
+    # without the response of the beam, ``vertical`` the response of the vertical beam and ``gain`` that of
+    # refraction.
     weight: Column
     width: Column
     vertical: Column
     gain: Column
-    echo: Column
+    echo: Column  # echo in the bins, weighed by each of three weights
     spread: Column
     value: Column
 
@@ -114,33 +93,7 @@ def join_parts(*lists: EchoParts) -> EchoParts:
 def find_echo_parts(
     arrays: SceneArrays, pose: Poses, side: int, window: Window, *, planes: int = 16, rays: int = 4000
 ) -> EchoParts:
-    """Find the parts of which the echo in some range bins is made.
-
-    Parameters
-    ----------
-    arrays : SceneArrays
-        The packed scene.
-    pose : Poses
-        Pose of the sonar at one ping.
-    side : int
-        0 port, 1 starboard.
-    window : Window
-        The bins, and three weights of the energy of each.
-    planes : int
-        Planes across a fan beam; a knife has one.
-    rays : int
-        Rays of a side whose refracted sound comes to some places along several rays, or along none; there each ray is
-        a part, and what the bed hides of itself is not listed.
-
-    Returns
-    -------
-    EchoParts
-
-    Raises
-    ------
-    SceneError
-        If the sonar runs into a target.
-    """
+    """Find the parts of which the echo in some range bins is made."""
     _, folded = make_apparent_tables(arrays, pose)
     if folded.any():
         return _find_refracted_parts(arrays, pose, side, window, rays)
@@ -178,23 +131,7 @@ def take_central_plane(arrays: SceneArrays, fan: AzimuthFan) -> AzimuthFan:
 
 
 def find_direct_parts(arrays: SceneArrays, pose: Poses, side: int, window: Window, fan: AzimuthFan) -> EchoParts:
-    """Find the parts by the direct path in the planes of a fan.
-
-    Parameters
-    ----------
-    arrays, pose, side, window
-        As of `find_echo_parts`.
-    fan : AzimuthFan
-
-    Returns
-    -------
-    EchoParts
-
-    Raises
-    ------
-    SceneError
-        If the sonar runs into a target.
-    """
+    """Find the parts by the direct path in the planes of a fan."""
     apparent, _ = make_apparent_tables(arrays, pose)
     workspace = empty_sweep_workspace(arrays, apparent)
     knots = empty_profile(profile_capacity(apparent.stretch * arrays.bins * arrays.bin_length, arrays.bed.spacing))
@@ -230,19 +167,7 @@ def _columns(rows: Column) -> EchoParts:
 def find_surface_parts(
     arrays: SceneArrays, pose: Poses, side: int, window: Window, fans: tuple[AzimuthFan, AzimuthFan]
 ) -> EchoParts:
-    """Find the contributors of the echo by way of the sea surface, one part for each of every plane.
-
-    Parameters
-    ----------
-    arrays, pose, side, window
-        As of `find_echo_parts`.
-    fans : tuple of two AzimuthFan
-        Of the sonar and of its image in the sea surface.
-
-    Returns
-    -------
-    EchoParts
-    """
+    """Find the contributors of the echo by way of the sea surface, one part for each of every plane."""
     direct, lifted = fans
     workspace = empty_multipath_workspace(arrays)
     table = empty_contributor_table(count_contributors(arrays) * PATH_COUNT, arrays.bins)

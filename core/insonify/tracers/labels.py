@@ -36,47 +36,30 @@ class RecordLabels(NamedTuple):
     """Labels of every range bin: greatest contributor, its place and path, and shadows of targets.
 
     Each is (n, 2, bins) but ``target_echo``, which is (n, 2, targets).
-
-    Attributes
-    ----------
-    target_id : int16
-        Index of the declared target that is the bin's greatest contributor, -1 for the bed, -2 where there is
-        no echo, except perhaps of the sea surface.
-    material : int16
-        Its row of the material table, -1 where there is none.
-    shadow : float32
-        Share, 0 to 1, of the bed's echo that targets hide: the echo by the direct path that the bed would return into
-        the bin without the targets is 1, whatever the beam makes of it. 0 where the bed would return none, so that
-        bed that other bed hides does not count.
-    shadow_id : int16
-        Index of the declared target that hides most of it, -2 where none hides any.
-    ground_range : float32
-        Of the contributor's strongest echo, in metres; NaN without an echo.
-    incidence : float32
-        Of that echo on its surface, from the normal, in degrees, the greater of two if sound comes and goes by
-        different paths; NaN without an echo.
-    path : int8
-        Place of that contributor's propagation path among `PATHS`, -1 without an echo.
-    volume_id : int16
-        Index of the declared volume of the water column whose mean echo is greater than that contributor's and all
-        other volumes', -2 where none is.
-    caustic : bool
-        Whether the echo comes by a caustic of the water: ray theory does not give its intensity, and the ray tubes
-        count as no narrower than Airy's function allows.
-    target_echo : float32
-        Of each target, up to the last that is modelled: its echo by the direct path over all bins, weighted by the
-        beam, without spreading and absorption. By law `sonar` a backscattering cross-section in m².
     """
 
+    # Index of the declared target that is the bin's greatest contributor, -1 for the bed, -2 where there is no
+    # echo, except perhaps of the sea surface.
     target_id: NDArray[np.int16]
-    material: NDArray[np.int16]
+    material: NDArray[np.int16]  # its row of the material table, -1 where there is none
+    # Share, 0 to 1, of the bed's echo that targets hide: the echo by the direct path that the bed would return
+    # into the bin without the targets is 1, whatever the beam makes of it. 0 where the bed would return none, so
+    # that bed that other bed hides does not count.
     shadow: NDArray[np.float32]
-    shadow_id: NDArray[np.int16]
-    ground_range: NDArray[np.float32]
+    shadow_id: NDArray[np.int16]  # index of the declared target that hides most of it, -2 where none hides any
+    ground_range: NDArray[np.float32]  # of the contributor's strongest echo, in metres; NaN without an echo
+    # Of that echo on its surface, from the normal, in degrees, the greater of two if sound comes and goes by
+    # different paths; NaN without an echo.
     incidence: NDArray[np.float32]
-    path: NDArray[np.int8]
+    path: NDArray[np.int8]  # place of that contributor's propagation path among `PATHS`, -1 without an echo
+    # Index of the declared volume of the water column whose mean echo is greater than that contributor's and all
+    # other volumes', -2 where none is.
     volume_id: NDArray[np.int16]
+    # Whether the echo comes by a caustic of the water: ray theory does not give its intensity, and the ray tubes
+    # count as no narrower than Airy's function allows.
     caustic: NDArray[np.bool_]
+    # Of each target, up to the last that is modelled: its echo by the direct path over all bins, weighted by the
+    # beam, without spreading and absorption. By law `sonar` a backscattering cross-section in m².
     target_echo: NDArray[np.float32]
 
 
@@ -90,36 +73,7 @@ def trace_labels(
     volumes: NDArray[np.float32] | None = None,
     threads: int | None = None,
 ) -> RecordLabels:
-    """Label every range bin of every ping, for an ideal pulse: where an echo begins.
-
-    Parameters
-    ----------
-    arrays : SceneArrays
-        The packed scene.
-    poses : Poses
-        Poses of the sonar, n pings.
-    planes : int
-        Planes across a fan beam; a knife has one.
-    rays : int
-        Rays per side of pings from which refracted sound comes to some places along several rays, or along none.
-    crosstalk : float
-        Share of the energy of each side that leaks into the other.
-    volumes : (volumes, n, 2, bins) float32, optional
-        Mean intensity of the echo of each volume of the water column.
-    threads : int, optional
-        Threads to use, all cores when left out. The result does not depend on it.
-
-    Returns
-    -------
-    RecordLabels
-        Arrays (n, 2, bins), port first. Bins in which the sweep of as many planes and rays has no echo, and no
-        others, are without a contributor.
-
-    Raises
-    ------
-    SceneError
-        If the sonar runs into a target.
-    """
+    """Label every range bin of every ping, for an ideal pulse: where an echo begins."""
     found = empty_labels(poses.x.size, arrays.bins, count_targets(arrays))
     apparent, folded = make_apparent_tables(arrays, poses)
     if folded.any():

@@ -11,31 +11,7 @@ from insonify.tracers.blocks import Record, empty_record, trace_blocks
 def trace(
     arrays: SceneArrays, poses: Poses, *, sheets: int = 64, rays: int = 1024, threads: int | None = None
 ) -> Record:
-    """Trace pings by exact rays, sheet by sheet, each sheet integrated over elevation.
-
-    Parameters
-    ----------
-    arrays : SceneArrays
-        The packed scene, without multipath and bounces.
-    poses : Poses
-        Poses of the sonar, n pings.
-    sheets : int
-        Sheets across the beam; a knife has one.
-    rays : int
-        Rays per sheet and side to begin with; at edges more are added.
-    threads : int, optional
-        Threads to use, all cores when left out. The result does not depend on it.
-
-    Returns
-    -------
-    (n, 2, bins) float32
-        Intensity of the two channels, port first.
-
-    Raises
-    ------
-    SceneError
-        If there are fewer rays than sheets, the scene has multipath or bounces, or the sonar runs into a target.
-    """
+    """Trace pings by exact rays, sheet by sheet, each sheet integrated over elevation."""
     sheets = int(sheets) if arrays.half_width > 0.0 else 1
     if not 1 <= sheets <= rays:
         raise SceneError(f"rays: {rays} a sheet of {sheets} sheets is too few; give at least as many as sheets, from 1")

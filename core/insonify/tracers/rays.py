@@ -25,51 +25,12 @@ MEMORY = 2**29  # bytes that all threads may hold; one thread holds what it need
 
 
 def trace(arrays: SceneArrays, poses: Poses, *, rays: int = 4000, threads: int | None = None) -> Record:
-    """Trace pings ray by ray: an exact walk over the cells of the bilinear bed, exact hits of the bodies.
-
-    Parameters
-    ----------
-    arrays : SceneArrays
-        The packed scene.
-    poses : Poses
-        Poses of the sonar, n pings.
-    rays : int
-        Rays per side and ping.
-    threads : int, optional
-        Threads to use, all cores when left out. The result does not depend on it.
-
-    Returns
-    -------
-    (n, 2, bins) float32
-        Intensity of the two channels, port first.
-
-    Raises
-    ------
-    SceneError
-        If there are no rays, or the sonar runs into a target.
-    """
+    """Trace pings ray by ray: an exact walk over the cells of the bilinear bed, exact hits of the bodies."""
     return trace_rays(arrays, poses, rays, WALK, threads)
 
 
 def trace_surface_paths(arrays: SceneArrays, poses: Poses, *, rays: int = 4000, threads: int | None = None) -> Record:
-    """Trace ray by ray only the echoes by way of the sea surface, which `trace` adds to the first echoes.
-
-    Parameters
-    ----------
-    arrays : SceneArrays
-        The packed scene, in water that does not bend sound.
-    poses : Poses
-        Poses of the sonar, n pings.
-    rays : int
-        Rays per side, ping and image of the sonar.
-    threads : int, optional
-        Threads to use, all cores when left out. The result does not depend on it.
-
-    Returns
-    -------
-    (n, 2, bins) float32
-        Intensity of the two channels, port first; 0 where the scene has no surface paths.
-    """
+    """Trace ray by ray only the echoes by way of the sea surface, which `trace` adds to the first echoes."""
     out = empty_record(arrays, poses)
 
     def block(part: Poses, first: int, last: int) -> int:
@@ -84,28 +45,7 @@ def trace_surface_paths(arrays: SceneArrays, poses: Poses, *, rays: int = 4000, 
 def cast(
     arrays: SceneArrays, origins: ArrayLike, directions: ArrayLike, *, reach: float | None = None
 ) -> tuple[NDArray[np.float64], NDArray[np.int64], NDArray[np.float64]]:
-    """Find the first thing that each ray meets, along arcs where the water bends sound.
-
-    Parameters
-    ----------
-    arrays : SceneArrays
-        The packed scene.
-    origins : (n, 3) array_like
-        Where the rays start: local x and y, height above the datum, in metres.
-    directions : (n, 3) array_like
-        Where they go; of any length but zero.
-    reach : float, optional
-        Slant range after which a ray ends; the sonar's own when left out.
-
-    Returns
-    -------
-    distance : (n,) float64
-        Slant range of the hit in metres: travel time by the speed at the sonar. Infinite where there is none.
-    what : (n,) int64
-        Index of the target, ``BED`` (-1), or -2 for nothing.
-    normal : (n, 3) float64
-        Outward unit normal of the surface, zero where nothing is hit.
-    """
+    """Find the first thing that each ray meets, along arcs where the water bends sound."""
     bundle = _bundle(origins, directions)
     hits = empty_hits(bundle.x.size)
     farthest = arrays.bins * arrays.bin_length if reach is None else float(reach)
@@ -117,57 +57,20 @@ def cast(
 
 
 class PathHits(NamedTuple):
-    """Every hit of followed rays, ray by ray; the parts of a split one after the other, the reflected one first.
+    """Every hit of followed rays, ray by ray; the parts of a split one after the other, the reflected one first."""
 
-    Attributes
-    ----------
-    ray : (n,) int64
-        Number of the ray.
-    bounce : (n,) int64
-        Bounces and passages before this hit.
-    position : (n, 3) float64
-        Of the hit: local x and y, height above the datum, in metres.
-    length : (n,) float64
-        Of the path up to here, in metres of water that take as long.
-    throughput : (n,) float64
-        Share of the ray's energy that arrives.
-    what : (n,) int64
-        Index of the target, or ``BED`` (-1).
-    """
-
-    ray: NDArray[np.int64]
-    bounce: NDArray[np.int64]
-    position: NDArray[np.float64]
-    length: NDArray[np.float64]
-    throughput: NDArray[np.float64]
-    what: NDArray[np.int64]
+    ray: NDArray[np.int64]  # (n,) number of the ray
+    bounce: NDArray[np.int64]  # (n,) bounces and passages before this hit
+    position: NDArray[np.float64]  # (n, 3) of the hit: local x and y, height above the datum, in metres
+    length: NDArray[np.float64]  # (n,) of the path up to here, in metres of water that take as long
+    throughput: NDArray[np.float64]  # (n,) share of the ray's energy that arrives
+    what: NDArray[np.int64]  # (n,) index of the target, or ``BED`` (-1)
 
 
 def follow(
     arrays: SceneArrays, origins: ArrayLike, directions: ArrayLike, bounces: int, *, reach: float = math.inf
 ) -> PathHits:
-    """Follow rays through mirrors and bodies.
-
-    Parameters
-    ----------
-    arrays : SceneArrays
-        The packed scene.
-    origins, directions : (n, 3) array_like
-        Where the rays start, in the water, and where they go; as in `cast`.
-    bounces : int
-        Bounces and passages after which a path ends.
-    reach : float
-        Metres of water after which it ends too.
-
-    Returns
-    -------
-    PathHits
-
-    Raises
-    ------
-    SceneError
-        If the water bends sound: bounces are followed along straight lines alone.
-    """
+    """Follow rays through mirrors and bodies."""
     _refuse_bends(arrays, bounces)
     whole, real = follow_specular_paths(
         arrays._replace(bounces=int(bounces)), _bundle(origins, directions), float(reach)

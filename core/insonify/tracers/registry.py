@@ -58,25 +58,6 @@ TRACERS: dict[str, Callable[[Scene, SceneArrays], Tracer]] = {
 
 
 def make_tracer(method: str, scene: Scene, arrays: SceneArrays) -> Tracer:
-    """Make the tracer of a scene ready.
-
-    Parameters
-    ----------
-    method : str
-        As planned. Coherent speckle is traced scatterer by scatterer, whatever the method.
-    scene : Scene
-        What was declared.
-    arrays : SceneArrays
-        The packed scene.
-
-    Returns
-    -------
-    Tracer
-
-    Raises
-    ------
-    SceneError
-        If the scene is too large for its tracer.
-    """
+    """Make the tracer of a scene ready."""
     coherent = scene.receiver.speckle.interferes
     return TRACERS["scatterers" if coherent else method](scene, arrays)

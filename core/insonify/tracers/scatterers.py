@@ -37,18 +37,10 @@ RESOLVED = 8  # least cells of the line per resolution cell of the pulse
 
 @dataclass(frozen=True, eq=False)
 class ScattererTracer:
-    """Tracer that sums the waves of single scatterers.
+    """Tracer that sums the waves of single scatterers."""
 
-    Attributes
-    ----------
-    scatterers : Scatterers
-        Their density and positions.
-    pulse : Pulse
-        Samples of the pulse's envelope, along which waves add up.
-    """
-
-    scatterers: Scatterers
-    pulse: PulseTaps
+    scatterers: Scatterers  # their density and positions
+    pulse: PulseTaps  # samples of the pulse's envelope, along which waves add up
 
     @property
     def bins_beyond(self) -> int:
@@ -65,30 +57,7 @@ class ScattererTracer:
         return out
 
     def trace_waves(self, arrays: SceneArrays, poses: Poses, *, planes: int = 16, threads: int | None = None) -> Waves:
-        """Sum of all scatterers' waves after the pulse, sample by sample.
-
-        Parameters
-        ----------
-        arrays : SceneArrays
-            The packed scene.
-        poses : Poses
-            Poses of the sonar, n pings.
-        planes : int
-            Planes across the beam, in which the sweep finds the visible bed; at least two, for visibility is
-            interpolated between them.
-        threads : int, optional
-            Threads to use, all cores when left out. The result does not depend on it.
-
-        Returns
-        -------
-        (n, 2, bins * samples) complex128
-            Amplitudes of the two channels, port first; a bin is as loud as its samples are on average.
-
-        Raises
-        ------
-        SceneError
-            If the sonar runs into a target.
-        """
+        """Sum of all scatterers' waves after the pulse, sample by sample."""
         further = _narrowed(_extend_range(arrays, self.bins_beyond), self.scatterers.patches, poses)
         capacity = profile_capacity(further.bins * further.bin_length, arrays.bed.spacing)
         out = self._empty_waves(arrays, poses)
@@ -111,24 +80,7 @@ class ScattererTracer:
 
 
 def make_tracer(scene: Scene, arrays: SceneArrays) -> ScattererTracer:
-    """Strew the scatterers of a scene of coherent speckle.
-
-    Parameters
-    ----------
-    scene : Scene
-        What was declared.
-    arrays : SceneArrays
-        The packed scene.
-
-    Returns
-    -------
-    ScattererTracer
-
-    Raises
-    ------
-    SceneError
-        If there are more of them than can be traced one by one.
-    """
+    """Strew the scatterers of a scene of coherent speckle."""
     speed, pulse = arrays.water.reference, scene.sonar.pulse
     width = along_track_angle(arrays) * bin_centres(arrays)
     length = float(pulse_taps(pulse, speed, arrays.bin_length).weights.sum()) * arrays.bin_length
@@ -148,29 +100,7 @@ def make_tracer(scene: Scene, arrays: SceneArrays) -> ScattererTracer:
 
 
 def heard_at_once(pulse: DeclaredPulse, sound_speed: float, bin_length: float, bins: int = 1) -> PulseTaps:
-    """Sample a pulse along the line on which waves are summed.
-
-    Parameters
-    ----------
-    pulse : PulseKind
-    sound_speed : float
-        m/s.
-    bin_length : float
-        True slant range of a bin, in metres.
-    bins : int
-        Bins of the line.
-
-    Returns
-    -------
-    Pulse
-        One sample a bin, or several where a bin is longer than the pulse resolves, so that no echo is missed; the
-        squares of its taps sum to the pulse's equivalent length. An ideal pulse is one bin long.
-
-    Raises
-    ------
-    SceneError
-        If the line is too long to be held.
-    """
+    """Sample a pulse along the line on which waves are summed."""
     resolution = 0.5 * sound_speed * pulse.resolution or bin_length
     samples = samples_per_bin(pulse, sound_speed, bin_length)
     # An even number, so that the sample lies in the middle.

@@ -36,33 +36,7 @@ def trace(
     threads: int | None = None,
     double: bool = False,
 ) -> Record:
-    """Trace pings by the sweep.
-
-    Parameters
-    ----------
-    arrays : SceneArrays
-        The packed scene.
-    poses : Poses
-        Poses of the sonar, n pings.
-    planes : int
-        Planes across a fan beam; a knife has one.
-    rays : int
-        Rays per side of pings from which refracted sound comes to some places along several rays, or along none.
-    threads : int, optional
-        Threads to use, all cores when left out. The result does not depend on it.
-    double : bool
-        Whether to calculate in double precision throughout, to measure the error of single precision.
-
-    Returns
-    -------
-    (n, 2, bins) float32
-        Intensity of the two channels, port first.
-
-    Raises
-    ------
-    SceneError
-        If the sonar runs into a target.
-    """
+    """Trace pings by the sweep."""
     apparent, folded = make_apparent_tables(arrays, poses)
     out = new_record(arrays, poses)
     if folded.any():

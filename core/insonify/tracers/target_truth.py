@@ -26,44 +26,25 @@ NONE = -1  # of a box that holds nothing
 
 
 class TargetTruth(NamedTuple):
-    """What the pings of a record show of each target.
+    """What the pings of a record show of each target."""
 
-    Attributes
-    ----------
-    echo_box, shadow_box, target_box : (targets, 2, 4) int32
-        First and last ping, first and last bin, port first, of the bins in which the target's direct echo is the
-        greatest contributor, of its shadow, and of both; -1 where there are none. A bin is of a shadow if the target
-        hides most of what is hidden of the bed there, and that is at least half of the bed's echo.
-    shadow_length : (targets, 2) float64
-        Slant range in metres from the first bin of the shadow to its last, both included, of the ping in which it is
-        longest; 0 without a shadow.
-    target_strength : (targets,) float64
-        In dB re 1 m², of the ping and side in which most is heard of it; NaN where nothing is, and by law `light`,
-        which has no areas.
-    """
-
+    # (targets, 2, 4) First and last ping, first and last bin, port first, of the bins in which the target's
+    # direct echo is the greatest contributor, of its shadow, and of both; -1 where there are none. A bin is of a
+    # shadow if the target hides most of what is hidden of the bed there, and that is at least half of the bed's
+    # echo.
     echo_box: NDArray[np.int32]
     shadow_box: NDArray[np.int32]
     target_box: NDArray[np.int32]
+    # (targets, 2) slant range in metres from the first bin of the shadow to its last, both included, of the ping
+    # in which it is longest; 0 without a shadow.
     shadow_length: NDArray[np.float64]
+    # (targets,) in dB re 1 m², of the ping and side in which most is heard of it; NaN where nothing is, and by
+    # law `light`, which has no areas.
     target_strength: NDArray[np.float64]
 
 
 def find_target_truth(scene: Scene, labels: Mapping[str, NDArray[Any]], first_ping: int) -> TargetTruth:
-    """Find what successive pings show of each target.
-
-    Parameters
-    ----------
-    scene : Scene
-    labels : mapping of str to (n, 2, ...) array
-        Columns of `RecordLabels`.
-    first_ping : int
-        Number of the first ping.
-
-    Returns
-    -------
-    TargetTruth
-    """
+    """Find what successive pings show of each target."""
     targets, sonar = len(scene.targets), scene.sonar
     direct, dark = labels["path"] == PATHS.index("direct"), labels["shadow"] >= DARK
     echo = _find_boxes(np.where(direct, labels["target_id"], NOTHING), targets, first_ping)
@@ -79,17 +60,7 @@ def find_target_truth(scene: Scene, labels: Mapping[str, NDArray[Any]], first_pi
 
 
 def join_target_truth(*parts: TargetTruth) -> TargetTruth:
-    """Join what several blocks of pings show of the same targets.
-
-    Parameters
-    ----------
-    *parts : TargetTruth
-        At least one.
-
-    Returns
-    -------
-    TargetTruth
-    """
+    """Join what several blocks of pings show of the same targets."""
 
     def join(one: TargetTruth, other: TargetTruth) -> TargetTruth:
         return TargetTruth(

@@ -28,21 +28,11 @@ class ChartPoint(NamedTuple):
 
 @dataclass(frozen=True, eq=False)
 class ChartPicture:
-    """A chart as pixels.
+    """A chart as pixels."""
 
-    Attributes
-    ----------
-    chart : AccuracyChart
-        The chart.
-    pixels : (height, width, 4) uint8
-        Red, green, blue, opacity.
-    points : tuple of Point
-        Points to pick.
-    """
-
-    chart: AccuracyChart
-    pixels: NDArray[np.uint8]
-    points: tuple[ChartPoint, ...]
+    chart: AccuracyChart  # the chart
+    pixels: NDArray[np.uint8]  # (height, width, 4) red, green, blue, opacity
+    points: tuple[ChartPoint, ...]  # points to pick
 
 
 def draw_chart(chart: AccuracyChart) -> ChartPicture:
@@ -64,19 +54,7 @@ def draw_chart(chart: AccuracyChart) -> ChartPicture:
 
 
 def nearest_row(points: tuple[ChartPoint, ...], x: float, y: float, shape: float, within: float) -> AccuracyRow | None:
-    """Find the row nearest to a position in the picture.
-
-    Parameters
-    ----------
-    points : tuple of Point
-        Points to pick.
-    x, y : float
-        Position, as shares of the width and the height.
-    shape : float
-        Height of the picture over its width.
-    within : float
-        Greatest distance, as a share of the width.
-    """
+    """Find the row nearest to a position in the picture."""
     distances = [math.hypot(point.x - x, shape * (point.y - y)) for point in points]
     best = min(range(len(points)), key=distances.__getitem__, default=None)
     return points[best].row if best is not None and distances[best] <= within else None
@@ -84,28 +62,16 @@ def nearest_row(points: tuple[ChartPoint, ...], x: float, y: float, shape: float
 
 @dataclass(frozen=True, eq=False)
 class RowDetails:
-    """The record of a row beside its reference.
+    """The record of a row beside its reference."""
 
-    Attributes
-    ----------
-    row : Row
-        Row of the chart.
-    record, reference : (pings, 2 bins) float32
-        Amplitudes over those of a level bed, from far port over nadir to far starboard, newest ping first.
-    rays : int
-        Rays per side of the reference.
-    similarity : float
-        SSIM of the two as pictures.
-    reach : float
-        Slant range of the last bin, in metres.
-    """
-
-    row: AccuracyRow
+    row: AccuracyRow  # row of the chart
+    # (pings, 2 bins) amplitudes over those of a level bed, from far port over nadir to far starboard, newest ping
+    # first.
     record: NDArray[np.float32]
     reference: NDArray[np.float32]
-    rays: int
-    similarity: float
-    reach: float
+    rays: int  # rays per side of the reference
+    similarity: float  # SSIM of the two as pictures
+    reach: float  # slant range of the last bin, in metres
 
 
 def row_details(chart: AccuracyChart, row: AccuracyRow) -> RowDetails:

@@ -12,17 +12,7 @@ if TYPE_CHECKING:
 
 
 def begin_learning(jobs: JobList, recording: Recording, file: Path) -> BackgroundJob:
-    """Start to learn a scene from a recording, which is read anew at the frequency that is shown.
-
-    Parameters
-    ----------
-    jobs : JobList
-        Lists the job.
-    recording : Recording
-        What is learned from.
-    file : Path
-        TOML file to make or replace; it appears only when whole.
-    """
+    """Start to learn a scene from a recording, which is read anew at the frequency that is shown."""
     arguments = ["learn", str(recording.path), "-o", str(file)]
     if recording.dataset.attrs.get("frequencies"):
         arguments += ["--frequency", repr(float(recording.dataset.attrs["frequency"]))]

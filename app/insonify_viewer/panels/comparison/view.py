@@ -38,13 +38,7 @@ MOST = 8  # changes that are listed
 
 
 class ComparisonView(SidePanel):
-    """Shows what is known of record A and its differences, and signals what the person asks for.
-
-    Parameters
-    ----------
-    parent : QWidget, optional
-        Owner.
-    """
+    """Shows what is known of record A and its differences, and signals what the person asks for."""
 
     open_wanted = Signal()
     close_wanted = Signal()

@@ -6,20 +6,7 @@ from insonify.lessons import Lesson, LessonState, Step, states_of
 
 
 class Course:
-    """A lesson under way.
-
-    Parameters
-    ----------
-    lesson : Lesson
-        Lesson to go through.
-
-    Attributes
-    ----------
-    lesson : Lesson
-        That lesson.
-    index : int
-        Number of the present step, from 0.
-    """
+    """A lesson under way."""
 
     def __init__(self, lesson: Lesson) -> None:
         self.lesson, self.index = lesson, 0

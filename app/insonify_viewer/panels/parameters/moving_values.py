@@ -17,18 +17,6 @@ def follow_values(scene: Scene, sections: tuple[FieldSection, ...]) -> tuple[Fie
 
     Which fields there are, their labels and the ends of their sliders stay as they are: they follow once the slider is
     let go, and no row appears or disappears under the mouse.
-
-    Parameters
-    ----------
-    scene : Scene
-        Scene that differs from that of the sections in numbers.
-    sections : tuple of FieldSection
-        What is shown. Sections and fields that do not change are the same objects in the result.
-
-    Returns
-    -------
-    tuple of FieldSection or None
-        None if a choice or a file differs, or a field is missing.
     """
     followed = []
     for section in sections:

@@ -62,18 +62,7 @@ def _widgets(parameter: Parameter) -> Any:
 
 
 def sections_of(scene: Scene) -> tuple[FieldSection, ...]:
-    """Describe every editable field of a scene.
-
-    Parameters
-    ----------
-    scene : Scene
-        Scene whose values are shown.
-
-    Returns
-    -------
-    tuple of FieldSection
-        In display order; sections without fields are left out.
-    """
+    """Describe every editable field of a scene."""
     found = []
     for name in SECTIONS:
         part = part_at(scene, name)

@@ -9,21 +9,11 @@ from insonify_viewer.modelling import Modelling
 
 
 class ModelledRecord(NamedTuple):
-    """Copy of a record under one modelling.
+    """Copy of a record under one modelling."""
 
-    Attributes
-    ----------
-    record : RecordSnapshot
-        The copy.
-    modelling : Modelling
-        The modelling.
-    seconds : float
-        Time to trace a ping.
-    """
-
-    record: RecordSnapshot
-    modelling: Modelling
-    seconds: float
+    record: RecordSnapshot  # the copy
+    modelling: Modelling  # the modelling
+    seconds: float  # time to trace a ping
 
 
 def changed_subject(before: Modelling, after: Modelling) -> str:

@@ -144,13 +144,7 @@ class PlanGroup(FoldingBox):
 
 
 class PlanLine(QWidget):
-    """One entry of the plan.
-
-    Attributes
-    ----------
-    combo : QComboBox
-        Choices that can be forced, after "automatic"; hidden if there is none.
-    """
+    """One entry of the plan."""
 
     def __init__(self, force: Force) -> None:
         super().__init__()

@@ -25,20 +25,7 @@ Draw = Callable[[Scene], Curve | None]
 
 
 class CurvesPicture(SettingPicture):
-    """Curves of one setting.
-
-    Parameters
-    ----------
-    applies : callable
-        Whether a scene has these curves.
-    draws : tuple of callable
-        Each makes the curve of a scene.
-
-    Attributes
-    ----------
-    curves : tuple of Curve
-        What is painted; none at first, and for a scene that cannot be simulated.
-    """
+    """Curves of one setting."""
 
     _made = Signal(object, object)
 

@@ -32,31 +32,14 @@ COUNTED = {"march": "step", "rays": "rays per side", "sweep": "planes", "embree"
 
 
 class AccuracyFigure(NamedTuple):
-    """Drawn accuracy chart.
+    """Drawn accuracy chart."""
 
-    Attributes
-    ----------
-    figure : Figure
-        Figure with an Agg canvas.
-    marks : dict of Line2D to list of AccuracyRow
-        Rows that the points of every line stand for, so that one can be picked.
-    """
-
-    figure: Figure
-    marks: dict[Line2D, list[AccuracyRow]]
+    figure: Figure  # figure with an Agg canvas
+    marks: dict[Line2D, list[AccuracyRow]]  # rows that the points of every line stand for, so that one can be picked
 
 
 def draw_accuracy(chart: AccuracyMeasurement) -> AccuracyFigure:
-    """Draw error against time per ping and the Pareto front, a panel with targets and one without.
-
-    Parameters
-    ----------
-    chart : AccuracyMeasurement
-
-    Returns
-    -------
-    AccuracyFigure
-    """
+    """Draw error against time per ping and the Pareto front, a panel with targets and one without."""
     panels = len(chart.scenes)
     width = LEFT + WIDE * panels + NAMES
     notes = [line for note in chart.notes for line in wrap(note, int((width - LEFT) * LETTERS))]

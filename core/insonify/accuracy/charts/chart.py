@@ -21,21 +21,11 @@ DPI = 150
 
 
 class ChartTable(NamedTuple):
-    """Rows of a chart, with the facts that hold for all of them.
+    """Rows of a chart, with the facts that hold for all of them."""
 
-    Attributes
-    ----------
-    facts : mapping
-        Facts about all rows: the scene, the machine, the reference.
-    columns : sequence of str
-        Names of the columns.
-    rows : sequence of sequences
-        Text, numbers, or None where a value is missing.
-    """
-
-    facts: Mapping[str, Any]
-    columns: Sequence[str]
-    rows: Sequence[Sequence[Any]]
+    facts: Mapping[str, Any]  # facts about all rows: the scene, the machine, the reference
+    columns: Sequence[str]  # names of the columns
+    rows: Sequence[Sequence[Any]]  # text, numbers, or None where a value is missing
 
 
 class Chart(ABC):

@@ -40,20 +40,7 @@ def explain_omission(arrays: SceneArrays, poses: Poses) -> str:
 
 
 class TriangulatedScene:
-    """Bed beneath some pings and all targets as flat triangles: two per cell of the bed, bodies as tessellated.
-
-    Parameters
-    ----------
-    arrays : SceneArrays
-        Scene without multipath, in water of constant sound speed.
-    poses : Poses
-        Poses of all pings that will be traced.
-
-    Raises
-    ------
-    SceneError
-        If it cannot be traced, see `explain_omission`.
-    """
+    """Bed beneath some pings and all targets as flat triangles: two per cell of the bed, bodies as tessellated."""
 
     def __init__(self, arrays: SceneArrays, poses: Poses) -> None:
         if reason := explain_omission(arrays, poses):
@@ -78,17 +65,7 @@ class TriangulatedScene:
         self._triangles = TriangleMesh(self._scene, vertices, numbers.astype(np.int32))
 
     def cast(self, bundle: RayBundle) -> Hits:
-        """Find the first triangle that each ray meets.
-
-        Parameters
-        ----------
-        bundle : RayBundle of (n,) float64
-
-        Returns
-        -------
-        Hits
-            Rows of bodies and materials as exact rays give them; the normals are those of the flat triangles.
-        """
+        """Find the first triangle that each ray meets."""
         hits = empty_hits(bundle.x.size)
         origins = np.column_stack([bundle.x, bundle.y, bundle.z]) - self._origin
         ways = np.column_stack([bundle.dx, bundle.dy, bundle.dz])
@@ -106,20 +83,7 @@ class TriangulatedScene:
         return hits
 
     def trace(self, poses: Poses, *, rays: int) -> Record:
-        """Trace pings ray by ray.
-
-        Parameters
-        ----------
-        poses : Poses
-            Where the sonar is, n pings.
-        rays : int
-            Rays per side and ping, aimed as `tracers.rays` aims them.
-
-        Returns
-        -------
-        (n, 2, bins) float32
-            Intensity of the two channels, port first.
-        """
+        """Trace pings ray by ray."""
         arrays = self._arrays
         out = np.zeros((poses.x.size, 2, arrays.bins), dtype=np.float32)
         launch, bundle, sums = empty_launch(rays), empty_bundle(rays), np.empty(arrays.bins)

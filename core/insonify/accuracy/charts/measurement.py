@@ -24,36 +24,16 @@ TINY = 1e-9  # errors below it count as this
 
 @dataclass(frozen=True)
 class AccuracyRow:
-    """Time and error of one method with one setting.
+    """Time and error of one method with one setting."""
 
-    Attributes
-    ----------
-    method : str
-        Name of the method.
-    setting : str
-        Setting as text.
-    size : float
-        The setting as a number: step in metres, rays per side, or planes.
-    targets : bool
-        Whether the scene holds its targets.
-    microseconds : float
-        Median time per ping, both sides, on one thread.
-    spread : float
-        Half the distance between the quartiles of the times, as a share of the median.
-    errors : RecordErrors
-        Errors against the reference, as shares of the record.
-    displacement : Displacement
-        Displacement of shadows and echoes, in metres.
-    """
-
-    method: str
-    setting: str
-    size: float
-    targets: bool
-    microseconds: float
-    spread: float
-    errors: RecordErrors
-    displacement: Displacement
+    method: str  # name of the method
+    setting: str  # setting as text
+    size: float  # the setting as a number: step in metres, rays per side, or planes
+    targets: bool  # whether the scene holds its targets
+    microseconds: float  # median time per ping, both sides, on one thread
+    spread: float  # half the distance between the quartiles of the times, as a share of the median
+    errors: RecordErrors  # errors against the reference, as shares of the record
+    displacement: Displacement  # displacement of shadows and echoes, in metres
 
     @property
     def key(self) -> SettingKey:
@@ -67,24 +47,12 @@ class AccuracyRow:
 
 
 class TracedScene(NamedTuple):
-    """Arrays, poses and references of a scene with its targets or without them.
+    """Arrays, poses and references of a scene with its targets or without them."""
 
-    Attributes
-    ----------
-    arrays : SceneArrays
-        Scene as kernels read it.
-    poses : Poses
-        Poses of the n pings that are compared.
-    reference : Reference
-        Record by exact rays.
-    triangles : Reference, optional
-        Record by exact rays over a scene of triangles.
-    """
-
-    arrays: SceneArrays
-    poses: Poses
-    reference: Reference
-    triangles: Reference | None = None
+    arrays: SceneArrays  # scene as kernels read it
+    poses: Poses  # poses of the n pings that are compared
+    reference: Reference  # record by exact rays
+    triangles: Reference | None = None  # record by exact rays over a scene of triangles
 
     def reference_of(self, method: str) -> Reference:
         """Return the reference against which a method's errors are computed."""
@@ -93,33 +61,16 @@ class TracedScene(NamedTuple):
 
 @dataclass(frozen=True)
 class AccuracyMeasurement:
-    """Time and error of every method on one scene.
+    """Time and error of every method on one scene."""
 
-    Attributes
-    ----------
-    title : str
-        Title of the scene.
-    rows : tuple of AccuracyRow
-        All methods and settings.
-    pings : int
-        Number of pings that were compared.
-    machine : str
-        Processor and versions of the measurement.
-    scenes : mapping of bool to TracedScene
-        Scene with its targets (``True``) and without; a scene that has none has only ``False``.
-    records : mapping of SettingKey to (pings, 2, bins) float32
-        Record of every row.
-    notes : tuple of str
-        Methods that were left out, and why.
-    """
-
-    title: str
-    rows: tuple[AccuracyRow, ...]
-    pings: int
-    machine: str
+    title: str  # title of the scene
+    rows: tuple[AccuracyRow, ...]  # all methods and settings
+    pings: int  # number of pings that were compared
+    machine: str  # processor and versions of the measurement
+    # Scene with its targets (``True``) and without; a scene that has none has only ``False``.
     scenes: Mapping[bool, TracedScene] = field(repr=False)
-    records: Mapping[SettingKey, Record] = field(repr=False)
-    notes: tuple[str, ...] = ()
+    records: Mapping[SettingKey, Record] = field(repr=False)  # record of every row
+    notes: tuple[str, ...] = ()  # methods that were left out, and why
 
     def rows_of(self, targets: bool) -> list[AccuracyRow]:
         """Rows of the scene with its targets, or without."""
@@ -188,12 +139,7 @@ class AccuracyMeasurement:
         return (*(which.get(targets, "") + line for targets, line in speedups.items() if line), *self.notes)
 
     def normalise_row(self, row: AccuracyRow) -> tuple[Record, Record]:
-        """Amplitudes of a row's record and of its reference, relative to a level Lambert bed.
-
-        Returns
-        -------
-        record, reference : (pings, 2, bins) float32
-        """
+        """Amplitudes of a row's record and of its reference, relative to a level Lambert bed."""
         scene = self.scenes[row.targets]
         curves = compute_flat_bed_curves(scene.arrays, scene.poses)[:, 0]
         curve = np.array([extend_to_water_column(one) for one in curves])[:, None, :]

@@ -31,59 +31,24 @@ Record = NDArray[np.float32]
 
 
 class SettingKey(NamedTuple):
-    """Key of a method with one setting.
+    """Key of a method with one setting."""
 
-    Attributes
-    ----------
-    method : str
-        Name of the method.
-    setting : str
-        Setting as text.
-    targets : bool
-        Whether the scene holds its targets.
-    """
-
-    method: str
-    setting: str
-    targets: bool
+    method: str  # name of the method
+    setting: str  # setting as text
+    targets: bool  # whether the scene holds its targets
 
 
 class MethodSetting(NamedTuple):
-    """One method with one setting.
+    """One method with one setting."""
 
-    Attributes
-    ----------
-    method : str
-        Name of the method.
-    setting : str
-        Setting as text.
-    size : float
-        Setting as a number: step in metres, rays per side, or planes.
-    trace : callable
-        Traces the record of some poses on one thread.
-    """
-
-    method: str
-    setting: str
-    size: float
-    trace: Callable[[Poses], Record]
+    method: str  # name of the method
+    setting: str  # setting as text
+    size: float  # setting as a number: step in metres, rays per side, or planes
+    trace: Callable[[Poses], Record]  # traces the record of some poses on one thread
 
 
 def list_settings(arrays: SceneArrays, poses: Poses) -> list[MethodSetting]:
-    """List all methods that can trace a scene, with their settings, each on one thread.
-
-    Parameters
-    ----------
-    arrays : SceneArrays
-        Scene as kernels read it.
-    poses : Poses
-        Poses of the pings that will be traced.
-
-    Returns
-    -------
-    list of MethodSetting
-        Method by method, each from its coarsest setting to its finest.
-    """
+    """List all methods that can trace a scene, with their settings, each on one thread."""
     if arrays.bounces:
         return ray_settings("rays", arrays, RAYS)
     counts = RAYS if arrays.water.bent else RAYS + MANY_RAYS

@@ -10,21 +10,11 @@ import numpy as np
 
 
 class PowerLawFit(NamedTuple):
-    """Power law y = scale · x^exponent fitted to points.
+    """Power law y = scale · x^exponent fitted to points."""
 
-    Attributes
-    ----------
-    exponent : float
-        Slope of the straight line through the logarithms; NaN with fewer than two points.
-    spread : float
-        Standard error of the exponent; NaN with fewer than three points.
-    scale : float
-        Value of y at x = 1.
-    """
-
-    exponent: float
-    spread: float
-    scale: float
+    exponent: float  # slope of the straight line through the logarithms; NaN with fewer than two points
+    spread: float  # standard error of the exponent; NaN with fewer than three points
+    scale: float  # value of y at x = 1
 
     def format_exponent(self) -> str:
         """Format the exponent with its standard error; empty where there is none."""
@@ -35,17 +25,7 @@ class PowerLawFit(NamedTuple):
 
 
 def fit_power_law(x: Sequence[float], y: Sequence[float]) -> PowerLawFit:
-    """Fit a power law by least squares in the logarithms.
-
-    Parameters
-    ----------
-    x, y : sequence of float
-        Coordinates of the points; those that are not positive and finite do not count.
-
-    Returns
-    -------
-    Fit
-    """
+    """Fit a power law by least squares in the logarithms."""
     points = np.array([(a, b) for a, b in zip(x, y) if 0.0 < a < math.inf and 0.0 < b < math.inf]).reshape(-1, 2)
     if len(np.unique(points[:, 0])) < 2:
         return PowerLawFit(math.nan, math.nan, math.nan)

@@ -30,27 +30,14 @@ Record = NDArray[np.float32]
 
 
 class Reference(NamedTuple):
-    """Record by exact rays against which errors are computed.
+    """Record by exact rays against which errors are computed."""
 
-    Attributes
-    ----------
-    record : (n, 2, bins) float32
-        Record with the most rays.
-    moved : float
-        Change of the record by the last doubling of its rays, as a share of it beyond 1.4 times the altitude.
-    rays : int
-        Number of rays per side.
-    moved_all : float
-        The same change over all bins from the first return; NaN where it is not known.
-    kind : str
-        What the rays are, in words.
-    """
-
-    record: Record
+    record: Record  # (n, 2, bins) record with the most rays
+    # Change of the record by the last doubling of its rays, as a share of it beyond 1.4 times the altitude.
     moved: float
-    rays: int
-    moved_all: float = math.nan
-    kind: str = "single rays"
+    rays: int  # number of rays per side
+    moved_all: float = math.nan  # the same change over all bins from the first return; NaN where it is not known
+    kind: str = "single rays"  # what the rays are, in words
 
     @property
     def floor(self) -> float:
@@ -66,25 +53,7 @@ def refine_reference(
     seconds: float,
     progress: Callable[[float], None] = lambda share: None,
 ) -> Reference:
-    """Double the rays of a reference until its change is less than a tenth of the smallest error of some records.
-
-    Parameters
-    ----------
-    arrays : SceneArrays
-        Scene as kernels read it.
-    poses : Poses
-        Poses of n pings.
-    shown : sequence of (n, 2, bins) float32
-        Records whose errors the reference is to resolve.
-    seconds : float
-        Processor time over all cores; the last doubling that fits ends the refinement.
-    progress : callable
-        Called with the share done; may raise to stop.
-
-    Returns
-    -------
-    Reference
-    """
+    """Double the rays of a reference until its change is less than a tenth of the smallest error of some records."""
     began, count = process_time(), FIRST_RAYS
     order, most = (SHEET_ORDER, MOST_IN_SHEETS) if ray_sheets.can_trace(arrays) else (RAY_ORDER, MOST_SINGLE)
 

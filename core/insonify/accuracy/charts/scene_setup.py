@@ -14,24 +14,7 @@ from insonify.terrain import build_ground
 
 
 def pack_for_chart(scene: Scene, pings: int) -> tuple[SceneArrays, Poses]:
-    """Arrays and poses of some pings of a scene, with refraction wherever the water has a gradient.
-
-    Parameters
-    ----------
-    scene : Scene
-        Scene to trace.
-    pings : int
-        Number of pings, spread evenly over the track; on endless ground those over the tile beneath most of them.
-
-    Returns
-    -------
-    SceneArrays, Poses
-
-    Raises
-    ------
-    SceneError
-        If the scene cannot be simulated.
-    """
+    """Arrays and poses of some pings of a scene, with refraction wherever the water has a gradient."""
     ground = build_ground(scene)
     arrays = pack_scene(scene, ground)
     # Only these effects are not simulated together with refraction, and only the plan tells which of both is kept.

@@ -81,15 +81,7 @@ def write_headings(figure: Figure, title: str, line: str, foot: str) -> None:
 
 
 def place_labels(axes: Axes, labels: Sequence[tuple[str, float, float, str]]) -> None:
-    """Write labels beside their points, clear of one another and of all points as far as there is room.
-
-    Parameters
-    ----------
-    axes : Axes
-        Axes with their final limits.
-    labels : sequence of (text, x, y, colour)
-        Points in data coordinates.
-    """
+    """Write labels beside their points, clear of one another and of all points as far as there is room."""
     figure = axes.figure.get_figure(root=True)
     assert figure is not None
     renderer = figure.canvas.get_renderer()  # type: ignore[attr-defined]

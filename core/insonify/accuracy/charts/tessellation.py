@@ -16,20 +16,7 @@ DIVISIONS_OF_SPHERE = 5
 
 
 def tessellate_solids(solids: Solids) -> tuple[NDArray[np.float64], NDArray[np.int64]]:
-    """Triangles inscribed in spheres, cylinders and cones.
-
-    Parameters
-    ----------
-    solids : Solids
-        Analytic bodies, n of them.
-
-    Returns
-    -------
-    corners : (m, 3, 3) float64
-        Corners of the triangles, in metres.
-    body : (m,) int64
-        Row of the body that each is a part of.
-    """
+    """Triangles inscribed in spheres, cylinders and cones."""
     parts = [np.empty((0, 3, 3)), *_each_body(solids)]
     body = np.repeat(np.arange(-1, len(parts) - 1), [len(part) for part in parts])
     return np.concatenate(parts), body

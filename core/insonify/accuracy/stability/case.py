@@ -15,87 +15,42 @@ RAISED = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
 
 @dataclass(frozen=True)
 class Approach:
-    """Method and its measured error.
+    """Method and its measured error."""
 
-    Attributes
-    ----------
-    does : str
-        What the method does, as a sentence.
-    error : callable
-        Measures its error in the case's unit; NaN where the method gives no number.
-    bound : float
-        Bound that the failing method exceeds and the right one keeps.
-    """
-
-    does: str
-    error: Callable[[], float]
-    bound: float
+    does: str  # what the method does, as a sentence
+    error: Callable[[], float]  # measures its error in the case's unit; NaN where the method gives no number
+    bound: float  # bound that the failing method exceeds and the right one keeps
 
 
 @dataclass(frozen=True)
 class StabilityCase:
-    """Failure of a common method beside the method that avoids it.
+    """Failure of a common method beside the method that avoids it."""
 
-    Attributes
-    ----------
-    name : str
-        Name of the failure.
-    trigger : str
-        Cause of the failure, in one sentence.
-    figure : str
-        Quantity that is measured.
-    unit : str
-        Unit of that quantity, empty for a pure number.
-    failing, right : Way
-        Common method, and the method of this program.
-    picture : callable
-        Draws both on an empty figure.
-    scene : str
-        Name of the bundled scene of the measurement; empty if there is none.
-    """
-
-    name: str
-    trigger: str
-    figure: str
-    unit: str
-    failing: Approach
+    name: str  # name of the failure
+    trigger: str  # cause of the failure, in one sentence
+    figure: str  # quantity that is measured
+    unit: str  # unit of that quantity, empty for a pure number
+    failing: Approach  # common method, and the method of this program
     right: Approach
-    picture: Callable[[Figure], None]
-    scene: str = ""
+    picture: Callable[[Figure], None]  # draws both on an empty figure
+    scene: str = ""  # name of the bundled scene of the measurement; empty if there is none
 
 
 @dataclass(frozen=True)
 class StabilityTheme:
-    """Cases about one subject.
+    """Cases about one subject."""
 
-    Attributes
-    ----------
-    title : str
-        Heading on the page.
-    place : int
-        Place on the page; themes stand in the order of these numbers.
-    cases : tuple of StabilityCase
-        Cases in order.
-    """
-
-    title: str
-    place: int
-    cases: tuple[StabilityCase, ...]
+    title: str  # heading on the page
+    place: int  # place on the page; themes stand in the order of these numbers
+    cases: tuple[StabilityCase, ...]  # cases in order
 
 
 @dataclass(frozen=True)
 class Outcome:
-    """Measured errors of a case.
-
-    Attributes
-    ----------
-    case : Case
-    failing, right : float
-        Errors of its two methods.
-    """
+    """Measured errors of a case."""
 
     case: StabilityCase
-    failing: float
+    failing: float  # errors of its two methods
     right: float
 
     @property
@@ -117,32 +72,12 @@ class Outcome:
 
 
 def measure_case(case: StabilityCase) -> Outcome:
-    """Measure both methods of a case.
-
-    Parameters
-    ----------
-    case : Case
-
-    Returns
-    -------
-    Outcome
-    """
+    """Measure both methods of a case."""
     return Outcome(case, float(case.failing.error()), float(case.right.error()))
 
 
 def format_quantity(value: float, unit: str) -> str:
-    """Format a quantity with its unit.
-
-    Parameters
-    ----------
-    value : float
-    unit : str
-
-    Returns
-    -------
-    str
-        At most three digits, with a power of ten where needed, or "not a number".
-    """
+    """Format a quantity with its unit."""
     if math.isnan(value):
         return "not a number"
     after = f" {unit}" if unit else ""

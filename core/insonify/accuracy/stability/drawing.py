@@ -13,21 +13,7 @@ WRONG, RIGHT = BROWN, GREEN
 
 
 def add_panel(figure: Figure, place: int = 111, *, x: str, y: str, title: str = "") -> Any:
-    """Add labelled axes to a figure.
-
-    Parameters
-    ----------
-    figure : Figure
-    place : int
-        Place as ``Figure.add_subplot`` takes it.
-    x, y : str
-        Labels with units.
-    title : str
-
-    Returns
-    -------
-    matplotlib.axes.Axes
-    """
+    """Add labelled axes to a figure."""
     axes = figure.add_subplot(place)
     label_axes(axes, x, y, size=9)
     if title:
@@ -44,16 +30,7 @@ def add_legend(axes: Any, place: str = "best", **options: Any) -> None:
 
 
 def write_table(figure: Figure, heads: tuple[str, str, str], rows: list[tuple[str, str, str]]) -> None:
-    """Write a table of three columns: the input, what the common method does, what this program does.
-
-    Parameters
-    ----------
-    figure : Figure
-    heads : (str, str, str)
-        Heads of the columns.
-    rows : list of (str, str, str)
-        Cells; long text is wrapped.
-    """
+    """Write a table of three columns: the input, what the common method does, what this program does."""
     axes = figure.add_subplot()
     axes.axis("off")
     places, widths = (0.0, 0.27, 0.5), (28, 24, 54)

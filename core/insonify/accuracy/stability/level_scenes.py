@@ -33,22 +33,7 @@ def make_level_scene(changes: Mapping[str, Any] | None = None) -> Scene:
 def prepare_over_heights(
     scene: Scene, heights: ArrayLike, spacing: float, *, x0: float = 0.0, y0: float = 0.0
 ) -> Simulation:
-    """Make a scene ready over a bed of given heights that ends at its outermost nodes.
-
-    Parameters
-    ----------
-    scene : Scene
-        With a level bed.
-    heights : (ny, nx) array_like
-        Metres above the datum, NaN where there is no bed.
-    spacing, x0, y0 : float
-        Metres between nodes, and where the first of them lies.
-
-    Returns
-    -------
-    Simulation
-        Its arrays have that bed; its ground is still the level one.
-    """
+    """Make a scene ready over a bed of given heights that ends at its outermost nodes."""
     simulation = prepare(scene)
     bed = make_bed(make_ground(heights, spacing, x0=x0, y0=y0))
     return replace(simulation, arrays=simulation.arrays._replace(bed=bed))

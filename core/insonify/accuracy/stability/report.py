@@ -68,22 +68,7 @@ def write_report(
     *,
     done: Callable[[StabilityCase], None] = lambda case: None,
 ) -> list[Outcome]:
-    """Measure cases and write them as a page.
-
-    Parameters
-    ----------
-    path : str or Path
-        File to make or replace; it appears only when whole.
-    cases : mapping of str to tuple of Case
-        Cases by theme, in order.
-    done : callable, optional
-        Called with every measured case.
-
-    Returns
-    -------
-    list of Outcome
-        Outcomes in the order of the page.
-    """
+    """Measure cases and write them as a page."""
     outcomes: dict[str, list[Outcome]] = {}
     for theme, members in cases.items():
         outcomes[theme] = []
@@ -97,18 +82,7 @@ def write_report(
 
 
 def lay_out_page(outcomes: Mapping[str, list[Outcome]]) -> str:
-    """Lay outcomes out as HTML.
-
-    Parameters
-    ----------
-    outcomes : mapping of str to list of Outcome
-        Outcomes by theme.
-
-    Returns
-    -------
-    str
-        Whole document with its pictures inlined.
-    """
+    """Lay outcomes out as HTML."""
     every = [outcome for members in outcomes.values() for outcome in members]
     numbers = {id(outcome): number for number, outcome in enumerate(every, 1)}
     held = sum(outcome.is_held and outcome.is_shown for outcome in every)

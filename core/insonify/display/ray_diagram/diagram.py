@@ -17,78 +17,38 @@ WATER = ((186, 214, 236), (228, 239, 246), (252, 246, 235), (249, 226, 190))
 
 @dataclass(frozen=True, eq=False)
 class DiagramRay:
-    """Ray with its points in a vertical plane.
+    """Ray with its points in a vertical plane."""
 
-    Attributes
-    ----------
-    angle : float
-        Launch angle in degrees below the horizontal.
-    range, depth, time : (n,) float64
-        Points of the ray in metres, and travel time to each in seconds; the sonar is the first.
-    """
-
-    angle: float
-    range: Values
+    angle: float  # launch angle in degrees below the horizontal
+    range: Values  # (n,) points of the ray in metres, and travel time to each in seconds; the sonar is the first
     depth: Values
     time: Values
 
 
 @dataclass(frozen=True, eq=False)
 class DiagramEigenray(DiagramRay):
-    """Ray from the sonar to a given point.
+    """Ray from the sonar to a given point."""
 
-    Attributes
-    ----------
-    travel_time : float
-        One-way travel time in seconds.
-    slant_range : float
-        Slant range at which the record shows the point, in metres.
-    level : float
-        Intensity relative to 1 m due to spreading alone, in dB; infinite on a caustic.
-    """
-
-    travel_time: float
-    slant_range: float
-    level: float
+    travel_time: float  # one-way travel time in seconds
+    slant_range: float  # slant range at which the record shows the point, in metres
+    level: float  # intensity relative to 1 m due to spreading alone, in dB; infinite on a caustic
 
 
 @dataclass(frozen=True, eq=False)
 class RayDiagram:
-    """Rays of a scene's water in one vertical plane, between the surface and the mean bed.
+    """Rays of a scene's water in one vertical plane, between the surface and the mean bed."""
 
-    Attributes
-    ----------
-    title : str
-        Title of the scene.
-    layers : Layers
-        Sound speed of the water.
-    source_depth, bottom, reach : float
-        Depths of the sonar and the mean bed, and the greatest range, in metres.
-    rays : tuple of DiagramRay
-        Rays at round launch angles.
-    shadow : (rows, columns) bool
-        Cells that no direct ray reaches, by depth (surface first) and range.
-    dark : (n, 2) float64
-        Begin and end of the ranges at which none reaches the bed, in metres.
-    caustics : (k, 2) float64
-        Ranges and depths at which neighbouring rays cross, in metres.
-    target : (float, float) or None
-        Range and depth of the point to which eigenrays are searched.
-    eigenrays : tuple of DiagramEigenray
-        Eigenrays by launch angle, the steepest upwards first.
-    """
-
-    title: str
-    layers: SoundSpeedField
-    source_depth: float
+    title: str  # title of the scene
+    layers: SoundSpeedField  # sound speed of the water
+    source_depth: float  # depths of the sonar and the mean bed, and the greatest range, in metres
     bottom: float
     reach: float
-    rays: tuple[DiagramRay, ...]
-    shadow: NDArray[np.bool_]
-    dark: Values
-    caustics: Values
-    target: tuple[float, float] | None
-    eigenrays: tuple[DiagramEigenray, ...]
+    rays: tuple[DiagramRay, ...]  # rays at round launch angles
+    shadow: NDArray[np.bool_]  # (rows, columns) cells that no direct ray reaches, by depth (surface first) and range
+    dark: Values  # (n, 2) begin and end of the ranges at which none reaches the bed, in metres
+    caustics: Values  # (k, 2) ranges and depths at which neighbouring rays cross, in metres
+    target: tuple[float, float] | None  # (float, float) range and depth of the point to which eigenrays are searched
+    eigenrays: tuple[DiagramEigenray, ...]  # eigenrays by launch angle, the steepest upwards first
 
 
 def compute_speed_limits(diagram: RayDiagram) -> tuple[float, float]:

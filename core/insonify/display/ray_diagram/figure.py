@@ -34,17 +34,7 @@ LABELS = 0.036  # share of the axes' width and height that a label of a ray need
 
 
 def draw_ray_diagram(diagram: RayDiagram) -> Figure:
-    """Draw the sound speed profile and the rays over one scale of depth.
-
-    Parameters
-    ----------
-    diagram : Diagram
-
-    Returns
-    -------
-    matplotlib.figure.Figure
-        Figure with an Agg canvas.
-    """
+    """Draw the sound speed profile and the rays over one scale of depth."""
     figure = make_figure(13.0, 7.3)
     entries = _entries(diagram)
     height = TOP - ROW * math.ceil(len(entries) / 2.0) - BOTTOM

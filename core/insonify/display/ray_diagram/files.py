@@ -15,19 +15,7 @@ SUFFIXES = (".png", ".csv")
 
 
 def write_ray_diagram(path: str | Path, diagram: RayDiagram) -> None:
-    """Write a diagram as a picture (.png) or the points of its rays as a table (.csv).
-
-    Parameters
-    ----------
-    path : str or Path
-        File to make or replace; it appears only when whole.
-    diagram : RayDiagram
-
-    Raises
-    ------
-    SceneError
-        If the file's name has another suffix.
-    """
+    """Write a diagram as a picture (.png) or the points of its rays as a table (.csv)."""
     suffix = Path(path).suffix.lower()
     if suffix not in SUFFIXES:
         raise SceneError(f"output: {Path(path).name!r} names no format that is known; end it in .png or .csv")

@@ -25,44 +25,17 @@ ONE = 1e-12  # rad; rays launched closer than this and apart all the same leave 
 
 @dataclass(frozen=True, eq=False)
 class RayFan:
-    """Heights and tubes of a fan of rays by launch angle and range, and the cells that it reaches.
+    """Heights and tubes of a fan of rays by launch angle and range, and the cells that it reaches."""
 
-    Attributes
-    ----------
-    ranges : (m,) float64
-        Metres.
-    height, tube : (n, m) float64
-        Height of each ray in metres and its tube q in m/rad, NaN after its end.
-    lit : (cells, m) bool
-        Where there is a ray or one between two of them, lowest cell first.
-    dark : (k, 2) float64
-        Beginning and end of the ranges at which no ray meets the bed, in metres.
-    """
-
-    ranges: Values
-    height: Values
+    ranges: Values  # (m,) metres
+    height: Values  # (n, m) height of each ray in metres and its tube q in m/rad, NaN after its end
     tube: Values
-    lit: NDArray[np.bool_]
-    dark: Values
+    lit: NDArray[np.bool_]  # (cells, m) where there is a ray or one between two of them, lowest cell first
+    dark: Values  # (k, 2) beginning and end of the ranges at which no ray meets the bed, in metres
 
 
 def trace_fan(water: Water, height: float, limits: RayLimits, columns: int) -> RayFan:
-    """Trace a fan of rays in all directions, refined where neighbours diverge.
-
-    Parameters
-    ----------
-    water : Water
-    height : float
-        Of the sonar, in metres.
-    limits : Limits
-        Range, bed and surface, where rays end.
-    columns : int
-        Number of ranges, from 0 to the farthest.
-
-    Returns
-    -------
-    Fan
-    """
+    """Trace a fan of rays in all directions, refined where neighbours diverge."""
     ranges = np.linspace(0.0, limits.x, columns)
     cell = (limits.high - limits.low) / CELLS
     places = np.linspace(-1.0, 1.0, FIRST)

@@ -29,29 +29,7 @@ NEAREST_HIT = 0.25  # share of the range at which the steepest ray that is drawn
 def trace_ray_diagram(
     scene: Scene, *, datum: float | None = None, target: tuple[float, float] | None = None, columns: int = ACROSS
 ) -> RayDiagram:
-    """Trace the ray diagram of a scene's water.
-
-    Parameters
-    ----------
-    scene : Scene
-        Its water, and the height and range of its sonar.
-    datum : float, optional
-        Height of the mean bed above the sea surface, in metres (negative); that of ``seabed.depth`` when left out.
-    target : (float, float), optional
-        Range and depth of a point to find eigenrays to, in metres.
-    columns : int
-        Of the picture of the shadow.
-
-    Returns
-    -------
-    Diagram
-        Of a section the plane is that of its line, with the sonar over the scene's (0, 0).
-
-    Raises
-    ------
-    SceneError
-        If a cast cannot be read, the sonar is not in the water, or the point is not.
-    """
+    """Trace the ray diagram of a scene's water."""
     datum = -scene.seabed.depth if datum is None else datum
     water, bottom = make_water(scene, datum), -datum
     depth = bottom - scene.altitude if scene.track.depth is None else scene.track.depth

@@ -18,23 +18,7 @@ FAR = 1000.0  # m: a customary value closer than that to another height may be a
 
 
 def read_grid(path: str) -> Grid:
-    """Read a grid of heights.
-
-    Parameters
-    ----------
-    path : str
-        A file of one of the formats of `BATHYMETRY`, or ``sample:jacksboro`` or ``sample:topobathy``.
-
-    Returns
-    -------
-    Grid
-        Heights positive up, at least one of them finite.
-
-    Raises
-    ------
-    SceneError
-        One sentence with what is wrong with the file and the remedy.
-    """
+    """Read a grid of heights."""
     grid = read_sample(path) if path.startswith(SAMPLE) else BATHYMETRY.read(path)
     if not np.isfinite(grid.heights).any():
         raise BATHYMETRY.refusal(path, "holds no valid height", "check its nodata value")

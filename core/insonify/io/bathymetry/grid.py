@@ -18,26 +18,17 @@ HEIGHT = 8  # bytes of a height
 
 @dataclass(frozen=True, eq=False)
 class Grid:
-    """Heights on a grid.
+    """Heights on a grid."""
 
-    Attributes
-    ----------
-    heights : (ny, nx) float64
-        Metres, positive up unless they are depths, NaN where there are none; axis 0 is y, axis 1 is x, both increasing.
-    spacing : (float, float), optional
-        Metres between nodes along x and y; None if the file does not say.
-    corner : (float, float), optional
-        Map coordinates of node (0, 0); None if the file does not say.
-    crs : str
-        Coordinate reference system of the map, as PROJ takes it; empty if the file does not say.
-    depths : bool
-        Whether the file says that its numbers are depths, positive down, as ``heights`` then are too.
-    """
-
+    # (ny, nx) metres, positive up unless they are depths, NaN where there are none; axis 0 is y, axis 1 is x,
+    # both increasing.
     heights: NDArray[np.float64]
+    # (float, float) metres between nodes along x and y; None if the file does not say.
     spacing: tuple[float, float] | None = None
+    # (float, float) map coordinates of node (0, 0); None if the file does not say.
     corner: tuple[float, float] | None = None
-    crs: str = ""
+    crs: str = ""  # coordinate reference system of the map, as PROJ takes it; empty if the file does not say
+    # Whether the file says that its numbers are depths, positive down, as ``heights`` then are too.
     depths: bool = False
 
 

@@ -20,24 +20,7 @@ FLAT = 1e-12  # height of a triangle over its longest side, below which its area
 
 
 def read_mesh(path: str) -> NDArray[np.float64]:
-    """Read the triangles of a file.
-
-    Parameters
-    ----------
-    path : str
-        A file of one of the formats of `MESHES`, or the name of a bundled mesh.
-
-    Returns
-    -------
-    (n, 3, 3) float64
-        Corners in the file's units, z up, at least one triangle and none without area; shared with later calls, so
-        not to be written to. Neighbours wind alike, and closed surfaces counter-clockwise as seen from outside.
-
-    Raises
-    ------
-    SceneError
-        One sentence with what is wrong with the file and the remedy.
-    """
+    """Read the triangles of a file."""
     return _read_triangles(str(bundled_meshes().get(path, Path(path))))
 
 
@@ -58,16 +41,7 @@ def _read_triangles(path: str) -> NDArray[np.float64]:
 
 
 def has_area(corners: NDArray[np.float64]) -> NDArray[np.bool_]:
-    """Whether triangles have an area beyond rounding error.
-
-    Parameters
-    ----------
-    corners : (n, 3, 3) float64
-
-    Returns
-    -------
-    (n,) bool
-    """
+    """Whether triangles have an area beyond rounding error."""
     edges = corners - np.roll(corners, 1, axis=1)
     longest_squared = (edges**2).sum(axis=2).max(axis=1)
     area = np.linalg.norm(np.cross(edges[:, 0], edges[:, 1]), axis=1)

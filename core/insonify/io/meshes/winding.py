@@ -9,19 +9,7 @@ from scipy.sparse.csgraph import connected_components
 
 
 def wind_outwards(corners: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Wind neighbouring triangles alike, and closed surfaces counter-clockwise as seen from outside.
-
-    Parameters
-    ----------
-    corners : (n, 3, 3) float64
-        Corners of the triangles; neighbours share corners exactly.
-
-    Returns
-    -------
-    (n, 3, 3) float64
-        The same triangles, some with reversed winding. An open surface keeps the winding of its first triangle; a
-        surface with one side, such as a Möbius strip, is unchanged.
-    """
+    """Wind neighbouring triangles alike, and closed surfaces counter-clockwise as seen from outside."""
     n = len(corners)
     first, second, alike = _neighbours(_numbered(corners.reshape(-1, 3)).reshape(n, 3))
     surface = _components(first, second, n)

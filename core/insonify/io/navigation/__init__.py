@@ -11,24 +11,7 @@ __all__ = ["COLUMNS", "NAVIGATION", "RecordedNavigation", "read_navigation"]
 
 
 def read_navigation(path: str) -> RecordedNavigation:
-    """Read recorded navigation.
-
-    Parameters
-    ----------
-    path : str
-        A file of one of the formats of `NAVIGATION`: CSV with a header of column names, a record as ``insonify render``
-        writes it (.nc), a recording (.xtf, .jsf), or a GPX track. Names may be those of a record (``ping_time``,
-        ``platform_x``) or the bare ones; other columns are ignored. Longitude and latitude stand in for x and y.
-
-    Returns
-    -------
-    RecordedNavigation
-
-    Raises
-    ------
-    SceneError
-        One sentence with what is wrong with the file and the remedy.
-    """
+    """Read recorded navigation."""
     found = NAVIGATION.read(path)
     # A recording without a pitch sensor holds a column without numbers.
     found = {

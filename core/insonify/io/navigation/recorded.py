@@ -39,21 +39,12 @@ PREFIXES = ("platform_", "ping_")  # of the same names in a record
 
 @dataclass(frozen=True, eq=False)
 class RecordedNavigation:
-    """Position and attitude of the sonar over time, as far as a file has them.
+    """Position and attitude of the sonar over time, as far as a file has them."""
 
-    Attributes
-    ----------
-    time : (n,) float64
-        Seconds since the first row, increasing; at least two rows.
-    columns : mapping of str to (n,) float64
-        Any of x, y, depth, altitude in metres, heading, pitch, roll in degrees; as a record has them.
-    place : Georeference, optional
-        Where x and y lie on Earth; None if they are those of the scene.
-    """
-
-    time: Column
+    time: Column  # (n,) seconds since the first row, increasing; at least two rows
+    # Any of x, y, depth, altitude in metres, heading, pitch, roll in degrees; as a record has them.
     columns: Mapping[str, Column]
-    place: Georeference | None = None
+    place: Georeference | None = None  # where x and y lie on Earth; None if they are those of the scene
 
 
 def find_columns(names: list[str]) -> dict[str, int]:

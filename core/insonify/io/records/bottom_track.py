@@ -23,11 +23,6 @@ def find_altitude(record: xr.Dataset) -> NDArray[np.float64]:
     """Return the altitude at every ping in metres: the recorded one, else the bottom track of the record itself.
 
     Pings without a recorded altitude get the lowest one of the others.
-
-    Returns
-    -------
-    (pings,) float64
-        NaN throughout if the record has no altitude and shows no edge of the bed.
     """
     altitude = record["platform_altitude"].values.astype(np.float64)
     if BOTTOM_TRACK in record and not np.isfinite(altitude).any():
@@ -38,21 +33,7 @@ def find_altitude(record: xr.Dataset) -> NDArray[np.float64]:
 def complete_altitude(
     altitude: NDArray[np.float64], intensity: NDArray[np.float32], bin_length: float
 ) -> NDArray[np.float64]:
-    """Complete recorded altitudes: where some are unknown, by the lowest one; where all are, by the bottom track.
-
-    Parameters
-    ----------
-    altitude : (pings,) float64
-        Metres, NaN where it is unknown.
-    intensity : (2, pings, bins) float32
-    bin_length : float
-        In metres of slant range.
-
-    Returns
-    -------
-    (pings,) float64
-        NaN throughout if none is known and the record shows no edge of the bed.
-    """
+    """Complete recorded altitudes: where some are unknown, by the lowest one; where all are, by the bottom track."""
     known = altitude[np.isfinite(altitude)]
     if known.size:
         return np.where(np.isfinite(altitude), altitude, known.min())
@@ -66,18 +47,6 @@ def track_bottom(intensity: NDArray[np.float32], bin_length: float) -> NDArray[n
     bins before it and loud ones behind. Its course along the track is the one with the fewest bins of the wrong kind,
     plus a cost for every change from ping to ping (dynamic programming), so that an object in the water column, the
     transmitted pulse, or a shadow at nadir does not carry it away.
-
-    Parameters
-    ----------
-    intensity : (2, pings, bins) float32
-        Linear, both sides; the bed below is heard by both.
-    bin_length : float
-        In metres of slant range.
-
-    Returns
-    -------
-    (pings,) float64
-        Metres, to half a bin; NaN throughout if the record shows no edge.
     """
     width = max(round(BEHIND * intensity.shape[2]), 1)
     edges = _steadiest(_scores(intensity, width), intensity.shape[1])

@@ -26,25 +26,7 @@ OPTIONAL_VALUES = ("platform_altitude",)  # may be NaN for some pings or all
 
 
 def read_record(path: str | Path, frequency: float | None = None) -> xr.Dataset:
-    """Read a record by the suffix of its file.
-
-    Parameters
-    ----------
-    path : str or Path
-        A file of one of the formats of `RECORDS`.
-    frequency : float, optional
-        Carrier frequency in Hz, of a recording with several; the first when left out.
-
-    Returns
-    -------
-    Dataset
-        Dimensions (channel, ping_time, range_sample), as `simulate` makes it.
-
-    Raises
-    ------
-    SceneError
-        One sentence with what is wrong with the file and the remedy.
-    """
+    """Read a record by the suffix of its file."""
     selected: dict[str, Any] = {} if frequency is None else {"frequency": frequency}
     if selected and "frequency" not in RECORDS.selects(str(path)):
         raise RECORDS.refusal(path, "holds one frequency alone", "leave the choice of a frequency out")
@@ -57,17 +39,7 @@ def read_record(path: str | Path, frequency: float | None = None) -> xr.Dataset:
 
 
 def write_record(path: str | Path, blocks: Iterable[Record], **options: str) -> None:
-    """Write a record by the suffix of its file.
-
-    Parameters
-    ----------
-    path : str or Path
-        File to create or replace; it appears only when complete.
-    blocks : iterable of RecordBlock or Dataset
-        Successive pings, as from ``simulate_blocks``.
-    **options : str
-        Choices of the format, such as ``bits="8"`` of XTF.
-    """
+    """Write a record by the suffix of its file."""
     turned = as_block if RECORDS.writer_of(Path(path)).of_blocks else as_dataset
     RECORDS.write(Path(path), map(turned, blocks), **options)
 

@@ -15,15 +15,10 @@ DAY = 86400.0  # s
 
 
 class Fixes(NamedTuple):
-    """Positions as a recording has them.
+    """Positions as a recording has them."""
 
-    Attributes
-    ----------
-    x, y : (pings,) float64
-        Longitude and latitude in degrees, or easting and northing in metres; both 0 or not finite without a fix.
-    degrees : bool
-    """
-
+    # (pings,) longitude and latitude in degrees, or easting and northing in metres; both 0 or not finite without
+    # a fix.
     x: Column
     y: Column
     degrees: bool
@@ -64,15 +59,7 @@ class Fixes(NamedTuple):
 
 
 def fill_gaps(values: Column, known: NDArray[np.bool_], at: Column | None = None) -> Column:
-    """Interpolate values that are not known; NaN where none is.
-
-    Parameters
-    ----------
-    values : (n,) float64
-    known : (n,) bool
-    at : (n,) float64, optional
-        Places of the values; their numbers when left out.
-    """
+    """Interpolate values that are not known; NaN where none is."""
     if not known.any():
         return np.full(values.shape, np.nan)
     at = np.arange(values.size, dtype=np.float64) if at is None else at

@@ -80,23 +80,6 @@ def read_jsf(path: str | Path, frequency: float | None = None) -> xr.Dataset:
     """Read a side-scan recording of EdgeTech.
 
     Samples are envelopes, or magnitudes of analytic signals, scaled by their weights; ``intensity`` is their square.
-
-    Parameters
-    ----------
-    path : str or Path
-        A ``.jsf`` file. If it ends within a message, the pings before are read, with a warning.
-    frequency : float, optional
-        Carrier frequency in Hz, of a recording with several; the lowest when left out.
-
-    Returns
-    -------
-    Dataset
-        As `insonify.io.records.xtf.read_xtf` makes it.
-
-    Raises
-    ------
-    SceneError
-        One sentence with what is wrong with the file and the remedy.
     """
     path = Path(path)
     traces = list(_traces(path, np.fromfile(path, dtype=np.uint8)))

@@ -27,17 +27,7 @@ EPOCH = "nanoseconds since 1970-01-01"
 
 
 def write_netcdf(path: str | Path, blocks: Iterable[RecordBlock], *, compression: str = "none") -> None:
-    """Write a record block by block.
-
-    Parameters
-    ----------
-    path : str or Path
-        File to write.
-    blocks : iterable of RecordBlock
-        Successive pings.
-    compression : str
-        ``none`` or ``zlib``, which is lossless.
-    """
+    """Write a record block by block."""
     import netCDF4  # slow to import, and no other command needs it at its start
 
     with one_at_a_time():
@@ -69,17 +59,7 @@ def _disk_errors() -> Iterator[None]:
 
 
 def append_to(file: Any, block: RecordBlock, compression: str = "none") -> None:
-    """Append a block of pings to an open netCDF file; the first block defines its variables.
-
-    Parameters
-    ----------
-    file : netCDF4.Dataset
-        Open for writing.
-    block : RecordBlock
-        Pings that follow those in the file.
-    compression : str
-        As in `write_netcdf`.
-    """
+    """Append a block of pings to an open netCDF file; the first block defines its variables."""
     first = ALONG not in file.dimensions
     if first:
         _lay_out(file, block, compression)

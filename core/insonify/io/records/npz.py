@@ -27,13 +27,6 @@ def write_npz(path: str | Path, blocks: Iterable[RecordBlock]) -> None:
     """Write a record as one array for each variable; readable by ``numpy.load`` without pickles.
 
     An archive is written at once, so that the record must fit in memory; netCDF suits long tracks.
-
-    Parameters
-    ----------
-    path : str or Path
-        File to write.
-    blocks : iterable of RecordBlock
-        Successive pings. Variables and coordinates keep their names and shapes; attributes become ``attrs.<name>``.
     """
     parts = list(blocks)
     with zipfile.ZipFile(path, "w") as archive:

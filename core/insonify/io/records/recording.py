@@ -66,21 +66,7 @@ def warn_of_cut(path: Path, at: int, whole: int) -> None:
 
 
 def choose_frequency(path: Path, told: Sequence[float], wanted: float | None) -> int:
-    """Return which of the frequencies of a recording is meant.
-
-    Parameters
-    ----------
-    path : Path
-    told : sequence of float
-        Carrier frequencies in Hz, 0 where the file does not tell.
-    wanted : float, optional
-        In Hz; the first if left out.
-
-    Raises
-    ------
-    SceneError
-        If none is within a tenth of the wanted one.
-    """
+    """Return which of the frequencies of a recording is meant."""
     if wanted is None:
         return 0
     near = [abs(frequency - wanted) for frequency in told]
@@ -99,22 +85,7 @@ def frequency_attributes(told: Sequence[float], chosen: int) -> dict[str, Any]:
 
 
 def assemble(path: Path, pings: Sequence[dict[int, SideEchoes]], track: RecordedTrack) -> xr.Dataset:
-    """Lay the pings of a recording on a common grid of slant range, with the median bin length.
-
-    Parameters
-    ----------
-    path : Path
-    pings : sequence of dict
-        Port (0) and starboard (1) of every ping, at least one of them.
-    track : RecordedTrack
-        Of the same pings.
-
-    Returns
-    -------
-    Dataset
-        As `simulate` makes it, and ``bottom_track`` beside the recorded ``platform_altitude``. Intensity is the square
-        of the amplitudes, 0 where nothing was recorded.
-    """
+    """Lay the pings of a recording on a common grid of slant range, with the median bin length."""
     sides = [side for ping in pings for side in ping.values()]
     bin_length = sorted(side.slant_range / side.amplitude.size for side in sides)[len(sides) // 2]
     bins = max(round(side.slant_range / bin_length) for side in sides)

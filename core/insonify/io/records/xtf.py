@@ -53,25 +53,6 @@ def read_xtf(path: str | Path, frequency: float | None = None) -> xr.Dataset:
     Samples are amplitudes: their standard deviation in uniform patches of a raw recording is half their mean, as for
     the envelope of fully developed speckle (0.523); an intensity would have a ratio of 1. ``intensity`` is the square
     of the samples, in the units of the recorder.
-
-    Parameters
-    ----------
-    path : str or Path
-        An ``.xtf`` file. If it ends within a ping, the pings before are read, with a warning.
-    frequency : float, optional
-        Carrier frequency in Hz, of a recording with several; the first when left out.
-
-    Returns
-    -------
-    Dataset
-        As `simulate` makes it: dimensions (channel, ping_time, range_sample), ``intensity``, ``platform_*``. Intensity
-        is 0 where a ping was not recorded; platform variables that the file lacks are NaN; x and y are metres east and
-        north of the first fix.
-
-    Raises
-    ------
-    SceneError
-        One sentence with what is wrong with the file and the remedy.
     """
     path = Path(path)
     content = _content(path)

@@ -18,15 +18,6 @@ def seconds(headers: list[Any]) -> NDArray[np.float64]:
     """Return the times of pings since the first, from the time of day, because dates are often wrong.
 
     The clock resolves 10 ms; a recording without a clock gets one ping a second.
-
-    Parameters
-    ----------
-    headers : list of pyxtf.XTFPingHeader
-
-    Returns
-    -------
-    (n,) float64
-        Seconds, continued over midnight.
     """
     clock = (
         3600.0 * _column(headers, "Hour")
@@ -40,12 +31,7 @@ def seconds(headers: list[Any]) -> NDArray[np.float64]:
 
 
 def start_time(header: Any) -> str | None:
-    """Return the date and time of the first ping as ISO 8601 text; None if its date is none.
-
-    Parameters
-    ----------
-    header : pyxtf.XTFPingHeader
-    """
+    """Return the date and time of the first ping as ISO 8601 text; None if its date is none."""
     date = int(header.Year), int(header.Month), int(header.Day)
     clock = int(header.Hour), int(header.Minute), int(header.Second), 10_000 * int(header.HSeconds)
     try:
@@ -55,24 +41,7 @@ def start_time(header: Any) -> str | None:
 
 
 def platform_columns(header: Any, headers: list[Any], times: NDArray[np.float64]) -> tuple[NDArray[np.float64], ...]:
-    """Position, depth, altitude and attitude of the sonar at every ping.
-
-    Parameters
-    ----------
-    header : pyxtf.XTFFileHeader
-        For the units of positions.
-    headers : list of pyxtf.XTFPingHeader
-        Of the n pings.
-    times : (n,) float64
-        From `seconds`.
-
-    Returns
-    -------
-    tuple of (n,) float64
-        In the order and units of `insonify.io.record_schema.PLATFORM`, x and y from the first fix. Pings without
-        telemetry are interpolated; quantities that no ping has are NaN; a track without positions runs along +y at the
-        recorded speed.
-    """
+    """Position, depth, altitude and attitude of the sonar at every ping."""
     names = ("SensorXcoordinate", "SensorYcoordinate", "SensorHeading", "SensorPitch", "SensorRoll", "SensorDepth")
     told = np.any([_column(headers, name) != 0.0 for name in (*names, "ShipGyro", "SensorPrimaryAltitude")], axis=0)
     depth, height = _told(headers, "SensorDepth"), _told(headers, "SensorPrimaryAltitude", "SensorAuxAltitude")
@@ -86,15 +55,7 @@ def platform_columns(header: Any, headers: list[Any], times: NDArray[np.float64]
 
 
 def fixes(header: Any, headers: list[Any]) -> Fixes:
-    """Return the positions of the fish, or of the ship where those are all zero.
-
-    Parameters
-    ----------
-    header : pyxtf.XTFFileHeader
-        For the units of positions.
-    headers : list of pyxtf.XTFPingHeader
-        Of the pings.
-    """
+    """Return the positions of the fish, or of the ship where those are all zero."""
     x = _told(headers, "SensorXcoordinate", "ShipXcoordinate", unknown=np.inf)
     y = _told(headers, "SensorYcoordinate", "ShipYcoordinate", unknown=np.inf)
     return Fixes(x, y, header.NavUnits == DEGREES)

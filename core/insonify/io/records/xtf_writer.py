@@ -43,21 +43,11 @@ TILT, OPENING = 45.0, 90.0
 
 
 class SampleType(NamedTuple):
-    """How samples are stored.
+    """How samples are stored."""
 
-    Attributes
-    ----------
-    code : int
-        ``SampleFormat`` of the channel.
-    dtype : str
-        Little-endian type of NumPy.
-    bits : int
-        Significant bits of an integer; 0 of a float.
-    """
-
-    code: int
-    dtype: str
-    bits: int
+    code: int  # ``SampleFormat`` of the channel
+    dtype: str  # little-endian type of NumPy
+    bits: int  # significant bits of an integer; 0 of a float
 
 
 SAMPLE_TYPES = {
@@ -90,16 +80,6 @@ def write_xtf(path: str | Path, blocks: Iterable[RecordBlock], bits: str = "16")
 
     Amplitudes go through a temporary file beside the recording, because the scale of integers follows from the
     greatest. Memory does not grow with the echoes.
-
-    Parameters
-    ----------
-    path : str or Path
-        File to write.
-    blocks : iterable of RecordBlock
-        Successive pings.
-    bits : str
-        ``16``, ``8``, ``32`` or ``float``: size of a sample. The unit of integers is a power of two, so that the
-        amplitudes read back are exactly the rounded ones.
     """
     kind = SAMPLE_TYPES[bits]
     with tempfile.TemporaryFile(dir=Path(path).parent) as spool, Path(path).open("wb") as file:

@@ -23,15 +23,7 @@ CHUNK, SHARD = 64, 1024  # pings that are read together, and pings in one file
 
 
 def write_zarr(path: str | Path, blocks: Iterable[xr.Dataset]) -> None:
-    """Write a record shard by shard, so that memory does not grow with the number of pings.
-
-    Parameters
-    ----------
-    path : str or Path
-        Folder to write.
-    blocks : iterable of Dataset
-        Successive pings, as from ``simulate_blocks``. The store does not depend on how many a block has.
-    """
+    """Write a record shard by shard, so that memory does not grow with the number of pings."""
     import zarr  # slow to import, and no other format needs it
 
     with warnings.catch_warnings():

@@ -9,21 +9,5 @@ __all__ = ["CASTS", "Cast", "read_cast"]
 
 
 def read_cast(path: str) -> Cast:
-    """Read a measured cast.
-
-    Parameters
-    ----------
-    path : str
-        A file of one of the formats of `CASTS`.
-
-    Returns
-    -------
-    Cast
-        The way down alone, without what was measured before it began, at increasing depths.
-
-    Raises
-    ------
-    SceneError
-        One sentence with what is wrong with the file and the remedy.
-    """
+    """Read a measured cast."""
     return clean_cast(path, CASTS.read(path))

@@ -18,24 +18,12 @@ Columns = dict[str, Values]
 
 @dataclass(frozen=True, eq=False)
 class Cast:
-    """A measured cast with sound speed, or temperature and salinity, or all three.
+    """A measured cast with sound speed, or temperature and salinity, or all three."""
 
-    Attributes
-    ----------
-    depth : (n,) float64
-        Metres, increasing; at least two.
-    sound_speed : (n,) float64 or None
-        m/s.
-    temperature : (n,) float64 or None
-        °C, ITS-90.
-    salinity : (n,) float64 or None
-        Practical salinity.
-    """
-
-    depth: Values
-    sound_speed: Values | None
-    temperature: Values | None
-    salinity: Values | None
+    depth: Values  # (n,) metres, increasing; at least two
+    sound_speed: Values | None  # (n,) m/s
+    temperature: Values | None  # (n,) °C, ITS-90
+    salinity: Values | None  # (n,) practical salinity
 
 
 CASTS: FormatRegistry[Columns] = FormatRegistry(

@@ -16,24 +16,7 @@ DESCENT = 0.5  # share of the range of depths that a descent covers at least
 
 
 def clean_cast(path: str, columns: Columns) -> Cast:
-    """Make a cast of the columns of a file.
-
-    Parameters
-    ----------
-    path : str
-        Of the file, for errors.
-    columns : dict of str to (n,) float64
-        Rows in the order measured.
-
-    Returns
-    -------
-    Cast
-
-    Raises
-    ------
-    SceneError
-        If fewer than two depths are left.
-    """
+    """Make a cast of the columns of a file."""
     used = _used(path, columns)
     rows = np.flatnonzero(_plausible({name: columns[name] for name in used}))
     if rows.size:

@@ -30,21 +30,7 @@ OWN_NAMES = {
 
 
 def read_log(path: str) -> Columns:
-    """Read the columns of a logged cast; depth is derived from pressure where the file lacks it.
-
-    Parameters
-    ----------
-    path : str
-
-    Returns
-    -------
-    dict of str to (n,) float64
-
-    Raises
-    ------
-    FileFault
-        If no line names a depth or pressure and a sound speed or temperature, or no row follows it.
-    """
+    """Read the columns of a logged cast; depth is derived from pressure where the file lacks it."""
     lines = read_text(path, ENCODING).splitlines()
     heads = ((number, find_columns(_cells(line.removeprefix(PREFIX)), OWN_NAMES)) for number, line in enumerate(lines))
     number, places = next(((number, places) for number, places in heads if _suffices(places)), (0, {}))

@@ -20,22 +20,7 @@ IPTS68 = 1.00024  # degrees on IPTS-68 per degree on ITS-90 (Saunders 1990)
 
 
 def read_seabird(path: str) -> Columns:
-    """Read the columns of a converted cast.
-
-    Parameters
-    ----------
-    path : str
-
-    Returns
-    -------
-    dict of str to (n,) float64
-        Depth is derived from pressure and salinity from conductivity where the file lacks them.
-
-    Raises
-    ------
-    SceneError
-        If it holds no table.
-    """
+    """Read the columns of a converted cast."""
     text = read_text(path, ENCODING)
     names = [match.group(1) for match in re.finditer(r"^# name \d+ = ([^:\r\n]+)", text, flags=re.MULTILINE)]
     if not names:

@@ -28,19 +28,6 @@ def read_profile(path: str) -> Columns:
     """Read depth and speed of sound from ``.asvp``, ``.svp``, ``.vel`` and ``.calc`` files.
 
     Lines that are not all numbers are headings.
-
-    Parameters
-    ----------
-    path : str
-
-    Returns
-    -------
-    dict of str to (n,) float64
-
-    Raises
-    ------
-    SceneError
-        If it holds no profile, or several.
     """
     text = read_text(path, ENCODING)
     sections = len(re.findall(r"^\s*section\b", text, flags=re.MULTILINE | re.IGNORECASE))
@@ -54,21 +41,7 @@ def read_profile(path: str) -> Columns:
 
 
 def read_table(path: str) -> Columns:
-    """Read a table with a header of column names, or one whose columns are recognised by their values.
-
-    Parameters
-    ----------
-    path : str
-
-    Returns
-    -------
-    dict of str to (n,) float64
-
-    Raises
-    ------
-    SceneError
-        If it holds no table, or columns that cannot be told apart.
-    """
+    """Read a table with a header of column names, or one whose columns are recognised by their values."""
     whole = read_text(path, ENCODING).removeprefix(BYTE_ORDER_MARK).splitlines()
     lines = [line for line in whole if line.strip(" ,;\t") and line[0] not in "#%"]
     rows = [_numbers(line) for line in lines]
@@ -94,20 +67,7 @@ def _numbers(line: str) -> Values:
 
 
 def find_columns(cells: list[str], names: Mapping[str, str]) -> dict[str, int]:
-    """Find the columns that the cells of a header name.
-
-    Parameters
-    ----------
-    cells : list of str
-        In a cell, a unit follows a semicolon or stands in brackets.
-    names : mapping of str to str
-        Regular expression of the names in lower case of each column.
-
-    Returns
-    -------
-    dict of str to int
-        Places of the columns that are there.
-    """
+    """Find the columns that the cells of a header name."""
     bare = [re.sub(r"[\[(;].*", "", cell).strip().lower() for cell in cells]
     places = {
         name: next((place for place, cell in enumerate(bare) if re.fullmatch(pattern, cell)), -1)

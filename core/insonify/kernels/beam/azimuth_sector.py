@@ -46,18 +46,7 @@ class AzimuthSector(NamedTuple):
 
 @inlined_uncounted
 def raise_sector(sector, near_field):
-    """Azimuth sector of a plane for a raised image of the sonar, whose far field begins farther out.
-
-    Parameters
-    ----------
-    sector : AzimuthSector
-    near_field : float
-        Ground range at which its far field begins, m.
-
-    Returns
-    -------
-    AzimuthSector
-    """
+    """Azimuth sector of a plane for a raised image of the sonar, whose far field begins farther out."""
     return AzimuthSector(
         sector.s_low, sector.s_high, sector.angle, sector.far_angle, near_field, sector.s_beam, sector.span,
         sector.tabulated, sector.bent, sector.ahead_level, sector.ahead_up, sector.side_x, sector.side_z, sector.up_x,
@@ -67,22 +56,7 @@ def raise_sector(sector, near_field):
 
 @inlined_uncounted
 def sector_weight(x, z, r, sector, pattern, law):
-    """Factor by which a plane's sector multiplies an echo at one place.
-
-    Parameters
-    ----------
-    x, z, r : float
-        Ground range, height above the sonar and slant range of the place, m.
-    sector : AzimuthSector
-    pattern : BeamPattern
-    law : int
-
-    Returns
-    -------
-    float
-        Law SONAR: the along-track width in metres, less where the beam is less sensitive; 1 m for a knife.
-        Law LIGHT: the share of the beam, for it averages.
-    """
+    """Factor by which a plane's sector multiplies an echo at one place."""
     if sector.tabulated:
         return _pattern_weight(x, z, r, sector, pattern, law)
     if sector.angle == 0.0:
@@ -97,17 +71,6 @@ def top_hat_width(x, r, sector):
     A beam is a cone: |sin φ_b| = cos θ |sin φ| <= sin(w/2). In the far field the inner sectors stretch with it, nearer
     by each counts by the share of its azimuths that the cone takes in. Both add up to the whole beam, and so does
     what lies between them: over a stretch of range one passes into the other.
-
-    Parameters
-    ----------
-    x, r : float
-        Ground range and slant range, m.
-    sector : AzimuthSector
-
-    Returns
-    -------
-    float
-        m.
     """
     near = x * _azimuth_taken_in(x, r, sector) if sector.s_high > LINEAR_SINE else _width_taken_in(x, r, sector)
     return near + _far_field_share(x, sector) * (r * sector.far_angle - near)  # docs/theory/beam.md
@@ -121,18 +84,7 @@ def _far_field_share(x, sector):
 
 @inlined_uncounted
 def top_hat_share(x, r, sector):
-    """Share of a top-hat beam's azimuths at a place that a plane stands for.
-
-    Parameters
-    ----------
-    x, r : float
-        Ground range and slant range, m.
-    sector : AzimuthSector
-
-    Returns
-    -------
-    float
-    """
+    """Share of a top-hat beam's azimuths at a place that a plane stands for."""
     near = _azimuth_taken_in(x, r, sector) / (2.0 * arcsine(min(sector.s_beam * r / x, 1.0)))
     return near + _far_field_share(x, sector) * (sector.far_angle / sector.span - near)
 
@@ -153,17 +105,7 @@ def _azimuth_taken_in(x, r, sector):
 
 @inlined_uncounted
 def arcsine(s):
-    """Arcsine from 0 to 1, to 2e-8, in a form that vectorises (Abramowitz and Stegun 1964, 4.4.46).
-
-    Parameters
-    ----------
-    s : float
-
-    Returns
-    -------
-    float
-        rad.
-    """
+    """Arcsine from 0 to 1, to 2e-8, in a form that vectorises (Abramowitz and Stegun 1964, 4.4.46)."""
     tail = 0.0308918810 + s * (-0.0170881256 + s * (0.0066700901 - s * 0.0012624911))
     series = 1.5707963050 + s * (-0.2145988016 + s * (0.0889789874 + s * (-0.0501743046 + s * tail)))
     return 0.5 * math.pi - math.sqrt(1.0 - s) * series
@@ -182,20 +124,7 @@ def _pattern_weight(x, z, r, sector, pattern, law):
 
 @kernel_uncounted
 def pattern_share(x, z, r, sector, pattern):
-    """Share of a tabulated pattern's azimuths at a place that a plane stands for: law `light` averages over them.
-
-    Parameters
-    ----------
-    x, z, r : float
-        Ground range, height above the sonar and slant range of the place, m.
-    sector : AzimuthSector
-        Of a width.
-    pattern : BeamPattern
-
-    Returns
-    -------
-    float
-    """
+    """Share of a tabulated pattern's azimuths at a place that a plane stands for: law `light` averages over them."""
     width = pattern_width(x, z, r, sector, pattern)
     if not width > 0.0:
         return 0.0
@@ -225,31 +154,13 @@ def _azimuths_in_beam(c, s, r, sector, pattern):
 
 @inlined_uncounted
 def is_whole_beam(sector):
-    """Whether a plane of a tabulated pattern stands for all azimuths.
-
-    Parameters
-    ----------
-    sector : AzimuthSector
-
-    Returns
-    -------
-    bool
-    """
+    """Whether a plane of a tabulated pattern stands for all azimuths."""
     return sector.tabulated and sector.angle > 0.0 and sector.s_high - sector.s_low >= 2.0
 
 
 @inlined_uncounted
 def is_top_hat(pattern):
-    """Whether a tabulated pattern is alike over all that it spans, at every slant range.
-
-    Parameters
-    ----------
-    pattern : BeamPattern
-
-    Returns
-    -------
-    bool
-    """
+    """Whether a tabulated pattern is alike over all that it spans, at every slant range."""
     return pattern.integral.shape[0] == 1 and pattern.integral.shape[1] == 2
 
 
@@ -258,22 +169,6 @@ def paired_weight(x, one, other, sector, pattern, law):
     """Weight of a plane that stands for a whole beam, for sound that leaves by one image and returns by another.
 
     A narrow sector has one response to each; over a whole beam the azimuths matter at which both respond.
-
-    Parameters
-    ----------
-    x : float
-        Ground range, m.
-    one, other : tuple of two float
-        Height of the place above each image as its beam is turned, and slant range, m.
-    sector : AzimuthSector
-    pattern : BeamPattern
-        Of a beam that sound passes twice.
-    law : int
-
-    Returns
-    -------
-    float
-        As of `sector_weight`.
     """
     vertical = in_plane_response(x / one[1], one[0] / one[1], sector, pattern)
     vertical *= in_plane_response(x / other[1], other[0] / other[1], sector, pattern)
@@ -298,19 +193,7 @@ def paired_width(x, one, other, sector, pattern, law):
 
 @inlined_uncounted
 def in_plane_response(c, s, sector, pattern):
-    """Two-way response of the vertical beam along a plane.
-
-    Parameters
-    ----------
-    c, s : float
-        Cosine and sine of the launch angle.
-    sector : AzimuthSector
-    pattern : BeamPattern
-
-    Returns
-    -------
-    float
-    """
+    """Two-way response of the vertical beam along a plane."""
     if pattern.vertical == EVERY_GRAZING:
         return 1.0
     return vertical_response(pattern, sector.side_x * c + sector.side_z * s, sector.up_x * c + sector.up_z * s)
@@ -322,18 +205,6 @@ def pattern_width(x, z, r, sector, pattern):
 
     Along the plane of azimuth φ, s = cos p cos θ sin φ + sin p sin θ is the part of the direction along the fish's
     axis; the mean of the pattern over the sector is its integral over s between the sector's borders.
-
-    Parameters
-    ----------
-    x, z, r : float
-        Ground range, height above the sonar and slant range of the place, m.
-    sector : AzimuthSector
-    pattern : BeamPattern
-
-    Returns
-    -------
-    float
-        m, less where the beam is less sensitive.
     """
     level, tip = sector.ahead_level * x / r, sector.ahead_up * z / r
     span = level * (sector.s_high - sector.s_low)

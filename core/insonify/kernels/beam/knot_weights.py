@@ -30,23 +30,7 @@ DOUBLED = 0.4  # of these limits, below which the next step is twice as long
 
 @inlined_uncounted
 def weigh_knots(x, z, r, sector, pattern, law, fine, room, out):
-    """Factor by which a plane's sector multiplies the echo of each knot, as `sector_weight` for one place.
-
-    Parameters
-    ----------
-    x, z, r : ndarray of float64
-        Ground range, height above the sonar and slant range of the knots, m; as many as x has.
-    sector : AzimuthSector
-    pattern : BeamPattern
-    law : int
-    fine : tuple of two float
-        Share of half the main lobe by which a sector may move up to the next knot at which a pattern is read, where it
-        meets that lobe and where it does not.
-    room : tuple
-        Work space of `sample_pattern`.
-    out : ndarray
-        Takes the factors.
-    """
+    """Factor by which a plane's sector multiplies the echo of each knot, as `sector_weight` for one place."""
     if sector.tabulated:
         _weigh_pattern(x, z, r, sector, pattern, law, fine, room, out)
     elif sector.angle == 0.0:
@@ -100,21 +84,7 @@ def _overlap_top_hat(x, z, r, sector, pattern, out):
 
 @kernel_uncounted
 def weigh_paired_knots(x, one, other, sector, pattern, law, weight):
-    """Weigh the knots of a profile by what a plane that stands for a whole beam has of two images, as `paired_weight`.
-
-    Parameters
-    ----------
-    x : ndarray of float64
-        Ground ranges of the knots, m.
-    one, other : ImageProfile
-        The lower and the higher image.
-    sector : AzimuthSector
-    pattern : BeamPattern
-        Of a beam that sound passes twice.
-    law : int
-    weight : ndarray
-        Takes the weights.
-    """
+    """Weight of each knot of a profile for a plane that stands for a whole beam and two images, as `paired_weight`."""
     ranges = one.r
     _sample_pair(x, one, other, sector, pattern, law, weight)
     if law != LIGHT:

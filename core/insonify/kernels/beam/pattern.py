@@ -63,17 +63,7 @@ def _energy(pattern, row, s):
 
 @inlined_uncounted
 def widest_extent(pattern):
-    """Greatest extent of any row of a pattern.
-
-    Parameters
-    ----------
-    pattern : BeamPattern
-
-    Returns
-    -------
-    float
-        In s, on either hand of the pattern's centre.
-    """
+    """Greatest extent of any row of a pattern."""
     extent = 0.0
     for row in range(pattern.extent.size):
         extent = max(extent, pattern.extent[row])
@@ -86,21 +76,6 @@ def pick_azimuth(pattern, level, tip, r, place):
 
     Over azimuths φ, s = level · sin φ + tip. Half the rays are spread evenly over all that the beam takes in, for the
     sidelobes; half follow the pattern, for the main lobe. Each stands for one over the joint density.
-
-    Parameters
-    ----------
-    pattern : BeamPattern
-    level, tip : float
-        Parts of s for the ray's elevation and the fish's pitch.
-    r : float
-        Slant range for which the pattern is taken, m.
-    place : float
-        Place of the ray in [0, 1).
-
-    Returns
-    -------
-    tuple of two float
-        Azimuth from athwart and the angle it stands for, rad; both 0 if the beam takes in nothing.
     """
     extent = widest_extent(pattern)
     low = min(max((pattern.centre - extent - tip) / level, -1.0), 1.0)
@@ -151,21 +126,7 @@ def _mean_energy(pattern, row, s):
 
 @inlined_uncounted
 def azimuthal_response(pattern, level, tip, r):
-    """Integral of the two-way response over all azimuths of one side, where s = level · sin φ + tip.
-
-    Parameters
-    ----------
-    pattern : BeamPattern
-    level, tip : float
-        Parts of s for the elevation and the fish's pitch.
-    r : float
-        Slant range, m.
-
-    Returns
-    -------
-    float
-        rad.
-    """
+    """Integral of the two-way response over all azimuths of one side, where s = level · sin φ + tip."""
     extent = widest_extent(pattern)
     low = math.asin(min(max((pattern.centre - extent - tip) / level, -1.0), 1.0))
     high = math.asin(min(max((pattern.centre + extent - tip) / level, -1.0), 1.0))
@@ -184,22 +145,7 @@ def azimuthal_response(pattern, level, tip, r):
 
 @kernel_uncounted
 def shared_response(pattern, level_one, tip_one, r_one, level_other, tip_other, r_other):
-    """Integral over azimuths of the response to sound that leaves in one direction and returns from another.
-
-    Parameters
-    ----------
-    pattern : BeamPattern
-        Of a beam that sound passes twice.
-    level_one, tip_one, r_one : float
-        For the one direction, s = level · sin φ + tip; and its slant range, m.
-    level_other, tip_other, r_other : float
-        For the other.
-
-    Returns
-    -------
-    float
-        rad; of the square root of the product of both two-way responses.
-    """
+    """Integral over azimuths of the response to sound that leaves in one direction and returns from another."""
     extent, centre = widest_extent(pattern), pattern.centre
     low = max((centre - extent - tip_one) / level_one, (centre - extent - tip_other) / level_other, -1.0)
     high = min((centre + extent - tip_one) / level_one, (centre + extent - tip_other) / level_other, 1.0)
@@ -216,18 +162,7 @@ def shared_response(pattern, level_one, tip_one, r_one, level_other, tip_other, 
 
 @inlined_uncounted
 def vertical_response(pattern, side, up):
-    """Two-way response of the vertical beam in a direction.
-
-    Parameters
-    ----------
-    pattern : BeamPattern
-    side, up : float
-        Parts of the direction along the fish's own side and up.
-
-    Returns
-    -------
-    float
-    """
+    """Two-way response of the vertical beam in a direction."""
     if pattern.vertical == TABLE:
         return _table_response_above(pattern, side, up)
     return lobe_response(pattern, side, up)
@@ -281,27 +216,7 @@ def _table_at(energy, sine):
 
 @inlined_uncounted
 def two_way_response(pattern, beam, fan, law, dx, dy, dz, r):
-    """Two-way response of a beam in a direction of the world.
-
-    Parameters
-    ----------
-    pattern : BeamPattern
-    beam : SideBeam
-        Axes of one side of one ping.
-    fan : bool
-        Whether the beam has a width along the track; of a knife the vertical beam alone counts.
-    law : int
-        LIGHT averages over the beam's azimuths, SONAR integrates.
-    dx, dy, dz : float
-        Unit direction.
-    r : float
-        Slant range, m.
-
-    Returns
-    -------
-    float
-        1 on the axis far away; of law LIGHT per radian of azimuth.
-    """
+    """Two-way response of a beam in a direction of the world."""
     value = 1.0
     if pattern.vertical != EVERY_GRAZING:
         side = dx * beam.own_x + dy * beam.own_y + dz * beam.own_z

@@ -20,19 +20,6 @@ def integrated_response(centre, extent, integral, first_range, per_octave, s_low
     """Integral of the two-way response over s between two values, at one slant range.
 
     The arguments are the pattern's arrays: unpacking its tuple costs more than reading the table.
-
-    Parameters
-    ----------
-    centre, extent, integral, first_range, per_octave
-        Of the BeamPattern.
-    s_low, s_high : float
-        Sines of the angles from the plane athwart the fish.
-    r : float
-        Slant range, m.
-
-    Returns
-    -------
-    float
     """
     row, share = row_of_range(extent, first_range, per_octave, r)
     return response_between(centre, extent, integral, row, share, s_low, s_high)[0]
@@ -40,23 +27,7 @@ def integrated_response(centre, extent, integral, first_range, per_octave, s_low
 
 @inlined_uncounted
 def response_between(centre, extent, integral, row, share, s_low, s_high):
-    """Integral of the two-way response over s between two values, at a row of the table, and the response at both.
-
-    Parameters
-    ----------
-    centre, extent, integral
-        Of the BeamPattern.
-    row : int
-    share : float
-        Fraction of the way to the next row.
-    s_low, s_high : float
-        Sines of the angles from the plane athwart the fish.
-
-    Returns
-    -------
-    tuple of three float
-        The integral; the response at the lower and at the higher end, the mean over a column of the table.
-    """
+    """Integral of the two-way response over s between two values, at a row of the table, and the response at both."""
     low, at_low = _integral_up_to(centre, extent, integral, row, s_low)
     high, at_high = _integral_up_to(centre, extent, integral, row, s_high)
     value = high - low
@@ -86,19 +57,7 @@ def _integral_up_to(centre, extent, integral, row, s):
 
 @inlined_uncounted
 def row_of_range(extent, first_range, per_octave, r):
-    """Row for a slant range and the fraction of the way to the next row.
-
-    Parameters
-    ----------
-    extent, first_range, per_octave
-        Of the BeamPattern.
-    r : float
-        Slant range, m.
-
-    Returns
-    -------
-    tuple of int and float
-    """
+    """Row for a slant range and the fraction of the way to the next row."""
     if extent.size == 1:
         return 0, 0.0
     place = place_in_rows(extent.size - 1.0, first_range, per_octave, r)
@@ -108,21 +67,7 @@ def row_of_range(extent, first_range, per_octave, r):
 
 @inlined_uncounted
 def place_in_rows(last, first_range, per_octave, r):
-    """Fractional row for a slant range; the first one for NaN.
-
-    Parameters
-    ----------
-    last : float
-        Row beyond which the last one applies.
-    first_range, per_octave
-        Of the BeamPattern.
-    r : float
-        m.
-
-    Returns
-    -------
-    float
-    """
+    """Fractional row for a slant range; the first one for NaN."""
     ratio = r * (1.0 / first_range)
     place = _octaves(ratio if ratio > 1.0 else 1.0) * per_octave
     return place if place < last else last
@@ -130,17 +75,7 @@ def place_in_rows(last, first_range, per_octave, r):
 
 @inlined_uncounted
 def row_below(place, last):
-    """Row below a fractional row, the last but one at most.
-
-    Parameters
-    ----------
-    place, last : float
-        As of `place_in_rows`.
-
-    Returns
-    -------
-    int
-    """
+    """Row below a fractional row, the last but one at most."""
     return int(place if place < last - 1.0 else max(last - 1.0, 0.0))
 
 

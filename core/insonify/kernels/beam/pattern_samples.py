@@ -36,23 +36,7 @@ LEAST_HEIGHT = 0.01  # share of a ground range
 
 @kernel_uncounted
 def sample_pattern(x, z, r, sector, pattern, fine, room, out):
-    """Integral of a pattern over the sines of a sector's directions, at many knots.
-
-    Parameters
-    ----------
-    x, z, r : ndarray of float64
-        Ground range, height above the sonar and slant range of the knots, m; as many as x has.
-    sector : AzimuthSector
-        Of a width.
-    pattern : BeamPattern
-    fine : tuple of two float
-        As of `weigh_knots`.
-    room : tuple of an ndarray of int32 and four ndarrays of 8 bytes an entry
-        Work space, each longer than x by ROOM.
-    out : ndarray
-        Takes the integrals. They are read at knots between which the sector's borders and the slant range move by
-        little; between them they follow the level part of the direction.
-    """
+    """Integral of a pattern over the sines of a sector's directions, at many knots."""
     if x.size == 0:
         return
     listed = room[0]

@@ -15,16 +15,7 @@ OBLIQUE = 0.06
 
 @inlined_uncounted
 def wrap_index(index, size):
-    """Index of a node on a bed that repeats: the whole number within [0, size).
-
-    Parameters
-    ----------
-    index, size : int
-
-    Returns
-    -------
-    int
-    """
+    """Index of a node on a bed that repeats: the whole number within [0, size)."""
     if 0 <= index < size:
         return index
     return index % size
@@ -32,22 +23,7 @@ def wrap_index(index, size):
 
 @inlined_uncounted
 def clip_to_grid(origin, rate, highest, near, far):
-    """Part of an interval on which a coordinate stays within a grid.
-
-    Parameters
-    ----------
-    origin, rate : float
-        The coordinate is origin + t rate.
-    highest : float
-        It must lie within [0, highest].
-    near, far : float
-        The interval of t.
-
-    Returns
-    -------
-    tuple of two float
-        The first exceeds the second if nothing is left.
-    """
+    """Part of an interval on which a coordinate stays within a grid."""
     if rate == 0.0:
         return (near, far) if 0.0 <= origin <= highest else (1.0, 0.0)
     one, other = -origin / rate, (highest - origin) / rate
@@ -59,32 +35,11 @@ def first_line(v, step):
     """Last grid line at or behind a place of a walk; a line just ahead counts as reached.
 
     With ``-step`` it is the first line at or beyond the place; a line just behind counts as reached.
-
-    Parameters
-    ----------
-    v : float
-        Place, in nodes.
-    step : int
-        1 or -1, the sense of the walk.
-
-    Returns
-    -------
-    int
     """
     return math.floor(v + MERGED) if step > 0 else math.ceil(v - MERGED)
 
 
 @inlined_uncounted
 def is_oblique(ex, ey):
-    """Whether a plane is so oblique to the grid that its segments bulge and are walked line by line.
-
-    Parameters
-    ----------
-    ex, ey : float
-        Its azimuth, a unit vector.
-
-    Returns
-    -------
-    bool
-    """
+    """Whether a plane is so oblique to the grid that its segments bulge and are walked line by line."""
     return min(abs(ex), abs(ey)) > OBLIQUE * max(abs(ex), abs(ey))

@@ -51,36 +51,7 @@ class LineCrossings(NamedTuple):
 
 @kernel_separate(INTEGER)
 def walk_oblique(nodes, materials, mapped, periodic, spacing, v_is_y, u0, v0, z0, eu, ev, start, end, profile):
-    """Fill the knots, gradients, twists and materials of a profile along an oblique plane.
-
-    Parameters
-    ----------
-    nodes : ndarray of float32, shape (nv, nu)
-        Heights, one row for each line v.
-    materials : ndarray of uint8
-        Of the Bed.
-    mapped, periodic : bool
-        Of the Bed.
-    spacing : float
-        Between nodes, m.
-    v_is_y : bool
-        Whether v is the second axis of the bed's coordinates.
-    u0, v0 : float
-        Where the plane begins, in nodes.
-    z0 : float
-        Height that counts as 0, m.
-    eu, ev : float
-        The plane's azimuth, a unit vector with 0 < abs(eu) <= abs(ev).
-    start, end : float
-        Ground ranges between which it is cut, both on the bed, m.
-    profile : Profile
-        Filled.
-
-    Returns
-    -------
-    int
-        Knots of the profile.
-    """
+    """Fill the knots, gradients, twists and materials of a profile along an oblique plane."""
     crossings = _find_crossings(nodes.shape[1], periodic, spacing, u0, v0, eu, ev, start, end)
     cells, into, before, after = profile.parts, profile.low, profile.across, profile.high
     _locate_cells(crossings, cells, into)

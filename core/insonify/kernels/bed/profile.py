@@ -95,14 +95,5 @@ def profile_capacity(reach: float, spacing: float) -> int:
 
 @inlined_uncounted
 def padded_count(entries):
-    """Count the entries that a vectorised pass works on: up to a whole multiple of what it takes at a time.
-
-    Parameters
-    ----------
-    entries : int
-
-    Returns
-    -------
-    int
-    """
+    """Count the entries that a vectorised pass works on: up to a whole multiple of what it takes at a time."""
     return (entries + (AT_ONCE - 1)) // AT_ONCE * AT_ONCE if entries > FEW else entries

@@ -45,27 +45,7 @@ class NodeSteps(NamedTuple):
 
 @inlined_uncounted
 def slice_bed(bed, limits, x, y, z, ex, ey, reach, profile):
-    """Cut the bed with a vertical half-plane.
-
-    Parameters
-    ----------
-    bed : Bed
-    limits : SegmentLimits
-        How far segments are divided.
-    x, y, z : float
-        Where the plane begins, m.
-    ex, ey : float
-        Its azimuth, a unit vector.
-    reach : float
-        Ground range to which it is cut, m.
-    profile : Profile
-        Filled.
-
-    Returns
-    -------
-    int
-        Knots of the profile, 0 beyond a bed that ends.
-    """
+    """Cut the bed with a vertical half-plane."""
     u0, v0 = (x - bed.x0) / bed.spacing, (y - bed.y0) / bed.spacing
     v_is_y = abs(ey) >= abs(ex)
     nodes = bed.transposed if v_is_y else bed.heights
@@ -147,18 +127,7 @@ def _add_strip(bed, walk, column, start, end, count, profile):
 
 @inlined_uncounted
 def prefetch_strip(bed, x, y, ex, ey, reach):
-    """Prefetch the nodes of the strip in which a plane begins; a plane along the grid needs no others.
-
-    Parameters
-    ----------
-    bed : Bed
-    x, y : float
-        Where the plane begins, m.
-    ex, ey : float
-        Its azimuth, a unit vector.
-    reach : float
-        Ground range, m.
-    """
+    """Prefetch the nodes of the strip in which a plane begins; a plane along the grid needs no others."""
     u, v = (x - bed.x0) / bed.spacing, (y - bed.y0) / bed.spacing
     nodes = bed.heights
     if abs(ey) >= abs(ex):
@@ -180,16 +149,7 @@ def prefetch_strip(bed, x, y, ex, ey, reach):
 
 @inlined_uncounted
 def snap_to_grid(component):
-    """Round a direction component that is within rounding error of 0 to 0, so that a track along the grid stays on it.
-
-    Parameters
-    ----------
-    component : float
-
-    Returns
-    -------
-    float
-    """
+    """Round a direction component within rounding error of 0 to 0, so that a track along the grid stays on it."""
     return 0.0 if abs(component) < 1e-12 else component
 
 

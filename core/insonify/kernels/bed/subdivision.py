@@ -33,26 +33,7 @@ SPAN_ROUNDING = 1e-4  # share of an angle that single precision may miss
 
 @inlined_uncounted
 def measure_segments(count, eu, per_ev, bed, limits, profile):
-    """Divide the segments of a profile where one incidence is not enough, and fill in their slopes and areas.
-
-    Parameters
-    ----------
-    count : int
-        Knots of the profile, at least 2.
-    eu : float
-        Component of the plane's azimuth across the strips of cells.
-    per_ev : float
-        1 over its component along them.
-    bed : Bed
-    limits : SegmentLimits
-    profile : Profile
-        Its knots, gradients, twists and materials are filled; slopes and areas are added, and the knots of parts.
-
-    Returns
-    -------
-    int
-        Knots of the divided profile.
-    """
+    """Divide the segments of a profile where one incidence is not enough, and fill in their slopes and areas."""
     x, z, gradient, twist = profile.x, profile.z, profile.gradient, profile.twist
     turn = smallest_turn(limits, bed.spacing)
     turned = _fill_segments(padded_count(count - 1), x, z, gradient, twist, eu, per_ev, turn, profile)
@@ -66,19 +47,7 @@ def measure_segments(count, eu, per_ev, bed, limits, profile):
 
 @inlined_uncounted
 def smallest_turn(limits, spacing):
-    """Smallest turn of the incidence along a segment of a plane along the grid that asks for a division.
-
-    Parameters
-    ----------
-    limits : SegmentLimits
-    spacing : float
-        Between nodes of the bed, m.
-
-    Returns
-    -------
-    float
-        rad.
-    """
+    """Smallest turn of the incidence along a segment of a plane along the grid that asks for a division."""
     # The density of a Lambert echo changes by half the turn from end to end at most.
     diffuse = min(16.0 * limits.misplaced * limits.bin_length / spacing, math.sqrt(12.0 * limits.misplaced))
     lobe = LOBE_TURN * math.sqrt(limits.misplaced / limits.shininess) if limits.shininess > 0.0 else diffuse

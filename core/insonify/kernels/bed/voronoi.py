@@ -22,21 +22,7 @@ def _distance_to_square(place, square):
 
 @kernel
 def nearest_seed_hash(seed, stream, u, v, repeat):
-    """Hash of the seed point nearest to a place.
-
-    Parameters
-    ----------
-    seed, stream : int
-        What the seed points derive from.
-    u, v : float
-        The place, in squares of a lattice that hold one seed point each.
-    repeat : int
-        Squares after which the lattice repeats; 0 if it never does.
-
-    Returns
-    -------
-    uint64
-    """
+    """Hash of the seed point nearest to a place."""
     column, row = math.floor(u), math.floor(v)
     nearest, owner_a, owner_b = np.inf, column, row
     for step_v in range(2 * REACH + 1):

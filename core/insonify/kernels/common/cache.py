@@ -51,20 +51,7 @@ def cache_folder() -> Path:
 
 
 def source_digests(sources: Path, folder: Path) -> dict[str, str]:
-    """Digest every kernel module together with all that it imports; computed once for each state of the sources.
-
-    Parameters
-    ----------
-    sources : Path
-        Folder of the kernels' package.
-    folder : Path
-        Where digests are kept, by the bytes of all sources. If it cannot be written they are computed every time.
-
-    Returns
-    -------
-    dict of str to str
-        Digest by the module's dotted name within the package.
-    """
+    """Digest every kernel module together with all that it imports; computed once for each state of the sources."""
     texts = {".".join(p.relative_to(sources).with_suffix("").parts): p.read_bytes() for p in sources.rglob("*.py")}
     texts = {name: text for name, text in texts.items() if name not in WITHOUT_CODE}
     state = hashlib.sha256(b"\0".join(name.encode() + b"\0" + texts[name] for name in sorted(texts))).hexdigest()[:24]

@@ -102,17 +102,7 @@ class CompilationListener(event.Listener):
 
 
 def called_functions(function: FunctionType) -> set[FunctionType]:
-    """Collect a function and all that are compiled into it, directly or not.
-
-    Parameters
-    ----------
-    function : function
-        As it was written, not compiled.
-
-    Returns
-    -------
-    set of function
-    """
+    """Collect a function and all that are compiled into it, directly or not."""
     found, pending = {function}, [function]
     while pending:
         calling = pending.pop()

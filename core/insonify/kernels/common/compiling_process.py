@@ -27,13 +27,7 @@ class CompilationStoppedError(RuntimeError):
 
 
 class CompilingProcess:
-    """A process that compiles one kernel after the other.
-
-    Attributes
-    ----------
-    ended : bool
-        Whether it has ended, of its own or because `stop` was called.
-    """
+    """A process that compiles one kernel after the other."""
 
     def __init__(self) -> None:
         self.ended = self._stopped = False
@@ -44,23 +38,7 @@ class CompilingProcess:
         self._reader.start()
 
     def compile(self, name: bytes) -> bool:
-        """Wait until a kernel is compiled and its machine code on disk, as far as that is possible.
-
-        Parameters
-        ----------
-        name : bytes
-            As the worker takes it.
-
-        Returns
-        -------
-        bool
-            Whether the process has answered; not if it has ended of its own.
-
-        Raises
-        ------
-        CompilationStoppedError
-            If `stop` has ended it.
-        """
+        """Wait until a kernel is compiled and its machine code on disk, as far as that is possible."""
         with self._arrived:
             if name not in self._asked:
                 self._asked.add(name)
@@ -151,18 +129,7 @@ def is_compiled_elsewhere() -> bool:
 
 
 def compile_elsewhere(name: bytes) -> None:
-    """Let the other process compile a kernel, and wait; if it cannot be started or ends early, nothing is done.
-
-    Parameters
-    ----------
-    name : bytes
-        As the worker takes it.
-
-    Raises
-    ------
-    CompilationStoppedError
-        If it is not needed any more.
-    """
+    """Let the other process compile a kernel, and wait; if it cannot be started or ends early, nothing is done."""
     for _ in range(TRIES):
         process = _elsewhere.running()
         if process is None or process.compile(name):

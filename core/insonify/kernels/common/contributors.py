@@ -45,14 +45,7 @@ def empty_contributor_table(count: int, bins: int) -> ContributorTable:
 
 @inlined
 def open_contributor(contributions, who):
-    """Clear a contributor's row if it is not present yet, and mark it present.
-
-    Parameters
-    ----------
-    contributions : ContributorTable
-    who : int
-        Its row.
-    """
+    """Clear a contributor's row if it is not present yet, and mark it present."""
     if not contributions.present[who]:
         contributions.present[who] = True
         contributions.energy[who, :] = 0.0
@@ -61,24 +54,7 @@ def open_contributor(contributions, who):
 
 @inlined
 def spanned_bins(near, far, per_bin, bins, margin):
-    """First range bin that a stretch of slant range touches, and the one after its last.
-
-    Parameters
-    ----------
-    near, far : float
-        Slant ranges, m; NaN, a hole in the bed, touches none.
-    per_bin : float
-        Bins per metre.
-    bins : int
-        Bins of the record.
-    margin : float
-        Bins by which the stretch counts as longer at both ends.
-
-    Returns
-    -------
-    tuple of two int
-        (0, 0) for a stretch beyond the record.
-    """
+    """First range bin that a stretch of slant range touches, and the one after its last."""
     if not near * per_bin < bins:  # or NaN, a hole in the bed
         return 0, 0
     return max(int(near * per_bin - margin), 0), int(min(far * per_bin + margin, bins - 1.0)) + 1
@@ -86,20 +62,7 @@ def spanned_bins(near, far, per_bin, bins, margin):
 
 @inlined
 def add_contribution(contributions, who, k, energy, x, cosine):
-    """Add energy to a contributor's share in one range bin, and keep where its strongest echo comes from.
-
-    Parameters
-    ----------
-    contributions : ContributorTable
-    who : int
-        Row of the contributor, open.
-    k : int
-        Bin.
-    energy : float
-        In fixed-point units.
-    x, cosine : float
-        Ground range of the echo, m, and cosine of its incidence.
-    """
+    """Add energy to a contributor's share in one range bin, and keep where its strongest echo comes from."""
     contributions.energy[who, k] += energy
     if energy > contributions.strongest[who, k]:
         contributions.strongest[who, k], contributions.x[who, k], contributions.cosine[who, k] = energy, x, cosine
@@ -107,22 +70,7 @@ def add_contribution(contributions, who, k, energy, x, cosine):
 
 @inlined
 def spread_contribution(contributions, who, near, far, energy, x, cosine, bin_length):
-    """Add energy that is spread evenly between two slant ranges to a contributor's share in the bins between.
-
-    Parameters
-    ----------
-    contributions : ContributorTable
-    who : int
-        Row of the contributor, open.
-    near, far : float
-        Slant ranges, m; if they are one, its bin takes all.
-    energy : float
-        In fixed-point units.
-    x, cosine : float
-        Ground range of the echo, m, and cosine of its incidence.
-    bin_length : float
-        Slant range of one bin, m.
-    """
+    """Add energy that is spread evenly between two slant ranges to a contributor's share in the bins between."""
     near, far = min(near, far) / bin_length, max(near, far) / bin_length
     first, last = spanned_bins(near, far, 1.0, contributions.energy.shape[1], ROUNDING)
     if far - near > POINT:

@@ -35,14 +35,6 @@ class Kernel:
     """A compiled function: Python calls its machine code, kernels take its part into theirs.
 
     Numba's own dispatchers, a fifth of a millisecond each, are made when they are first needed.
-
-    Parameters
-    ----------
-    function : callable
-    options : dict
-        Numba's options of the target.
-    kept : bool
-        Whether its code is kept on disk.
     """
 
     def __init__(self, function: Callable[..., Any], options: dict[str, Any], kept: bool) -> None:
@@ -89,15 +81,7 @@ class _Entry(CPUDispatcher):
 
 
 def let_compile(code: Any, way: str, arguments: tuple[Any, ...]) -> None:
-    """Let another process compile a kernel, if that is wanted and its machine code is not on disk.
-
-    Parameters
-    ----------
-    code : CPUDispatcher
-    way : str
-        Attribute of the `Kernel` that holds it.
-    arguments : tuple of numba types
-    """
+    """Let another process compile a kernel, if that is wanted and its machine code is not on disk."""
     function = code.py_func
     if is_compiled_elsewhere() and "<locals>" not in function.__qualname__ and arguments not in code.overloads:
         if code._cache.lacks(arguments, code.targetctx):

@@ -39,21 +39,7 @@ def splitmix64(value):
 
 @kernel
 def hash_integers(seed, stream, a, b, c):
-    """Hash a seed, a stream and three integers to 64 random bits.
-
-    Parameters
-    ----------
-    seed : int
-        Of the scene.
-    stream : int
-        Purpose, one of `insonify.kernels.common.streams`: different purposes are independent.
-    a, b, c : int
-        Of any sign.
-
-    Returns
-    -------
-    uint64
-    """
+    """Hash a seed, a stream and three integers to 64 random bits."""
     key = splitmix64(np.uint64(seed))
     key = splitmix64(key ^ np.uint64(stream))
     key = splitmix64(key ^ np.uint64(a))
@@ -63,33 +49,14 @@ def hash_integers(seed, stream, a, b, c):
 
 @kernel
 def unit_interval(bits):
-    """Turn 64 random bits into a uniform number inside (0, 1), both ends excluded.
-
-    Parameters
-    ----------
-    bits : uint64
-
-    Returns
-    -------
-    float64
-    """
+    """Turn 64 random bits into a uniform number inside (0, 1), both ends excluded."""
     # 52 bits: with 53 the half would round the largest up to 1.
     return (np.float64(bits >> LOW_BITS) + 0.5) * UNIT
 
 
 @inlined
 def hash_uniform(seed, stream, a, b, c):
-    """Hash a seed, a stream and three integers to a uniform number inside (0, 1).
-
-    Parameters
-    ----------
-    seed, stream, a, b, c : int
-        As of `hash_integers`.
-
-    Returns
-    -------
-    float64
-    """
+    """Hash a seed, a stream and three integers to a uniform number inside (0, 1)."""
     # A literal would be a type of its own, for which all is compiled again.
     return unit_interval(hash_integers(seed, stream, a, b, np.int64(c)))
 

@@ -40,20 +40,7 @@ class PartLibrary(JITCodeLibrary):
 
     @classmethod
     def from_bitcode(cls, codegen: Any, name: str, bitcode: bytes) -> PartLibrary:
-        """Restore a library from its bitcode.
-
-        Parameters
-        ----------
-        codegen : JITCPUCodegen
-            Numba's generator of code.
-        name : str
-        bitcode : bytes
-            As `to_bitcode` returned it.
-
-        Returns
-        -------
-        PartLibrary
-        """
+        """Restore a library from its bitcode."""
         library = cls(codegen, name)
         library._bitcode = bitcode
         library._finalized = True
@@ -137,26 +124,7 @@ class _Linker(JITCodeLibrary):
 
 
 def link_part(codegen: Any, name: str, sources: Sequence[Source], modules: Sequence[Any], optimised: bool) -> Any:
-    """Link a function with what it calls, and optimise it.
-
-    Parameters
-    ----------
-    codegen : JITCPUCodegen
-        Numba's generator of code.
-    name : str
-        Of the part.
-    sources : sequence of Source
-        Its own code.
-    modules : sequence of llvmlite.binding.ModuleRef
-        Parts that it calls, optimised.
-    optimised : bool
-        Whether to optimise it on its own.
-
-    Returns
-    -------
-    llvmlite.binding.ModuleRef
-        The code, to be linked into callers.
-    """
+    """Link a function with what it calls, and optimise it."""
     linker = _Linker(codegen, name)
     linker.optimised = optimised
     for source in sources:

@@ -24,13 +24,7 @@ _alive: set[PartProcess] = set()
 
 
 class PartProcess:
-    """The second process, for the time that one kernel is compiled and the separate kernels that it calls.
-
-    Attributes
-    ----------
-    unsaved : list of callables
-        Write parts to disk, once all are linked.
-    """
+    """The second process, for the time that one kernel is compiled and the separate kernels that it calls."""
 
     def __init__(self) -> None:
         self.unsaved: list[Callable[[], None]] = []
@@ -61,17 +55,7 @@ class PartProcess:
             self._arrived.wait_for(lambda: name not in self._kernels or self._ended)
 
     def link(self, key: int, name: str, sources: Sequence[Any], libraries: Sequence[Any], optimised: bool) -> None:
-        """Ask for a part.
-
-        Parameters
-        ----------
-        key : int
-            By which `bitcode_of` returns it.
-        name, sources, optimised
-            As in `part_library.link_part`.
-        libraries : sequence of CodeLibrary
-            What it calls.
-        """
+        """Ask for a part."""
         keys = [self._key_of(library) for library in libraries]
         self._asked.add(key)
         self._send((key, name, [tuple(source) for source in sources], keys, optimised))
@@ -162,26 +146,14 @@ def stop_processes() -> None:
 
 
 def ask_for_kernel(name: bytes) -> None:
-    """Let the second process compile a separate kernel, if it is running.
-
-    Parameters
-    ----------
-    name : bytes
-        For `separate.find_address`.
-    """
+    """Let the second process compile a separate kernel, if it is running."""
     if _running and name not in _asked:
         _asked[name] = _running[-1]
         _running[-1].compile(name)
 
 
 def wait_for_kernel(name: bytes) -> None:
-    """Wait for a separate kernel, if the second process has been asked for it.
-
-    Parameters
-    ----------
-    name : bytes
-        For `separate.find_address`.
-    """
+    """Wait for a separate kernel, if the second process has been asked for it."""
     process = _asked.get(name)
     if process is not None:
         process.wait_for(name)

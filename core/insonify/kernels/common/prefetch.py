@@ -49,12 +49,6 @@ prefetch_write: Any = intrinsic(_to_write)
 
 @inlined_uncounted
 def prefetch_row(row):
-    """Prefetch a whole row that will be written soon.
-
-    Parameters
-    ----------
-    row : ndarray
-        One dimension, contiguous.
-    """
+    """Prefetch a whole row that will be written soon."""
     for k in range(0, row.size, LINE // row.itemsize):
         prefetch_write(row, k)

@@ -19,19 +19,7 @@ FIXED_POINT = float(2**38)  # integers per unit of energy per bin
 
 @inlined_uncounted
 def step_density(bins, position, change, last):
-    """Change the density of energy from a position on.
-
-    Parameters
-    ----------
-    bins : ndarray of int64
-        Difference array.
-    position : float
-        In bins; what lies past the last bin is dropped.
-    change : int
-        Of the energy per bin, in fixed-point units.
-    last : int
-        Last bin that may take a step, two less than the array's size.
-    """
+    """Change the density of energy from a position on."""
     if position < last:
         k = int(position)
         late = np.int64(math.floor((position - k) * change))
@@ -41,19 +29,7 @@ def step_density(bins, position, change, last):
 
 @inlined_uncounted
 def spread_energy(bins, near, far, energy, last):
-    """Spread an energy evenly between two positions.
-
-    Parameters
-    ----------
-    bins : ndarray of int64
-        Difference array.
-    near, far : float
-        Positions in bins, in any order; if they are one, its bin takes all.
-    energy : float
-        In fixed-point units.
-    last : int
-        Last bin that may take a step, two less than the array's size.
-    """
+    """Spread an energy evenly between two positions."""
     if far < near:
         near, far = far, near
     if far - near > 1e-6:
@@ -72,19 +48,6 @@ def tilt_density(bins, near, far, density, change, last):
 
     Up to a border between bins the integral of the linear density exceeds that of the even one by a parabola, which is
     zero at both ends: so much is moved from the bin behind the border to the one before it.
-
-    Parameters
-    ----------
-    bins : ndarray of int64
-        Difference array.
-    near, far : float
-        Positions between which the density lies, in bins, near < far.
-    density : float
-        Energy per bin, in fixed-point units.
-    change : float
-        Of the density from ``near`` to ``far``, as a share of its mean; negative where it falls.
-    last : int
-        Last bin that may take a step, two less than the array's size.
     """
     gain = 0.5 * density * change / (far - near)
     for border in range(int(near) + 1, min(math.ceil(far), int(last) + 1)):
@@ -99,15 +62,6 @@ def accumulate_bins(bins, factor, out):
     """Prefix-sum a difference array into intensities, apply what depends on range alone, and clear the array.
 
     Weights interpolated in a table may be negative by rounding; intensities are never below zero.
-
-    Parameters
-    ----------
-    bins : ndarray of int64, shape (n + 2,)
-        Difference array in fixed-point units; cleared.
-    factor : ndarray of float64, shape (n,)
-        Spreading and absorption at the bins' centres.
-    out : ndarray of float, shape (n,)
-        Takes the intensity.
     """
     # Four stretches at once, each starting from the sum of those before it.
     quarter = out.size // 4

@@ -60,20 +60,7 @@ def _radiance(cos_incidence, diffuse, specular, shininess):
 
 @inlined_uncounted
 def backscatter(cos_incidence, diffuse, specular, shininess):
-    """Backscattering cross-section of unit area, law `sonar`: σ = cos²α (k_d/π + k_s (n+2)/(2π) cosⁿ 2α).
-
-    Parameters
-    ----------
-    cos_incidence : float
-        cos α; a surface seen from behind sends nothing back.
-    diffuse, specular, shininess : float
-        Lambert's share k_d, Phong's share k_s and its exponent n.
-
-    Returns
-    -------
-    float
-        m² per m² and steradian.
-    """
+    """Backscattering cross-section of unit area, law `sonar`: σ = cos²α (k_d/π + k_s (n+2)/(2π) cosⁿ 2α)."""
     if cos_incidence <= 0.0:
         return 0.0
     cos_squared = cos_incidence * cos_incidence
@@ -83,21 +70,7 @@ def backscatter(cos_incidence, diffuse, specular, shininess):
 
 @inlined_uncounted
 def backscatter_strength(cos_incidence, diffuse, specular, shininess, law):
-    """Monostatic strength of a surface under either law.
-
-    Parameters
-    ----------
-    cos_incidence : float
-        cos α; a surface seen from behind sends nothing back.
-    diffuse, specular, shininess : float
-        Lambert's share k_d, Phong's share k_s and its exponent n.
-    law : int
-        LIGHT: radiance k_d cos α + k_s max(0, cos 2α)ⁿ; SONAR: `backscatter`.
-
-    Returns
-    -------
-    float
-    """
+    """Monostatic strength of a surface under either law."""
     if law == LIGHT:
         return _radiance(cos_incidence, diffuse, specular, shininess)
     return backscatter(cos_incidence, diffuse, specular, shininess)
@@ -134,27 +107,7 @@ def bistatic_strength(cos_in, cos_out, mirrored, diffuse, specular, shininess, l
 
 @inlined_uncounted
 def scatter_segments(segments, material, reflectivity, mapped, law, cos_squared, scale, energy):
-    """Energy of many segments: monostatic strength times a scale per segment, in vectorised passes.
-
-    Parameters
-    ----------
-    segments : int
-        How many; the arrays may be longer.
-    material : ndarray of int64
-        Row of the reflectivity table of each segment.
-    reflectivity : ndarray of float64, shape (n, 3)
-        Lambert's share k_d, Phong's share k_s and its exponent n of each material.
-    mapped : bool
-        Whether segments may differ in material.
-    law : int
-        LIGHT or SONAR.
-    cos_squared : ndarray
-        cos²α of the incidence of each segment.
-    scale : ndarray
-        What turns strength into energy.
-    energy : ndarray
-        Takes the result, in its own precision.
-    """
+    """Energy of many segments: monostatic strength times a scale per segment, in vectorised passes."""
     specular, shininess = reflectivity[material[0], 1], reflectivity[material[0], 2]
     if mapped or (specular > 0.0 and (shininess != math.floor(shininess) or shininess >= HIGHEST_POWER)):
         _scatter_mapped(segments, material, reflectivity, cos_squared, scale, law, energy)
@@ -233,19 +186,7 @@ def _whole_lobe(mirrored, bits, one):
 
 @inlined_uncounted
 def incidence_powers(segments, reflectors, law, cos_squared, scale, energy, out):
-    """Power of cos²α with which the strength of segments grows about their incidence: d ln(strength) / d ln(cos²α).
-
-    Parameters
-    ----------
-    segments : int
-    reflectors : tuple
-        The arguments ``material``, ``reflectivity`` and ``mapped`` of `scatter_segments`.
-    law : int
-    cos_squared, scale, energy : ndarray
-        Of `scatter_segments`, which has filled ``energy``.
-    out : ndarray
-        Takes the powers.
-    """
+    """Power of cos²α with which the strength of segments grows about their incidence: d ln(strength) / d ln(cos²α)."""
     material, reflectivity, mapped = reflectors
     if mapped:
         for i in range(segments):
@@ -276,29 +217,7 @@ def _incidence_power(diffuse, shininess, law, cos_squared, scale, energy):
 
 @inlined_uncounted
 def scatter_paired_segments(segments, material, reflectivity, mapped, law, facing, mirrored, scale, energy):
-    """Energy of many segments between two directions: bistatic strength times a scale per segment.
-
-    Parameters
-    ----------
-    segments : int
-        How many; the arrays may be longer.
-    material : ndarray of int64
-        Row of the reflectivity table of each segment.
-    reflectivity : ndarray of float64, shape (n, 3)
-        Lambert's share k_d, Phong's share k_s and its exponent n of each material.
-    mapped : bool
-        Whether segments may differ in material.
-    law : int
-        LIGHT or SONAR.
-    facing : ndarray
-        Product of the cosines of the angles to the normal; under law LIGHT that of the direction in.
-    mirrored : ndarray
-        R·V of each segment.
-    scale : ndarray
-        What turns strength into energy; zero where a surface is seen from behind.
-    energy : ndarray
-        Takes the result, in its own precision.
-    """
+    """Energy of many segments between two directions: bistatic strength times a scale per segment."""
     diffuse, specular, shininess = (
         reflectivity[material[0], 0],
         reflectivity[material[0], 1],

@@ -10,17 +10,6 @@ def last_not_above(edges, x):
     """Find the last of ascending numbers that is not above another one, by bisection.
 
     A kernel that calls `numpy.searchsorted` takes 65 ms longer to load, because Numba imports linear algebra for it.
-
-    Parameters
-    ----------
-    edges : ndarray
-        Ascending.
-    x : float
-
-    Returns
-    -------
-    int
-        Its index; -1 if all are above.
     """
     low, high = -1, edges.size
     while high - low > 1:

@@ -31,18 +31,7 @@ _addresses: dict[bytes, int] = {}
 
 
 class SeparateKernel(Kernel):
-    """A kernel that other kernels call by the address of its machine code.
-
-    Parameters
-    ----------
-    function : callable
-    options : dict
-        Numba's options of the target.
-    returned : numba type
-        What it returns: its callers are compiled without it.
-    ahead : bool
-        Whether it is compiled together with its callers, not at its first call.
-    """
+    """A kernel that other kernels call by the address of its machine code."""
 
     def __init__(self, function: Callable[..., Any], options: dict[str, Any], returned: Any, ahead: bool) -> None:
         super().__init__(function, options, kept=True)
@@ -139,17 +128,7 @@ class _MachineCode(CPUDispatcher):
 
 
 def find_address(name: bytes) -> int:
-    """Address of the machine code of a separate kernel, compiled if that is not known.
-
-    Parameters
-    ----------
-    name : bytes
-        By `SeparateKernel.name_code`.
-
-    Returns
-    -------
-    int
-    """
+    """Address of the machine code of a separate kernel, compiled if that is not known."""
     if name not in _addresses:
         wait_for_kernel(name)
         module, qualname, arguments = loads(name)

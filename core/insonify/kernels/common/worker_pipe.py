@@ -12,20 +12,7 @@ from typing import Any
 
 
 def start_worker(module: str, **environment: str) -> subprocess.Popen[bytes]:
-    """Start a process that runs a module and finds the modules that this one finds.
-
-    Parameters
-    ----------
-    module : str
-        Its name.
-    **environment
-        Variables that it has besides those of this process.
-
-    Raises
-    ------
-    OSError
-        If it cannot be started.
-    """
+    """Start a process that runs a module and finds the modules that this one finds."""
     kept = {name: value for name, value in os.environ.items() if name != "PYTHONDONTWRITEBYTECODE"}
     return subprocess.Popen(
         [sys.executable, "-m", module], stdin=subprocess.PIPE, stdout=subprocess.PIPE, stderr=subprocess.DEVNULL,

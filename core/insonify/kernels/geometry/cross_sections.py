@@ -40,23 +40,7 @@ class Conic(NamedTuple):
 
 @inlined_uncounted
 def section_solid(solids, k, plane, rim):
-    """Interval of launch angles that a body's cross-section by a half-plane fills, ahead of the sonar.
-
-    Parameters
-    ----------
-    solids : Solids
-    k : int
-        Row of the body.
-    plane : HalfPlane
-    rim : ndarray of float64, shape (6,)
-        Takes the launch angles at which an end of a frustum meets its side, at most four, and NEVER beyond them.
-
-    Returns
-    -------
-    tuple
-        Status: 1 if there is an interval, 0 if none, -1 if the sonar is inside the body; and the launch angles at which
-        the interval begins and ends, rad above the horizontal.
-    """
+    """Interval of launch angles that a body's cross-section by a half-plane fills, ahead of the sonar."""
     for end in range(rim.size):
         rim[end] = NEVER
     radius, length, taper = solids.radius[k], solids.length[k], solids.taper[k]
@@ -70,24 +54,7 @@ def section_solid(solids, k, plane, rim):
 
 @inlined_uncounted
 def may_cut_solid(solids, k, plane, reach, height):
-    """Whether a half-plane may cut a body within reach, by a capsule around the body.
-
-    Parameters
-    ----------
-    solids : Solids
-    k : int
-        Row of the body.
-    plane : HalfPlane
-    reach : float
-        Ground range, m, of places no farther below or above the sonar than ``height``; others are reached in proportion
-        to their depth or height, as a cone about the fish's axis does.
-    height : float
-        m.
-
-    Returns
-    -------
-    bool
-    """
+    """Whether a half-plane may cut a body within reach, by a capsule around the body."""
     length, bound = solids.length[k], greatest_radius(solids, k)
     cx, cy, cz = solids.start[k, 0] - plane.x, solids.start[k, 1] - plane.y, solids.start[k, 2] - plane.z
     along, rate = cx * plane.ex + cy * plane.ey, solids.axis[k, 0] * plane.ex + solids.axis[k, 1] * plane.ey
@@ -109,20 +76,7 @@ def may_cut_solid(solids, k, plane, reach, height):
 
 @inlined_uncounted
 def solid_distance_bound(solids, k, plane):
-    """Lower bound on the distance of a body from the sonar, by a ball around the body.
-
-    Parameters
-    ----------
-    solids : Solids
-    k : int
-        Row of the body.
-    plane : HalfPlane
-
-    Returns
-    -------
-    float
-        m, less by more than distances along rays are rounded; not above 0 if the sonar is inside the ball.
-    """
+    """Lower bound on the distance of a body from the sonar, by a ball around the body."""
     mx, my, mz, bound = _ball_around(solids, k, plane)
     return math.sqrt(mx * mx + my * my + mz * mz) * (1.0 - ROUNDING) - bound
 

@@ -28,23 +28,7 @@ class FrustumShape(NamedTuple):
 
 @inlined_uncounted
 def intersect_solid(solids, k, x, y, z, dx, dy, dz):
-    """Intersect a ray with a body from outside.
-
-    Parameters
-    ----------
-    solids : Solids
-    k : int
-        Row of the body.
-    x, y, z : float
-        Origin, m.
-    dx, dy, dz : float
-        Unit direction.
-
-    Returns
-    -------
-    tuple of float
-        Distance, infinite if the body is missed or the origin inside it, and the outward unit normal, 0 if missed.
-    """
+    """Intersect a ray with a body from outside."""
     distance, face, _, _ = _cross_solid(solids, k, x, y, z, dx, dy, dz)
     if not 0.0 < distance < MISSED:
         return MISSED, 0.0, 0.0, 0.0
@@ -54,23 +38,7 @@ def intersect_solid(solids, k, x, y, z, dx, dy, dz):
 
 @inlined_uncounted
 def exit_solid(solids, k, x, y, z, dx, dy, dz):
-    """Intersect a ray with the far side of a body, from inside it.
-
-    Parameters
-    ----------
-    solids : Solids
-    k : int
-        Row of the body.
-    x, y, z : float
-        Origin, m.
-    dx, dy, dz : float
-        Unit direction.
-
-    Returns
-    -------
-    tuple of float
-        Distance, infinite if the body is missed, and the outward unit normal (0, 0, 0 if missed).
-    """
+    """Intersect a ray with the far side of a body, from inside it."""
     _, _, distance, face = _cross_solid(solids, k, x, y, z, dx, dy, dz)
     if not 0.0 < distance < MISSED:
         return MISSED, 0.0, 0.0, 0.0
@@ -80,38 +48,13 @@ def exit_solid(solids, k, x, y, z, dx, dy, dz):
 
 @inlined_uncounted
 def greatest_radius(solids, k):
-    """Greatest radius of a body.
-
-    Parameters
-    ----------
-    solids : Solids
-    k : int
-        Row of the body.
-
-    Returns
-    -------
-    float
-        m.
-    """
+    """Greatest radius of a body."""
     return max(solids.radius[k], solids.radius[k] + solids.taper[k] * solids.length[k])
 
 
 @inlined_uncounted
 def is_inside_solid(solids, k, x, y, z):
-    """Whether a point is inside a body.
-
-    Parameters
-    ----------
-    solids : Solids
-    k : int
-        Row of the body.
-    x, y, z : float
-        Of the point, m.
-
-    Returns
-    -------
-    bool
-    """
+    """Whether a point is inside a body."""
     px, py, pz = x - solids.start[k, 0], y - solids.start[k, 1], z - solids.start[k, 2]
     along = px * solids.axis[k, 0] + py * solids.axis[k, 1] + pz * solids.axis[k, 2]
     if solids.shape[k] != SPHERE and not 0.0 <= along <= solids.length[k]:
@@ -143,21 +86,7 @@ def _normal(solids, k, face, x, y, z):
 
 @kernel
 def intersect_sphere(cx, cy, cz, radius, dx, dy, dz):
-    """Distances at which a line enters a sphere and leaves it.
-
-    Parameters
-    ----------
-    cx, cy, cz : float
-        Centre, from the line's origin, m.
-    radius : float
-    dx, dy, dz : float
-        Unit direction.
-
-    Returns
-    -------
-    tuple of two float
-        Both infinite if the sphere is missed; negative behind the origin.
-    """
+    """Distances at which a line enters a sphere and leaves it."""
     along = cx * dx + cy * dy + cz * dz
     # The perpendicular, not c² − along², keeps its digits far away.
     px, py, pz = cx - along * dx, cy - along * dy, cz - along * dz
@@ -174,18 +103,6 @@ def intersect_frustum(frustum, dx, dy, dz):
 
     A frustum is the intersection of a cone and a slab. The stretch of a line inside it is the intersection of its
     stretches inside both, so that no ray slips between the side and an end at the rim.
-
-    Parameters
-    ----------
-    frustum : FrustumShape
-        From the line's origin.
-    dx, dy, dz : float
-        Unit direction.
-
-    Returns
-    -------
-    tuple
-        Distance and face (SIDE, FIRST_END or LAST_END) of entry, then of exit; distances are infinite if it is missed.
     """
     cx, cy, cz, ax, ay, az, length, radius, taper = frustum
     da = dx * ax + dy * ay + dz * az
@@ -246,25 +163,7 @@ def _inside_cone(ex, ey, ez, px, py, pz, radius, growth):
 
 @kernel
 def frustum_normal(px, py, pz, ax, ay, az, radius, taper, face):
-    """Outward unit normal of a frustum's face.
-
-    Parameters
-    ----------
-    px, py, pz : float
-        The point, from the centre of the first end, m.
-    ax, ay, az : float
-        Unit vector along the axis.
-    radius : float
-        Of the first end, m.
-    taper : float
-        By which the radius grows per metre along the axis.
-    face : int
-        SIDE, FIRST_END or LAST_END.
-
-    Returns
-    -------
-    tuple of three float
-    """
+    """Outward unit normal of a frustum's face."""
     if face != SIDE:
         return face * ax, face * ay, face * az
     axial = px * ax + py * ay + pz * az

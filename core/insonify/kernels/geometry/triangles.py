@@ -34,19 +34,7 @@ class Shear(NamedTuple):
 
 @kernel
 def intersect_mesh_bundle(solids, mesh, bundle, reach, hits):
-    """Intersect a bundle of rays with all triangles and keep the hits nearer than those found so far.
-
-    Parameters
-    ----------
-    solids : Solids
-        Triangles count as bodies beyond them.
-    mesh : Mesh
-    bundle : RayBundle
-    reach : float
-        m.
-    hits : Hits
-        Of every ray; overwritten where a triangle is nearer.
-    """
+    """Intersect a bundle of rays with all triangles and keep the hits nearer than those found so far."""
     for k in range(bundle.x.size):
         x, y, z, dx, dy, dz = bundle.x[k], bundle.y[k], bundle.z[k], bundle.dx[k], bundle.dy[k], bundle.dz[k]
         distance, triangle = intersect_mesh(mesh, x, y, z, dx, dy, dz, min(hits.distance[k], reach))
@@ -58,23 +46,7 @@ def intersect_mesh_bundle(solids, mesh, bundle, reach, hits):
 
 @inlined
 def intersect_mesh(mesh, x, y, z, dx, dy, dz, reach):
-    """Intersect a ray with the nearest triangle, seen from either side.
-
-    Parameters
-    ----------
-    mesh : Mesh
-    x, y, z : float
-        Origin, m.
-    dx, dy, dz : float
-        Unit direction.
-    reach : float
-        Distance within which a triangle counts, m.
-
-    Returns
-    -------
-    tuple
-        Distance and row of the triangle, or reach and -1. Of triangles at one distance the first in the tree counts.
-    """
+    """Intersect a ray with the nearest triangle, seen from either side."""
     shear = _shear_ray(x, y, z, dx, dy, dz)
     rx, ry, rz = _reciprocal(dx), _reciprocal(dy), _reciprocal(dz)
     margin = MARGIN * (1.0 + abs(x) + abs(y) + abs(z) + min(reach, 1e9))
@@ -96,19 +68,7 @@ def intersect_mesh(mesh, x, y, z, dx, dy, dz, reach):
 
 @inlined
 def facing_normal(mesh, triangle, dx, dy, dz):
-    """Turn the normal of a triangle against a ray.
-
-    Parameters
-    ----------
-    mesh : Mesh
-    triangle : int
-    dx, dy, dz : float
-        Direction of the ray.
-
-    Returns
-    -------
-    tuple of three float
-    """
+    """Turn the normal of a triangle against a ray."""
     nx, ny, nz = mesh.normal[triangle, 0], mesh.normal[triangle, 1], mesh.normal[triangle, 2]
     turned = -1.0 if nx * dx + ny * dy + nz * dz > 0.0 else 1.0
     return turned * nx, turned * ny, turned * nz

@@ -44,23 +44,7 @@ class Stretch(NamedTuple):
 
 @kernel
 def note_bed(profile, count, arrays, sector, zbuffer, cells, echoes, contributions, shadows):
-    """Note the contribution of every visible segment of a profile, and the echo that targets hide of those segments.
-
-    Parameters
-    ----------
-    profile : Profile
-        Of the bed, where it seems to be.
-    count : int
-        Its knots.
-    arrays : SceneArrays
-    sector : AzimuthSector
-    zbuffer : AngularZbuffer
-    cells : int
-        Of the z-buffer.
-    echoes : SegmentEchoes
-    contributions : ContributorTable
-    shadows : ShadowTable
-    """
+    """Note the contribution of every visible segment of a profile, and the echo that targets hide of those segments."""
     occlusion = occlusion_of(zbuffer, cells)
     x, z, slope, area, facing = profile.x, profile.z, profile.slope, profile.area, profile.facing
     material, weights, ratios = profile.material, echoes.weight, profile.range_ratio
@@ -195,21 +179,7 @@ def _echo_in_bin(labelled, stretch, k):
 
 @inlined
 def ground_range_at_slant(segment, r, outward):
-    """Ground range at which a segment's line has a slant range, beyond the foot of its perpendicular or before it.
-
-    Parameters
-    ----------
-    segment : BedSegment
-    r : float
-        Slant range, m; the nearest one where the line is farther.
-    outward : bool
-        Whether beyond the foot, where slant range grows with ground range.
-
-    Returns
-    -------
-    float
-        m.
-    """
+    """Ground range at which a segment's line has a slant range, beyond the foot of its perpendicular or before it."""
     tilt = 1.0 + segment.slope * segment.slope
     foot = -segment.slope * segment.offset / tilt
     nearest_squared = segment.offset * segment.offset / tilt

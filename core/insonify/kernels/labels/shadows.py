@@ -46,14 +46,7 @@ def empty_shadow_table(targets: int, bins: int) -> ShadowTable:
 
 @inlined
 def open_shadow(shadows, target):
-    """Clear a target's row if it is not present yet, and mark it present.
-
-    Parameters
-    ----------
-    shadows : ShadowTable
-    target : int
-        Its row.
-    """
+    """Clear a target's row if it is not present yet, and mark it present."""
     if not shadows.present[target]:
         shadows.present[target] = True
         shadows.energy[target, :] = 0.0
@@ -61,39 +54,14 @@ def open_shadow(shadows, target):
 
 @inlined
 def target_of_body(solids, mesh, body):
-    """Index of the declared target that a body belongs to.
-
-    Parameters
-    ----------
-    solids : Solids
-    mesh : Mesh
-    body : int
-        Row of the solids, or beyond them the triangle.
-
-    Returns
-    -------
-    int
-    """
+    """Index of the declared target that a body belongs to."""
     bodies = solids.shape.size
     return solids.target[body] if body < bodies else mesh.target[body - bodies]
 
 
 @kernel
 def label_shadows(shadows, contributions, materials, labels, ping, side):
-    """Label each bin of one side with the share of the bed's echo that targets hide, and clear the table.
-
-    Parameters
-    ----------
-    shadows : ShadowTable
-        Cleared.
-    contributions : ContributorTable
-        Complete for this side: its first rows hold what is heard of the bed by the direct path.
-    materials : int
-        How many of its rows those are.
-    labels : BinLabels
-        Takes the result.
-    ping, side : int
-    """
+    """Label each bin of one side with the share of the bed's echo that targets hide, and clear the table."""
     share, target = labels.shadow[ping, side], labels.shadow_id[ping, side]
     share[:], target[:] = 0.0, NO_TARGET
     if not shadows.present.any():

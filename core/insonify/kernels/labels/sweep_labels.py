@@ -144,19 +144,7 @@ def label_swept_pings(arrays, poses, fan, image_fan, apparent, workspace, multip
 
 @kernel
 def sum_target_echoes(contributions, materials, scale, target_echo):
-    """Sum the direct echo of each target over all range bins, before the factor that depends on range alone.
-
-    Parameters
-    ----------
-    contributions : ContributorTable
-        Complete for one side: its first rows are those of the bed's materials, then come the targets.
-    materials : int
-        Of the bed.
-    scale : float
-        Of the table's energies, in m² by law SONAR.
-    target_echo : ndarray of float32, shape (targets,)
-        Filled.
-    """
+    """Sum the direct echo of each target over all range bins, before the factor that depends on range alone."""
     for target in range(target_echo.size):
         total = 0.0
         if contributions.present[materials + target]:
@@ -167,18 +155,7 @@ def sum_target_echoes(contributions, materials, scale, target_echo):
 
 @kernel
 def label_bins(contributions, straight, by_surface, labels, ping, side):
-    """Label each bin of one side with its greatest contributor, and clear the contributions.
-
-    Parameters
-    ----------
-    contributions : ContributorTable
-        Cleared.
-    straight, by_surface : ndarray of float, shape (bins,)
-        Intensities of the direct path and of those by the sea surface.
-    labels : BinLabels
-        Takes the result.
-    ping, side : int
-    """
+    """Label each bin of one side with its greatest contributor, and clear the contributions."""
     contributor, energy = labels.contributor[ping, side], labels.energy[ping, side]
     ground_range, incidence = labels.ground_range[ping, side], labels.incidence[ping, side]
     contributor[:], energy[:], ground_range[:], incidence[:] = NO_PRIMITIVE, 0.0, np.nan, np.nan

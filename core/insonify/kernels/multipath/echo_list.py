@@ -49,20 +49,7 @@ def empty_echo_list() -> NDArray[np.float64]:
 
 @inlined_uncounted
 def list_echo(echoes, n, echo):
-    """Append an echo to a list, if it brings energy and there is room.
-
-    Parameters
-    ----------
-    echoes : ndarray of float64, shape (ROOM, COLUMNS)
-    n : int
-        Echoes in the list.
-    echo : SurfaceEcho
-
-    Returns
-    -------
-    int
-        Echoes in the list.
-    """
+    """Append an echo to a list, if it brings energy and there is room."""
     if not echo.energy > 0.0 or n >= ROOM:
         return n
     row = echoes[n]
@@ -73,21 +60,7 @@ def list_echo(echoes, n, echo):
 
 @kernel_uncounted
 def deposit_echoes(echoes, n, facets, bin_length, path, sink):
-    """Spread listed echoes over the range bins, facet by facet of the sea surface, and note their contributors.
-
-    Parameters
-    ----------
-    echoes : ndarray of float64, shape (ROOM, COLUMNS)
-    n : int
-        Echoes in the list.
-    facets : ndarray of float64, shape (facets, 4)
-        Height in units of the rms height at which a facet begins and ends, and squared tilt in units of its variance.
-    bin_length : float
-        Slant range of one bin, m.
-    path : int
-        Propagation path of the echoes; its contributors follow those of the paths before it.
-    sink : EchoSink
-    """
+    """Spread listed echoes over the range bins, facet by facet of the sea surface, and note their contributors."""
     bins, contributions, labelling = sink.bins, sink.contributions, sink.labelling
     last, per_bin, share = bins.size - 2, 1.0 / bin_length, FIXED_POINT / facets.shape[0]
     first_row = path * (contributions.present.size // PATH_COUNT) if labelling else 0

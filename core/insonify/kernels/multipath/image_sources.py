@@ -54,37 +54,14 @@ def _sonar_itself():
 
 @kernel_uncounted
 def surface_image(arrays, z):
-    """Image of the sonar in the sea surface.
-
-    Parameters
-    ----------
-    arrays : SceneArrays
-    z : float
-        Height of the sonar, m.
-
-    Returns
-    -------
-    ImageSource
-    """
+    """Image of the sonar in the sea surface."""
     up = max(arrays.water.surface - z, 0.0)
     return ImageSource(2.0 * up, True, 1.0, up)
 
 
 @kernel_uncounted
 def bottom_image(arrays, x, y, z):
-    """Image of the sonar in the bed beneath it, and of that in the sea surface.
-
-    Parameters
-    ----------
-    arrays : SceneArrays
-    x, y, z : float
-        Of the sonar, m.
-
-    Returns
-    -------
-    ImageSource
-        Without a share of the energy if there is no bed.
-    """
+    """Image of the sonar in the bed beneath it, and of that in the sea surface."""
     up = max(arrays.water.surface - z, 0.0)
     down, row, _, _, _ = meet_bed(arrays.bed, Ray(x, y, z, 0.0, 0.0, -1.0), DEEPEST)
     if not down < DEEPEST:
@@ -94,19 +71,7 @@ def bottom_image(arrays, x, y, z):
 
 @kernel_uncounted
 def image_pairs(arrays, x, y, z):
-    """Pairs of images that make the propagation paths by way of the sea surface and back from the bed.
-
-    Parameters
-    ----------
-    arrays : SceneArrays
-    x, y, z : float
-        Of the sonar, m.
-
-    Returns
-    -------
-    tuple of three ImagePath
-        Of SURFACE_BOTTOM, SURFACE_BOTTOM_SURFACE and SECOND_BOTTOM.
-    """
+    """Pairs of images that make the propagation paths by way of the sea surface and back from the bed."""
     multipath, sonar, drop = arrays.multipath, _sonar_itself(), z - highest_place(arrays)
     surface, bottom = surface_image(arrays, z), bottom_image(arrays, x, y, z)
     is_by_bottom = multipath.second_bottom and bottom.share > 0.0
@@ -130,17 +95,7 @@ def _image_pair(arrays, path, one, other, drop, is_traced):
 
 @kernel_uncounted
 def highest_place(arrays):
-    """Height above the datum that nothing of a scene's bed and targets exceeds.
-
-    Parameters
-    ----------
-    arrays : SceneArrays
-
-    Returns
-    -------
-    float
-        m.
-    """
+    """Height above the datum that nothing of a scene's bed and targets exceeds."""
     solids, highest = arrays.solids, arrays.bed.high
     for k in range(solids.shape.size):
         rise, growth = solids.length[k] * solids.axis[k, 2], solids.length[k] * solids.taper[k]
@@ -164,19 +119,7 @@ def _farthest_ground_range(lower, higher, reach):
 
 @kernel
 def wave_advance(multipath, passes):
-    """Greatest slant range by which waves can shorten a path by way of the sea surface.
-
-    Parameters
-    ----------
-    multipath : SurfaceMultipath
-    passes : int
-        Of the sea surface, 1 or 2.
-
-    Returns
-    -------
-    float
-        m; 0 over a calm sea.
-    """
+    """Greatest slant range by which waves can shorten a path by way of the sea surface."""
     if not multipath.enabled:
         return 0.0
     # Of η sin θ for each pass; tilts only lengthen.
@@ -185,22 +128,7 @@ def wave_advance(multipath, passes):
 
 @inlined_uncounted
 def plane_reach(arrays, pair, per_height, height):
-    """Ground range to which a plane takes in anything of a propagation path.
-
-    Parameters
-    ----------
-    arrays : SceneArrays
-    pair : ImagePath
-    per_height : float
-        Ground range to which the sonar's beam takes in the plane, per metre of its height above the lowest bed.
-    height : float
-        That height, m.
-
-    Returns
-    -------
-    float
-        m; 0 if the path is not traced.
-    """
+    """Ground range to which a plane takes in anything of a propagation path."""
     # If sound passes the beam only once, the beam of the higher image counts, which reaches farther out.
     one_way = arrays.pattern.tabulated and not arrays.pattern.two_way
     highest = pair.other.height if one_way else pair.one.height
@@ -212,19 +140,6 @@ def pair_response(one, other, tabulated, two_way):
     """Two-way response of the beam out by one image and back by the other, from those there and back by each.
 
     A top-hat that covers the lower of two images covers the higher one too.
-
-    Parameters
-    ----------
-    one, other : float
-        Responses there and back by the lower and the higher image.
-    tabulated : bool
-        Whether the beam has a pattern.
-    two_way : bool
-        Whether sound passes the beam going and coming.
-
-    Returns
-    -------
-    float
     """
     if not tabulated:
         return one
@@ -233,21 +148,7 @@ def pair_response(one, other, tabulated, two_way):
 
 @inlined_uncounted
 def pair_strength(cos_one, cos_other, mirrored, diffuse, specular, shininess, pair):
-    """Bistatic strength of a surface for a pair of images, times its orders and the share that mirrors reflect.
-
-    Parameters
-    ----------
-    cos_one, cos_other : float
-        Cosines of the angles between the normal and the directions to both images.
-    mirrored : float
-        R·V.
-    diffuse, specular, shininess : float
-    pair : ImagePath
-
-    Returns
-    -------
-    float
-    """
+    """Bistatic strength of a surface for a pair of images, times its orders and the share that mirrors reflect."""
     value = bistatic_strength(cos_one, cos_other, mirrored, diffuse, specular, shininess, pair.law)
     if pair.orders == 2 and pair.law == LIGHT:
         value += bistatic_strength(cos_other, cos_one, mirrored, diffuse, specular, shininess, LIGHT)
@@ -258,19 +159,7 @@ def pair_strength(cos_one, cos_other, mirrored, diffuse, specular, shininess, pa
 
 @inlined_uncounted
 def spreading_ratio(r_one, r_other, law):
-    """Ratio of the spreading along two ways to the record's own 1/r⁴: r⁴ / (R² R'²) with r = (R + R') / 2.
-
-    Parameters
-    ----------
-    r_one, r_other : float
-        R and R', m.
-    law : int
-        Law LIGHT does not spread.
-
-    Returns
-    -------
-    float
-    """
+    """Ratio of the spreading along two ways to the record's own 1/r⁴: r⁴ / (R² R'²) with r = (R + R') / 2."""
     if law == LIGHT:
         return 1.0
     r = 0.5 * (r_one + r_other)
@@ -279,23 +168,7 @@ def spreading_ratio(r_one, r_other, law):
 
 @inlined_uncounted
 def height_delay(image, drop, r, rms_height):
-    """Slant range that waves of rms height add to a leg: η sin θ for a height η, at the grazing angle θ on the surface.
-
-    Parameters
-    ----------
-    image : ImageSource
-    drop : float
-        Height of the image above the place, m.
-    r : float
-        Distance from the image to the place, m.
-    rms_height : float
-        m.
-
-    Returns
-    -------
-    float
-        m; 0 for the sonar itself.
-    """
+    """Slant range that waves of rms height η add to a leg: η sin θ at the grazing angle θ on the surface."""
     return rms_height * drop / r if image.above > 0.0 else 0.0
 
 
@@ -306,20 +179,5 @@ def tilt_delay(image, drop, r, slope_variance):
     A facet tilted by t mirrors to the same place from 2t / (sin θ (1/r₁ + 1/r₂)) farther along the surface, by a way
     longer by 2 t² r₁ r₂ / (r₁ + r₂), of which slant range counts half; r₁ and r₂ = r − r₁ lead to the surface and on.
     Tilts across the plane are left out: they turn as much sound out of a narrow beam as into it.
-
-    Parameters
-    ----------
-    image : ImageSource
-    drop : float
-        Height of the image above the place, m.
-    r : float
-        Distance from the image to the place, m.
-    slope_variance : float
-        Of the waves, along one direction.
-
-    Returns
-    -------
-    float
-        m; 0 for the sonar itself.
     """
     return slope_variance * image.above * max(drop - image.above, 0.0) * r / (drop * drop)

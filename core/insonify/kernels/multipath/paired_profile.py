@@ -22,26 +22,7 @@ from insonify.kernels.sweep.segment_densities import deposit_densities
 
 @kernel_uncounted
 def deposit_paired_profile(profile, count, one, other, pair, hidden, arrays, labelling, echoes, bins):
-    """Spread the echoes of the segments that both images see whole over the range bins, and mark the others they see.
-
-    Parameters
-    ----------
-    profile : Profile
-    count : int
-        Knots, at least 2.
-    one, other : ImageProfile
-        The profile as the lower and the higher image see it.
-    pair : ImagePath
-    hidden : tuple of four float
-        Launch slopes between which targets may hide the bed, from the lower and from the higher image.
-    arrays : SceneArrays
-    labelling : bool
-        Whether all must be taken one by one, because their contributors are noted.
-    echoes : SegmentEchoes
-        Work space with the weights of the pair; ``cut`` takes the marks, a word beyond them is unmarked.
-    bins : ndarray of int64
-        Difference array, in fixed-point units.
-    """
+    """Spread the echoes of segments that both images see whole over the range bins; mark the others they see."""
     knots = padded_count(count)
     _half_ways(knots, one.r, other.r, echoes.r)
     _measure_pairs(knots, profile, one, pair, echoes)

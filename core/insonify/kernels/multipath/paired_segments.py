@@ -42,19 +42,7 @@ class PairedSegment(NamedTuple):
 
 @inlined_uncounted
 def echo_range(segment, x):
-    """Slant range of the echo of a segment at a ground range: half the way by both images.
-
-    Parameters
-    ----------
-    segment : PairedSegment
-    x : float
-        Ground range, m.
-
-    Returns
-    -------
-    float
-        m.
-    """
+    """Slant range of the echo of a segment at a ground range: half the way by both images."""
     a, b = segment.one.offset + segment.one.slope * x, segment.other.offset + segment.other.slope * x
     return 0.5 * (math.sqrt(x * x + a * a) + math.sqrt(x * x + b * b))
 
@@ -73,25 +61,7 @@ def _range_rate(segment, x):
 
 @kernel_uncounted
 def list_stretch(segment, pair, x_from, x_to, near, far, echoes, n):
-    """List the echo of a stretch of a segment that both images see.
-
-    Parameters
-    ----------
-    segment : PairedSegment
-    pair : ImagePath
-    x_from, x_to : float
-        Ground ranges at which the stretch begins and ends, m.
-    near, far : float
-        Slant ranges of its echo there, m.
-    echoes : ndarray of float64, shape (ROOM, COLUMNS)
-    n : int
-        Echoes in the list.
-
-    Returns
-    -------
-    int
-        Echoes in the list.
-    """
+    """List the echo of a stretch of a segment that both images see."""
     if not x_to > x_from:
         return n
     squared = (x_to - x_from) ** 2 * (1.0 + segment.one.slope * segment.one.slope)

@@ -19,16 +19,6 @@ def add_surface_echo(arrays, poses, ping, side, echoes, sink):
 
     It is 1 / (2d)² in the bin of the depth d, with the record's 1/d⁴ taken out; under law `light` it is the image of a
     lamp in a mirror.
-
-    Parameters
-    ----------
-    arrays : SceneArrays
-    poses : Poses
-    ping, side : int
-    echoes : ndarray of float64, shape (ROOM, COLUMNS)
-        Work space: a list of echoes.
-    sink : EchoSink
-        Takes the echo and, if asked to, its contributor.
     """
     image = surface_image(arrays, poses.z[ping])
     depth, law = image.above, arrays.law

@@ -136,19 +136,7 @@ def sweep_multipath(arrays, poses, fan, image_fan, workspace, contributions, out
 
 @kernel_uncounted
 def add_multipath(arrays, poses, ping, side, fan, image_fan, workspace, sink):
-    """Put the echoes by way of the sea surface of one side of one ping into a difference array.
-
-    Parameters
-    ----------
-    arrays : SceneArrays
-    poses : Poses
-    ping, side : int
-    fan, image_fan : AzimuthFan
-        Planes of the sonar's beam, and of its image's in the sea surface.
-    workspace : MultipathWorkspace
-    sink : EchoSink
-        Takes the echoes and, if asked to, their contributors.
-    """
+    """Put the echoes by way of the sea surface of one side of one ping into a difference array."""
     pairs, alike = image_pairs(arrays, poses.x[ping], poses.y[ping], poses.z[ping]), _are_alike(fan, image_fan)
     for of_image in range(2):
         beam, height = (image_fan if of_image == 1 else fan), max(poses.z[ping] - arrays.bed.low, LOWEST)
@@ -189,22 +177,6 @@ def add_image_plane(arrays, poses, ping, side, fan, k, pairs, reaches, workspace
     """Put the echoes by several pairs of images in plane k of a fan into a difference array.
 
     They share the slice of the bed, and what an image sees of it and of the targets.
-
-    Parameters
-    ----------
-    arrays : SceneArrays
-    poses : Poses
-    ping, side : int
-    fan : AzimuthFan
-        Of the sonar, or of its image if the lower image is mirrored.
-    k : int
-    pairs : tuple of three ImagePath
-        By `image_pairs`.
-    reaches : tuple of three float
-        Ground range to which the plane takes part in each path, m; 0 leaves a path out.
-    workspace : MultipathWorkspace
-    sink : EchoSink
-        Takes the echoes and, if asked to, their contributors.
     """
     plane, sector, _ = aim_plane(arrays, poses, ping, side, fan, k, straight_grid())
     near_field, height, profile = fan.near_field[k], max(plane.z - arrays.bed.low, LOWEST), workspace.profile

@@ -90,36 +90,7 @@ class HigherView(NamedTuple):
 
 @kernel_uncounted
 def list_target_echoes(arrays, knots, pair, plane, sectors, cells, x, views, zbuffers, echoes, n, sink):
-    """List the echoes of targets that both images see, facet by facet, depositing them where the list gets full.
-
-    Parameters
-    ----------
-    arrays : SceneArrays
-    knots : int
-        Of the profile.
-    pair : ImagePath
-    plane : HalfPlane
-        From the sonar itself.
-    sectors : tuple of two AzimuthSector
-        What the plane stands for, as the lower and the higher image have it.
-    cells : tuple of two int
-        Cells of both images' z-buffers.
-    x : ndarray of float64
-        Ground ranges of the knots, m.
-    views : tuple of two ImageProfile
-        The bed as the lower and the higher image see it.
-    zbuffers : tuple of two AngularZbuffer
-        Of the lower and the higher image.
-    echoes : ndarray of float64, shape (ROOM, COLUMNS)
-    n : int
-        Echoes that are listed already.
-    sink : EchoSink
-
-    Returns
-    -------
-    int
-        Echoes in the list that are not deposited yet.
-    """
+    """List the echoes of targets that both images see, facet by facet, depositing them where the list gets full."""
     solids, mesh, table, zbuffer = arrays.solids, arrays.mesh, arrays.reflectivity, zbuffers[0]
     bodies, knot, (one, other) = arrays.solids.shape.size, -1, views
     bed, bed_of_higher = BedHorizon(x, one.z, one.horizon, knots), BedHorizon(x, other.z, other.horizon, knots)

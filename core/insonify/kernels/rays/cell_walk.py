@@ -72,21 +72,7 @@ class BilinearCell(NamedTuple):
 
 @kernel
 def find_first_hits(bed, solids, near, count, mesh, bundle, reach, hits):
-    """First hit of each ray on the bed, a mesh or a solid.
-
-    Parameters
-    ----------
-    bed, solids : Bed, Solids
-    near : ndarray of int64
-        Rows of the solids that the rays may meet, ``count`` of them.
-    count : int
-    mesh : Mesh
-    bundle : RayBundle of ndarrays, shape (n,)
-    reach : float
-        Distance after which a ray ends, m.
-    hits : Hits of ndarrays, shape (n,)
-        Filled.
-    """
+    """First hit of each ray on the bed, a mesh or a solid."""
     _meet_solids(solids, near, count, bundle, reach, hits)
     if mesh.skip.size > 0:
         intersect_mesh_bundle(solids, mesh, bundle, reach, hits)
@@ -118,24 +104,7 @@ def _meet_solids(solids, near, count, bundle, reach, hits):
 
 @inlined_before_typing
 def meet_bed(bed, ray, reach):
-    """First point at which a ray meets the bed from above.
-
-    Parameters
-    ----------
-    bed : Bed
-    ray : Ray
-    reach : float
-        Distance after which the ray ends, m.
-
-    Returns
-    -------
-    distance : float
-        m; infinite if the ray misses, NaN if it ends inside the bed: begins there, or comes in from the side.
-    material : int
-        Row of the reflectivity table.
-    nx, ny, nz : float
-        Upward unit normal.
-    """
+    """First point at which a ray meets the bed from above."""
     ny, nx = bed.heights.shape
     u0, v0 = (ray.x - bed.x0) / bed.spacing, (ray.y - bed.y0) / bed.spacing
     du, dv = ray.dx / bed.spacing, ray.dy / bed.spacing
@@ -193,19 +162,7 @@ def _next_cell(cell, node, forwards, nodes):
 
 @inlined_before_typing
 def load_cell(heights, row, column):
-    """Bilinear coefficients of a cell of the bed.
-
-    Parameters
-    ----------
-    heights : ndarray of float32, shape (ny, nx)
-        Of the nodes, m.
-    row, column : int
-        Node at its low corner; the next nodes wrap.
-
-    Returns
-    -------
-    BilinearCell
-    """
+    """Bilinear coefficients of a cell of the bed."""
     ny, nx = heights.shape
     across = column + 1 if column + 1 < nx else 0
     along = row + 1 if row + 1 < ny else 0
@@ -237,20 +194,7 @@ def _first_root(above, after, bend):
 
 @inlined_before_typing
 def cell_normal(cell, u, v, spacing):
-    """Upward unit normal of a bilinear cell.
-
-    Parameters
-    ----------
-    cell : BilinearCell
-    u, v : float
-        Place within it, in [0, 1].
-    spacing : float
-        Of the nodes, m.
-
-    Returns
-    -------
-    nx, ny, nz : float
-    """
+    """Upward unit normal of a bilinear cell."""
     p, q = (cell.b + cell.d * v) / spacing, (cell.c + cell.d * u) / spacing
     norm = 1.0 / math.sqrt(1.0 + p * p + q * q)
     return -p * norm, -q * norm, norm

@@ -154,37 +154,14 @@ def empty_hits(n):
 
 @inlined
 def take_rays(launch, first, last):
-    """Return some of the rays of a side.
-
-    Parameters
-    ----------
-    launch : RayLaunch of ndarrays, shape (n,)
-    first, last : int
-
-    Returns
-    -------
-    RayLaunch
-        Views of rays first to last - 1.
-    """
+    """Return some of the rays of a side."""
     ahead, abeam, up, weight = launch
     return RayLaunch(ahead[first:last], abeam[first:last], up[first:last], weight[first:last])
 
 
 @inlined
 def take_room(bundle, hits, n):
-    """Return room for some rays and their hits.
-
-    Parameters
-    ----------
-    bundle, hits : RayBundle, Hits of ndarrays
-    n : int
-        Number of rays, at most as many as there is room for.
-
-    Returns
-    -------
-    tuple of RayBundle, Hits
-        Views of the first n entries.
-    """
+    """Return room for some rays and their hits."""
     x, y, z, dx, dy, dz = bundle
     distance, body, material, nx, ny, nz = hits
     return (
@@ -195,23 +172,7 @@ def take_room(bundle, hits, n):
 
 @kernel
 def weigh_by_pattern(arrays, beam, bundle, hits, weight, weighed):
-    """Weight of rays times the two-way response of the beam towards their hits.
-
-    Parameters
-    ----------
-    arrays : SceneArrays
-    beam : SideBeam
-    bundle, hits : RayBundle, Hits of ndarrays, shape (n,)
-    weight : ndarray, shape (n,)
-        What each ray stands for.
-    weighed : ndarray, shape (n,)
-        Filled; 0 where nothing is met.
-
-    Returns
-    -------
-    ndarray
-        ``weighed``.
-    """
+    """Weight of rays times the two-way response of the beam towards their hits."""
     for k in range(weight.size):
         weighed[k] = 0.0
         if hits.body[k] != NOTHING:
@@ -253,23 +214,7 @@ def deposit_hits(bundle, hits, weight, reflectivity, law, fan, bin_length, sums)
 
 @inlined
 def ray_echo(bundle, hits, k, reflectivity, law, fan, bin_length):
-    """Echo of the hit of one ray per unit of its weight.
-
-    Parameters
-    ----------
-    bundle, hits : RayBundle, Hits of ndarrays, shape (n,)
-    k : int
-        Number of the ray.
-    reflectivity, law, fan, bin_length
-        As in `deposit_hits`.
-
-    Returns
-    -------
-    value : float
-        But for the factor that depends on range alone; 0 if nothing is met or the surface faces away.
-    growth : float
-        dr/dθ of the slant range on the surface with the elevation, m/rad.
-    """
+    """Echo of the hit of one ray per unit of its weight."""
     distance = hits.distance[k]
     dx, dy, dz, nx, ny, nz = bundle.dx[k], bundle.dy[k], bundle.dz[k], hits.nx[k], hits.ny[k], hits.nz[k]
     cos_incidence = -(nx * dx + ny * dy + nz * dz)
@@ -289,20 +234,7 @@ def ray_echo(bundle, hits, k, reflectivity, law, fan, bin_length):
 
 @kernel
 def elevation_tilt(dx, dy, dz, nx, ny, nz):
-    """|n·e| of a surface's normal n and the direction e in which a growing elevation moves a ray.
-
-    Parameters
-    ----------
-    dx, dy, dz : float
-        Unit direction of the ray.
-    nx, ny, nz : float
-        Unit normal.
-
-    Returns
-    -------
-    float
-        On the surface dr/dθ = r |n·e| / cos α, α being the incidence.
-    """
+    """|n·e| of a surface's normal n and the direction e in which a growing elevation moves a ray."""
     level = math.sqrt(dx * dx + dy * dy)
     if level == 0.0:
         return 0.0

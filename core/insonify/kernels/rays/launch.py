@@ -59,21 +59,7 @@ class RayLaunch(NamedTuple):
 
 @inlined
 def orient_beam(arrays, poses, ping, side):
-    """Axes of the beam of one side of one ping, after heading, pitch (bow up), then roll (port up).
-
-    Parameters
-    ----------
-    arrays : SceneArrays
-    poses : Poses of ndarrays, shape (n,)
-    ping : int
-        Its place among the poses.
-    side : int
-        PORT or STARBOARD.
-
-    Returns
-    -------
-    SideBeam
-    """
+    """Axes of the beam of one side of one ping, after heading, pitch (bow up), then roll (port up)."""
     ahead_x, ahead_y = snap_to_grid(math.cos(poses.heading[ping])), snap_to_grid(math.sin(poses.heading[ping]))
     to_side = 1.0 if side == PORT else -1.0
     x, y, z, reach = poses.x[ping], poses.y[ping], poses.z[ping], arrays.bins * arrays.bin_length
@@ -153,20 +139,7 @@ def _upper_rays(n, height, reach, lowest, top):
 
 @kernel
 def set_ray(launch, k, elevation, angle, band, half_width, law, spreads):
-    """Set the direction and the weight of one ray.
-
-    Parameters
-    ----------
-    launch : RayLaunch of ndarrays, shape (n,)
-    k : int
-        Number of the ray, whose entries are filled.
-    elevation, angle : float
-        Its elevation, up positive, and the elevation that it stands for, rad.
-    band : float
-        Difference of the sine of the elevation over that angle.
-    half_width, law, spreads
-        As in `aim_rays`.
-    """
+    """Set the direction and the weight of one ray."""
     c, s = math.cos(elevation), math.sin(elevation)
     # Law `light` averages over the beam, law `sonar` integrates it.
     weight = angle if law == LIGHT or half_width <= 0.0 else band
@@ -189,20 +162,7 @@ def _place_in_beam(k):
 
 @kernel
 def spread_over_pattern(launch, pattern, height, reach, pitch):
-    """Spread rays that lie athwart over the azimuths of a beam pattern.
-
-    Parameters
-    ----------
-    launch : RayLaunch of ndarrays, shape (n,)
-        Changed: directions, and weights times the azimuth that each ray stands for.
-    pattern : Pattern
-    height : float
-        Of the sonar above the mean bed, m.
-    reach : float
-        Slant range at which rays end, m.
-    pitch : float
-        rad.
-    """
+    """Spread rays that lie athwart over the azimuths of a beam pattern."""
     for k in range(launch.up.size):
         c, s = launch.abeam[k], launch.up[k]
         # Slant range at which the ray meets a level bed, or the end of the range.
@@ -214,19 +174,7 @@ def spread_over_pattern(launch, pattern, height, reach, pitch):
 
 @kernel
 def cone_azimuth(cos_elevation, half_width):
-    """Greatest azimuth from athwart that a fan takes in at an elevation.
-
-    Parameters
-    ----------
-    cos_elevation : float
-    half_width : float
-        Of the beam, rad.
-
-    Returns
-    -------
-    float
-        rad; a right angle where the cone takes in all azimuths.
-    """
+    """Greatest azimuth from athwart that a fan takes in at an elevation."""
     s = math.sin(half_width)
     return 0.5 * math.pi if cos_elevation <= s else math.asin(s / cos_elevation)
 
@@ -285,21 +233,7 @@ def list_solids_in_beam(solids, mesh, beam, near):
 
 @inlined
 def ball_about(solids, k):
-    """Half the length of a solid, its greatest radius, and its middle: both lengths together bound it.
-
-    Parameters
-    ----------
-    solids : Solids
-    k : int
-        Its row.
-
-    Returns
-    -------
-    middle, radius : float
-        m.
-    cx, cy, cz : float
-        Centre of the ball, m.
-    """
+    """Half the length of a solid, its greatest radius, and its middle: both lengths together bound it."""
     middle = 0.5 * solids.length[k]
     cx = solids.start[k, 0] + middle * solids.axis[k, 0]
     cy = solids.start[k, 1] + middle * solids.axis[k, 1]
@@ -309,20 +243,7 @@ def ball_about(solids, k):
 
 @inlined
 def beam_touches_ball(beam, cx, cy, cz, distance, bound):
-    """Whether a beam can touch a ball.
-
-    Parameters
-    ----------
-    beam : SideBeam
-    cx, cy, cz : float
-        Centre of the ball, counted from the sonar, m.
-    distance, bound : float
-        Of the centre, and radius, m.
-
-    Returns
-    -------
-    bool
-    """
+    """Whether a beam can touch a ball."""
     along = cx * beam.axis_x + cy * beam.axis_y + cz * beam.axis_z
     if along - bound > beam.s_high * (distance + math.copysign(bound, beam.s_high)):
         return False
@@ -378,19 +299,7 @@ def highest_elevation(summit, nearest, farthest):
 
 @kernel
 def find_enclosing_solid(solids, x, y, z):
-    """Row of the solid that a point is inside.
-
-    Parameters
-    ----------
-    solids : Solids
-    x, y, z : float
-        m.
-
-    Returns
-    -------
-    int
-        -1 if there is none.
-    """
+    """Row of the solid that a point is inside."""
     for k in range(solids.shape.size):
         if is_inside_solid(solids, k, x, y, z):
             return k

@@ -21,17 +21,7 @@ TINY = 1e-300  # m; at the very tip of a cone nothing points away from the axis
 
 @kernel
 def march_hits(bed, solids, near, count, mesh, bundle, reach, step, hits):
-    """First hit of each ray by marching: the first sample below the bed or inside a solid, interpolated once.
-
-    Parameters
-    ----------
-    bed, solids, near, count, mesh, bundle, reach
-        As in `cell_walk.find_first_hits`.
-    step : float
-        m.
-    hits : Hits of ndarrays, shape (n,)
-        Filled.
-    """
+    """First hit of each ray by marching: the first sample below the bed or inside a solid, interpolated once."""
     ceiling = _ceiling(bed, solids, near, count)
     for k in range(bundle.x.size):
         ray = Ray(bundle.x[k], bundle.y[k], bundle.z[k], bundle.dx[k], bundle.dy[k], bundle.dz[k])
@@ -82,25 +72,7 @@ def _sample(bed, solids, near, count, ray, before, t, step):
 
 @inlined_before_typing
 def march_chord(bed, solids, near, count, ray, length):
-    """Hit within one step of a ray, by the sample at its end.
-
-    Parameters
-    ----------
-    bed, solids, near, count
-        As in `cell_walk.find_first_hits`.
-    ray : Ray
-    length : float
-        Of the step, m.
-
-    Returns
-    -------
-    distance : float
-        m, infinite if the sample is in nothing.
-    body, material : int
-        As in `cell_walk.Hits`.
-    nx, ny, nz : float
-        Unit normal.
-    """
+    """Hit within one step of a ray, by the sample at its end."""
     distance, body, _ = _sample(bed, solids, near, count, ray, _bed_clearance(bed, ray, 0.0), length, length)
     material, nx, ny, nz = _surface_at(bed, solids, ray, distance, body)
     return distance, body, material, nx, ny, nz

@@ -61,18 +61,7 @@ class Intersection(NamedTuple):
 
 @inlined
 def start_path(bundle, k):
-    """Path that begins with a ray at the sonar.
-
-    Parameters
-    ----------
-    bundle : RayBundle of ndarrays, shape (n,)
-    k : int
-        Number of the ray.
-
-    Returns
-    -------
-    SpecularPath
-    """
+    """Path that begins with a ray at the sonar."""
     dx, dy, dz = bundle.dx[k], bundle.dy[k], bundle.dz[k]
     up, across = start_elevation_differential(dx, dy, dz), start_azimuth_differential(dx, dy)
     return SpecularPath(bundle.x[k], bundle.y[k], bundle.z[k], dx, dy, dz, up, across, 0.0, 1.0, 0, WATER)
@@ -80,18 +69,7 @@ def start_path(bundle, k):
 
 @inlined
 def advance_to(arrays, path, meeting):
-    """Path advanced to the surface that it meets.
-
-    Parameters
-    ----------
-    arrays : SceneArrays
-    path : SpecularPath
-    meeting : Intersection
-
-    Returns
-    -------
-    SpecularPath
-    """
+    """Path advanced to the surface that it meets."""
     t, dx, dy, dz = meeting.distance, path.dx, path.dy, path.dz
     up, across = transfer(path.up, path, meeting), transfer(path.across, path, meeting)
     length = path.length + t * _slowness(arrays, path)
@@ -103,20 +81,7 @@ def advance_to(arrays, path, meeting):
 
 @inlined
 def offset_from_surface(x, y, z, length):
-    """Distance off a surface at which a path starts, so that rounding does not put it on the other side.
-
-    Parameters
-    ----------
-    x, y, z : float
-        Place on the surface, m.
-    length : float
-        Of the path so far, m.
-
-    Returns
-    -------
-    float
-        m.
-    """
+    """Distance off a surface at which a path starts, so that rounding does not put it on the other side."""
     return OFFSET * (1.0 + abs(x) + abs(y) + abs(z) + length)
 
 
@@ -135,20 +100,7 @@ def _material(arrays, body):
 
 @kernel
 def split_path(arrays, path, meeting, longest, waiting):
-    """Queue the paths that leave a hit: the reflected one, and the refracted one if the body is closed.
-
-    Parameters
-    ----------
-    arrays : SceneArrays
-    path : SpecularPath
-        As it arrives.
-    meeting : Intersection
-        What it has met.
-    longest : float
-        Length after which a path ends, m.
-    waiting : list of SpecularPath
-        Appended to.
-    """
+    """Queue the paths that leave a hit: the reflected one, and the refracted one if the body is closed."""
     if path.bounce >= arrays.bounces or path.length >= longest:
         return
     cosine = -(meeting.nx * path.dx + meeting.ny * path.dy + meeting.nz * path.dz)
@@ -210,19 +162,7 @@ def _lets_through(arrays, path, meeting):
 
 @inlined
 def meet_next(arrays, path, reach):
-    """Next surface that a path meets, from outside a body or from inside.
-
-    Parameters
-    ----------
-    arrays : SceneArrays
-    path : SpecularPath
-    reach : float
-        Distance after which it meets nothing, m.
-
-    Returns
-    -------
-    Intersection
-    """
+    """Next surface that a path meets, from outside a body or from inside."""
     if path.inside == WATER:
         return meet_scene(arrays, path.x, path.y, path.z, path.dx, path.dy, path.dz, reach)
     if path.inside < arrays.solids.shape.size:
@@ -232,22 +172,7 @@ def meet_next(arrays, path, reach):
 
 @kernel
 def meet_scene(arrays, x, y, z, dx, dy, dz, reach):
-    """Nearest surface of a scene along a straight ray.
-
-    Parameters
-    ----------
-    arrays : SceneArrays
-    x, y, z : float
-        Where the ray starts, m.
-    dx, dy, dz : float
-        Its unit direction.
-    reach : float
-        Distance after which it meets nothing, m.
-
-    Returns
-    -------
-    Intersection
-    """
+    """Nearest surface of a scene along a straight ray."""
     best, body, material, mx, my, mz = reach, NOTHING, 0, 0.0, 0.0, 0.0
     for k in range(arrays.solids.shape.size):
         distance, nx, ny, nz = intersect_solid(arrays.solids, k, x, y, z, dx, dy, dz)

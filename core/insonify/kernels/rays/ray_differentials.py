@@ -26,54 +26,21 @@ class RayDifferential(NamedTuple):
 
 @inlined
 def start_elevation_differential(dx, dy, dz):
-    """Differential of a ray at the sonar with its elevation, per radian.
-
-    Parameters
-    ----------
-    dx, dy, dz : float
-        Unit direction of the ray.
-
-    Returns
-    -------
-    RayDifferential
-    """
+    """Differential of a ray at the sonar with its elevation, per radian."""
     level = max(math.sqrt(dx * dx + dy * dy), 1e-300)
     return RayDifferential(0.0, 0.0, 0.0, -dz * dx / level, -dz * dy / level, level)
 
 
 @inlined
 def start_azimuth_differential(dx, dy):
-    """Differential of a ray at the sonar with an angle at right angles to the elevation, per radian.
-
-    Parameters
-    ----------
-    dx, dy : float
-        Level part of the ray's unit direction.
-
-    Returns
-    -------
-    RayDifferential
-    """
+    """Differential of a ray at the sonar with an angle at right angles to the elevation, per radian."""
     level = max(math.sqrt(dx * dx + dy * dy), 1e-300)
     return RayDifferential(0.0, 0.0, 0.0, -dy / level, dx / level, 0.0)
 
 
 @inlined
 def transfer(shift, path, surface):
-    """Carry a differential to the surface that a ray meets, along whose tangent its place then moves.
-
-    Parameters
-    ----------
-    shift : RayDifferential
-    path : SpecularPath
-        The ray where it set out.
-    surface : Intersection
-        What it meets.
-
-    Returns
-    -------
-    RayDifferential
-    """
+    """Carry a differential to the surface that a ray meets, along whose tangent its place then moves."""
     dx, dy, dz, nx, ny, nz = path.dx, path.dy, path.dz, surface.nx, surface.ny, surface.nz
     t = surface.distance
     x, y, z = shift.x + t * shift.dx, shift.y + t * shift.dy, shift.z + t * shift.dz
@@ -83,23 +50,7 @@ def transfer(shift, path, surface):
 
 @inlined
 def reflect(shift, cosine, path, surface, bent):
-    """Differential of a ray after specular reflection.
-
-    Parameters
-    ----------
-    shift : RayDifferential
-        On the surface.
-    cosine : float
-        Of the ray's incidence.
-    path, surface : SpecularPath, Intersection
-        The ray as it arrives, and what it has met.
-    bent : tuple of 3 floats
-        How the normal moves with the differential's place.
-
-    Returns
-    -------
-    RayDifferential
-    """
+    """Differential of a ray after specular reflection."""
     dx, dy, dz, nx, ny, nz = path.dx, path.dy, path.dz, surface.nx, surface.ny, surface.nz
     # Igehy 1999: reflection
     fall = shift.dx * nx + shift.dy * ny + shift.dz * nz + dx * bent[0] + dy * bent[1] + dz * bent[2]
@@ -113,23 +64,7 @@ def reflect(shift, cosine, path, surface, bent):
 
 @inlined
 def refract(shift, cosine, speeds, root, path, surface, bent):
-    """Differential of a ray after refraction into or out of a body.
-
-    Parameters
-    ----------
-    shift, cosine
-        As in `reflect`.
-    speeds : float
-        Ratio ν of the speed of sound behind the surface to that before it.
-    root : float
-        Cosine of the angle of refraction.
-    path, surface, bent
-        As in `reflect`.
-
-    Returns
-    -------
-    RayDifferential
-    """
+    """Differential of a ray after refraction into or out of a body."""
     dx, dy, dz, nx, ny, nz = path.dx, path.dy, path.dz, surface.nx, surface.ny, surface.nz
     # Igehy 1999: refraction, of Snell's law d' = ν d + (ν cos α − √root) n
     fall = -(shift.dx * nx + shift.dy * ny + shift.dz * nz + dx * bent[0] + dy * bent[1] + dz * bent[2])
@@ -144,21 +79,7 @@ def refract(shift, cosine, speeds, root, path, surface, bent):
 
 @inlined
 def differentiate_normal(solids, shift, path, surface):
-    """Change of a surface's normal along a differential; zero on facets and on the bed's cells.
-
-    Parameters
-    ----------
-    solids : Solids
-    shift : RayDifferential
-        On the surface.
-    path, surface : SpecularPath, Intersection
-        The ray as it arrives, and what it has met.
-
-    Returns
-    -------
-    tuple of 3 floats
-        Per radian.
-    """
+    """Change of a surface's normal along a differential; zero on facets and on the bed's cells."""
     k, nx, ny, nz = surface.body, surface.nx, surface.ny, surface.nz
     if not 0 <= k < solids.shape.size:
         return 0.0, 0.0, 0.0
@@ -183,16 +104,6 @@ def differentiate_normal(solids, shift, path, surface):
 
 @inlined
 def tube_area(up, across):
-    """Area that a unit of solid angle covers where both differentials of a ray have landed, m²/sr.
-
-    Parameters
-    ----------
-    up, across : RayDifferential
-        With the elevation, and at right angles to it.
-
-    Returns
-    -------
-    float
-    """
+    """Area that a unit of solid angle covers where both differentials of a ray have landed, m²/sr."""
     x, y, z = up.y * across.z - up.z * across.y, up.z * across.x - up.x * across.z, up.x * across.y - up.y * across.x
     return math.sqrt(x * x + y * y + z * z)

@@ -62,18 +62,7 @@ class PathHit(NamedTuple):
 
 @kernel
 def add_specular_echoes(arrays, beam, bundle, hits, weight, sums):
-    """Add the echoes of one side's rays after their first hits to the range bins.
-
-    Parameters
-    ----------
-    arrays : SceneArrays
-    beam : SideBeam
-    bundle, hits : RayBundle, Hits of ndarrays, shape (n,)
-    weight : ndarray, shape (n,)
-        What each ray stands for.
-    sums : ndarray, shape (bins,)
-        Added to.
-    """
+    """Add the echoes of one side's rays after their first hits to the range bins."""
     fan, reach = arrays.half_width > 0.0, arrays.bins * arrays.bin_length
     for k in range(weight.size):
         if hits.body[k] == NOTHING or weight[k] == 0.0:
@@ -165,30 +154,7 @@ def _add_retro_echo(arrays, fan, weight, path, meeting, sums):
 
 @inlined
 def mixed_echo(arrays, beam, fan, out, weight, path, meeting, reach):
-    """Echo out along a path that has arrived and straight back, and the other way round.
-
-    Parameters
-    ----------
-    arrays : SceneArrays
-    beam : SideBeam
-    fan : bool
-        Whether the beam has a width.
-    out : float
-        Two-way response of the beam in the direction in which the path left.
-    weight : float
-        What its ray stands for.
-    path, meeting : SpecularPath, Intersection
-        The path as it arrives, and what it has met.
-    reach : float
-        Slant range from which an echo comes too late, m.
-
-    Returns
-    -------
-    distance : float
-        Slant range, m.
-    value : float
-        But for the factor that depends on range alone; 0 if the sonar is not seen.
-    """
+    """Echo out along a path that has arrived and straight back, and the other way round."""
     sx, sy, sz = path.x - beam.x, path.y - beam.y, path.z - beam.z
     r, nx, ny, nz = math.sqrt(sx * sx + sy * sy + sz * sz), meeting.nx, meeting.ny, meeting.nz
     sx, sy, sz, distance = sx / r, sy / r, sz / r, 0.5 * (path.length + r)
@@ -217,25 +183,7 @@ def mixed_echo(arrays, beam, fan, out, weight, path, meeting, reach):
 
 @inlined
 def pair_sensitivity(arrays, beam, fan, out, sx, sy, sz, r):
-    """Response of the beam to what leaves in one direction and returns from another, the mean of both orders.
-
-    Parameters
-    ----------
-    arrays : SceneArrays
-    beam : SideBeam
-    fan : bool
-        Whether the beam has a width.
-    out : float
-        Two-way response in the one direction.
-    sx, sy, sz : float
-        Unit vector from the sonar in the other.
-    r : float
-        Distance in the other, m.
-
-    Returns
-    -------
-    float
-    """
+    """Response of the beam to what leaves in one direction and returns from another, the mean of both orders."""
     if sx * beam.side_x + sy * beam.side_y < 0.0:
         return 0.0
     along = sx * beam.axis_x + sy * beam.axis_y + sz * beam.axis_z

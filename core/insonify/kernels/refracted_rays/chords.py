@@ -50,18 +50,7 @@ class ChordHits(NamedTuple):
 
 @kernel
 def empty_batch(rays, bodies):
-    """Room for the chords of some rays.
-
-    Parameters
-    ----------
-    rays : int
-    bodies : int
-        Solids that each of them may meet.
-
-    Returns
-    -------
-    ChordBatch
-    """
+    """Room for the chords of some rays."""
     return ChordBatch(
         np.empty((8 * rays, COLUMNS)), np.zeros(rays + 1, np.int64), np.empty((rays, bodies), np.int64),
         np.zeros(rays, np.int64), np.zeros(rays, np.bool_),
@@ -70,16 +59,7 @@ def empty_batch(rays, bodies):
 
 @kernel
 def empty_chord_hits(rays):
-    """Room for the hits of some rays.
-
-    Parameters
-    ----------
-    rays : int
-
-    Returns
-    -------
-    ChordHits
-    """
+    """Room for the hits of some rays."""
     return ChordHits(
         np.empty(rays, np.int64), np.empty(rays), np.empty(rays, np.int64), np.empty(rays, np.int64),
         np.empty(rays), np.empty(rays), np.empty(rays),
@@ -88,17 +68,7 @@ def empty_chord_hits(rays):
 
 @kernel
 def meet_chords(bed, solids, mesh, batch, rays, met):
-    """First hits of the rays of a batch, exact along their chords.
-
-    Parameters
-    ----------
-    bed, solids, mesh : Bed, Solids, Mesh
-    batch : ChordBatch
-    rays : int
-        Rays of the batch, from its first.
-    met : ChordHits
-        Filled.
-    """
+    """First hits of the rays of a batch, exact along their chords."""
     _meet_bodies(solids, batch, rays, met)
     if mesh.skip.size > 0:
         _meet_mesh(solids, mesh, batch, rays, met)
@@ -107,13 +77,7 @@ def meet_chords(bed, solids, mesh, batch, rays, met):
 
 @kernel
 def march_chords(bed, solids, mesh, batch, rays, met):
-    """First hits of the rays of a batch, by one sample at the end of each chord; triangles are met where they are.
-
-    Parameters
-    ----------
-    bed, solids, mesh, batch, rays, met
-        As in `meet_chords`.
-    """
+    """First hits of the rays of a batch, by one sample at the end of each chord; triangles are met where they are."""
     chords = batch.chords
     for k in range(rays):
         met.chord[k], met.distance[k], met.body[k], met.material[k] = (

@@ -104,17 +104,7 @@ def trace_refracted_pings(arrays, poses, rays, march, out):
 
 @kernel
 def make_waveguide(arrays, beam):
-    """Water in the plane athwart one side of a ping, and how high there is anything to hit.
-
-    Parameters
-    ----------
-    arrays : SceneArrays
-    beam : SideBeam
-
-    Returns
-    -------
-    Waveguide
-    """
+    """Water in the plane athwart one side of a ping, and how high there is anything to hit."""
     water = arrays.water
     plane = lay_in_section(water.axis_x, water.axis_y, VerticalPlane(beam.x, beam.y, beam.side_x, beam.side_y))
     return Waveguide(
@@ -124,24 +114,7 @@ def make_waveguide(arrays, beam):
 
 @kernel
 def aim_side(arrays, waveguide, z, pitch, launch):
-    """Aim all rays of a side over elevations and, where a pattern spreads them, over azimuths.
-
-    Parameters
-    ----------
-    arrays : SceneArrays
-    waveguide : Waveguide
-    z : float
-        Height of the sonar, m.
-    pitch : float
-        rad.
-    launch : RayLaunch of ndarrays, shape (n,)
-        Filled.
-
-    Returns
-    -------
-    Landings
-        Of the probe rays.
-    """
+    """Aim all rays of a side over elevations and, where a pattern spreads them, over azimuths."""
     spreads = arrays.half_width > 0.0 and arrays.pattern.tabulated
     landings = aim_refracted_rays(launch, waveguide, z, arrays.half_width, arrays.law, spreads)
     if spreads:
@@ -185,25 +158,7 @@ def _deposit_refracted(arrays, hits, arrivals, weight, sums):
 
 @inlined
 def refracted_echo(arrays, hits, arrivals, weight, k):
-    """Echo of the hit of one ray along arcs.
-
-    Parameters
-    ----------
-    arrays : SceneArrays
-    hits, arrivals : Hits, Arrivals of ndarrays, shape (n,)
-    weight : ndarray, shape (n,)
-        What each ray stands for.
-    k : int
-        Number of the ray.
-
-    Returns
-    -------
-    bin : int
-        -1 if it returns nothing.
-    value : float
-        But for the factor that depends on range alone.
-    cos_incidence : float
-    """
+    """Echo of the hit of one ray along arcs."""
     distance = hits.distance[k]
     if hits.body[k] == NOTHING or distance >= arrays.bins * arrays.bin_length:
         return -1, 0.0, 0.0

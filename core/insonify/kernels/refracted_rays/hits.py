@@ -138,20 +138,7 @@ def empty_arrivals(n):
 
 @kernel
 def clear_of_nodes(height, ceiling):
-    """Least height clear of a ceiling and of the water's nodes.
-
-    Parameters
-    ----------
-    height : ndarray, shape (n,)
-        Nodes of the water, ascending, m.
-    ceiling : float
-        m.
-
-    Returns
-    -------
-    float
-        m.
-    """
+    """Least height clear of a ceiling and of the water's nodes."""
     ceiling += CLEAR
     for k in range(height.size):
         if abs(height[k] - ceiling) < 0.5 * CLEAR:
@@ -245,18 +232,7 @@ def _lay_chords(water, bundle, first, count, reach, march, limits, batch, begins
 
 @inlined
 def lay_in_section(axis_x, axis_y, plane):
-    """Position and direction of a ray's vertical plane relative to the stations of the water.
-
-    Parameters
-    ----------
-    axis_x, axis_y : float
-        Level unit vector along which the stations lie.
-    plane : VerticalPlane
-
-    Returns
-    -------
-    SectionPlane
-    """
+    """Position and direction of a ray's vertical plane relative to the stations of the water."""
     return SectionPlane(plane.x * axis_x + plane.y * axis_y, plane.ahead_x * axis_x + plane.ahead_y * axis_y)
 
 

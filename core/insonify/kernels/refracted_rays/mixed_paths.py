@@ -51,25 +51,7 @@ class MixedEchoes(NamedTuple):
 
 @kernel
 def find_mixed_echoes(arrays, beam, waveguide, z, landings, weight, rays):
-    """Mixed echoes of one side's rays: out along one path and back along another to the same place.
-
-    Parameters
-    ----------
-    arrays : SceneArrays
-    beam : SideBeam
-    waveguide : Waveguide
-    z : float
-        Height of the sonar, m.
-    landings : Landings
-        Of the probe rays.
-    weight : ndarray, shape (n,)
-        What each ray stands for.
-    rays : LandedRays of ndarrays, shape (n,)
-
-    Returns
-    -------
-    MixedEchoes
-    """
+    """Mixed echoes of one side's rays: out along one path and back along another to the same place."""
     bundle, arrivals = rays.bundle, rays.arrivals
     pairs, ways, angles = _pair_paths(waveguide, z, landings, rays, weight)
     n = angles.size

@@ -58,34 +58,13 @@ class Landings(NamedTuple):
 
 @kernel
 def empty_landings():
-    """Landings of no probe rays.
-
-    Returns
-    -------
-    Landings
-    """
+    """Landings of no probe rays."""
     return Landings(np.empty(0), np.empty(0), np.empty(0), np.empty(0), math.inf)
 
 
 @kernel
 def aim_refracted_rays(launch, waveguide, z, half_width, law, spreads):
-    """Aim all rays of a side; rays that are not needed get weight 0.
-
-    Parameters
-    ----------
-    launch : RayLaunch of ndarrays, shape (n,)
-        Filled.
-    waveguide : Waveguide
-    z : float
-        Height of the sonar, m.
-    half_width, law, spreads
-        As in `launch.aim_rays`.
-
-    Returns
-    -------
-    Landings
-        Of the probe rays.
-    """
+    """Aim all rays of a side; rays that are not needed get weight 0."""
     n = launch.up.size
     landings, share = _weigh_elevations(waveguide, z)
     angle = landings.angle

@@ -66,16 +66,7 @@ def empty_table(bending: ApparentTables) -> NDArray[np.float32]:
 
 @kernel_on_demand(NOTHING, counting=True)
 def _interpolate_table(bending, z, table):
-    """Table of a sonar between the heights of two tables.
-
-    Parameters
-    ----------
-    bending : ApparentTables
-    z : float
-        Height of the sonar, m.
-    table : ndarray of float32, shape (rows, columns, 4)
-        Filled.
-    """
+    """Table of a sonar between the heights of two tables."""
     place = (z - bending.sonar_low) / bending.sonar_step
     k = min(max(int(place), 0), bending.tables.shape[0] - 2)
     share = np.float32(place - k)
@@ -86,29 +77,13 @@ def _interpolate_table(bending, z, table):
 
 @inlined_uncounted
 def straight_grid():
-    """Grid without a table, for water in which sound goes straight.
-
-    Returns
-    -------
-    TableGrid
-    """
+    """Grid without a table, for water in which sound goes straight."""
     return TableGrid(False, 1.0, 0.0, 1.0, 1.0, 2, 2)
 
 
 @inlined_uncounted
 def prepare_table(bending, z, table):
-    """Fill the table of one ping, if water bends sound.
-
-    Parameters
-    ----------
-    bending, z, table
-        As in `_interpolate_table`.
-
-    Returns
-    -------
-    TableGrid
-        How to read it.
-    """
+    """Fill the table of one ping, if water bends sound."""
     if not bending.bent:
         return straight_grid()
     _interpolate_table(bending, z, table)
@@ -119,20 +94,7 @@ def prepare_table(bending, z, table):
 
 @inlined
 def look_up_position(table, grid, x, z):
-    """Entries of a table for a place, bilinear, clamped at the table's edges.
-
-    Parameters
-    ----------
-    table : ndarray of float32, shape (rows, columns, 4)
-    grid : TableGrid
-    x, z : float
-        Ground range, and height above the sonar, m.
-
-    Returns
-    -------
-    level, rise, tube, turn : float32
-        Entries LEVEL, RISE (m), TUBE and TURN (rad).
-    """
+    """Entries of a table for a place, bilinear, clamped at the table's edges."""
     i, j, fu, fv = _locate_cell(grid, x, z)
     gu, gv = np.float32(1.0) - fu, np.float32(1.0) - fv
     a, b, c, d = gu * gv, fu * gv, gu * fv, fu * fv

@@ -42,45 +42,14 @@ class RayState(NamedTuple):
 
 @inlined
 def launch_in_layers(height, speed, z, cosine, sine):
-    """Ray at its start, at ground range 0.
-
-    Parameters
-    ----------
-    height, speed : ndarray, shape (n,)
-        Nodes of layered water, ascending.
-    z : float
-        Height, m.
-    cosine, sine : float
-        Of its direction above the horizontal.
-
-    Returns
-    -------
-    RayState
-    """
+    """Ray at its start, at ground range 0."""
     c = speed_at(height, speed, z)
     return RayState(0.0, z, cosine, sine, c, 0.0, 1.0 / c, 0.0, False)
 
 
 @inlined
 def advance_in_layers(height, speed, ray, x_end, low, high):
-    """Follow a ray to the next node of the water, to a ground range or to a height, whichever comes first.
-
-    Parameters
-    ----------
-    height, speed : ndarray, shape (n,)
-        Nodes of layered water, ascending.
-    ray : RayState
-        Where it is: between ``low`` and ``high``, and not beyond ``x_end``.
-    x_end, low, high : float
-        Ground range and heights, m; infinite ones are none.
-
-    Returns
-    -------
-    status : int
-        NODE, RANGE, LOW or HIGH, by what was met first; ENDLESS if the ray meets none of them.
-    ray : RayState
-        There. At a node it has entered the next layer; at ``low`` and ``high`` it has not, though a node be there.
-    """
+    """Follow a ray to the next node of the water, to a ground range or to a height, whichever comes first."""
     layer, g, floor, ceiling = find_layer(height, speed, ray)
     level, s1, tangents = _reach_level(ray, g, max(floor, low), min(ceiling, high))
     by_range, _ = reach_line(ray.cosine, -ray.sine, x_end - ray.x, g * ray.cosine / ray.speed)
@@ -109,23 +78,7 @@ def _at_range(ray, x):
 
 @inlined
 def find_layer(height, speed, ray):
-    """Layer in which a ray goes on.
-
-    Parameters
-    ----------
-    height, speed : ndarray, shape (n,)
-        Nodes of layered water, ascending.
-    ray : RayState
-
-    Returns
-    -------
-    k : int
-        Node below it, -1 if there is none.
-    g : float
-        Gradient of the layer, 1/s.
-    floor, ceiling : float
-        Heights of its borders, m.
-    """
+    """Layer in which a ray goes on."""
     k = node_below(height, ray.z)
     g = gradient_above(height, speed, k)
     on_node = k >= 0 and ray.z - height[k] <= SNAP
@@ -163,24 +116,7 @@ def _reach_level(ray, g, floor, ceiling):
 
 @inlined
 def reach_line(along, across, distance, bend):
-    """Tangents of the arc from a ray to a straight line ahead.
-
-    Parameters
-    ----------
-    along, across : float
-        Parts, over the line, of the ray's direction and of the direction 90° to the left of it.
-    distance : float
-        To the line, m.
-    bend : float
-        Curvature κ, positive to the right, 1/m.
-
-    Returns
-    -------
-    tangents : float
-        m; infinite if the arc never gets there.
-    along : float
-        Part of the direction there that leads over the line.
-    """
+    """Tangents of the arc from a ray to a straight line ahead."""
     if math.isinf(distance):
         return math.inf, 0.0
     d = max(distance, 0.0)
@@ -199,20 +135,7 @@ def reach_line(along, across, distance, bend):
 
 @inlined
 def follow_arc(ray, gx, gz, tangents):
-    """Ray at the other end of an arc of known tangents.
-
-    Parameters
-    ----------
-    ray : RayState
-    gx, gz : float
-        Gradient of speed along range and upwards, 1/s.
-    tangents : float
-        Of the arc, m.
-
-    Returns
-    -------
-    RayState
-    """
+    """Ray at the other end of an arc of known tangents."""
     turn = 0.5 * tangents * (ray.cosine * gz - ray.sine * gx) / ray.speed  # tan(κs/2)
     over = 1.0 / (1.0 + turn * turn)
     cosine = (ray.cosine * (1.0 - turn * turn) + 2.0 * turn * ray.sine) * over
@@ -254,20 +177,7 @@ def _asinh_ratio(square):
 
 @inlined
 def enter_layer(height, speed, ray, node):
-    """Ray that has come to a node where it enters the layer beyond: the jump of the gradient bends the tube.
-
-    Parameters
-    ----------
-    height, speed : ndarray, shape (n,)
-        Nodes of layered water, ascending.
-    ray : RayState
-    node : int
-        The node that it has come to.
-
-    Returns
-    -------
-    RayState
-    """
+    """Ray that has come to a node where it enters the layer beyond: the jump of the gradient bends the tube."""
     jump = gradient_above(height, speed, node) - gradient_above(height, speed, node - 1)
     there = RayState(ray.x, height[node], ray.cosine, ray.sine, speed[node], ray.time, ray.p, ray.q, ray.grazed)
     return _bend_tube_at_level(there, -jump)
@@ -275,19 +185,7 @@ def enter_layer(height, speed, ray, node):
 
 @inlined
 def reflect_at_level(ray, g):
-    """Ray reflected by a level surface.
-
-    Parameters
-    ----------
-    ray : RayState
-    g : float
-        Gradient dc/dz on the ray's side of the surface, 1/s.
-
-    Returns
-    -------
-    RayState
-        q keeps its sign, as if the ray went on into mirrored water: seen from outside, the tube has changed sides.
-    """
+    """Ray reflected by a level surface."""
     there = _bend_tube_at_level(ray, 2.0 * g if ray.sine > 0.0 else -2.0 * g)
     return RayState(
         there.x, there.z, there.cosine, -there.sine, there.speed, there.time, there.p, there.q, there.grazed
@@ -296,19 +194,7 @@ def reflect_at_level(ray, g):
 
 @inlined
 def gradient_behind(height, speed, ray):
-    """Gradient dc/dz on the side that a ray comes from, up or down.
-
-    Parameters
-    ----------
-    height, speed : ndarray, shape (n,)
-        Nodes of layered water, ascending.
-    ray : RayState
-
-    Returns
-    -------
-    float
-        1/s.
-    """
+    """Gradient dc/dz on the side that a ray comes from, up or down."""
     k = node_below(height, ray.z)
     on_node = k >= 0 and ray.z - height[k] <= SNAP
     return gradient_above(height, speed, k - 1 if on_node and ray.sine > 0.0 else k)
@@ -323,20 +209,7 @@ def _bend_tube_at_level(ray, fall):
 
 @inlined
 def bend_tube(ray, strength, flat):
-    """Ray whose tube a jump of the gradient has bent.
-
-    Parameters
-    ----------
-    ray : RayState
-    strength : float
-        Jump of the gradient over the sine of the angle at which the ray meets it, 1/s.
-    flat : bool
-        Whether that sine is below ``GRAZING`` and was capped, which the ray's state then records.
-
-    Returns
-    -------
-    RayState
-    """
+    """Ray whose tube a jump of the gradient has bent."""
     p = ray.p + ray.q * strength / (ray.speed * ray.speed)
     grazed = ray.grazed or (flat and ray.q * strength != 0.0)
     return RayState(ray.x, ray.z, ray.cosine, ray.sine, ray.speed, ray.time, p, ray.q, grazed)

@@ -28,26 +28,7 @@ class DirectRay(NamedTuple):
 
 @kernel
 def find_direct_ray(height, speed, z_from, z_to, x, low, high):
-    """Direct ray between two points of layered water.
-
-    Parameters
-    ----------
-    height, speed : ndarray, shape (n,)
-        Nodes of the water, ascending.
-    z_from, z_to : float
-        Heights of the two points, m.
-    x : float
-        Ground range between them, m, not negative.
-    low, high : float
-        Heights which the ray may not pass, m; infinite ones are none.
-
-    Returns
-    -------
-    status : int
-        FOUND, or NONE where no ray comes.
-    DirectRay
-        Where several rays come, one of them; with q > 0, if heights at that range rise with launch angles about it.
-    """
+    """Direct ray between two points of layered water."""
     if x <= 0.0:
         return _vertical_ray(height, speed, z_from, z_to)
     slope = _guess_slope(height, speed, z_from, z_to, x)
@@ -90,22 +71,7 @@ def _vertical_ray(height, speed, z_from, z_to):
 
 @kernel
 def follow_to_range(height, speed, ray, x, low, high):
-    """Follow a ray to a ground range, or to its end if that comes first.
-
-    Parameters
-    ----------
-    height, speed : ndarray, shape (n,)
-        Nodes of layered water, ascending.
-    ray : RayState
-    x, low, high : float
-        Ground range and heights, m; infinite ones are none.
-
-    Returns
-    -------
-    status : int
-        RANGE, LOW, HIGH or ENDLESS, as by `arcs.advance_in_layers`; NODE if it takes too many steps.
-    ray : RayState
-    """
+    """Follow a ray to a ground range, or to its end if that comes first."""
     for _ in range(STEPS):
         status, ray = advance_in_layers(height, speed, ray, x, low, high)
         if status != NODE:

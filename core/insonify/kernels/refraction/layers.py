@@ -9,20 +9,7 @@ SNAP = 1e-9  # a ray within this of a node is on it, m
 
 @inlined
 def node_below(height, z):
-    """Highest node of the water at or below a height.
-
-    Parameters
-    ----------
-    height : ndarray, shape (n,)
-        Nodes, ascending, m; or any ascending places.
-    z : float
-        m; within ``SNAP`` of a node it is on it.
-
-    Returns
-    -------
-    int
-        -1 below all.
-    """
+    """Highest node of the water at or below a height."""
     low, high = 0, height.size
     while low < high:
         middle = (low + high) // 2
@@ -35,19 +22,7 @@ def node_below(height, z):
 
 @inlined
 def gradient_above(height, speed, k):
-    """Gradient dc/dz between nodes k and k + 1.
-
-    Parameters
-    ----------
-    height, speed : ndarray, shape (n,)
-        Nodes of layered water, ascending.
-    k : int
-
-    Returns
-    -------
-    float
-        1/s; 0 beyond the outermost nodes.
-    """
+    """Gradient dc/dz between nodes k and k + 1."""
     if k < 0 or k >= height.size - 1:
         return 0.0
     return (speed[k + 1] - speed[k]) / (height[k + 1] - height[k])
@@ -55,20 +30,7 @@ def gradient_above(height, speed, k):
 
 @inlined
 def speed_at(height, speed, z):
-    """Speed of sound at a height.
-
-    Parameters
-    ----------
-    height, speed : ndarray, shape (n,)
-        Nodes of layered water, ascending.
-    z : float
-        m.
-
-    Returns
-    -------
-    float
-        m/s.
-    """
+    """Speed of sound at a height."""
     k = node_below(height, z)
     if k < 0:
         return speed[0]

@@ -53,24 +53,7 @@ class SectionTriangle(NamedTuple):
 
 @inlined
 def launch_ray(height, speed, station, plane, z, cosine, sine):
-    """Ray at its start through any water, at ground range 0.
-
-    Parameters
-    ----------
-    height : ndarray, shape (n,)
-    speed : ndarray, shape (m, n)
-    station : ndarray, shape (m,)
-        Nodes and stations of the water, ascending; one station where water is everywhere the same.
-    plane : SectionPlane
-    z : float
-        Height, m.
-    cosine, sine : float
-        Of its direction above the horizontal.
-
-    Returns
-    -------
-    RayState
-    """
+    """Ray at its start through any water, at ground range 0."""
     if station.size == 1:
         return launch_in_layers(height, speed[0], z, cosine, sine)
     return _launch_in_section(height, speed, station, plane, z, cosine, sine)
@@ -78,21 +61,7 @@ def launch_ray(height, speed, station, plane, z, cosine, sine):
 
 @inlined
 def advance_ray(height, speed, station, plane, ray, x_end, low, high):
-    """Follow a ray through any water by one arc, to a border in the water, a ground range or a height.
-
-    Parameters
-    ----------
-    height, speed, station, plane
-        As in `launch_ray`.
-    ray, x_end, low, high
-        As in `arcs.advance_in_layers`.
-
-    Returns
-    -------
-    status : int
-    ray : RayState
-        As by `arcs.advance_in_layers`.
-    """
+    """Follow a ray through any water by one arc, to a border in the water, a ground range or a height."""
     if station.size == 1:
         return advance_in_layers(height, speed[0], ray, x_end, low, high)
     return _advance_in_section(height, speed, station, plane, ray, x_end, low, high)
@@ -100,18 +69,7 @@ def advance_ray(height, speed, station, plane, ray, x_end, low, high):
 
 @inlined
 def reflect_ray(height, speed, station, plane, ray):
-    """Ray through any water, reflected by the bed or the surface that it has come to.
-
-    Parameters
-    ----------
-    height, speed, station, plane
-        As in `launch_ray`.
-    ray : RayState
-
-    Returns
-    -------
-    RayState
-    """
+    """Ray through any water, reflected by the bed or the surface that it has come to."""
     if station.size == 1:
         return reflect_at_level(ray, gradient_behind(height, speed[0], ray))
     return reflect_at_level(ray, _gradient_in_section(height, speed, station, plane, ray))
@@ -119,22 +77,7 @@ def reflect_ray(height, speed, station, plane, ray):
 
 @inlined
 def _advance_in_section(height, speed, station, plane, ray, x_end, low, high):
-    """Follow a ray to the next border of a triangle, to a ground range or to a height, whichever comes first.
-
-    Parameters
-    ----------
-    height, speed, station, plane
-        As in `launch_ray`.
-    ray, x_end, low, high
-        As in `arcs.advance_in_layers`.
-
-    Returns
-    -------
-    status : int
-        NODE, RANGE, LOW or HIGH, by what was met first; ENDLESS if the ray meets none of them.
-    ray : RayState
-        There, within the next triangle, but at ``low`` and ``high`` not beyond them.
-    """
+    """Follow a ray to the next border of a triangle, to a ground range or to a height, whichever comes first."""
     i, j, piece = find_triangle(height, speed, station, plane, ray)
     gx = piece.along * plane.along
     bend = (ray.cosine * piece.up - ray.sine * gx) / ray.speed
@@ -190,20 +133,7 @@ def _enter_triangle(ray, dgx, dgz):
 
 @inlined
 def find_triangle(height, speed, station, plane, ray):
-    """Triangle in which a ray goes on.
-
-    Parameters
-    ----------
-    height, speed, station, plane
-        As in `launch_ray`.
-    ray : RayState
-
-    Returns
-    -------
-    i, j : int
-        The station before it and the node below it, -1 if there is none.
-    triangle : SectionTriangle
-    """
+    """Triangle in which a ray goes on."""
     place, onwards = plane.place + plane.along * ray.x, plane.along * ray.cosine
     i, j = node_below(station, place), node_below(height, ray.z)
     on_station = i >= 0 and place - station[i] <= SNAP
@@ -286,35 +216,14 @@ def _station_ranges(station, plane, i):
 
 @inlined
 def _launch_in_section(height, speed, station, plane, z, cosine, sine):
-    """Ray at its start in a section, at ground range 0.
-
-    Parameters
-    ----------
-    height, speed, station, plane, z, cosine, sine
-        As in `launch_ray`.
-
-    Returns
-    -------
-    RayState
-    """
+    """Ray at its start in a section, at ground range 0."""
     c = speed_in_section(height, speed, station, plane.place, z)
     return RayState(0.0, z, cosine, sine, c, 0.0, 1.0 / c, 0.0, False)
 
 
 @inlined
 def _gradient_in_section(height, speed, station, plane, ray):
-    """Gradient dc/dz on the side that a ray comes from, up or down.
-
-    Parameters
-    ----------
-    height, speed, station, plane, ray
-        As in `reflect_ray`.
-
-    Returns
-    -------
-    float
-        1/s.
-    """
+    """Gradient dc/dz on the side that a ray comes from, up or down."""
     back = RayState(ray.x, ray.z, -ray.cosine, -ray.sine, ray.speed, ray.time, ray.p, ray.q, ray.grazed)
     _, _, piece = find_triangle(height, speed, station, plane, back)
     return piece.up
@@ -322,22 +231,7 @@ def _gradient_in_section(height, speed, station, plane, ray):
 
 @inlined
 def speed_in_section(height, speed, station, place, z):
-    """Speed of sound at a place of a section.
-
-    Parameters
-    ----------
-    height, speed, station
-        As in `launch_ray`.
-    place : float
-        Along the stations, m.
-    z : float
-        Height, m.
-
-    Returns
-    -------
-    float
-        m/s.
-    """
+    """Speed of sound at a place of a section."""
     i, j = node_below(station, place), node_below(height, z)
     piece = _cut_cell(height, speed, station, i, j, place, z, 0.0, 0.0)
     # Every triangle holds the lower corner before it or the upper corner behind it: its speed is known there.

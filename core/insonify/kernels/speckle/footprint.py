@@ -14,43 +14,14 @@ EMPTY = 1e300
 
 @inlined
 def lattice_rows(beam, corners, pitch):
-    """Rows of a lattice that a footprint meets within reach.
-
-    Parameters
-    ----------
-    beam : SideBeam
-    corners : ndarray of float64, shape (4, 2)
-        Of the footprint.
-    pitch : float
-        Side of the lattice's squares, m.
-
-    Returns
-    -------
-    tuple of two int
-        The first row and the one after the last.
-    """
+    """Rows of a lattice that a footprint meets within reach."""
     low, high = max(corners[:, 1].min(), beam.y - beam.reach), min(corners[:, 1].max(), beam.y + beam.reach)
     return math.floor(low / pitch), math.floor(high / pitch) + 1
 
 
 @inlined
 def lattice_columns(beam, corners, pitch, row):
-    """Columns of a lattice that a footprint meets within reach, in one row.
-
-    Parameters
-    ----------
-    beam : SideBeam
-    corners : ndarray of float64, shape (4, 2)
-        Of the footprint.
-    pitch : float
-        Side of the lattice's squares, m.
-    row : int
-
-    Returns
-    -------
-    tuple of two int
-        The first column and the one after the last.
-    """
+    """Columns of a lattice that a footprint meets within reach, in one row."""
     low, high = _extent_in_x(corners, row * pitch, (row + 1) * pitch)
     low, high = max(low, beam.x - beam.reach), min(high, beam.x + beam.reach)
     return math.floor(low / pitch), math.floor(high / pitch) + 1
@@ -58,19 +29,7 @@ def lattice_columns(beam, corners, pitch, row):
 
 @inlined
 def beam_footprint(beam, lowest, highest):
-    """Trapezoid that encloses all the bed inside one side's beam.
-
-    Parameters
-    ----------
-    beam : SideBeam
-    lowest, highest : float
-        Heights between which the bed lies, m.
-
-    Returns
-    -------
-    ndarray of float64, shape (4, 2)
-        Corners in turn, m.
-    """
+    """Trapezoid that encloses all the bed inside one side's beam."""
     depth = max(abs(lowest - beam.z), abs(highest - beam.z))
     corners = np.empty((4, 2))
     for k in range(4):

@@ -65,20 +65,7 @@ class SurfacePoint(NamedTuple):
 
 @kernel
 def load_patch(patches, row, solids, mesh):
-    """Load a patch from the tables.
-
-    Parameters
-    ----------
-    patches : SurfacePatches
-    row : int
-    solids : Solids
-    mesh : Mesh
-
-    Returns
-    -------
-    tuple
-        SurfacePatch, and its row of the reflectivity table.
-    """
+    """Load a patch from the tables."""
     kind, body = patches.kind[row], patches.body[row]
     if kind == FACE:
         x, y, z = patches.corners[row, 0]
@@ -97,18 +84,7 @@ def load_patch(patches, row, solids, mesh):
 
 @inlined
 def sample_patch(patch, u, v):
-    """Point of a patch for two numbers, even over its area.
-
-    Parameters
-    ----------
-    patch : SurfacePatch
-    u, v : float
-        In [0, 1).
-
-    Returns
-    -------
-    SurfacePoint
-    """
+    """Point of a patch for two numbers, even over its area."""
     if patch.kind == FACE:
         # √u makes it even (Osada et al. 2002, *Shape distributions*).
         b, c = math.sqrt(u) * (1.0 - v), math.sqrt(u) * v

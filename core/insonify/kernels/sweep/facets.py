@@ -53,32 +53,14 @@ class FacetCurve(NamedTuple):
 
 @inlined_uncounted
 def is_facet_met(facet):
-    """Whether a facet is not empty and its beginning, middle and end are all hit, ahead of the sonar.
-
-    Parameters
-    ----------
-    facet : Facet
-
-    Returns
-    -------
-    bool
-    """
+    """Whether a facet is not empty and its beginning, middle and end are all hit, ahead of the sonar."""
     near, centre, far = facet.near, facet.centre, facet.far
     return facet.low < facet.high and 0.0 <= near < NEVER and 0.0 <= centre < NEVER and 0.0 <= far < NEVER
 
 
 @inlined_uncounted
 def facet_curve(facet):
-    """Parabola of slant range through the beginning, middle and end of a facet, and the tilt that is left across it.
-
-    Parameters
-    ----------
-    facet : Facet
-
-    Returns
-    -------
-    FacetCurve
-    """
+    """Parabola of slant range through the beginning, middle and end of a facet, and the tilt that is left across it."""
     angle = facet.high - facet.low
     rate = (facet.far - facet.near) / angle
     bend = 2.0 * (facet.near - 2.0 * facet.centre + facet.far) / (angle * angle)
@@ -93,20 +75,7 @@ def facet_curve(facet):
 
 @inlined_uncounted
 def along_curve(facet, curve, share):
-    """Slant range at a share of the launch angle of a facet.
-
-    Parameters
-    ----------
-    facet : Facet
-    curve : FacetCurve
-    share : float
-        0 where it begins, 1 where it ends.
-
-    Returns
-    -------
-    float
-        m.
-    """
+    """Slant range at a share of the launch angle of a facet."""
     delta = (share - 0.5) * curve.angle
     # Where a facet is kilometres long the parabola dips below zero, which is no place of a bin.
     least = 0.5 * min(facet.near, facet.centre, facet.far)
@@ -115,60 +84,20 @@ def along_curve(facet, curve, share):
 
 @inlined_uncounted
 def tilt_in_plane(curve, distance, share):
-    """Tangent of the tilt of a facet within the plane, at a share of its launch angle.
-
-    Parameters
-    ----------
-    curve : FacetCurve
-    distance : float
-        Slant range there, m.
-    share : float
-
-    Returns
-    -------
-    float
-        (1/r) dr/dθ.
-    """
+    """Tangent of the tilt of a facet within the plane, at a share of its launch angle."""
     delta = (share - 0.5) * curve.angle
     return (curve.rate + 2.0 * delta * curve.bend) / (distance - curve.offset)
 
 
 @inlined_uncounted
 def cos_incidence(curve, tilt):
-    """Cosine of the incidence where a facet has some tilt within the plane: its tan² is gain · tilt² + left.
-
-    Parameters
-    ----------
-    curve : FacetCurve
-    tilt : float
-
-    Returns
-    -------
-    float
-    """
+    """Cosine of the incidence where a facet has some tilt within the plane: its tan² is gain · tilt² + left."""
     return 1.0 / math.sqrt(1.0 + curve.left + curve.gain * tilt * tilt)
 
 
 @inlined_uncounted
 def divide_facet(facet, sine_squared, material, near, centre, far):
-    """Count the parts in which the echo of a facet must be summed, and average the specular lobe if one part will do.
-
-    Parameters
-    ----------
-    facet : Facet
-    sine_squared : float
-        Of the incidence in the middle, or of half the angle by which two ways differ from a mirror's.
-    material : tuple of float
-        Lambert's share, Phong's share and its exponent.
-    near, centre, far : float
-        Positions of the echo's beginning, middle and end, in bins.
-
-    Returns
-    -------
-    tuple
-        Parts, 1 if strength and density hardly change along the facet; and Phong's share times the ratio of the lobe's
-        mean over the facet to the lobe in its middle.
-    """
+    """Count the parts in which a facet's echo must be summed; average the specular lobe if one is enough."""
     angle, specular, exponent = facet.high - facet.low, material[1], material[2]
     per_length = 1.0 / (angle * facet.arc)
     tilt = (facet.far - facet.near) * per_length
@@ -194,23 +123,7 @@ def divide_facet(facet, sine_squared, material, near, centre, far):
 
 @inlined_uncounted
 def deposit_facet(facet, gain, material, sector, pattern, law, bin_length, bins):
-    """Spread the energy of one facet over the range bins.
-
-    Parameters
-    ----------
-    facet : Facet
-    gain : float
-        What refraction makes of the energy.
-    material : tuple of float
-        Lambert's share, Phong's share and its exponent.
-    sector : AzimuthSector
-    pattern : BeamPattern
-    law : int
-    bin_length : float
-        m.
-    bins : ndarray of int64
-        Difference array, in fixed-point units.
-    """
+    """Spread the energy of one facet over the range bins."""
     if not is_facet_met(facet):
         return
     last, per_bin, weight = bins.size - 2, 1.0 / bin_length, facet_weight(facet, gain, sector, pattern, law)
@@ -237,44 +150,14 @@ def deposit_facet(facet, gain, material, sector, pattern, law, bin_length, bins)
 
 @inlined_uncounted
 def facet_weight(facet, gain, sector, pattern, law):
-    """Factor of a facet's energy that beam, refraction and fixed-point units make.
-
-    Parameters
-    ----------
-    facet : Facet
-    gain : float
-        What refraction makes of the energy.
-    sector : AzimuthSector
-    pattern : BeamPattern
-    law : int
-
-    Returns
-    -------
-    float
-    """
+    """Factor of a facet's energy that beam, refraction and fixed-point units make."""
     x, z = facet.centre * facet.cosine, facet.centre * facet.sine
     return gain * FIXED_POINT * sector_weight(x, z, facet.centre, sector, pattern, law)
 
 
 @inlined_uncounted
 def half_energies(facet, weight, material, law, per_bin):
-    """Energies of the two halves of a facet of one strength, in fixed-point units.
-
-    Parameters
-    ----------
-    facet : Facet
-    weight : float
-        Of `facet_weight`.
-    material : tuple of float
-    law : int
-    per_bin : float
-        Bins per metre.
-
-    Returns
-    -------
-    tuple of two float
-        Nearer and farther than the middle in launch angle.
-    """
+    """Energies of the two halves of a facet of one strength, in fixed-point units."""
     value = weight * backscatter_strength(facet.incidence, material[0], material[1], material[2], law)
     if law == LIGHT:
         return (
@@ -288,28 +171,7 @@ def half_energies(facet, weight, material, law, per_bin):
 
 @inlined_uncounted
 def part_echo(facet, curve, k, parts, start, weight, material, law, per_bin):
-    """Where part k of a facet ends, the cosine of its incidence, and its energy in fixed-point units.
-
-    Parameters
-    ----------
-    facet : Facet
-    curve : FacetCurve
-    k, parts : int
-        Which part of how many.
-    start : float
-        Slant range at which it begins, m.
-    weight : float
-        Of `facet_weight`.
-    material : tuple of float
-    law : int
-    per_bin : float
-        Bins per metre.
-
-    Returns
-    -------
-    tuple of three float
-        Slant range in metres, cosine, energy.
-    """
+    """Where part k of a facet ends, the cosine of its incidence, and its energy in fixed-point units."""
     stop, middle = along_curve(facet, curve, (k + 1.0) / parts), (k + 0.5) / parts
     distance = along_curve(facet, curve, middle)
     cosine = cos_incidence(curve, tilt_in_plane(curve, distance, middle))

@@ -22,19 +22,6 @@ def fit_densities(segments, profile, plane, law, r, change):
     """Relative change, from end to end, of the density of the echo of segments along an oblique plane.
 
     Derived in docs/theory/sweep.md.
-
-    Parameters
-    ----------
-    segments : int
-    profile : Profile
-    plane : HalfPlane
-        That of the profile.
-    law : int
-    r : ndarray of float64
-        Slant range of the knots, m.
-    change : ndarray
-        Holds the power of cos²α with which the strength of each segment grows; takes the changes, as shares of the
-        mean density.
     """
     x, z, slope, area = profile.x, profile.z, profile.slope, profile.area
     gradient, twist = profile.gradient, profile.twist
@@ -65,17 +52,6 @@ def deposit_linear_densities(count, echoes, bin_length, bins):
     Over a border between bins that lies within a segment a linear density moves energy from the bin behind it to the
     one before it. What a knot's step and the first two borders of its segment add to four bins is worked out for all
     knots at once; further borders, and those of segments that come nearer outwards, follow one by one.
-
-    Parameters
-    ----------
-    count : int
-        Knots.
-    echoes : SegmentEchoes
-        Its slant ranges, energies and changes of density are filled.
-    bin_length : float
-        Slant range of one bin, m.
-    bins : ndarray of int64
-        Difference array, in fixed-point units.
     """
     r, energy, change, place = echoes.r, echoes.energy, echoes.change, echoes.place
     steps = echoes.early, echoes.late, echoes.third, echoes.fourth

@@ -33,19 +33,7 @@ class BedSegment(NamedTuple):
 
 @kernel
 def deposit_partial_segment(segment, x_from, x_to, law, bin_length, bins):
-    """Spread the echo of a stretch of a segment over the range bins.
-
-    Parameters
-    ----------
-    segment : BedSegment
-    x_from, x_to : float
-        Ground ranges at which the stretch begins and ends, m.
-    law : int
-    bin_length : float
-        Slant range of one bin, m.
-    bins : ndarray of int64
-        Difference array, in fixed-point units.
-    """
+    """Spread the echo of a stretch of a segment over the range bins."""
     near, far = slant_range(segment, x_from), slant_range(segment, x_to)
     tilt = 1.0 + segment.slope * segment.slope
     squared = (x_to - x_from) * (x_to - x_from) * tilt
@@ -95,18 +83,6 @@ def _deposit_part(segment, x_from, x_to, near, far, law, bin_length, bins):
 
 @inlined
 def slant_range(segment, x):
-    """Slant range of a segment at a ground range.
-
-    Parameters
-    ----------
-    segment : BedSegment
-    x : float
-        Ground range, m.
-
-    Returns
-    -------
-    float
-        m.
-    """
+    """Slant range of a segment at a ground range."""
     z = segment.offset + segment.slope * x
     return math.sqrt(x * x + z * z)

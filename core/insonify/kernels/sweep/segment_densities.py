@@ -18,17 +18,6 @@ def deposit_densities(count, echoes, bin_length, bins):
     """Spread the energies of the segments of a profile over the range bins.
 
     Energies become whole numbers first, so that what a knot adds its neighbour takes away exactly.
-
-    Parameters
-    ----------
-    count : int
-        Knots.
-    echoes : SegmentEchoes
-        Its slant ranges and energies are filled.
-    bin_length : float
-        Slant range of one bin, m.
-    bins : ndarray of int64
-        Difference array, in fixed-point units.
     """
     knots = padded_count(count)
     _density_steps(knots, echoes.energy, echoes.early)

@@ -124,23 +124,7 @@ def _deposit_behind_targets(profile, count, arrays, sector, zbuffer, cells, echo
 
 @inlined_uncounted
 def load_segment(i, x, z, slope, area, facing, material, weights, table, sector):
-    """Load segment i of a profile.
-
-    Parameters
-    ----------
-    i : int
-    x, z, slope, area, facing, material : ndarray
-        Of the Profile.
-    weights : ndarray of float32
-        What the plane stands for at the knots.
-    table : ndarray of float64, shape (materials, 3)
-        Reflectivity.
-    sector : AzimuthSector
-
-    Returns
-    -------
-    BedSegment
-    """
+    """Load segment i of a profile."""
     row, rise = material[i], slope[i]
     at_nadir, rate, offset = 1.0, 0.0, z[i] - rise * x[i]
     if sector.angle > 0.0 or sector.tabulated or sector.bent:
@@ -152,21 +136,7 @@ def load_segment(i, x, z, slope, area, facing, material, weights, table, sector)
 
 @inlined_uncounted
 def visible_from(segment, x_from, x_to, launch, horizon):
-    """Ground range from which a segment rises above the horizon: offset / x + slope = horizon.
-
-    Parameters
-    ----------
-    segment : BedSegment or SegmentLine
-    x_from, x_to : float
-        Ground ranges of its ends, m.
-    launch, horizon : float
-        Launch slope of its nearer end, and greatest one up to there.
-
-    Returns
-    -------
-    float
-        m.
-    """
+    """Ground range from which a segment rises above the horizon: offset / x + slope = horizon."""
     if horizon > launch:
         return min(max(segment.offset / (horizon - segment.slope), x_from), x_to)
     return x_from
@@ -174,28 +144,7 @@ def visible_from(segment, x_from, x_to, launch, horizon):
 
 @inlined_uncounted
 def sweep_plane(arrays, plane, sector, reach, grid, workspace, bins):
-    """Put the echoes of the bed and of the targets that one plane cuts into a difference array.
-
-    Parameters
-    ----------
-    arrays : SceneArrays
-    plane : HalfPlane
-    sector : AzimuthSector
-        What the plane stands for.
-    reach : float
-        Ground range to which it is swept, m.
-    grid : TableGrid
-        How to read the workspace's table of apparent positions.
-    workspace : SweepWorkspace
-        Its profile is left as it seems through the water.
-    bins : ndarray of int64, shape (bins + 2,)
-        Difference array, in fixed-point units.
-
-    Returns
-    -------
-    tuple of int
-        Cells of the z-buffer, or -1 - k if the sonar is inside body k; and knots of the profile.
-    """
+    """Put the echoes of the bed and of the targets that one plane cuts into a difference array."""
     profile, echoes, zbuffer, table = workspace
     # A scene without bodies skips the call, which alone costs some 0.3 µs a plane.
     cells = fill_zbuffer(arrays, plane, sector, reach, grid, table, zbuffer) if zbuffer.body.size > 0 else 0
@@ -270,24 +219,7 @@ def _prefetch_next(arrays, poses, ping, side):
 
 @inlined_uncounted
 def aim_plane(arrays, poses, ping, side, fan, k, grid):
-    """Orient one plane of a ping's beam.
-
-    Parameters
-    ----------
-    arrays : SceneArrays
-    poses : Poses
-    ping, side : int
-    fan : AzimuthFan
-    k : int
-        Plane of the fan.
-    grid : TableGrid
-        Of the water, for the ping.
-
-    Returns
-    -------
-    tuple
-        The HalfPlane, its AzimuthSector, and the ground range to which the beam takes in anything of it, m.
-    """
+    """Orient one plane of a ping's beam."""
     height = max(poses.z[ping] - arrays.bed.low, LOWEST)
     ahead_x, ahead_y = snap_to_grid(math.cos(poses.heading[ping])), snap_to_grid(math.sin(poses.heading[ping]))
     abeam = 1.0 if side == PORT else -1.0

@@ -27,20 +27,7 @@ HALVINGS = 10  # that find where a facet comes out of the bed
 
 @kernel_uncounted
 def deposit_visible_stretches(segment, x_from, x_to, occlusion, law, bin_length, bins):
-    """Spread the echo of a bed segment, less the parts that targets hide, over the range bins.
-
-    Parameters
-    ----------
-    segment : BedSegment
-    x_from, x_to : float
-        Ground ranges between which it rises above the horizon, m.
-    occlusion : Occlusion
-    law : int
-    bin_length : float
-        Slant range of one bin, m.
-    bins : ndarray of int64
-        Difference array, in fixed-point units.
-    """
+    """Spread the echo of a bed segment, less the parts that targets hide, over the range bins."""
     if is_hidden(occlusion, segment, x_from, x_to):
         return
     low, high = launch_angle(segment, x_from), launch_angle(segment, x_to)
@@ -56,37 +43,13 @@ def deposit_visible_stretches(segment, x_from, x_to, occlusion, law, bin_length,
 
 @inlined_uncounted
 def launch_angle(segment, x):
-    """Launch angle to a segment at a ground range.
-
-    Parameters
-    ----------
-    segment : BedSegment or SegmentLine
-    x : float
-        Ground range, m.
-
-    Returns
-    -------
-    float
-        rad above the horizontal.
-    """
+    """Launch angle to a segment at a ground range."""
     return math.atan2(segment.offset + segment.slope * x, x)
 
 
 @inlined_uncounted
 def ground_range_at(segment, angle):
-    """Ground range at which a launch angle meets a segment's line.
-
-    Parameters
-    ----------
-    segment : BedSegment or SegmentLine
-    angle : float
-        rad above the horizontal.
-
-    Returns
-    -------
-    float
-        m.
-    """
+    """Ground range at which a launch angle meets a segment's line."""
     return segment.offset / (math.tan(angle) - segment.slope)
 
 
@@ -101,26 +64,7 @@ class BedHorizon(NamedTuple):
 
 @inlined_uncounted
 def deposit_targets(profile, knots, horizon, arrays, sector, plane, zbuffer, cells, bins):
-    """Spread the echoes of the targets that one plane cuts over the range bins, less what the bed hides of them.
-
-    Parameters
-    ----------
-    profile : Profile
-        Of the bed, where it seems to be.
-    knots : int
-        Of the profile.
-    horizon : ndarray
-        Greatest launch slope of the bed up to each knot.
-    arrays : SceneArrays
-    sector : AzimuthSector
-    plane : HalfPlane
-    zbuffer : AngularZbuffer
-        Filled for this plane.
-    cells : int
-        Of the z-buffer.
-    bins : ndarray of int64
-        Difference array, in fixed-point units.
-    """
+    """Spread the echoes of the targets that one plane cuts over the range bins, less what the bed hides of them."""
     bed, bodies = BedHorizon(profile.x, profile.z, horizon, knots), (arrays.solids, arrays.mesh, arrays.reflectivity)
     # What is not needed is not handed over.
     _deposit_cells(bed, bodies, arrays.pattern, arrays.law, arrays.bin_length, sector, plane, zbuffer, cells, bins)
@@ -160,35 +104,14 @@ def _deposit_cells(bed, bodies, pattern, law, bin_length, sector, plane, zbuffer
 
 @inlined_uncounted
 def count_facets(zbuffer, cell):
-    """Count the facets into which a cell of a z-buffer is divided, and return the ground range of its middle.
-
-    Parameters
-    ----------
-    zbuffer : AngularZbuffer
-    cell : int
-
-    Returns
-    -------
-    tuple
-        Facets, and ground range in metres.
-    """
+    """Count the facets into which a cell of a z-buffer is divided, and return the ground range of its middle."""
     facet = cell_facet(zbuffer, cell)
     return _facet_count(facet), facet.centre * facet.cosine
 
 
 @inlined_uncounted
 def cell_facet(zbuffer, cell):
-    """Facet that fills a cell of a z-buffer, where sound goes straight.
-
-    Parameters
-    ----------
-    zbuffer : AngularZbuffer
-    cell : int
-
-    Returns
-    -------
-    Facet
-    """
+    """Facet that fills a cell of a z-buffer, where sound goes straight."""
     cosine, sine, distance = zbuffer.cosine, zbuffer.sine, zbuffer.distance[cell]
     c, s = bisect_directions(cosine[cell], sine[cell], cosine[cell + 1], sine[cell + 1])
     low, high, near, far = zbuffer.edge[cell], zbuffer.edge[cell + 1], zbuffer.near[cell], zbuffer.far[cell]
@@ -197,20 +120,7 @@ def cell_facet(zbuffer, cell):
 
 @inlined_uncounted
 def is_cell_clear(zbuffer, cell, bed, knot):
-    """Whether the bed hides nothing of what a cell of a z-buffer holds: its horizon lies below where the cell begins.
-
-    Parameters
-    ----------
-    zbuffer : AngularZbuffer
-    cell : int
-    bed : BedHorizon
-    knot : int
-        Knot of the bed from which the place is looked for.
-
-    Returns
-    -------
-    bool
-    """
+    """Whether the bed hides nothing in a cell of a z-buffer: its horizon lies below the start of the cell."""
     cosine = zbuffer.cosine
     farthest = max(zbuffer.near[cell] * cosine[cell], zbuffer.far[cell] * cosine[cell + 1])
     return horizon_at(bed, knot_before(bed, farthest, knot), farthest) * cosine[cell] <= zbuffer.sine[cell]
@@ -218,24 +128,7 @@ def is_cell_clear(zbuffer, cell, bed, knot):
 
 @inlined_uncounted
 def visible_facet(primitive, low, high, k, facets, bed, knot):
-    """Part of a facet that the bed does not hide.
-
-    Parameters
-    ----------
-    primitive : Primitive
-    low, high : float
-        Launch angles at which its cell begins and ends, rad.
-    k, facets : int
-        Which facet of how many the cell is divided into.
-    bed : BedHorizon
-    knot : int
-        Knot of the bed from which its place is looked for.
-
-    Returns
-    -------
-    Facet
-        Empty, low = high, if the bed hides all of it.
-    """
+    """Part of a facet that the bed does not hide."""
     step = (high - low) / facets
     start, stop = low + k * step, low + (k + 1) * step
     facet = intersect_facet(primitive, start, stop)
@@ -275,18 +168,7 @@ def _facet_count(facet):
 
 @inlined_uncounted
 def intersect_facet(primitive, low, high):
-    """Intersect a primitive along the beginning, the middle and the end of a facet.
-
-    Parameters
-    ----------
-    primitive : Primitive
-    low, high : float
-        Launch angles at which the facet begins and ends, rad.
-
-    Returns
-    -------
-    Facet
-    """
+    """Intersect a primitive along the beginning, the middle and the end of a facet."""
     near, _ = intersect_primitive(primitive, math.cos(low), math.sin(low))
     c, s = math.cos(0.5 * (low + high)), math.sin(0.5 * (low + high))
     centre, incidence = intersect_primitive(primitive, c, s)
@@ -296,41 +178,14 @@ def intersect_facet(primitive, low, high):
 
 @inlined_uncounted
 def primitive_material(solids, mesh, zbuffer, p):
-    """Row of the reflectivity table that a primitive is made of.
-
-    Parameters
-    ----------
-    solids : Solids
-    mesh : Mesh
-    zbuffer : AngularZbuffer
-    p : int
-        The primitive.
-
-    Returns
-    -------
-    int
-    """
+    """Row of the reflectivity table that a primitive is made of."""
     body, bodies = zbuffer.body[p], solids.shape.size
     return solids.material[body] if body < bodies else mesh.material[body - bodies]
 
 
 @inlined_uncounted
 def knot_before(bed, x, i):
-    """Last knot at or before a ground range.
-
-    Parameters
-    ----------
-    bed : BedHorizon
-    x : float
-        Ground range, m.
-    i : int
-        Knot from which it is looked for.
-
-    Returns
-    -------
-    int
-        -1 if there is none.
-    """
+    """Last knot at or before a ground range."""
     while i + 1 < bed.knots and bed.x[i + 1] <= x:
         i += 1
     while i >= 0 and bed.x[i] > x:
@@ -340,20 +195,7 @@ def knot_before(bed, x, i):
 
 @inlined_uncounted
 def horizon_at(bed, i, x):
-    """Greatest launch slope of the bed up to a ground range.
-
-    Parameters
-    ----------
-    bed : BedHorizon
-    i : int
-        Last knot at or before the ground range.
-    x : float
-        Ground range, m.
-
-    Returns
-    -------
-    float
-    """
+    """Greatest launch slope of the bed up to a ground range."""
     if i < 0:
         return -NEVER
     ridge = bed.slope[i]

@@ -50,20 +50,7 @@ class SegmentEchoes(NamedTuple):
 
 
 def empty_segment_echoes(capacity: int, bins: int, dtype: DTypeLike = np.float32) -> SegmentEchoes:
-    """Make room for the echoes of profiles.
-
-    Parameters
-    ----------
-    capacity : int
-        Knots at most.
-    bins : int
-    dtype : dtype
-        Single precision or, to measure its error, double.
-
-    Returns
-    -------
-    SegmentEchoes
-    """
+    """Make room for the echoes of profiles."""
     launch, horizon, weight, cos_squared, scale, energy, change = np.zeros((7, capacity), dtype)
     r, place = np.zeros(capacity), np.zeros(capacity, np.int32)
     cut, beyond = np.zeros(capacity + WORD, np.bool_), np.zeros(capacity + WORD, np.bool_)
@@ -77,23 +64,7 @@ def empty_segment_echoes(capacity: int, bins: int, dtype: DTypeLike = np.float32
 
 @inlined_uncounted
 def find_visible_echoes(profile, count, plane, arrays, sector, hidden_from, hidden_to, echoes):
-    """Find which segments of a profile are visible whole, their energy, and which must be cut first.
-
-    Parameters
-    ----------
-    profile : Profile
-    count : int
-        Knots.
-    plane : HalfPlane
-        That of the profile.
-    arrays : SceneArrays
-    sector : AzimuthSector
-        What the profile's plane stands for.
-    hidden_from, hidden_to : float
-        Launch slopes between which targets may hide the bed; segments that meet them are cut.
-    echoes : SegmentEchoes
-        Filled.
-    """
+    """Find which segments of a profile are visible whole, their energy, and which must be cut first."""
     x, z, area, knots = profile.x, profile.z, profile.area, padded_count(count)
     slant_ranges(knots, x, z, echoes.r)
     launch_slopes(knots, x, z, echoes.launch)
@@ -121,48 +92,20 @@ def find_visible_echoes(profile, count, plane, arrays, sector, hidden_from, hidd
 
 @inlined_uncounted
 def sample_room(echoes):
-    """Work space in which the knots are weighed: arrays that are filled only afterwards.
-
-    Parameters
-    ----------
-    echoes : SegmentEchoes
-
-    Returns
-    -------
-    tuple
-        The ``room`` of `weigh_knots`.
-    """
+    """Work space in which the knots are weighed: arrays that are filled only afterwards."""
     return echoes.place, echoes.early, echoes.late, echoes.third, echoes.fourth
 
 
 @inlined_uncounted
 def slant_ranges(count, x, z, r):
-    """Slant range of each knot.
-
-    Parameters
-    ----------
-    count : int
-    x, z : ndarray of float64
-        Ground range and height of the knots, m.
-    r : ndarray of float64
-        Filled, m.
-    """
+    """Slant range of each knot."""
     for i in range(count):
         r[i] = math.sqrt(x[i] * x[i] + z[i] * z[i])
 
 
 @inlined_uncounted
 def launch_slopes(count, x, z, launch):
-    """Launch slope of each knot, z / x.
-
-    Parameters
-    ----------
-    count : int
-    x, z : ndarray of float64
-        Ground range and height of the knots, m.
-    launch : ndarray
-        Filled.
-    """
+    """Launch slope of each knot, z / x."""
     real = launch.dtype.type
     for i in range(count):
         launch[i] = real(z[i]) / real(x[i])
@@ -175,13 +118,6 @@ def running_horizon(count, launch, horizon):
     """Greatest launch slope up to each knot: along four stretches side by side, each then raised to those before it.
 
     NaN, a hole in the bed, compares false and hides nothing.
-
-    Parameters
-    ----------
-    count : int
-    launch : ndarray
-    horizon : ndarray
-        Filled.
     """
     quarter = count // 4
     two, three, four = 2 * quarter, 3 * quarter, 4 * quarter

@@ -44,20 +44,7 @@ def empty_visible_bed(azimuth: NDArray[np.float64], capacity: int) -> VisibleBed
 
 @kernel
 def find_visible_bed(arrays, poses, ping, side, planes, profile, visible_bed):
-    """Find the visible stretches of the bed in all planes of one side of one ping.
-
-    Parameters
-    ----------
-    arrays : SceneArrays
-    poses : Poses
-    ping, side : int
-    planes : AzimuthFan
-        Their azimuths ascending.
-    profile : Profile
-        Work space.
-    visible_bed : VisibleBed
-        Filled.
-    """
+    """Find the visible stretches of the bed in all planes of one side of one ping."""
     for k in range(planes.azimuth.size):
         plane, _, reach = aim_plane(arrays, poses, ping, side, planes, k, straight_grid())
         knots = slice_bed(arrays.bed, arrays.limits, plane.x, plane.y, plane.z, plane.ex, plane.ey, reach, profile)
@@ -87,21 +74,7 @@ def _mark_visible(knots, x, z, area, edges):
 
 @inlined
 def is_bed_visible(borders, reach, edges, edge_count, sine, x):
-    """Whether the bed is visible at a ground range, in the plane nearest to an azimuth.
-
-    Parameters
-    ----------
-    borders, reach, edges, edge_count : ndarray
-        Of the VisibleBed.
-    sine : float
-        Of the azimuth, towards the bow.
-    x : float
-        Ground range, m.
-
-    Returns
-    -------
-    bool
-    """
+    """Whether the bed is visible at a ground range, in the plane nearest to an azimuth."""
     k, longest = np.searchsorted(borders, sine), np.argmax(reach)
     # Beyond the beam's reach in a plane, the next plane inwards stands for the azimuths that remain.
     while x > reach[k] and k != longest:

@@ -64,17 +64,7 @@ class AngularZbuffer(NamedTuple):
 
 
 def empty_zbuffer(solids: Solids, mesh: Mesh) -> AngularZbuffer:
-    """Make room for all that a plane may cut of a scene.
-
-    Parameters
-    ----------
-    solids : Solids
-    mesh : Mesh
-
-    Returns
-    -------
-    AngularZbuffer
-    """
+    """Make room for all that a plane may cut of a scene."""
     bodies, triangles = solids.shape.size, mesh.target.size
     primitives, cells = bodies + triangles, bodies * (FACETS + 3 + RIMS) + 5 * triangles + 1
     low, high = np.zeros((2, primitives))
@@ -89,28 +79,7 @@ def empty_zbuffer(solids: Solids, mesh: Mesh) -> AngularZbuffer:
 
 @inlined_uncounted
 def fill_zbuffer(arrays, plane, sector, reach, grid, table, zbuffer):
-    """Collect the primitives that a plane cuts and find the nearest for every launch angle.
-
-    Parameters
-    ----------
-    arrays : SceneArrays
-    plane : HalfPlane
-    sector : AzimuthSector
-        What the plane stands for.
-    reach : float
-        Ground range, m.
-    grid : TableGrid
-        How to read the table.
-    table : ndarray of float32
-        Apparent positions, in water that refracts.
-    zbuffer : AngularZbuffer
-        Filled.
-
-    Returns
-    -------
-    int
-        Cells, 0 if nothing is cut, or -1 - k if the sonar is inside body k.
-    """
+    """Collect the primitives that a plane cuts and find the nearest for every launch angle."""
     primitives = _cut_solids(arrays.solids, plane, reach, plane.z - arrays.bed.low, zbuffer)
     if primitives < 0:
         return primitives
@@ -270,21 +239,7 @@ def _fit_nearness(cells, zbuffer):
 
 @inlined_uncounted
 def cell_towards(cosine, sine, cells, level, height):
-    """Cell of a z-buffer in which a place lies.
-
-    Parameters
-    ----------
-    cosine, sine : ndarray of float64
-        Of the cells' edges.
-    cells : int
-    level, height : float
-        Ground range and height of the place, m.
-
-    Returns
-    -------
-    int
-        -1 if it lies in none.
-    """
+    """Cell of a z-buffer in which a place lies."""
     low, high = -1, cells + 1
     # Cross products tell on which side of an edge a place ahead lies.
     while high - low > 1:

@@ -42,19 +42,7 @@ class ApparentSource(NamedTuple):
 
 @inlined_uncounted
 def load_apparent_source(bent, row):
-    """Apparent source of a primitive.
-
-    Parameters
-    ----------
-    bent : bool
-        Whether the water refracts; if not, the source is the sonar itself.
-    row : ndarray of float64, shape (11,)
-        Of the z-buffer's table of sources.
-
-    Returns
-    -------
-    ApparentSource
-    """
+    """Apparent source of a primitive."""
     if not bent:
         return ApparentSource(False, 1.0, 0.0, 1.0, 0.0, 1.0, 0.0, 1.0, 1.0, 1.0, 0.0, 0.0)
     return ApparentSource(True, row[0], row[1], row[2], row[3], row[4], row[5], row[6], row[7], row[8], row[9], row[10])
@@ -62,19 +50,7 @@ def load_apparent_source(bent, row):
 
 @inlined_uncounted
 def rays_apart(source, distance):
-    """Distance across the rays per launch angle at a slant range: how far apart neighbouring rays are there.
-
-    Parameters
-    ----------
-    source : ApparentSource
-    distance : float
-        Slant range, m.
-
-    Returns
-    -------
-    float
-        m/rad, in units of slant range; the slant range itself where sound goes straight.
-    """
+    """Distance across the rays per launch angle at a slant range: how far apart neighbouring rays are there."""
     return source.opening * (distance - source.offset)
 
 
@@ -89,19 +65,7 @@ def _store_apparent_source(source, row):
 
 @inlined_uncounted
 def arrival_direction(source, c, s):
-    """Direction in which a ray arrives at a primitive: tan ψ = opening · tan θ, both from the middle ray's directions.
-
-    Parameters
-    ----------
-    source : ApparentSource
-    c, s : float
-        Cosine and sine of the launch angle.
-
-    Returns
-    -------
-    tuple of two float
-        Cosine and sine of the angle of arrival.
-    """
+    """Direction in which a ray arrives at a primitive: tan ψ = opening · tan θ, from the middle ray's directions."""
     along = c * source.launch_cosine + s * source.launch_sine
     across = source.opening * (s * source.launch_cosine - c * source.launch_sine)
     per_norm = 1.0 / math.sqrt(along * along + across * across)
@@ -122,44 +86,14 @@ def _launch_from_arrival(source, angle):
 
 @inlined_uncounted
 def plane_from_source(source, plane):
-    """Half-plane from a primitive's apparent source instead of the sonar.
-
-    Parameters
-    ----------
-    source : ApparentSource
-    plane : HalfPlane
-
-    Returns
-    -------
-    HalfPlane
-    """
+    """Half-plane from a primitive's apparent source instead of the sonar."""
     x, y = plane.x + source.source_x * plane.ex, plane.y + source.source_x * plane.ey
     return HalfPlane(x, y, plane.z + source.source_z, plane.ex, plane.ey)
 
 
 @kernel_on_demand(TWO_INTEGERS)
 def apply_apparent_sources(arrays, plane, one_wide, table, grid, zbuffer, bodies, primitives):
-    """Put the primitives of a z-buffer to their apparent positions, in place, and drop those seen edge-on.
-
-    Parameters
-    ----------
-    arrays : SceneArrays
-    plane : HalfPlane
-    one_wide : bool
-        Whether the plane stands for a strip of one width everywhere, not for a sector of azimuths.
-    table : ndarray of float32
-        Apparent positions.
-    grid : TableGrid
-        How to read the table.
-    zbuffer : AngularZbuffer
-    bodies, primitives : int
-        Primitives of convex bodies, which come first, and all primitives.
-
-    Returns
-    -------
-    tuple of two int
-        The same numbers of those that are left.
-    """
+    """Put the primitives of a z-buffer to their apparent positions, in place, and drop those seen edge-on."""
     loud = arrays.law != LIGHT
     kept = 0
     for p in range(bodies):

@@ -16,24 +16,7 @@ from insonify.kernels.targets.apparent_targets import arrival_direction
 
 @inlined_uncounted
 def meet_body(body, count, normals, distance, incidence, lean):
-    """Slant range of a body along many rays of its plane, and the inward normal there, as parts within the plane.
-
-    Parameters
-    ----------
-    body : Primitive
-        A sphere or a frustum.
-    count : int
-        Number of rays.
-    normals : bool
-        Whether normals are wanted too.
-    distance : ndarray of float64
-        Holds the cosines of the launch angles; takes the slant ranges, m, infinite where a ray misses.
-    incidence : ndarray of float64
-        Holds the sines of the launch angles; takes the normal's part along the ray as it arrives, the cosine of the
-        incidence, 0 where a ray misses.
-    lean : ndarray of float64
-        Takes the normal's part at right angles to that ray, upwards.
-    """
+    """Slant range of a body along many rays of its plane, and the inward normal there, as parts within the plane."""
     source = body.source
     if source.bent:
         for i in range(count):

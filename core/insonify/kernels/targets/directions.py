@@ -17,13 +17,6 @@ def measure_directions(angle, cosine, sine):
     """Cosines and sines of launch angles by their series, whose terms beyond the last leave out less than 1e-17.
 
     The library's functions, called angle by angle, take ten times as long as this vector code.
-
-    Parameters
-    ----------
-    angle : ndarray of float64
-        From -π/2 to π/2, rad.
-    cosine, sine : ndarray of float64
-        At least as long; filled. A cosine is above 0, since straight down is still ahead.
     """
     for k in range(angle.size):
         squared = angle[k] * angle[k]
@@ -36,18 +29,7 @@ def measure_directions(angle, cosine, sine):
 
 @inlined_uncounted
 def bisect_directions(c_from, s_from, c_to, s_to):
-    """Direction halfway between two others.
-
-    Parameters
-    ----------
-    c_from, s_from, c_to, s_to : float
-        Cosines and sines of the two directions.
-
-    Returns
-    -------
-    tuple of two float
-        Cosine and sine.
-    """
+    """Direction halfway between two others."""
     c, s = c_from + c_to, s_from + s_to
     per_norm = 1.0 / math.sqrt(c * c + s * s)
     return c * per_norm, s * per_norm

@@ -11,25 +11,7 @@ SAME = 1e-9  # rad; ends of primitives closer together are one
 
 @kernel_on_demand(INTEGER)
 def cut_mesh(mesh, first_body, plane, reach, zbuffer, primitives):
-    """Add the lines in which a plane cuts the triangles ahead of the sonar to the primitives of a z-buffer.
-
-    Parameters
-    ----------
-    mesh : Mesh
-    first_body : int
-        Number of the first triangle among the bodies.
-    plane : HalfPlane
-    reach : float
-        Ground range, m.
-    zbuffer : AngularZbuffer
-    primitives : int
-        Those that it holds already.
-
-    Returns
-    -------
-    int
-        Primitives that it holds.
-    """
+    """Add the lines in which a plane cuts the triangles ahead of the sonar to the primitives of a z-buffer."""
     node = 0
     while node < mesh.skip.size:
         if not _may_cut_box(mesh.low[node], mesh.high[node], plane, reach):

@@ -19,21 +19,7 @@ from insonify.kernels.targets.primitives import intersect_primitive, load_primit
 
 @inlined_uncounted
 def find_nearest(solids, mesh, plane, bent, zbuffer, solid_primitives, primitives, cells):
-    """Find the primitive that is nearest in every cell and the distances to it.
-
-    Parameters
-    ----------
-    solids : Solids
-    mesh : Mesh
-    plane : HalfPlane
-    bent : bool
-        Whether the water refracts.
-    zbuffer : AngularZbuffer
-        Its edges are laid, its cells hold nothing; nearest primitives, distances, incidences and leans are filled.
-    solid_primitives, primitives : int
-        Number of primitives that are convex bodies, which come first, and of all.
-    cells : int
-    """
+    """Find the primitive that is nearest in every cell and the distances to it."""
     edge = zbuffer.edge[: cells + 1]
     for p in range(primitives):
         source = load_apparent_source(bent, zbuffer.source[p])

@@ -19,18 +19,7 @@ from insonify.kernels.targets.angular_zbuffer import EDGE, cell_towards
 
 @inlined_uncounted
 def occluded_slopes(zbuffer, cells):
-    """Launch slopes between which any target may hide the bed.
-
-    Parameters
-    ----------
-    zbuffer : AngularZbuffer
-    cells : int
-
-    Returns
-    -------
-    tuple of two float
-        The first exceeds the second without cells.
-    """
+    """Launch slopes between which any target may hide the bed."""
     if cells <= 0:
         return NEVER, -NEVER
     low, high = zbuffer.edge[0], zbuffer.edge[cells]
@@ -53,18 +42,7 @@ class Occlusion(NamedTuple):
 
 @inlined_before_typing
 def occlusion_of(zbuffer, cells):
-    """Cells of a z-buffer that hide the bed.
-
-    Parameters
-    ----------
-    zbuffer : AngularZbuffer
-    cells : int
-
-    Returns
-    -------
-    Occlusion
-        Empty without cells: nothing is hidden.
-    """
+    """Cells of a z-buffer that hide the bed."""
     n = cells + 1 if cells > 0 else 0
     nearness_cosine, nearness_sine = zbuffer.nearness_cosine[:n], zbuffer.nearness_sine[:n]
     return Occlusion(zbuffer.edge[:n], zbuffer.cosine[:n], zbuffer.sine[:n], nearness_cosine, nearness_sine)
@@ -72,21 +50,7 @@ def occlusion_of(zbuffer, cells):
 
 @inlined_uncounted
 def is_hidden(occlusion, segment, x_from, x_to):
-    """Whether targets hide all of a segment of the bed between two ground ranges, by a test without angles.
-
-    Parameters
-    ----------
-    occlusion : Occlusion
-    segment : BedSegment or SegmentLine
-        Its line z = offset + slope·x.
-    x_from, x_to : float
-        Ground ranges, m.
-
-    Returns
-    -------
-    bool
-        Never true of what is seen; false also where a cell that hides one part of the segment would not hide the rest.
-    """
+    """Whether targets hide all of a segment of the bed between two ground ranges, by a test without angles."""
     cells = occlusion.edge.size - 1
     z_from, z_to = segment.offset + segment.slope * x_from, segment.offset + segment.slope * x_to
     first = cell_towards(occlusion.cosine, occlusion.sine, cells, x_from, z_from)
@@ -103,21 +67,7 @@ def is_hidden(occlusion, segment, x_from, x_to):
 
 @inlined_uncounted
 def next_visible(occlusion, segment, start, stop):
-    """First stretch of launch angles in which targets leave a segment of the bed visible.
-
-    Parameters
-    ----------
-    occlusion : Occlusion
-    segment : BedSegment or SegmentLine
-        Its line z = offset + slope·x.
-    start, stop : float
-        Launch angles between which to look, rad.
-
-    Returns
-    -------
-    tuple of two float
-        Launch angles at which the stretch begins and ends; both ``stop`` if there is none.
-    """
+    """First stretch of launch angles in which targets leave a segment of the bed visible."""
     edge, nearness_cosine, nearness_sine = occlusion.edge, occlusion.nearness_cosine, occlusion.nearness_sine
     cell = last_not_above(edge, start)
     opened, closed = stop, stop

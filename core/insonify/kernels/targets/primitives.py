@@ -34,24 +34,7 @@ class Primitive(NamedTuple):
 
 @inlined_uncounted
 def load_primitive(solids, mesh, plane, body, line, source):
-    """Load a primitive from the tables, as seen from the sonar or its apparent source.
-
-    Parameters
-    ----------
-    solids : Solids
-    mesh : Mesh
-    plane : HalfPlane
-        From the sonar.
-    body : int
-        Row of the solids, or beyond them the triangle.
-    line : ndarray of float64, shape (4,)
-        Of a triangle: ground range and height above the sonar of its ends in the plane.
-    source : ApparentSource
-
-    Returns
-    -------
-    Primitive
-    """
+    """Load a primitive from the tables, as seen from the sonar or its apparent source."""
     k = body - solids.shape.size
     if k >= 0:
         level, up = mesh.normal[k, 0] * plane.ex + mesh.normal[k, 1] * plane.ey, mesh.normal[k, 2]
@@ -82,39 +65,14 @@ def load_primitive(solids, mesh, plane, body, line, source):
 
 @inlined_uncounted
 def intersect_primitive(primitive, c, s):
-    """Slant range of a primitive along a ray of its plane, and the cosine of the incidence there.
-
-    Parameters
-    ----------
-    primitive : Primitive
-    c, s : float
-        Cosine and sine of the launch angle.
-
-    Returns
-    -------
-    tuple of two float
-        Slant range in metres, infinite if the ray misses, and the cosine.
-    """
+    """Slant range of a primitive along a ray of its plane, and the cosine of the incidence there."""
     distance, incidence, _ = meet_primitive(primitive, c, s)
     return distance, incidence
 
 
 @inlined_uncounted
 def meet_primitive(primitive, c, s):
-    """Slant range of a primitive along a ray of its plane, and the inward normal there, as parts within the plane.
-
-    Parameters
-    ----------
-    primitive : Primitive
-    c, s : float
-        Cosine and sine of the launch angle.
-
-    Returns
-    -------
-    tuple of three float
-        Slant range in metres, infinite if the ray misses; the normal's part along the ray as it arrives, the cosine of
-        the incidence; and its part at right angles to that ray, upwards.
-    """
+    """Slant range of a primitive along a ray of its plane, and the inward normal there, as parts within the plane."""
     through = primitive.source.bent and primitive.kind != TRIANGLE
     if through:
         c, s = arrival_direction(primitive.source, c, s)
@@ -152,36 +110,14 @@ def _meet_straight(primitive, c, s):
 
 @inlined_uncounted
 def perpendicular_angle(line):
-    """Launch angle at right angles to a triangle's line.
-
-    Parameters
-    ----------
-    line : ndarray of float64, shape (4,)
-        Ground range and height of its ends, m.
-
-    Returns
-    -------
-    float
-        rad.
-    """
+    """Launch angle at right angles to a triangle's line."""
     dx, dz = line[2] - line[0], line[3] - line[1]
     return math.atan2(-dx, dz) if dz >= 0.0 else math.atan2(dx, -dz)
 
 
 @inlined_uncounted
 def nearest_distance(line):
-    """Distance to the nearest point of a triangle's line.
-
-    Parameters
-    ----------
-    line : ndarray of float64, shape (4,)
-        Ground range and height of its ends, m.
-
-    Returns
-    -------
-    float
-        m.
-    """
+    """Distance to the nearest point of a triangle's line."""
     ax, az, dx, dz = line[0], line[1], line[2] - line[0], line[3] - line[1]
     share = -(ax * dx + az * dz) / max(dx * dx + dz * dz, TINY)
     share = min(max(share, 0.0), 1.0)

@@ -290,15 +290,6 @@ def measure_together(case: Case, model: Model, apart: float, cautious: bool = Tr
     """Error of a swept model as a whole, in which what its choices leave out may add up or cancel.
 
     By few planes the model is compared with the finest one; the error of its own planes is added.
-
-    Parameters
-    ----------
-    case : Case
-    model : Model
-    apart : float
-        Root of the sum of the squares of the errors of its choices; the answer where rays are traced.
-    cautious : bool
-        As of `Choice.error`.
     """
     if model.method != "sweep" or (model.bent and case.folds):
         return apart

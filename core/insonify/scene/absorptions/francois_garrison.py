@@ -30,30 +30,7 @@ class FrancoisGarrison(AbsorptionKind):
 def francois_garrison(
     frequency: float, temperature: float, salinity: float = 35.0, depth: float = 0.0, acidity: float = 8.0
 ) -> float:
-    """Absorption of sea water in dB/km.
-
-    Parameters
-    ----------
-    frequency : float
-        Hz.
-    temperature : float
-        °C.
-    salinity : float
-        g/kg.
-    depth : float
-        Metres.
-    acidity : float
-        pH.
-
-    Returns
-    -------
-    float
-        dB per kilometre, one way.
-
-    References
-    ----------
-    Francois & Garrison, J. Acoust. Soc. Am. 72 (1982), part II, the general equation.
-    """
+    """Absorption of sea water in dB/km."""
     f, t = frequency / 1e3, temperature
     c = 1412.0 + 3.21 * t + 1.19 * salinity + 0.0167 * depth
     kelvin = t + 273.0

@@ -35,13 +35,7 @@ class AutocorrelationFile(AutocorrelationKind):
 
 @kept_until_changed(maxsize=4)
 def read_autocorrelation(path: str) -> Points:
-    """Read the points of an autocorrelation from a CSV file.
-
-    Raises
-    ------
-    SceneError
-        If it cannot be read, or its points do not begin at lag 0 with 1 and go on to larger lags.
-    """
+    """Read the points of an autocorrelation from a CSV file."""
     with guarded(lambda fault, remedy: _refusal(path, fault), ""):
         rows = np.genfromtxt(read_text(path).splitlines(), delimiter=",", comments="#", dtype=np.float64, ndmin=2)
     # A line of names comes out as NaN.

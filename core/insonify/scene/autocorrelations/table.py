@@ -76,13 +76,7 @@ def density_of_points(points: Points, variance: float) -> Density:
 
 @lru_cache(maxsize=4)
 def tabulate_spectrum(points: Points) -> tuple[Field, Field]:
-    """Wave numbers, and the transform there of straight lines between points of an autocorrelation.
-
-    Raises
-    ------
-    SceneError
-        If too much of the power is negative.
-    """
+    """Wave numbers, and the transform there of straight lines between points of an autocorrelation."""
     from scipy.special import itj0y0, j0, j1
 
     lag, value = np.array(points).T

@@ -35,23 +35,12 @@ class Sounding(NamedTuple):
 
 
 class BeamTable(NamedTuple):
-    """Sensitivity of a beam by slant range and direction.
+    """Sensitivity of a beam by slant range and direction."""
 
-    Attributes
-    ----------
-    first_range : float
-        Slant range of the first row, in metres.
-    extent : (rows,) float64
-        Half of the span of each row, as sine.
-    energy : (rows, COLUMNS) float64
-    per_octave : float
-        Rows per doubling of slant range.
-    """
-
-    first_range: float
-    extent: Values
-    energy: Values
-    per_octave: float = 1.0
+    first_range: float  # slant range of the first row, in metres
+    extent: Values  # (rows,) half of the span of each row, as sine
+    energy: Values  # (rows, COLUMNS)
+    per_octave: float = 1.0  # rows per doubling of slant range
 
 
 class BeamKind(Choice):

@@ -64,15 +64,7 @@ class LineArray(AimedBeam):
         return self.near_field(sounding.wavelength, sounding.range)
 
     def near_field(self, wavelength: float, farthest_range: float) -> BeamTable:
-        """Tabulate |∫ w(u) exp(−ik(us − u²/2r)) du|², Fresnel's approximation about the middle, for each pass.
-
-        Parameters
-        ----------
-        wavelength : float
-            Metres.
-        farthest_range : float
-            Greatest slant range, in metres.
-        """
+        """Tabulate |∫ w(u) exp(−ik(us − u²/2r)) du|², Fresnel's approximation about the middle, for each pass."""
         length, first_range = self.length, self.length
         # Beyond some ten times L²/λ the waves are flat.
         farthest = max(min(farthest_range, 16.0 * length * length / wavelength), 2.0 * first_range)

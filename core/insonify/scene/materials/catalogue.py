@@ -79,18 +79,7 @@ class Catalogue(Mapping[str, NamedMaterial]):
 
 
 def read_materials(folder: Path) -> dict[str, NamedMaterial]:
-    """Read the named materials of a folder of TOML files.
-
-    Parameters
-    ----------
-    folder : Path
-        Every table of every file in it is one material.
-
-    Raises
-    ------
-    SceneError
-        One sentence that names the file, the material and the field.
-    """
+    """Read the named materials of a folder of TOML files."""
     found: dict[str, NamedMaterial] = {}
     for file in sorted(folder.glob("*.toml")):
         try:

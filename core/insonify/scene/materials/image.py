@@ -73,13 +73,7 @@ class ImageMap(CompositeMap):
 
 @kept_until_changed(maxsize=4)
 def read_picture(path: str, count: int) -> Map:
-    """Read a picture as rows of a table of ``count`` materials, (rows, columns) uint8, southernmost first.
-
-    Raises
-    ------
-    SceneError
-        If it cannot be read, is no plain picture, or has colours beyond the materials.
-    """
+    """Read a picture as rows of a table of ``count`` materials, (rows, columns) uint8, southernmost first."""
     pixels, levels = _read(path)
     if levels is None:
         if int(pixels.max()) >= count:

@@ -64,17 +64,7 @@ class PatternMap(CompositeMap):
         )
 
     def rows_at(self, across: NDArray[np.float64], along: NDArray[np.float64]) -> Map:
-        """Row of the table of materials at places given in periods.
-
-        Parameters
-        ----------
-        across, along : (...) float64
-            Periods across the stripes and along them, from the origin.
-
-        Returns
-        -------
-        (...) uint8
-        """
+        """Row of the table of materials at places given in periods."""
         if self.shape == "waves":
             return np.rint((0.5 - 0.5 * np.cos(2.0 * math.pi * across)) * (GRADES - 1)).astype(np.uint8)
         count = len(self.of)

@@ -7,28 +7,15 @@ from typing import NamedTuple
 
 
 class Reflectivity(NamedTuple):
-    """Scattering parameters of a surface.
+    """Scattering parameters of a surface."""
 
-    Attributes
-    ----------
-    diffuse, specular : float
-        Shares of the energy that returns evenly (Lambert) and in a lobe about the mirror direction (Phong).
-    shininess : float
-        Exponent of that lobe.
-    reflection : float
-        R0, share of the amplitude that a smooth surface reflects at normal incidence.
-    speed_ratio : float
-        ν, speed of sound inside over that of water.
-    speckle_shape : float or None
-        Shape of K speckle; the receiver's own where None.
-    """
-
+    # Shares of the energy that returns evenly (Lambert) and in a lobe about the mirror direction (Phong).
     diffuse: float
     specular: float
-    shininess: float
-    reflection: float = 0.0
-    speed_ratio: float = 1.0
-    speckle_shape: float | None = None
+    shininess: float  # exponent of that lobe
+    reflection: float = 0.0  # R0, share of the amplitude that a smooth surface reflects at normal incidence
+    speed_ratio: float = 1.0  # ν, speed of sound inside over that of water
+    speckle_shape: float | None = None  # shape of K speckle; the receiver's own where None
 
     @property
     def lobe_half_width(self) -> float:
@@ -51,12 +38,7 @@ class Reflectivity(NamedTuple):
 
 
 def refuse_excess(diffuse: float, specular: float) -> None:
-    """Refuse shares of energy that sum to more than 1.
-
-    Raises
-    ------
-    ValueError
-    """
+    """Refuse shares of energy that sum to more than 1."""
     if diffuse + specular > 1.0 + 1e-9:
         raise ValueError(
             f"diffuse {diffuse:g} + specular {specular:g} reflect more than arrives; lower one until they sum to 1"

@@ -40,18 +40,7 @@ class Tone(PulseKind):
 
 
 def tone_taps(length: float) -> NDArray[np.float64]:
-    """Share of a bin's energy that a gated tone puts into that bin and the following ones.
-
-    Parameters
-    ----------
-    length : float
-        Resolution of the pulse, cτ/2, in bins.
-
-    Returns
-    -------
-    (n,) float64
-        Taps that sum to ``length``.
-    """
+    """Share of a bin's energy that a gated tone puts into that bin and the following ones."""
     edges = np.arange(math.ceil(length) + 2, dtype=np.float64)
     corners = (edges, edges - 1.0, edges - length, edges - 1.0 - length)
     ramps = [0.5 * np.maximum(corner, 0.0) ** 2 for corner in corners]

@@ -19,21 +19,12 @@ RELIEFS = Family("reliefs", "insonify.scene.reliefs")
 
 
 class HeightGrid(NamedTuple):
-    """Heights of a bed on a square grid.
+    """Heights of a bed on a square grid."""
 
-    Attributes
-    ----------
-    heights : (ny, nx) float64
-        Metres above the mean bed, or above the sea surface if measured; NaN where there is no bed.
-    spacing : float
-        Metres between nodes.
-    x0, y0 : float
-        Local coordinates of node (0, 0), in metres.
-    """
-
+    # (ny, nx) metres above the mean bed, or above the sea surface if measured; NaN where there is no bed.
     heights: NDArray[np.float64]
-    spacing: float
-    x0: float = 0.0
+    spacing: float  # metres between nodes
+    x0: float = 0.0  # local coordinates of node (0, 0), in metres
     y0: float = 0.0
 
 

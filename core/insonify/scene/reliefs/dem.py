@@ -111,14 +111,7 @@ def _squared(path: str, grid: Grid, spacing: float) -> Grid:
 
 
 def refine(heights: NDArray[np.float64], ratio: float) -> NDArray[np.float64]:
-    """Interpolate heights linearly along the last axis; gaps stay gaps.
-
-    Parameters
-    ----------
-    heights : (n, m) float64
-    ratio : float
-        Distance of the nodes given, in those wanted; below 1 nothing changes.
-    """
+    """Interpolate heights linearly along the last axis; gaps stay gaps."""
     if ratio <= 1.0 + SQUARE:
         return heights
     last = heights.shape[1] - 1

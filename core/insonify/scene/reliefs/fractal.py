@@ -167,20 +167,7 @@ class Fractal(ExtendableRelief):
 
 
 def power_spectrum(fractal: Fractal, fx: Field, fy: Field) -> Field:
-    """Squared amplitude A² of the relief's waves, up to one factor.
-
-    Parameters
-    ----------
-    fractal : Fractal
-        Exponents, peaks and options.
-    fx, fy : float64
-        Cycles per period, of shapes that broadcast.
-
-    Returns
-    -------
-    float64
-        Of the broadcast shape.
-    """
+    """Squared amplitude A² of the relief's waves, up to one factor."""
     # A real field has the same power at −f as at f, so that every peak has an image at −(fx, fy). Peaks and images that
     # coincide, as at zero frequency, count as often as they occur.
     places = Counter(place for peak in fractal.peaks for place in _places(peak, fractal.quadrants))

@@ -92,23 +92,7 @@ class Mimic(ReliefKind):
         return HeightGrid(np.tile(heights[:, np.newaxis], (1, width)), 2.0 * self.reach / cells)
 
     def dunes(self, cells: int) -> Curve:
-        """Heights of dunes with the record of a pattern.
-
-        Parameters
-        ----------
-        cells : int
-            Nodes of one period across the track, the first on it.
-
-        Returns
-        -------
-        (cells,) float64
-            Metres above the level bed, towards +y and, from the middle on, from −y back to the track.
-
-        Raises
-        ------
-        SceneError
-            If the brightest material of the pattern is too bright compared with the mean.
-        """
+        """Heights of dunes with the record of a pattern."""
         y = np.arange(cells, dtype=np.float64) * (2.0 * self.reach / cells)
         port = y <= self.reach
         heights = np.empty(cells)
@@ -134,26 +118,7 @@ def mean_diffuse(pattern: PatternMap) -> float:
 
 
 def equivalent_profile(ratio: Curve, altitude: float, step: float, law: str) -> tuple[Curve, Curve]:
-    """Profile with the record of a level bed of varying reflectivity, beyond 1.4 times the altitude.
-
-    Parameters
-    ----------
-    ratio : (n,) float64
-        Reflectivity of the level bed over that of the profile, in the middle of equal steps of ground range from nadir.
-        Under law `light` it must stay below 1.4.
-    altitude : float
-        Altitude of the sonar, in metres.
-    step : float
-        Length of a step, in metres.
-    law : {"light", "sonar"}
-        Law of scattering.
-
-    Returns
-    -------
-    x, z : (n + 1,) float64
-        Ground range and height above the level bed of the profile, in metres, at the slant ranges of the ends of the
-        steps. A ratio of 1 gives a level profile.
-    """
+    """Profile with the record of a level bed of varying reflectivity, beyond 1.4 times the altitude."""
     x = (np.arange(ratio.size) + 0.5) * step
     r = np.hypot(x, altitude)
     # With this growth 1 + (κ − 1) t² stays below r/H = 1 + (FROM − 1) t for every κ below FROM.

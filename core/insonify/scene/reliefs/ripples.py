@@ -73,13 +73,7 @@ class Ripples(ExtendableRelief):
         return -math.sin(angle) / self.wavelength, math.cos(angle) / self.wavelength
 
     def band(self, narrowest: float = 0.0) -> Density:
-        """Band of waves about zero that makes the ripples' phase once moved to their own; its level is of no account.
-
-        Parameters
-        ----------
-        narrowest : float
-            Spread that the band has at least, cycles a metre.
-        """
+        """Band of waves about zero from which the ripples' phase is made; its level does not matter."""
         spread_across = max(self.bandwidth / self.wavelength, narrowest)
         spread_along = max(self.bandwidth_along / self.wavelength, narrowest)
 

@@ -28,21 +28,12 @@ def row_groups(rows: int) -> Iterator[slice]:
 
 @dataclass(frozen=True, eq=False)
 class Band:
-    """Part of a spectrum around one wave.
+    """Part of a spectrum around one wave."""
 
-    Attributes
-    ----------
-    density : Density
-        Spectral density S about zero, of both signs.
-    feature : float
-        Frequency over which the density varies at its finest, cycles a metre.
-    wave : (float, float), optional
-        Cycles a metre along x and y by which the band is shifted: the spectrum is S(f − wave) + S(f + wave), and S(f)
-        without a wave.
-    """
-
-    density: Density
-    feature: float
+    density: Density  # spectral density S about zero, of both signs
+    feature: float  # frequency over which the density varies at its finest, cycles a metre
+    # (float, float) cycles a metre along x and y by which the band is shifted: the spectrum is S(f − wave) + S(f
+    # + wave), and S(f) without a wave.
     wave: tuple[float, float] | None = None
 
     @property

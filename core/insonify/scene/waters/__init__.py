@@ -19,24 +19,13 @@ WATERS = Family("waters", "insonify.scene.waters")
 
 
 class SoundSpeeds(NamedTuple):
-    """Speed of sound at depths and at distances along a level line, straight between.
+    """Speed of sound at depths and at distances along a level line, straight between."""
 
-    Attributes
-    ----------
-    depth : (n,) float64
-        Metres, increasing.
-    speed : (m, n) float64
-        m/s.
-    distance : (m,) float64
-        Metres along a line through the scene's (0, 0), increasing; one for water that is everywhere the same.
-    heading : float
-        Heading of that line, radians counter-clockwise from +x.
-    """
-
-    depth: Values
-    speed: Values
+    depth: Values  # (n,) metres, increasing
+    speed: Values  # (m, n) m/s
+    # (m,) metres along a line through the scene's (0, 0), increasing; one for water that is everywhere the same.
     distance: Values = np.zeros(1)
-    heading: float = 0.0
+    heading: float = 0.0  # heading of that line, radians counter-clockwise from +x
 
 
 class WaterKind(Choice):

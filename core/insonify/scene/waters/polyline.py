@@ -18,22 +18,7 @@ MOST_PARTS = 4096  # of one interval between knots
 def approximate_by_segments(
     curve: Callable[[Values], Values], knots: Values, tolerance: float
 ) -> tuple[Values, Values]:
-    """Approximate a curve by straight pieces.
-
-    Parameters
-    ----------
-    curve : callable
-        From places to values, smooth between the knots.
-    knots : (k,) float64
-        Increasing; where the curve may have a kink.
-    tolerance : float
-        Greatest distance in value between curve and pieces.
-
-    Returns
-    -------
-    places, values : (n,) float64
-        Ends of the pieces, on the curve; among them the first and the last knot.
-    """
+    """Approximate a curve by straight pieces."""
     parts = [_sampled(curve, low, high, FINER * tolerance) for low, high in itertools.pairwise(knots)]
     places = np.concatenate([*(part[:-1] for part in parts), knots[-1:]])
     values = curve(places)
@@ -55,21 +40,7 @@ def _sampled(curve: Callable[[Values], Values], low: float, high: float, toleran
 
 
 def thin_polyline(places: Values, values: Values, tolerance: float) -> NDArray[np.int64]:
-    """Choose points whose straight connections pass all others within the tolerance.
-
-    Parameters
-    ----------
-    places : (n,) float64
-        Increasing.
-    values : (n,) float64
-    tolerance : float
-        Greatest distance in value.
-
-    Returns
-    -------
-    (m,) int64
-        Indices, the first and the last among them (Douglas and Peucker, Cartographica 10 (1973)).
-    """
+    """Choose points whose straight connections pass all others within the tolerance."""
     kept = np.zeros(places.size, dtype=bool)
     kept[[0, -1]] = True
     pending = [(0, places.size - 1)]

@@ -13,18 +13,7 @@ LATITUDE = 45.0
 
 
 def paper(temperature: ArrayLike, salinity: ArrayLike, depth: ArrayLike) -> Values:
-    """Sound speed by the formula of the paper, section 2, which misprints 0.055 t² as 0.55 t².
-
-    Parameters
-    ----------
-    temperature, salinity, depth : array_like
-        °C, practical salinity, metres.
-
-    Returns
-    -------
-    float64 array
-        m/s.
-    """
+    """Sound speed by the formula of the paper, section 2, which misprints 0.055 t² as 0.55 t²."""
     t, s, d = _floats(temperature, salinity, depth)
     return np.asarray(1449.0 + 4.6 * t - 0.055 * t**2 + 0.0003 * t**3 + (1.39 - 0.012 * t) * (s - 35.0) + d / 61.0)
 

@@ -22,19 +22,11 @@ OF_SCENE = ("hash", "drawn")  # what metadata tells of the scene of a tile
 
 @dataclass
 class Totals:
-    """Counts of a data set.
+    """Counts of a data set."""
 
-    Attributes
-    ----------
-    tiles, empty : Counter of str
-        Tiles of each split, and those without a target.
-    targets : Counter of (str, str)
-        Annotated targets of each class and split.
-    """
-
-    tiles: Counter[str] = field(default_factory=Counter)
+    tiles: Counter[str] = field(default_factory=Counter)  # tiles of each split, and those without a target
     empty: Counter[str] = field(default_factory=Counter)
-    targets: Counter[tuple[str, str]] = field(default_factory=Counter)
+    targets: Counter[tuple[str, str]] = field(default_factory=Counter)  # annotated targets of each class and split
 
     def add(self, tile: Mapping[str, Any]) -> None:
         """Count a tile."""
@@ -44,20 +36,7 @@ class Totals:
 
 
 def assemble(specification: DatasetSpecification, folder: Path, names: Iterable[str]) -> Totals:
-    """Write the files that concern the whole data set.
-
-    Parameters
-    ----------
-    specification : DatasetSpecification
-    folder : Path
-        Of the data set.
-    names : iterable of str
-        Its jobs, all done, in order. Memory does not grow with their number.
-
-    Returns
-    -------
-    Totals
-    """
+    """Write the files that concern the whole data set."""
     totals, sheet = Totals(), ContactSheet(specification, folder)
     splits, classes = list(specification.splits), specification.classes
     with ExitStack() as stack:

@@ -19,18 +19,7 @@ def draw_balance(
     classes: Sequence[str],
     splits: Sequence[str],
 ) -> None:
-    """Draw how many targets of each class, and how many tiles with and without targets, each split has.
-
-    Parameters
-    ----------
-    path : Path
-        Of a PNG picture.
-    targets : mapping of (str, str) to int
-        Targets of a class in a split.
-    tiles, empty : mapping of str to int
-        Tiles of a split, and those without a target.
-    classes, splits : sequence of str
-    """
+    """Draw how many targets of each class, and how many tiles with and without targets, each split has."""
     import matplotlib as mpl
     from matplotlib.backends.backend_agg import FigureCanvasAgg
     from matplotlib.figure import Figure

@@ -21,14 +21,7 @@ PAPER = (24, 26, 30)
 
 
 class ContactSheet:
-    """Sheet that tiles are drawn for as they come, each with the same probability.
-
-    Parameters
-    ----------
-    specification : DatasetSpecification
-    folder : Path
-        Of the data set.
-    """
+    """Sheet that tiles are drawn for as they come, each with the same probability."""
 
     def __init__(self, specification: DatasetSpecification, folder: Path) -> None:
         self._specification, self._folder = specification, folder

@@ -22,25 +22,13 @@ DIGITS = 3  # of places, in metres
 
 
 class DrawnScene(NamedTuple):
-    """One scene of a data set.
+    """One scene of a data set."""
 
-    Attributes
-    ----------
-    number : int
-        From 0.
-    scene : Scene
-    split : str
-    classes : dict of int to str
-        Class of each drawn target by its index in the scene.
-    drawn : dict of str to object
-        Every value that was drawn, by its path.
-    """
-
-    number: int
+    number: int  # from 0
     scene: Scene
     split: str
-    classes: dict[int, str]
-    drawn: dict[str, Any]
+    classes: dict[int, str]  # class of each drawn target by its index in the scene
+    drawn: dict[str, Any]  # every value that was drawn, by its path
 
     @property
     def digest(self) -> str:
@@ -49,20 +37,7 @@ class DrawnScene(NamedTuple):
 
 
 def split_of(splits: Mapping[str, float], number: int) -> str:
-    """Return the split of a job by its number: any row of numbers has nearly the shares asked for.
-
-    Parameters
-    ----------
-    splits : mapping of str to float
-        Shares, in any unit.
-    number : int
-
-    Returns
-    -------
-    str
-        From the fractional parts of multiples of the golden ratio, which are spread evenly over (0, 1) (Knuth, The Art
-        of Computer Programming 3, 2nd ed., 6.4). A data set that grows keeps the splits of its scenes.
-    """
+    """Return the split of a job by its number: any row of numbers has nearly the shares asked for."""
     place = ((number + 1) * GOLDEN) % 1.0 * sum(splits.values())
     for name, share in splits.items():
         place -= share
@@ -72,27 +47,7 @@ def split_of(splits: Mapping[str, float], number: int) -> str:
 
 
 def draw_scene(specification: DatasetSpecification, base: Scene, number: int) -> DrawnScene:
-    """Draw one scene of a data set.
-
-    Parameters
-    ----------
-    specification : DatasetSpecification
-    base : Scene
-        Scene that it begins with.
-    number : int
-        Of the scene, from 0.
-
-    Returns
-    -------
-    DrawnScene
-        A function of the specification and the number alone. Each value is drawn by its path, so that another field
-        that is drawn changes none of the others.
-
-    Raises
-    ------
-    SceneError
-        If the values make no scene; it names the number.
-    """
+    """Draw one scene of a data set."""
     draws = Draws(specification.seed, number)
     try:
         changes: dict[str, Any] = {"seed": draws.seed("seed")}

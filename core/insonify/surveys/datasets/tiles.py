@@ -37,19 +37,7 @@ class _Side(NamedTuple):
 
 
 def grey_levels(record: xr.Dataset, images: Images) -> NDArray[np.unsignedinteger]:
-    """Grey levels of a record, simulated or recorded.
-
-    Parameters
-    ----------
-    record : Dataset
-    images : Images
-        Bits, and the decibels that are black and white.
-
-    Returns
-    -------
-    (2, pings, bins) uint8 or uint16
-        Level in decibels relative to the median of the record at that range, as `normalise` has it; 0 where silent.
-    """
+    """Grey levels of a record, simulated or recorded."""
     amplitude = normalise(record["intensity"].values.swapaxes(0, 1), compute_median_curve(record))
     white = 2**images.bits - 1
     with np.errstate(divide="ignore"):
@@ -59,15 +47,7 @@ def grey_levels(record: xr.Dataset, images: Images) -> NDArray[np.unsignedintege
 
 
 def starts(length: int, size: int, overlap: float) -> list[int]:
-    """First places of tiles along one side of a record, evenly spaced; the last tile ends with the record.
-
-    Parameters
-    ----------
-    length, size : int
-        Of the record and of a tile.
-    overlap : float
-        Share of a tile that the next one shows again at least.
-    """
+    """First places of tiles along one side of a record, evenly spaced; the last tile ends with the record."""
     room = length - size
     steps = math.ceil(room / max(1, int(size * (1.0 - overlap))))
     return [room * step // max(steps, 1) for step in range(steps + 1)]
@@ -76,29 +56,7 @@ def starts(length: int, size: int, overlap: float) -> list[int]:
 def cut_tiles(
     drawn: DrawnScene, record: xr.Dataset, classes: Sequence[str], tiles: Tiles, images: Images
 ) -> Iterator[Tile]:
-    """Cut a labelled record of a scene into tiles.
-
-    Parameters
-    ----------
-    drawn : DrawnScene
-        The scene.
-    record : Dataset
-        Its record, with truth.
-    classes : sequence of str
-        All classes of the data set.
-    tiles, images
-        As the specification has them.
-
-    Yields
-    ------
-    Tile
-        By side, ping and bin.
-
-    Raises
-    ------
-    SceneError
-        If the record is smaller than a tile.
-    """
+    """Cut a labelled record of a scene into tiles."""
     pings, bins = record.sizes["ping_time"], record.sizes["range_sample"]
     for name, size, length in (("pings", tiles.pings, pings), ("bins", tiles.bins, bins)):
         if size > length:
@@ -188,18 +146,7 @@ def _targets_within(side: _Side, held: _Held, corner: tuple[int, int], tiles: Ti
 
 
 def describe_region(region: Region) -> dict[str, Any] | None:
-    """Box, area and run lengths of a region of a tile; None of an empty one.
-
-    Parameters
-    ----------
-    region : (rows, columns) bool
-
-    Returns
-    -------
-    dict
-        ``box`` as [x, y, width, height], ``area`` in pixels, ``segmentation`` as COCO has it: lengths of runs down the
-        columns, first of what is outside.
-    """
+    """Box, area and run lengths of a region of a tile; None of an empty one."""
     rows, columns = np.flatnonzero(region.any(axis=1)), np.flatnonzero(region.any(axis=0))
     if not rows.size:
         return None

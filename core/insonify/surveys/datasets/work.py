@@ -24,20 +24,11 @@ GROWS = "scenes"  # field on which no scene depends: a data set may grow
 
 @dataclass(frozen=True)
 class DatasetWork:
-    """The jobs of a data set.
-
-    Attributes
-    ----------
-    specification : DatasetSpecification
-    base : Scene
-        Scene that all others begin with.
-    folder : Path
-        Of the data set.
-    """
+    """The jobs of a data set."""
 
     specification: DatasetSpecification
-    base: Scene
-    folder: Path
+    base: Scene  # scene that all others begin with
+    folder: Path  # of the data set
 
     @cached_property
     def digest(self) -> str:

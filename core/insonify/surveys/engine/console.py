@@ -14,48 +14,19 @@ INTERRUPTED = 130
 
 
 class Ended(NamedTuple):
-    """A work whose jobs have all been tried.
+    """A work whose jobs have all been tried."""
 
-    Attributes
-    ----------
-    done : list of str
-        Jobs that are done, in order.
-    failures : tuple of Failure
-        Those that could not be done.
-    """
-
-    done: list[str]
-    failures: tuple[Failure, ...]
+    done: list[str]  # jobs that are done, in order
+    failures: tuple[Failure, ...]  # those that could not be done
 
     def refuse_failures(self) -> None:
-        """Tell of jobs that could not be done, if there are any.
-
-        Raises
-        ------
-        SceneError
-        """
+        """Tell of jobs that could not be done, if there are any."""
         if self.failures:
             raise SceneError(tell_failures(self.failures, len(self.done) + len(self.failures)))
 
 
 def work_on(work: Work, what: str, scheduler: str, unit: str = "job") -> Ended | None:
-    """Do the jobs of a work that are not done yet, and show their progress.
-
-    Parameters
-    ----------
-    work : Work
-    what : str
-        What the jobs make together, for messages.
-    scheduler : str
-        ``local:N``, or the address of an existing one.
-    unit : str
-        What a job is.
-
-    Returns
-    -------
-    Ended or None
-        None after an interruption.
-    """
+    """Do the jobs of a work that are not done yet, and show their progress."""
     names = list(work.names())
     missing = prepare_folder(work.folder, names, what)
     if not missing:

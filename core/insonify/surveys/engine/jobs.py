@@ -21,13 +21,7 @@ DIGEST = 12  # hexadecimal digits
 
 
 class Work(Protocol):
-    """Work that is cut into jobs; it is sent to the workers, and pickled for that.
-
-    Attributes
-    ----------
-    folder : Path
-        Where all files go, as workers see it.
-    """
+    """Work that is cut into jobs; it is sent to the workers, and pickled for that."""
 
     @property
     def folder(self) -> Path:
@@ -90,15 +84,7 @@ def read_flag(folder: Path, name: str) -> dict[str, Any]:
 
 
 def finish(work: Work, name: str) -> Outcome:
-    """Do a job that is not done yet: its files appear one by one, each whole, and its flag after them.
-
-    Raises
-    ------
-    SceneError
-        If the job cannot be done.
-    OSError
-        If a file cannot be written; it names the folder of the work.
-    """
+    """Do a job that is not done yet: its files appear one by one, each whole, and its flag after them."""
     flag = flag_of(work.folder, name)
     try:
         if not flag.exists():
@@ -142,26 +128,7 @@ def clear_unfinished(folder: Path) -> None:
 
 
 def prepare_folder(folder: Path, names: Iterable[str], what: str) -> list[str]:
-    """Make the folder of a work, or take up one that holds a part of it already.
-
-    Parameters
-    ----------
-    folder : Path
-    names : iterable of str
-        All jobs.
-    what : str
-        What the folder holds, for errors.
-
-    Returns
-    -------
-    list of str
-        The jobs that are not done yet, in order.
-
-    Raises
-    ------
-    SceneError
-        If it holds other files, or jobs of another work.
-    """
+    """Make the folder of a work, or take up one that holds a part of it already."""
     wanted = list(names)
     if folder.exists() and not (folder / FLAGS).is_dir() and (not folder.is_dir() or any(folder.iterdir())):
         raise SceneError(f"-o {folder}: holds other files; give a new folder, or one that this command has begun")

@@ -39,27 +39,6 @@ def run_jobs(work: Work, names: Sequence[str], scheduler: str, progress: Progres
 
     A job whose worker ends is done by another one, up to three times. A job that cannot be done stops no other; a file
     that cannot be written stops them all.
-
-    Parameters
-    ----------
-    work : Work
-    names : sequence of str
-        Jobs that are not done yet.
-    scheduler : str
-        ``local:N``, or the address of an existing one.
-    progress : callable
-        Takes the outcome of each job, in the order in which they end.
-
-    Returns
-    -------
-    Tally
-
-    Raises
-    ------
-    SceneError
-        If there is no scheduler.
-    OSError
-        If a file cannot be written.
     """
     done, made, failures = 0, 0, []
     try:
@@ -127,15 +106,7 @@ def _outcome(future: Any, name: str) -> Outcome | Failure:
 
 
 def tell_failures(failures: Sequence[Failure], total: int) -> str:
-    """Tell in one sentence that some jobs could not be done.
-
-    Parameters
-    ----------
-    failures : sequence of Failure
-        At least one.
-    total : int
-        Jobs in all.
-    """
+    """Tell in one sentence that some jobs could not be done."""
     first = min(failures)
     number = int(first.name.partition("-")[0])
     return f"{len(failures)} of {total} jobs could not be done, the others are done; job {number}: {first.reason}"

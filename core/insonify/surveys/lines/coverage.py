@@ -17,31 +17,15 @@ from insonify.surveys.swath import Swath, choose_map, lay_swath, put_on_map
 
 
 class Coverage(NamedTuple):
-    """Area that a survey covers.
+    """Area that a survey covers."""
 
-    Attributes
-    ----------
-    area : float
-        That is asked for, or without one that is covered, in m².
-    once, twice : float
-        Shares of it that at least one line, and at least two lines, show.
-    """
-
-    area: float
-    once: float
+    area: float  # that is asked for, or without one that is covered, in m²
+    once: float  # shares of it that at least one line, and at least two lines, show
     twice: float
 
 
 class StoredSwaths(Collection[Swath]):
-    """Swaths of records, read anew whenever they are passed through, so that one is held at a time.
-
-    Parameters
-    ----------
-    folder : Path
-        Of the survey.
-    files : sequence of str
-        Its records.
-    """
+    """Swaths of records, read anew whenever they are passed through, so that one is held at a time."""
 
     def __init__(self, folder: Path, files: Sequence[str]) -> None:
         self._paths = [str(folder / file) for file in files]
@@ -65,18 +49,7 @@ class StoredSwaths(Collection[Swath]):
 
 
 def measure_coverage(mosaic: Mosaic, corners: NDArray[np.float64] | None) -> Coverage:
-    """Measure how much of an area the lines of a survey show.
-
-    Parameters
-    ----------
-    mosaic : Mosaic
-    corners : (n, 2) float64, optional
-        Of the area, on the mosaic's map; the whole mosaic when left out.
-
-    Returns
-    -------
-    Coverage
-    """
+    """Measure how much of an area the lines of a survey show."""
     square = mosaic.cell**2
     if corners is None:
         area = float((mosaic.count > 0).sum()) * square

@@ -33,18 +33,7 @@ pre { background: #f4f6f8; padding: 1em; overflow-x: auto; font-size: 12px }"""
 
 
 def summarise(work: SurveyWork, names: Iterable[str]) -> Coverage:
-    """Write the mosaic, the coverage and the page of a survey.
-
-    Parameters
-    ----------
-    work : SurveyWork
-    names : iterable of str
-        Its jobs that are done; one record is held at a time.
-
-    Returns
-    -------
-    Coverage
-    """
+    """Write the mosaic, the coverage and the page of a survey."""
     told = [read_flag(work.folder, name) for name in names]
     swaths = StoredSwaths(work.folder, [line["file"] for line in told])
     wanted, area = work.specification.mosaic, work.specification.area

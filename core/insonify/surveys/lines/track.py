@@ -18,18 +18,11 @@ ARC_STEP = math.radians(1.0)  # between fixes of a turn; the chord misses an arc
 
 
 class SurveyLine(NamedTuple):
-    """A line of a survey.
+    """A line of a survey."""
 
-    Attributes
-    ----------
-    start, end : (float, float)
-        In metres.
-    turn : float
-        Radius in metres of a half circle that follows and is recorded, to port if positive; 0 without one.
-    """
-
-    start: tuple[float, float]
+    start: tuple[float, float]  # (float, float) in metres
     end: tuple[float, float]
+    # Radius in metres of a half circle that follows and is recorded, to port if positive; 0 without one.
     turn: float = 0.0
 
     @property
@@ -44,54 +37,24 @@ class SurveyLine(NamedTuple):
 
 
 class SurveyTrack(NamedTuple):
-    """Fixes of a whole survey, and the pings of each line.
+    """Fixes of a whole survey, and the pings of each line."""
 
-    Attributes
-    ----------
-    time, x, y, heading : (n,) float64
-        Seconds, metres, degrees.
-    pings : list of range
-        Of each line, with its turn.
-    """
-
-    time: NDArray[np.float64]
+    time: NDArray[np.float64]  # (n,) seconds, metres, degrees
     x: NDArray[np.float64]
     y: NDArray[np.float64]
     heading: NDArray[np.float64]
-    pings: list[range]
+    pings: list[range]  # of each line, with its turn
 
 
 def lay_lines(specification: SurveySpecification) -> list[SurveyLine]:
-    """Return the lines of a survey, in order.
-
-    Raises
-    ------
-    SceneError
-        If there are too many.
-    """
+    """Return the lines of a survey, in order."""
     if specification.area is not None:
         return lay_lawnmower(specification.area)
     return [SurveyLine(line.start, line.end) for line in specification.lines]
 
 
 def lay_lawnmower(area: Area) -> list[SurveyLine]:
-    """Cover an area by parallel lines, to and fro, in the middle of strips of equal width.
-
-    Parameters
-    ----------
-    area : Area
-        A line reaches from the first to the last edge of the area that it crosses; one with a recorded turn goes on
-        until the next line can begin abeam of its end.
-
-    Returns
-    -------
-    list of SurveyLine
-
-    Raises
-    ------
-    SceneError
-        If there are too many lines.
-    """
+    """Cover an area by parallel lines, to and fro, in the middle of strips of equal width."""
     ahead = np.array([math.cos(math.radians(area.heading)), math.sin(math.radians(area.heading))])
     aside = np.array([-ahead[1], ahead[0]])
     corners = np.array(area.corners) @ np.stack([ahead, aside], axis=1)
@@ -133,21 +96,7 @@ def _flush(spans: Sequence[tuple[float, float]]) -> list[tuple[float, float]]:
 
 
 def join_lines(lines: Sequence[SurveyLine], speed: float, ping_rate: float) -> SurveyTrack:
-    """Join the lines of a survey to one track, whose pings are counted through.
-
-    Parameters
-    ----------
-    lines : sequence of SurveyLine
-    speed : float
-        In m/s.
-    ping_rate : float
-        In Hz.
-
-    Returns
-    -------
-    SurveyTrack
-        Between lines the track goes straight on to the next one, and its pings are left out.
-    """
+    """Join the lines of a survey to one track, whose pings are counted through."""
     rows: list[tuple[float, float, float, float]] = []
     pings: list[range] = []
     time = 0.0

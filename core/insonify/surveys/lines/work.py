@@ -32,23 +32,12 @@ TOLERANCE = 0.03
 
 @dataclass(frozen=True)
 class SurveyWork:
-    """The jobs of a survey.
-
-    Attributes
-    ----------
-    specification : SurveySpecification
-    base : Scene
-        The scene; its track is replaced.
-    folder : Path
-        Of the survey.
-    plan : Plan, optional
-        Of the whole survey, which the workers are handed.
-    """
+    """The jobs of a survey."""
 
     specification: SurveySpecification
-    base: Scene
-    folder: Path
-    plan: Plan | None = None
+    base: Scene  # the scene; its track is replaced
+    folder: Path  # of the survey
+    plan: Plan | None = None  # of the whole survey, which the workers are handed
 
     @cached_property
     def lines(self) -> list[SurveyLine]:

@@ -16,20 +16,11 @@ PACKAGE = "insonify.surveys.schedulers"
 
 @dataclass(frozen=True)
 class SchedulerKind:
-    """How jobs come to workers.
+    """How jobs come to workers."""
 
-    Attributes
-    ----------
-    prefix : str
-        Beginning of the option's text, such as ``local``; a ``:`` follows it or it ends there.
-    form : str
-        The whole text, for help and errors.
-    connect : callable
-        Takes the text after the prefix and its ``:``, and returns a context manager that yields a ``Client``.
-    """
-
-    prefix: str
-    form: str
+    prefix: str  # beginning of the option's text, such as ``local``; a ``:`` follows it or it ends there
+    form: str  # the whole text, for help and errors
+    # Takes the text after the prefix and its ``:``, and returns a context manager that yields a ``Client``.
     connect: Callable[[str], AbstractContextManager[Any]]
 
 
@@ -41,13 +32,7 @@ def find_schedulers() -> dict[str, SchedulerKind]:
 
 
 def choose_scheduler(text: str) -> tuple[SchedulerKind, str]:
-    """Find the kind of scheduler that a text asks for, and the rest of the text.
-
-    Raises
-    ------
-    SceneError
-        If no kind has its prefix.
-    """
+    """Find the kind of scheduler that a text asks for, and the rest of the text."""
     prefix, _, rest = text.partition(":")
     known = find_schedulers()
     if prefix not in known:
@@ -58,13 +43,7 @@ def choose_scheduler(text: str) -> tuple[SchedulerKind, str]:
 
 @contextmanager
 def connected(text: str) -> Iterator[Any]:
-    """Yield a client of the scheduler that a text asks for.
-
-    Raises
-    ------
-    SceneError
-        If dask.distributed is not installed, or the scheduler cannot be reached.
-    """
+    """Yield a client of the scheduler that a text asks for."""
     kind, rest = choose_scheduler(text)
     try:
         import distributed  # noqa: F401  # lazy: an optional extra

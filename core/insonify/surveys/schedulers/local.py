@@ -19,18 +19,7 @@ LIBRARIES = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "NUMB
 
 
 def share_cores(text: str) -> tuple[int, int]:
-    """Return the number of workers and the threads of each, whose product is the number of usable cores.
-
-    Parameters
-    ----------
-    text : str
-        Number of workers; empty for one worker a core.
-
-    Raises
-    ------
-    SceneError
-        If it is no whole number from 1, or more than there are cores.
-    """
+    """Return the number of workers and the threads of each, whose product is the number of usable cores."""
     cores = most_threads()
     if text and not (text.isdecimal() and int(text) > 0):
         raise SceneError(f"--scheduler local:{text}: {text!r} is no number of workers; give a whole number from 1")

@@ -20,23 +20,13 @@ IMAGES, MASKS = "images", "masks"
 
 @dataclass(frozen=True, eq=False)
 class Tile:
-    """A tile of a record, ready to be stored.
+    """A tile of a record, ready to be stored."""
 
-    Attributes
-    ----------
-    image : (pings, bins) uint8 or uint16
-        Grey levels.
-    mask : (pings, bins) uint8
-        Class of every bin.
-    told : dict
-        What is told of it: ``name``, ``split``, ``shape``, ``targets`` and more; `StorageKind.write` adds ``file``.
-    labels : dict of str to (str, bytes)
-        Suffix and content of files of annotations, by their folder beside that of the images.
-    """
-
-    image: NDArray[np.unsignedinteger]
-    mask: NDArray[np.uint8]
+    image: NDArray[np.unsignedinteger]  # (pings, bins) grey levels
+    mask: NDArray[np.uint8]  # (pings, bins) class of every bin
+    # What is told of it: ``name``, ``split``, ``shape``, ``targets`` and more; `StorageKind.write` adds ``file``.
     told: dict[str, Any]
+    # Suffix and content of files of annotations, by their folder beside that of the images.
     labels: dict[str, tuple[str, bytes]] = field(default_factory=dict)
 
 

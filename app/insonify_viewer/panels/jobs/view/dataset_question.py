@@ -23,30 +23,15 @@ MOST_SCENES, USUAL_SCENES = 1_000_000, 20
 
 
 class WantedDataset(NamedTuple):
-    """A data set to be made.
+    """A data set to be made."""
 
-    Attributes
-    ----------
-    specification : str
-        Name of a bundled specification, or a file.
-    scenes : int
-    folder : Path
-    """
-
-    specification: str
+    specification: str  # name of a bundled specification, or a file
     scenes: int
     folder: Path
 
 
 class DatasetQuestion(QDialog):
-    """Asks for a data set.
-
-    Parameters
-    ----------
-    bundled : list of str
-        Names of the bundled specifications.
-    parent : QWidget
-    """
+    """Asks for a data set."""
 
     def __init__(self, bundled: list[str], parent: QWidget) -> None:
         super().__init__(parent)

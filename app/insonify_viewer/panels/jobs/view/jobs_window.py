@@ -38,11 +38,6 @@ class JobsView(QWidget):
 
     Tab goes from the buttons to the jobs in the order in which they stand, Up and Down go from job to job, Return
     presses a button, and Escape closes the window.
-
-    Parameters
-    ----------
-    specifications : list of str
-        Names of the bundled specifications of data sets.
     """
 
     record_wanted = Signal(object)  # Path

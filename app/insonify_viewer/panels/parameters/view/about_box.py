@@ -17,13 +17,7 @@ BACK = "↩ "  # before the words of a link that leads back
 
 
 class AboutBox(FoldingBox):
-    """The description of the scene, under a heading that folds.
-
-    Attributes
-    ----------
-    label : QLabel
-        Shows the text and signals ``linkActivated`` with the number of a link.
-    """
+    """The description of the scene, under a heading that folds."""
 
     def __init__(self) -> None:
         self.label = QLabel()

@@ -12,20 +12,7 @@ from insonify_viewer.views.folding_box import FoldingBox
 
 
 class EffectsBox(FoldingBox):
-    """One tick box an effect, under a heading that folds.
-
-    Parameters
-    ----------
-    ticked : callable
-        Called with (name, ticked) when the person takes an effect out or brings it back.
-
-    Attributes
-    ----------
-    ticks : dict of str to QCheckBox
-        By name of the effect.
-    figures : dict of str to QLabel
-        What each changes, by name of the effect.
-    """
+    """One tick box an effect, under a heading that folds."""
 
     def __init__(self, ticked: Callable[[str, bool], None]) -> None:
         self.ticks: dict[str, QCheckBox] = {}

@@ -35,11 +35,6 @@ class SectionBox(FoldingBox):
     """The rows of one section, under a heading that folds.
 
     The rows are built when they are first asked for or unfolded: a scene may have hundreds of them.
-
-    Attributes
-    ----------
-    structure, removable : tuple, bool
-        Of the section it was built from.
     """
 
     def __init__(

@@ -26,13 +26,7 @@ Row = tuple[str, str, str]
 
 
 class BudgetList(QTreeWidget):
-    """Lists the budget of a pixel.
-
-    Parameters
-    ----------
-    parent : QWidget, optional
-        Owner.
-    """
+    """Lists the budget of a pixel."""
 
     def __init__(self, parent: QWidget | None = None) -> None:
         super().__init__(parent)

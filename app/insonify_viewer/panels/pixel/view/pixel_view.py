@@ -20,13 +20,7 @@ SIDES = ("port", "starboard")
 
 
 class PixelView(QWidget):
-    """Shows the explanation of a pixel.
-
-    Parameters
-    ----------
-    parent : QWidget, optional
-        Owner.
-    """
+    """Shows the explanation of a pixel."""
 
     def __init__(self, parent: QWidget | None = None) -> None:
         super().__init__(parent)

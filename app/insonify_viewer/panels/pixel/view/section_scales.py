@@ -22,28 +22,14 @@ Points = NDArray[np.float64]
 
 @dataclass(frozen=True)
 class SectionScales:
-    """Scales of one cross-section in a widget.
+    """Scales of one cross-section in a widget."""
 
-    Attributes
-    ----------
-    area : QRectF
-        Of the plot, px.
-    reach : float
-        Ground range at the far end, m.
-    low, high : float
-        Heights at the lower and the upper edge, m.
-    mirrored : bool
-        Whether ground range grows to the left, as on the port side of the record.
-    text : float
-        Size of the text over the usual one.
-    """
-
-    area: QRectF
-    reach: float
-    low: float
+    area: QRectF  # of the plot, px
+    reach: float  # ground range at the far end, m
+    low: float  # heights at the lower and the upper edge, m
     high: float
-    mirrored: bool
-    text: float = 1.0
+    mirrored: bool  # whether ground range grows to the left, as on the port side of the record
+    text: float = 1.0  # size of the text over the usual one
 
     @classmethod
     def of(cls, section: CrossSection, size: tuple[float, float], surfaced: bool, text: float = 1.0) -> SectionScales:

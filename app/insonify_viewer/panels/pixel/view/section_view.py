@@ -28,13 +28,7 @@ Points = NDArray[np.float64]
 
 
 class SectionView(QWidget):
-    """Paints a cross-section with the rays of a pixel.
-
-    Parameters
-    ----------
-    parent : QWidget, optional
-        Owner.
-    """
+    """Paints a cross-section with the rays of a pixel."""
 
     def __init__(self, parent: QWidget | None = None) -> None:
         super().__init__(parent)

@@ -16,13 +16,7 @@ HINT = "Point at the record and press C, or pin a pixel and click Mark."
 
 
 class ContactListView(QWidget):
-    """Lists contacts, and signals what the person does to them.
-
-    Parameters
-    ----------
-    parent : QWidget, optional
-        Owner.
-    """
+    """Lists contacts, and signals what the person does to them."""
 
     mark_wanted = Signal()
     remove_wanted = Signal(int)

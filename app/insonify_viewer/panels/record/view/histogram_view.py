@@ -22,13 +22,7 @@ KEY_STEP = 0.5  # dB
 
 
 class HistogramView(QWidget):
-    """Shows how often each level occurs, and the colours of the levels.
-
-    Parameters
-    ----------
-    parent : QWidget, optional
-        Owner.
-    """
+    """Shows how often each level occurs, and the colours of the levels."""
 
     dragged = Signal(float, float)  # ends in dB re level bed; minus infinity for silence
 

@@ -50,13 +50,7 @@ KEYS = (("1", "both"), ("2", "port"), ("3", "starboard"))
 
 
 class RecordView(SidePanel):
-    """Shows the display options, and signals their changes.
-
-    Parameters
-    ----------
-    parent : QWidget, optional
-        Owner.
-    """
+    """Shows the display options, and signals their changes."""
 
     changed = Signal(dict)  # display options by name
     measuring = Signal(bool)

@@ -15,23 +15,13 @@ BED = 0.10  # of the height, filled by the bed
 
 @dataclass(frozen=True)
 class PlotScales:
-    """Scales of the two plots, with a common depth axis.
+    """Scales of the two plots, with a common depth axis."""
 
-    Attributes
-    ----------
-    profile, rays : QRectF
-        Rectangles of the plots, with the bed, in pixels.
-    slowest, fastest : float
-        Ends of the profile's scale, in m/s.
-    bottom, reach : float
-        Depth of the mean bed and greatest range, in metres.
-    """
-
-    profile: QRectF
+    profile: QRectF  # rectangles of the plots, with the bed, in pixels
     rays: QRectF
-    slowest: float
+    slowest: float  # ends of the profile's scale, in m/s
     fastest: float
-    bottom: float
+    bottom: float  # depth of the mean bed and greatest range, in metres
     reach: float
 
     @classmethod

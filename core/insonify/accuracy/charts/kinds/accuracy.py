@@ -100,26 +100,7 @@ class AccuracyChart(AccuracyMeasurement, Chart):
 def measure_chart(
     scene: Scene, *, pings: int = PINGS, progress: Callable[[float], None] | None = None
 ) -> AccuracyChart:
-    """Measure time per ping and error of every method on a scene, on this machine.
-
-    Parameters
-    ----------
-    scene : Scene
-        Scene to trace; one with targets is traced without them too.
-    pings : int
-        Number of pings to compare, spread evenly over the track.
-    progress : callable, optional
-        Called now and then with the share done, from 0 to 1; may raise to stop.
-
-    Returns
-    -------
-    AccuracyChart
-
-    Raises
-    ------
-    SceneError
-        If there are no pings to trace, or the scene cannot be simulated.
-    """
+    """Measure time per ping and error of every method on a scene, on this machine."""
     if pings < 1:
         raise SceneError(f"pings: {pings} is too few; give at least 1")
     scenes = {False: edit(scene, {"targets": []})} if scene.targets else {}

@@ -46,46 +46,22 @@ SYMBOLS = {"march, step in m": "step", "sweep, spacing in m": "spacing"}
 
 
 class ConvergencePoint(NamedTuple):
-    """Error of one series at one size.
+    """Error of one series at one size."""
 
-    Attributes
-    ----------
-    series : str
-        Method and what is refined.
-    size : float
-        Step or spacing in metres, or count.
-    error : float
-        Share of the record beyond 1.4 times the altitude.
-    resolved : bool
-        Whether the reference is fine enough to tell.
-    """
-
-    series: str
-    size: float
-    error: float
-    resolved: bool
+    series: str  # method and what is refined
+    size: float  # step or spacing in metres, or count
+    error: float  # share of the record beyond 1.4 times the altitude
+    resolved: bool  # whether the reference is fine enough to tell
 
 
 @dataclass(frozen=True)
 class ConvergenceChart(Chart):
-    """Error against step or count.
+    """Error against step or count."""
 
-    Attributes
-    ----------
-    title : str
-        Title of the scene.
-    points : tuple of ConvergencePoint
-        Series by series, from coarse to fine.
-    reference : Reference
-        Reference of rays and planes.
-    machine : str
-        Processor and versions of the measurement.
-    """
-
-    title: str
-    points: tuple[ConvergencePoint, ...]
-    reference: Reference
-    machine: str
+    title: str  # title of the scene
+    points: tuple[ConvergencePoint, ...]  # series by series, from coarse to fine
+    reference: Reference  # reference of rays and planes
+    machine: str  # processor and versions of the measurement
 
     def group(self) -> dict[str, list[ConvergencePoint]]:
         """Points by series."""
@@ -148,22 +124,6 @@ def measure_chart(scene: Scene, *, progress: Callable[[float], None] | None = No
 
     Each series is compared with its limit: rays and planes with the reference, the steps of a march with as many exact
     rays, fewer nodes with all nodes.
-
-    Parameters
-    ----------
-    scene : Scene
-        Scene to trace.
-    progress : callable, optional
-        Called now and then with the share done, from 0 to 1; may raise to stop.
-
-    Returns
-    -------
-    ConvergenceChart
-
-    Raises
-    ------
-    SceneError
-        If the scene cannot be simulated.
     """
     report = progress or (lambda _: None)
     arrays, poses = pack_for_chart(scene, PINGS)

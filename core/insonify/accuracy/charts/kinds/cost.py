@@ -49,49 +49,23 @@ COLUMNS = ("method", "axis", "size", "microseconds", "spread", "megabytes", "exp
 
 
 class CostRow(NamedTuple):
-    """Time of one method at one size.
+    """Time of one method at one size."""
 
-    Attributes
-    ----------
-    method : str
-        Sweep or rays.
-    axis : str
-        Quantity that grows.
-    size : float
-        Value of that quantity.
-    microseconds : float
-        Median time: of all pings where their number grows, else of one.
-    spread : float
-        Half the distance between the quartiles, as a share of the median.
-    megabytes : float
-        Memory of the scene's arrays, and the most that a call holds besides.
-    """
-
-    method: str
-    axis: str
-    size: float
-    microseconds: float
-    spread: float
-    megabytes: float
+    method: str  # sweep or rays
+    axis: str  # quantity that grows
+    size: float  # value of that quantity
+    microseconds: float  # median time: of all pings where their number grows, else of one
+    spread: float  # half the distance between the quartiles, as a share of the median
+    megabytes: float  # memory of the scene's arrays, and the most that a call holds besides
 
 
 @dataclass(frozen=True)
 class CostChart(Chart):
-    """Time against size.
+    """Time against size."""
 
-    Attributes
-    ----------
-    title : str
-        Title of the scene.
-    rows : tuple of CostRow
-        Axis by axis, method by method, from small to large.
-    machine : str
-        Processor and versions of the measurement.
-    """
-
-    title: str
-    rows: tuple[CostRow, ...]
-    machine: str
+    title: str  # title of the scene
+    rows: tuple[CostRow, ...]  # axis by axis, method by method, from small to large
+    machine: str  # processor and versions of the measurement
 
     def group(self) -> dict[tuple[str, str], list[CostRow]]:
         """Rows by axis and method."""
@@ -137,24 +111,7 @@ Calls = dict[tuple[str, str, float], tuple[partial[Any], int]]
 
 
 def measure_chart(scene: Scene, *, progress: Callable[[float], None] | None = None) -> CostChart:
-    """Measure time and memory against the number of pings, nodes, cells, bins, targets, triangles, planes and rays.
-
-    Parameters
-    ----------
-    scene : Scene
-        Scene in which one of these varies at a time.
-    progress : callable, optional
-        Called now and then with the share done, from 0 to 1; may raise to stop.
-
-    Returns
-    -------
-    CostChart
-
-    Raises
-    ------
-    SceneError
-        If the scene cannot be simulated.
-    """
+    """Measure time and memory against the number of pings, nodes, cells, bins, targets, triangles, planes and rays."""
     planes = plan(scene).planes
     arrays, poses = pack_for_chart(scene, SWEPT)
     calls = (
