@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from insonify.optics.material_colours import mixed_colour, shares_of
-from insonify.scene.materials import MATERIALS
+from insonify.scene.seabed.materials import MATERIALS
 
 if TYPE_CHECKING:
     from insonify.scene import Scene

@@ -11,11 +11,11 @@ import numpy as np
 from insonify.acoustics.layers import make_sound_speed_field
 from insonify.acoustics.water import speed_at_sonar
 from insonify.scene import Scene, SceneError, edit
-from insonify.scene.materials import MATERIAL_MAPS, MATERIALS, Material, MaterialMap, Reflectivity
-from insonify.scene.materials.pattern import PatternMap
-from insonify.scene.motions.straight import Straight
-from insonify.scene.motions.sum import SumOfMotions
-from insonify.scene.reliefs.mimic import Mimic, mean_diffuse
+from insonify.scene.seabed.materials import MATERIAL_MAPS, MATERIALS, Material, MaterialMap, Reflectivity
+from insonify.scene.seabed.materials.pattern import PatternMap
+from insonify.scene.seabed.reliefs.mimic import Mimic, mean_diffuse
+from insonify.scene.track.motions.straight import Straight
+from insonify.scene.track.motions.sum import SumOfMotions
 from insonify_viewer.dependent_relief_edits import common_period, endless_options, exponents_of_decay, parts_of_sum
 from insonify_viewer.fields import part_at
 

@@ -6,9 +6,9 @@ from collections.abc import Mapping
 from typing import Any
 
 from insonify.scene import Scene
-from insonify.scene.reliefs.fractal import Fractal
-from insonify.scene.reliefs.random_relief import RandomRelief
-from insonify.scene.reliefs.sum import SumOfReliefs
+from insonify.scene.seabed.reliefs.fractal import Fractal
+from insonify.scene.seabed.reliefs.random_relief import RandomRelief
+from insonify.scene.seabed.reliefs.sum import SumOfReliefs
 
 Changes = dict[str, Any]
 RELIEF = "seabed.relief"

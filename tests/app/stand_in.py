@@ -16,8 +16,8 @@ from insonify.planning import Plan
 from insonify.planning import plan as make_plan
 from insonify.receiver import make_reception
 from insonify.scene import Scene, SceneError
-from insonify.scene.materials import MATERIALS
 from insonify.scene.seabed import Seabed
+from insonify.scene.seabed.materials import MATERIALS
 from insonify.terrain.ground import Ground
 from insonify.tracers.labels import RecordLabels
 

@@ -7,7 +7,7 @@ from typing import Any
 
 from insonify.acoustics.water import speed_at_sonar
 from insonify.scene import Scene, plain
-from insonify.scene.waters import WaterKind
+from insonify.scene.water import WaterKind
 from insonify_viewer.fields import part_at
 
 Changes = dict[str, Any]

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from insonify.kernels.common.types import Poses
 from insonify.packing.track import TowLine, recorded_at, tow_line_at
 from insonify.scene import Scene, SceneError
-from insonify.scene.motions import Axis
+from insonify.scene.track.motions import Axis
 from insonify.terrain import AnyGround, EndlessGround
 
 SAMPLES = 64  # samples of the bed to either side of the fish

@@ -17,7 +17,7 @@ from insonify.kernels.beam.pattern_samples import FINE_SINE, ROOM, sample_patter
 from insonify.kernels.common.jit import kernel
 from insonify.kernels.common.types import EVERY_GRAZING, GAUSSIAN, LIGHT, SONAR, TABLE, TOP_HAT, BeamPattern
 from insonify.scene import edit, load_scene
-from insonify.scene.beams.line_array import LineArray
+from insonify.scene.sonar.beams.line_array import LineArray
 from insonify.tracers import rays
 
 FLAT = np.zeros((8, 8))

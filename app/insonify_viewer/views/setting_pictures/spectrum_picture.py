@@ -8,7 +8,7 @@ from PySide6.QtGui import QColor, QImage, QMouseEvent, QPainter, QPaintEvent, QP
 
 from insonify.display.scene_curves import FLOOR, ReliefSpectrum, relief_spectrum
 from insonify.scene import Scene
-from insonify.scene.reliefs.fractal import Fractal
+from insonify.scene.seabed.reliefs.fractal import Fractal
 from insonify_viewer.errors.guarded_overrides import guard_override
 from insonify_viewer.views.setting_pictures.base import SettingPicture
 from insonify_viewer.views.theme import ACCENT, GROUND, MARK, QUIET, TEXT

@@ -12,7 +12,7 @@ from numpy.typing import ArrayLike
 from insonify.kernels.common.types import Poses
 from insonify.packing.scene_arrays import make_bed
 from insonify.scene import Scene, edit
-from insonify.scene.materials import Reflectivity
+from insonify.scene.seabed.materials import Reflectivity
 from insonify.simulation import Simulation, prepare
 from insonify.terrain import Ground
 

@@ -19,9 +19,9 @@ from insonify.acoustics.layers import make_sound_speed_field
 from insonify.acoustics.paths import ray_paths
 from insonify.display.style import FAINT, INK
 from insonify.scene import SceneError, edit, load_scene
-from insonify.scene.waters import WaterKind
-from insonify.scene.waters.profile import ProfileWater
-from insonify.scene.waters.sound_speed import paper, teos10
+from insonify.scene.water import WaterKind
+from insonify.scene.water.profile import ProfileWater
+from insonify.scene.water.sound_speed import paper, teos10
 
 Values = NDArray[np.float64]
 LAUNCH = 5.0  # degrees below the horizontal
