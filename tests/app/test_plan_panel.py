@@ -6,10 +6,10 @@ from typing import Any
 
 import numpy as np
 
-from insonify.accuracy.record_errors import compare_records
 from insonify.cli import main
 from insonify.scene import Scene, edit, load_scene
 from insonify.simulation import prepare
+from insonify.statistics.record_errors import compare_records
 from insonify.tracers import sweep
 from insonify_viewer.comparison.record_difference import RecordDifference
 from insonify_viewer.modelling import Modelling

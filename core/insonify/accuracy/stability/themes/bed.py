@@ -9,7 +9,6 @@ import numpy as np
 from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
-from insonify.accuracy.record_errors import compare_records
 from insonify.accuracy.stability.case import Approach, StabilityCase, StabilityTheme
 from insonify.accuracy.stability.drawing import RIGHT, WRONG, add_legend, add_panel
 from insonify.accuracy.stability.level_scenes import make_level_scene, make_pose, prepare_over_heights
@@ -18,6 +17,7 @@ from insonify.display.style import FAINT, INK
 from insonify.kernels.common.types import Poses, SceneArrays
 from insonify.scene import edit, load_scene
 from insonify.simulation import Simulation, prepare
+from insonify.statistics.record_errors import compare_records
 from insonify.tracers import march, rays, sweep
 
 Record = NDArray[np.float64]

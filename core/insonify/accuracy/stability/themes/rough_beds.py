@@ -8,13 +8,13 @@ from functools import lru_cache
 import numpy as np
 from matplotlib.figure import Figure
 
-from insonify.accuracy.record_errors import compare_records
 from insonify.accuracy.stability.case import Approach, StabilityCase, StabilityTheme
 from insonify.accuracy.stability.drawing import RIGHT, WRONG, add_legend, add_panel
 from insonify.accuracy.stability.level_scenes import make_level_scene
 from insonify.acoustics.resolution_cell import bin_centres
 from insonify.display.style import INK
 from insonify.simulation import prepare
+from insonify.statistics.record_errors import compare_records
 from insonify.tracers import ray_sheets, sweep
 from insonify.tracers.blocks import Record
 
