@@ -17,7 +17,7 @@ from insonify.scene.motions.straight import Straight
 from insonify.scene.motions.sum import SumOfMotions
 from insonify.scene.reliefs.mimic import Mimic, mean_diffuse
 from insonify_viewer.dependent_relief_edits import common_period, endless_options, exponents_of_decay, parts_of_sum
-from insonify_viewer.fields import part_at
+from insonify_viewer.state.fields import part_at
 
 Changes = dict[str, Any]
 SLOWEST = 1e-3  # Hz, a ping rate that any range allows

@@ -8,8 +8,8 @@ from insonify.scene import Scene, edit, load_scene
 from insonify.scene.kinds import kind_name, models_of
 from insonify.scene.seabed import Seabed
 from insonify_viewer.dependent_edits import add_dependent_edits
-from insonify_viewer.fields import NumberField
 from insonify_viewer.panels.parameters.sections import sections_of
+from insonify_viewer.state.fields import NumberField
 
 KINDS = [kind_name(model) for model in models_of(Seabed, "relief") if kind_name(model) != "dem"]
 ENDLESS = ["fractal", "power_law", "von_karman", "ripples", "autocorrelation", "sum"]

@@ -6,8 +6,8 @@ from typing import Any
 
 from insonify.scene import Scene, SceneError, edit, plain
 from insonify.scene.links import Link, split_description
-from insonify_viewer.fields import NumberField, part_at
-from insonify_viewer.quantities import slider_position, slider_value
+from insonify_viewer.state.fields import NumberField, part_at
+from insonify_viewer.state.quantities import slider_position, slider_value
 
 
 class Trials:
