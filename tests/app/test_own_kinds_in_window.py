@@ -9,8 +9,8 @@ import numpy as np
 import pytest
 
 from insonify.scene import Scene, edit
+from insonify.scene_edits import add_dependent_edits
 from insonify.simulation import prepare
-from insonify_viewer.dependent_edits import add_dependent_edits
 from insonify_viewer.panels.parameters.sections import sections_of
 from insonify_viewer.seabed.bed_shading import target_colours
 from insonify_viewer.seabed.pv_meshes import targets_mesh

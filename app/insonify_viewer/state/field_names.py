@@ -7,7 +7,7 @@ from typing import Any
 
 from insonify.display.display_options import DisplayOptions
 from insonify.scene import Scene
-from insonify_viewer.state.fields import part_at
+from insonify.scene.edit import part_at
 
 # Names of the places within a pair or a row, by field.
 PLACES = {

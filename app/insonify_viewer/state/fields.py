@@ -3,9 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any
 
-from insonify.scene import Scene
 from insonify_viewer.state.quantities import format_quantity
 
 
@@ -80,12 +78,3 @@ class FileField:
 
 
 Parameter = NumberField | ChoiceField | FileField
-
-
-def part_at(scene: Scene, path: str) -> Any:
-    """Part of a scene at a dotted path, the scene itself for an empty one; None if there is none."""
-    place: Any = scene
-    for step in filter(None, path.split(".")):
-        is_position = isinstance(place, tuple) and step.isdigit() and int(step) < len(place)
-        place = place[int(step)] if is_position else getattr(place, step, None)
-    return place

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 from insonify.display.display_options import DisplayOptions
 from insonify.scene import Scene, SceneError, edit
-from insonify_viewer.dependent_edits import add_dependent_edits
+from insonify.scene_edits import add_dependent_edits
 from insonify_viewer.state.field_names import name_display, name_edit
 from insonify_viewer.state.history import History, State
 from insonify_viewer.state.modelling import Modelling

@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import Any
 
 from insonify.scene import Scene, plain
+from insonify.scene.edit import part_at
 from insonify.scene.links import split_description
 from insonify_viewer.panels.panel import Panel, Place, RecordGrowth, Workbench
 from insonify_viewer.panels.parameters.effect_meter import EffectMeter
@@ -21,7 +22,7 @@ from insonify_viewer.panels.parameters.sections import (
 from insonify_viewer.panels.parameters.trying import Trials, glide_value, row_of
 from insonify_viewer.panels.parameters.view.parameters_view import ParametersView
 from insonify_viewer.state.field_names import name_edit, name_field
-from insonify_viewer.state.fields import NumberField, part_at
+from insonify_viewer.state.fields import NumberField
 from insonify_viewer.state.modelling import Modelling
 
 DROPPED = ("water", "track.motion", "targets")  # parts that take a file over when it is dropped on the window

@@ -7,8 +7,8 @@ from typing import Any
 
 from insonify.acoustics.water import speed_at_sonar
 from insonify.scene import Scene, plain
+from insonify.scene.edit import part_at
 from insonify.scene.waters import WaterKind
-from insonify_viewer.state.fields import part_at
 
 Changes = dict[str, Any]
 

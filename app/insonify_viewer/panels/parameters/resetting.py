@@ -6,8 +6,9 @@ from collections.abc import Iterable
 from typing import Any
 
 from insonify.scene import Scene, plain
+from insonify.scene.edit import part_at
 from insonify_viewer.panels.parameters.sections import sections_of
-from insonify_viewer.state.fields import NumberField, Parameter, part_at
+from insonify_viewer.state.fields import NumberField, Parameter
 from insonify_viewer.state.quantities import format_quantity
 
 

@@ -17,6 +17,7 @@ from insonify.acoustics.water import speed_at_sonar
 from insonify.scene import Scene, SceneError
 from insonify.scene.absorptions import NEPER_PER_DB
 from insonify.scene.base import Declaration
+from insonify.scene.edit import part_at
 from insonify.scene.gains.power import PowerTvg
 from insonify.scene.kinds import kind_name, models_of
 from insonify.scene.materials import MATERIALS, Material
@@ -25,7 +26,7 @@ from insonify.scene.reliefs.random_relief import RandomRelief
 from insonify.scene.targets import Target
 from insonify.scene.waters import WaterKind
 from insonify_viewer.state.field_names import PLACES, name_field
-from insonify_viewer.state.fields import ChoiceField, FileField, NumberField, Parameter, part_at
+from insonify_viewer.state.fields import ChoiceField, FileField, NumberField, Parameter
 
 SECTIONS = ("sonar", "seabed", "track", "targets", "volumes", "water", "receiver", "receiver.recorder")
 # Order of the pose fields of a target, after those of its shape.

@@ -1,4 +1,4 @@
-"""Dependent edits: the other fields that an edit must change to keep the scene valid and meaningful."""
+"""Dependent edits: the further fields that an edit of a scene must change to keep the scene valid and meaningful."""
 
 from __future__ import annotations
 
@@ -11,17 +11,21 @@ import numpy as np
 from insonify.acoustics.layers import make_sound_speed_field
 from insonify.acoustics.water import speed_at_sonar
 from insonify.scene import Scene, SceneError, edit
+from insonify.scene.edit import part_at
 from insonify.scene.materials import MATERIAL_MAPS, MATERIALS, Material, MaterialMap, Reflectivity
 from insonify.scene.materials.pattern import PatternMap
 from insonify.scene.motions.straight import Straight
 from insonify.scene.motions.sum import SumOfMotions
+from insonify.scene.reliefs.fractal import Fractal
 from insonify.scene.reliefs.mimic import Mimic, mean_diffuse
-from insonify_viewer.dependent_relief_edits import common_period, endless_options, exponents_of_decay, parts_of_sum
-from insonify_viewer.state.fields import part_at
+from insonify.scene.reliefs.random_relief import RandomRelief
+from insonify.scene.reliefs.sum import SumOfReliefs
 
 Changes = dict[str, Any]
 SLOWEST = 1e-3  # Hz, a ping rate that any range allows
 SWINGS = ("surge", "sway", "heave", "yaw", "pitch", "roll")
+RELIEF = "seabed.relief"
+SMOOTH = ("isotropic", "elliptic")
 
 
 def add_dependent_edits(scene: Scene, changes: Mapping[str, Any]) -> tuple[Changes, str]:
@@ -31,10 +35,10 @@ def add_dependent_edits(scene: Scene, changes: Mapping[str, Any]) -> tuple[Chang
     for rule in (
         _ping_rate,
         _sonar_height,
-        exponents_of_decay,
-        endless_options,
-        common_period,
-        parts_of_sum,
+        _exponents_of_decay,
+        _endless_options,
+        _common_period,
+        _parts_of_sum,
         _named_numbers,
         _shares,
         _material_map,
@@ -153,3 +157,72 @@ def _dunes(scene: Scene, changes: Mapping[str, Any]) -> tuple[Changes, str]:
         "seabed.relief": dunes.model_dump(exclude_none=True),
         "seabed.material": {"diffuse": mean, "specular": 0.0},
     }, f"the bed now has one material, with a diffuse share of {mean:.4g}"
+
+
+def _exponents_of_decay(scene: Scene, changes: Mapping[str, Any]) -> tuple[Changes, str]:
+    """Give an isotropic decay one exponent, and the others two."""
+    edits: Changes = {}
+    for path, part in _parts(scene):
+        decay = changes.get(f"{path}.decay")
+        if decay is None or not isinstance(part, Fractal):
+            continue
+        along, across = part.exponents
+        one = {"beta": along, "beta_x": None, "beta_y": None}
+        two = {"beta": None, "beta_x": along, "beta_y": across}
+        edits |= {f"{path}.{name}": value for name, value in (one if decay == "isotropic" else two).items()}
+    return edits, ""
+
+
+def _endless_options(scene: Scene, changes: Mapping[str, Any]) -> tuple[Changes, str]:
+    """Give an endless fractal relief the options that it needs."""
+    was = scene.seabed.endless
+    kind = changes.get(f"{RELIEF}.kind")
+    is_to_be = "endless" in [changes.get(f"{path}.extent") for path, _ in _parts(scene)]
+    edits: Changes = {}
+    if kind == "fractal" and was:
+        edits = _soft(RELIEF, "isotropic")
+    for path, part in _parts(scene):
+        if is_to_be and isinstance(part, Fractal):
+            edits |= _soft(path, part.decay)
+            if part.decay not in SMOOTH:
+                edits |= {f"{path}.beta": part.exponents[0], f"{path}.beta_x": None, f"{path}.beta_y": None}
+    return edits, "an endless relief has a soft clamp and Gaussian coefficients" if edits else ""
+
+
+def _common_period(scene: Scene, changes: Mapping[str, Any]) -> tuple[Changes, str]:
+    """Give all parts of a sum the same period and extent."""
+    places = _parts(scene)
+    edits: Changes = {}
+    for name in ("period", "extent"):
+        moved = [changes[f"{path}.{name}"] for path, _ in places if f"{path}.{name}" in changes]
+        others = [f"{path}.{name}" for path, part in places if hasattr(part, name)]
+        if moved and len(places) > 1:
+            edits |= dict.fromkeys(others, moved[-1])
+    return edits, ""
+
+
+def _parts_of_sum(scene: Scene, changes: Mapping[str, Any]) -> tuple[Changes, str]:
+    """Start a sum with the present relief, and add ripples in patches."""
+    relief = scene.seabed.relief
+    if changes.get(f"{RELIEF}.kind") != "sum" or isinstance(relief, SumOfReliefs):
+        return {}, ""
+    first = relief if isinstance(relief, RandomRelief) else Fractal()
+    ripples: Changes = {"kind": "ripples", "period": first.period, "mask": {"kind": "patches"}}
+    if first.endless:
+        ripples["extent"] = "endless"
+    return {RELIEF: {"kind": "sum", "of": [first.model_dump(exclude_none=True), ripples]}}, ""
+
+
+def _parts(scene: Scene) -> list[tuple[str, Any]]:
+    """Reliefs that add up to the bed, with their paths."""
+    relief = scene.seabed.relief
+    if isinstance(relief, SumOfReliefs):
+        return [(f"{RELIEF}.of.{number}", part) for number, part in enumerate(relief.of)]
+    return [(RELIEF, relief)]
+
+
+def _soft(path: str, decay: str) -> Changes:
+    """Options of an endless fractal relief."""
+    kept = decay if decay in SMOOTH else "isotropic"
+    values = {"clamp": "soft", "coefficients": "gaussian", "combine": "rms", "decay": kept}
+    return {f"{path}.{name}": value for name, value in values.items()}
