@@ -9,7 +9,7 @@ from pathlib import Path
 import numba
 import pytest
 
-from insonify.kernels.common.cache import _CacheFile, source_digests
+from insonify.compiler.cache import _CacheFile, source_digests
 
 SOURCES = {
     "common/base.py": '"""Base."""\n\n\ndef base(x):\n    """Return x."""\n    return x\n',

@@ -28,7 +28,7 @@ from numba.core.caching import CompileResultCacheImpl, FunctionCache, IndexDataC
 from numba.core.compiler import compile_result
 from numba.core.runtime import rtsys  # type: ignore[attr-defined]
 
-from insonify.kernels.common.part_library import PartLibrary
+from insonify.compiler.part_library import PartLibrary
 
 PACKAGE = "insonify.kernels"
 SOURCES = Path(__file__).parents[1]
