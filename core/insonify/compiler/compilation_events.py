@@ -14,7 +14,7 @@ from insonify.compiler.part_process import end_process, start_process
 from insonify.compiler.progress import Compilation, tell_watchers
 from insonify.compiler.separate import SeparateKernel
 
-PACKAGE = __name__.partition(".common.")[0]
+PACKAGE = "insonify.kernels"
 WORDS = {  # by the folder of the kernel's module
     "beam": "the beam",
     "bed": "the bed",
