@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 from PySide6.QtCore import QObject, Qt, Signal
 
-from insonify.kernels.common.compilation import Compilation, watch_compilation
+from insonify.compiler.progress import Compilation, watch_compilation
 from insonify.scene import Scene, SceneError
 from insonify_viewer.errors.failure import describe_error
 from insonify_viewer.record.comparison.kept_record import SimulatedScene, find_altitude

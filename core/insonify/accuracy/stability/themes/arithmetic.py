@@ -13,8 +13,8 @@ from insonify.accuracy.stability.case import Approach, StabilityCase, StabilityT
 from insonify.accuracy.stability.compiled import guarded_mean, swallowed
 from insonify.accuracy.stability.drawing import RIGHT, WRONG, add_legend, add_panel, write_table
 from insonify.accuracy.stability.level_scenes import make_ground, make_level_scene
+from insonify.compiler.jit import FAST
 from insonify.display.style import FAINT, INK
-from insonify.kernels.common.jit import FAST
 from insonify.packing.navigation import take_poses
 from insonify.scene import SceneError, load_scene
 from insonify.simulation import prepare

@@ -28,15 +28,16 @@ from numba.core.caching import CompileResultCacheImpl, FunctionCache, IndexDataC
 from numba.core.compiler import compile_result
 from numba.core.runtime import rtsys  # type: ignore[attr-defined]
 
-from insonify.kernels.common.part_library import PartLibrary
+from insonify.compiler.part_library import PartLibrary
 
-PACKAGE = "insonify.kernels"
+PACKAGE = "insonify"
 SOURCES = Path(__file__).parents[1]
+FOLDERS = ("compiler", "kernels")  # of the sources that machine code is made of
 # Modules that leave the code alone.
 WITHOUT_CODE = {
-    f"common.{name}"
+    f"compiler.{name}"
     for name in (
-        "compilation", "compilation_events", "compiling_process", "compiling_worker", "part_process", "part_worker",
+        "compilation_events", "compiling_process", "compiling_worker", "part_process", "part_worker", "progress",
         "worker_pipe",
     )
 }  # fmt: skip
@@ -52,7 +53,8 @@ def cache_folder() -> Path:
 
 def source_digests(sources: Path, folder: Path) -> dict[str, str]:
     """Digest every kernel module together with all that it imports; computed once for each state of the sources."""
-    texts = {".".join(p.relative_to(sources).with_suffix("").parts): p.read_bytes() for p in sources.rglob("*.py")}
+    paths = [path for name in FOLDERS for path in (sources / name).rglob("*.py")]
+    texts = {".".join(path.relative_to(sources).with_suffix("").parts): path.read_bytes() for path in paths}
     texts = {name: text for name, text in texts.items() if name not in WITHOUT_CODE}
     state = hashlib.sha256(b"\0".join(name.encode() + b"\0" + texts[name] for name in sorted(texts))).hexdigest()[:24]
     kept = folder / f"{state}.json"
@@ -102,7 +104,7 @@ def _imported(tree: ast.Module) -> set[str]:
     """Name the modules of the package that a module may import, dotted as within the package."""
     names = set()
     for node in ast.walk(tree):
-        if isinstance(node, ast.ImportFrom) and (node.module or "").startswith(PACKAGE):
+        if isinstance(node, ast.ImportFrom) and (node.module or "").startswith(f"{PACKAGE}."):
             module = (node.module or "")[len(PACKAGE) + 1 :]
             names |= {module, *(f"{module}.{alias.name}".lstrip(".") for alias in node.names)}
     return names
@@ -121,8 +123,9 @@ DIGESTS = source_digests(SOURCES, FOLDER)
 
 def _digest_of(module: str, file: str) -> str:
     """Digest a module; one outside this package may call any kernel, so that all of them count."""
-    if module.startswith(f"{PACKAGE}."):
-        return DIGESTS[module.removeprefix(f"{PACKAGE}.")]
+    name = module.removeprefix(f"{PACKAGE}.")
+    if name != module and name in DIGESTS:
+        return DIGESTS[name]
     own = Path(file).read_bytes() if Path(file).is_file() else module.encode()
     return hashlib.sha256(own + json.dumps(DIGESTS, sort_keys=True).encode()).hexdigest()[:24]
 

@@ -10,11 +10,11 @@ from typing import Any
 
 from numba.core import event
 
-from insonify.kernels.common.compilation import Compilation, tell_watchers
-from insonify.kernels.common.part_process import end_process, start_process
-from insonify.kernels.common.separate import SeparateKernel
+from insonify.compiler.part_process import end_process, start_process
+from insonify.compiler.progress import Compilation, tell_watchers
+from insonify.compiler.separate import SeparateKernel
 
-PACKAGE = __name__.partition(".common.")[0]
+PACKAGE = "insonify.kernels"
 WORDS = {  # by the folder of the kernel's module
     "beam": "the beam",
     "bed": "the bed",

@@ -8,8 +8,8 @@ import queue
 
 from numba.core.serialize import loads
 
-from insonify.kernels.common.compilation import watch_compilation
-from insonify.kernels.common.worker_pipe import send_answer, take_requests
+from insonify.compiler.progress import watch_compilation
+from insonify.compiler.worker_pipe import send_answer, take_requests
 
 IDLE = 20.0  # s, without a kernel to compile, after which the process ends
 

@@ -8,9 +8,9 @@ import llvmlite.binding as llvm
 from numba.core.compiler_lock import global_compiler_lock
 from numba.core.registry import cpu_target
 
-from insonify.kernels.common.part_library import Source, link_part
-from insonify.kernels.common.separate import find_address
-from insonify.kernels.common.worker_pipe import send_answer, take_requests
+from insonify.compiler.part_library import Source, link_part
+from insonify.compiler.separate import find_address
+from insonify.compiler.worker_pipe import send_answer, take_requests
 
 
 def main() -> None:

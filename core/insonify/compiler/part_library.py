@@ -14,7 +14,7 @@ import llvmlite.binding as llvm
 from numba.core import cgutils
 from numba.core.codegen import JITCodeLibrary
 
-from insonify.kernels.common.part_process import running_process
+from insonify.compiler.part_process import running_process
 
 _keys = itertools.count()
 

@@ -11,9 +11,9 @@ import numba
 import numpy as np
 import pytest
 
-from insonify.kernels.common.dispatch import Kernel
-from insonify.kernels.common.jit import inlined, kernel
-from insonify.kernels.common.part_library import PartLibrary
+from insonify.compiler.dispatch import Kernel
+from insonify.compiler.jit import inlined, kernel
+from insonify.compiler.part_library import PartLibrary
 
 pytestmark = pytest.mark.skipif(bool(numba.config.DISABLE_JIT), reason="nothing is compiled")
 
@@ -30,7 +30,7 @@ def lengthen(values, by=1):
 
 KERNELS = """
 import sys
-from insonify.kernels.common.jit import kernel
+from insonify.compiler.jit import kernel
 
 @kernel
 def square(x):

@@ -12,10 +12,10 @@ import numba
 import numpy as np
 import pytest
 
-from insonify.kernels.common import part_process
-from insonify.kernels.common.jit import inlined, kernel
-from insonify.kernels.common.part_library import link_part
-from insonify.kernels.common.part_process import (
+from insonify.compiler import part_process
+from insonify.compiler.jit import inlined, kernel
+from insonify.compiler.part_library import link_part
+from insonify.compiler.part_process import (
     PartProcess,
     end_process,
     running_process,

@@ -21,9 +21,9 @@ from numba.core.registry import CPUDispatcher, cpu_target
 from numba.core.serialize import dumps, loads
 from numba.core.typing.templates import AbstractTemplate, signature
 
-from insonify.kernels.common.cache import SeparateCache
-from insonify.kernels.common.dispatch import Kernel, NotCompiledError, WithoutWrapper, failure, let_compile
-from insonify.kernels.common.part_process import ask_for_kernel, wait_for_kernel
+from insonify.compiler.cache import SeparateCache
+from insonify.compiler.dispatch import Kernel, NotCompiledError, WithoutWrapper, failure, let_compile
+from insonify.compiler.part_process import ask_for_kernel, wait_for_kernel
 
 RESOLVE = "insonify_resolve"
 POINTER = ir.IntType(8).as_pointer()

@@ -13,10 +13,10 @@ import pytest
 from numba.core import event, types
 from numba.core.errors import TypingError
 
-from insonify.kernels.common import cache, compiling_process
-from insonify.kernels.common.compilation import Compilation, watch_compilation
-from insonify.kernels.common.compiling_process import CompilationStoppedError, compiled_elsewhere
-from insonify.kernels.common.jit import kernel, kernel_on_demand
+from insonify.compiler import cache, compiling_process
+from insonify.compiler.compiling_process import CompilationStoppedError, compiled_elsewhere
+from insonify.compiler.jit import kernel, kernel_on_demand
+from insonify.compiler.progress import Compilation, watch_compilation
 from insonify.kernels.display.rows import relate_amplitudes
 
 pytestmark = pytest.mark.skipif(bool(numba.config.DISABLE_JIT), reason="nothing is compiled")

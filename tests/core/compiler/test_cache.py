@@ -9,15 +9,15 @@ from pathlib import Path
 import numba
 import pytest
 
-from insonify.kernels.common.cache import _CacheFile, source_digests
+from insonify.compiler.cache import _CacheFile, source_digests
 
 SOURCES = {
-    "common/base.py": '"""Base."""\n\n\ndef base(x):\n    """Return x."""\n    return x\n',
-    "sweep/user.py": "from insonify.kernels.common.base import base\n\n\ndef user(x):\n    return base(x)\n",
-    "sweep/indirect.py": "from insonify.kernels.sweep import user\n\n\ndef indirect(x):\n    return user.user(x)\n",
-    "rays/other.py": "import math\n\n\ndef other(x):\n    return math.sqrt(x)\n",
+    "kernels/common/base.py": '"""Base."""\n\n\ndef base(x):\n    """Return x."""\n    return x\n',
+    "kernels/sweep/user.py": "from insonify.kernels.common.base import base\n\n\ndef user(x):\n    return base(x)\n",
+    "kernels/sweep/indirect.py": "from insonify.kernels.sweep import user\n\n\ndef other(x):\n    return user.user(x)\n",
+    "kernels/rays/other.py": "import math\n\n\ndef other(x):\n    return math.sqrt(x)\n",
 }
-IMPORTERS = {"common.base", "sweep.user", "sweep.indirect"}
+IMPORTERS = {"kernels.common.base", "kernels.sweep.user", "kernels.sweep.indirect"}
 
 # One small kernel, compiled or read in a process of its own.
 USE = """
@@ -48,20 +48,20 @@ def digests_of(folder: Path, sources: dict[str, str]) -> dict[str, str]:
     ],
 )
 def test_docstrings_comments_and_line_numbers_leave_digests_alone(tmp_path: Path, text: str) -> None:
-    assert digests_of(tmp_path, SOURCES) == digests_of(tmp_path, SOURCES | {"common/base.py": text})
+    assert digests_of(tmp_path, SOURCES) == digests_of(tmp_path, SOURCES | {"kernels/common/base.py": text})
 
 
 def test_a_change_of_code_changes_digests_of_the_module_and_of_its_importers_only(tmp_path: Path) -> None:
     before = digests_of(tmp_path, SOURCES)
-    after = digests_of(tmp_path, SOURCES | {"common/base.py": "def base(x):\n    return x + 0.0\n"})
+    after = digests_of(tmp_path, SOURCES | {"kernels/common/base.py": "def base(x):\n    return x + 0.0\n"})
     assert {name for name in before if before[name] != after[name]} == IMPORTERS
 
 
 def test_a_change_of_an_importer_leaves_what_it_imports_alone(tmp_path: Path) -> None:
     before = digests_of(tmp_path, SOURCES)
-    changed = SOURCES["sweep/user.py"].replace("base(x)\n", "base(x) + 1\n")
-    after = digests_of(tmp_path, SOURCES | {"sweep/user.py": changed})
-    assert {name for name in before if before[name] != after[name]} == {"sweep.user", "sweep.indirect"}
+    changed = SOURCES["kernels/sweep/user.py"].replace("base(x)\n", "base(x) + 1\n")
+    after = digests_of(tmp_path, SOURCES | {"kernels/sweep/user.py": changed})
+    assert {name for name in before if before[name] != after[name]} == {"kernels.sweep.user", "kernels.sweep.indirect"}
 
 
 def test_digests_do_not_depend_on_where_the_sources_lie(tmp_path: Path) -> None:
@@ -77,7 +77,14 @@ def test_digests_that_cannot_be_kept_are_computed_all_the_same(tmp_path: Path) -
 def test_damaged_digests_are_computed_anew(tmp_path: Path) -> None:
     kept = digests_of(tmp_path, SOURCES)
     (state,) = (tmp_path / "kept").glob("*.json")
-    others = ["{", "{}", "[]", "null", json.dumps(kept | {"common.base": 3}), json.dumps(kept | {"common.base": "/x"})]
+    others = [
+        "{",
+        "{}",
+        "[]",
+        "null",
+        json.dumps(kept | {"kernels.common.base": 3}),
+        json.dumps(kept | {"kernels.common.base": "/x"}),
+    ]
     for damaged in others:
         state.write_text(damaged)
         assert source_digests(tmp_path, tmp_path / "kept") == kept

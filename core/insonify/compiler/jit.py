@@ -29,9 +29,9 @@ from typing import Any
 from numba import njit
 from numba.core import config, event, types
 
-from insonify.kernels.common.compilation_events import CompilationListener
-from insonify.kernels.common.dispatch import Kernel
-from insonify.kernels.common.separate import SeparateKernel
+from insonify.compiler.compilation_events import CompilationListener
+from insonify.compiler.dispatch import Kernel
+from insonify.compiler.separate import SeparateKernel
 
 Function = Callable[..., Any]
 # Every licence that keeps NaN and infinity meaningful: guards against them must survive.

@@ -19,9 +19,9 @@ from numba.core.compiler import Compiler
 from numba.core.registry import CPUDispatcher
 from numba.core.serialize import dumps
 
-from insonify.kernels.common.cache import KernelCache, PartCache
-from insonify.kernels.common.compiling_process import compile_elsewhere, is_compiled_elsewhere
-from insonify.kernels.common.part_library import PartLibrary
+from insonify.compiler.cache import KernelCache, PartCache
+from insonify.compiler.compiling_process import compile_elsewhere, is_compiled_elsewhere
+from insonify.compiler.part_library import PartLibrary
 
 
 class NotCompiledError(RuntimeError):

@@ -14,11 +14,11 @@ import threading
 from collections.abc import Iterator
 from typing import Any
 
-from insonify.kernels.common.compilation import tell_watchers
-from insonify.kernels.common.part_process import stop_processes
-from insonify.kernels.common.worker_pipe import start_worker
+from insonify.compiler.part_process import stop_processes
+from insonify.compiler.progress import tell_watchers
+from insonify.compiler.worker_pipe import start_worker
 
-WORKER = "insonify.kernels.common.compiling_worker"
+WORKER = "insonify.compiler.compiling_worker"
 TRIES = 2  # a process may end for want of work just when it is asked
 
 

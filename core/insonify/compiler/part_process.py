@@ -14,10 +14,10 @@ import threading
 from collections.abc import Callable, Sequence
 from typing import Any
 
+from insonify.compiler.worker_pipe import start_worker
 from insonify.cores import VARIABLE, default_threads
-from insonify.kernels.common.worker_pipe import start_worker
 
-WORKER = "insonify.kernels.common.part_worker"
+WORKER = "insonify.compiler.part_worker"
 _running: list[PartProcess] = []
 _asked: dict[bytes, PartProcess] = {}
 _alive: set[PartProcess] = set()

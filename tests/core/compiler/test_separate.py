@@ -12,8 +12,8 @@ import numba
 import numpy as np
 import pytest
 
-from insonify.kernels.common.jit import INTEGER, NOTHING, TWO_INTEGERS, kernel, kernel_on_demand
-from insonify.kernels.common.part_process import WORKER
+from insonify.compiler.jit import INTEGER, NOTHING, TWO_INTEGERS, kernel, kernel_on_demand
+from insonify.compiler.part_process import WORKER
 
 pytestmark = pytest.mark.skipif(bool(numba.config.DISABLE_JIT), reason="nothing is compiled")
 
@@ -85,7 +85,7 @@ def test_a_kernel_that_cannot_be_compiled_says_why_instead_of_crashing() -> None
 
 
 SEPARATE = """
-from insonify.kernels.common.jit import INTEGER, kernel, kernel_on_demand, kernel_separate
+from insonify.compiler.jit import INTEGER, kernel, kernel_on_demand, kernel_separate
 
 @kernel_separate(INTEGER)
 def square(x):
@@ -101,7 +101,7 @@ def add_powers(x):
 """
 CALL = """
 import sys
-from insonify.kernels.common import part_process
+from insonify.compiler import part_process
 from powers import add_powers, cube, square
 part_process.WORKER = sys.argv[2]
 part_process.start_process()  # of itself it starts for kernels of this package
