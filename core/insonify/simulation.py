@@ -95,16 +95,21 @@ class Simulation:
         (n, 2, bins) float32
             Linear intensity, port first: ``out``, if it is given.
         """
+        with limited_threads(self.threads):
+            shapes, divided = self.reception.divided_by_shape, None
+            traced = self.trace(poses)
+            if shapes is not None:
+                divided = self.trace(poses, self.reduced._replace(reflectivity=shapes))
+            return record_echoes(self.reception, traced, pings, divided, out)
+
+    def trace(self, poses: Poses, arrays: SceneArrays | None = None) -> Traced:
+        """Trace echoes of an ideal pulse: their mean energy, or their waves where the receiver adds others to them."""
         trace_pings = (self.reception.sums_waves and self.tracer.trace_waves) or self.tracer.trace
 
-        def trace(arrays: SceneArrays) -> Traced:
-            def trace_tile(tile: SceneArrays, some: Poses) -> tuple[Traced]:
-                return (trace_pings(tile, some, **self.plan.settings),)
+        def trace_tile(tile: SceneArrays, some: Poses) -> tuple[Traced]:
+            return (trace_pings(tile, some, **self.plan.settings),)
 
-            return self.tiles.map(trace_tile, arrays, poses)[0]
-
-        with limited_threads(self.threads):
-            return record_echoes(self.reception, trace, self.reduced, pings, out)
+        return self.tiles.map(trace_tile, self.reduced if arrays is None else arrays, poses)[0]
 
     def expect(self, pings: NDArray[np.int64]) -> None:
         """Keep the ground beneath pings, (n,) numbers, that are traced again in whatever blocks, as far as it fits."""
