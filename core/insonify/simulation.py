@@ -9,23 +9,23 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from insonify.dataset import make_block, record_attributes
 from insonify.io.record_block import RecordBlock
 from insonify.kernels.common.types import Poses, SceneArrays
-from insonify.packing.navigation import bed_beneath, make_poses, refuse_track_off_bed
 from insonify.packing.terrain_tiles import TerrainTiles
-from insonify.packing.track import TowLine, tow_line_at
 from insonify.parallel import count_threads, limited_threads
 from insonify.planning import Plan
 from insonify.planning.models import PackedScene, pack
 from insonify.planning.selection import check_request, choose_model, keep_plan
 from insonify.receiver import Reception, Traced, prepare_reception, record_echoes
+from insonify.record.blocks import trace_blocks, trace_whole
+from insonify.record.target_truth import TargetTruth, find_target_truth, join_target_truth
+from insonify.record.variables import make_block, record_attributes
 from insonify.scene import Scene, SceneError
 from insonify.terrain import AnyGround
-from insonify.traced_blocks import trace_blocks, trace_whole
+from insonify.tow.line import TowLine, tow_line_at
+from insonify.tow.poses import bed_beneath, make_poses, refuse_track_off_bed
 from insonify.tracers.labels import RecordLabels, trace_labels
 from insonify.tracers.registry import Tracer
-from insonify.tracers.target_truth import TargetTruth, find_target_truth, join_target_truth
 
 if TYPE_CHECKING:
     import xarray as xr

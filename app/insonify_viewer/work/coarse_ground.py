@@ -36,9 +36,9 @@ def thin_new_ground(scene: Scene, known: Scene | None) -> Scene:
 def pack_beneath(scene: Scene, pings: NDArray[np.int64]) -> PackedScene:
     """Pack a scene over endless ground, of which no more is made than some pings hear."""
     # lazy: loaded on the worker; the window opens before Numba is loaded
-    from insonify.packing.track import tow_line_at
     from insonify.planning.models import pack
     from insonify.terrain import build_excerpt
+    from insonify.tow.line import tow_line_at
 
     line, margin = tow_line_at(scene, pings), MARGIN * scene.sonar.range
     low, high = (line.x.min() - margin, line.y.min() - margin), (line.x.max() + margin, line.y.max() + margin)

@@ -15,10 +15,10 @@ from insonify.accuracy.stability.drawing import RIGHT, WRONG, add_legend, add_pa
 from insonify.accuracy.stability.level_scenes import make_ground, make_level_scene
 from insonify.display.style import FAINT, INK
 from insonify.kernels.common.jit import FAST
-from insonify.packing.navigation import take_poses
 from insonify.scene import SceneError, load_scene
 from insonify.simulation import prepare
 from insonify.terrain import relief
+from insonify.tow.poses import take_poses
 from insonify.tracers import rays, sweep
 
 CELL = 0.1
