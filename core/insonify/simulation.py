@@ -11,10 +11,10 @@ from numpy.typing import NDArray
 
 from insonify.io.record_block import RecordBlock
 from insonify.kernels.common.types import Poses, SceneArrays
+from insonify.packing.packed_scene import PackedScene, pack
 from insonify.packing.terrain_tiles import TerrainTiles
 from insonify.parallel import count_threads, limited_threads
 from insonify.planning import Plan
-from insonify.planning.models import PackedScene, pack
 from insonify.planning.selection import check_request, choose_model, keep_plan
 from insonify.receiver import Reception, Traced, prepare_reception, record_echoes
 from insonify.record.blocks import trace_blocks, trace_whole
@@ -169,7 +169,7 @@ def prepare(
         A plan of this scene or of one like it, which is kept as far as the geometry of the scene admits it; nothing is
         measured then.
     packed : PackedScene, optional
-        The scene's ground and arrays, if they are made already, as by `insonify.planning.models.pack`.
+        The scene's ground and arrays, if they are made already, as by `insonify.packing.packed_scene.pack`.
 
     Returns
     -------

@@ -19,10 +19,10 @@ import numpy as np
 import pytest
 
 from insonify.kernels.common.types import Poses
+from insonify.packing.packed_scene import Model, PackedScene, pack
 from insonify.parallel import limited_threads
 from insonify.planning import MOST_PLANES, Plan
 from insonify.planning.choices.base import Case
-from insonify.planning.models import Model, PackedScene, pack
 from insonify.planning.selection import choose_model
 from insonify.scene import SceneError
 from insonify.statistics.record_errors import compare_records

@@ -14,8 +14,8 @@ import numpy as np
 import pytest
 
 from insonify.accuracy.timing import time_calls
-from insonify.planning import models
-from insonify.planning.models import Model, pack
+from insonify.packing import packed_scene as models
+from insonify.packing.packed_scene import Model, pack
 from insonify.scene import edit, load_scene
 from insonify.tow.poses import make_poses
 

@@ -11,7 +11,7 @@ import pytest
 
 from insonify.array_cache import ARRAYS
 from insonify.packing import terrain_tiles
-from insonify.planning.models import pack
+from insonify.packing.packed_scene import pack
 from insonify.scene import build, edit
 from insonify.simulation import prepare, simulate_blocks
 from insonify.terrain import EndlessGround, Ground, HeldWindow, build_excerpt, build_ground, relief, relief_picture

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 if TYPE_CHECKING:
     from insonify.kernels.common.types import Poses, SceneArrays
-    from insonify.planning.models import PackedScene
+    from insonify.packing.packed_scene import PackedScene
     from insonify.scene import Scene
     from insonify.terrain import AnyGround
     from insonify.tow.line import TowLine

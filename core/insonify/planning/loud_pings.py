@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from insonify.acoustics.error_range import ERROR_ALTITUDES, find_first_bin
-from insonify.planning.models import Model, PackedScene
+from insonify.packing.packed_scene import Model, PackedScene
 from insonify.planning.probe import scale_to_flat_bed
 from insonify.planning.probe_pings import ProbePings, spread_over_track
 from insonify.tow.poses import make_poses

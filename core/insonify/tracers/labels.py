@@ -23,7 +23,7 @@ from insonify.packing.reduced_scene import without_targets
 from insonify.parallel import PerThread
 from insonify.tow.poses import take_poses
 from insonify.tracers.azimuth_fan import lay_planes_of_images
-from insonify.tracers.blocks import trace_blocks
+from insonify.tracers.base import trace_blocks
 from insonify.tracers.sweep import pings_a_thread
 
 NOTHING = NO_TARGET  # target of a bin without an echo, or without a shadow

@@ -24,7 +24,7 @@ from insonify.scene import Scene, SceneError
 from insonify.scene.sonar.pulses import PulseKind as DeclaredPulse
 from insonify.tow.poses import take_poses
 from insonify.tracers.azimuth_fan import lay_planes
-from insonify.tracers.blocks import Record, empty_record, trace_blocks
+from insonify.tracers.base import Record, empty_record, trace_blocks
 
 Waves = NDArray[np.complex128]
 IN_A_CELL = 32.0  # scatterers, where the scene does not say how many

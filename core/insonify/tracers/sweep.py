@@ -20,7 +20,7 @@ from insonify.parallel import PerThread
 from insonify.tow.poses import take_poses
 from insonify.tracers import ray_sheets
 from insonify.tracers.azimuth_fan import lay_planes_of_images
-from insonify.tracers.blocks import Record, new_record, trace_blocks
+from insonify.tracers.base import Record, new_record, trace_blocks
 from insonify.tracers.rays import trace as trace_rays
 
 RAYS_A_SHEET = 8.0  # of a fan where refraction folds, per root of all its rays: both parts of the error are about equal

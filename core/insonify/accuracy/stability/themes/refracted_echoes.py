@@ -24,7 +24,7 @@ from insonify.kernels.refraction.apparent_positions import (
 from insonify.packing.apparent_tables import COLUMN_STEP, ROW_STEP, make_apparent_tables
 from insonify.simulation import prepare
 from insonify.tracers import ray_sheets, rays
-from insonify.tracers.blocks import Record
+from insonify.tracers.base import Record
 
 Values = NDArray[np.float64]
 # Sound slows down by 2 m/s per metre of depth: rays are arcs of circles, with closed forms.

@@ -16,7 +16,7 @@ from insonify.display.style import INK
 from insonify.simulation import prepare
 from insonify.statistics.record_errors import compare_records
 from insonify.tracers import ray_sheets, sweep
-from insonify.tracers.blocks import Record
+from insonify.tracers.base import Record
 
 RMS = 0.16  # m, with nodes 0.1 m apart
 ROUGH = {
