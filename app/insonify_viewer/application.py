@@ -25,7 +25,7 @@ from insonify_viewer.errors.file_warnings import told_file_warnings
 from insonify_viewer.panels.comparison.controller import ComparisonPanel
 from insonify_viewer.panels.lessons.controller import LessonsPanel
 from insonify_viewer.record.comparison.arrangement import Arrangement
-from insonify_viewer.state.session import Mark
+from insonify_viewer.state.inspection import Mark
 from insonify_viewer.viewer import Viewer
 from insonify_viewer.widgets.qt_modules import leave_sources_unread
 from insonify_viewer.widgets.save_dialogs import save_picture

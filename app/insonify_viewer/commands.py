@@ -13,7 +13,7 @@ from insonify.io.records import RECORDS
 from insonify.lessons import Lesson, check_lesson, load_lesson, states_of
 from insonify.scene import DEFAULT_SCENE, Scene, SceneError, load_partner
 from insonify_viewer.record.comparison.arrangement import Arrangement
-from insonify_viewer.state.session import Mark
+from insonify_viewer.state.inspection import Mark
 from insonify_viewer.window.screen_check import why_no_window
 
 FALLBACK = "insonify.png"

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import gc
 import time
+from collections.abc import Sequence
 from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -16,7 +17,7 @@ from PySide6.QtGui import QGuiApplication
 from insonify.display.picture import PALETTES
 from insonify.scene import Scene, SceneError, bundled_scenes, scene_to_toml
 from insonify_viewer.errors.failure import Failure, describe_error
-from insonify_viewer.panels.panel import RecordGrowth
+from insonify_viewer.panels.panel import Workbench
 from insonify_viewer.panels.panel_set import PanelSet
 from insonify_viewer.record.comparison.comparison import Comparison
 from insonify_viewer.record.comparison.recording_player import RecordingPlayer
@@ -24,12 +25,12 @@ from insonify_viewer.record.contrast import Contrast
 from insonify_viewer.record.mark_controller import MarkController
 from insonify_viewer.record.marked_point import MarkedPoint
 from insonify_viewer.record.projection import compile_picture
-from insonify_viewer.record.record import Record, pings_held
+from insonify_viewer.record.record import Record, RecordGrowth, pings_held
 from insonify_viewer.seabed.controller import SeabedController, silence
 from insonify_viewer.state.auto_pause import next_pause
-from insonify_viewer.state.contacts import ContactList
-from insonify_viewer.state.inspection import Inspection
-from insonify_viewer.state.session import Mark, Session
+from insonify_viewer.state.contact_list import ContactList
+from insonify_viewer.state.inspection import Inspection, Mark
+from insonify_viewer.state.session import Session
 from insonify_viewer.state.tow_clock import TowClock
 from insonify_viewer.window.file_dialogs import FileDialogs
 from insonify_viewer.window.file_opening import FileOpening
@@ -43,7 +44,6 @@ from insonify_viewer.work.laid_scene import LaidScene
 from insonify_viewer.work.ping_request import PingRequest, TracedPings
 from insonify_viewer.work.simulator import Simulator
 from insonify_viewer.work.waiting import WaitingWatch
-from insonify_viewer.workbench import make_workbench
 
 if TYPE_CHECKING:
     from insonify.planning.models import PackedScene
@@ -73,7 +73,7 @@ class Viewer(QObject):
         pause = partial(self.run, False)
         self.recordings = RecordingPlayer(self.window, self.session, self.tow, self.simulator, pause=pause)
         self.comparison = Comparison(self.window, self.session, self.simulator, self.recordings)
-        self.panels = PanelSet(make_workbench(self))
+        self.panels = PanelSet(self._workbench())
         added = partial(self.panels.tell, "part_added")
         self.targets = TargetEditor(self.session, self.window, self.simulator, self.files, added)
         parts = self.files, self.recordings, self.targets, self.contacts, self.saving
@@ -191,9 +191,53 @@ class Viewer(QObject):
         self.simulator.close(PATIENCE)
         self._seabed.close(PATIENCE)
 
+    def _workbench(self) -> Workbench:
+        """Return what the panels are made with."""
+
+        def open_scene(scene: Scene, file: str, *, ask: bool) -> bool:
+            if ask and not self.saving.may_leave():
+                return False
+            self.open(scene, file)
+            return True
+
+        def add_actions(actions: Sequence[Any]) -> None:
+            self.window.addActions(actions)
+            self.window.menus.group("Record", actions)
+
+        return Workbench(
+            session=self.session,
+            simulator=self.simulator,
+            files=self.files,
+            say=self.window.say,
+            complain=self.window.complain,
+            copy_details=self.window.status.copy_details,
+            pause=lambda: self.run(False),
+            go_to=self.go_to,
+            record_views=(self.window.waterfall, self.window.record_a),
+            add_actions=add_actions,
+            drape=lambda strip: self.seabed.drape(strip),
+            open_panel=self.window.open_panel,
+            inspection=self.inspection,
+            jobs=self.jobs,
+            recordings=self.recordings,
+            comparison=self.comparison,
+            contacts=self.contacts,
+            open_contacts=lambda: self.opening.ask_for_contacts(),
+            save_contacts=self.saving.save_contacts,
+            open_scene=open_scene,
+            light_fields=lambda paths: self.panels.tell("fields_lit", paths),
+            project=self.window.projector.setChecked,
+        )
+
     def _connect(self) -> None:
         window, session = self.window, self.session
-        self.inspection.connect(window.waterfall, self._seabed)
+        inspection, seabed = self.inspection, self._seabed
+        window.waterfall.clicked.connect(inspection.pin)
+        inspection.pinned.connect(window.waterfall.show_pin)
+        inspection.lit.connect(window.waterfall.show_lit)
+        inspection.drawn.connect(seabed.show_sound)
+        inspection.picked.connect(seabed.show_pick)
+        seabed.picked.connect(inspection.pick)
         self.targets.handles.connect_seabed(self._seabed)
         self._seabed.failed.connect(window.complain)
         session.changed.connect(self._scene_changed)
@@ -207,7 +251,7 @@ class Viewer(QObject):
         window.waterfall.hovered.connect(session.point_at)
         window.waterfall.scrolled.connect(self.look_back)
         window.waterfall.scrubbed.connect(self.go_to)
-        HistoryController(session, self.contacts, self.saving, window)
+        self._history = HistoryController(session, self.contacts, self.saving, window)
         window.levels.triggered.connect(self.find_levels)
         window.reset_view.triggered.connect(self._seabed.reset_view)
         self.jobs.watch(lambda _: window.jobs.show_jobs(self.jobs.running))

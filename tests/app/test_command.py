@@ -18,7 +18,7 @@ from insonify.cli import main
 from insonify.kernels.common.compilation import tell_watchers
 from insonify.scene import Scene, SceneError, edit, load_scene
 from insonify_viewer import application
-from insonify_viewer.state.session import Mark
+from insonify_viewer.state.inspection import Mark
 from insonify_viewer.viewer import Viewer
 from insonify_viewer.window import screen_check
 

@@ -16,7 +16,7 @@ from insonify_viewer.panels.parameters.view.parameters_view import ParametersVie
 from insonify_viewer.record.record_overlays import draw_measured
 from insonify_viewer.record.rulers import write_towed
 from insonify_viewer.record.true_scale import name_scale, plot_at_true_scale
-from insonify_viewer.state.session import Mark
+from insonify_viewer.state.inspection import Mark
 from insonify_viewer.widgets.field_rows import Combo, NameLabel
 from insonify_viewer.widgets.theme import Theme, apply_theme
 

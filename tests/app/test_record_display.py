@@ -23,7 +23,7 @@ from insonify_viewer.record.projection import Projection, Zoom
 from insonify_viewer.record.record import Record
 from insonify_viewer.record.record_image import EMPTY
 from insonify_viewer.record.tone_map import make_tone_map
-from insonify_viewer.state.session import Mark
+from insonify_viewer.state.inspection import Mark
 from insonify_viewer.widgets.pixels import colour_table
 
 PINGS, BINS, RANGE = 40, 200, 50.0

@@ -22,7 +22,7 @@ from insonify_viewer.errors.file_warnings import told_file_warnings
 from insonify_viewer.record.comparison import recording_player
 from insonify_viewer.record.comparison.arrangement import Arrangement
 from insonify_viewer.record.comparison.recording import MAX_PINGS, Recording, compass_heading, describe_point
-from insonify_viewer.state.session import Mark
+from insonify_viewer.state.inspection import Mark
 from insonify_viewer.work.background_job import State
 
 REAL = Path("../shared/data/xtf/scotsman-iver2.xtf")

@@ -14,8 +14,7 @@ import pytest
 from PySide6.QtCore import QLockFile
 
 from insonify.scene import Scene, edit
-from insonify_viewer.state.contact_files import read_contacts, write_contacts
-from insonify_viewer.state.contacts import Contact
+from insonify_viewer.state.contacts import Contact, read_contacts, write_contacts
 from insonify_viewer.window.recovery import INTERVAL, Recovery
 
 FISH = Contact("fish", "a shoal?", "A scene", 3, "port", 7, 2.0, snapshot=bytes(range(256)))

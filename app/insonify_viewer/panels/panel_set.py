@@ -5,7 +5,8 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Any
 
 from insonify_viewer.panels import find_panels
-from insonify_viewer.panels.panel import Panel, RecordGrowth, Workbench
+from insonify_viewer.panels.panel import Panel, Workbench
+from insonify_viewer.record.record import RecordGrowth
 
 if TYPE_CHECKING:
     from insonify.simulation import Simulation

@@ -9,7 +9,7 @@ import numpy as np
 
 from insonify.io.georeference import Georeference, find_georeference, to_degrees
 from insonify_viewer.record.marked_point import locate_mark
-from insonify_viewer.state.session import Mark
+from insonify_viewer.state.inspection import Mark
 
 if TYPE_CHECKING:
     from insonify.simulation import Simulation

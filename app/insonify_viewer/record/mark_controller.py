@@ -17,7 +17,7 @@ if TYPE_CHECKING:
     from insonify.simulation import Simulation
     from insonify.tracers.labels import RecordLabels
     from insonify_viewer.record.record import Record
-    from insonify_viewer.state.session import Mark
+    from insonify_viewer.state.inspection import Mark
     from insonify_viewer.work.ping_request import TracedPings
 
 KEPT = 32  # pings whose labels are kept

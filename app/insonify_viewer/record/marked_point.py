@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from insonify_viewer.record.record import Record
-from insonify_viewer.state.session import Mark
+from insonify_viewer.state.inspection import Mark
 
 if TYPE_CHECKING:
     from insonify.display.normalisation import LevelBed

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from insonify.display.picture import average_columns, colour_rows, place_columns
 from insonify.display.range_axis import RangeAxis
-from insonify_viewer.state.session import Mark
+from insonify_viewer.state.inspection import Mark
 
 Values = NDArray[np.float64]
 BEYOND = np.float32(-1.0)  # amplitude of columns that lie beyond the last bin

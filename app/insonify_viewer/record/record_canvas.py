@@ -24,7 +24,7 @@ from insonify_viewer.record.scrub_handle import ScrubHandle
 from insonify_viewer.record.tone_map import ToneMap, make_tone_map
 from insonify_viewer.record.true_scale import name_scale, plot_at_true_scale
 from insonify_viewer.record.waiting_bar import draw_waiting
-from insonify_viewer.state.session import Mark
+from insonify_viewer.state.inspection import Mark
 from insonify_viewer.widgets.text_scale import text_scale
 from insonify_viewer.widgets.theme import GROUND
 from insonify_viewer.work.waiting import Waiting

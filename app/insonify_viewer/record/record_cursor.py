@@ -6,7 +6,7 @@ from collections.abc import Callable
 
 from PySide6.QtCore import QPoint, QRect
 
-from insonify_viewer.state.session import Mark
+from insonify_viewer.state.inspection import Mark
 
 
 class RecordCursor:

@@ -9,7 +9,7 @@ from PySide6.QtCore import QPoint, QRect
 from PySide6.QtGui import QPainter
 
 from insonify_viewer.record.record_overlays import draw_contacts, draw_cross, draw_measured
-from insonify_viewer.state.session import Mark
+from insonify_viewer.state.inspection import Mark
 from insonify_viewer.widgets.pixel_marks import draw_lit, draw_pin
 
 

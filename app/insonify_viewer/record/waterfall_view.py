@@ -12,7 +12,7 @@ from insonify_viewer.errors.guarded_overrides import guard_override
 from insonify_viewer.record.record_canvas import RecordCanvas
 from insonify_viewer.record.record_cursor import RecordCursor
 from insonify_viewer.record.record_handles import RecordHandles
-from insonify_viewer.state.session import Mark
+from insonify_viewer.state.inspection import Mark
 from insonify_viewer.widgets.arrow_keys import ENTER, modifiers_of, steps_of
 from insonify_viewer.widgets.theme import TEXT
 

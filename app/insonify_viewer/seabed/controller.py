@@ -8,13 +8,13 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
+from psygnal import Signal
 
 from insonify.scene import SceneError
 from insonify_viewer.errors.failure import Failure
 from insonify_viewer.record.drape import RecordStrip, drape_record
 from insonify_viewer.seabed.fan_sheet import fan_sheet
 from insonify_viewer.seabed.line_of_sight import meet_bed
-from insonify_viewer.state.session import Event
 from insonify_viewer.widgets.qt_modules import load_qt_modules
 from insonify_viewer.work.gc_policy import leave_out_libraries
 from insonify_viewer.work.job import Job
@@ -41,6 +41,12 @@ VIEW = "insonify_viewer.seabed.seabed_view"
 class SeabedController:
     """Loads the view and its libraries, and passes on only what has changed."""
 
+    picked = Signal(tuple)  # place of the bed or of a target that was clicked
+    taken = Signal(int)  # number of the handle at which a drag begins
+    pulled = Signal(tuple)  # place of the bed to which it is dragged
+    released = Signal()
+    failed = Signal(object)  # a `Failure` or an exception
+
     def __init__(self, simulator: Simulator, *, accelerated: bool) -> None:
         self._simulator, self._accelerated = simulator, accelerated
         self._view: SeabedView | None = None
@@ -57,8 +63,6 @@ class SeabedController:
         self._strip: RecordStrip | None = None  # what is laid over the bed
         self._patch: BedPatch | None = None  # the bed on screen
         self._drape_asked = self._drape_shown = 0
-        self.picked, self.taken, self.pulled, self.released = Event(), Event(), Event(), Event()
-        self.failed = Event()
         self._grips: Sequence[Grip] = ()
 
     @property
@@ -195,9 +199,9 @@ class SeabedController:
         self._view = SeabedView(accelerated=self._accelerated)
         self._view.sighted.connect(self._pick)
         handles = self._view.handles
-        handles.taken.connect(self.taken.emit)
+        handles.taken.connect(lambda number: self.taken.emit(number))
         handles.pulled.connect(self._pull)
-        handles.released.connect(self.released.emit)
+        handles.released.connect(lambda: self.released.emit())
         handles.show(self._grips)
         put(self._view)
         if self._latest is not None:

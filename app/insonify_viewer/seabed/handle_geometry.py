@@ -10,7 +10,7 @@ import numpy as np
 
 from insonify.scene import Scene
 from insonify.scene.targets import Target
-from insonify_viewer.state.session import Mark
+from insonify_viewer.state.inspection import Mark
 
 if TYPE_CHECKING:
     from insonify.simulation import Simulation

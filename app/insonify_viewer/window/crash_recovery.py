@@ -10,7 +10,8 @@ from PySide6.QtWidgets import QMessageBox
 
 from insonify.scene import Scene
 from insonify_viewer.errors.failure import Failure, format_trace
-from insonify_viewer.state.contacts import ContactList, describe_contacts
+from insonify_viewer.state.contact_list import ContactList
+from insonify_viewer.state.contacts import describe_contacts
 from insonify_viewer.state.session import Session
 from insonify_viewer.window.main_window import MainWindow
 from insonify_viewer.window.recovery import INTERVAL, LeftWork, Recovery

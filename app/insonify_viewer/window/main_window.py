@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from functools import partial
 
 from PySide6.QtCore import QSize, Qt, Signal
 from PySide6.QtGui import QAction, QCloseEvent, QKeySequence
@@ -31,9 +32,11 @@ from insonify_viewer.state.tow_clock import SPEEDS
 from insonify_viewer.widgets.icons import set_icon
 from insonify_viewer.widgets.text_scale import scaled
 from insonify_viewer.window.file_drop import take_drops
+from insonify_viewer.window.help_dialogs import AboutDialog, KeysDialog
 from insonify_viewer.window.history_menus import HistoryMenus
 from insonify_viewer.window.job_bar import JobBar
-from insonify_viewer.window.menu_contents import fill_menus, name_button
+from insonify_viewer.window.key_list import OTHER_KEYS
+from insonify_viewer.window.looks_menu import LooksMenu
 from insonify_viewer.window.menus import Menus
 from insonify_viewer.window.panel_docks import PanelDocks
 from insonify_viewer.window.panel_room import PanelRoom
@@ -95,8 +98,10 @@ class MainWindow(QMainWindow):
         self._add_tools(palettes)
         self.menus = Menus(self)
         self.recent = RecentMenu(self, self.settings)
-        self.tour = Tour(self, tour_steps(self))
-        self.looks = fill_menus(self, self.menus)
+        sliders = partial(self.panel_widget, "parameters")
+        parts = lambda: self.scenes, sliders, lambda: self.waterfall, lambda: self.seabed, self.menuBar
+        self.tour = Tour(self, tour_steps(*parts))
+        self._fill_menus()
         self._add_status()
         take_drops(self, self.files_wanted.emit)
         application = QApplication.instance()
@@ -320,6 +325,43 @@ class MainWindow(QMainWindow):
         status.addWidget(self.status, 1)
         status.addPermanentWidget(self.jobs)
 
+    def _fill_menus(self) -> None:
+        """Put every command into the menus, before those of panels."""
+        menus = self.menus
+        menus.file.addMenu(self.scenes.menu()).setText("Scenes")
+        menus.group("File", [self.open_scene, self.open_recording, self.open_dem])
+        contacts = menus.add("File", "Open contacts…", "Open a file of contacts in place of those in the list")
+        contacts.triggered.connect(lambda: self.contacts_wanted.emit())
+        menus.file.addMenu(self.recent)
+        menus.group("File", [self.save.scene, self.save.record, self.save.picture])
+        menus.file.addSeparator()
+        menus.add("File", "Quit", "Close the window", "Ctrl+Q").triggered.connect(self.close)
+        menus.group("Edit", [self.undo, self.redo])
+        menus.edit.addSeparator()
+        menus.edit.addMenu(self.targets.menu()).setText("Add a target")
+        menus.group("Record", [self.pause, self.levels, self.trace])
+        menus.group("Record", self.comparison.actions)
+        menus.group("Tools", [self.save.jobs])
+        menus.group("View", [self.projector, self.reset_view])
+        self.looks = LooksMenu(self, menus.view, self.settings, self.say)
+        menus.view.addSeparator()
+        keys = menus.add("Help", "Keyboard shortcuts", "Every command that has a key, and the keys of views", "?")
+        keys.triggered.connect(lambda: KeysDialog(self, menus.all, OTHER_KEYS).show())
+        menus.add("Help", "Tour", "Five steps through the window").triggered.connect(self.tour.begin)
+        about = menus.add("Help", "About insonify", "Versions, licence, citation")
+        about.triggered.connect(lambda: AboutDialog(self).show())
+        self._show_icons()
+
+    def _show_icons(self) -> None:
+        """Give the tools icons, and names to those who reach them by keyboard."""
+        for owner, name in (
+            (self.scenes, "scenes"), (self.targets, "target"), (self.save, "save"), (self.undo, "undo"),
+            (self.redo, "redo"), (self.pause, "pause"), (self.reset_view, "home"), (self.levels, "levels"),
+        ):  # fmt: skip
+            set_icon(owner, name)
+        for button in self.findChildren(QToolButton):
+            name_button(button)
+
     def _tool(self, bar: QToolBar, text: str, tip: str, shortcut: QKeySequence) -> QAction:
         action = self._action(text, tip, shortcut)
         bar.addAction(action)
@@ -330,3 +372,9 @@ class MainWindow(QMainWindow):
         action.setShortcut(shortcut)
         action.setToolTip(with_key(tip, shortcut))
         return action
+
+
+def name_button(button: QToolButton) -> None:
+    """Let the keyboard reach a tool, and give it a name for screen readers."""
+    button.setFocusPolicy(Qt.FocusPolicy.TabFocus)
+    button.setAccessibleName(button.toolTip())

@@ -13,8 +13,7 @@ from platformdirs import user_state_path
 
 from insonify.io.atomic import replacing
 from insonify.scene import Scene, SceneError, load_scene, scene_to_toml
-from insonify_viewer.state.contact_files import GEOJSON, read_contacts, write_contacts
-from insonify_viewer.state.contacts import Contact
+from insonify_viewer.state.contacts import GEOJSON, Contact, read_contacts, write_contacts
 
 Work = TypeVar("Work")
 INTERVAL = 2.0  # s between looks at the work; no more of it is lost, and the time of writing

@@ -7,6 +7,8 @@ from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from types import TracebackType
 
+from psygnal import EmitLoopError
+
 from insonify.scene import SceneError
 from insonify_viewer.errors.failure import Failure, describe_error, format_trace
 
@@ -20,6 +22,9 @@ def told_errors(complain: Callable[[Failure], None]) -> Iterator[None]:
     before = sys.excepthook
 
     def tell(kind: type[BaseException], error: BaseException, trace: TracebackType | None) -> None:
+        while isinstance(error, EmitLoopError) and error.__cause__ is not None:  # raised by a callback of a signal
+            error = error.__cause__
+            kind, trace = type(error), error.__traceback__
         if isinstance(error, SceneError):
             complain(describe_error(error))
             return

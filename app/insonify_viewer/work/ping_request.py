@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -44,3 +44,16 @@ class TracedPings:
     altitude: NDArray[np.float64]
     # (bins,) number of pings that the beam covers, over which the view still has to average.
     reach: NDArray[np.float64] | None = None
+
+
+class SimulatedScene(NamedTuple):
+    """A scene that is ready to be traced, and its record on a level bed."""
+
+    simulation: Simulation
+    level: LevelBed
+
+
+def find_altitude(simulation: Simulation, pings: NDArray[np.int64]) -> NDArray[np.float64]:
+    """Height of the sonar above the bed at pings, in metres; NaN where there is no bed."""
+    poses = simulation.poses(pings)
+    return np.asarray(poses.z - simulation.ground.height_at(poses.x, poses.y))

@@ -10,10 +10,11 @@ from insonify.lessons import AUTOMATIC, SIDES, Lesson, LessonState, load_lessons
 from insonify.scene import Scene
 from insonify_viewer.panels.lessons.course import Course
 from insonify_viewer.panels.lessons.view import LessonsView
-from insonify_viewer.panels.panel import Button, Panel, Place, RecordGrowth, Workbench
+from insonify_viewer.panels.panel import Button, Panel, Place, Workbench
 from insonify_viewer.record.marked_point import MarkedPoint
+from insonify_viewer.record.record import RecordGrowth
+from insonify_viewer.state.inspection import Mark
 from insonify_viewer.state.modelling import Modelling
-from insonify_viewer.state.session import Mark
 
 
 class LessonsPanel(Panel):

@@ -5,10 +5,11 @@ from __future__ import annotations
 import statistics
 from typing import TYPE_CHECKING
 
-from insonify_viewer.panels.panel import Panel, Place, RecordGrowth, Workbench
+from insonify_viewer.panels.panel import Panel, Place, Workbench
 from insonify_viewer.panels.plan.comparison import ModelledRecord, changed_subject, difference_in_words
 from insonify_viewer.panels.plan.view import PlanView
 from insonify_viewer.record.comparison.record_difference import RecordSnapshot, compare_records
+from insonify_viewer.record.record import RecordGrowth
 
 if TYPE_CHECKING:
     from insonify.planning import Plan

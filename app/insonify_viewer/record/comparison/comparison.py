@@ -7,25 +7,25 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
+from psygnal import Signal
 
 from insonify.scene import Scene, SceneError, load_partner
 from insonify_viewer.errors.failure import Failure
 from insonify_viewer.record.comparison.arrangement import Arrangement
 from insonify_viewer.record.comparison.changed_fields import Change, list_changes
-from insonify_viewer.record.comparison.kept_record import KeptRecord, SimulatedScene, Traced
+from insonify_viewer.record.comparison.kept_record import KeptRecord, Traced
 from insonify_viewer.record.comparison.record_difference import RecordSnapshot, are_comparable, compare_records
 from insonify_viewer.record.comparison.recording import Recording
 from insonify_viewer.record.record import Record
 from insonify_viewer.state.modelling import Modelling
-from insonify_viewer.state.session import Event
 from insonify_viewer.work.newest_wins import NewestWins
+from insonify_viewer.work.ping_request import SimulatedScene
 from insonify_viewer.work.waiting import Waiting
 
 if TYPE_CHECKING:
-    from insonify_viewer.panels.panel import RecordGrowth
-    from insonify_viewer.record.comparison.recording_player import RecordingPlayer
+    from insonify_viewer.record.comparison.recording_player import RecordingPlayer, RecordWindow
+    from insonify_viewer.record.record import RecordGrowth
     from insonify_viewer.state.session import Session
-    from insonify_viewer.window.main_window import MainWindow
     from insonify_viewer.work.ping_request import TracedPings
     from insonify_viewer.work.simulator import Simulator
 
@@ -40,8 +40,12 @@ class Comparison:
     own. A recording is played by `RecordingPlayer`.
     """
 
-    def __init__(self, window: MainWindow, session: Session, simulator: Simulator, recordings: RecordingPlayer) -> None:
-        self.changed, self.measured = Event(), Event()
+    changed = Signal()  # record A, or the arrangement
+    measured = Signal()  # the difference
+
+    def __init__(
+        self, window: RecordWindow, session: Session, simulator: Simulator, recordings: RecordingPlayer
+    ) -> None:
         self.a: KeptRecord | Recording | None = None
         self.arrangement = Arrangement.ALONE
         self.difference = ""

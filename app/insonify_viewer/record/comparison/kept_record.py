@@ -2,36 +2,22 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
 from insonify_viewer.record.record import Record, pings_held
 from insonify_viewer.state.modelling import Modelling
+from insonify_viewer.work.ping_request import SimulatedScene, find_altitude
 
 if TYPE_CHECKING:
-    from insonify.display.normalisation import LevelBed
     from insonify.scene import Scene
-    from insonify.simulation import Simulation
     from insonify_viewer.work.ping_request import TracedPings
 
 BLOCK_TIME = 0.1  # s, predicted for a block of pings, after which it is shown
 Traced = tuple[NDArray[np.float32], NDArray[np.float64]]
 STAMP = 0  # of all rows: a kept record does not change
-
-
-class SimulatedScene(NamedTuple):
-    """A scene that is ready to be traced, and its record on a level bed."""
-
-    simulation: Simulation
-    level: LevelBed
-
-
-def find_altitude(simulation: Simulation, pings: NDArray[np.int64]) -> NDArray[np.float64]:
-    """Height of the sonar above the bed at pings, in metres; NaN where there is no bed."""
-    poses = simulation.poses(pings)
-    return np.asarray(poses.z - simulation.ground.height_at(poses.x, poses.y))
 
 
 class KeptRecord:

@@ -5,22 +5,49 @@ from __future__ import annotations
 from collections.abc import Callable
 from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Protocol
+
+from psygnal import Signal
 
 from insonify_viewer.errors.failure import Failure
 from insonify_viewer.record.comparison.recording import Recording, load_recording
 from insonify_viewer.record.contrast import Contrast
 from insonify_viewer.record.record import Record
-from insonify_viewer.state.session import Event, Mark, Session
+from insonify_viewer.state.inspection import Mark
+from insonify_viewer.state.session import Session
 from insonify_viewer.state.tow_clock import TowClock
 from insonify_viewer.work.job import Job
 from insonify_viewer.work.waiting import Waiting
 
 if TYPE_CHECKING:
-    from insonify_viewer.window.main_window import MainWindow
+    from PySide6.QtGui import QAction
+
+    from insonify_viewer.record.comparison.comparison_actions import ComparisonActions
+    from insonify_viewer.record.comparison.comparison_overlay import ComparisonOverlay
+    from insonify_viewer.record.comparison.record_a_view import RecordAView
+    from insonify_viewer.record.comparison.records_side_by_side import RecordsSideBySide
+    from insonify_viewer.record.waterfall_view import WaterfallView
     from insonify_viewer.work.simulator import Simulator
 
 STAMP = 0  # of all rows: a recording does not change
+
+
+class RecordWindow(Protocol):
+    """What the comparison needs of the window that shows both records."""
+
+    waterfall: WaterfallView  # the live record
+    record_a: RecordAView
+    records: RecordsSideBySide
+    overlay: ComparisonOverlay
+    comparison: ComparisonActions
+    trace: QAction
+    levels: QAction
+
+    def say(self, sentence: str, *, lasting: bool = False) -> None:
+        """Show a sentence in the status bar."""
+
+    def complain(self, error: Failure | Exception, *, lasting: bool = False) -> None:
+        """Show an error in the status bar."""
 
 
 class RecordingPlayer:
@@ -30,10 +57,14 @@ class RecordingPlayer:
     anew.
     """
 
+    opened = Signal(object)  # the `Recording` on screen, or None
+    reading = Signal()
+    pointed = Signal(object)  # the `Mark` under the mouse, or None
+    moved = Signal(int)  # the ping on top
+
     def __init__(
-        self, window: MainWindow, session: Session, tow: TowClock, simulator: Simulator, *, pause: Callable[[], None]
+        self, window: RecordWindow, session: Session, tow: TowClock, simulator: Simulator, *, pause: Callable[[], None]
     ) -> None:
-        self.opened, self.reading, self.pointed, self.moved = Event(), Event(), Event(), Event()
         self.recording: Recording | None = None
         self.failure = ""
         self._window, self._tow, self._simulator, self._pause = window, tow, simulator, pause
