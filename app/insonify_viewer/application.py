@@ -67,7 +67,7 @@ def open_window(
             settings.toured = True
             QTimer.singleShot(TOUR, viewer.window.tour.begin)
         signal.signal(signal.SIGINT, lambda *_: _close_on_interrupt(viewer))
-        tell = partial(viewer.simulator.call_later, partial(viewer.window.say, lasting=True))
+        tell = partial(viewer.simulator.executor.call_later, partial(viewer.window.say, lasting=True))
         with told_errors(viewer.window.complain), told_file_warnings(tell):
             return application.exec()
 

@@ -18,7 +18,7 @@ from test_menus import activate
 from insonify.scene import Scene, edit
 from insonify_viewer.panels.jobs.view import jobs_window
 from insonify_viewer.viewer import Viewer
-from insonify_viewer.work.background_job import State
+from insonify_viewer.work.jobs import State
 
 Opener = Callable[..., Viewer]
 

@@ -216,11 +216,14 @@ class Slow(StandIn):
 def test_a_coarse_picture_that_takes_long_is_cut_short_for_a_newer_request(small: Scene, waits: bool) -> None:
     simulator = Simulator(prepare=Slow)
     request = PingRequest(0, small, Modelling(), np.arange(40, dtype=np.int64), fine=False)
-    Slow.traced, simulator._waiting = 0, request if waits else None
-    with simulator._changed:  # so that the worker lets it wait
+    Slow.traced = 0
+    with simulator._lane.changed:  # so that the worker lets it wait
+        if waits:
+            simulator.ask(request)
         answer = next(simulator._trace(request))
+        traced = Slow.traced
     simulator.close()
-    assert len(answer.pings) == len(answer.amplitude) == answer.alike * Slow.traced
+    assert len(answer.pings) == len(answer.amplitude) == answer.alike * traced
     assert (len(answer.pings) < 40) == waits
     assert answer.pings.tolist() == list(range(len(answer.pings))), "the most urgent ones"
 

@@ -20,7 +20,7 @@ if TYPE_CHECKING:
     from insonify_viewer.state.contact_list import ContactList
     from insonify_viewer.state.inspection import Inspection
     from insonify_viewer.state.session import Session
-    from insonify_viewer.work.job_list import JobList
+    from insonify_viewer.work.jobs import JobList
     from insonify_viewer.work.simulator import Simulator
 
 

@@ -5,19 +5,19 @@ from __future__ import annotations
 from collections import OrderedDict
 from collections.abc import Callable
 from dataclasses import replace
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from insonify_viewer.record.marked_point import MarkedPoint, marked_point
 from insonify_viewer.record.pixel_label import label_bin
-from insonify_viewer.work.newest_wins import NewestWins
 
 if TYPE_CHECKING:
     from insonify.simulation import Simulation
     from insonify.tracers.labels import RecordLabels
     from insonify_viewer.record.record import Record
     from insonify_viewer.state.inspection import Mark
+    from insonify_viewer.work.executor import Executor
     from insonify_viewer.work.ping_request import TracedPings
 
 KEPT = 32  # pings whose labels are kept
@@ -32,11 +32,10 @@ class MarkController:
     def __init__(
         self,
         show: Callable[[MarkedPoint | None], None],
-        call_later: Callable[[Callable[[Any], None], Any], None],
+        executor: Executor,
     ) -> None:
         self._show = show
-        self._thread = NewestWins("labels", call_later)
-        self._lookups = NewestWins("points", call_later)
+        self._executor = executor
         self._wanted: Mark | None = None
         self._simulation: Simulation | None = None
         self._labels: OrderedDict[int, RecordLabels | None] = OrderedDict()
@@ -64,14 +63,9 @@ class MarkController:
                 self._take(simulation, point)
 
         if isinstance(simulation.ground, EndlessGround):
-            self._lookups.send(find, take)
+            self._executor.submit("points", find, take)
         else:
             take(find())
-
-    def close(self, patience: float | None = None) -> None:
-        """End the threads."""
-        self._thread.close(patience)
-        self._lookups.close(patience)
 
     def _take(self, simulation: Simulation, point: MarkedPoint | None) -> None:
         """Show a point, and ask for its label."""
@@ -84,7 +78,7 @@ class MarkController:
             if simulation is self._simulation:
                 self._keep(ping, labels)
 
-        self._thread.send(lambda: simulation.truth(np.array([ping], dtype=np.int64)), take)
+        self._executor.submit("labels", lambda: simulation.truth(np.array([ping], dtype=np.int64)), take)
 
     def _keep(self, ping: int, labels: RecordLabels | None) -> None:
         """Keep the labels of a ping, and show the point anew if it lies there."""

@@ -9,7 +9,7 @@ from PySide6.QtGui import QKeyEvent, QMouseEvent
 from PySide6.QtWidgets import QProgressBar
 
 from insonify_viewer.state.quantities import format_time_left
-from insonify_viewer.work.background_job import BackgroundJob
+from insonify_viewer.work.jobs import BackgroundJob
 
 MARGIN = 12  # px beside the words
 

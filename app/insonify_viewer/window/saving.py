@@ -21,7 +21,7 @@ from insonify_viewer.widgets.save_dialogs import (
     record_formats,
     save_picture,
 )
-from insonify_viewer.work.job_list import JobList
+from insonify_viewer.work.jobs import JobList
 
 if TYPE_CHECKING:
     from insonify_viewer.window.main_window import MainWindow

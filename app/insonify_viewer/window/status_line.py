@@ -13,7 +13,7 @@ from PySide6.QtWidgets import QHBoxLayout, QLabel, QWidget
 from insonify_viewer.errors.error_details import write_details
 from insonify_viewer.errors.failure import Failure, describe_error
 from insonify_viewer.widgets.push_button import push_button
-from insonify_viewer.work.background_job import BackgroundJob, State
+from insonify_viewer.work.jobs import BackgroundJob, State
 
 READING_TIME = 12_000  # ms, of a sentence
 KEPT = 20  # sentences that are kept for the details of an error

@@ -14,14 +14,11 @@ from insonify_viewer.record.comparison.pairs import find_pairs
 from insonify_viewer.record.comparison.recording import Recording, describe_point
 from insonify_viewer.record.record import RecordGrowth
 from insonify_viewer.state.inspection import Mark
-from insonify_viewer.work.background_job import BackgroundJob, State
-from insonify_viewer.work.newest_wins import NewestWins
+from insonify_viewer.work.jobs import BackgroundJob, State
 
 if TYPE_CHECKING:
     from insonify.scene import Scene
     from insonify.simulation import Simulation
-
-PATIENCE = 0.25  # s, for each thread when the window closes
 
 
 class ComparisonPanel(Panel):
@@ -33,14 +30,13 @@ class ComparisonPanel(Panel):
 
     def __init__(self, workbench: Workbench) -> None:
         self._workbench, self._player, self._comparison = workbench, workbench.recordings, workbench.comparison
-        parts, later = ("recorded", "simulated", "pairs"), workbench.simulator.call_later
-        self._threads = {part: NewestWins(part, later) for part in parts}
+        self._executor = workbench.simulator.executor
         self._mark: Mark | None = None  # under the mouse
         self._simulation: Simulation | None = None  # that of the whole record on screen
         self._wanted: dict[str, Any] = {}  # what is to be measured: a recording, a simulation
         self._measured: dict[str, Any] = {}
         self._learning: BackgroundJob | None = None
-        workbench.jobs.watch(self._follow_learning)
+        workbench.jobs.changed.connect(self._follow_learning)
         self.view = ComparisonView()
         self._player.opened.connect(self._show_recording)
         self._player.pointed.connect(self._show_point)
@@ -67,7 +63,7 @@ class ComparisonPanel(Panel):
     def opened(self, shown: bool) -> None:
         """Read the bundled pairs for their menu."""
         if shown:
-            self._threads["pairs"].send(find_pairs, self.view.show_pairs)
+            self._executor.submit("pairs", find_pairs, self.view.show_pairs)
 
     def learn(self, file: str) -> None:
         """Learn a scene from the recording, write it to a file, and open it."""
@@ -77,11 +73,6 @@ class ComparisonPanel(Panel):
         self.view.show_learning(True)
         self._learning = begin_learning(self._workbench.jobs, recording, Path(file))
         self._player.wait_for(f"learning a {self._learning.title}")
-
-    def closing(self) -> None:
-        """End the threads."""
-        for thread in self._threads.values():
-            thread.close(PATIENCE)
 
     def _connect(self) -> None:
         self.view.open_wanted.connect(lambda: self._player.open(self._workbench.files.ask_for_recording()))
@@ -173,7 +164,7 @@ class ComparisonPanel(Panel):
             return
         self._wanted[part] = what
         self.view.show_measuring(part)
-        self._threads[part].send(errand, lambda found: self._take(part, what, found))
+        self._executor.submit(part, errand, lambda found: self._take(part, what, found))
 
     def _take(self, part: str, what: Any, found: Measured | None) -> None:
         """Show the statistics of a record, unless another one is wanted by now."""

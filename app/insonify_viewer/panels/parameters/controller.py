@@ -28,7 +28,6 @@ from insonify_viewer.state.modelling import Modelling
 
 DROPPED = ("water", "track.motion", "targets")  # parts that take a file over when it is dropped on the window
 ASIDE = 0.08  # slant ranges by which a copy of a target lies beside it
-PATIENCE = 0.25  # s, for the thread that measures when the window closes
 
 
 class ParametersPanel(Panel):
@@ -101,7 +100,7 @@ class ParametersPanel(Panel):
     def closing(self) -> None:
         """Drop the update that waits, and measure no more."""
         self.view.stop_waiting()
-        self._meter.close(PATIENCE)
+        self._meter.stop()
 
     def _follow_history(self, scene: Scene) -> None:
         """Forget what belongs to the scene that was open before."""

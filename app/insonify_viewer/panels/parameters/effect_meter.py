@@ -14,7 +14,6 @@ from numpy.typing import NDArray
 from insonify.scene import Scene, SceneError, edit
 from insonify_viewer.record.comparison.record_difference import RecordDifference, RecordSnapshot, compare_records
 from insonify_viewer.state.modelling import Modelling
-from insonify_viewer.work.newest_wins import NewestWins
 
 if TYPE_CHECKING:
     from insonify.simulation import Simulation
@@ -46,7 +45,6 @@ class EffectMeter:
 
     def __init__(self, simulator: Simulator, updated: Callable[[], None]) -> None:
         self._simulator, self._updated = simulator, updated
-        self._thread = NewestWins("effects", simulator.call_later)
         self._known: deque[_Measured] = deque(maxlen=KEPT)
         self._turn = 0  # counts what is measured; what was begun before is dropped
 
@@ -74,11 +72,6 @@ class EffectMeter:
             before = _snapshot_some(simulation, record)
             self._measure(self._turn, found, before, [(name, variants[name]) for name in wanted])
 
-    def close(self, patience: float | None = None) -> None:
-        """End the thread, after the effect under way."""
-        self.stop()
-        self._thread.close(patience)
-
     def _find(self, scene: Scene, modelling: Modelling) -> _Measured | None:
         return next((each for each in self._known if each.modelling == modelling and each.scene == scene), None)
 
@@ -98,7 +91,7 @@ class EffectMeter:
                 self._measure(turn, found, before, others)
             self._updated()
 
-        self._thread.send(partial(self._difference, found, before, changes), take)
+        self._simulator.executor.submit("effects", partial(self._difference, found, before, changes), take)
 
     def _difference(self, found: _Measured, before: RecordSnapshot, changes: dict[str, Any]) -> RecordDifference | None:
         """Difference that an edit makes to a record, on the thread; None if the edited scene cannot be simulated."""

@@ -18,7 +18,6 @@ from insonify_viewer.record.comparison.record_difference import RecordSnapshot, 
 from insonify_viewer.record.comparison.recording import Recording
 from insonify_viewer.record.record import Record
 from insonify_viewer.state.modelling import Modelling
-from insonify_viewer.work.newest_wins import NewestWins
 from insonify_viewer.work.ping_request import SimulatedScene
 from insonify_viewer.work.waiting import Waiting
 
@@ -51,8 +50,7 @@ class Comparison:
         self.difference = ""
         self._window, self._session, self._simulator, self._recordings = window, session, simulator, recordings
         self._view = window.record_a
-        self._thread = NewestWins("record A", simulator.call_later)
-        self._measurer = NewestWins("difference", simulator.call_later)
+        self._executor = simulator.executor
         self._growth: RecordGrowth | None = None
         self._traced: tuple[Scene, Modelling] | None = None  # what the growth was traced for
         self._asked = False  # whether pings of A are on their way
@@ -159,12 +157,6 @@ class Comparison:
             self._view.show_levels(self._window.waterfall.levels)
         self._window.overlay.follow()
 
-    def close(self, patience: float) -> None:
-        """End the threads, after a time in seconds at most each, because the window closes."""
-        self._recordings.end(patience)
-        self._thread.close(patience)
-        self._measurer.close(patience)
-
     def _connect(self) -> None:
         actions = self._window.comparison
         actions.keep.triggered.connect(self.keep)
@@ -251,10 +243,10 @@ class Comparison:
         if kept.simulated is None:
             self._asked = True
             prepare = partial(self._simulator.simulate_beside, kept.scene, kept.modelling)
-            self._thread.send(partial(_result_of, prepare), partial(self._take_scene, kept))
+            self._executor.submit("record A", partial(_result_of, prepare), partial(self._take_scene, kept))
         elif missing.size:
             self._asked = True
-            self._thread.send(partial(kept.trace, missing), partial(self._take_pings, kept, missing))
+            self._executor.submit("record A", partial(kept.trace, missing), partial(self._take_pings, kept, missing))
 
     def _take_scene(self, kept: KeptRecord, found: SimulatedScene | SceneError) -> None:
         if kept is not self.a:
@@ -301,7 +293,7 @@ class Comparison:
         self._compared, self.difference = (kept, simulation, top), ""
         scene, record = simulation.scene, growth.record
         errand = partial(_compare, kept, scene, record)
-        self._measurer.send(errand, partial(self._take_difference, self._compared, is_edit))
+        self._executor.submit("difference", errand, partial(self._take_difference, self._compared, is_edit))
 
     def _take_difference(self, compared: object, is_edit: bool, found: str | None) -> None:
         """Show what B changes, and say it once after an edit."""

@@ -10,7 +10,7 @@ from PySide6.QtWidgets import QFrame, QGridLayout, QLabel, QProgressBar, QPushBu
 
 from insonify_viewer.state.quantities import format_time_left
 from insonify_viewer.widgets.push_button import push_button
-from insonify_viewer.work.background_job import BackgroundJob, State
+from insonify_viewer.work.jobs import BackgroundJob, State
 
 STEPS = 1000
 

@@ -18,7 +18,7 @@ from insonify_viewer.panels.jobs.view.job_row import JobRow
 from insonify_viewer.widgets.push_button import push_button
 from insonify_viewer.widgets.save_dialogs import Formats, ask_where_to_save, record_formats
 from insonify_viewer.widgets.side_panel import ScrollColumn
-from insonify_viewer.work.background_job import BackgroundJob
+from insonify_viewer.work.jobs import BackgroundJob
 
 SIZE, SMALLEST = (620, 420), (420, 240)
 CHARTS: Formats = (("Pictures", ".png"), ("Drawings", ".svg"), ("Tables", ".csv"), ("Tables", ".json"))
