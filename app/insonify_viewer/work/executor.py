@@ -52,7 +52,7 @@ class Executor(QObject):
         """
         if key not in self._lanes:
             self._lanes[key], self._faults[key] = Lane(key, self.call_later), FaultReport()
-        self._lanes[key].put(key, lambda: self._run(self._faults[key], work), receive)
+        self._lanes[key].put(key, lambda: _outcome(work), lambda outcome: self._take(key, receive, *outcome))
 
     def start(self, name: str, work: Work, *, done: Receive, failed: Callable[[Failure], None]) -> None:
         """Run work without progress on a thread of its own."""
@@ -74,21 +74,24 @@ class Executor(QObject):
         for task in self._tasks:
             task.close(patience)
 
-    def _run(self, faults: FaultReport, work: Work) -> Any:
-        try:
-            result = work()
-        except SceneError:
-            return None
-        except Exception as error:
-            if faults.is_news(error):
-                self.call_later(report_fault, error)
-            return None
-        faults.forget()
-        return result
+    def _take(self, key: str, receive: Receive, result: Any, error: Exception | None) -> None:
+        """Pass a result on, then report an error that is news for the key."""
+        receive(result)
+        if error is None:
+            self._faults[key].forget()
+        elif not isinstance(error, SceneError) and self._faults[key].is_news(error):
+            report_fault(error)
 
     def _call(self, receive: Receive, result: Any) -> None:
         if not self._closing:  # a result may still be queued when the window closes
             receive(result)
+
+
+def _outcome(work: Work) -> tuple[Any, Exception | None]:
+    try:
+        return work(), None
+    except Exception as error:
+        return None, error
 
 
 @dataclass
