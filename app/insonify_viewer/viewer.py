@@ -16,22 +16,20 @@ from PySide6.QtGui import QGuiApplication
 
 from insonify.display.picture import PALETTES
 from insonify.scene import Scene, SceneError, bundled_scenes, scene_to_toml
-from insonify_viewer.errors.failure import Failure, describe_error
+from insonify_viewer.errors import Failure, describe_error
 from insonify_viewer.panels.panel import Workbench
 from insonify_viewer.panels.panel_set import PanelSet
 from insonify_viewer.record.comparison.comparison import Comparison
 from insonify_viewer.record.comparison.recording_player import RecordingPlayer
-from insonify_viewer.record.contrast import Contrast
-from insonify_viewer.record.mark_controller import MarkController
-from insonify_viewer.record.marked_point import MarkedPoint
+from insonify_viewer.record.marked_point import MarkController, MarkedPoint
 from insonify_viewer.record.projection import compile_picture
 from insonify_viewer.record.record import Record, RecordGrowth, pings_held
+from insonify_viewer.record.waterfall_view import Contrast
 from insonify_viewer.seabed.controller import SeabedController, silence
-from insonify_viewer.state.auto_pause import next_pause
 from insonify_viewer.state.contact_list import ContactList
 from insonify_viewer.state.inspection import Inspection, Mark
 from insonify_viewer.state.session import Session
-from insonify_viewer.state.tow_clock import TowClock
+from insonify_viewer.state.tow_clock import TowClock, next_pause
 from insonify_viewer.window.file_dialogs import FileDialogs
 from insonify_viewer.window.file_opening import FileOpening
 from insonify_viewer.window.history_controller import HistoryController
@@ -40,8 +38,7 @@ from insonify_viewer.window.saving import Saving
 from insonify_viewer.window.target_editor import TargetEditor
 from insonify_viewer.work.gc_policy import forget_ground, return_free_memory
 from insonify_viewer.work.jobs import JobList
-from insonify_viewer.work.laid_scene import LaidScene
-from insonify_viewer.work.ping_request import PingRequest, TracedPings
+from insonify_viewer.work.ping_request import LaidScene, PingRequest, TracedPings
 from insonify_viewer.work.simulator import Simulator
 from insonify_viewer.work.waiting import WaitingWatch
 

@@ -18,11 +18,11 @@ from insonify.accuracy.record_statistics import measure_statistics
 from insonify.cli import main
 from insonify.io.records import read_record
 from insonify.scene import Scene, edit, load_scene
-from insonify_viewer.errors.file_warnings import told_file_warnings
 from insonify_viewer.record.comparison import recording_player
 from insonify_viewer.record.comparison.arrangement import Arrangement
 from insonify_viewer.record.comparison.recording import MAX_PINGS, Recording, compass_heading, describe_point
 from insonify_viewer.state.inspection import Mark
+from insonify_viewer.window.uncaught_errors import told_file_warnings
 from insonify_viewer.work.jobs import State
 
 REAL = Path("../shared/data/xtf/scotsman-iver2.xtf")

@@ -27,7 +27,7 @@ from insonify.scene import load_scene
 from insonify_viewer import application
 from insonify_viewer.state.contacts import Contact
 from insonify_viewer.viewer import Viewer
-from insonify_viewer.window.crash_recovery import CrashRecovery
+from insonify_viewer.window.recovery import CrashRecovery
 
 def ask(window, title, question, *rest):
     print("ASKED", question, flush=True)

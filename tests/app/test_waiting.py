@@ -19,7 +19,7 @@ from insonify.planning.models import pack
 from insonify.scene import Scene, edit
 from insonify_viewer.seabed import pv_meshes
 from insonify_viewer.state.modelling import Modelling
-from insonify_viewer.widgets.pixels import dimmed
+from insonify_viewer.widgets.painting import dimmed
 from insonify_viewer.work.ping_request import PingRequest
 from insonify_viewer.work.simulator import Simulator
 from insonify_viewer.work.waiting import DELAY, FEW, Activity, Waiting, WaitingWatch

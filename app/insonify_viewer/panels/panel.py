@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any, ClassVar, NamedTuple, Protocol
 if TYPE_CHECKING:
     from insonify.planning import Plan
     from insonify.scene import Scene
-    from insonify_viewer.errors.failure import Failure
+    from insonify_viewer.errors import Failure
     from insonify_viewer.record.comparison.comparison import Comparison
     from insonify_viewer.record.comparison.recording_player import RecordingPlayer
     from insonify_viewer.record.drape import RecordStrip

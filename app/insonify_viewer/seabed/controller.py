@@ -11,13 +11,13 @@ from numpy.typing import NDArray
 from psygnal import Signal
 
 from insonify.scene import SceneError
-from insonify_viewer.errors.failure import Failure
+from insonify_viewer.errors import Failure
 from insonify_viewer.record.drape import RecordStrip, drape_record
 from insonify_viewer.seabed.fan_sheet import fan_sheet
-from insonify_viewer.seabed.line_of_sight import meet_bed
+from insonify_viewer.seabed.handle_geometry import meet_bed
 from insonify_viewer.widgets.qt_modules import load_qt_modules
 from insonify_viewer.work.gc_policy import leave_out_libraries
-from insonify_viewer.work.laid_scene import LaidScene, is_same_ground
+from insonify_viewer.work.ping_request import LaidScene, is_same_ground
 from insonify_viewer.work.simulator import Simulator
 
 if TYPE_CHECKING:

@@ -12,7 +12,7 @@ from insonify.display.display_options import DisplayOptions
 from insonify.scene import Scene, SceneError, edit
 from insonify.scene_edits import add_dependent_edits
 from insonify_viewer.state.contacts import Contact
-from insonify_viewer.state.field_names import name_display, name_edit
+from insonify_viewer.state.fields import name_display, name_edit
 from insonify_viewer.state.history import History, State
 from insonify_viewer.state.inspection import Mark
 from insonify_viewer.state.modelling import Modelling

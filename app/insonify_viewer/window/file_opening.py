@@ -13,7 +13,7 @@ from insonify.io.meshes import MESHES
 from insonify.io.navigation import NAVIGATION, RecordedNavigation, read_navigation
 from insonify.io.sound_speed_casts import CASTS, Cast, read_cast
 from insonify.scene import SceneError
-from insonify_viewer.errors.failure import Failure
+from insonify_viewer.errors import Failure
 from insonify_viewer.record.comparison.recording import is_recording
 from insonify_viewer.state.contacts import is_contacts, read_contacts
 

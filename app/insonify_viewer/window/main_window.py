@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from functools import partial
 
-from PySide6.QtCore import QSize, Qt, Signal
-from PySide6.QtGui import QAction, QCloseEvent, QKeySequence
+from PySide6.QtCore import QEvent, QObject, QSize, Qt, Signal
+from PySide6.QtGui import QAction, QCloseEvent, QDragEnterEvent, QDropEvent, QKeySequence
 from PySide6.QtWidgets import (
     QAbstractButton,
     QApplication,
@@ -20,33 +20,32 @@ from PySide6.QtWidgets import (
 )
 
 from insonify.display.display_options import DisplayOptions
-from insonify_viewer.errors.failure import Failure
-from insonify_viewer.errors.guarded_overrides import guard_override
+from insonify_viewer.errors import Failure, guard_override
 from insonify_viewer.panels.panel import Panel, Place
 from insonify_viewer.record.comparison.comparison_actions import ComparisonActions
 from insonify_viewer.record.comparison.comparison_overlay import ComparisonOverlay
-from insonify_viewer.record.comparison.record_a_view import RecordAView
-from insonify_viewer.record.comparison.records_side_by_side import RecordsSideBySide
+from insonify_viewer.record.comparison.record_a_view import RecordAView, RecordsSideBySide
 from insonify_viewer.record.waterfall_view import WaterfallView
 from insonify_viewer.state.tow_clock import SPEEDS
-from insonify_viewer.widgets.icons import set_icon
-from insonify_viewer.widgets.text_scale import scaled
-from insonify_viewer.window.file_drop import take_drops
-from insonify_viewer.window.help_dialogs import AboutDialog, KeysDialog
-from insonify_viewer.window.history_menus import HistoryMenus
-from insonify_viewer.window.job_bar import JobBar
-from insonify_viewer.window.key_list import OTHER_KEYS
-from insonify_viewer.window.looks_menu import LooksMenu
-from insonify_viewer.window.menus import Menus
-from insonify_viewer.window.panel_docks import PanelDocks
-from insonify_viewer.window.panel_room import PanelRoom
-from insonify_viewer.window.recent_menu import RecentMenu
-from insonify_viewer.window.save_menu import SaveMenu
+from insonify_viewer.widgets.buttons import set_icon
+from insonify_viewer.widgets.theme import scaled
+from insonify_viewer.window.help_dialogs import OTHER_KEYS, AboutDialog, KeysDialog
+from insonify_viewer.window.menus import (
+    GainSlider,
+    HistoryMenus,
+    LooksMenu,
+    Menus,
+    RecentMenu,
+    SaveMenu,
+    button_of,
+    make_combo,
+    with_key,
+)
+from insonify_viewer.window.panel_docks import PanelDocks, PanelRoom
 from insonify_viewer.window.scene_menu import SceneMenu
 from insonify_viewer.window.settings import Settings
-from insonify_viewer.window.status_line import StatusLine
+from insonify_viewer.window.status_line import JobBar, StatusLine
 from insonify_viewer.window.target_placement import target_menu
-from insonify_viewer.window.tool_widgets import GainSlider, button_of, make_combo, with_key
 from insonify_viewer.window.tour import Tour, tour_steps
 
 USUAL, ROOMY = (1480, 900), 0.7  # px, and share of a large screen, that the window takes at the first start
@@ -378,3 +377,31 @@ def name_button(button: QToolButton) -> None:
     """Let the keyboard reach a tool, and give it a name for screen readers."""
     button.setFocusPolicy(Qt.FocusPolicy.TabFocus)
     button.setAccessibleName(button.toolTip())
+
+
+def take_drops(window: QWidget, opened: Callable[[list[str]], None]) -> None:
+    """Let a window take files that are dropped anywhere on it, and pass on their paths."""
+    window.setAcceptDrops(True)
+    window.installEventFilter(_Drops(window, opened))
+
+
+class _Drops(QObject):
+    """Takes the drops of a window, of which it is a child."""
+
+    def __init__(self, window: QWidget, opened: Callable[[list[str]], None]) -> None:
+        super().__init__(window)
+        self._opened = opened
+
+    @guard_override(False)
+    def eventFilter(self, watched: QObject, event: QEvent) -> bool:
+        """Accept a drag with local files, and pass them on when they are dropped."""
+        if event.type() not in (QEvent.Type.DragEnter, QEvent.Type.Drop):
+            return False
+        assert isinstance(event, QDragEnterEvent | QDropEvent)
+        paths = [url.toLocalFile() for url in event.mimeData().urls() if url.isLocalFile()]
+        if not paths:
+            return False
+        event.acceptProposedAction()
+        if event.type() is QEvent.Type.Drop:
+            self._opened(paths)
+        return True

@@ -10,8 +10,8 @@ from PySide6.QtGui import QKeyEvent
 from PySide6.QtWidgets import QFrame, QHBoxLayout, QLabel, QVBoxLayout, QWidget
 from shiboken6 import isValid
 
-from insonify_viewer.errors.guarded_overrides import guard_override
-from insonify_viewer.widgets.push_button import push_button
+from insonify_viewer.errors import guard_override
+from insonify_viewer.widgets.buttons import push_button
 from insonify_viewer.widgets.theme import ACCENT
 
 WIDTH, APART = 300, 12  # px: of the card, and its distance from the part and from the edge of the window

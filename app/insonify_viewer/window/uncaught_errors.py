@@ -3,14 +3,17 @@
 from __future__ import annotations
 
 import sys
+import warnings
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from types import TracebackType
+from typing import Any
 
 from psygnal import EmitLoopError
 
+from insonify.errors import FileWarning
 from insonify.scene import SceneError
-from insonify_viewer.errors.failure import Failure, describe_error, format_trace
+from insonify_viewer.errors import Failure, describe_error, format_trace
 
 
 @contextmanager
@@ -38,3 +41,20 @@ def told_errors(complain: Callable[[Failure], None]) -> Iterator[None]:
         yield
     finally:
         sys.excepthook = before
+
+
+@contextmanager
+def told_file_warnings(tell: Callable[[str], None]) -> Iterator[None]:
+    """Tell the person what a file lacks that is read all the same; other warnings are written as before."""
+    before = warnings.showwarning
+
+    def show(message: Warning | str, category: type[Warning], *where: Any, **more: Any) -> None:
+        if issubclass(category, FileWarning):
+            tell(" ".join(str(message).split()))
+        else:
+            before(message, category, *where, **more)
+
+    with warnings.catch_warnings():
+        warnings.simplefilter("always", FileWarning)
+        warnings.showwarning = show
+        yield

@@ -15,8 +15,7 @@ from typing import Any
 from PySide6.QtCore import QObject, Qt, Signal
 
 from insonify.scene import SceneError
-from insonify_viewer.errors.failure import Failure, describe_error
-from insonify_viewer.errors.fault_report import FaultReport, report_fault
+from insonify_viewer.errors import Failure, FaultReport, describe_error, report_fault
 
 Work = Callable[[], Any]
 Receive = Callable[[Any], None]

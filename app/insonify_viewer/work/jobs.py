@@ -23,7 +23,7 @@ from insonify.commands.render import PICTURE
 from insonify.display.display_options import display_settings
 from insonify.progress import VARIABLE
 from insonify.scene import Scene, scene_to_toml
-from insonify_viewer.errors.failure import Failure
+from insonify_viewer.errors import Failure
 from insonify_viewer.state.session import Session
 from insonify_viewer.work.executor import CallLater, Progress, Task, yield_to_window
 

@@ -13,13 +13,11 @@ from numpy.typing import NDArray
 from psygnal import Signal
 
 from insonify.kernels.common.compilation import Compilation, watch_compilation
-from insonify.scene import Scene, SceneError
-from insonify_viewer.errors.failure import describe_error
+from insonify.scene import Scene, SceneError, edit
+from insonify_viewer.errors import describe_error
 from insonify_viewer.state.modelling import Modelling
-from insonify_viewer.work.coarse_ground import pack_beneath, thin_new_ground
 from insonify_viewer.work.executor import Executor, Lane, Receive, Work
-from insonify_viewer.work.laid_scene import is_same_ground
-from insonify_viewer.work.ping_request import PingRequest, SimulatedScene, TracedPings, find_altitude
+from insonify_viewer.work.ping_request import PingRequest, SimulatedScene, TracedPings, find_altitude, is_same_ground
 from insonify_viewer.work.waiting import Activity
 
 if TYPE_CHECKING:
@@ -32,6 +30,9 @@ COARSE_TIME = 0.01  # s, time to trace all pings on screen while a slider moves
 MAX_STRIDE = 16
 FIRST_COARSE = 4  # pings of a coarse picture by which the time of the others is told
 LONGEST = 0.3  # s, after which a coarse picture that a newer request waits for is shown as far as it is traced
+THINNINGS = (4, 2)  # times the spacing; the first that resolves the waves of the relief is taken
+MOST_NODES = 2**22  # of ground that is made at once, some 100 MB while it is made; beyond, tiles take less
+MARGIN = 1.3  # times the range, about the pings: for the pulse, rough motion and refracted rays
 
 
 class Simulator:
@@ -277,3 +278,37 @@ def _result(work: Work) -> Any:
         refusal = SceneError(f"this cannot be shown ({type(error).__name__}: {error}); open another scene")
         refusal.__cause__ = error
         return refusal
+
+
+def thin_new_ground(scene: Scene, known: Scene | None) -> Scene:
+    """Scene on fewer nodes, where its ground is endless and not that of another scene whose tiles are known.
+
+    Endless ground shares all but its finest waves with the same ground at a multiple of the spacing, and the time that
+    a window takes falls with the square of it.
+    """
+    if not scene.seabed.endless or (known is not None and _ground_of(scene) == _ground_of(known)):
+        return scene
+    for times in THINNINGS:
+        try:
+            return edit(scene, {"seabed.spacing": times * scene.seabed.spacing})
+        except SceneError:  # waves of the relief are too short for it
+            continue
+    return scene
+
+
+def pack_beneath(scene: Scene, pings: NDArray[np.int64]) -> PackedScene:
+    """Pack a scene over endless ground, of which no more is made than some pings hear."""
+    # lazy: loaded on the worker; the window opens before Numba is loaded
+    from insonify.packing.track import tow_line_at
+    from insonify.planning.models import pack
+    from insonify.terrain import build_excerpt
+
+    line, margin = tow_line_at(scene, pings), MARGIN * scene.sonar.range
+    low, high = (line.x.min() - margin, line.y.min() - margin), (line.x.max() + margin, line.y.max() + margin)
+    sides = np.subtract(high, low) / scene.seabed.spacing
+    return pack(scene, build_excerpt(scene, low, high) if sides.prod() <= MOST_NODES else None)
+
+
+def _ground_of(scene: Scene) -> tuple[object, ...]:
+    """Return what decides the tiles beneath the pings of a scene."""
+    return scene.seabed, scene.seed, scene.track.start, scene.track.heading

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 from insonify.scene import Scene, SceneError
 from insonify_viewer.panels.chart.chart_details import ChartPicture, RowDetails, draw_chart, row_details
-from insonify_viewer.panels.chart.view.chart_window import ChartWindow
+from insonify_viewer.panels.chart.view import ChartWindow
 from insonify_viewer.panels.panel import Button, Panel, Place, Workbench
 from insonify_viewer.work.executor import Progress
 from insonify_viewer.work.jobs import BackgroundJob, State, ThreadJob

@@ -5,20 +5,24 @@ from __future__ import annotations
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from insonify.scene import bundled_scenes, load_scene
-from insonify_viewer.panels.comparison.learning import begin_learning
-from insonify_viewer.panels.comparison.measurement import Measured, measure_record, measure_simulation
+from insonify.scene import Scene, SceneError, bundled_scenes, load_scene
 from insonify_viewer.panels.comparison.view import ComparisonView
 from insonify_viewer.panels.panel import Panel, Place, Workbench
-from insonify_viewer.record.comparison.pairs import find_pairs
+from insonify_viewer.record.comparison.arrangement import find_pairs
 from insonify_viewer.record.comparison.recording import Recording, describe_point
 from insonify_viewer.record.record import RecordGrowth
 from insonify_viewer.state.inspection import Mark
 from insonify_viewer.work.jobs import BackgroundJob, State
 
 if TYPE_CHECKING:
+    import xarray as xr
+
     from insonify.scene import Scene
     from insonify.simulation import Simulation
+    from insonify_viewer.record.comparison.recording import Recording
+    from insonify_viewer.work.jobs import BackgroundJob, JobList
+
+Measured = dict[str, str] | str  # statistics in words by their names, or why there are none
 
 
 class ComparisonPanel(Panel):
@@ -171,3 +175,37 @@ class ComparisonPanel(Panel):
         if self._wanted.get(part) is what:
             self._measured[part] = what
             self.view.show_measured(part, found or "cannot be measured")
+
+
+def begin_learning(jobs: JobList, recording: Recording, file: Path) -> BackgroundJob:
+    """Start to learn a scene from a recording, which is read anew at the frequency that is shown."""
+    arguments = ["learn", str(recording.path), "-o", str(file)]
+    if recording.dataset.attrs.get("frequencies"):
+        arguments += ["--frequency", repr(float(recording.dataset.attrs["frequency"]))]
+    return jobs.begin(f"scene like {recording.path.name}", arguments, file)
+
+
+def measure_record(record: xr.Dataset) -> Measured:
+    """Measure the statistics of a record; a record with too little bed has a sentence instead."""
+    # lazy: loads SciPy on a thread of its own; the window opens before
+    from insonify.accuracy.record_statistics import measure_statistics
+
+    try:
+        return measure_statistics(record).described()
+    except SceneError as error:
+        return str(error)
+
+
+def measure_simulation(simulation: Simulation) -> Measured:
+    """Measure the statistics of the whole record of a simulation."""
+    # lazy: loads xarray on a thread of its own; the window opens before
+    from insonify.dataset import make_block
+    from insonify.io.record_schema import join_blocks
+    from insonify.traced_blocks import trace_blocks
+
+    title = {"title": simulation.scene.title}
+    blocks = [
+        make_block(simulation.scene, simulation.ground, *traced, None, title).to_dataset()
+        for traced in trace_blocks(simulation)
+    ]
+    return measure_record(join_blocks(blocks))

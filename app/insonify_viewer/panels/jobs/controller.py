@@ -5,7 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 
 from insonify.files import bundled_specifications
-from insonify_viewer.errors.failure import Failure
+from insonify_viewer.errors import Failure
 from insonify_viewer.panels.jobs.view import JobsView, WantedChart, WantedDataset
 from insonify_viewer.panels.panel import Panel, Place, Workbench
 from insonify_viewer.work.jobs import BackgroundJob

@@ -8,10 +8,7 @@ from insonify.scene import Scene, plain
 from insonify.scene.edit import part_at
 from insonify.scene.links import split_description
 from insonify_viewer.panels.panel import Panel, Place, Workbench
-from insonify_viewer.panels.parameters.effect_meter import EffectMeter
-from insonify_viewer.panels.parameters.effect_rows import EffectTicks, describe_tick
-from insonify_viewer.panels.parameters.moving_values import follow_values
-from insonify_viewer.panels.parameters.resetting import Resets
+from insonify_viewer.panels.parameters.effects import EffectMeter, EffectTicks, describe_tick
 from insonify_viewer.panels.parameters.sections import (
     FieldSection,
     found_section,
@@ -19,11 +16,10 @@ from insonify_viewer.panels.parameters.sections import (
     pinned_section,
     sections_of,
 )
-from insonify_viewer.panels.parameters.trying import Trials, glide_value, row_of
+from insonify_viewer.panels.parameters.values import Resets, Trials, follow_values, glide_value, row_of
 from insonify_viewer.panels.parameters.view.parameters_view import ParametersView
 from insonify_viewer.record.record import RecordGrowth
-from insonify_viewer.state.field_names import name_edit, name_field
-from insonify_viewer.state.fields import NumberField
+from insonify_viewer.state.fields import NumberField, name_edit, name_field
 from insonify_viewer.state.modelling import Modelling
 
 DROPPED = ("water", "track.motion", "targets")  # parts that take a file over when it is dropped on the window

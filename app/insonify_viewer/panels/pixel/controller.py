@@ -9,7 +9,7 @@ import numpy as np
 
 from insonify.scene import Scene, SceneError
 from insonify_viewer.panels.panel import Button, Panel, Place, Workbench
-from insonify_viewer.panels.pixel.view.pixel_view import PixelView
+from insonify_viewer.panels.pixel.view import PixelView
 from insonify_viewer.record.record import RecordGrowth
 from insonify_viewer.state.inspection import Mark, SoundDrawing
 from insonify_viewer.state.inspection import Place as ScenePlace

@@ -10,10 +10,9 @@ from numpy.typing import NDArray
 from psygnal import Signal
 
 from insonify.scene import Scene, SceneError, load_partner
-from insonify_viewer.errors.failure import Failure
+from insonify_viewer.errors import Failure
 from insonify_viewer.record.comparison.arrangement import Arrangement
-from insonify_viewer.record.comparison.changed_fields import Change, list_changes
-from insonify_viewer.record.comparison.kept_record import KeptRecord, Traced
+from insonify_viewer.record.comparison.kept_record import Change, KeptRecord, Traced, list_changes
 from insonify_viewer.record.comparison.record_difference import RecordSnapshot, are_comparable, compare_records
 from insonify_viewer.record.comparison.recording import Recording
 from insonify_viewer.record.record import Record

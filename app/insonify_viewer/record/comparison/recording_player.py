@@ -9,10 +9,10 @@ from typing import TYPE_CHECKING, Protocol
 
 from psygnal import Signal
 
-from insonify_viewer.errors.failure import Failure
+from insonify_viewer.errors import Failure
 from insonify_viewer.record.comparison.recording import Recording, load_recording
-from insonify_viewer.record.contrast import Contrast
 from insonify_viewer.record.record import Record
+from insonify_viewer.record.waterfall_view import Contrast
 from insonify_viewer.state.inspection import Mark
 from insonify_viewer.state.session import Session
 from insonify_viewer.state.tow_clock import TowClock
@@ -23,8 +23,7 @@ if TYPE_CHECKING:
 
     from insonify_viewer.record.comparison.comparison_actions import ComparisonActions
     from insonify_viewer.record.comparison.comparison_overlay import ComparisonOverlay
-    from insonify_viewer.record.comparison.record_a_view import RecordAView
-    from insonify_viewer.record.comparison.records_side_by_side import RecordsSideBySide
+    from insonify_viewer.record.comparison.record_a_view import RecordAView, RecordsSideBySide
     from insonify_viewer.record.waterfall_view import WaterfallView
     from insonify_viewer.work.executor import Executor
 
