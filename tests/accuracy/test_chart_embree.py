@@ -9,8 +9,8 @@ import pytest
 
 from beds import NO_MESH, arrays_of, mesh_of, poses_of, rough, solids_of
 from insonify.accuracy.charts.embree import TriangulatedScene, explain_omission
+from insonify.kernels.rays.cast import cast_straight_rays, empty_hits
 from insonify.kernels.rays.cell_walk import RayBundle
-from insonify.kernels.rays.first_echoes import cast_straight_rays, empty_hits
 from insonify.scene import SceneError
 from insonify.statistics.record_errors import compare_records
 from insonify.tracers import rays

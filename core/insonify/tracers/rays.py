@@ -10,11 +10,11 @@ from numpy.typing import ArrayLike, NDArray
 
 from insonify.kernels.common.types import BED, Poses, SceneArrays
 from insonify.kernels.multipath.multipath_rays import trace_multipath
+from insonify.kernels.rays.cast import cast_straight_rays, empty_hits, trace_straight_pings
 from insonify.kernels.rays.cell_walk import NOTHING, RayBundle
-from insonify.kernels.rays.first_echoes import cast_straight_rays, empty_hits, trace_straight_pings
+from insonify.kernels.rays.refracted_echoes import trace_refracted_pings
+from insonify.kernels.rays.refracted_hits import empty_arrivals, find_refracted_hits
 from insonify.kernels.rays.specular_paths import follow_specular_paths
-from insonify.kernels.refracted_rays.echoes import trace_refracted_pings
-from insonify.kernels.refracted_rays.hits import empty_arrivals, find_refracted_hits
 from insonify.parallel import count_threads
 from insonify.scene import SceneError
 from insonify.tracers.base import Record, empty_record, trace_blocks

@@ -11,8 +11,8 @@ from numpy.typing import NDArray
 
 from insonify.accuracy.charts.tessellation import tessellate_solids
 from insonify.kernels.common.types import BED, PORT, Bed, Poses, SceneArrays
+from insonify.kernels.rays.cast import deposit_hits, empty_bundle, empty_hits, empty_launch
 from insonify.kernels.rays.cell_walk import NOTHING, Hits, RayBundle
-from insonify.kernels.rays.first_echoes import deposit_hits, empty_bundle, empty_hits, empty_launch
 from insonify.kernels.rays.launch import (
     SideBeam,
     aim_rays,

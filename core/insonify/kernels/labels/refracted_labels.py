@@ -13,11 +13,11 @@ from insonify.kernels.common.contributors import add_contribution, open_contribu
 from insonify.kernels.common.types import BED
 from insonify.kernels.labels.shadows import label_shadows, open_shadow, target_of_body
 from insonify.kernels.labels.sweep_labels import label_bins, sum_target_echoes
-from insonify.kernels.rays.first_echoes import empty_bundle, empty_hits, empty_launch, weigh_by_pattern
+from insonify.kernels.rays.cast import empty_bundle, empty_hits, empty_launch, weigh_by_pattern
 from insonify.kernels.rays.launch import find_enclosing_solid, orient_beam, rotate_to_world
-from insonify.kernels.refracted_rays.echoes import aim_side, make_waveguide, refracted_echo
-from insonify.kernels.refracted_rays.hits import CAUSTIC, LandedRays, empty_arrivals, find_refracted_hits
-from insonify.kernels.refracted_rays.mixed_paths import find_mixed_echoes
+from insonify.kernels.rays.mixed_paths import find_mixed_echoes
+from insonify.kernels.rays.refracted_echoes import aim_side, make_waveguide, refracted_echo
+from insonify.kernels.rays.refracted_hits import CAUSTIC, LandedRays, empty_arrivals, find_refracted_hits
 
 
 @kernel

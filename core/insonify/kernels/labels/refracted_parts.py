@@ -29,11 +29,11 @@ from insonify.kernels.labels.echo_parts import (
     Z_TO,
 )
 from insonify.kernels.labels.shadows import NO_TARGET, target_of_body
-from insonify.kernels.rays.first_echoes import empty_bundle, empty_hits, empty_launch, weigh_by_pattern
+from insonify.kernels.rays.cast import empty_bundle, empty_hits, empty_launch, weigh_by_pattern
 from insonify.kernels.rays.launch import orient_beam, rotate_to_world
-from insonify.kernels.refracted_rays.echoes import aim_side, make_waveguide, refracted_echo
-from insonify.kernels.refracted_rays.hits import LandedRays, empty_arrivals, find_refracted_hits
-from insonify.kernels.refracted_rays.mixed_paths import find_mixed_echoes
+from insonify.kernels.rays.mixed_paths import find_mixed_echoes
+from insonify.kernels.rays.refracted_echoes import aim_side, make_waveguide, refracted_echo
+from insonify.kernels.rays.refracted_hits import LandedRays, empty_arrivals, find_refracted_hits
 
 
 @kernel

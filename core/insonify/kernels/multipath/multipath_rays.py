@@ -16,8 +16,8 @@ from insonify.kernels.beam.pattern import two_way_response
 from insonify.kernels.common.scattering import backscatter_strength
 from insonify.kernels.common.types import LIGHT, SONAR
 from insonify.kernels.multipath.image_sources import bottom_image, height_delay, surface_image, tilt_delay, wave_advance
+from insonify.kernels.rays.cast import TOGETHER, empty_bundle, empty_hits, empty_launch, take_rays, take_room
 from insonify.kernels.rays.cell_walk import NOTHING, find_first_hits
-from insonify.kernels.rays.first_echoes import TOGETHER, empty_bundle, empty_hits, empty_launch, take_rays, take_room
 from insonify.kernels.rays.launch import (
     SideBeam,
     aim_rays,

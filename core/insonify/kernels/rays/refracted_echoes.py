@@ -16,8 +16,8 @@ import numpy as np
 from insonify.compiler.jit import inlined, kernel
 from insonify.kernels.common.scattering import backscatter_strength
 from insonify.kernels.common.types import LIGHT, PORT
+from insonify.kernels.rays.cast import elevation_tilt, empty_bundle, empty_hits, empty_launch, weigh_by_pattern
 from insonify.kernels.rays.cell_walk import NOTHING
-from insonify.kernels.rays.first_echoes import elevation_tilt, empty_bundle, empty_hits, empty_launch, weigh_by_pattern
 from insonify.kernels.rays.launch import (
     ball_about,
     beam_touches_ball,
@@ -26,7 +26,9 @@ from insonify.kernels.rays.launch import (
     rotate_to_world,
     spread_over_pattern,
 )
-from insonify.kernels.refracted_rays.hits import (
+from insonify.kernels.rays.mixed_paths import find_mixed_echoes
+from insonify.kernels.rays.probe_rays import Waveguide, aim_refracted_rays, empty_landings
+from insonify.kernels.rays.refracted_hits import (
     LandedRays,
     VerticalPlane,
     clear_of_nodes,
@@ -34,8 +36,6 @@ from insonify.kernels.refracted_rays.hits import (
     find_refracted_hits,
     lay_in_section,
 )
-from insonify.kernels.refracted_rays.mixed_paths import find_mixed_echoes
-from insonify.kernels.refracted_rays.probe_rays import Waveguide, aim_refracted_rays, empty_landings
 
 SLACK = 0.1  # share of its distance by which a body insonified along arcs may lie outside a beam of straight rays
 

@@ -16,8 +16,7 @@ from numpy.typing import NDArray
 
 from insonify.compiler.jit import inlined, kernel
 from insonify.kernels.rays.cell_walk import NOTHING, Hits, RayBundle
-from insonify.kernels.rays.launch import ball_about
-from insonify.kernels.refracted_rays.chords import (
+from insonify.kernels.rays.chords import (
     ALONG,
     ARC,
     DX,
@@ -34,6 +33,7 @@ from insonify.kernels.refracted_rays.chords import (
     march_chords,
     meet_chords,
 )
+from insonify.kernels.rays.launch import ball_about
 from insonify.kernels.refraction.arcs import ENDLESS, HIGH, LOW, RANGE, RayState
 from insonify.kernels.refraction.section_arcs import SectionPlane, advance_ray, launch_ray
 

@@ -22,10 +22,10 @@ from insonify.compiler.jit import inlined, kernel
 from insonify.kernels.beam.pattern import two_way_response
 from insonify.kernels.common.scattering import bistatic_strength
 from insonify.kernels.common.types import LIGHT
+from insonify.kernels.rays.cast import empty_bundle, empty_hits
 from insonify.kernels.rays.cell_walk import NOTHING, RayBundle
-from insonify.kernels.rays.first_echoes import empty_bundle, empty_hits
+from insonify.kernels.rays.refracted_hits import MOST_ARCS, LandedRays, empty_arrivals, find_refracted_hits
 from insonify.kernels.rays.specular_paths import pair_sensitivity
-from insonify.kernels.refracted_rays.hits import MOST_ARCS, LandedRays, empty_arrivals, find_refracted_hits
 from insonify.kernels.refraction.arcs import RANGE
 from insonify.kernels.refraction.section_arcs import advance_ray, launch_ray
 

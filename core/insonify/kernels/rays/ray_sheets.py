@@ -22,8 +22,7 @@ from numpy.typing import NDArray
 from insonify.compiler.jit import inlined, kernel
 from insonify.kernels.beam.pattern import widest_extent
 from insonify.kernels.common.types import LIGHT
-from insonify.kernels.rays.cell_walk import NOTHING, find_first_hits
-from insonify.kernels.rays.first_echoes import (
+from insonify.kernels.rays.cast import (
     elevation_tilt,
     empty_bundle,
     empty_hits,
@@ -31,6 +30,7 @@ from insonify.kernels.rays.first_echoes import (
     ray_echo,
     weigh_by_pattern,
 )
+from insonify.kernels.rays.cell_walk import NOTHING, find_first_hits
 from insonify.kernels.rays.launch import (
     aim_rays,
     cone_azimuth,
@@ -40,10 +40,10 @@ from insonify.kernels.rays.launch import (
     orient_beam,
     rotate_to_world,
 )
-from insonify.kernels.refracted_rays.echoes import make_waveguide, refracted_echo
-from insonify.kernels.refracted_rays.hits import LandedRays, empty_arrivals, find_refracted_hits
-from insonify.kernels.refracted_rays.mixed_paths import MOST_WAYS, find_mixed_echoes
-from insonify.kernels.refracted_rays.probe_rays import aim_refracted_rays
+from insonify.kernels.rays.mixed_paths import MOST_WAYS, find_mixed_echoes
+from insonify.kernels.rays.probe_rays import aim_refracted_rays
+from insonify.kernels.rays.refracted_echoes import make_waveguide, refracted_echo
+from insonify.kernels.rays.refracted_hits import LandedRays, empty_arrivals, find_refracted_hits
 
 KINKED = 0.02  # share by which growths differ on both sides of a kink
 FINE = 1.0 / 64.0  # share of a bin by which neighbours may land apart without being halved
