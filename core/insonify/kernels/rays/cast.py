@@ -1,183 +1,180 @@
-"""First echoes of straight rays: each ray's first hit is weighed and summed into its range bin."""
+"""Cast of one side's rays, straight or along arcs: aim, launch, first hit, arrival and echo.
+
+A ray that stands for the solid angle dΩ lands on q x / cosθ0 · dΩ / cos α of a surface, q being the width of its tube
+in elevation and x / cosθ0 that across; one way its intensity is I = cosθ0 / (x |q|) of that at 1 m (Jensen et al.,
+Computational Ocean Acoustics, 3.3), and the way back is the way out. So it returns σ dA I² = σ dΩ I / cos α. A knife
+is 1 m wide along the track: σ q dθ I² / cos α. Law `light` spreads nothing: a ray stands for the step of slant range
+that its landing makes as its elevation grows. A straight ray is an arrival with q = x / cosθ0 = r.
+"""
 
 from __future__ import annotations
 
 import math
+from typing import NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
 from insonify.compiler.jit import inlined, kernel
 from insonify.kernels.beam.pattern import two_way_response
 from insonify.kernels.common.scattering import backscatter_strength
-from insonify.kernels.common.types import LIGHT, PORT
-from insonify.kernels.rays.cell_walk import NOTHING, Hits, RayBundle, find_first_hits
+from insonify.kernels.common.types import LIGHT
+from insonify.kernels.rays.cell_walk import NOTHING, empty_bundle, empty_hits, find_first_hits
 from insonify.kernels.rays.launch import (
     RayLaunch,
     aim_rays,
-    find_enclosing_solid,
+    ball_about,
+    beam_touches_ball,
+    box_about,
+    empty_launch,
     highest_elevation,
     list_solids_in_beam,
-    orient_beam,
     rotate_to_world,
     spread_over_pattern,
 )
 from insonify.kernels.rays.march import march_hits
-from insonify.kernels.rays.specular_paths import add_specular_echoes
+from insonify.kernels.rays.mixed_paths import MixedEchoes, empty_mixed_echoes, find_mixed_echoes
+from insonify.kernels.rays.probe_rays import Landings, Waveguide, aim_refracted_rays, empty_landings
+from insonify.kernels.rays.refracted_hits import (
+    Arrivals,
+    LandedRays,
+    VerticalPlane,
+    clear_of_nodes,
+    empty_arrivals,
+    find_refracted_hits,
+    lay_in_section,
+)
 
-TOGETHER = 4096  # rays that are held beyond their directions, in the processor cache
+SLACK = 0.1  # share of its distance by which a body insonified along arcs may lie outside a beam of straight rays
+
+
+class RayAim(NamedTuple):
+    """Launch directions of one side, and what they are aimed for: pings that agree in this share them."""
+
+    launch: RayLaunch
+    landings: Landings  # of probe rays; empty for straight rays
+    z: float  # height of the sonar, m
+    top: float  # highest elevation of anything in the beam, rad; its height, m, for refracted rays
+    pitch: float  # rad
+
+
+class SideCast(NamedTuple):
+    """Refracted rays of one side at their hits, and the echoes out by one of them and back by another."""
+
+    rays: LandedRays
+    weight: NDArray[np.float64]  # (n,) of each ray, by the two-way response of the beam
+    mixed: MixedEchoes
 
 
 @kernel
-def trace_straight_pings(arrays, poses, rays, step, out):
-    """Intensity per range bin of pings traced ray by ray along straight lines.
+def unaimed(rays):
+    """Room for the launch directions of one side, aimed for no ping yet."""
+    return RayAim(empty_launch(rays), empty_landings(), math.nan, math.nan, math.nan)
 
-    Parameters
-    ----------
-    arrays : SceneArrays
-    poses : Poses of ndarrays, shape (n,)
-    rays : int
-        Rays per side.
-    step : float
-        Length of a step of the march, m; a cell walk if it is 0.
-    out : ndarray of float32, shape (n, 2, bins)
-        Filled.
 
-    Returns
-    -------
-    int
-        -1 - k if the sonar is inside solid k, else 0.
+@kernel
+def aim_straight(arrays, beam, pitch, near, aim):
+    """List the solids in a beam, and aim its straight rays unless they are; return the number of solids and the aim."""
+    count, top = list_solids_in_beam(arrays.solids, arrays.mesh, beam, near)
+    top = max(top, highest_elevation(arrays.bed.high - beam.z, 0.0, beam.reach))
+    if beam.z == aim.z and top == aim.top and pitch == aim.pitch:
+        return count, aim
+    spreads = arrays.half_width > 0.0 and arrays.pattern.tabulated
+    aim_rays(aim.launch, beam.z, top, beam.reach, arrays.half_width, arrays.law, spreads)
+    if spreads:
+        spread_over_pattern(aim.launch, arrays.pattern, beam.z, beam.reach, pitch)
+    return count, RayAim(aim.launch, aim.landings, beam.z, top, pitch)
+
+
+@kernel
+def cast_straight(arrays, beam, near, count, launch, step):
+    """Straight rays of one side at their first hits: exact ones, or by a march in steps if ``step`` is positive."""
+    n = launch.weight.size
+    bundle, hits = empty_bundle(n), empty_hits(n)
+    rotate_to_world(launch, beam, bundle)
+    if step > 0.0:
+        march_hits(arrays.bed, arrays.solids, near, count, arrays.mesh, bundle, beam.reach, step, hits)
+    else:
+        find_first_hits(arrays.bed, arrays.solids, near, count, arrays.mesh, bundle, beam.reach, hits)
+    return arrive_straight(arrays, bundle, hits)
+
+
+@kernel
+def arrive_straight(arrays, bundle, hits):
+    """Straight rays with their hits as arrivals: tube and spreading are the range."""
+    speed, no_place = np.full(hits.distance.size, arrays.water.reference), np.empty(0)
+    arrivals = Arrivals(bundle.dx, bundle.dy, bundle.dz, hits.distance, hits.distance, speed, no_place, no_place)
+    return LandedRays(bundle, hits, arrivals)
+
+
+@kernel
+def aim_refracted(arrays, beam, pitch, aim):
+    """Aim the refracted rays of one side unless they are; return the water before them and the aim."""
+    waveguide, water = make_waveguide(arrays, beam), arrays.water
+    if beam.z == aim.z and waveguide.ceiling == aim.top and pitch == aim.pitch and water.station.size == 1:
+        return waveguide, aim
+    spreads = arrays.half_width > 0.0 and arrays.pattern.tabulated
+    landings = aim_refracted_rays(aim.launch, waveguide, beam.z, arrays.half_width, arrays.law, spreads)
+    if spreads:
+        spread_over_pattern(aim.launch, arrays.pattern, beam.z, waveguide.reach, pitch)
+    return waveguide, RayAim(aim.launch, landings, beam.z, waveguide.ceiling, pitch)
+
+
+@kernel
+def cast_refracted(arrays, beam, waveguide, aim, step):
+    """Refracted rays of one side at their hits, in the scene of the aim or the same without targets.
+
+    Rays that march, in steps if ``step`` is positive, have no mixed echoes.
     """
-    port, starboard = empty_launch(rays), empty_launch(rays)
-    bundle, hits = empty_bundle(TOGETHER), empty_hits(TOGETHER)
-    near = np.empty(arrays.solids.shape.size, np.int64)
-    weighed, sums = np.empty(TOGETHER), np.empty(arrays.bins)
-    reach, fan = arrays.bins * arrays.bin_length, arrays.half_width > 0.0
-    spreads = fan and arrays.pattern.tabulated
-    aimed_at = np.full((2, 3), math.nan)
-    for ping in range(poses.x.size):
-        z, pitch = poses.z[ping], poses.pitch[ping]
-        body = find_enclosing_solid(arrays.solids, poses.x[ping], poses.y[ping], z)
-        if body >= 0:
-            return -1 - body
-        for side in range(2):
-            beam = orient_beam(arrays, poses, ping, side)
-            count, top = list_solids_in_beam(arrays.solids, arrays.mesh, beam, near)
-            top = max(top, highest_elevation(arrays.bed.high - z, 0.0, reach))
-            launch = port if side == PORT else starboard
-            if z != aimed_at[side, 0] or top != aimed_at[side, 1] or pitch != aimed_at[side, 2]:
-                aim_rays(launch, z, top, reach, arrays.half_width, arrays.law, spreads)
-                if spreads:
-                    spread_over_pattern(launch, arrays.pattern, z, reach, pitch)
-                aimed_at[side, 0], aimed_at[side, 1], aimed_at[side, 2] = z, top, pitch
-            sums[:] = 0.0
-            for first in range(0, rays, TOGETHER):
-                some = take_rays(launch, first, min(first + TOGETHER, rays))
-                these, met = take_room(bundle, hits, some.weight.size)
-                rotate_to_world(some, beam, these)
-                if step > 0.0:
-                    march_hits(arrays.bed, arrays.solids, near, count, arrays.mesh, these, reach, step, met)
-                else:
-                    find_first_hits(arrays.bed, arrays.solids, near, count, arrays.mesh, these, reach, met)
-                weight = some.weight
-                if arrays.pattern.tabulated:
-                    weight = weigh_by_pattern(arrays, beam, these, met, some.weight, weighed[: some.weight.size])
-                deposit_hits(these, met, weight, arrays.reflectivity, arrays.law, fan, arrays.bin_length, sums)
-                if arrays.bounces > 0:
-                    add_specular_echoes(arrays, beam, these, met, some.weight, sums)
-            # The range factor is applied after the sum: within it, r⁻⁴ would cost digits.
-            for k in range(arrays.bins):
-                out[ping, side, k] = sums[k] * arrays.range_factor[k]
-    return 0
+    n = aim.launch.weight.size
+    rays = LandedRays(empty_bundle(n), empty_hits(n), empty_arrivals(n))
+    rotate_to_world(aim.launch, beam, rays.bundle)
+    find_refracted_hits(arrays, rays.bundle, waveguide.reach, step, rays.hits, rays.arrivals)
+    weight, mixed = weigh_by_pattern(arrays, beam, rays, aim.launch.weight), empty_mixed_echoes()
+    if aim.landings.fold < math.inf and step <= 0.0:
+        mixed = find_mixed_echoes(arrays, beam, waveguide, aim.landings, aim.launch.weight, rays)
+    return SideCast(rays, weight, mixed)
 
 
 @kernel
-def cast_straight_rays(arrays, bundle, reach, hits):
-    """First hit of each of some rays on anything in a scene.
-
-    Parameters
-    ----------
-    arrays : SceneArrays
-    bundle : RayBundle of ndarrays, shape (n,)
-    reach : float
-        Distance after which a ray ends, m.
-    hits : Hits of ndarrays, shape (n,)
-        Filled.
-    """
-    bodies = np.arange(arrays.solids.shape.size)
-    find_first_hits(arrays.bed, arrays.solids, bodies, bodies.size, arrays.mesh, bundle, reach, hits)
+def make_waveguide(arrays, beam):
+    """Water in the plane athwart one side of a ping, and how high there is anything to hit."""
+    water = arrays.water
+    plane = lay_in_section(water.axis_x, water.axis_y, VerticalPlane(beam.x, beam.y, beam.side_x, beam.side_y))
+    return Waveguide(water, plane, clear_of_nodes(water.height, _highest(arrays, beam)), beam.reach)
 
 
 @kernel
-def empty_launch(n):
-    """Room for the directions of n rays.
-
-    Parameters
-    ----------
-    n : int
-
-    Returns
-    -------
-    RayLaunch
-    """
-    return RayLaunch(np.empty(n), np.empty(n), np.empty(n), np.empty(n))
-
-
-@kernel
-def empty_bundle(n):
-    """Room for n rays.
-
-    Parameters
-    ----------
-    n : int
-
-    Returns
-    -------
-    RayBundle
-    """
-    return RayBundle(np.empty(n), np.empty(n), np.empty(n), np.empty(n), np.empty(n), np.empty(n))
+def _highest(arrays, beam):
+    """Height of the highest thing that a beam may meet, m."""
+    solids, mesh, top = arrays.solids, arrays.mesh, arrays.bed.high
+    for k in range(solids.shape.size):
+        middle, radius, cx, cy, z = ball_about(solids, k)
+        if _may_touch(beam, cx - beam.x, cy - beam.y, z - beam.z, middle + radius):
+            top = max(top, z + middle * abs(solids.axis[k, 2]) + radius)
+    if mesh.skip.size > 0:
+        wx, wy, wz, cx, cy, cz = box_about(mesh, 0)
+        if _may_touch(beam, cx - beam.x, cy - beam.y, cz - beam.z, math.sqrt(wx * wx + wy * wy + wz * wz)):
+            top = max(top, mesh.high[0, 2])
+    return top
 
 
 @kernel
-def empty_hits(n):
-    """Room for n hits.
-
-    Parameters
-    ----------
-    n : int
-
-    Returns
-    -------
-    Hits
-    """
-    return Hits(np.empty(n), np.empty(n, np.int64), np.empty(n, np.int64), np.empty(n), np.empty(n), np.empty(n))
-
-
-@inlined
-def take_rays(launch, first, last):
-    """Return some of the rays of a side."""
-    ahead, abeam, up, weight = launch
-    return RayLaunch(ahead[first:last], abeam[first:last], up[first:last], weight[first:last])
-
-
-@inlined
-def take_room(bundle, hits, n):
-    """Return room for some rays and their hits."""
-    x, y, z, dx, dy, dz = bundle
-    distance, body, material, nx, ny, nz = hits
-    return (
-        RayBundle(x[:n], y[:n], z[:n], dx[:n], dy[:n], dz[:n]),
-        Hits(distance[:n], body[:n], material[:n], nx[:n], ny[:n], nz[:n]),
-    )
+def _may_touch(beam, cx, cy, cz, bound):
+    """Whether a beam of refracted rays may touch a ball, its centre counted from the sonar."""
+    distance = math.sqrt(cx * cx + cy * cy + cz * cz)
+    return beam_touches_ball(beam, cx, cy, cz, distance, bound + SLACK * distance)
 
 
 @kernel
-def weigh_by_pattern(arrays, beam, bundle, hits, weight, weighed):
-    """Weight of rays times the two-way response of the beam towards their hits."""
+def weigh_by_pattern(arrays, beam, rays, weight):
+    """Weight of rays by the two-way response of the beam towards their hits; ``weight`` itself without a pattern."""
+    if not arrays.pattern.tabulated:
+        return weight
+    bundle, hits, fan, weighed = rays.bundle, rays.hits, arrays.half_width > 0.0, np.zeros(weight.size)
     for k in range(weight.size):
-        weighed[k] = 0.0
         if hits.body[k] != NOTHING:
             dx, dy, dz = bundle.dx[k], bundle.dy[k], bundle.dz[k]
-            fan = arrays.half_width > 0.0
             weighed[k] = weight[k] * two_way_response(
                 arrays.pattern, beam, fan, arrays.law, dx, dy, dz, hits.distance[k]
             )
@@ -185,57 +182,72 @@ def weigh_by_pattern(arrays, beam, bundle, hits, weight, weighed):
 
 
 @kernel
-def deposit_hits(bundle, hits, weight, reflectivity, law, fan, bin_length, sums):
-    """Add the echoes of hits to the range bins.
+def add_ray_echoes(arrays, rays, weight, sums):
+    """Add the echoes of rays at their hits to range bins, before the factor that depends on range alone.
 
     Parameters
     ----------
-    bundle, hits : RayBundle, Hits of ndarrays, shape (n,)
+    arrays : SceneArrays
+    rays : LandedRays of ndarrays, shape (n,)
     weight : ndarray, shape (n,)
         What each ray stands for: rad or sr.
-    reflectivity : ndarray, shape (materials, 3)
-    law : int
-        LIGHT or SONAR.
-    fan : bool
-        Whether the beam has a width; else a knife edge 1 m wide along the track.
-    bin_length : float
-        m.
     sums : ndarray, shape (bins,)
-        Added to, but for the factor that depends on range alone.
+        Added to.
     """
     for k in range(weight.size):
-        if hits.body[k] == NOTHING:
-            continue
-        b = int(hits.distance[k] / bin_length)
-        if b < sums.size:
-            value, _ = ray_echo(bundle, hits, k, reflectivity, law, fan, bin_length)
-            sums[b] += value * weight[k]
+        b, value, _, _ = ray_echo(arrays, rays, weight, k)
+        if b >= 0:
+            sums[b] += value
 
 
 @inlined
-def ray_echo(bundle, hits, k, reflectivity, law, fan, bin_length):
-    """Echo of the hit of one ray per unit of its weight."""
+def ray_echo(arrays, rays, weight, k):
+    """Bin, echo, cosine of incidence and growth of slant range per elevation of one ray; bin -1 without an echo."""
+    hits, arrivals, law = rays.hits, rays.arrivals, arrays.law
     distance = hits.distance[k]
-    dx, dy, dz, nx, ny, nz = bundle.dx[k], bundle.dy[k], bundle.dz[k], hits.nx[k], hits.ny[k], hits.nz[k]
-    cos_incidence = -(nx * dx + ny * dy + nz * dz)
+    if hits.body[k] == NOTHING or distance >= arrays.bins * arrays.bin_length:
+        return -1, 0.0, 0.0, 0.0
+    b = int(distance / arrays.bin_length)
+    dx, dy, dz = arrivals.dx[k], arrivals.dy[k], arrivals.dz[k]
+    nx, ny, nz = hits.nx[k], hits.ny[k], hits.nz[k]
+    cosine = -(nx * dx + ny * dy + nz * dz)
     # A surface exactly edge-on returns nothing.
-    if hits.body[k] == NOTHING or cos_incidence <= 0.0:
-        return 0.0, 0.0
-    m = hits.material[k]
-    value = backscatter_strength(cos_incidence, reflectivity[m, 0], reflectivity[m, 1], reflectivity[m, 2], law)
-    value *= distance / cos_incidence  # dA / dΩ = r² / cos α; derived in docs/theory/scattering.md
-    growth = elevation_tilt(dx, dy, dz, nx, ny, nz)
+    if b >= arrays.bins or cosine <= 0.0:
+        return -1, 0.0, 0.0, 0.0
+    row, tube = arrays.reflectivity[hits.material[k]], arrivals.tube[k]
+    value = backscatter_strength(cosine, row[0], row[1], row[2], law) * weight[k] / cosine
+    growth = arrays.water.reference / arrivals.speed[k] * tube * _elevation_tilt(dx, dy, dz, nx, ny, nz)
     if law == LIGHT:
-        value *= growth / bin_length
-    elif fan:
-        value *= distance
-    return value, growth * distance / cos_incidence
+        return b, value * growth / arrays.bin_length, cosine, growth / cosine
+    # Over that in still water; Jensen et al., Computational Ocean Acoustics, 3.3: I = cosθ0 / (x |q|).
+    intensity = distance * distance / (tube * arrivals.spread[k])
+    if arrays.half_width > 0.0:
+        return b, value * distance * distance * intensity, cosine, growth / cosine
+    return b, value * tube * intensity * intensity, cosine, growth / cosine
 
 
-@kernel
-def elevation_tilt(dx, dy, dz, nx, ny, nz):
+@inlined
+def _elevation_tilt(dx, dy, dz, nx, ny, nz):
     """|n·e| of a surface's normal n and the direction e in which a growing elevation moves a ray."""
     level = math.sqrt(dx * dx + dy * dy)
     if level == 0.0:
         return 0.0
     return abs(nz * level - dz * (nx * dx + ny * dy) / level)
+
+
+@inlined
+def count_echoes(cast):
+    """Count the echoes of a side: of each ray by itself, then out by one ray and back by another."""
+    return cast.weight.size + cast.mixed.ray.size
+
+
+@inlined
+def side_echo(arrays, cast, n):
+    """Ray, bin, value and cosine of incidence of one echo of a side; bin -1 without an echo."""
+    if n < cast.weight.size:
+        b, value, cosine, _ = ray_echo(arrays, cast.rays, cast.weight, n)
+        return n, b, value, cosine
+    m = n - cast.weight.size
+    k = cast.mixed.ray[m]
+    _, _, cosine, _ = ray_echo(arrays, cast.rays, cast.weight, k)
+    return k, cast.mixed.bin[m], cast.mixed.value[m], cosine
