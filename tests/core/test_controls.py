@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 
 from insonify.scene import Scene, SceneError, bundled_scenes, edit, load_scene, plain
-from insonify.scene.field_paths import is_field
+from insonify.scene.base import is_field
 from insonify.scene.links import Link, plain_words, split_description
 
 

@@ -8,9 +8,8 @@ from typing import Any
 from pydantic import BaseModel, ValidationError
 
 from insonify.errors import SceneError
-from insonify.scene.base import Choice
+from insonify.scene.base import Kind, kind_name, models_of
 from insonify.scene.faults import describe_fault
-from insonify.scene.kinds import kind_name, models_of
 from insonify.scene.links import read_literal
 from insonify.scene.scene import Scene
 
@@ -25,7 +24,16 @@ def build(values: Mapping[str, Any]) -> Scene:
 
 def plain(scene: Scene) -> dict[str, Any]:
     """Convert a scene to plain values for TOML, without fields that are None, because TOML has no null."""
-    return scene.model_dump(mode="json", exclude_none=True)
+    values: dict[str, Any] = _without_none(scene.model_dump(mode="json"))
+    return values
+
+
+def _without_none(value: Any) -> Any:
+    if isinstance(value, list):
+        return [_without_none(item) for item in value]
+    if not isinstance(value, dict):
+        return value
+    return {key: _without_none(item) for key, item in value.items() if item is not None}
 
 
 def edit(scene: Scene, changes: Mapping[str, Any]) -> Scene:
@@ -134,7 +142,7 @@ def _foreign_fields(models: tuple[type[BaseModel], ...], model: type[BaseModel],
 
 
 def _table(model: type[BaseModel]) -> frozenset[str]:
-    return model.table if issubclass(model, Choice) else frozenset()
+    return model.table if issubclass(model, Kind) else frozenset()
 
 
 def _model_of_kind(models: tuple[type[BaseModel], ...], kind: Any) -> type[BaseModel] | None:

@@ -8,7 +8,7 @@ from typing import Any
 
 from pydantic import BaseModel, ValidationError
 
-from insonify.scene.kinds import kind_name, models_of
+from insonify.scene.base import kind_name, models_of
 
 
 def describe_fault(error: ValidationError, root: type[BaseModel]) -> str:

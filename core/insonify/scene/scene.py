@@ -8,8 +8,7 @@ from pydantic import field_validator, model_validator
 
 from insonify.errors import SceneError
 from insonify.io.georeference import Georeference
-from insonify.scene.base import Declaration, Place, parameter
-from insonify.scene.field_paths import is_field
+from insonify.scene.base import Coordinate, Declaration, is_field, parameter
 from insonify.scene.links import Link, plain_words, split_description
 from insonify.scene.receiver import Receiver
 from insonify.scene.seabed import Seabed
@@ -29,7 +28,7 @@ MOST_CELLS, MOST_ENDLESS_CELLS = 262_144, 4096
 class World(Declaration):
     """Where the scene's own coordinates lie on Earth."""
 
-    origin: tuple[Place, Place] | None = parameter(
+    origin: tuple[Coordinate, Coordinate] | None = parameter(
         None, unit="m", description="map coordinates of the scene's (0, 0); a DEM's centre when left out"
     )
     crs: str = parameter("", description="coordinate reference system of the origin, as written to files")

@@ -27,10 +27,10 @@ def endless_heights(parts: tuple[RandomRelief, ...], spacing: float, seed: int) 
 def _masked(relief: ExtendableRelief, spacing: float, seed: int, stream: int) -> Heights:
     heights = _unmasked(relief, spacing, seed, RELIEF + stream)
     mask = relief.mask
-    if mask.spread is None:
+    if mask is None:
         return heights
     field = EndlessField((Band(mask.density(), mask.spread),), spacing, seed, RELIEF_MASK + stream)
-    level, threshold = math.sqrt(field.variance), NormalDist().inv_cdf(1.0 - mask.coverage)
+    level, threshold = math.sqrt(field.variance), NormalDist().inv_cdf(1.0 - mask.share)
     return lambda nodes: heights(nodes) * mask.weigh(field.values(nodes) / level, threshold)
 
 

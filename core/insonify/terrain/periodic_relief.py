@@ -10,7 +10,7 @@ import math
 import numpy as np
 
 from insonify.kernels.common.streams import RELIEF, RELIEF_MASK, RELIEF_PART
-from insonify.scene.seabed.masks import MaskKind
+from insonify.scene.seabed.masks import PatchMask
 from insonify.scene.seabed.reliefs.random_relief import RandomRelief, density_waves
 from insonify.scene.seabed.reliefs.spectrum import LONGEST_WAVES, Field, row_groups
 from insonify.terrain.periodic_waves import Shape, WaveGrid
@@ -33,12 +33,12 @@ def unmasked_heights(relief: RandomRelief, shape: Shape, reference: Shape, seed:
 def _heights(part: RandomRelief, number: int, shape: Shape, reference: Shape, seed: int) -> Field:
     """Heights of one relief of a sum, weighted by its mask."""
     heights = unmasked_heights(part, shape, reference, seed, RELIEF + RELIEF_PART * number)
-    if part.mask.spread is not None:
+    if part.mask is not None:
         heights *= _mask(part.mask, part.period, WaveGrid(shape, seed, RELIEF_MASK + RELIEF_PART * number))
     return heights
 
 
-def _mask(mask: MaskKind, period: float, grid: WaveGrid) -> Field:
+def _mask(mask: PatchMask, period: float, grid: WaveGrid) -> Field:
     """Weight of a mask on its relief, 0 to 1."""
     waves = density_waves(mask.density(LONGEST_WAVES / period), period, grid)
     level = math.sqrt(grid.variance(waves))
@@ -46,7 +46,7 @@ def _mask(mask: MaskKind, period: float, grid: WaveGrid) -> Field:
     del waves
     field /= level
     # The patches cover their share of this very period, not only of an average period.
-    threshold = float(np.quantile(field, 1.0 - mask.coverage))
+    threshold = float(np.quantile(field, 1.0 - mask.share))
     for rows in row_groups(len(field)):
         field[rows] = mask.weigh(field[rows], threshold)
     return field

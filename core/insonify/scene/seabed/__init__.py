@@ -6,8 +6,7 @@ from typing import Annotated
 
 from pydantic import model_validator
 
-from insonify.scene.base import Declaration, parameter
-from insonify.scene.kinds import KindOf
+from insonify.scene.base import Declaration, KindOf, parameter
 from insonify.scene.seabed.materials import AnyMaterialMap, Material
 from insonify.scene.seabed.reliefs import RELIEFS, ReliefKind
 from insonify.scene.seabed.reliefs.flat import Flat

@@ -5,12 +5,10 @@ from __future__ import annotations
 from typing import Annotated, Literal
 
 from insonify.errors import SceneError
-from insonify.scene.base import Declaration, parameter
-from insonify.scene.kinds import KindOf
+from insonify.scene.base import Declaration, KindOf, parameter
 from insonify.scene.sonar.beams import BEAMS, BeamKind
 from insonify.scene.sonar.beams.fan import FanBeam
-from insonify.scene.sonar.pulses import PULSES, PulseKind
-from insonify.scene.sonar.pulses.tone import Tone
+from insonify.scene.sonar.pulses import PULSES, PulseKind, Tone
 from insonify.scene.sonar.vertical_beams import VERTICAL_BEAMS, VerticalBeamKind
 from insonify.scene.sonar.vertical_beams.uniform import UniformVerticalBeam
 

@@ -7,7 +7,7 @@ from typing import Literal
 import numpy as np
 
 from insonify.scene.base import parameter
-from insonify.scene.targets.base import LEAST, Posed
+from insonify.scene.targets import LEAST, Posed
 from insonify.scene.targets.shape import Shape, frustum
 
 

@@ -11,7 +11,7 @@ from insonify.errors import SceneError
 from insonify.io.file_cache import kept_until_changed
 from insonify.io.meshes import read_mesh
 from insonify.scene.base import FilePath, parameter
-from insonify.scene.targets.base import Posed
+from insonify.scene.targets import Posed
 from insonify.scene.targets.shape import Outline, Shape, Vector
 
 

@@ -8,10 +8,9 @@ from typing import Any, Literal
 import numpy as np
 from pydantic import field_validator, model_validator
 
-from insonify.scene.base import parameter
-from insonify.scene.rotation import exact_cos
-from insonify.scene.targets.base import HIGHEST_GAP, LEAST, LOWEST_GAP, BedSurface, Target, angle
-from insonify.scene.targets.shape import Shape, Vector, ball, frustum
+from insonify.scene.base import angle, parameter
+from insonify.scene.targets import HIGHEST_GAP, LEAST, LOWEST_GAP, BedSurface, Target
+from insonify.scene.targets.shape import Shape, Vector, ball, exact_cos, frustum
 
 Gap = float | tuple[tuple[float, float], ...]
 MOST_SAMPLES = 2048  # of the bed beneath a pipe

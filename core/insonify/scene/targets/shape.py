@@ -102,6 +102,21 @@ class Shape(NamedTuple):
         return Shape(tuple(s._replace(start=s.start + by) for s in self.solids), self.triangles + by)
 
 
+def exact_cos(degrees: float) -> float:
+    """Cosine that is exactly 0 or ±1 on the axes, so that bodies aligned with the grid remain aligned."""
+    quarter = degrees / 90.0
+    return (1.0, 0.0, -1.0, 0.0)[int(quarter) % 4] if quarter == int(quarter) else math.cos(math.radians(degrees))
+
+
+def rotation_matrix(heading: float, pitch: float, roll: float) -> NDArray[np.float64]:
+    """Matrix (3, 3) of a turn by heading about z, then by pitch and roll, each in degrees about the turned axes."""
+    (ch, sh), (cp, sp), (cr, sr) = ((exact_cos(a), exact_cos(a - 90.0)) for a in (heading, pitch, roll))
+    about_z = np.array([[ch, -sh, 0.0], [sh, ch, 0.0], [0.0, 0.0, 1.0]])
+    bow_up = np.array([[cp, 0.0, -sp], [0.0, 1.0, 0.0], [sp, 0.0, cp]])
+    port_up = np.array([[1.0, 0.0, 0.0], [0.0, cr, -sr], [0.0, sr, cr]])
+    return about_z @ bow_up @ port_up
+
+
 def ball(radius: float, centre: Vector | None = None) -> Solid:
     """Return a sphere."""
     return Solid(np.zeros(3) if centre is None else centre, np.zeros(3), 0.0, radius)

@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import Literal
 
 from insonify.scene.base import parameter
-from insonify.scene.targets.base import LEAST, Posed
+from insonify.scene.targets import LEAST, Posed
 from insonify.scene.targets.shape import Shape, ball
 
 

@@ -6,8 +6,7 @@ from typing import Annotated
 
 from pydantic import model_validator
 
-from insonify.scene.base import Declaration, Place, parameter
-from insonify.scene.kinds import KindOf
+from insonify.scene.base import Coordinate, Declaration, KindOf, parameter
 from insonify.scene.track.motions import MOTIONS, MotionKind, SingleMotion
 from insonify.scene.track.motions.straight import Straight
 
@@ -15,7 +14,9 @@ from insonify.scene.track.motions.straight import Straight
 class Track(Declaration):
     """Straight track at constant speed, and the motion of the towfish about it."""
 
-    start: tuple[Place, Place] = parameter((0.0, 0.0), unit="m", description="position of the first ping", rare=True)
+    start: tuple[Coordinate, Coordinate] = parameter(
+        (0.0, 0.0), unit="m", description="position of the first ping", rare=True
+    )
     heading: float = parameter(
         0.0,
         unit="°",

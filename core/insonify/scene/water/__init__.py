@@ -7,12 +7,9 @@ from typing import Annotated, ClassVar, NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from insonify.scene.base import Choice, parameter
-from insonify.scene.kinds import Family, KindOf
-from insonify.scene.water.absorptions import ABSORPTIONS, AbsorptionKind
-from insonify.scene.water.absorptions.none import NoAbsorption
-from insonify.scene.water.surfaces import SURFACES, SurfaceKind
-from insonify.scene.water.surfaces.none import NoSurface
+from insonify.scene.base import Family, Kind, KindOf, parameter
+from insonify.scene.water.absorptions import ABSORPTIONS, AbsorptionKind, NoAbsorption
+from insonify.scene.water.surfaces import SURFACES, NoSurface, SurfaceKind
 
 Values = NDArray[np.float64]
 WATERS = Family("waters", "insonify.scene.water")
@@ -28,7 +25,7 @@ class SoundSpeeds(NamedTuple):
     heading: float = 0.0  # heading of that line, radians counter-clockwise from +x
 
 
-class WaterKind(Choice):
+class WaterKind(Kind):
     """Base of all kinds of water: sound speed, absorption and sea surface.
 
     Attributes

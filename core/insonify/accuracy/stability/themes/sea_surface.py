@@ -16,9 +16,7 @@ from insonify.acoustics.resolution_cell import bin_centres
 from insonify.acoustics.sea_surface import make_surface_multipath
 from insonify.display.style import INK
 from insonify.kernels.common.types import LIGHT, SceneArrays, still_water
-from insonify.scene.water.surfaces import WAYS
-from insonify.scene.water.surfaces.flat import FlatSurface
-from insonify.scene.water.surfaces.rough import RoughSurface
+from insonify.scene.water.surfaces import WAYS, FlatSurface, RoughSurface
 from insonify.simulation import prepare
 from insonify.tracers import sweep
 

@@ -7,14 +7,13 @@ from abc import abstractmethod
 
 import numpy as np
 
-from insonify.scene.base import Choice
-from insonify.scene.kinds import Family
+from insonify.scene.base import Family, Kind
 from insonify.scene.seabed.reliefs.spectrum import Density, Field
 
 AUTOCORRELATIONS = Family("autocorrelations", "insonify.scene.seabed.autocorrelations")
 
 
-class AutocorrelationKind(Choice):
+class AutocorrelationKind(Kind):
     """Autocorrelation of heights over the lag."""
 
     family = AUTOCORRELATIONS

@@ -17,10 +17,8 @@ from insonify.io.file_access import check_regular, guarded
 from insonify.io.file_cache import kept_until_changed
 from insonify.io.georeference import Georeference, project
 from insonify.scene.base import FilePath, parameter
-from insonify.scene.seabed.materials.base import Cells, Map
-from insonify.scene.seabed.materials.composite import CompositeMap
+from insonify.scene.seabed.materials import Cells, CompositeMap, Map, Material
 from insonify.scene.seabed.materials.image import LARGEST_SIDE
-from insonify.scene.seabed.materials.uniform import Material
 
 
 class BackscatterMap(CompositeMap):

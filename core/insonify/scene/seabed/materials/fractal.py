@@ -5,9 +5,7 @@ from __future__ import annotations
 from typing import Literal
 
 from insonify.scene.base import parameter
-from insonify.scene.seabed.materials.base import Cells, Map
-from insonify.scene.seabed.materials.composite import CompositeMap
-from insonify.scene.seabed.materials.uniform import Material
+from insonify.scene.seabed.materials import Cells, CompositeMap, Map, Material
 
 
 class FractalMap(CompositeMap):

@@ -14,9 +14,7 @@ from insonify.io.file_access import guarded
 from insonify.io.file_cache import kept_until_changed
 from insonify.io.pictures import read_pixels
 from insonify.scene.base import FilePath, parameter
-from insonify.scene.seabed.materials.base import Cells, Map
-from insonify.scene.seabed.materials.composite import CompositeMap
-from insonify.scene.seabed.materials.uniform import Material
+from insonify.scene.seabed.materials import Cells, CompositeMap, Map, Material
 
 LARGEST_SIDE = 16384  # cells of a map
 # Grey levels of Pillow's modes.

@@ -11,10 +11,7 @@ from numpy.typing import NDArray
 
 from insonify.errors import SceneError
 from insonify.scene.base import parameter
-from insonify.scene.seabed.materials.base import Cells, Map
-from insonify.scene.seabed.materials.composite import CompositeMap
-from insonify.scene.seabed.materials.reflectivity import Reflectivity
-from insonify.scene.seabed.materials.uniform import Material
+from insonify.scene.seabed.materials import Cells, CompositeMap, Map, Material, Reflectivity
 
 # Rows between the materials of waves: as many as an index of one byte can tell apart.
 GRADES = 256

@@ -8,8 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from insonify.io.georeference import Georeference
-from insonify.scene.base import Choice
-from insonify.scene.kinds import Family
+from insonify.scene.base import Family, Kind
 
 if TYPE_CHECKING:
     from insonify.scene.seabed.materials import MaterialMap
@@ -28,7 +27,7 @@ class HeightGrid(NamedTuple):
     y0: float = 0.0
 
 
-class ReliefKind(Choice):
+class ReliefKind(Kind):
     """Shape of the bed.
 
     A kind either has random `parts`, or it samples its heights.

@@ -4,8 +4,7 @@ from __future__ import annotations
 
 from typing import Annotated, Literal
 
-from insonify.scene.base import parameter
-from insonify.scene.kinds import KindOf
+from insonify.scene.base import KindOf, parameter
 from insonify.scene.seabed.autocorrelations import AUTOCORRELATIONS, AutocorrelationKind
 from insonify.scene.seabed.autocorrelations.exponential import ExponentialAutocorrelation
 from insonify.scene.seabed.reliefs.random_relief import ExtendableRelief, rms_height

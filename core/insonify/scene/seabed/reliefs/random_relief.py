@@ -7,10 +7,8 @@ from typing import TYPE_CHECKING, Annotated, ClassVar, Literal
 
 import numpy as np
 
-from insonify.scene.base import parameter
-from insonify.scene.kinds import KindOf
-from insonify.scene.seabed.masks import MASKS, MaskKind
-from insonify.scene.seabed.masks.none import NoMask
+from insonify.scene.base import KindOf, parameter
+from insonify.scene.seabed.masks import MASKS, PatchMask
 from insonify.scene.seabed.reliefs import AddableRelief
 from insonify.scene.seabed.reliefs.spectrum import Band, Density, Field, PeriodicWaves, Waves
 
@@ -45,8 +43,8 @@ class RandomRelief(AddableRelief):
         slider=(12.8, 409.6),
         log=True,
     )
-    mask: Annotated[MaskKind, KindOf(MASKS, default="patches")] = parameter(
-        NoMask(), description="where the relief is, of a bed that is level elsewhere", rare=True
+    mask: Annotated[PatchMask | None, KindOf(MASKS, default="patches", optional=True)] = parameter(
+        None, description="parts of the bed that have the relief; the bed is level elsewhere", rare=True
     )
 
     @property

@@ -7,8 +7,7 @@ from typing import Annotated, Literal
 from pydantic import model_validator
 
 from insonify.io.georeference import Georeference
-from insonify.scene.base import parameter
-from insonify.scene.kinds import KindOf
+from insonify.scene.base import KindOf, parameter
 from insonify.scene.seabed.materials import MaterialMap
 from insonify.scene.seabed.reliefs import RELIEFS, AddableRelief, HeightGrid, ReliefKind
 from insonify.scene.seabed.reliefs.random_relief import RandomRelief

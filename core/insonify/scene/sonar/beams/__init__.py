@@ -13,8 +13,7 @@ from typing import ClassVar, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from insonify.scene.base import Choice
-from insonify.scene.kinds import Family
+from insonify.scene.base import Family, Kind, parameter
 
 BEAMS = Family("beams", "insonify.scene.sonar.beams")
 COLUMNS = 2049  # of a table of sensitivities
@@ -43,7 +42,7 @@ class BeamTable(NamedTuple):
     per_octave: float = 1.0  # rows per doubling of slant range
 
 
-class BeamKind(Choice):
+class BeamKind(Kind):
     """Sensitivity of the sonar along the track.
 
     A kind declares the half width of its main lobe, its extent and its response. A beam that changes with range
@@ -89,7 +88,6 @@ class BeamKind(Choice):
 
     def response(self, s: Values, sounding: Sounding) -> Values:
         """Sensitivity by direction about the axis."""
-        del sounding
         return np.ones(s.shape)
 
     def tabulate(self, sounding: Sounding) -> BeamTable:
@@ -101,3 +99,25 @@ class BeamKind(Choice):
     def at_range(self, sounding: Sounding) -> BeamTable:
         """Tabulate the sensitivity at the range of the sounding alone: a single row."""
         return self.tabulate(sounding)
+
+
+class AimedBeam(BeamKind):
+    """A beam that can be turned towards the bow."""
+
+    squint: float = parameter(
+        0.0,
+        unit="°",
+        description="angle by which the beam is turned towards the bow",
+        ge=-45.0,
+        le=45.0,
+        slider=(-10.0, 10.0),
+        rare=True,
+    )
+
+    @property
+    def axis(self) -> float:
+        """Angle of the beam's axis towards the bow, in degrees."""
+        return self.squint
+
+    def _named(self, name: str) -> str:
+        return f"{name}, squint {self.squint:g}°" if self.squint else name

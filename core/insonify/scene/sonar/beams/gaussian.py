@@ -8,8 +8,7 @@ from typing import Literal
 import numpy as np
 
 from insonify.scene.base import parameter
-from insonify.scene.sonar.beams import Sounding, Values
-from insonify.scene.sonar.beams.aimed import AimedBeam
+from insonify.scene.sonar.beams import AimedBeam, Sounding, Values
 
 FAINT = 1e-6  # sensitivity at which the beam ends
 EDGE = 0.02  # sensitivity at which its main lobe does
@@ -43,16 +42,13 @@ class GaussianBeam(AimedBeam):
 
     def half_width(self, sounding: Sounding) -> float:
         """Angle at which the sensitivity is down to `EDGE`, in radians."""
-        del sounding
         times = math.sqrt(math.log2(1.0 / EDGE) / self.passes)
         return math.asin(min(self._s_three_decibels * times, 1.0))
 
     def extent(self, sounding: Sounding) -> float:
         """Sine at which the sensitivity is down to `FAINT`."""
-        del sounding
         return min(self._s_three_decibels * math.sqrt(math.log2(1.0 / FAINT) / self.passes), 1.0)
 
     def response(self, s: Values, sounding: Sounding) -> Values:
         """Sensitivity b = 2^(−(2φ/w)²) each way, which falls to a half at half the width."""
-        del sounding
         return np.exp2(-self.passes * (s / self._s_three_decibels) ** 2)

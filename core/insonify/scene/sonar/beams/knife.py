@@ -22,5 +22,4 @@ class KnifeBeam(BeamKind):
 
     def half_width(self, sounding: Sounding) -> float:
         """Nothing but the plane athwart the fish."""
-        del sounding
         return 0.0

@@ -8,8 +8,7 @@ from typing import Literal
 import numpy as np
 
 from insonify.scene.base import parameter
-from insonify.scene.sonar.beams import COLUMNS, BeamTable, Sounding, Values
-from insonify.scene.sonar.beams.aimed import AimedBeam
+from insonify.scene.sonar.beams import COLUMNS, AimedBeam, BeamTable, Sounding, Values
 
 ELEMENTS = 1024  # as its pattern is computed
 FEWEST_ROWS = 4.0  # per octave of slant range
@@ -21,7 +20,6 @@ LOBES = {True: 6.0, False: 32.0}
 FIRST_NULL = {"uniform": 1.0, "cosine": 1.5, "hamming": 2.0, "taylor": 1.36}
 TAYLOR_SIDELOBES, TAYLOR_NEARLY_EQUAL = 30, 4  # dB, and how many of them are nearly equal
 FAR = 0.4  # share of the range at which the main lobe is taken to be as wide as there
-# Width at half power of a line array's far field, in wavelengths over its length, one way and two way.
 
 
 class LineArray(AimedBeam):

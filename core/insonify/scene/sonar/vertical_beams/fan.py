@@ -4,8 +4,7 @@ from __future__ import annotations
 
 from typing import Literal
 
-from insonify.scene.sonar.vertical_beams import VerticalResponse
-from insonify.scene.sonar.vertical_beams.tilted import LobeBeam
+from insonify.scene.sonar.vertical_beams import LobeBeam, VerticalResponse
 
 
 class VerticalFan(LobeBeam):
@@ -13,11 +12,6 @@ class VerticalFan(LobeBeam):
 
     rank = 20
     kind: Literal["fan"] = "fan"
-
-    @property
-    def words(self) -> str:
-        """Name of the beam for captions."""
-        return self._named("fan")
 
     @property
     def response(self) -> VerticalResponse:

@@ -10,8 +10,7 @@ from numpy.typing import NDArray
 
 from insonify.scene.base import parameter
 from insonify.scene.sonar.beams.line_array import ELEMENTS, taper_weights
-from insonify.scene.sonar.vertical_beams import VerticalResponse
-from insonify.scene.sonar.vertical_beams.tilted import TiltedBeam
+from insonify.scene.sonar.vertical_beams import TiltedBeam, VerticalResponse
 
 FEWEST_COLUMNS, PER_LOBE = 1025, 32  # of the table of sensitivities
 
@@ -41,7 +40,7 @@ class VerticalArray(TiltedBeam):
 
     def sensitivity(self, wavelength: float) -> NDArray[np.float64]:
         """Tabulate |∫ w(u) exp(−iku s) du|² over sines s (Urick 1983, ch. 3): sin²(x)/x², x = πhs/λ, if uniform."""
-        from scipy.signal import czt  # takes longer to import than a preview takes to trace
+        from scipy.signal import czt  # lazy: takes longer to import than a preview takes to trace
 
         weights = taper_weights(self.taper)
         columns = max(FEWEST_COLUMNS, 2 * math.ceil(PER_LOBE * self.height / wavelength) + 1)

@@ -8,8 +8,7 @@ from typing import TYPE_CHECKING, ClassVar, Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from insonify.scene.base import Choice
-from insonify.scene.kinds import Family
+from insonify.scene.base import Family, Kind
 
 if TYPE_CHECKING:
     from insonify.io.navigation import RecordedNavigation
@@ -19,7 +18,7 @@ Axis = Literal["surge", "sway", "heave", "yaw", "pitch", "roll"]
 Turning = tuple[float, float, float]
 
 
-class MotionKind(Choice):
+class MotionKind(Kind):
     """Motion of the towfish about its line."""
 
     family = MOTIONS
