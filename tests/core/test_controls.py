@@ -41,8 +41,8 @@ def test_a_link_may_set_a_table() -> None:
 @pytest.mark.parametrize(
     ("changes", "sentence"),
     [
-        ({"controls": ["track.altitud"]}, "controls: 'track.altitud' is no field of a scene"),
-        ({"description": "[this](track.altitud=4)"}, "description: links to 'track.altitud', which is no field"),
+        ({"controls": ["track.altitud"]}, "controls: 'track.altitud' is not a field of a scene"),
+        ({"description": "[this](track.altitud=4)"}, "description: links to 'track.altitud', which is not a field"),
     ],
 )
 def test_a_mistyped_path_is_refused(changes: dict[str, object], sentence: str) -> None:

@@ -31,7 +31,7 @@ def test_a_kind_that_is_declared_late_is_a_kind_like_others_and_can_be_forgotten
         with pytest.raises(SceneError, match=r"targets\.0\.width: -1\.0 is out of bounds"):
             edit(scene, {"targets.0.kind": "egg", "targets.0.width": -1.0})
     assert models_of(Scene, "targets") == before
-    with pytest.raises(SceneError, match="'egg' is not a kind known here"):
+    with pytest.raises(SceneError, match="'egg' is not a known kind"):
         edit(scene, {"targets.0.kind": "egg"})
 
 

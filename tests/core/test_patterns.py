@@ -235,7 +235,7 @@ def test_pictures_that_cannot_be_are_refused(picture, tmp_path):
         str(tmp_path / "text.png"): "is no picture in PNG or TIFF; save",
         floats: "holds pixels of mode F; save",
         picture([[0, 70000]], "long.tif", np.int32): "holds pixels of mode I; save",
-        many: "uses colour 2 of its palette; name a material for each, not only 2",
+        many: "uses colour 2 of its palette; give a material for each colour, not only 2",
     }.items():
         with pytest.raises(SceneError, match=f"^seabed.material.path: .* {fault}"):
             ground_of({"kind": "image", "path": path, "of": ["silt", "rock"]})

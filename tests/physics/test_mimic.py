@@ -151,7 +151,7 @@ def dunes(**changes):
         (dunes(reach=1e4), r"seabed: relief\.reach 10000 m at spacing 0\.1 m makes 200000 cells across; shorten"),
         (
             {"seabed": {"relief": "mimic", "material": {"kind": "patches", "of": ["silt", "rock"]}}},
-            r'seabed: relief "mimic" passes for a map by its shape; give the seabed a single material',
+            r'seabed: relief "mimic" imitates a map by its shape; give the seabed a single material',
         ),
     ],
 )

@@ -15,6 +15,7 @@ from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Literal, TypeVar
 from pydantic import AfterValidator, BaseModel, ConfigDict, Field, GetCoreSchemaHandler, model_validator
 from pydantic_core import CoreSchema, core_schema
 
+from insonify.files import file_version
 from insonify.plugins import announced, modules_in
 
 Model = TypeVar("Model", bound=BaseModel)
@@ -118,6 +119,12 @@ class Declaration(BaseModel):
     def idle_fields(self) -> frozenset[str]:
         """Names of the fields that have no effect at the present values of the others; they get no slider."""
         return frozenset()
+
+    @property
+    def version(self) -> tuple[int, int] | None:
+        """Version of the file at ``path``, None for a declaration without a file."""
+        path = getattr(self, "path", None)
+        return None if path is None else file_version(path)
 
     def value_in_force(self, field: str) -> float | None:
         """Return the number that applies where a field is left out, None if it depends on the rest of the scene."""

@@ -17,7 +17,12 @@ class Seabed(Declaration):
     """Mean depth, relief and material of the bed."""
 
     depth: float = parameter(
-        30.0, unit="m", description="depth of the mean bed (a DEM has its own)", gt=0.0, le=11000.0, slider=(5.0, 200.0)
+        30.0,
+        unit="m",
+        description="depth of the mean bed (a measured bed has its own)",
+        gt=0.0,
+        le=11000.0,
+        slider=(5.0, 200.0),
     )
     spacing: float = parameter(
         0.1, unit="m", description="spacing of the relief grid", gt=0.0, le=1e4, slider=(0.05, 1.0), log=True

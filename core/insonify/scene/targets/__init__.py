@@ -11,7 +11,6 @@ from numpy.typing import NDArray
 from pydantic import Field, model_validator
 
 from insonify.errors import SceneError
-from insonify.files import file_version
 from insonify.scene.base import Coordinate, Declaration, Family, KindOf, angle, parameter
 from insonify.scene.seabed.materials import Material
 from insonify.scene.targets.shape import Outline, Shape, rotation_matrix
@@ -19,12 +18,12 @@ from insonify.scene.targets.shape import Outline, Shape, rotation_matrix
 Height = Annotated[float, Field(ge=-2e4, le=2e4)]
 Position = tuple[Coordinate, Coordinate] | tuple[Coordinate, Coordinate, Height]
 TARGETS = Family("targets", "insonify.scene.targets")
-LEAST = 0.001  # m, greatest dimension of a target
+LEAST = 0.001  # m, of a target's dimensions
 LOWEST_GAP, HIGHEST_GAP = -100.0, 1000.0
 
 
 class BedSurface(Protocol):
-    """Ground on which a target is placed."""
+    """Bed on which a target is placed."""
 
     @property
     def spacing(self) -> float:
@@ -39,33 +38,36 @@ class BedSurface(Protocol):
 
 
 class Target(Declaration):
-    """Something on, in or over the bed: a place, a material and a shape.
+    """A target on, in or over the bed: a position, a material and a shape.
 
-    A kind derives from `Body` or `Posed` and declares its ``kind``, its measures and its `shape`; the other methods
-    have defaults that hold for any shape.
+    A kind derives from `Body` or `Posed` and declares its ``kind``, its dimensions and its `shape`; the other methods
+    have defaults for any shape.
     """
 
     family = TARGETS
     kind: str = parameter(description="shape of the target")
     position: Position = parameter(
-        unit="m", description="[x, y] of its centre when its height follows the bed, or [x, y, z] (z up, surface 0)"
+        unit="m",
+        description="[x, y] of the centre for a target on the bed, or [x, y, z] with z up from the sea surface",
     )
     material: Material = parameter(Material(name="steel"), description="material of the target")
-    locked: bool = parameter(False, description="whether the viewer leaves it as it is", rare=True)
+    locked: bool = parameter(False, description="whether the viewer protects it against changes", rare=True)
 
     @model_validator(mode="after")
     def _one_height(self) -> Target:
         if len(self.position) == 3 and getattr(self, "gap", 0.0) != 0.0:
-            raise ValueError("a position with z sets the centre's height, and gap the underside; give one of the two")
+            raise ValueError(
+                "position with z sets the height of the centre, and gap that of the underside; give one of the two"
+            )
         return self
 
     def shape(self) -> Shape:
-        """Shape about the target's own centre: bow towards +x, port side towards +y, upright.
+        """Shape about the target's own centre: bow towards +x, port side towards +y.
 
         Raises
         ------
         SceneError
-            If a file cannot be read: one sentence that begins with the name of the field.
+            If a file cannot be read; the message begins with the name of the field.
         """
         raise NotImplementedError(f"the target {self.kind!r} declares no shape")
 
@@ -80,12 +82,12 @@ class Target(Declaration):
         return 0.0
 
     def placed(self, bed: BedSurface) -> Shape:
-        """Shape where it lies.
+        """Shape where it lies on a bed.
 
         Raises
         ------
         SceneError
-            If there is no bed to carry it; begins with the name of the field.
+            If there is no bed under it; the message begins with the name of the field.
         """
         shape = self.shape().turned(rotation_matrix(*self.attitude))
         x, y = self.position[:2]
@@ -95,12 +97,12 @@ class Target(Declaration):
         return shape.moved(np.array([x, y, height + self.underside - shape.lowest]))
 
     def heights_of(self, bed: BedSurface, x: NDArray[np.float64], y: NDArray[np.float64]) -> NDArray[np.float64]:
-        """Heights of the bed that carries the target.
+        """Heights of the bed under the target.
 
         Raises
         ------
         SceneError
-            If it is missing at any of the places.
+            If there is no bed at one of the places.
         """
         heights = bed.height_at(x, y)
         if math.isnan(float(heights.sum())):
@@ -113,12 +115,11 @@ class Target(Declaration):
     @property
     def outline(self) -> Outline:
         """Measures of the shape."""
-        path = getattr(self, "path", None)
-        return _kept_outline(self, None if path is None else file_version(path))
+        return _kept_outline(self, self.version)
 
     @classmethod
     def suited_to(cls, reach: float, path: str) -> dict[str, Any]:
-        """Fields of a new target whose size suits a slant range, in metres.
+        """Fields of a new target that set a size in proportion to the range.
 
         Parameters
         ----------
@@ -131,17 +132,17 @@ class Target(Declaration):
 
     @property
     def idle_fields(self) -> frozenset[str]:
-        """The gap, where z is given."""
+        """The gap, if z is given."""
         return frozenset({"gap"} if len(self.position) == 3 else ())
 
 
 class Body(Target):
-    """A target that moves as a whole."""
+    """A rigid target."""
 
     gap: float = parameter(
         0.0,
         unit="m",
-        description="lowest point above the bed at the position; negative sinks it",
+        description="height of the lowest point above the bed at the position; negative buries it",
         ge=LOWEST_GAP,
         le=HIGHEST_GAP,
         slider=(-1.0, 5.0),
@@ -156,9 +157,9 @@ class Body(Target):
 class Posed(Body):
     """A target that can be turned: first by heading, then by pitch, then by roll, about its centre."""
 
-    heading: float = angle("direction of its bow, counter-clockwise from +x")
+    heading: float = angle("direction of the bow, counter-clockwise from +x")
     pitch: float = angle("angle of the bow upwards", rare=True)
-    roll: float = angle("port side up", rare=True)
+    roll: float = angle("angle of the port side upwards", rare=True)
 
     @property
     def attitude(self) -> tuple[float, float, float]:
@@ -171,5 +172,5 @@ AnyTarget = Annotated[Target, KindOf(TARGETS)]
 
 @lru_cache(maxsize=256)
 def _kept_outline(target: Target, version: tuple[int, int] | None) -> Outline:
-    del version  # part of the key alone: a changed file is measured again
+    del version  # only part of the key: a changed file is measured again
     return target.shape().outline

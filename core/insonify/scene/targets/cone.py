@@ -24,6 +24,6 @@ class Cone(Posed):
     )
 
     def shape(self) -> Shape:
-        """One frustum that ends in a point."""
+        """Return a frustum that ends in a point."""
         up = np.array([0.0, 0.0, self.height / 2.0])
         return Shape((frustum(-up, up, self.radius, 0.0),))

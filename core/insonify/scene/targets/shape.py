@@ -1,4 +1,4 @@
-"""Shapes of targets: balls, frustums and triangles, how they are turned, moved and measured."""
+"""Shapes of targets: balls, frustums and triangles, which can be turned, moved and measured."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ class Solid(NamedTuple):
     start: Vector  # (3,) centre of the ball, middle of the frustum's first end
     axis: Vector  # (3,) unit vector towards the last end, 0 for a ball
     length: float  # along the axis, 0 for a ball
-    radius: float  # of the ball, of the frustum's first end
+    radius: float  # of the ball or of the frustum's first end
     taper: float = 0.0  # growth of the radius per metre along the axis
 
     @property
@@ -40,7 +40,7 @@ class Solid(NamedTuple):
             yield self.start + self.length * self.axis, self.radius + self.taper * self.length
 
     def across(self, direction: Vector) -> float:
-        """Extent of a rim along a unit vector over its radius: the sine of the angle between vector and axis."""
+        """Extent of a rim of radius 1 along a unit vector: the sine of the angle between vector and axis."""
         return math.sqrt(max(1.0 - float(self.axis @ direction) ** 2, 0.0))
 
     @property
@@ -54,12 +54,12 @@ class Outline(NamedTuple):
     """Bounding box and number of triangles of a shape."""
 
     solids: tuple[Solid, ...] = ()
-    half: Triple = (0.0, 0.0, 0.0)  # m, half the sides of a box about the origin that holds the triangles
+    half: Triple = (0.0, 0.0, 0.0)  # m, half the sides of the box about the origin that contains the triangles
     triangles: int = 0  # their number
 
     @property
     def radius(self) -> float:
-        """Radius of a ball about the origin that holds the shape."""
+        """Radius of a ball about the origin that contains the shape."""
         ends = ((solid, middle, radius) for solid in self.solids for middle, radius in solid.ends())
         return max(math.hypot(*self.half), *(_farthest(*end) for end in ends), 0.0)
 

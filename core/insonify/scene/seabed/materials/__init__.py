@@ -26,12 +26,12 @@ __all__ = [
 ]
 
 MATERIAL_MAPS = Family("material_maps", "insonify.scene.seabed.materials")
-PERIOD = 102.4  # m, after which a level bed repeats that has no period of its own
+PERIOD = 102.4  # m, after which a level bed without a period of its own repeats
 Map = NDArray[np.uint8]
 
 
 class Cells(Protocol):
-    """Cells of a bed on which a map is laid, and the random fields that the terrain makes over them."""
+    """Cells of a bed to which a map assigns materials, and random fields over them."""
 
     @property
     def shape(self) -> tuple[int, int]:
@@ -47,13 +47,13 @@ class Cells(Protocol):
 
     @property
     def place(self) -> Georeference | None:
-        """Place of the local (0, 0) on Earth, for a map that lies on Earth too."""
+        """Map coordinates of the local (0, 0), for a map with coordinates of its own."""
 
     def centres(self) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
         """Local x and y of the cells' middles, (nx,) and (ny,), in metres."""
 
     def patches(self, size: float, count: int) -> Map:
-        """Index below ``count`` of the random patch, about ``size`` metres wide, that each cell lies in."""
+        """Index below ``count`` of the random patch, about ``size`` metres wide, that contains each cell."""
 
     def bands(self, beta: float, count: int) -> Map:
         """Index below ``count`` of bands of equal area of a fractal field of that exponent."""
@@ -63,7 +63,7 @@ class MaterialMap(Declaration):
     """Map of the materials of a bed; a kind declares its ``kind``, its fields, its `materials` and their `indices`."""
 
     family = MATERIAL_MAPS
-    on_a_map: ClassVar[bool] = False  # whether it lies on Earth, not on the bed
+    on_a_map: ClassVar[bool] = False  # whether it has map coordinates of its own
     kind: str = parameter(description="kind of map")
 
     @property
@@ -77,29 +77,29 @@ class MaterialMap(Declaration):
         Raises
         ------
         SceneError
-            If a file cannot be read: one sentence that begins with the name of the field.
+            If a file cannot be read; the message begins with the name of the field.
         """
         raise NotImplementedError(f"the map {self.kind!r} declares no indices")
 
     def rows(self) -> tuple[tuple[str, ...], tuple[Reflectivity, ...]]:
-        """Names and numbers of the rows of its table of materials."""
+        """Names and scattering parameters of the rows of its table of materials."""
         materials = self.materials
         return tuple(one.name for one in materials), tuple(one.reflectivity for one in materials)
 
     def level_shape(self, spacing: float, fewest: int, most: int) -> tuple[int, int]:
-        """Cells along y and x after which a level bed of it repeats.
+        """Cells along y and x after which a level bed with this map repeats.
 
         Parameters
         ----------
         spacing : float
             Metres between nodes.
         fewest, most : int
-            Cells a side of a level bed.
+            Limits of the cells along a side.
 
         Raises
         ------
         SceneError
-            If they cannot hold it; begins with the name of the field.
+            If the map needs more cells; the message begins with the name of the field.
         """
         cells = int(np.clip(round(PERIOD / spacing), fewest, most))
         return cells, cells
@@ -109,18 +109,13 @@ class MaterialMap(Declaration):
         """The map without the scattering parameters of its materials, on which no border depends."""
         return self
 
-    @property
-    def version(self) -> tuple[int, int] | None:
-        """Version of the file that it is read from, None if there is none."""
-        return None
-
 
 class Material(MaterialMap):
-    """One material: a name, or numbers that override the name's."""
+    """One material: a name, and numbers that override those of the named material."""
 
     rank = 1
     kind: Literal["uniform"] = "uniform"
-    name: str = parameter("medium_sand", description="named material whose numbers apply where none are given")
+    name: str = parameter("medium_sand", description="named material, of which the numbers apply where none are given")
     diffuse: float | None = parameter(
         None, description="share of energy scattered evenly (Lambert)", ge=0.0, le=1.0, slider=(0.0, 1.0)
     )
@@ -129,7 +124,7 @@ class Material(MaterialMap):
     )
     shininess: float | None = parameter(
         None,
-        description="exponent n of the mirror lobe, as of facets with an rms slope of 1/(2√n) each way",
+        description="exponent n of the mirror lobe, that of facets with an rms slope of 1/(2√n)",
         ge=1.0,
         le=1000.0,
         slider=(1.0, 200.0),
@@ -147,7 +142,7 @@ class Material(MaterialMap):
     )
     speckle_shape: float | None = parameter(
         None,
-        description="shape of K speckle on this material; fewer scatterers make it smaller and the speckle spikier",
+        description="shape of K speckle on this material; fewer scatterers: smaller shape, spikier speckle",
         ge=0.01,
         le=1e4,
         slider=(0.1, 100.0),
@@ -184,7 +179,7 @@ class Material(MaterialMap):
         return (self,)
 
     def indices(self, cells: Cells) -> Map:
-        """Return the first row for every cell."""
+        """Return row 0 for every cell."""
         return np.zeros(cells.shape, dtype=np.uint8)
 
     def level_shape(self, spacing: float, fewest: int, most: int) -> tuple[int, int]:

@@ -109,7 +109,7 @@ def read_materials(folder: Path) -> dict[str, NamedMaterial]:
             tables = tomllib.loads(file.read_text(encoding="utf-8"))
             found |= _TABLES.validate_python(tables)
         except tomllib.TOMLDecodeError as error:
-            raise SceneError(f"{file}: is not valid TOML ({error}); mend that line") from None
+            raise SceneError(f"{file}: is not valid TOML ({error}); correct that line") from None
         except ValidationError as error:
             fault = error.errors()[0]
             field = ".".join(map(str, fault["loc"]))

@@ -9,7 +9,7 @@ from insonify.scene.seabed.materials import Cells, CompositeMap, Map, Material
 
 
 class FractalMap(CompositeMap):
-    """Winding borders: a fractal field cut into bands of equal area, one band a material."""
+    """Bands of equal area between contours of a fractal field, one band a material."""
 
     rank = 3
     kind: Literal["fractal"] = "fractal"
@@ -19,5 +19,5 @@ class FractalMap(CompositeMap):
     )
 
     def indices(self, cells: Cells) -> Map:
-        """Material of the band that each cell lies in."""
+        """Material of the band that contains each cell."""
         return cells.bands(self.beta, len(self.of))

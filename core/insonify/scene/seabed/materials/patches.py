@@ -9,7 +9,7 @@ from insonify.scene.seabed.materials import Cells, CompositeMap, Map, Material
 
 
 class Patches(CompositeMap):
-    """Patches with sharp borders: every patch takes one of the materials."""
+    """Random patches with sharp borders, each of one of the materials."""
 
     rank = 2
     kind: Literal["patches"] = "patches"
@@ -19,5 +19,5 @@ class Patches(CompositeMap):
     )
 
     def indices(self, cells: Cells) -> Map:
-        """Material of the patch that each cell lies in."""
+        """Material of the patch that contains each cell."""
         return cells.patches(self.size, len(self.of))

@@ -12,7 +12,7 @@ from insonify.scene.seabed.reliefs.spectrum import Band, Density
 
 
 class Autocorrelated(ExtendableRelief):
-    """Roughness of a given autocorrelation, the same in every direction (Wiener–Khinchin)."""
+    """Isotropic roughness of a given autocorrelation (Wiener–Khinchin)."""
 
     rank = 70
     gaussian = False
@@ -27,5 +27,5 @@ class Autocorrelated(ExtendableRelief):
         return self.function.density(self.rms**2)
 
     def bands(self) -> tuple[Band, ...]:
-        """One band."""
+        """Return one band."""
         return (Band(self.density(), self.function.feature),)

@@ -21,15 +21,15 @@ Values = NDArray[np.float64]
 
 
 class Sounding(NamedTuple):
-    """Speed of sound (m/s), frequency (Hz) and slant range (m), on which a beam depends besides its own fields."""
+    """Conditions on which a beam depends besides its own fields."""
 
-    sound_speed: float
-    frequency: float
-    range: float
+    sound_speed: float  # m/s
+    frequency: float  # Hz
+    range: float  # slant range, m
 
     @property
     def wavelength(self) -> float:
-        """Metres."""
+        """Wavelength of the sound, in metres."""
         return self.sound_speed / self.frequency
 
 
@@ -45,7 +45,7 @@ class BeamTable(NamedTuple):
 class BeamKind(Kind):
     """Sensitivity of the sonar along the track.
 
-    A kind declares the half width of its main lobe, its extent and its response. A beam that changes with range
+    A kind declares the half width of its main lobe, its extent and its response. A beam that depends on range
     overrides `tabulate` and `at_range`.
 
     Attributes
@@ -55,7 +55,7 @@ class BeamKind(Kind):
     has_width : bool
         Whether the beam is sensitive beside the plane across the towfish.
     by_frequency : bool
-        Whether the frequency changes it.
+        Whether it depends on the frequency.
     """
 
     family = BEAMS
@@ -75,7 +75,7 @@ class BeamKind(Kind):
 
     @property
     def passes(self) -> int:
-        """Number of passes of sound through the beam pattern: two-way or one-way."""
+        """Number of passes of sound through the beam pattern: 2 two-way, 1 one-way."""
         return 2
 
     @abstractmethod
@@ -91,13 +91,13 @@ class BeamKind(Kind):
         return np.ones(s.shape)
 
     def tabulate(self, sounding: Sounding) -> BeamTable:
-        """Tabulate the sensitivity: one row, where it is the same at every range."""
+        """Tabulate the sensitivity; a beam that is the same at every range has one row."""
         extent = self.extent(sounding)
         s = np.linspace(-extent, extent, COLUMNS)
         return BeamTable(1.0, np.array([extent]), self.response(s, sounding)[None, :])
 
     def at_range(self, sounding: Sounding) -> BeamTable:
-        """Tabulate the sensitivity at the range of the sounding alone: a single row."""
+        """Tabulate the sensitivity at the range of the sounding alone, in one row."""
         return self.tabulate(sounding)
 
 

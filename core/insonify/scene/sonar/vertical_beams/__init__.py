@@ -27,7 +27,7 @@ class VerticalBeamKind(Kind):
     Attributes
     ----------
     by_frequency : bool
-        Whether the frequency changes it.
+        Whether it depends on the frequency.
     """
 
     family = VERTICAL_BEAMS

@@ -8,7 +8,7 @@ from insonify.scene.sonar.vertical_beams import LobeBeam, VerticalResponse
 
 
 class VerticalFan(LobeBeam):
-    """A vertical top-hat: all within its width, nothing beyond."""
+    """A vertical top-hat: full sensitivity within its width, none beyond."""
 
     rank = 20
     kind: Literal["fan"] = "fan"

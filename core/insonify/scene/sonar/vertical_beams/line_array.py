@@ -16,7 +16,7 @@ FEWEST_COLUMNS, PER_LOBE = 1025, 32  # of the table of sensitivities
 
 
 class VerticalArray(TiltedBeam):
-    """The vertical beam of a transducer of some height, with its sidelobes."""
+    """The vertical beam of a transducer of given height, with its sidelobes."""
 
     rank = 40
     by_frequency = True
@@ -42,8 +42,7 @@ class VerticalArray(TiltedBeam):
         """Tabulate |∫ w(u) exp(−iku s) du|² over sines s (Urick 1983, ch. 3): sin²(x)/x², x = πhs/λ, if uniform."""
         from scipy.signal import czt  # lazy: takes longer to import than a preview takes to trace
 
-        weights = taper_weights(self.taper)
         columns = max(FEWEST_COLUMNS, 2 * math.ceil(PER_LOBE * self.height / wavelength) + 1)
-        phase = 2.0 * math.pi / wavelength * self.height / ELEMENTS  # of neighbouring elements, per unit of sine
+        phase = 2.0 * math.pi / wavelength * self.height / ELEMENTS  # between neighbouring elements, per unit of sine
         step = np.exp(-2j * phase / (columns - 1))
-        return np.asarray(np.abs(czt(weights / weights.sum(), columns, step, np.exp(-1j * phase))) ** 2)
+        return np.asarray(np.abs(czt(taper_weights(self.taper), columns, step, np.exp(-1j * phase))) ** 2)

@@ -18,14 +18,14 @@ Level = Annotated[float, Field(ge=-200.0, le=100.0)]
 
 
 class MeasuredVerticalBeam(TiltedBeam):
-    """A vertical beam by measured levels, with straight lines between them."""
+    """A vertical beam of measured levels, interpolated linearly."""
 
     rank = 50
     kind: Literal["table"] = "table"
     levels: tuple[tuple[Angle, Level], ...] = parameter(
         ((-60.0, -30.0), (-25.0, -3.0), (0.0, 0.0), (25.0, -3.0), (60.0, -30.0)),
         unit="dB",
-        description="pairs [angle below the axis in degrees, one-way level], ascending; the outermost hold beyond",
+        description="pairs [angle below the axis in degrees, one-way level], ascending; the outermost apply beyond",
         slider=(-60.0, 0.0),
         min_length=1,
         max_length=4096,

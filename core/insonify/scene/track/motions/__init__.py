@@ -39,7 +39,7 @@ class SingleMotion(MotionKind):
     keeps_line : bool
         Whether it stays within `greatest_sway` of the track's line.
     tilts : bool
-        Whether it may not stay level.
+        Whether it may pitch or roll.
     """
 
     moves: ClassVar[bool] = True
@@ -53,7 +53,7 @@ class SingleMotion(MotionKind):
 
     @property
     def greatest_sway(self) -> float:
-        """Greatest distance from its place on the line, in metres, of a motion that keeps to it."""
+        """Greatest distance from its place on the line, in metres, of a motion with `keeps_line`."""
         return 0.0
 
     @property
@@ -63,12 +63,11 @@ class SingleMotion(MotionKind):
 
     def displacement(self, time: NDArray[np.float64]) -> dict[Axis, NDArray[np.float64]]:
         """Displacement of the towfish at times (s) after the first ping: metres ahead, to port, up; degrees."""
-        del time
         return {}
 
     @property
     def turning(self) -> Turning | None:
-        """Begin and duration (s) of a bend of the line, and its rate (°/s, to port)."""
+        """Begin and duration (s) of a bend of the line, and its rate of turn (°/s, to port)."""
         return None
 
     def recording(self) -> tuple[str, RecordedNavigation] | None:

@@ -19,5 +19,5 @@ class SumOfMotions(MotionKind):
 
     @property
     def parts(self) -> tuple[SingleMotion, ...]:
-        """The motions, in the order in which they are declared."""
+        """The motions in declared order."""
         return self.of
