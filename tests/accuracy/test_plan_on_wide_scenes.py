@@ -18,7 +18,6 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from insonify.accuracy.record_errors import compare_records
 from insonify.kernels.common.types import Poses
 from insonify.packing.navigation import make_poses
 from insonify.parallel import limited_threads
@@ -27,6 +26,7 @@ from insonify.planning.choices.base import Case
 from insonify.planning.models import Model, PackedScene, pack
 from insonify.planning.selection import choose_model
 from insonify.scene import SceneError
+from insonify.statistics.record_errors import compare_records
 from wide_scenes import wide_scene
 
 JUDGED, QUICK = range(300), range(800_000, 800_024)

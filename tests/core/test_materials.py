@@ -8,7 +8,7 @@ from itertools import pairwise
 import numpy as np
 import pytest
 
-from insonify.kernels.common.jit import kernel
+from insonify.compiler.jit import kernel
 from insonify.kernels.common.scattering import backscatter
 from insonify.scene import SceneError, build, edit, load_scene
 from insonify.scene.seabed.materials import MATERIALS, Material, Reflectivity

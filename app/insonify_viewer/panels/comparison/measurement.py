@@ -17,7 +17,7 @@ Measured = dict[str, str] | str  # statistics in words by their names, or why th
 def measure_record(record: xr.Dataset) -> Measured:
     """Measure the statistics of a record; a record with too little bed has a sentence instead."""
     # lazy: loads SciPy on a thread of its own; the window opens before
-    from insonify.accuracy.record_statistics import measure_statistics
+    from insonify.statistics.record_statistics import measure_statistics
 
     try:
         return measure_statistics(record).described()
