@@ -12,9 +12,9 @@ from insonify.scene.seabed import Seabed
 from insonify.scene.seabed.reliefs.power_law import PowerLaw
 from insonify.scene.seabed.reliefs.ripples import Ripples
 from insonify.scene.seabed.reliefs.von_karman import VonKarman
+from insonify.statistics.spectral_exponent import amplitude_exponent
 from insonify.terrain import relief
-from insonify.terrain.periodic_relief import periodic_heights
-from insonify.terrain.spectral_exponent import amplitude_exponent
+from insonify.terrain.random_heights import periodic_heights
 
 SIDE, PERIOD = 512, 51.2
 

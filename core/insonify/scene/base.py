@@ -18,10 +18,10 @@ from pydantic_core import CoreSchema, core_schema
 from insonify.files import file_version
 from insonify.plugins import announced, modules_in
 
-Model = TypeVar("Model", bound=BaseModel)
+Model = TypeVar("Model", bound="Declaration")
 # m along x or y; beyond 1e8 m, float64 cannot resolve the relief.
 Coordinate = Annotated[float, Field(ge=-1e8, le=1e8)]
-_DECLARED: list[type[BaseModel]] = []
+_DECLARED: list[type[Declaration]] = []
 
 
 def _without_nul(path: str) -> str:
@@ -34,23 +34,15 @@ FilePath = Annotated[str, AfterValidator(_without_nul)]
 
 
 class Family:
-    """All kinds of one choice.
-
-    Parameters
-    ----------
-    name : str
-        Name of the family; its entry points are those of the group ``insonify.<name>``.
-    package : str, optional
-        Package whose modules declare kinds.
-    """
+    """All kinds of one choice: those of a package, and those of the entry points ``insonify.<name>``."""
 
     def __init__(self, name: str, package: str | None = None) -> None:
         self.name, self.package = name, package
-        self._models: dict[str, type[BaseModel]] = {}
+        self._models: dict[str, type[Declaration]] = {}
         self._discovered = False
-        self._used: set[type[BaseModel]] = set()
+        self._used: set[type[Declaration]] = set()
 
-    def add(self, model: type[BaseModel]) -> None:
+    def add(self, model: type[Declaration]) -> None:
         """Add a kind. A declaration of this family is added when its class is created."""
         kind = kind_name(model)
         if kind is None:
@@ -75,7 +67,7 @@ class Family:
         found = sorted(self._models.items(), key=lambda item: getattr(item[1], "rank", 0))
         return {kind: model for kind, model in found if issubclass(model, base)}
 
-    def use(self, base: type[BaseModel]) -> None:
+    def use(self, base: type[Declaration]) -> None:
         """Record that a field accepts the kinds that derive from a class: a later one of these rebuilds the field."""
         self._used.add(base)
 
@@ -102,11 +94,14 @@ class Declaration(BaseModel):
     rank : int
         Position of a kind in menus and messages. Kinds of equal rank stand in the order of discovery, kinds without a
         rank last.
+    table : frozenset of str
+        Fields that are the columns of one table: on a change of kind all of them are kept or none.
     """
 
     model_config = ConfigDict(frozen=True, extra="forbid", allow_inf_nan=False, validate_default=True, defer_build=True)
     family: ClassVar[Family | None] = None
     rank: ClassVar[int] = 100
+    table: ClassVar[frozenset[str]] = frozenset()
 
     @classmethod
     def __pydantic_init_subclass__(cls, **options: Any) -> None:
@@ -132,15 +127,8 @@ class Declaration(BaseModel):
 
 
 class Kind(Declaration):
-    """A declaration picked by its ``kind``; a bare name stands for ``{ kind = name }``.
+    """A declaration picked by its ``kind``; a bare name stands for ``{ kind = name }``."""
 
-    Attributes
-    ----------
-    table : frozenset of str
-        Fields that are the columns of one table: on a change of kind all of them are kept or none.
-    """
-
-    table: ClassVar[frozenset[str]] = frozenset()
     if TYPE_CHECKING:
         kind: str
 
@@ -157,37 +145,23 @@ class Nothing(Kind):
 
 
 class KindOf:
-    """Annotation of a field that holds one declaration of a family.
-
-    Parameters
-    ----------
-    family : Family
-        Family of the kinds.
-    base : type
-        Class from which the kinds derive.
-    default : str
-        Kind of a table without ``kind``.
-    text, number : str, optional
-        Kind for which a bare text or number stands; a text is the name of a kind when left out.
-    optional : bool
-        Whether the field may be None, which is written as the kind ``none``.
-    """
+    """Annotation of a field that holds one declaration of a family, of the kinds that derive from a base class."""
 
     def __init__(
         self,
         family: Family,
-        base: type[BaseModel] = BaseModel,
+        base: type[Declaration] = Declaration,
         *,
-        default: str | None = None,
-        text: str | None = None,
-        number: str | None = None,
-        optional: bool = False,
+        default: str | None = None,  # kind of a table without ``kind``
+        text: str | None = None,  # kind for which a bare text stands; the text itself is the kind when left out
+        number: str | None = None,  # kind for which a bare number stands
+        optional: bool = False,  # whether the field may be None, which is written as the kind ``none``
     ) -> None:
         self.family, self.base, self.text, self.number, self.optional = family, base, text, number, optional
         self.default = default or ("none" if optional else "missing")
 
     @property
-    def models(self) -> tuple[type[BaseModel], ...]:
+    def models(self) -> tuple[type[Declaration], ...]:
         """The declarations that the field accepts."""
         return (*((Nothing,) if self.optional else ()), *self.family.models(self.base).values())
 
@@ -272,12 +246,12 @@ def rebuild_declarations() -> None:
 
 
 @cache
-def models_of(parent: type[BaseModel], field: str) -> tuple[type[BaseModel], ...]:
+def models_of(parent: type[BaseModel], field: str) -> tuple[type[Declaration], ...]:
     """List the declarations that a field can hold, in order; empty for plain numbers and names."""
     if field not in parent.model_fields:
         return ()
     info = parent.model_fields[field]
-    found: list[type[BaseModel]] = []
+    found: list[type[Declaration]] = []
     pending: list[Any] = [*info.metadata, info.annotation]
     if any(isinstance(entry, KindOf) for entry in info.metadata):
         pending.remove(info.annotation)
@@ -288,16 +262,16 @@ def models_of(parent: type[BaseModel], field: str) -> tuple[type[BaseModel], ...
             found.extend(annotation.models)
         elif kinds:
             pending.extend(kinds)
-        elif isinstance(annotation, type) and issubclass(annotation, BaseModel):
+        elif isinstance(annotation, type) and issubclass(annotation, Declaration):
             found.append(annotation)
         else:
             pending.extend(getattr(annotation, "__args__", ()))
     return tuple(found)
 
 
-def is_field(root: type[BaseModel], path: str) -> bool:
+def is_field(root: type[Declaration], path: str) -> bool:
     """Whether a dotted path leads to a field of a declaration, for some choice of the kinds along it."""
-    models: tuple[type[BaseModel], ...] = (root,)
+    models: tuple[type[Declaration], ...] = (root,)
     known = False
     for step in path.split("."):
         if step.isdigit() and known:

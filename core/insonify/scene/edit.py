@@ -8,7 +8,7 @@ from typing import Any
 from pydantic import BaseModel, ValidationError
 
 from insonify.errors import SceneError
-from insonify.scene.base import Kind, kind_name, models_of
+from insonify.scene.base import Declaration, kind_name, models_of
 from insonify.scene.faults import describe_fault
 from insonify.scene.links import read_literal
 from insonify.scene.scene import Scene
@@ -131,21 +131,16 @@ def _shared_fields(value: Any, parent: type[BaseModel], key: str) -> Any:
     return kept | {"kind": str(kind)} if isinstance(kind, _Switched) else kept
 
 
-def _foreign_fields(models: tuple[type[BaseModel], ...], model: type[BaseModel], kind: _Switched) -> frozenset[str]:
+def _foreign_fields(models: tuple[type[Declaration], ...], model: type[Declaration], kind: _Switched) -> frozenset[str]:
     """Fields of the previous kind that the new one lacks, or that are columns of a different table."""
     before = _model_of_kind(models, kind.before)
     if before is None:
         return frozenset()
     lacking = frozenset(before.model_fields.keys() - model.model_fields.keys())
-    old, new = _table(before), _table(model)
-    return lacking if old == new else lacking | old | new
+    return lacking if before.table == model.table else lacking | before.table | model.table
 
 
-def _table(model: type[BaseModel]) -> frozenset[str]:
-    return model.table if issubclass(model, Kind) else frozenset()
-
-
-def _model_of_kind(models: tuple[type[BaseModel], ...], kind: Any) -> type[BaseModel] | None:
+def _model_of_kind(models: tuple[type[Declaration], ...], kind: Any) -> type[Declaration] | None:
     return next((model for model in models if kind_name(model) == kind), None)
 
 

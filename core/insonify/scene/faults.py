@@ -104,12 +104,7 @@ def _steps(location: tuple[int | str, ...], root: type[BaseModel]) -> Iterator[t
 
 def _nearest(location: tuple[int | str, ...], root: type[BaseModel]) -> str:
     """Suggest the most similar field for an unknown key."""
-    models: list[type[BaseModel]] = [root]
-    for step in location[:-1]:
-        if isinstance(step, int):
-            continue
-        tagged = [m for m in models if kind_name(m) == step]
-        models = tagged or [child for m in models for child in models_of(m, step)]
+    *_, (_, models) = _steps(location, root)
     names = [name for model in models for name in model.model_fields]
     close = difflib.get_close_matches(str(location[-1]), names, n=1)
     if close:
