@@ -10,7 +10,7 @@ from pydantic import Field, model_validator
 from insonify.io.records import RECORDS
 from insonify.scene import DEFAULT_SCENE
 from insonify.scene.base import Declaration, FilePath, Place, parameter
-from insonify.surveys.choices import OVERLAPS
+from insonify.surveys import OVERLAPS
 
 Point = tuple[Place, Place]
 SHORTEST = 0.01  # m, of a line
