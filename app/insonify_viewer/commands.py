@@ -12,9 +12,9 @@ from insonify.commands.options import add_scene, check_output, chosen_scene, fin
 from insonify.io.records import RECORDS
 from insonify.lessons import Lesson, check_lesson, load_lesson, states_of
 from insonify.scene import DEFAULT_SCENE, Scene, SceneError, load_partner
-from insonify_viewer.comparison.arrangement import Arrangement
-from insonify_viewer.screen_check import why_no_window
-from insonify_viewer.session import Mark
+from insonify_viewer.record.comparison.arrangement import Arrangement
+from insonify_viewer.state.session import Mark
+from insonify_viewer.window.screen_check import why_no_window
 
 FALLBACK = "insonify.png"
 EXAMPLES = (

@@ -15,38 +15,38 @@ from PySide6.QtGui import QGuiApplication
 
 from insonify.display.picture import PALETTES
 from insonify.scene import Scene, SceneError, bundled_scenes, scene_to_toml
-from insonify_viewer.auto_pause import next_pause
-from insonify_viewer.comparison.comparison import Comparison
-from insonify_viewer.comparison.recording_player import RecordingPlayer
-from insonify_viewer.contacts.contact import ContactList
-from insonify_viewer.contrast import Contrast
 from insonify_viewer.errors.failure import Failure, describe_error
-from insonify_viewer.file_opening import FileOpening
-from insonify_viewer.gc_policy import forget_ground, return_free_memory
-from insonify_viewer.history_controller import HistoryController
-from insonify_viewer.inspection import Inspection
-from insonify_viewer.jobs.job_list import JobList
-from insonify_viewer.laid_scene import LaidScene
-from insonify_viewer.mark_controller import MarkController
-from insonify_viewer.marked_point import MarkedPoint
-from insonify_viewer.panel_set import PanelSet
 from insonify_viewer.panels.panel import RecordGrowth
-from insonify_viewer.ping_request import PingRequest, TracedPings
-from insonify_viewer.record import Record, pings_held
-from insonify_viewer.record_display.projection import compile_picture
-from insonify_viewer.saving import Saving
-from insonify_viewer.seabed_controller import SeabedController, silence
-from insonify_viewer.session import Mark, Session
-from insonify_viewer.simulator import Simulator
-from insonify_viewer.target_editor import TargetEditor
-from insonify_viewer.tow_clock import TowClock
-from insonify_viewer.views.file_dialogs import FileDialogs
-from insonify_viewer.views.main_window import MainWindow
-from insonify_viewer.waiting import WaitingWatch
+from insonify_viewer.panels.panel_set import PanelSet
+from insonify_viewer.record.comparison.comparison import Comparison
+from insonify_viewer.record.comparison.recording_player import RecordingPlayer
+from insonify_viewer.record.contrast import Contrast
+from insonify_viewer.record.mark_controller import MarkController
+from insonify_viewer.record.marked_point import MarkedPoint
+from insonify_viewer.record.projection import compile_picture
+from insonify_viewer.record.record import Record, pings_held
+from insonify_viewer.seabed.controller import SeabedController, silence
+from insonify_viewer.state.auto_pause import next_pause
+from insonify_viewer.state.contacts import ContactList
+from insonify_viewer.state.inspection import Inspection
+from insonify_viewer.state.session import Mark, Session
+from insonify_viewer.state.tow_clock import TowClock
+from insonify_viewer.window.file_dialogs import FileDialogs
+from insonify_viewer.window.file_opening import FileOpening
+from insonify_viewer.window.history_controller import HistoryController
+from insonify_viewer.window.main_window import MainWindow
+from insonify_viewer.window.saving import Saving
+from insonify_viewer.window.target_editor import TargetEditor
+from insonify_viewer.work.gc_policy import forget_ground, return_free_memory
+from insonify_viewer.work.job_list import JobList
+from insonify_viewer.work.laid_scene import LaidScene
+from insonify_viewer.work.ping_request import PingRequest, TracedPings
+from insonify_viewer.work.simulator import Simulator
+from insonify_viewer.work.waiting import WaitingWatch
 from insonify_viewer.workbench import make_workbench
 
 if TYPE_CHECKING:
-    from insonify.planning.models import PackedScene
+    from insonify.packing.packed_scene import PackedScene
 
 TICK = 25  # ms
 BEHIND = 48  # blank pings on screen at which the tow waits

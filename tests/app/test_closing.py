@@ -20,8 +20,8 @@ from stand_in import StandIn
 from insonify.scene import Scene, SceneError, edit
 from insonify_viewer import application
 from insonify_viewer.application import has_opengl
-from insonify_viewer.job import Job
-from insonify_viewer.newest_wins import NewestWins
+from insonify_viewer.work.job import Job
+from insonify_viewer.work.newest_wins import NewestWins
 
 
 def test_a_closed_view_names_nothing_that_qt_deletes_with_the_window(open_viewer: Any, small: Scene) -> None:
@@ -155,7 +155,7 @@ def test_what_a_thread_has_found_when_qt_has_ended_is_dropped(open_viewer: Any, 
 def test_no_worker_imports_modules_of_qt() -> None:
     """PySide6 makes the classes of a module when they are first asked for, which two threads must not do at once."""
     code = (
-        "import sys; from insonify_viewer.views.qt_modules import load_qt_modules; load_qt_modules(); "
+        "import sys; from insonify_viewer.widgets.qt_modules import load_qt_modules; load_qt_modules(); "
         "known = set(sys.modules); import pyvistaqt; "
         "print([m for m in set(sys.modules) - known if m.split('.')[0] in ('PySide6', 'qtpy', 'shiboken6')])"
     )

@@ -15,11 +15,12 @@ import pytest
 from PIL import Image
 
 from insonify.cli import main
-from insonify.kernels.common.compilation import tell_watchers
+from insonify.compiler.progress import tell_watchers
 from insonify.scene import Scene, SceneError, edit, load_scene
-from insonify_viewer import application, screen_check
-from insonify_viewer.session import Mark
+from insonify_viewer import application
+from insonify_viewer.state.session import Mark
 from insonify_viewer.viewer import Viewer
+from insonify_viewer.window import screen_check
 
 SMALL = ("--set", "track.pings=64", "--set", "sonar.bins=200")
 

@@ -15,11 +15,11 @@ from PySide6.QtTest import QTest
 from stand_in import StandIn
 
 from insonify.scene import Scene, SceneError, scene_to_toml
-from insonify_viewer.newest_wins import NewestWins
 from insonify_viewer.panels.pixel import controller as pixel_controller
-from insonify_viewer.session import Mark
+from insonify_viewer.state.session import Mark
 from insonify_viewer.viewer import Viewer
-from insonify_viewer.views.uncaught_errors import told_errors
+from insonify_viewer.window.uncaught_errors import told_errors
+from insonify_viewer.work.newest_wins import NewestWins
 
 Opener = Callable[..., Viewer]
 

@@ -26,9 +26,9 @@ from PySide6.QtGui import QPainter, QPixmap
 from PySide6.QtWidgets import QVBoxLayout, QWidget
 from insonify_viewer.application import make_application
 from insonify_viewer.errors.guarded_overrides import guard_override
-from insonify_viewer.views.main_window import MainWindow
-from insonify_viewer.views.record_image import RecordImage
-from insonify_viewer.views.uncaught_errors import told_errors
+from insonify_viewer.window.main_window import MainWindow
+from insonify_viewer.record.record_image import RecordImage
+from insonify_viewer.window.uncaught_errors import told_errors
 
 def fail(*_):
     int(float("nan"))

@@ -18,13 +18,13 @@ from insonify.commands.render import write
 from insonify.display.display_options import DisplayOptions
 from insonify.io.records import read_record
 from insonify.scene import Scene, edit
-from insonify_viewer.jobs import background_job
-from insonify_viewer.jobs.background_job import Stage, State
-from insonify_viewer.jobs.command_job import CommandJob
-from insonify_viewer.jobs.thread_job import ThreadJob
 from insonify_viewer.panels.jobs.view import JobsView, WantedChart, WantedDataset
-from insonify_viewer.quantities import format_time_left
+from insonify_viewer.state.quantities import format_time_left
 from insonify_viewer.viewer import Viewer
+from insonify_viewer.work import background_job
+from insonify_viewer.work.background_job import Stage, State
+from insonify_viewer.work.command_job import CommandJob
+from insonify_viewer.work.thread_job import ThreadJob
 
 Opener = Callable[..., Viewer]
 PATIENCE = 240_000  # ms, while kernels compile at worst

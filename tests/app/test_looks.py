@@ -18,11 +18,11 @@ from insonify.scene import Scene, scene_to_toml
 from insonify_viewer.application import keep_display, keep_place
 from insonify_viewer.panels.parameters.view.about_box import AboutBox
 from insonify_viewer.panels.record.view.histogram_view import HistogramView
-from insonify_viewer.views import icons
-from insonify_viewer.views.icons import make_icon
-from insonify_viewer.views.pixel_marks import draw_pin
-from insonify_viewer.views.settings import Settings
-from insonify_viewer.views.theme import ACCENT, COLOURS, GROUND, MARK_IN_WATER, Theme, apply_theme
+from insonify_viewer.widgets import icons
+from insonify_viewer.widgets.icons import make_icon
+from insonify_viewer.widgets.pixel_marks import draw_pin
+from insonify_viewer.widgets.theme import ACCENT, COLOURS, GROUND, MARK_IN_WATER, Theme, apply_theme
+from insonify_viewer.window.settings import Settings
 
 
 def contrast(one: str, other: str) -> float:

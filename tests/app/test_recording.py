@@ -18,12 +18,12 @@ from insonify.cli import main
 from insonify.io.records import read_record
 from insonify.scene import Scene, edit, load_scene
 from insonify.statistics.record_statistics import measure_statistics
-from insonify_viewer.comparison import recording_player
-from insonify_viewer.comparison.arrangement import Arrangement
-from insonify_viewer.comparison.recording import MAX_PINGS, Recording, compass_heading, describe_point
 from insonify_viewer.errors.file_warnings import told_file_warnings
-from insonify_viewer.jobs.background_job import State
-from insonify_viewer.session import Mark
+from insonify_viewer.record.comparison import recording_player
+from insonify_viewer.record.comparison.arrangement import Arrangement
+from insonify_viewer.record.comparison.recording import MAX_PINGS, Recording, compass_heading, describe_point
+from insonify_viewer.state.session import Mark
+from insonify_viewer.work.background_job import State
 
 REAL = Path("../shared/data/xtf/scotsman-iver2.xtf")
 PINGS, BINS, RANGE, STEP = 400, 300, 60.0, 0.2

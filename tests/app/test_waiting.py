@@ -14,15 +14,15 @@ from PySide6.QtGui import QGuiApplication
 from PySide6.QtTest import QTest
 from stand_in import StandIn
 
-from insonify.kernels.common.compilation import Compilation, tell_watchers
-from insonify.planning.models import pack
+from insonify.compiler.progress import Compilation, tell_watchers
+from insonify.packing.packed_scene import pack
 from insonify.scene import Scene, edit
-from insonify_viewer.modelling import Modelling
-from insonify_viewer.ping_request import PingRequest
-from insonify_viewer.simulator import Simulator
-from insonify_viewer.views import pv_meshes
-from insonify_viewer.views.pixels import dimmed
-from insonify_viewer.waiting import DELAY, FEW, Activity, Waiting, WaitingWatch
+from insonify_viewer.seabed import pv_meshes
+from insonify_viewer.state.modelling import Modelling
+from insonify_viewer.widgets.pixels import dimmed
+from insonify_viewer.work.ping_request import PingRequest
+from insonify_viewer.work.simulator import Simulator
+from insonify_viewer.work.waiting import DELAY, FEW, Activity, Waiting, WaitingWatch
 
 
 def look(watch: WaitingWatch, now: float, missing: int, **given: Any) -> Waiting | None:

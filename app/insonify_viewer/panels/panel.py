@@ -10,20 +10,20 @@ from typing import TYPE_CHECKING, Any, ClassVar, NamedTuple, Protocol
 if TYPE_CHECKING:
     from insonify.planning import Plan
     from insonify.scene import Scene
-    from insonify_viewer.comparison.comparison import Comparison
-    from insonify_viewer.comparison.recording_player import RecordingPlayer
-    from insonify_viewer.contacts.contact import ContactList
     from insonify_viewer.errors.failure import Failure
-    from insonify_viewer.inspection import Inspection
-    from insonify_viewer.jobs.job_list import JobList
-    from insonify_viewer.marked_point import MarkedPoint
-    from insonify_viewer.ping_request import TracedPings
-    from insonify_viewer.record import Record
-    from insonify_viewer.record_display.drape import RecordStrip
-    from insonify_viewer.session import Session
-    from insonify_viewer.simulator import Simulator
-    from insonify_viewer.views.file_dialogs import FileDialogs
-    from insonify_viewer.views.waterfall_view import WaterfallView
+    from insonify_viewer.record.comparison.comparison import Comparison
+    from insonify_viewer.record.comparison.recording_player import RecordingPlayer
+    from insonify_viewer.record.drape import RecordStrip
+    from insonify_viewer.record.marked_point import MarkedPoint
+    from insonify_viewer.record.record import Record
+    from insonify_viewer.record.waterfall_view import WaterfallView
+    from insonify_viewer.state.contacts import ContactList
+    from insonify_viewer.state.inspection import Inspection
+    from insonify_viewer.state.session import Session
+    from insonify_viewer.window.file_dialogs import FileDialogs
+    from insonify_viewer.work.job_list import JobList
+    from insonify_viewer.work.ping_request import TracedPings
+    from insonify_viewer.work.simulator import Simulator
 
 
 class Place(Enum):

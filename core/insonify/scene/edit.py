@@ -139,3 +139,12 @@ def _table(model: type[BaseModel]) -> frozenset[str]:
 
 def _model_of_kind(models: tuple[type[BaseModel], ...], kind: Any) -> type[BaseModel] | None:
     return next((model for model in models if kind_name(model) == kind), None)
+
+
+def part_at(scene: Scene, path: str) -> Any:
+    """Part of a scene at a dotted path, the scene itself for an empty one; None if there is none."""
+    place: Any = scene
+    for step in filter(None, path.split(".")):
+        is_position = isinstance(place, tuple) and step.isdigit() and int(step) < len(place)
+        place = place[int(step)] if is_position else getattr(place, step, None)
+    return place

@@ -7,12 +7,12 @@ from functools import partial
 from typing import TYPE_CHECKING, Any
 
 from insonify.scene import Scene, SceneError
-from insonify_viewer.job import Progress
-from insonify_viewer.jobs.background_job import BackgroundJob, State
-from insonify_viewer.jobs.thread_job import ThreadJob
 from insonify_viewer.panels.chart.chart_details import ChartPicture, RowDetails, draw_chart, row_details
 from insonify_viewer.panels.chart.view.chart_window import ChartWindow
 from insonify_viewer.panels.panel import Button, Panel, Place, Workbench
+from insonify_viewer.work.background_job import BackgroundJob, State
+from insonify_viewer.work.job import Progress
+from insonify_viewer.work.thread_job import ThreadJob
 
 if TYPE_CHECKING:
     from insonify.accuracy.charts.kinds.accuracy import AccuracyChart

@@ -6,15 +6,15 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from insonify.scene import bundled_scenes, load_scene
-from insonify_viewer.comparison.pairs import find_pairs
-from insonify_viewer.comparison.recording import Recording, describe_point
-from insonify_viewer.jobs.background_job import BackgroundJob, State
-from insonify_viewer.newest_wins import NewestWins
 from insonify_viewer.panels.comparison.learning import begin_learning
 from insonify_viewer.panels.comparison.measurement import Measured, measure_record, measure_simulation
 from insonify_viewer.panels.comparison.view import ComparisonView
 from insonify_viewer.panels.panel import Panel, Place, RecordGrowth, Workbench
-from insonify_viewer.session import Mark
+from insonify_viewer.record.comparison.pairs import find_pairs
+from insonify_viewer.record.comparison.recording import Recording, describe_point
+from insonify_viewer.state.session import Mark
+from insonify_viewer.work.background_job import BackgroundJob, State
+from insonify_viewer.work.newest_wins import NewestWins
 
 if TYPE_CHECKING:
     from insonify.scene import Scene

@@ -6,9 +6,9 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
-    from insonify_viewer.comparison.recording import Recording
-    from insonify_viewer.jobs.background_job import BackgroundJob
-    from insonify_viewer.jobs.job_list import JobList
+    from insonify_viewer.record.comparison.recording import Recording
+    from insonify_viewer.work.background_job import BackgroundJob
+    from insonify_viewer.work.job_list import JobList
 
 
 def begin_learning(jobs: JobList, recording: Recording, file: Path) -> BackgroundJob:

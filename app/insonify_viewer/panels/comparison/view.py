@@ -15,19 +15,19 @@ from PySide6.QtWidgets import (
     QWidget,
 )
 
-from insonify_viewer.comparison.arrangement import Arrangement
-from insonify_viewer.comparison.changed_fields import Change
-from insonify_viewer.comparison.pairs import find_pairs
-from insonify_viewer.views.field_rows import Combo
-from insonify_viewer.views.folding_box import FoldingBox
-from insonify_viewer.views.push_button import push_button
-from insonify_viewer.views.save_dialogs import ask_where_to_save
-from insonify_viewer.views.side_panel import SidePanel
+from insonify_viewer.record.comparison.arrangement import Arrangement
+from insonify_viewer.record.comparison.changed_fields import Change
+from insonify_viewer.record.comparison.pairs import find_pairs
+from insonify_viewer.widgets.field_rows import Combo
+from insonify_viewer.widgets.folding_box import FoldingBox
+from insonify_viewer.widgets.push_button import push_button
+from insonify_viewer.widgets.save_dialogs import ask_where_to_save
+from insonify_viewer.widgets.side_panel import SidePanel
 
 if TYPE_CHECKING:
     from insonify.scene import Scene
-    from insonify_viewer.comparison.recording import Recording
     from insonify_viewer.panels.comparison.measurement import Measured
+    from insonify_viewer.record.comparison.recording import Recording
 
 HINT = (
     "Keep this record as A, then change the scene or its plan, or open another scene: the live record is B. Hold X to "

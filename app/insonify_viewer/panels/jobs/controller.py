@@ -6,9 +6,9 @@ from pathlib import Path
 
 from insonify.files import bundled_specifications
 from insonify_viewer.errors.failure import Failure
-from insonify_viewer.jobs.background_job import BackgroundJob
 from insonify_viewer.panels.jobs.view import JobsView, WantedChart, WantedDataset
 from insonify_viewer.panels.panel import Panel, Place, Workbench
+from insonify_viewer.work.background_job import BackgroundJob
 
 
 class JobsPanel(Panel):

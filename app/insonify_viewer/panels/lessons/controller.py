@@ -8,12 +8,12 @@ from typing import Any
 from insonify.files import bundled_scenes
 from insonify.lessons import AUTOMATIC, SIDES, Lesson, LessonState, load_lessons, split_move
 from insonify.scene import Scene
-from insonify_viewer.marked_point import MarkedPoint
-from insonify_viewer.modelling import Modelling
 from insonify_viewer.panels.lessons.course import Course
 from insonify_viewer.panels.lessons.view import LessonsView
 from insonify_viewer.panels.panel import Button, Panel, Place, RecordGrowth, Workbench
-from insonify_viewer.session import Mark
+from insonify_viewer.record.marked_point import MarkedPoint
+from insonify_viewer.state.modelling import Modelling
+from insonify_viewer.state.session import Mark
 
 
 class LessonsPanel(Panel):

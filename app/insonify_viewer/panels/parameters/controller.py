@@ -5,13 +5,11 @@ from __future__ import annotations
 from typing import Any
 
 from insonify.scene import Scene, plain
+from insonify.scene.edit import part_at
 from insonify.scene.links import split_description
-from insonify_viewer.effects import EffectMeter, EffectTicks
-from insonify_viewer.effects.rows import describe_tick
-from insonify_viewer.field_names import name_edit, name_field
-from insonify_viewer.fields import NumberField, part_at
-from insonify_viewer.modelling import Modelling
 from insonify_viewer.panels.panel import Panel, Place, RecordGrowth, Workbench
+from insonify_viewer.panels.parameters.effect_meter import EffectMeter
+from insonify_viewer.panels.parameters.effect_rows import EffectTicks, describe_tick
 from insonify_viewer.panels.parameters.moving_values import follow_values
 from insonify_viewer.panels.parameters.resetting import Resets
 from insonify_viewer.panels.parameters.sections import (
@@ -23,6 +21,9 @@ from insonify_viewer.panels.parameters.sections import (
 )
 from insonify_viewer.panels.parameters.trying import Trials, glide_value, row_of
 from insonify_viewer.panels.parameters.view.parameters_view import ParametersView
+from insonify_viewer.state.field_names import name_edit, name_field
+from insonify_viewer.state.fields import NumberField
+from insonify_viewer.state.modelling import Modelling
 
 DROPPED = ("water", "track.motion", "targets")  # parts that take a file over when it is dropped on the window
 ASIDE = 0.08  # slant ranges by which a copy of a target lies beside it

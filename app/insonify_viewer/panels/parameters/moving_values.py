@@ -8,8 +8,9 @@ from typing import Any
 from pydantic import BaseModel
 
 from insonify.scene import Scene
-from insonify_viewer.fields import NumberField, Parameter, part_at
+from insonify.scene.edit import part_at
 from insonify_viewer.panels.parameters.sections import FieldSection, value_that_applies
+from insonify_viewer.state.fields import NumberField, Parameter
 
 
 def follow_values(scene: Scene, sections: tuple[FieldSection, ...]) -> tuple[FieldSection, ...] | None:

@@ -6,9 +6,10 @@ from collections.abc import Iterable
 from typing import Any
 
 from insonify.scene import Scene, plain
-from insonify_viewer.fields import NumberField, Parameter, part_at
+from insonify.scene.edit import part_at
 from insonify_viewer.panels.parameters.sections import sections_of
-from insonify_viewer.quantities import format_quantity
+from insonify_viewer.state.fields import NumberField, Parameter
+from insonify_viewer.state.quantities import format_quantity
 
 
 class Resets:

@@ -5,9 +5,10 @@ from __future__ import annotations
 from typing import Any
 
 from insonify.scene import Scene, SceneError, edit, plain
+from insonify.scene.edit import part_at
 from insonify.scene.links import Link, split_description
-from insonify_viewer.fields import NumberField, part_at
-from insonify_viewer.quantities import slider_position, slider_value
+from insonify_viewer.state.fields import NumberField
+from insonify_viewer.state.quantities import slider_position, slider_value
 
 
 class Trials:

@@ -8,12 +8,12 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from insonify.scene import Scene, SceneError
-from insonify_viewer.inspection import Place as ScenePlace
-from insonify_viewer.inspection import SoundDrawing
-from insonify_viewer.newest_wins import NewestWins
 from insonify_viewer.panels.panel import Button, Panel, Place, RecordGrowth, Workbench
 from insonify_viewer.panels.pixel.view.pixel_view import PixelView
-from insonify_viewer.session import Mark
+from insonify_viewer.state.inspection import Place as ScenePlace
+from insonify_viewer.state.inspection import SoundDrawing
+from insonify_viewer.state.session import Mark
+from insonify_viewer.work.newest_wins import NewestWins
 
 if TYPE_CHECKING:
     from insonify.explanation.cross_section import CrossSection

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from typing import NamedTuple
 
-from insonify_viewer.comparison.record_difference import RecordDifference, RecordSnapshot
-from insonify_viewer.modelling import Modelling
+from insonify_viewer.record.comparison.record_difference import RecordDifference, RecordSnapshot
+from insonify_viewer.state.modelling import Modelling
 
 
 class ModelledRecord(NamedTuple):

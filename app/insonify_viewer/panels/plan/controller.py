@@ -5,14 +5,14 @@ from __future__ import annotations
 import statistics
 from typing import TYPE_CHECKING
 
-from insonify_viewer.comparison.record_difference import RecordSnapshot, compare_records
 from insonify_viewer.panels.panel import Panel, Place, RecordGrowth, Workbench
 from insonify_viewer.panels.plan.comparison import ModelledRecord, changed_subject, difference_in_words
 from insonify_viewer.panels.plan.view import PlanView
+from insonify_viewer.record.comparison.record_difference import RecordSnapshot, compare_records
 
 if TYPE_CHECKING:
     from insonify.planning import Plan
-    from insonify_viewer.record import Record
+    from insonify_viewer.record.record import Record
 
 MOVED = 64  # pings by which a running tow moves on before the record is copied again
 

@@ -17,9 +17,9 @@ from PySide6.QtWidgets import (
 from insonify_viewer.errors.guarded_overrides import guard_override
 from insonify_viewer.panels.chart.chart_details import ChartPicture, RowDetails, details_in_words, nearest_row
 from insonify_viewer.panels.chart.view.strips_view import StripsView
-from insonify_viewer.quantities import format_time_left
-from insonify_viewer.views.push_button import push_button
-from insonify_viewer.views.theme import ACCENT, GROUND, QUIET
+from insonify_viewer.state.quantities import format_time_left
+from insonify_viewer.widgets.push_button import push_button
+from insonify_viewer.widgets.theme import ACCENT, GROUND, QUIET
 
 SIZE, SMALLEST = (1120, 860), (560, 460)
 STRIPS, MOST = 320, 0.42  # px, first height of the strips, and their greatest share of the window's height

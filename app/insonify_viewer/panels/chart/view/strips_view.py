@@ -11,9 +11,9 @@ from PySide6.QtWidgets import QWidget
 from insonify.display.picture import PALETTES, choose_contrast, colour_rows, load_palette
 from insonify_viewer.errors.guarded_overrides import guard_override
 from insonify_viewer.panels.chart.chart_details import RowDetails
-from insonify_viewer.views.pixels import colour_table, column_means, round_steps
-from insonify_viewer.views.theme import ACCENT, EDGE, GROUND, MARK, QUIET, TEXT
-from insonify_viewer.views.two_sided_palette import two_sided_table
+from insonify_viewer.widgets.pixels import colour_table, column_means, round_steps
+from insonify_viewer.widgets.theme import ACCENT, EDGE, GROUND, MARK, QUIET, TEXT
+from insonify_viewer.widgets.two_sided_palette import two_sided_table
 
 LEFT, RIGHT, TITLE, RULER = 12, 12, 18, 28  # px
 LARGE = 0.5  # of the span of the palette: the difference drawn in full colour

@@ -8,9 +8,9 @@ from PySide6.QtCore import Qt, QUrl, Signal
 from PySide6.QtGui import QDesktopServices, QFocusEvent, QKeyEvent
 from PySide6.QtWidgets import QFrame, QGridLayout, QLabel, QProgressBar, QPushButton
 
-from insonify_viewer.jobs.background_job import BackgroundJob, State
-from insonify_viewer.quantities import format_time_left
-from insonify_viewer.views.push_button import push_button
+from insonify_viewer.state.quantities import format_time_left
+from insonify_viewer.widgets.push_button import push_button
+from insonify_viewer.work.background_job import BackgroundJob, State
 
 STEPS = 1000
 

@@ -13,12 +13,12 @@ from PySide6.QtWidgets import QHBoxLayout, QLabel, QMenu, QPushButton, QVBoxLayo
 
 from insonify.accuracy.charts.kinds import list_chart_kinds
 from insonify_viewer.errors.guarded_overrides import guard_override
-from insonify_viewer.jobs.background_job import BackgroundJob
 from insonify_viewer.panels.jobs.view.dataset_question import DatasetQuestion
 from insonify_viewer.panels.jobs.view.job_row import JobRow
-from insonify_viewer.views.push_button import push_button
-from insonify_viewer.views.save_dialogs import Formats, ask_where_to_save, record_formats
-from insonify_viewer.views.side_panel import ScrollColumn
+from insonify_viewer.widgets.push_button import push_button
+from insonify_viewer.widgets.save_dialogs import Formats, ask_where_to_save, record_formats
+from insonify_viewer.widgets.side_panel import ScrollColumn
+from insonify_viewer.work.background_job import BackgroundJob
 
 SIZE, SMALLEST = (620, 420), (420, 240)
 CHARTS: Formats = (("Pictures", ".png"), ("Drawings", ".svg"), ("Tables", ".csv"), ("Tables", ".json"))

@@ -10,8 +10,8 @@ from PySide6.QtWidgets import QLabel
 
 from insonify.scene.links import Link
 from insonify_viewer.errors.guarded_overrides import guard_override
-from insonify_viewer.views.folding_box import FoldingBox
-from insonify_viewer.views.theme import ACCENT
+from insonify_viewer.widgets.folding_box import FoldingBox
+from insonify_viewer.widgets.theme import ACCENT
 
 BACK = "↩ "  # before the words of a link that leads back
 

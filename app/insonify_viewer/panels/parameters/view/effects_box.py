@@ -7,8 +7,8 @@ from collections.abc import Callable
 from PySide6.QtCore import Qt
 from PySide6.QtWidgets import QCheckBox, QGridLayout, QLabel, QSizePolicy, QWidget
 
-from insonify_viewer.effects import EffectRow
-from insonify_viewer.views.folding_box import FoldingBox
+from insonify_viewer.panels.parameters.effect_rows import EffectRow
+from insonify_viewer.widgets.folding_box import FoldingBox
 
 
 class EffectsBox(FoldingBox):

@@ -10,13 +10,13 @@ from PySide6.QtWidgets import QLineEdit, QToolButton, QWidget
 
 from insonify.scene import Scene
 from insonify.scene.links import Link
-from insonify_viewer.effects import EffectRow
+from insonify_viewer.panels.parameters.effect_rows import EffectRow
 from insonify_viewer.panels.parameters.sections import PINNED, FieldSection
 from insonify_viewer.panels.parameters.view.about_box import AboutBox
 from insonify_viewer.panels.parameters.view.effects_box import EffectsBox
 from insonify_viewer.panels.parameters.view.section_box import Row, SectionBox, make_tool
-from insonify_viewer.views.icons import set_icon
-from insonify_viewer.views.side_panel import SidePanel
+from insonify_viewer.widgets.icons import set_icon
+from insonify_viewer.widgets.side_panel import SidePanel
 
 DELAY = 20  # ms, by which the other numbers follow a slider that moves
 STILL = 400  # ms without another call, before what takes longer begins

@@ -10,13 +10,13 @@ from PySide6.QtCore import SignalInstance
 from PySide6.QtWidgets import QGridLayout, QHBoxLayout, QSizePolicy, QToolButton, QVBoxLayout, QWidget
 
 from insonify.scene import Scene
-from insonify_viewer.fields import ChoiceField, NumberField, Parameter
 from insonify_viewer.panels.parameters.sections import PINNED, FieldSection
-from insonify_viewer.views.field_rows import ChoiceRow, FileRow, NumberRow
-from insonify_viewer.views.folding_box import FoldingBox
-from insonify_viewer.views.lighting import light
-from insonify_viewer.views.setting_pictures.base import SettingPicture
-from insonify_viewer.views.setting_pictures.registry import pictures_of_settings
+from insonify_viewer.panels.parameters.setting_pictures.base import SettingPicture
+from insonify_viewer.panels.parameters.setting_pictures.registry import pictures_of_settings
+from insonify_viewer.state.fields import ChoiceField, NumberField, Parameter
+from insonify_viewer.widgets.field_rows import ChoiceRow, FileRow, NumberRow
+from insonify_viewer.widgets.folding_box import FoldingBox
+from insonify_viewer.widgets.lighting import light
 
 Row = NumberRow | ChoiceRow | FileRow
 TOOL = 26  # px, width of a button beside a heading

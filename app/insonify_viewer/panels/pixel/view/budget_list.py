@@ -11,8 +11,8 @@ from PySide6.QtGui import QColor, QResizeEvent
 from PySide6.QtWidgets import QHeaderView, QTreeWidget, QTreeWidgetItem, QTreeWidgetItemIterator, QWidget
 
 from insonify_viewer.errors.guarded_overrides import guard_override
-from insonify_viewer.views.text_scale import scaled
-from insonify_viewer.views.theme import ACCENT
+from insonify_viewer.widgets.text_scale import scaled
+from insonify_viewer.widgets.theme import ACCENT
 
 if TYPE_CHECKING:
     from insonify.explanation.pixel import PixelExplanation

@@ -9,7 +9,7 @@ from PySide6.QtWidgets import QLabel, QSplitter, QVBoxLayout, QWidget
 
 from insonify_viewer.panels.pixel.view.budget_list import BudgetList
 from insonify_viewer.panels.pixel.view.section_view import SectionView
-from insonify_viewer.session import Mark
+from insonify_viewer.state.session import Mark
 
 if TYPE_CHECKING:
     from insonify.explanation.cross_section import CrossSection

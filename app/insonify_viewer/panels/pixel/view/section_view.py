@@ -12,9 +12,9 @@ from PySide6.QtWidgets import QWidget
 
 from insonify_viewer.errors.guarded_overrides import guard_override
 from insonify_viewer.panels.pixel.view.section_scales import SectionScales
-from insonify_viewer.views.pixels import round_steps
-from insonify_viewer.views.text_scale import text_scale
-from insonify_viewer.views.theme import ACCENT_IN_WATER, GROUND, MARK_IN_WATER, OVER_WATER, QUIET
+from insonify_viewer.widgets.pixels import round_steps
+from insonify_viewer.widgets.text_scale import text_scale
+from insonify_viewer.widgets.theme import ACCENT_IN_WATER, GROUND, MARK_IN_WATER, OVER_WATER, QUIET
 
 if TYPE_CHECKING:
     from insonify.explanation.cross_section import CrossSection

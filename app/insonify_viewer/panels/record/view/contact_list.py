@@ -8,8 +8,8 @@ from PySide6.QtCore import QSize, Signal
 from PySide6.QtGui import QIcon, QPixmap
 from PySide6.QtWidgets import QGridLayout, QLabel, QLineEdit, QListWidget, QListWidgetItem, QWidget
 
-from insonify_viewer.contacts.contact import Contact
-from insonify_viewer.views.push_button import push_button
+from insonify_viewer.state.contacts import Contact
+from insonify_viewer.widgets.push_button import push_button
 
 ICON = 56  # px
 HINT = "Point at the record and press C, or pin a pixel and click Mark."

@@ -11,8 +11,8 @@ from PySide6.QtGui import QColor, QImage, QKeyEvent, QMouseEvent, QPainter, QPai
 from PySide6.QtWidgets import QWidget
 
 from insonify_viewer.errors.guarded_overrides import guard_override
-from insonify_viewer.record_display.tone_map import ToneMap
-from insonify_viewer.views.theme import ACCENT, GROUND, QUIET, RAISED, TEXT
+from insonify_viewer.record.tone_map import ToneMap
+from insonify_viewer.widgets.theme import ACCENT, GROUND, QUIET, RAISED, TEXT
 
 LOWEST, HIGHEST, STEP = -40.0, 40.0, 20.0  # dB re level bed
 BAR, SCALE, MARGIN = 14, 16, 8  # px

@@ -9,13 +9,13 @@ from PySide6.QtGui import QAction, QKeySequence
 from PySide6.QtWidgets import QCheckBox, QGridLayout, QLabel, QVBoxLayout, QWidget
 
 from insonify.display.display_options import PALETTES, SCALES, SIDES, DisplayOptions
-from insonify_viewer.fields import ChoiceField, NumberField
 from insonify_viewer.panels.record.view.contact_list import ContactListView
 from insonify_viewer.panels.record.view.histogram_view import HistogramView
-from insonify_viewer.views.field_rows import ChoiceRow, NumberRow
-from insonify_viewer.views.folding_box import FoldingBox
-from insonify_viewer.views.push_button import push_button
-from insonify_viewer.views.side_panel import SidePanel
+from insonify_viewer.state.fields import ChoiceField, NumberField
+from insonify_viewer.widgets.field_rows import ChoiceRow, NumberRow
+from insonify_viewer.widgets.folding_box import FoldingBox
+from insonify_viewer.widgets.push_button import push_button
+from insonify_viewer.widgets.side_panel import SidePanel
 
 REACH = 30.0  # dB either way
 TICKS = (  # option, label, key, what it does

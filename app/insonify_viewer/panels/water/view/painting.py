@@ -9,8 +9,8 @@ from PySide6.QtGui import QColor, QImage, QPainter, QPen, QPolygonF
 
 from insonify.display.ray_diagram.diagram import RayDiagram, describe_eigenray, place_along_axis
 from insonify_viewer.panels.water.view.plot_scales import PlotScales
-from insonify_viewer.views.pixels import round_steps
-from insonify_viewer.views.theme import (
+from insonify_viewer.widgets.pixels import round_steps
+from insonify_viewer.widgets.theme import (
     ACCENT,
     ACCENT_IN_WATER,
     GROUND,

@@ -19,9 +19,9 @@ from insonify.display.ray_diagram.diagram import RayDiagram
 from insonify_viewer.errors.guarded_overrides import guard_override
 from insonify_viewer.panels.water.view.painting import paint_profile, paint_water, shadow_picture, water_picture
 from insonify_viewer.panels.water.view.plot_scales import PlotScales
-from insonify_viewer.views.arrow_keys import ENTER, modifiers_of, steps_of
-from insonify_viewer.views.record_overlays import draw_cross
-from insonify_viewer.views.theme import GROUND, QUIET
+from insonify_viewer.record.record_overlays import draw_cross
+from insonify_viewer.widgets.arrow_keys import ENTER, modifiers_of, steps_of
+from insonify_viewer.widgets.theme import GROUND, QUIET
 
 SPEED, DEPTH = 0.2, 0.1  # m/s and m, by which a key moves a point of the profile
 SHARE = 0.01  # of the range and of the depth, by which a key moves the cross in the water

@@ -19,8 +19,8 @@ from insonify.display.style import FAINT
 from insonify.kernels.beam.pattern import ring_responses
 from insonify.planning import plan
 from insonify.scene import Scene, edit, load_scene
-from insonify.scene.beams.fan import FanBeam
-from insonify.scene.reliefs.fractal import Fractal
+from insonify.scene.seabed.reliefs.fractal import Fractal
+from insonify.scene.sonar.beams.fan import FanBeam
 from insonify.scene.targets.sphere import Sphere
 from insonify.simulation import prepare, simulate
 

@@ -16,8 +16,8 @@ from insonify.accuracy.stability.level_scenes import error_message, make_level_s
 from insonify.acoustics.layers import make_sound_speed_field
 from insonify.acoustics.paths import ray_paths
 from insonify.scene import edit, load_scene
-from insonify.scene.waters.profile import ProfileWater
-from insonify.scene.waters.sound_speed import paper, teos10
+from insonify.scene.water.profile import ProfileWater
+from insonify.scene.water.sound_speed import paper, teos10
 
 Values = NDArray[np.float64]
 THEME = StabilityTheme("Layered water", 1)

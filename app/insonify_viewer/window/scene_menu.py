@@ -1,0 +1,62 @@
+"""Menu of the bundled scenes, and of scene files."""
+
+from __future__ import annotations
+
+import html
+
+from PySide6.QtCore import Qt, Signal
+from PySide6.QtGui import QAction
+from PySide6.QtWidgets import QMenu, QToolButton, QWidget
+
+from insonify.scene import bundled_scenes, load_scene
+from insonify_viewer.window.scene_gallery import FAILURE, SceneGallery
+
+
+class SceneMenu(QToolButton):
+    """Signals the scene that the person picks."""
+
+    wanted = Signal(str)
+
+    def __init__(self, from_file: QAction, recording: QAction, parent: QWidget | None = None) -> None:
+        super().__init__(parent)
+        self.setText("Scenes")
+        self.setToolButtonStyle(Qt.ToolButtonStyle.ToolButtonTextBesideIcon)
+        self.setToolTip("Open a scene")
+        self.setPopupMode(QToolButton.ToolButtonPopupMode.InstantPopup)
+        self._files = (from_file, recording)
+        self.pictures = QAction("Show pictures of all…", self)
+        self.pictures.setToolTip("The record of every bundled scene, to pick one")
+        self.pictures.triggered.connect(self._show_pictures)
+        menu = QMenu(self)
+        menu.setToolTipsVisible(True)
+        menu.aboutToShow.connect(self.fill)
+        menu.triggered.connect(self._picked)
+        self.setMenu(menu)
+
+    def fill(self) -> None:
+        """Fill the menu when it first opens, which takes a moment."""
+        menu = self.menu()
+        if menu.actions():
+            return
+        menu.addActions(self._files)
+        menu.addAction(self.pictures)
+        menu.addSeparator()
+        failures = QMenu("Where it breaks", menu)
+        failures.setToolTipsVisible(True)
+        for name, path in bundled_scenes().items():
+            scene = load_scene(path)
+            action = QAction(f"{name}\t{scene.title}", menu)
+            action.setData(str(path))
+            action.setToolTip(f"<p>{html.escape(scene.about)}</p>")  # Qt wraps a paragraph
+            (failures if name.startswith(FAILURE) else menu).addAction(action)
+        menu.addSeparator()
+        menu.addMenu(failures)
+
+    def _picked(self, action: QAction) -> None:
+        if path := action.data():
+            self.wanted.emit(path)
+
+    def _show_pictures(self) -> None:
+        gallery = SceneGallery(self.window())
+        gallery.wanted.connect(self.wanted)
+        gallery.show()
