@@ -7,21 +7,22 @@ from dataclasses import dataclass
 from enum import Enum
 from typing import TYPE_CHECKING, Any, ClassVar, NamedTuple, Protocol
 
+from insonify.scene import Scene
+from insonify_viewer.errors import Failure
+from insonify_viewer.record.comparison.comparison import Comparison
+from insonify_viewer.record.comparison.recording_player import RecordingPlayer
+from insonify_viewer.record.drape import RecordStrip
+from insonify_viewer.record.marked_point import MarkedPoint
+from insonify_viewer.record.record import RecordGrowth
+from insonify_viewer.record.waterfall_view import WaterfallView
+from insonify_viewer.state.contact_list import ContactList
+from insonify_viewer.state.inspection import Inspection
+from insonify_viewer.state.session import Session
+from insonify_viewer.work.jobs import JobList
+from insonify_viewer.work.simulator import Simulator
+
 if TYPE_CHECKING:
     from insonify.planning import Plan
-    from insonify.scene import Scene
-    from insonify_viewer.errors import Failure
-    from insonify_viewer.record.comparison.comparison import Comparison
-    from insonify_viewer.record.comparison.recording_player import RecordingPlayer
-    from insonify_viewer.record.drape import RecordStrip
-    from insonify_viewer.record.marked_point import MarkedPoint
-    from insonify_viewer.record.record import RecordGrowth
-    from insonify_viewer.record.waterfall_view import WaterfallView
-    from insonify_viewer.state.contact_list import ContactList
-    from insonify_viewer.state.inspection import Inspection
-    from insonify_viewer.state.session import Session
-    from insonify_viewer.work.jobs import JobList
-    from insonify_viewer.work.simulator import Simulator
 
 
 class Place(Enum):

@@ -19,11 +19,11 @@ from insonify.io.records import RECORDS
 from insonify.io.sound_speed_casts import CASTS
 from insonify.scene import Scene, SceneError, bundled_meshes, bundled_scenes, edit, load_scene
 from insonify_viewer.record.comparison.recording import is_recording
+from insonify_viewer.window.main_window import MainWindow
 from insonify_viewer.work.simulator import Simulator
 
 if TYPE_CHECKING:
     from insonify.terrain.ground import Ground
-    from insonify_viewer.window.main_window import MainWindow
 
 MAPS = "Pictures (*.png *.tif *.tiff);;All files (*)"
 SHARE = 0.3  # slant range over the grid's shorter side

@@ -6,7 +6,7 @@ import contextlib
 from collections.abc import Sequence
 from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from insonify.io.bathymetry import BATHYMETRY
 from insonify.io.meshes import MESHES
@@ -15,17 +15,15 @@ from insonify.io.sound_speed_casts import CASTS, Cast, read_cast
 from insonify.scene import SceneError
 from insonify_viewer.errors import Failure
 from insonify_viewer.record.comparison.recording import is_recording
+from insonify_viewer.record.comparison.recording_player import RecordingPlayer
+from insonify_viewer.state.contact_list import ContactList
 from insonify_viewer.state.contacts import is_contacts, read_contacts
-
-if TYPE_CHECKING:
-    from insonify_viewer.record.comparison.recording_player import RecordingPlayer
-    from insonify_viewer.state.contact_list import ContactList
-    from insonify_viewer.state.session import Session
-    from insonify_viewer.window.file_dialogs import FileDialogs
-    from insonify_viewer.window.main_window import MainWindow
-    from insonify_viewer.window.saving import Saving
-    from insonify_viewer.window.target_editor import TargetEditor
-    from insonify_viewer.work.simulator import Simulator
+from insonify_viewer.state.session import Session
+from insonify_viewer.window.file_dialogs import FileDialogs
+from insonify_viewer.window.main_window import MainWindow
+from insonify_viewer.window.saving import Saving
+from insonify_viewer.window.target_editor import TargetEditor
+from insonify_viewer.work.simulator import Simulator
 
 SCENE = ".toml"
 TAKES = "a scene (.toml), a recording, contacts, a grid of heights, a mesh, a measured cast or navigation"

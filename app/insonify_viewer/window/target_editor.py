@@ -10,13 +10,13 @@ from typing import TYPE_CHECKING, Any
 from insonify.scene import SceneError, plain
 from insonify_viewer.seabed.target_handles import TargetHandles
 from insonify_viewer.state.session import Session
+from insonify_viewer.window.file_dialogs import FileDialogs
+from insonify_viewer.window.main_window import MainWindow
 from insonify_viewer.window.target_placement import needs_file, new_target
+from insonify_viewer.work.simulator import Simulator
 
 if TYPE_CHECKING:
     from insonify.simulation import Simulation
-    from insonify_viewer.window.file_dialogs import FileDialogs
-    from insonify_viewer.window.main_window import MainWindow
-    from insonify_viewer.work.simulator import Simulator
 
 
 class TargetEditor:

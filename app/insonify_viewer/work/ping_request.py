@@ -8,15 +8,14 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from insonify.kernels.common.types import Poses, SceneArrays
 from insonify.scene import Scene
 from insonify_viewer.state.modelling import Modelling
 
 if TYPE_CHECKING:
     from insonify.display.normalisation import LevelBed
-    from insonify.kernels.common.types import Poses, SceneArrays
     from insonify.packing.track import TowLine
     from insonify.planning.models import PackedScene
-    from insonify.scene import Scene
     from insonify.simulation import Simulation
     from insonify.terrain import AnyGround
 

@@ -12,15 +12,12 @@ from insonify_viewer.record.comparison.arrangement import find_pairs
 from insonify_viewer.record.comparison.recording import Recording, describe_point
 from insonify_viewer.record.record import RecordGrowth
 from insonify_viewer.state.inspection import Mark
-from insonify_viewer.work.jobs import BackgroundJob, State
+from insonify_viewer.work.jobs import BackgroundJob, JobList, State
 
 if TYPE_CHECKING:
     import xarray as xr
 
-    from insonify.scene import Scene
     from insonify.simulation import Simulation
-    from insonify_viewer.record.comparison.recording import Recording
-    from insonify_viewer.work.jobs import BackgroundJob, JobList
 
 Measured = dict[str, str] | str  # statistics in words by their names, or why there are none
 
