@@ -45,11 +45,6 @@ class ComparisonPanel(Panel):
         self._connect()
 
     @property
-    def widget(self) -> ComparisonView:
-        """Buttons above what differs, navigation and statistics."""
-        return self.view
-
-    @property
     def complete(self) -> bool:
         """Whether record A is there, no scene is being learned, and both records are measured."""
         return not self._comparison.busy and self._learning is None and self._wanted == self._measured
@@ -76,7 +71,7 @@ class ComparisonPanel(Panel):
         self._player.wait_for(f"learning a {self._learning.title}")
 
     def _connect(self) -> None:
-        self.view.open_wanted.connect(lambda: self._player.open(self._workbench.files.ask_for_recording()))
+        self.view.open_wanted.connect(lambda: self._player.open(self._workbench.ask_for_recording()))
         self.view.keep_wanted.connect(self._comparison.keep)
         self.view.partner_wanted.connect(self._comparison.open_partner)
         self.view.pair_wanted.connect(self.open_pair)

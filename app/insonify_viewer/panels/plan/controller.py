@@ -37,11 +37,6 @@ class PlanPanel(Panel):
         view.left_to_plan.connect(lambda: session.model(session.modelling.automatic))
         view.chart_wanted.connect(lambda: workbench.open_panel("chart"))
 
-    @property
-    def widget(self) -> PlanView:
-        """The entries of the plan."""
-        return self.view
-
     def plan_made(self, plan: Plan) -> None:
         """Show another plan."""
         self._plan, self._seconds = plan, []

@@ -55,11 +55,6 @@ class RecordPanel(Panel):
         self.view = RecordView()
         self._connect()
 
-    @property
-    def widget(self) -> RecordView:
-        """Sections of display, contrast, measuring and contacts."""
-        return self.view
-
     def record_grown(self, growth: RecordGrowth) -> None:
         """Follow the simulation, and count the levels anew now and then."""
         if growth.answer.simulation is not self._simulation:
