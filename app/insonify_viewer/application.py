@@ -17,8 +17,8 @@ from PySide6.QtCore import QEventLoop, QTimer
 from PySide6.QtGui import QGuiApplication, QOpenGLContext
 from PySide6.QtWidgets import QApplication
 
-from insonify.kernels.common.compilation import watch_compilation
-from insonify.kernels.common.compiling_process import compiled_elsewhere
+from insonify.compiler.compiling_process import compiled_elsewhere
+from insonify.compiler.progress import watch_compilation
 from insonify.lessons import Lesson
 from insonify.scene import Scene, SceneError
 from insonify_viewer.errors import cause_of

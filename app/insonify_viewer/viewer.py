@@ -41,7 +41,7 @@ from insonify_viewer.work.simulator import Simulator
 from insonify_viewer.work.waiting import WaitingWatch
 
 if TYPE_CHECKING:
-    from insonify.planning.models import PackedScene
+    from insonify.packing.packed_scene import PackedScene
 
 TICK = 25  # ms
 BEHIND = 48  # blank pings on screen at which the tow waits

@@ -12,14 +12,14 @@ from insonify.acoustics.layers import make_sound_speed_field
 from insonify.acoustics.water import speed_at_sonar
 from insonify.scene import Scene, SceneError, edit
 from insonify.scene.edit import part_at
-from insonify.scene.materials import MATERIAL_MAPS, MATERIALS, Material, MaterialMap, Reflectivity
-from insonify.scene.materials.pattern import PatternMap
-from insonify.scene.motions.straight import Straight
-from insonify.scene.motions.sum import SumOfMotions
-from insonify.scene.reliefs.fractal import Fractal
-from insonify.scene.reliefs.mimic import Mimic, mean_diffuse
-from insonify.scene.reliefs.random_relief import RandomRelief
-from insonify.scene.reliefs.sum import SumOfReliefs
+from insonify.scene.seabed.materials import MATERIAL_MAPS, MATERIALS, Material, MaterialMap, Reflectivity
+from insonify.scene.seabed.materials.pattern import PatternMap
+from insonify.scene.seabed.reliefs.fractal import Fractal
+from insonify.scene.seabed.reliefs.mimic import Mimic, mean_diffuse
+from insonify.scene.seabed.reliefs.random_relief import RandomRelief
+from insonify.scene.seabed.reliefs.sum import SumOfReliefs
+from insonify.scene.track.motions.straight import Straight
+from insonify.scene.track.motions.sum import SumOfMotions
 
 Changes = dict[str, Any]
 SLOWEST = 1e-3  # Hz, a ping rate that any range allows

@@ -15,7 +15,7 @@ import pytest
 from PIL import Image
 
 from insonify.cli import main
-from insonify.kernels.common.compilation import tell_watchers
+from insonify.compiler.progress import tell_watchers
 from insonify.scene import Scene, SceneError, edit, load_scene
 from insonify_viewer import application, commands
 from insonify_viewer.state.inspection import Mark

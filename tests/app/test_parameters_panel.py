@@ -11,10 +11,10 @@ from PySide6.QtGui import QShortcut
 from PySide6.QtTest import QTest
 from PySide6.QtWidgets import QToolButton, QWidget
 
-from insonify.accuracy.record_errors import compute_errors, find_first_bin
 from insonify.display.normalisation import LevelBed
 from insonify.scene import Scene, bundled_scenes, edit, load_scene
 from insonify.simulation import prepare
+from insonify.statistics.record_errors import compute_errors, find_first_bin
 from insonify_viewer.panels.parameters.effects import EFFECTS
 from insonify_viewer.panels.parameters.sections import pinned_section, sections_of
 from insonify_viewer.panels.parameters.values import Trials, row_of

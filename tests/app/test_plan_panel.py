@@ -6,10 +6,10 @@ from typing import Any
 
 import numpy as np
 
-from insonify.accuracy.record_errors import compare_records
 from insonify.cli import main
 from insonify.scene import Scene, edit, load_scene
 from insonify.simulation import prepare
+from insonify.statistics.record_errors import compare_records
 from insonify.tracers import sweep
 from insonify_viewer.panels.plan.controller import changed_subject, difference_in_words
 from insonify_viewer.record.comparison.record_difference import RecordDifference

@@ -14,10 +14,10 @@ from PySide6.QtGui import QDragEnterEvent, QDropEvent
 from PySide6.QtTest import QTest
 from PySide6.QtWidgets import QApplication, QFileDialog
 
-from insonify.accuracy.record_statistics import measure_statistics
 from insonify.cli import main
 from insonify.io.records import read_record
 from insonify.scene import Scene, edit, load_scene
+from insonify.statistics.record_statistics import measure_statistics
 from insonify_viewer.record.comparison import recording_player
 from insonify_viewer.record.comparison.arrangement import Arrangement
 from insonify_viewer.record.comparison.recording import MAX_PINGS, Recording, compass_heading, describe_point

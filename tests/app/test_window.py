@@ -12,7 +12,7 @@ from PySide6.QtTest import QTest
 from PySide6.QtWidgets import QFileDialog, QToolButton
 
 from insonify.scene import Scene, bundled_scenes, edit, load_scene
-from insonify.scene.materials import MATERIALS
+from insonify.scene.seabed.materials import MATERIALS
 from insonify_viewer.widgets.field_rows import ChoiceRow, NumberRow
 
 

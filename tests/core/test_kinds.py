@@ -10,7 +10,7 @@ import pytest
 from insonify.scene import Scene, SceneError, edit, kinds, load_scene, scene_to_toml
 from insonify.scene.base import Declaration, parameter
 from insonify.scene.kinds import Family, models_of
-from insonify.scene.materials import MATERIAL_MAPS, MaterialMap
+from insonify.scene.seabed.materials import MATERIAL_MAPS, MaterialMap
 from insonify.scene.targets import TARGETS, Posed, Target
 
 

@@ -8,10 +8,10 @@ from itertools import pairwise
 import numpy as np
 import pytest
 
-from insonify.kernels.common.jit import kernel
+from insonify.compiler.jit import kernel
 from insonify.kernels.common.scattering import backscatter
 from insonify.scene import SceneError, build, edit, load_scene
-from insonify.scene.materials import MATERIALS, Material, Reflectivity
+from insonify.scene.seabed.materials import MATERIALS, Material, Reflectivity
 from insonify.simulation import prepare
 
 GRAZING = (10.0, 20.0, 30.0, 45.0, 60.0)

@@ -7,9 +7,9 @@ import pytest
 from PIL import Image
 
 from insonify.scene import SceneError, build, load_scene, plain
-from insonify.scene.materials import MATERIALS, Material
-from insonify.scene.materials.image import ImageMap
-from insonify.scene.materials.pattern import GRADES, PatternMap
+from insonify.scene.seabed.materials import MATERIALS, Material
+from insonify.scene.seabed.materials.image import ImageMap
+from insonify.scene.seabed.materials.pattern import GRADES, PatternMap
 from insonify.simulation import simulate
 from insonify.terrain import build_ground
 from insonify.terrain.lattice import Lattice

@@ -17,7 +17,7 @@ from insonify import parallel
 from insonify.acoustics.flat_bed import flat_bed_curve
 from insonify.kernels.common.types import BED, LIGHT, SONAR
 from insonify.scene import SceneError
-from insonify.scene.materials import Reflectivity
+from insonify.scene.seabed.materials import Reflectivity
 from insonify.tracers import rays
 
 NOTHING = -2

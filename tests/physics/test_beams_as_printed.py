@@ -10,7 +10,7 @@ import pytest
 from beds import arrays_of, poses_of
 from insonify.acoustics.beam_patterns import make_pattern
 from insonify.scene import edit, load_scene
-from insonify.scene.beams.line_array import LineArray, taper_weights
+from insonify.scene.sonar.beams.line_array import LineArray, taper_weights
 from insonify.simulation import prepare, simulate
 from insonify.tracers import sweep
 from insonify.tracers.azimuth_fan import pattern_planes

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from insonify.scene import SceneError, build, edit, load_scene
-from insonify.scene.reliefs.mimic import FROM, equivalent_profile
+from insonify.scene.seabed.reliefs.mimic import FROM, equivalent_profile
 from insonify.simulation import prepare
 from insonify.terrain import build_ground
 

@@ -8,10 +8,10 @@ import pytest
 from scipy.optimize import minimize_scalar
 
 from insonify.scene import SceneError, build
-from insonify.scene.reliefs.power_law import PowerLaw
-from insonify.scene.reliefs.ripples import Ripples
-from insonify.scene.reliefs.von_karman import VonKarman
 from insonify.scene.seabed import Seabed
+from insonify.scene.seabed.reliefs.power_law import PowerLaw
+from insonify.scene.seabed.reliefs.ripples import Ripples
+from insonify.scene.seabed.reliefs.von_karman import VonKarman
 from insonify.terrain import relief
 from insonify.terrain.periodic_relief import periodic_heights
 from insonify.terrain.spectral_exponent import amplitude_exponent
@@ -167,7 +167,7 @@ def moments(field, scales, orders):
 
 
 def test_flux_of_a_cascade_has_the_moments_of_its_codimension():
-    from insonify.scene.reliefs.cascade import Cascade
+    from insonify.scene.seabed.reliefs.cascade import Cascade
     from insonify.terrain.periodic_waves import frequencies, wave_coefficients
 
     cascade, found = Cascade(intermittency=0.15), []

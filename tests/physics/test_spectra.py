@@ -5,8 +5,8 @@ import pytest
 
 from insonify.kernels.common.streams import RELIEF
 from insonify.scene import SceneError
-from insonify.scene.reliefs.fractal import Fractal, power_spectrum
 from insonify.scene.seabed import Seabed
+from insonify.scene.seabed.reliefs.fractal import Fractal, power_spectrum
 from insonify.terrain import relief
 from insonify.terrain.periodic_relief import unmasked_heights
 from insonify.terrain.periodic_waves import WaveGrid, frequencies

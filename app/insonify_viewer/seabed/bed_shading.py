@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from insonify.optics.material_colours import mixed_colour, shares_of
 from insonify.scene import Scene
-from insonify.scene.materials import MATERIALS
+from insonify.scene.seabed.materials import MATERIALS
 
 if TYPE_CHECKING:
     from insonify.terrain.ground import Ground

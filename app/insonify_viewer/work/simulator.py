@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 from psygnal import Signal
 
-from insonify.kernels.common.compilation import Compilation, watch_compilation
+from insonify.compiler.progress import Compilation, watch_compilation
 from insonify.scene import Scene, SceneError, edit
 from insonify_viewer.errors import describe_error
 from insonify_viewer.state.modelling import Modelling
@@ -22,7 +22,7 @@ from insonify_viewer.work.waiting import Activity
 
 if TYPE_CHECKING:
     from insonify.display.normalisation import LevelBed
-    from insonify.planning.models import PackedScene
+    from insonify.packing.packed_scene import PackedScene
     from insonify.simulation import Simulation
 
 BLOCK_TIME = 0.04  # s, predicted for a block of pings: it is shown, and a newer request takes over
@@ -245,7 +245,7 @@ class Simulator:
 
 def _pack(scene: Scene) -> PackedScene:
     # lazy: loaded on the worker; the window opens before Numba is loaded
-    from insonify.planning.models import pack
+    from insonify.packing.packed_scene import pack
 
     return pack(scene)
 
@@ -299,9 +299,9 @@ def thin_new_ground(scene: Scene, known: Scene | None) -> Scene:
 def pack_beneath(scene: Scene, pings: NDArray[np.int64]) -> PackedScene:
     """Pack a scene over endless ground, of which no more is made than some pings hear."""
     # lazy: loaded on the worker; the window opens before Numba is loaded
-    from insonify.packing.track import tow_line_at
-    from insonify.planning.models import pack
+    from insonify.packing.packed_scene import pack
     from insonify.terrain import build_excerpt
+    from insonify.tow.line import tow_line_at
 
     line, margin = tow_line_at(scene, pings), MARGIN * scene.sonar.range
     low, high = (line.x.min() - margin, line.y.min() - margin), (line.x.max() + margin, line.y.max() + margin)

@@ -17,8 +17,8 @@ from insonify.scene.sonar import Sonar
 from insonify.scene.targets import AnyTarget
 from insonify.scene.track import Track
 from insonify.scene.volumes import AnyVolume
-from insonify.scene.waters import AnyWater
-from insonify.scene.waters.uniform import UniformWater
+from insonify.scene.water import AnyWater
+from insonify.scene.water.uniform import UniformWater
 
 DEFAULT_ALTITUDE = 10.0
 SCHEMA = 1

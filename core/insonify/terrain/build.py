@@ -12,11 +12,11 @@ from insonify.errors import located
 from insonify.io.bathymetry.grid import LARGEST_SIDE
 from insonify.io.georeference import Georeference
 from insonify.scene import Scene, SceneError
-from insonify.scene.materials import MaterialMap
-from insonify.scene.reliefs import HeightGrid, ReliefKind
-from insonify.scene.reliefs.dem import refine
-from insonify.scene.reliefs.random_relief import RandomRelief
 from insonify.scene.seabed import Seabed
+from insonify.scene.seabed.materials import MaterialMap
+from insonify.scene.seabed.reliefs import HeightGrid, ReliefKind
+from insonify.scene.seabed.reliefs.dem import refine
+from insonify.scene.seabed.reliefs.random_relief import RandomRelief
 from insonify.terrain.endless_excerpt import EndlessExcerpt
 from insonify.terrain.endless_field import Nodes
 from insonify.terrain.endless_ground import SQUARE, AnyGround, EndlessGround, Tiles

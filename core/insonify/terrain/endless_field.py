@@ -25,7 +25,7 @@ from numpy.typing import NDArray
 from insonify.array_cache import keep_arrays
 from insonify.kernels.common.streams import RELIEF_BAND
 from insonify.parallel import PerThread
-from insonify.scene.reliefs.spectrum import Band, Density
+from insonify.scene.seabed.reliefs.spectrum import Band, Density
 from insonify.terrain.lattice_noise import lattice_noise
 
 Field = NDArray[np.float64]

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from insonify.array_cache import ARRAYS, keep_arrays
 from insonify.parallel import in_parallel
-from insonify.scene.materials import Reflectivity
+from insonify.scene.seabed.materials import Reflectivity
 from insonify.terrain.endless_field import TILE
 from insonify.terrain.ground import Ground, bilinear, tell_cells_apart
 

@@ -9,8 +9,8 @@ from statistics import NormalDist
 import numpy as np
 
 from insonify.kernels.common.streams import RELIEF, RELIEF_MASK, RELIEF_PART
-from insonify.scene.reliefs.random_relief import ExtendableRelief, RandomRelief
-from insonify.scene.reliefs.spectrum import Band, Field
+from insonify.scene.seabed.reliefs.random_relief import ExtendableRelief, RandomRelief
+from insonify.scene.seabed.reliefs.spectrum import Band, Field
 from insonify.terrain.endless_field import EndlessField, Nodes
 
 Heights = Callable[[Nodes], Field]

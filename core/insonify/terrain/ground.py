@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from insonify.scene.materials import Reflectivity
+from insonify.scene.seabed.materials import Reflectivity
 
 FARTHEST = 2.0**52  # cells; beyond, neighbouring integers are one number
 

@@ -6,8 +6,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from insonify.scene import Scene, SceneError
-from insonify.scene.reliefs.spectrum import Field
 from insonify.scene.seabed import Seabed
+from insonify.scene.seabed.reliefs.spectrum import Field
 from insonify.terrain.build import FLAT_CELLS, build_ground, cells_of_period, sample_heights
 from insonify.terrain.endless_field import Nodes, gather_tiles
 from insonify.terrain.endless_ground import EndlessGround

@@ -14,8 +14,8 @@ from insonify.errors import located
 from insonify.io.georeference import Georeference
 from insonify.kernels.bed.voronoi import voronoi_materials
 from insonify.kernels.common.streams import MATERIAL_BANDS, MATERIAL_PATCHES
-from insonify.scene.materials import MaterialMap
-from insonify.scene.reliefs.fractal import Fractal
+from insonify.scene.seabed.materials import MaterialMap
+from insonify.scene.seabed.reliefs.fractal import Fractal
 from insonify.terrain.endless_field import EndlessField, Nodes
 from insonify.terrain.lattice import Lattice, Map
 from insonify.terrain.periodic_relief import unmasked_heights

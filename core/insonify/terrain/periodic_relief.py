@@ -10,9 +10,9 @@ import math
 import numpy as np
 
 from insonify.kernels.common.streams import RELIEF, RELIEF_MASK, RELIEF_PART
-from insonify.scene.masks import MaskKind
-from insonify.scene.reliefs.random_relief import RandomRelief, density_waves
-from insonify.scene.reliefs.spectrum import LONGEST_WAVES, Field, row_groups
+from insonify.scene.seabed.masks import MaskKind
+from insonify.scene.seabed.reliefs.random_relief import RandomRelief, density_waves
+from insonify.scene.seabed.reliefs.spectrum import LONGEST_WAVES, Field, row_groups
 from insonify.terrain.periodic_waves import Shape, WaveGrid
 
 

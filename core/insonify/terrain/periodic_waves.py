@@ -14,7 +14,7 @@ import numpy as np
 from insonify.array_cache import keep_arrays
 from insonify.kernels.common.hashing import wave_noise
 from insonify.parallel import in_parallel
-from insonify.scene.reliefs.spectrum import ROWS, Density, Field, Waves
+from insonify.scene.seabed.reliefs.spectrum import ROWS, Density, Field, Waves
 
 Shape = tuple[int, int]
 

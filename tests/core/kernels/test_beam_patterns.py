@@ -10,14 +10,14 @@ import pytest
 
 from beds import arrays_of, gaussian_pattern, poses_of, rough
 from insonify.acoustics.beam_patterns import make_pattern
+from insonify.compiler.jit import kernel
 from insonify.kernels.beam.azimuth_sector import AzimuthSector, sector_weight
 from insonify.kernels.beam.knot_weights import weigh_knots
 from insonify.kernels.beam.pattern_integrals import integrated_response
 from insonify.kernels.beam.pattern_samples import FINE_SINE, ROOM, sample_pattern
-from insonify.kernels.common.jit import kernel
 from insonify.kernels.common.types import EVERY_GRAZING, GAUSSIAN, LIGHT, SONAR, TABLE, TOP_HAT, BeamPattern
 from insonify.scene import edit, load_scene
-from insonify.scene.beams.line_array import LineArray
+from insonify.scene.sonar.beams.line_array import LineArray
 from insonify.tracers import rays
 
 FLAT = np.zeros((8, 8))

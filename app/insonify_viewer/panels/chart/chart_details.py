@@ -77,7 +77,7 @@ class RowDetails:
 def row_details(chart: AccuracyChart, row: AccuracyRow) -> RowDetails:
     """Trace the record of a row and its reference, and compare them."""
     # lazy: the window opens before Matplotlib is loaded
-    from insonify.accuracy.similarity import measure_similarity
+    from insonify.statistics.similarity import measure_similarity
 
     record, reference = chart.normalise_row(row)
     scene = chart.scenes[row.targets]

@@ -180,7 +180,7 @@ def begin_learning(jobs: JobList, recording: Recording, file: Path) -> Backgroun
 def measure_record(record: xr.Dataset) -> Measured:
     """Measure the statistics of a record; a record with too little bed has a sentence instead."""
     # lazy: loads SciPy on a thread of its own; the window opens before
-    from insonify.accuracy.record_statistics import measure_statistics
+    from insonify.statistics.record_statistics import measure_statistics
 
     try:
         return measure_statistics(record).described()
@@ -191,9 +191,9 @@ def measure_record(record: xr.Dataset) -> Measured:
 def measure_simulation(simulation: Simulation) -> Measured:
     """Measure the statistics of the whole record of a simulation."""
     # lazy: loads xarray on a thread of its own; the window opens before
-    from insonify.dataset import make_block
     from insonify.io.record_schema import join_blocks
-    from insonify.traced_blocks import trace_blocks
+    from insonify.record.blocks import trace_blocks
+    from insonify.record.variables import make_block
 
     title = {"title": simulation.scene.title}
     blocks = [

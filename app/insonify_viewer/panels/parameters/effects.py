@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from insonify.acoustics.water import speed_at_sonar
 from insonify.scene import Scene, SceneError, edit, plain
 from insonify.scene.edit import part_at
-from insonify.scene.waters import WaterKind
+from insonify.scene.water import WaterKind
 from insonify_viewer.record.comparison.record_difference import (
     NOTHING_SEEN,
     VISIBLE,

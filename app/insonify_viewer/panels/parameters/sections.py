@@ -15,16 +15,16 @@ from pydantic.fields import FieldInfo
 from insonify.acoustics.absorption import absorption_coefficient
 from insonify.acoustics.water import speed_at_sonar
 from insonify.scene import Scene, SceneError
-from insonify.scene.absorptions import NEPER_PER_DB
 from insonify.scene.base import Declaration
 from insonify.scene.edit import part_at
-from insonify.scene.gains.power import PowerTvg
 from insonify.scene.kinds import kind_name, models_of
-from insonify.scene.materials import MATERIALS, Material
-from insonify.scene.materials.pattern import PatternMap
-from insonify.scene.reliefs.random_relief import RandomRelief
+from insonify.scene.receiver.gains.power import PowerTvg
+from insonify.scene.seabed.materials import MATERIALS, Material
+from insonify.scene.seabed.materials.pattern import PatternMap
+from insonify.scene.seabed.reliefs.random_relief import RandomRelief
 from insonify.scene.targets import Target
-from insonify.scene.waters import WaterKind
+from insonify.scene.water import WaterKind
+from insonify.scene.water.absorptions import NEPER_PER_DB
 from insonify_viewer.state.fields import PLACES, ChoiceField, FileField, NumberField, Parameter, name_field
 
 SECTIONS = ("sonar", "seabed", "track", "targets", "volumes", "water", "receiver", "receiver.recorder")

@@ -14,8 +14,8 @@ from insonify.errors import SceneError
 from insonify.files import file_version
 from insonify.scene.base import Declaration, Place, parameter
 from insonify.scene.kinds import Family, KindOf
-from insonify.scene.materials import Material
 from insonify.scene.rotation import rotation_matrix
+from insonify.scene.seabed.materials import Material
 from insonify.scene.targets.shape import Outline, Shape
 
 Height = Annotated[float, Field(ge=-2e4, le=2e4)]

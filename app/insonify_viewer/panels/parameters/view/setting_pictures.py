@@ -22,7 +22,7 @@ from insonify.display.scene_curves import (
     vertical_beam_curve,
 )
 from insonify.scene import Scene, SceneError
-from insonify.scene.reliefs.fractal import Fractal
+from insonify.scene.seabed.reliefs.fractal import Fractal
 from insonify_viewer.errors import guard_override
 from insonify_viewer.widgets.painting import make_polyline, round_steps
 from insonify_viewer.widgets.theme import ACCENT, EDGE, GROUND, MARK, QUIET, RAISED, TEXT
