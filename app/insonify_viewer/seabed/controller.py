@@ -10,22 +10,22 @@ import numpy as np
 from numpy.typing import NDArray
 from psygnal import Signal
 
+from insonify.kernels.common.types import Mesh, Poses, Solids
 from insonify.scene import SceneError
 from insonify_viewer.errors import Failure
 from insonify_viewer.record.drape import RecordStrip, drape_record
 from insonify_viewer.seabed.fan_sheet import fan_sheet
 from insonify_viewer.seabed.handle_geometry import meet_bed
+from insonify_viewer.state.inspection import SoundDrawing
 from insonify_viewer.widgets.qt_modules import load_qt_modules
 from insonify_viewer.work.gc_policy import leave_out_libraries
 from insonify_viewer.work.ping_request import LaidScene, is_same_ground
 from insonify_viewer.work.simulator import Simulator
 
 if TYPE_CHECKING:
-    from insonify.kernels.common.types import Mesh, Poses, Solids
     from insonify.simulation import Simulation
     from insonify.terrain import AnyGround
     from insonify_viewer.seabed.pv_meshes import BedPatch, ScanLine
-    from insonify_viewer.state.inspection import SoundDrawing
 
     Vector = NDArray[np.float64]
     Grip = tuple[tuple[float, float, float], str, bool]

@@ -8,14 +8,13 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from insonify.kernels.common.types import Poses, SceneArrays
 from insonify.scene import Scene
 from insonify_viewer.state.modelling import Modelling
 
 if TYPE_CHECKING:
     from insonify.display.normalisation import LevelBed
-    from insonify.kernels.common.types import Poses, SceneArrays
     from insonify.packing.packed_scene import PackedScene
-    from insonify.scene import Scene
     from insonify.simulation import Simulation
     from insonify.terrain import AnyGround
     from insonify.tow.line import TowLine
