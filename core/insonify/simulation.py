@@ -21,46 +21,31 @@ from insonify.record.blocks import trace_blocks, trace_whole
 from insonify.record.target_truth import TargetTruth, find_target_truth, join_target_truth
 from insonify.record.variables import make_block, record_attributes
 from insonify.scene import Scene, SceneError
-from insonify.terrain import AnyGround
-from insonify.tow.line import TowLine, tow_line_at
-from insonify.tow.poses import bed_beneath, make_poses, refuse_track_off_bed
+from insonify.tow.poses import refuse_track_off_bed
+from insonify.tracers.base import PreparedTracer, prepare_tracer
 from insonify.tracers.labels import RecordLabels, trace_labels
-from insonify.tracers.registry import Tracer
 
 if TYPE_CHECKING:
     import xarray as xr
 
-UNKNOWN_COST = 1e-4  # s, of a ping, where the plan tells none
+UNKNOWN_COST = 1e-4  # s, of a ping, where a kept plan has none
 
 Echoes = NDArray[np.float32]
 
 
-@dataclass(frozen=True, eq=False)
-class Simulation:
-    """A scene made ready to trace any of its pings."""
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Simulation(PackedScene):
+    """A packed scene with its plan, ready to trace and receive any of its pings.
 
-    scene: Scene  # the declaration
-    plan: Plan  # methods and settings of the tracing
-    ground: AnyGround  # the bed
-    # The whole scene as tracers take it; of endless ground only the piece at the start of the track.
-    arrays: SceneArrays
-    reduced: SceneArrays  # the scene without the effects that the plan omits; this one is traced
+    Its `arrays` are those of the whole scene, in water without refraction if the plan leaves that out.
+    """
+
+    plan: Plan  # method and settings of the tracing
+    reduced: SceneArrays  # the scene without the effects that the plan leaves out, which is traced
     tiles: TerrainTiles  # the ground about each ping, with as many nodes as the plan keeps
-    tracer: Tracer  # the method that finds echoes
+    tracer: PreparedTracer  # the method that finds echoes
     reception: Reception  # the receiver, which turns echoes into the record
-    threads: int | None = None  # greatest number of threads that work on it
-
-    def poses(self, pings: NDArray[np.int64]) -> Poses:
-        """Return position and attitude of the sonar at the given pings; beyond the track's last the tow goes on."""
-        return make_poses(self.scene, self.ground, pings)
-
-    def line(self, pings: NDArray[np.int64]) -> TowLine:
-        """Return positions and headings along the line of the tow, without the motion of the fish about it."""
-        return tow_line_at(self.scene, pings)
-
-    def altitude(self, pings: NDArray[np.int64]) -> NDArray[np.float64]:
-        """Return the altitude of the sonar above the bed, in metres, with the bed smoothed as a fish follows it."""
-        return self.poses(pings).z - bed_beneath(self.scene, self.ground, pings)
+    threads: int | None = None  # greatest number of threads
 
     def intensity(self, pings: NDArray[np.int64]) -> NDArray[np.float32]:
         """Trace and receive pings, any numbers in any order.
@@ -105,11 +90,12 @@ class Simulation:
     def trace(self, poses: Poses, arrays: SceneArrays | None = None) -> Traced:
         """Trace echoes of an ideal pulse: their mean energy, or their waves where the receiver adds others to them."""
         trace_pings = (self.reception.sums_waves and self.tracer.trace_waves) or self.tracer.trace
-
-        def trace_tile(tile: SceneArrays, some: Poses) -> tuple[Traced]:
-            return (trace_pings(tile, some, **self.plan.settings),)
-
-        return self.tiles.map(trace_tile, self.reduced if arrays is None else arrays, poses)[0]
+        echoes: Traced = self.tiles.map(
+            lambda tile, some: trace_pings(tile, some, **self.plan.settings),
+            self.reduced if arrays is None else arrays,
+            poses,
+        )
+        return echoes
 
     def expect(self, pings: NDArray[np.int64]) -> None:
         """Keep the ground beneath pings, (n,) numbers, that are traced again in whatever blocks, as far as it fits."""
@@ -134,7 +120,7 @@ class Simulation:
 
     def labels(self, poses: Poses) -> RecordLabels:
         """Label every range bin of pings whose poses are known, as `truth` does."""
-        settings = {name: number for name, number in self.plan.settings.items() if name in ("planes", "rays")}
+        settings = self.plan.label_settings
 
         def label_tile(tile: SceneArrays, some: Poses) -> RecordLabels:
             volumes = self.reception.volumes.energies(some) if self.reception.volumes is not None else None
@@ -192,16 +178,16 @@ def prepare(
 
 def _prepare(packed: PackedScene, plan: Plan, threads: int | None) -> Simulation:
     """Make a planned scene ready to be traced."""
-    reduced = packed.reduced(plan.model)
+    arrays, tracer = packed.straighten(plan.model), prepare_tracer(packed, plan.model)
     return Simulation(
-        scene=packed.scene,
+        packed.scene,
+        packed.ground,
+        arrays,
         plan=plan,
-        ground=packed.ground,
-        arrays=reduced.whole,
-        reduced=reduced.arrays,
-        tiles=reduced.tiles,
-        tracer=reduced.tracer,
-        reception=prepare_reception(packed.scene, packed.ground, reduced.whole),
+        reduced=packed.reduce(plan.model),
+        tiles=packed.ground_tiles(plan.every, tracer.bins_beyond),
+        tracer=tracer,
+        reception=prepare_reception(packed.scene, packed.ground, arrays),
         threads=threads,
     )
 

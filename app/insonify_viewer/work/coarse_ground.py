@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from dataclasses import fields
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -11,6 +12,7 @@ from insonify.scene import Scene, SceneError, edit
 
 if TYPE_CHECKING:
     from insonify.packing.packed_scene import PackedScene
+    from insonify.terrain import AnyGround
 
 THINNINGS = (4, 2)  # times the spacing; the first that resolves the waves of the relief is taken
 MOST_NODES = 2**22  # of ground that is made at once, some 100 MB while it is made; beyond, tiles take less
@@ -49,3 +51,13 @@ def pack_beneath(scene: Scene, pings: NDArray[np.int64]) -> PackedScene:
 def _ground_of(scene: Scene) -> tuple[object, ...]:
     """Return what decides the tiles beneath the pings of a scene."""
     return scene.seabed, scene.seed, scene.track.start, scene.track.heading
+
+
+def is_same_ground(one: AnyGround, other: AnyGround) -> bool:
+    """Whether two grounds hold the very same arrays, at the same place, of the same materials."""
+    if type(one) is not type(other):
+        return False
+    parts: list[tuple[Any, Any]] = [
+        (getattr(one, field.name), getattr(other, field.name)) for field in fields(one) if field.init
+    ]
+    return all(a is b or (not isinstance(a, np.ndarray) and bool(a == b)) for a, b in parts)

@@ -18,8 +18,7 @@ from insonify.scene import Scene, SceneError
 from insonify_viewer.errors.failure import describe_error
 from insonify_viewer.record.comparison.kept_record import SimulatedScene, find_altitude
 from insonify_viewer.state.modelling import Modelling
-from insonify_viewer.work.coarse_ground import pack_beneath, thin_new_ground
-from insonify_viewer.work.laid_scene import is_same_ground
+from insonify_viewer.work.coarse_ground import is_same_ground, pack_beneath, thin_new_ground
 from insonify_viewer.work.ping_request import PingRequest, TracedPings
 from insonify_viewer.work.thread_priority import yield_to_window
 from insonify_viewer.work.waiting import Activity

@@ -44,12 +44,15 @@ class TerrainTiles:
             assert isinstance(self._ground, EndlessGround)
             self._beds.make_room(len(np.unique(self._ground.cell(poses.x, poses.y), axis=0)))
 
-    def map(
-        self, trace: Callable[[SceneArrays, Poses], tuple[Column, ...]], arrays: SceneArrays, poses: Poses
-    ) -> tuple[Column, ...]:
-        """Trace pings tile by tile."""
-        parts = ((some, trace(tile, take_poses(poses, some))) for some, tile in self.split(arrays, poses))
-        places, found = zip(*parts)
+    def map(self, trace: Callable[[SceneArrays, Poses], Any], arrays: SceneArrays, poses: Poses) -> Any:
+        """Trace pings tile by tile: an array of the pings, or a tuple of such arrays."""
+        parts = [(some, trace(tile, take_poses(poses, some))) for some, tile in self.split(arrays, poses)]
+        if len(parts) == 1:
+            return parts[0][1]
+        places = np.concatenate([np.asarray(some) for some, _ in parts])
+        found = [columns for _, columns in parts]
+        if not isinstance(found[0], tuple):
+            return _join(places, found)
         return tuple(_join(places, columns) for columns in zip(*found))
 
     def split(self, arrays: SceneArrays, poses: Poses) -> Iterator[tuple[NDArray[np.int64] | slice, SceneArrays]]:
@@ -137,11 +140,9 @@ def _keep_within(limit: int, newest: _WindowBeds) -> None:
         limit -= beds.shrink(limit, least=1 if beds is newest else 0)
 
 
-def _join(places: Sequence[NDArray[np.int64] | slice], columns: Sequence[Column]) -> Column:
+def _join(places: NDArray[np.int64], columns: Sequence[Column]) -> Column:
     """Join the columns of several tiles in the order of the pings."""
-    if len(columns) == 1:
-        return columns[0]
     joined = np.concatenate(columns)
     ordered = np.empty_like(joined)
-    ordered[np.concatenate([np.asarray(place) for place in places])] = joined
+    ordered[places] = joined
     return ordered

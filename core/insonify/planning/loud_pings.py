@@ -6,7 +6,7 @@ import numpy as np
 
 from insonify.acoustics.error_range import ERROR_ALTITUDES, find_first_bin
 from insonify.packing.packed_scene import Model, PackedScene
-from insonify.planning.probe import scale_to_flat_bed
+from insonify.planning.probe import scale_to_flat_bed, trace_model
 from insonify.planning.probe_pings import ProbePings, spread_over_track
 from insonify.tow.poses import make_poses
 
@@ -21,7 +21,7 @@ def add_loud_pings(packed: PackedScene, pings: ProbePings) -> ProbePings:
     searched = spread_over_track(packed.scene, SEARCHED)
     poses = make_poses(packed.scene, packed.ground, searched)
     first = find_first_bin(ERROR_ALTITUDES, packed.arrays, poses)
-    record = packed.trace(Model(), poses)[:, :, first:] * scale_to_flat_bed(packed.arrays, poses, first)
+    record = trace_model(packed, Model(), poses)[:, :, first:] * scale_to_flat_bed(packed.arrays, poses, first)
     energy = np.square(record, dtype=np.float64).sum(axis=(1, 2))
     loudest = np.argsort(-energy, kind="stable")[:FOUND]
     loud = loudest[energy[loudest] > LOUD * energy.mean()]

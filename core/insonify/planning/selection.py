@@ -13,9 +13,10 @@ from insonify.packing.packed_scene import Model, PackedScene, pack
 from insonify.planning.checks import check_method
 from insonify.planning.choices import CHOICES
 from insonify.planning.choices.base import FINENESS, Case, Choice, percent
-from insonify.planning.choices.fineness import METHODS, measure_together
+from insonify.planning.choices.fineness import measure_together
 from insonify.planning.plan_entries import Plan, PlanEntry
 from insonify.scene import Scene, SceneError
+from insonify.tracers.base import AUTO, find_tracer
 
 # Pings other than those probed may err more than these vary: measured over random scenes, see docs/theory/error.md.
 SAFETY = 1.25
@@ -63,8 +64,8 @@ def check_request(scene: Scene, tolerance: float, method: str, forced: Mapping[s
     """Raise an error if a plan cannot be made, before the scene is built."""
     if not (math.isfinite(tolerance) and tolerance > 0.0):
         raise SceneError(f"tolerance: {tolerance!r} is not above 0; give a share such as 0.03")
-    if method not in METHODS:
-        raise SceneError(f"method: {method!r} is not known; choose one of {', '.join(METHODS)}")
+    if method != AUTO:
+        find_tracer(method)
     for subject, text in forced.items():
         if subject not in BY_SUBJECT:
             raise SceneError(f"model: {subject!r} is no choice of a plan; choose one of {', '.join(BY_SUBJECT)}")
@@ -88,7 +89,7 @@ def choose_for_case(case: Case, tolerance: float) -> Plan:
     if together > MORE_TOGETHER * error:
         entries = (*entries, _more_together(case, model, error, together))
         error = together
-    return Plan(model, entries, error, case.packed.work(model), case.seconds(model))
+    return Plan(model, entries, error, case.work(model), case.seconds(model))
 
 
 def _more_together(case: Case, model: Model, apart: float, together: float) -> PlanEntry:
@@ -107,7 +108,7 @@ def keep_plan(packed: PackedScene, last: Plan, method: str, forced: Mapping[str,
 
 
 def _asked(method: str, forced: Mapping[str, str]) -> str:
-    return forced.get("method", "auto") if method == "auto" else method
+    return forced.get("method", AUTO) if method == AUTO else method
 
 
 class _Errors:
@@ -141,7 +142,7 @@ def _cheapest(case: Case, tolerance: float) -> Model:
     queue: list[tuple[float, int, int, int, float, Model]] = []
 
     def add(model: Model, square: float) -> None:
-        heappush(queue, (case.packed.work(model), model.rays, -model.every, next(order), square, model))
+        heappush(queue, (case.work(model), model.rays, -model.every, next(order), square, model))
 
     models = [Model()]
     for choice in COARSE:

@@ -24,9 +24,8 @@ from insonify.scene import Scene, SceneError
 from insonify.scene.sonar.pulses import PulseKind as DeclaredPulse
 from insonify.tow.poses import take_poses
 from insonify.tracers.azimuth_fan import lay_planes
-from insonify.tracers.base import Record, empty_record, trace_blocks
+from insonify.tracers.base import PreparedTracer, Record, Waves, empty_record, trace_blocks
 
-Waves = NDArray[np.complex128]
 IN_A_CELL = 32.0  # scatterers, where the scene does not say how many
 MOST = 1e7  # scatterers of one ping
 MOST_KNOTS = 1 << 26  # of all planes of a beam: half a gigabyte
@@ -36,7 +35,7 @@ RESOLVED = 8  # least cells of the line per resolution cell of the pulse
 
 
 @dataclass(frozen=True, eq=False)
-class ScattererTracer:
+class ScattererTracer(PreparedTracer):
     """Tracer that sums the waves of single scatterers."""
 
     scatterers: Scatterers  # their density and positions
@@ -47,11 +46,10 @@ class ScattererTracer:
         """Bins beyond the record's last whose scatterers the pulse still reaches within it."""
         return math.ceil((self.pulse.taps.size - self.pulse.before) / (self.pulse.samples * self.pulse.cells))
 
-    def trace(self, arrays: SceneArrays, poses: Poses, *, planes: int = 16, threads: int | None = None) -> Record:
-        """Intensity of the sum of all scatterers' waves after the pulse, (n, 2, bins) float32, port first.
-
-        Parameters and errors as of `trace_waves`.
-        """
+    def trace(  # type: ignore[override]
+        self, arrays: SceneArrays, poses: Poses, *, planes: int = 16, threads: int | None = None
+    ) -> Record:
+        """Intensity of the sum of all scatterers' waves after the pulse."""
         out = empty_record(arrays, poses)
         detect_samples(self.trace_waves(arrays, poses, planes=planes, threads=threads), self.pulse.samples, out)
         return out

@@ -10,6 +10,7 @@ from insonify.planning.checks import check_refraction
 from insonify.planning.choices.base import FEWEST_RAYS, NEGLIGIBLE, Case, Choice, percent
 from insonify.planning.plan_entries import PlanEntry
 from insonify.scene.water.surfaces import WAYS
+from insonify.tracers.base import AUTO, find_tracer
 
 
 class Bending(Choice):
@@ -30,9 +31,9 @@ class Bending(Choice):
             return 0.0
         if case.straight_bound < NEGLIGIBLE:
             return case.straight_bound
-        method = "rays" if case.scene.water.varies_along else "sweep"
+        method = case.choose_tracer(Model(bent=True))
         bent = Model(method, case.few_planes, FEWEST_RAYS, bent=True, targets=case.targets)
-        straight = bent._replace(bent=False, rays=0 if method == "sweep" else FEWEST_RAYS)
+        straight = bent._replace(bent=False, rays=0 if "planes" in find_tracer(method).fineness else FEWEST_RAYS)
         return case.probe.difference(straight, bent, cautious=cautious)
 
     def require(self, case: Case, model: Model) -> None:
@@ -45,7 +46,7 @@ class Bending(Choice):
         if not case.packed.arrays.water.bent:
             return
         missed = self.error(case, model._replace(bent=False), cautious=False)
-        by = "tables of apparent positions" if model.method == "sweep" else "rays follow circular arcs"
+        by = find_tracer(model.method).refraction
         reason = f"straight rays are {percent(missed)} from refracted ones"
         reason = f"{reason} at most" if missed < NEGLIGIBLE else f"on {case.pings(model)} {reason}"
         reason = f"{by}; {reason}" if model.bent else reason
@@ -64,14 +65,14 @@ class Bounces(Choice):
             return (0,)
         if wish is not None:
             return (asked if wish else 0,)
-        return (asked,) if case.asked in ("sweep", "march") else (0, asked)
+        return (0, asked) if case.asked == AUTO or find_tracer(case.asked).follows_bounces else (asked,)
 
     def error(self, case: Case, model: Model, cautious: bool = True) -> float:
         """Share of the later echoes in the same pings by single rays."""
         asked = case.scene.sonar.bounces
         if self.settings(case, model) == (0,) or model.bounces == asked:
             return 0.0
-        plain = Model("rays", rays=FEWEST_RAYS, targets=case.targets)
+        plain = Model(case.choose_tracer(Model(bounces=asked)), rays=FEWEST_RAYS, targets=case.targets)
         return case.probe.difference(plain, plain._replace(bounces=asked), cautious=cautious)
 
     def entries(self, case: Case, model: Model, error: float) -> Iterator[PlanEntry]:

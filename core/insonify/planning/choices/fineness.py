@@ -14,7 +14,7 @@ from insonify.planning.choices.base import (
     TRACER,
     Case,
     Choice,
-    Ladder,
+    Doublings,
     Number,
     percent,
 )
@@ -23,8 +23,8 @@ from insonify.planning.plan_entries import PlanEntry
 from insonify.planning.probe import FEW
 from insonify.planning.relevance import find_narrowest_target
 from insonify.scene import SceneError
+from insonify.tracers.base import AUTO, Ladder, find_tracer, list_methods
 
-METHODS = ("auto", "sweep", "march", "rays")
 # Numbers of planes that a plan may choose.
 COUNTS = (*range(1, 9), *range(10, 17, 2), *range(20, 33, 4), *range(40, 65, 8), *range(80, 129, 16))
 MOST_PLANES = COUNTS[-1]
@@ -45,28 +45,30 @@ AT_NO_COST = 2e6  # work of the probe that takes some milliseconds
 class Method(Choice):
     """The tracer."""
 
-    subject, field, stage, rank, offered = "method", "method", TRACER, 0, METHODS[1:]
+    subject, field, stage, rank = "method", "method", TRACER, 0
+
+    @property
+    def offered(self) -> tuple[str, ...]:  # type: ignore[override]
+        """The tracers."""
+        return list_methods()[1:]
 
     def parse(self, text: str) -> str:
         """Read a forced method."""
-        if text not in METHODS:
-            raise SceneError(f"method: {text!r} is not known; choose one of {', '.join(METHODS)}")
+        if text != AUTO:
+            find_tracer(text)
         return text
 
     def settings(self, case: Case, model: Model) -> tuple[str, ...]:
-        """Return the requested method, otherwise the sweep wherever it can be used."""
-        if case.asked != "auto":
-            return (case.asked,)
-        single = model.bounces > 0 or (model.bent and case.scene.water.varies_along)
-        return ("rays" if single else "sweep",)
+        """Return the requested method, otherwise the first that can trace the scene."""
+        return (case.choose_tracer(model) if case.asked == AUTO else case.asked,)
 
     def entries(self, case: Case, model: Model, error: float) -> Iterator[PlanEntry]:
         """Entry of the tracer, with the time of its simplest use."""
-        if case.asked != "auto":
+        if case.asked != AUTO:
             reason = "as requested"
         elif model.bounces > 0:
             reason = f"{model.bounces} bounces require single rays"
-        elif model.method == "rays":
+        elif model.method != case.choose_tracer(Model()):
             reason = "the sound speed varies along the range, which requires single rays"
         else:
             reason = "a height field and first echoes do not require single rays"
@@ -76,15 +78,15 @@ class Method(Choice):
         yield self.entry(case, model.method, reason, error=error, cost=cost, options=options)
 
 
-class Planes(Ladder):
+class Planes(Doublings):
     """Planes across the beam."""
 
-    subject, field, method, rank, high = "planes", "planes", "sweep", 1, 512
+    subject, field, rank, high = "planes", "planes", 1, 512
     offered = ("2", "4", "8", "16", "32", "64")
 
     def settings(self, case: Case, model: Model) -> tuple[int, ...]:
         """Return the numbers of planes; one for a beam without width."""
-        if model.method != self.method or not case.scene.sonar.beam.has_width:
+        if not (self.applies(model) and case.scene.sonar.beam.has_width):
             return (1,)
         wish = self.wish(case)
         if wish is not None:
@@ -105,7 +107,7 @@ class Planes(Ladder):
 
     def entries(self, case: Case, model: Model, error: float) -> Iterator[PlanEntry]:
         """Entry of the planes, with the time beyond that of one."""
-        if model.method != self.method:
+        if not self.applies(model):
             return
         if not case.scene.sonar.beam.has_width:
             yield self.entry(case, "1 plane", "a knife-edge beam has no width")
@@ -116,35 +118,35 @@ class Planes(Ladder):
         yield self.entry(case, choice, reason, error=error, cost=max(cost, 0.0), options=self.offered)
 
 
-class Rays(Ladder):
+class Rays(Doublings):
     """Single rays per side; of the sweep those of pings to which several eigenrays or none lead."""
 
-    subject, field, method, rank, high, first = "rays", "rays", "rays", 2, 1 << 22, FEWEST_RAYS
+    subject, field, rank, high = "rays", "rays", 2, 1 << 22
     offered = ("1000", "4000", "16000", "64000")
 
     def settings(self, case: Case, model: Model) -> tuple[int, ...]:
         """Numbers of rays by doublings; none for a tracer without."""
-        wish = self.wish(case)
-        if model.method == "sweep" and not model.bent:
+        wish, tracer = self.wish(case), find_tracer(model.method)
+        if not self.applies(model) or ("planes" in tracer.fineness and not model.bent):
             return (0,)
         if wish is not None:
             return (wish,)
-        if model.method == "march":
+        if "step" in tracer.fineness:
             return (case.scene.sonar.bins,)
-        if model.method == "rays":
-            return tuple(self.first << n for n in range(13))
+        if tracer.ladder is not None:
+            return count_by_doublings(tracer.ladder)
         return FOLDED_RAYS if case.folds else FOLDED_RAYS[:1]
 
     def rung(self, case: Case, model: Model) -> int:
         """Greatest rung not finer than a model, and not so fine that to judge it takes longer than the probe may."""
         rung = super().rung(case, model)
-        while rung > self.first and not case.probe.affords(self.pair(case, model, rung)[1]):
+        while rung > self.first(model) and not case.probe.affords(self.pair(case, model, rung)[1]):
             rung //= 2
         return rung
 
     def error(self, case: Case, model: Model, cautious: bool = True) -> float:
         """Error of single rays; with the sweep of those pings only that it leaves to rays."""
-        if model.method == "sweep" and model.bent:
+        if "planes" in find_tracer(model.method).fineness and model.bent:
             return self._folded(case, model, cautious)
         return super().error(case, model, cautious)
 
@@ -171,12 +173,38 @@ class Rays(Ladder):
 
     def entries(self, case: Case, model: Model, error: float) -> Iterator[PlanEntry]:
         """Entry of the rays."""
-        if model.method == self.method:
+        if self.leads(model):
             reason = self.measured(case, model, "rays per side", error)
             yield self.entry(case, f"{model.rays} rays", reason, error=error, options=self.offered)
         elif model.rays:
             reason = f"where several eigenrays or none reach a place, a ping is traced with {model.rays} rays per side"
             yield self.entry(case, f"{model.rays} rays", reason, error=error, options=self.offered)
+
+
+class Fineness(Doublings):
+    """What a tracer of its own counts."""
+
+    subject, field, rank, high = "fineness", "fineness", 3, 1 << 30
+    offered = ("16", "64", "256", "1024")
+
+    def settings(self, case: Case, model: Model) -> tuple[int, ...]:
+        """Numbers of the tracer's ladder; 0 for a tracer without."""
+        ladder, wish = find_tracer(model.method).ladder, self.wish(case)
+        if not self.applies(model) or ladder is None:
+            return (0,)
+        return count_by_doublings(ladder) if wish is None else (wish,)
+
+    def entries(self, case: Case, model: Model, error: float) -> Iterator[PlanEntry]:
+        """Entry of the number."""
+        ladder = find_tracer(model.method).ladder
+        if self.applies(model) and ladder is not None:
+            reason = self.measured(case, model, ladder.counted, error)
+            yield self.entry(case, f"{model.fineness} {ladder.counted}", reason, error=error, options=self.offered)
+
+
+def count_by_doublings(ladder: Ladder) -> tuple[int, ...]:
+    """Return the numbers of a ladder."""
+    return tuple(ladder.first << n for n in range((ladder.last // ladder.first).bit_length()))
 
 
 class Segments(Choice):
@@ -193,13 +221,13 @@ class Segments(Choice):
     def settings(self, case: Case, model: Model) -> tuple[float, ...]:
         """Return the shares offered; whole segments where none are swept."""
         wish = self.wish(case)
-        if model.method != "sweep":
+        if not self.applies(model):
             return (math.inf,)
         return tuple(self.parse(text) for text in self.offered) if wish is None else (wish,)
 
     def error(self, case: Case, model: Model, cautious: bool = True) -> float:
         """Error measured from the smallest share, by the least planes."""
-        if model.method != "sweep":
+        if not self.applies(model):
             return 0.0
         fine = _single(case, model)._replace(misplaced=float(self.offered[-1]))
         whole = fine._replace(misplaced=math.inf)
@@ -217,7 +245,7 @@ class Segments(Choice):
 
     def entries(self, case: Case, model: Model, error: float) -> Iterator[PlanEntry]:
         """Entry of the segments, with the time beyond that of whole ones."""
-        if model.method != "sweep":
+        if not self.applies(model):
             return
         whole = model._replace(misplaced=math.inf)
         share = percent(model.misplaced)
@@ -249,7 +277,7 @@ class Spacing(Number):
                 )
             return (wish,)
         # To make endless ground anew for each stride takes far longer than to trace all of its nodes.
-        if not (seabed.random_reliefs or seabed.relief.level) or seabed.endless or model.method != "sweep":
+        if not (seabed.random_reliefs or seabed.relief.level) or seabed.endless or not self.applies(model):
             return (1,)
         fitting = (n for n in STRIDES if n == 1 or all(c % n == 0 and c >= FEWEST_CELLS * n for c in cells))
         return tuple(sorted(fitting, reverse=True))
@@ -291,7 +319,7 @@ def measure_together(case: Case, model: Model, apart: float, cautious: bool = Tr
 
     By few planes the model is compared with the finest one; the error of its own planes is added.
     """
-    if model.method != "sweep" or (model.bent and case.folds):
+    if not Planes().applies(model) or (model.bent and case.folds):
         return apart
     planes, segments, fine = Planes(), Segments(), _finest(case, model)
     few = min(model.planes, max(SEVERAL, case.least_planes if fine.ways else case.few_planes))
@@ -310,11 +338,12 @@ def measure_together(case: Case, model: Model, apart: float, cautious: bool = Tr
 
 def _single(case: Case, model: Model) -> Model:
     """Model of the least planes, few rays and all nodes, and of all effects; swept, of those that err by no little."""
-    if model.method == "sweep":
+    if Planes().applies(model):
         return _swept(case)
     return Model(
         model.method,
         rays=FEWEST_RAYS,
+        fineness=model.fineness,
         bent=case.bent,
         bounces=model.bounces,
         targets=case.targets,
@@ -345,9 +374,9 @@ def _planes_that_meet(case: Case, model: Model) -> int:
         return 1
     needed = 2.0 * math.sin(case.packed.arrays.half_width) / find_narrowest_target(case.scene, model.targets)
     planes = 2 ** math.ceil(math.log2(max(needed, 1.0)))
-    while planes > 1 and FEW * case.packed.work(model._replace(planes=planes)) > AT_NO_COST:
+    while planes > 1 and FEW * case.work(model._replace(planes=planes)) > AT_NO_COST:
         planes //= 2
     return planes
 
 
-CHOICES: tuple[Choice, ...] = (Method(), Planes(), Rays(), Segments(), Spacing())
+CHOICES: tuple[Choice, ...] = (Method(), Planes(), Rays(), Fineness(), Segments(), Spacing())

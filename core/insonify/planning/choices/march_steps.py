@@ -19,14 +19,14 @@ class Step(Number):
 
     def settings(self, case: Case, model: Model) -> tuple[float, ...]:
         """Return steps of a cell, its half, a quarter and so on."""
-        if model.method != "march":
+        if not self.applies(model):
             return (0.0,)
         wish, spacing = self.wish(case), case.packed.arrays.bed.spacing
         return tuple(spacing / 2**n for n in range(7)) if wish is None else (wish,)
 
     def pair(self, case: Case, model: Model, step: float) -> tuple[Model, Model]:
         """March of a step, and that of half the step and twice the rays by which it is judged."""
-        plain = Model("march", bent=case.bent, bounces=model.bounces, targets=case.targets, ways=case.paths)
+        plain = Model(model.method, bent=case.bent, bounces=model.bounces, targets=case.targets, ways=case.paths)
         return plain._replace(step=step, rays=model.rays), plain._replace(step=0.5 * step, rays=2 * model.rays)
 
     def measured_step(self, case: Case, model: Model) -> float:
@@ -41,7 +41,7 @@ class Step(Number):
 
         The power is 0 where the number of rays alone keeps the error from falling.
         """
-        if model.method != "march":
+        if not self.applies(model):
             return 0.0
         step = self.measured_step(case, model)
         error = case.probe.difference(*self.pair(case, model, step), cautious=cautious)
@@ -52,7 +52,7 @@ class Step(Number):
 
     def entries(self, case: Case, model: Model, error: float) -> Iterator[PlanEntry]:
         """Entry of the step."""
-        if model.method == "march":
+        if self.applies(model):
             step = self.measured_step(case, model)
             reason = f"on {case.pings(self.pair(case, model, step)[1])} steps of {step:.3g} m are "
             reason += f"{percent(case.probe.difference(*self.pair(case, model, step)))} from half the step and twice"
