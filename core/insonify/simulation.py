@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -17,11 +17,10 @@ from insonify.parallel import count_threads, limited_threads
 from insonify.planning import Plan
 from insonify.planning.selection import check_request, choose_model, keep_plan
 from insonify.receiver import Reception, Traced, prepare_reception, record_echoes
-from insonify.record.blocks import trace_blocks, trace_whole
 from insonify.record.target_truth import TargetTruth, find_target_truth, join_target_truth
-from insonify.record.variables import make_block, record_attributes
+from insonify.record.variables import Columns, make_block, record_attributes
 from insonify.scene import Scene, SceneError
-from insonify.tow.poses import refuse_track_off_bed
+from insonify.tow.poses import refuse_track_off_bed, take_poses
 from insonify.tracers.base import PreparedTracer, prepare_tracer
 from insonify.tracers.labels import RecordLabels, trace_labels
 
@@ -29,8 +28,19 @@ if TYPE_CHECKING:
     import xarray as xr
 
 UNKNOWN_COST = 1e-4  # s, of a ping, where a kept plan has none
+BLOCK_TIME = 0.25  # s, predicted for a block
+BLOCK_BYTES = 16e6  # of a block; a stream that is written holds three
+ECHO_BYTES, LABEL_BYTES = 4, 64  # of one bin with all copies
 
 Echoes = NDArray[np.float32]
+
+
+class PingBlock(NamedTuple):
+    """Successive pings of a record."""
+
+    pings: NDArray[np.int64]  # (n,) their numbers
+    poses: Poses  # their poses
+    columns: Columns  # ``intensity``, and labels by their names if requested, (n, 2, bins) each
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -134,6 +144,47 @@ class Simulation(PackedScene):
         with limited_threads(self.threads):
             return max(1, int(seconds * count_threads() / (self.plan.cost or UNKNOWN_COST)))
 
+    def record_blocks(
+        self, truth: bool = False, block: int | None = None, pings: range | None = None
+    ) -> Iterator[PingBlock]:
+        """Trace and receive successive pings, or all, as many at a time as take some time and memory."""
+        size = self._block_size(truth, streamed=True) if block is None else block
+        wanted = range(self.scene.track.pings) if pings is None else pings
+        for first in range(wanted.start, wanted.stop, size):
+            some = np.arange(first, min(first + size, wanted.stop), dtype=np.int64)
+            poses = self.poses(some)
+            yield PingBlock(some, poses, self._columns(some, poses, truth))
+
+    def record_whole(self, truth: bool, progress: Callable[[int, int], None] | None) -> PingBlock:
+        """Trace and receive all pings, block by block into arrays of the record's length."""
+        pings = np.arange(self.scene.track.pings, dtype=np.int64)
+        size, poses, whole = self._block_size(truth, streamed=False), self.poses(pings), Columns()
+        for first in range(0, pings.size, size):
+            part = slice(first, min(first + size, pings.size))
+            out = whole["intensity"][part] if whole else None
+            for name, column in self._columns(pings[part], take_poses(poses, part), truth, out).items():
+                if size >= pings.size:
+                    whole[name] = column
+                    continue
+                if name not in whole:
+                    whole[name] = np.empty((pings.size, *column.shape[1:]), column.dtype)
+                if column is not out:
+                    whole[name][part] = column
+            if progress is not None:
+                progress(part.stop, pings.size)
+        return PingBlock(pings, poses, whole)
+
+    def _columns(self, pings: NDArray[np.int64], poses: Poses, truth: bool, out: Echoes | None = None) -> Columns:
+        """Intensity of some pings, and their labels if requested."""
+        labels = self.labels(poses)._asdict() if truth else {}
+        return {"intensity": self.record(pings, poses, out)} | labels
+
+    def _block_size(self, truth: bool, *, streamed: bool) -> int:
+        """Return the number of pings to trace at a time, by time and by the memory that a block takes."""
+        bytes_a_ping = 2 * self.scene.sonar.bins * (ECHO_BYTES + LABEL_BYTES * truth)
+        fitting = int(BLOCK_BYTES / bytes_a_ping) if streamed or truth else self.scene.track.pings
+        return max(1, min(fitting, self.pings_within(BLOCK_TIME)))
+
 
 def prepare(
     scene: Scene,
@@ -235,12 +286,10 @@ def simulate(
     """
     asked: dict[str, Any] = {"method": method, "tolerance": tolerance, "forced": forced}
     simulation = prepare(scene, **asked, threads=threads)
-    pings = np.arange(scene.track.pings, dtype=np.int64)
-    poses = simulation.poses(pings)
-    columns = trace_whole(simulation, pings, poses, truth, progress)
-    found = find_target_truth(scene, columns, 0) if truth else None
+    whole = simulation.record_whole(truth, progress)
+    found = find_target_truth(scene, whole.columns, 0) if truth else None
     attributes = record_attributes(scene, simulation.plan, **asked)
-    return make_block(scene, simulation.ground, pings, poses, columns, found, attributes).to_dataset()
+    return make_block(scene, simulation.ground, *whole, found, attributes).to_dataset()
 
 
 def simulate_blocks(
@@ -294,14 +343,14 @@ def simulate_record_blocks(
 ) -> Iterator[RecordBlock]:
     """Simulate a scene's record as `simulate_blocks` does, whose parameters these are, without Datasets."""
     if block is not None and block < 1:
-        raise SceneError(f"block: {block} pings at a time are none; give at least 1")
+        raise SceneError(f"block: {block} is too small; give at least 1 ping")
     asked: dict[str, Any] = {"method": method, "tolerance": tolerance, "forced": forced}
     if pings is not None and not (pings.step == 1 and 0 <= pings.start <= pings.stop <= scene.track.pings):
         raise SceneError(f"pings: {pings} is not of the track; give successive ones of its {scene.track.pings}")
     simulation = prepare(scene, **asked, threads=threads)
     attributes = record_attributes(scene, simulation.plan, **asked)
     so_far: list[TargetTruth] = []
-    for traced in trace_blocks(simulation, truth, block, pings):
+    for traced in simulation.record_blocks(truth, block, pings):
         if truth:
             so_far = [join_target_truth(*so_far, find_target_truth(scene, traced.columns, int(traced.pings[0])))]
         yield make_block(scene, simulation.ground, *traced, so_far[0] if truth else None, attributes)

@@ -74,12 +74,12 @@ def test_a_tracer_of_somebody_elses_is_a_method(strips):
 
 
 def test_it_is_planned_by_its_ladder(strips):
-    coarse, fine = (insonify.plan(SCENE, tolerance, method="strips") for tolerance in (0.3, 0.003))
+    coarse, fine = (insonify.plan(SCENE, tolerance, method="strips") for tolerance in (0.5, 0.1))
     assert coarse.method == fine.method == "strips"
     assert coarse.model.fineness < fine.model.fineness
     entry = fine.entry("fineness")
     assert entry.choice == f"{fine.model.fineness} strips per side"
-    assert entry.error < 0.003 < coarse.entry("fineness").error
+    assert entry.error < 0.1 < coarse.entry("fineness").error < 0.5
     assert insonify.plan(SCENE, method="strips", forced={"fineness": "64"}).settings == {"strips": 64}
     assert insonify.plan(SCENE).method == "sweep"  # chosen by those alone that ask for it
 
