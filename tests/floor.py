@@ -6,7 +6,7 @@ from collections.abc import Callable
 
 import numpy as np
 
-from insonify.kernels.common.jit import kernel
+from insonify.compiler.jit import kernel
 from insonify.simulation import Simulation
 
 

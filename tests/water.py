@@ -7,7 +7,7 @@ import math
 import numpy as np
 
 from insonify.acoustics.rays import follow_paths
-from insonify.kernels.common.jit import kernel
+from insonify.compiler.jit import kernel
 from insonify.kernels.common.types import Water
 from insonify.kernels.refraction.arcs import advance_in_layers, launch_in_layers
 from insonify.kernels.refraction.eigenrays import find_direct_ray, follow_to_range

@@ -16,9 +16,9 @@ from typing import Any, NoReturn
 from insonify.commands import render
 from insonify.commands.options import add_scene, check_output, chosen_scene
 from insonify.compilation_bar import CompilationBar
+from insonify.compiler.progress import watch_compilation
 from insonify.display.display_options import DisplayOptions
 from insonify.errors import FileWarning
-from insonify.kernels.common.compilation import watch_compilation
 from insonify.plugins import announced, modules_in
 from insonify.scene import SceneError, bundled_scenes
 

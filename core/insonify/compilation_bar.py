@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from insonify.kernels.common.compilation import Compilation
+from insonify.compiler.progress import Compilation
 from insonify.progress import Progress, open_progress
 
 DELAY = 2.0  # s, of compilation before the bar appears

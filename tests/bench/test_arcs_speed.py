@@ -10,7 +10,7 @@ import pytest
 
 from insonify.accuracy.timing import time_calls
 from insonify.acoustics.rays import join_points
-from insonify.kernels.common.jit import kernel
+from insonify.compiler.jit import kernel
 from insonify.kernels.refraction.eigenrays import find_direct_ray
 from water import NO_CEILING, NO_FLOOR, followed, layers, water_of
 

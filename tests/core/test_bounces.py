@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from beds import arrays_of, icosphere, mesh_of, poses_of, rough
-from insonify.kernels.common.jit import kernel
+from insonify.compiler.jit import kernel
 from insonify.kernels.common.scattering import backscatter_strength, bistatic_strength
 from insonify.kernels.common.types import BED, LIGHT, SONAR
 from insonify.kernels.rays.path_tracing import advance_to, meet_next, split_path, start_path

@@ -13,16 +13,16 @@ from pathlib import Path
 import pytest
 
 from insonify import compilation_bar
+from insonify.compiler.cache import SOURCES
+from insonify.compiler.compilation_events import WORDS, called_functions
+from insonify.compiler.progress import Compilation
 from insonify.kernels.beam.knot_weights import weigh_knots
-from insonify.kernels.common.cache import SOURCES
-from insonify.kernels.common.compilation import Compilation
-from insonify.kernels.common.compilation_events import WORDS, called_functions
 from insonify.kernels.sweep.sweep import sweep_pings
 
 FIRST_CALL = """
 import numpy as np
 from insonify.kernels.bed.voronoi import nearest_seed_hash
-from insonify.kernels.common.compilation import watch_compilation
+from insonify.compiler.progress import watch_compilation
 
 with watch_compilation(print):
     nearest_seed_hash(7, 0, 0.5, 0.5, 1024)
@@ -31,7 +31,7 @@ with watch_compilation(print):
 
 WORDED_ERROR = """
 import sys, types
-from insonify.kernels.common.jit import kernel
+from insonify.compiler.jit import kernel
 from numba.core.errors import termcolor
 
 class Watched(types.ModuleType):
@@ -49,7 +49,7 @@ class Terminal(io.StringIO):
 
 
 def test_every_folder_of_kernels_has_words() -> None:
-    assert {path.name for path in SOURCES.iterdir() if (path / "__init__.py").exists()} == set(WORDS)
+    assert {path.name for path in (SOURCES / "kernels").iterdir() if (path / "__init__.py").exists()} == set(WORDS)
 
 
 def test_a_kernel_is_known_with_all_that_it_calls() -> None:

@@ -9,8 +9,8 @@ SCENES = ("default", "ghosts", "raw-record", "rough-tow", "sediments", "targets"
 COUNT = f"""
 import sys
 import numpy as np
-from insonify.kernels.common.dispatch import Kernel
-from insonify.kernels.common.separate import SeparateKernel
+from insonify.compiler.dispatch import Kernel
+from insonify.compiler.separate import SeparateKernel
 from insonify.scene import edit, load_scene
 from insonify.simulation import prepare
 

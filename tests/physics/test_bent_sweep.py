@@ -7,8 +7,8 @@ import pytest
 
 import bent
 from beds import arrays_of, icosphere, mesh_of, poses_of
+from insonify.compiler.jit import kernel
 from insonify.kernels.bed.profile import empty_profile
-from insonify.kernels.common.jit import kernel
 from insonify.kernels.refraction.apparent_positions import apply_apparent_positions, look_up_position, prepare_table
 from insonify.packing.apparent_tables import make_apparent_tables
 from insonify.tracers import sweep

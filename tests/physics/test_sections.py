@@ -10,7 +10,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from insonify.acoustics.layers import SoundSpeedField
-from insonify.kernels.common.jit import kernel
+from insonify.compiler.jit import kernel
 from insonify.kernels.refraction.ray_paths import ON_BED, RayLimits, RayPoints, trace_ray_paths
 from insonify.kernels.refraction.section_arcs import SectionPlane, speed_in_section
 from water import followed, water_of

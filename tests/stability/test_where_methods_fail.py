@@ -11,7 +11,7 @@ import pytest
 
 from beds import arrays_of, poses_of, rough
 from insonify import kernels
-from insonify.kernels.common.jit import FAST
+from insonify.compiler.jit import FAST
 from insonify.kernels.common.types import BED, LIGHT, SONAR
 from insonify.scene import SceneError, edit, load_scene
 from insonify.simulation import prepare, simulate

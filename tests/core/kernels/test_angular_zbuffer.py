@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 
 from beds import arrays_of, poses_of
-from insonify.kernels.common.jit import kernel
+from insonify.compiler.jit import kernel
 from insonify.kernels.common.types import LIGHT
 from insonify.kernels.geometry.bvh import build_mesh
 from insonify.kernels.targets.directions import measure_directions

@@ -7,7 +7,7 @@ import math
 import numpy as np
 import pytest
 
-from insonify.kernels.common.jit import kernel
+from insonify.compiler.jit import kernel
 from insonify.kernels.common.types import FRUSTUM, SPHERE
 from insonify.kernels.targets.apparent_targets import ApparentSource
 from insonify.kernels.targets.body_rays import meet_body

@@ -11,9 +11,9 @@ from hypothesis import strategies as st
 
 import naive
 from beds import bed_of, rough
+from insonify.compiler.jit import kernel
 from insonify.kernels.bed.profile import AT_ONCE, Profile, empty_profile, profile_capacity
 from insonify.kernels.bed.slice import slice_bed
-from insonify.kernels.common.jit import kernel
 from insonify.kernels.common.types import plain_pattern
 from insonify.packing.scene_arrays import make_limits
 

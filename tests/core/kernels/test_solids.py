@@ -9,7 +9,7 @@ import pytest
 
 import naive
 from beds import arrays_of, poses_of, solids_of
-from insonify.kernels.common.jit import kernel
+from insonify.compiler.jit import kernel
 from insonify.kernels.common.types import LIGHT, SONAR
 from insonify.kernels.geometry.solids import exit_solid, intersect_solid
 from insonify.kernels.rays.launch import find_enclosing_solid

@@ -9,6 +9,7 @@ from __future__ import annotations
 import math
 from typing import NamedTuple
 
+from insonify.compiler.jit import inlined_uncounted, kernel_uncounted
 from insonify.kernels.beam.pattern import (
     azimuthal_response,
     lobe_response,
@@ -17,7 +18,6 @@ from insonify.kernels.beam.pattern import (
     widest_extent,
 )
 from insonify.kernels.beam.pattern_integrals import integrated_response
-from insonify.kernels.common.jit import inlined_uncounted, kernel_uncounted
 from insonify.kernels.common.types import EVERY_GRAZING, LIGHT
 
 TRANSITION = 0.3  # of the near field, by which the far field takes over

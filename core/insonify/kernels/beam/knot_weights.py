@@ -10,6 +10,7 @@ from __future__ import annotations
 
 import math
 
+from insonify.compiler.jit import NOTHING, inlined_uncounted, kernel_on_demand, kernel_uncounted
 from insonify.kernels.beam.azimuth_sector import (
     in_plane_lobe,
     in_plane_response,
@@ -20,7 +21,6 @@ from insonify.kernels.beam.azimuth_sector import (
     top_hat_width,
 )
 from insonify.kernels.beam.pattern_samples import sample_pattern
-from insonify.kernels.common.jit import NOTHING, inlined_uncounted, kernel_on_demand, kernel_uncounted
 from insonify.kernels.common.types import EVERY_GRAZING, LIGHT, TABLE
 
 MOST_STEPS = 32  # knots from one at which two responses are read to the next

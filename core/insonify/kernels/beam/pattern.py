@@ -9,8 +9,8 @@ import math
 
 import numpy as np
 
+from insonify.compiler.jit import inlined_uncounted, kernel, kernel_uncounted
 from insonify.kernels.beam.pattern_integrals import integrated_response, row_of_range
-from insonify.kernels.common.jit import inlined_uncounted, kernel, kernel_uncounted
 from insonify.kernels.common.types import EVERY_GRAZING, LIGHT, TABLE, TOP_HAT
 
 SLICES = 16  # of the azimuths over which a pattern is averaged

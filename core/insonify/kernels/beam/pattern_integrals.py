@@ -9,7 +9,7 @@ import math
 
 import numpy as np
 
-from insonify.kernels.common.jit import inlined_uncounted
+from insonify.compiler.jit import inlined_uncounted
 
 HALF_OCTAVE = np.float64(math.sqrt(0.5)).view(np.int64)  # bits of 1/√2, which part exponent from mantissa
 PER_LN2 = 2.0 / math.log(2.0)

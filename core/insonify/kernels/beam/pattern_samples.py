@@ -12,9 +12,9 @@ import math
 
 import numpy as np
 
+from insonify.compiler.jit import inlined_uncounted, kernel_uncounted
 from insonify.kernels.beam.pattern_integrals import place_in_rows, row_below
 from insonify.kernels.bed.profile import padded_count
-from insonify.kernels.common.jit import inlined_uncounted, kernel_uncounted
 
 BLOCK = 8  # knots from one at which a pattern is read to the next, at most: the lanes of a vector unit
 WHOLE = 0.8  # share of what follows up to which a block is read at its ends only; to twice that in its middle too

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 
-from insonify.kernels.common.jit import inlined_uncounted
+from insonify.compiler.jit import inlined_uncounted
 
 # Knots closer to a grid corner than this share of a cell merge with it.
 MERGED = 1e-6

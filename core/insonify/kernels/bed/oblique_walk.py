@@ -12,9 +12,9 @@ from typing import NamedTuple
 
 import numpy as np
 
+from insonify.compiler.jit import INTEGER, inlined_uncounted, kernel_separate, kernel_uncounted
 from insonify.kernels.bed.grid import MERGED, first_line, wrap_index
 from insonify.kernels.bed.profile import padded_count
-from insonify.kernels.common.jit import INTEGER, inlined_uncounted, kernel_separate, kernel_uncounted
 
 # How a plane crosses a line u between two lines v: between them, or at the second of them.
 CROSSED, CORNER = 1, 2

@@ -14,12 +14,12 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from insonify.compiler.jit import inlined_uncounted
+from insonify.compiler.prefetch import LINE, prefetch_read
 from insonify.kernels.bed.grid import MERGED, clip_to_grid, first_line, is_oblique, wrap_index
 from insonify.kernels.bed.oblique_walk import walk_oblique
 from insonify.kernels.bed.profile import padded_count
 from insonify.kernels.bed.subdivision import measure_segments
-from insonify.kernels.common.jit import inlined_uncounted
-from insonify.kernels.common.prefetch import LINE, prefetch_read
 
 
 class GridWalk(NamedTuple):

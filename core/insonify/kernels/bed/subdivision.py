@@ -12,9 +12,9 @@ import math
 
 import numpy as np
 
+from insonify.compiler.jit import INTEGER, inlined_uncounted, kernel_separate
 from insonify.kernels.bed.grid import is_oblique
 from insonify.kernels.bed.profile import AT_ONCE, padded_count
-from insonify.kernels.common.jit import INTEGER, inlined_uncounted, kernel_separate
 
 MOST_PARTS = 256
 # Turn of the incidence within a part, in units of a lobe's width 1/√n, over the root of the error allowed.

@@ -6,8 +6,8 @@ import math
 
 import numpy as np
 
+from insonify.compiler.jit import kernel
 from insonify.kernels.common.hashing import hash_integers, hash_uniform
-from insonify.kernels.common.jit import kernel
 
 # A square of the lattice holds one point anywhere in it, so that the nearest lies at most two squares away.
 REACH = 2

@@ -7,7 +7,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from insonify.kernels.common.jit import inlined
+from insonify.compiler.jit import inlined
 
 # In bins: an echo counts in every bin that it touches within rounding, so that every bin with energy has a contributor.
 ROUNDING = 1e-3

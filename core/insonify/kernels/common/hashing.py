@@ -6,7 +6,7 @@ import math
 
 import numpy as np
 
-from insonify.kernels.common.jit import inlined, kernel
+from insonify.compiler.jit import inlined, kernel
 
 # Constants of splitmix64 (Steele, Lea and Flood 2014; Vigna's public-domain implementation).
 GOLDEN = np.uint64(0x9E3779B97F4A7C15)

@@ -12,7 +12,7 @@ import math
 
 import numpy as np
 
-from insonify.kernels.common.jit import inlined_uncounted
+from insonify.compiler.jit import inlined_uncounted
 
 FIXED_POINT = float(2**38)  # integers per unit of energy per bin
 

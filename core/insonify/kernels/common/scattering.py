@@ -10,7 +10,7 @@ import math
 
 import numpy as np
 
-from insonify.kernels.common.jit import inlined_uncounted
+from insonify.compiler.jit import inlined_uncounted
 from insonify.kernels.common.types import LIGHT, SONAR
 
 INVERSE_PI = 1.0 / math.pi

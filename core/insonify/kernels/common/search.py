@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from insonify.kernels.common.jit import inlined_uncounted
+from insonify.compiler.jit import inlined_uncounted
 
 
 @inlined_uncounted

@@ -9,7 +9,7 @@ import math
 
 import numpy as np
 
-from insonify.kernels.common.jit import kernel
+from insonify.compiler.jit import kernel
 
 ROWS_A_THREAD = 512  # rows worth handing to a thread, some 0.3 ms
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from typing import NamedTuple
 
-from insonify.kernels.common.jit import inlined_uncounted, kernel_uncounted
+from insonify.compiler.jit import inlined_uncounted, kernel_uncounted
 from insonify.kernels.common.types import SPHERE
 from insonify.kernels.geometry.solids import FrustumShape, greatest_radius
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from typing import NamedTuple
 
-from insonify.kernels.common.jit import inlined_uncounted, kernel
+from insonify.compiler.jit import inlined_uncounted, kernel
 from insonify.kernels.common.types import SPHERE
 
 MISSED = math.inf

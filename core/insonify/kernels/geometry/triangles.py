@@ -11,7 +11,7 @@ from __future__ import annotations
 import math
 from typing import NamedTuple
 
-from insonify.kernels.common.jit import inlined, inlined_ieee, kernel
+from insonify.compiler.jit import inlined, inlined_ieee, kernel
 
 MARGIN = 1e-12  # share of all lengths by which boxes grow, so that rounding never misses one
 NO_TRIANGLE = -1

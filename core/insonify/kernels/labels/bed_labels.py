@@ -8,8 +8,8 @@ from __future__ import annotations
 import math
 from typing import NamedTuple
 
+from insonify.compiler.jit import inlined, kernel
 from insonify.kernels.common.contributors import ROUNDING, add_contribution, open_contributor, spanned_bins
-from insonify.kernels.common.jit import inlined, kernel
 from insonify.kernels.common.range_bins import FIXED_POINT
 from insonify.kernels.common.scattering import backscatter_strength
 from insonify.kernels.common.search import last_not_above

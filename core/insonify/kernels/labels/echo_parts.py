@@ -13,11 +13,11 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from insonify.compiler.jit import INTEGER, TWO_INTEGERS, inlined, kernel, kernel_separate
 from insonify.kernels.beam.azimuth_sector import in_plane_response, is_whole_beam, sector_weight
 from insonify.kernels.bed.grid import is_oblique
 from insonify.kernels.bed.profile import Profile
 from insonify.kernels.bed.slice import slice_bed
-from insonify.kernels.common.jit import INTEGER, TWO_INTEGERS, inlined, kernel, kernel_separate
 from insonify.kernels.common.range_bins import FIXED_POINT, step_density, tilt_density
 from insonify.kernels.common.scattering import backscatter_strength
 from insonify.kernels.common.search import last_not_above

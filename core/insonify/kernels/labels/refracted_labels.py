@@ -8,8 +8,8 @@ from __future__ import annotations
 
 import numpy as np
 
+from insonify.compiler.jit import inlined, kernel
 from insonify.kernels.common.contributors import add_contribution, open_contributor
-from insonify.kernels.common.jit import inlined, kernel
 from insonify.kernels.common.types import BED
 from insonify.kernels.labels.shadows import label_shadows, open_shadow, target_of_body
 from insonify.kernels.labels.sweep_labels import label_bins, sum_target_echoes

@@ -6,7 +6,7 @@ import math
 
 import numpy as np
 
-from insonify.kernels.common.jit import inlined, kernel
+from insonify.compiler.jit import inlined, kernel
 from insonify.kernels.common.scattering import backscatter_strength
 from insonify.kernels.common.types import BED
 from insonify.kernels.labels.echo_parts import (

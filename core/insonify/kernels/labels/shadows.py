@@ -12,7 +12,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from insonify.kernels.common.jit import inlined, kernel
+from insonify.compiler.jit import inlined, kernel
 
 NO_TARGET = -2  # whose shadow a bin without any holds
 

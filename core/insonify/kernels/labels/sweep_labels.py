@@ -13,8 +13,8 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from insonify.compiler.jit import inlined, kernel
 from insonify.kernels.common.contributors import open_contributor, spread_contribution
-from insonify.kernels.common.jit import inlined, kernel
 from insonify.kernels.common.range_bins import FIXED_POINT, accumulate_bins
 from insonify.kernels.labels.bed_labels import note_bed
 from insonify.kernels.labels.shadows import label_shadows, target_of_body

@@ -10,8 +10,8 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from insonify.compiler.jit import inlined_uncounted, kernel_uncounted
 from insonify.kernels.common.contributors import ContributorTable, open_contributor, spread_contribution
-from insonify.kernels.common.jit import inlined_uncounted, kernel_uncounted
 from insonify.kernels.common.range_bins import FIXED_POINT, spread_energy
 from insonify.kernels.multipath.image_sources import PATH_COUNT
 

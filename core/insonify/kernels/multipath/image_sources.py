@@ -9,7 +9,7 @@ from __future__ import annotations
 import math
 from typing import NamedTuple
 
-from insonify.kernels.common.jit import inlined_uncounted, kernel, kernel_uncounted
+from insonify.compiler.jit import inlined_uncounted, kernel, kernel_uncounted
 from insonify.kernels.common.scattering import bistatic_strength
 from insonify.kernels.common.types import LIGHT
 from insonify.kernels.rays.cell_walk import Ray, meet_bed

@@ -11,8 +11,8 @@ import math
 
 import numpy as np
 
+from insonify.compiler.jit import inlined, kernel
 from insonify.kernels.beam.pattern import two_way_response
-from insonify.kernels.common.jit import inlined, kernel
 from insonify.kernels.common.scattering import backscatter_strength
 from insonify.kernels.common.types import LIGHT, SONAR
 from insonify.kernels.multipath.image_sources import bottom_image, height_delay, surface_image, tilt_delay, wave_advance

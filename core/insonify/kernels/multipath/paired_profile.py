@@ -10,8 +10,8 @@ from __future__ import annotations
 
 import math
 
+from insonify.compiler.jit import inlined_uncounted, kernel_uncounted
 from insonify.kernels.bed.profile import WORD, padded_count
-from insonify.kernels.common.jit import inlined_uncounted, kernel_uncounted
 from insonify.kernels.common.range_bins import FIXED_POINT, spread_energy
 from insonify.kernels.common.scattering import scatter_paired_segments
 from insonify.kernels.common.types import LIGHT

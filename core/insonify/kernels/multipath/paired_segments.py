@@ -8,7 +8,7 @@ from __future__ import annotations
 import math
 from typing import NamedTuple
 
-from insonify.kernels.common.jit import inlined_uncounted, kernel_uncounted
+from insonify.compiler.jit import inlined_uncounted, kernel_uncounted
 from insonify.kernels.common.types import LIGHT
 from insonify.kernels.multipath.echo_list import SurfaceEcho, list_echo
 from insonify.kernels.multipath.image_sources import height_delay, pair_strength, spreading_ratio, tilt_delay

@@ -5,7 +5,7 @@ Theory: docs/theory/multipath.md.
 
 from __future__ import annotations
 
-from insonify.kernels.common.jit import kernel
+from insonify.compiler.jit import kernel
 from insonify.kernels.multipath.image_sources import (
     SECOND_BOTTOM,
     SURFACE_BOTTOM,

@@ -5,8 +5,8 @@ Theory: docs/theory/multipath.md.
 
 from __future__ import annotations
 
+from insonify.compiler.jit import kernel_uncounted
 from insonify.kernels.beam.pattern import two_way_response
-from insonify.kernels.common.jit import kernel_uncounted
 from insonify.kernels.common.types import LIGHT, SONAR
 from insonify.kernels.multipath.echo_list import SurfaceEcho, deposit_echoes, list_echo
 from insonify.kernels.multipath.image_sources import SURFACE_ECHO, height_delay, surface_image, tilt_delay

@@ -14,12 +14,12 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import DTypeLike, NDArray
 
+from insonify.compiler.jit import inlined_uncounted, kernel, kernel_uncounted
 from insonify.kernels.beam.azimuth_sector import is_whole_beam, raise_sector
 from insonify.kernels.beam.knot_weights import weigh_knots, weigh_paired_knots
 from insonify.kernels.beam.pattern_samples import FINE_ROOT, FINE_SINE
 from insonify.kernels.bed.profile import WORD, Profile, empty_profile, padded_count, profile_capacity
 from insonify.kernels.bed.slice import slice_bed
-from insonify.kernels.common.jit import inlined_uncounted, kernel, kernel_uncounted
 from insonify.kernels.common.range_bins import accumulate_bins
 from insonify.kernels.common.search import last_not_above
 from insonify.kernels.common.types import SceneArrays, SegmentLimits

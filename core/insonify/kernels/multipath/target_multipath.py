@@ -8,8 +8,8 @@ from __future__ import annotations
 import math
 from typing import NamedTuple
 
+from insonify.compiler.jit import inlined_uncounted, kernel_uncounted
 from insonify.kernels.beam.azimuth_sector import is_whole_beam, paired_weight, sector_weight
-from insonify.kernels.common.jit import inlined_uncounted, kernel_uncounted
 from insonify.kernels.common.types import LIGHT
 from insonify.kernels.geometry.cross_sections import NEVER, HalfPlane
 from insonify.kernels.multipath.echo_list import ENOUGH, SurfaceEcho, deposit_echoes, list_echo

@@ -15,8 +15,8 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from insonify.compiler.jit import inlined_before_typing, kernel
 from insonify.kernels.bed.grid import clip_to_grid
-from insonify.kernels.common.jit import inlined_before_typing, kernel
 from insonify.kernels.common.types import BED
 from insonify.kernels.geometry.solids import intersect_solid
 from insonify.kernels.geometry.triangles import intersect_mesh_bundle

@@ -6,8 +6,8 @@ import math
 
 import numpy as np
 
+from insonify.compiler.jit import inlined, kernel
 from insonify.kernels.beam.pattern import two_way_response
-from insonify.kernels.common.jit import inlined, kernel
 from insonify.kernels.common.scattering import backscatter_strength
 from insonify.kernels.common.types import LIGHT, PORT
 from insonify.kernels.rays.cell_walk import NOTHING, Hits, RayBundle, find_first_hits

@@ -14,9 +14,9 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from insonify.compiler.jit import inlined, kernel
 from insonify.kernels.beam.pattern import pick_azimuth, widest_extent
 from insonify.kernels.bed.slice import snap_to_grid
-from insonify.kernels.common.jit import inlined, kernel
 from insonify.kernels.common.types import LIGHT, PORT
 from insonify.kernels.geometry.solids import greatest_radius, is_inside_solid
 

@@ -10,7 +10,7 @@ import math
 
 import numpy as np
 
-from insonify.kernels.common.jit import inlined_before_typing, kernel
+from insonify.compiler.jit import inlined_before_typing, kernel
 from insonify.kernels.common.types import BED, SPHERE
 from insonify.kernels.geometry.solids import greatest_radius
 from insonify.kernels.geometry.triangles import facing_normal, intersect_mesh

@@ -10,7 +10,7 @@ from __future__ import annotations
 import math
 from typing import NamedTuple
 
-from insonify.kernels.common.jit import inlined, kernel
+from insonify.compiler.jit import inlined, kernel
 from insonify.kernels.common.types import BED
 from insonify.kernels.geometry.solids import exit_solid, intersect_solid, is_inside_solid
 from insonify.kernels.geometry.triangles import NO_TRIANGLE, facing_normal, intersect_mesh

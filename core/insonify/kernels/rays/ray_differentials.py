@@ -9,7 +9,7 @@ from __future__ import annotations
 import math
 from typing import NamedTuple
 
-from insonify.kernels.common.jit import inlined
+from insonify.compiler.jit import inlined
 from insonify.kernels.common.types import SPHERE
 
 

@@ -11,8 +11,8 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from insonify.compiler.jit import inlined, kernel
 from insonify.kernels.beam.pattern import two_way_response
-from insonify.kernels.common.jit import inlined, kernel
 from insonify.kernels.common.types import SONAR
 from insonify.kernels.rays.launch import beam_touches_ball, orient_beam
 

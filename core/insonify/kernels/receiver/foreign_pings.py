@@ -10,8 +10,8 @@ from typing import NamedTuple
 
 import numpy as np
 
+from insonify.compiler.jit import inlined, kernel
 from insonify.kernels.common.hashing import hash_uniform
-from insonify.kernels.common.jit import inlined, kernel
 
 
 class Timing(NamedTuple):

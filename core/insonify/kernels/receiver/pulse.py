@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import math
 
-from insonify.kernels.common.jit import kernel
+from insonify.compiler.jit import kernel
 
 
 @kernel

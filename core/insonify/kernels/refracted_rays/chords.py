@@ -12,7 +12,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from insonify.kernels.common.jit import inlined, kernel
+from insonify.compiler.jit import inlined, kernel
 from insonify.kernels.common.types import BED
 from insonify.kernels.geometry.solids import intersect_solid
 from insonify.kernels.geometry.triangles import NO_TRIANGLE, facing_normal, intersect_mesh

@@ -13,7 +13,7 @@ import math
 
 import numpy as np
 
-from insonify.kernels.common.jit import inlined, kernel
+from insonify.compiler.jit import inlined, kernel
 from insonify.kernels.common.scattering import backscatter_strength
 from insonify.kernels.common.types import LIGHT, PORT
 from insonify.kernels.rays.cell_walk import NOTHING

@@ -14,7 +14,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from insonify.kernels.common.jit import inlined, kernel
+from insonify.compiler.jit import inlined, kernel
 from insonify.kernels.rays.cell_walk import NOTHING, Hits, RayBundle
 from insonify.kernels.rays.launch import ball_about
 from insonify.kernels.refracted_rays.chords import (

@@ -18,8 +18,8 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from insonify.compiler.jit import inlined, kernel
 from insonify.kernels.beam.pattern import two_way_response
-from insonify.kernels.common.jit import inlined, kernel
 from insonify.kernels.common.scattering import bistatic_strength
 from insonify.kernels.common.types import LIGHT
 from insonify.kernels.rays.cell_walk import NOTHING, RayBundle

@@ -13,7 +13,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from insonify.kernels.common.jit import inlined, kernel
+from insonify.compiler.jit import inlined, kernel
 from insonify.kernels.common.types import Water
 from insonify.kernels.rays.launch import set_ray
 from insonify.kernels.refracted_rays.hits import MOST_ARCS

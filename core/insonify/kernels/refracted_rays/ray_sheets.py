@@ -19,8 +19,8 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from insonify.compiler.jit import inlined, kernel
 from insonify.kernels.beam.pattern import widest_extent
-from insonify.kernels.common.jit import inlined, kernel
 from insonify.kernels.common.types import LIGHT
 from insonify.kernels.rays.cell_walk import NOTHING, find_first_hits
 from insonify.kernels.rays.first_echoes import (

@@ -22,7 +22,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from insonify.kernels.common.jit import NOTHING, inlined, inlined_uncounted, kernel_on_demand
+from insonify.compiler.jit import NOTHING, inlined, inlined_uncounted, kernel_on_demand
 
 COLUMNS = 4
 LEVEL, RISE, TUBE, TURN = 0, 1, 2, 3  # x'/x - 1; z' - z, m; N - 1; angle of arrival above that of launch, rad

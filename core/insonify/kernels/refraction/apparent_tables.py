@@ -9,7 +9,7 @@ import math
 
 import numpy as np
 
-from insonify.kernels.common.jit import kernel
+from insonify.compiler.jit import kernel
 from insonify.kernels.refraction.apparent_positions import LEVEL, RISE, TUBE, TURN
 from insonify.kernels.refraction.arcs import RANGE, launch_in_layers
 from insonify.kernels.refraction.eigenrays import FOUND, find_direct_ray, follow_to_range

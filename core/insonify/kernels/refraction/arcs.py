@@ -18,7 +18,7 @@ from __future__ import annotations
 import math
 from typing import NamedTuple
 
-from insonify.kernels.common.jit import inlined
+from insonify.compiler.jit import inlined
 from insonify.kernels.refraction.layers import SNAP, gradient_above, node_below, speed_at
 
 # How a step ends: at a node of the water, at the given range or height, or never.

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import math
 
-from insonify.kernels.common.jit import inlined, kernel
+from insonify.compiler.jit import inlined, kernel
 from insonify.kernels.refraction.arcs import ENDLESS, HIGH, LOW, RANGE, find_layer, follow_arc
 from insonify.kernels.refraction.ray_paths import STEPS
 from insonify.kernels.refraction.section_arcs import advance_ray, find_triangle, launch_ray, reflect_ray

@@ -15,7 +15,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from insonify.kernels.common.jit import inlined, kernel
+from insonify.compiler.jit import inlined, kernel
 from insonify.kernels.refraction.arcs import (
     ENDLESS,
     NODE,

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from typing import NamedTuple
 
-from insonify.kernels.common.jit import inlined, kernel
+from insonify.compiler.jit import inlined, kernel
 from insonify.kernels.refraction.arcs import ENDLESS, HIGH, LOW, NODE, RANGE, advance_in_layers, launch_in_layers
 from insonify.kernels.refraction.layers import SNAP, gradient_above, node_below, speed_at
 

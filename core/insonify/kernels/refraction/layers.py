@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from insonify.kernels.common.jit import inlined
+from insonify.compiler.jit import inlined
 
 SNAP = 1e-9  # a ray within this of a node is on it, m
 

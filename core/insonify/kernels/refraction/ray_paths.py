@@ -8,7 +8,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from insonify.kernels.common.jit import inlined, kernel
+from insonify.compiler.jit import inlined, kernel
 from insonify.kernels.refraction.arcs import HIGH, LOW, NODE, RANGE
 from insonify.kernels.refraction.section_arcs import advance_ray, launch_ray, reflect_ray
 

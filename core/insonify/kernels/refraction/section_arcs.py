@@ -12,7 +12,7 @@ from __future__ import annotations
 import math
 from typing import NamedTuple
 
-from insonify.kernels.common.jit import inlined
+from insonify.compiler.jit import inlined
 from insonify.kernels.refraction.arcs import (
     ENDLESS,
     GRAZING,

@@ -6,7 +6,7 @@ import math
 
 import numpy as np
 
-from insonify.kernels.common.jit import inlined
+from insonify.compiler.jit import inlined
 
 STEEPEST = 0.999  # sine from athwart beyond which a beam is taken to reach all ahead
 EMPTY = 1e300

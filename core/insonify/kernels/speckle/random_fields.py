@@ -12,8 +12,8 @@ import math
 
 import numpy as np
 
+from insonify.compiler.jit import inlined, kernel
 from insonify.kernels.common.hashing import hash_integers, hash_uniform, splitmix64
-from insonify.kernels.common.jit import inlined, kernel
 
 HALF = np.uint64(32)
 LOW_HALF = np.uint64(0xFFFFFFFF)

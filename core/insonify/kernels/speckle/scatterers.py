@@ -15,9 +15,9 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from insonify.compiler.jit import inlined, kernel
 from insonify.kernels.beam.pattern import two_way_response
 from insonify.kernels.common.hashing import hash_integers, splitmix64
-from insonify.kernels.common.jit import inlined, kernel
 from insonify.kernels.common.scattering import backscatter
 from insonify.kernels.common.streams import BED_SCATTERERS, TARGET_SCATTERERS
 from insonify.kernels.common.types import SONAR

@@ -8,7 +8,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from insonify.kernels.common.jit import inlined, kernel
+from insonify.compiler.jit import inlined, kernel
 from insonify.kernels.geometry.solids import FIRST_END, LAST_END, SIDE, frustum_normal
 
 BALL, ROUND, FIRST_CAP, LAST_CAP, FACE = 0, 1, 2, 3, 4

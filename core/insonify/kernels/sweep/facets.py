@@ -11,8 +11,8 @@ from typing import NamedTuple
 
 import numpy as np
 
+from insonify.compiler.jit import inlined_uncounted
 from insonify.kernels.beam.azimuth_sector import sector_weight
-from insonify.kernels.common.jit import inlined_uncounted
 from insonify.kernels.common.range_bins import FIXED_POINT, spread_energy
 from insonify.kernels.common.scattering import backscatter_strength
 from insonify.kernels.common.types import LIGHT

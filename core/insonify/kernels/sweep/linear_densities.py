@@ -10,8 +10,8 @@ import math
 
 import numpy as np
 
+from insonify.compiler.jit import inlined_uncounted
 from insonify.kernels.bed.profile import WORD, padded_count
-from insonify.kernels.common.jit import inlined_uncounted
 from insonify.kernels.common.types import LIGHT
 
 MOST_CHANGE = 1.9  # of a density that is positive at both ends: less than 2

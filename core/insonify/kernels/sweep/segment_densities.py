@@ -9,8 +9,8 @@ import math
 
 import numpy as np
 
+from insonify.compiler.jit import inlined_uncounted
 from insonify.kernels.bed.profile import padded_count
-from insonify.kernels.common.jit import inlined_uncounted
 
 
 @inlined_uncounted

@@ -15,12 +15,12 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import DTypeLike, NDArray
 
+from insonify.compiler.jit import inlined_uncounted, kernel
+from insonify.compiler.prefetch import prefetch_row
 from insonify.kernels.beam.azimuth_sector import AzimuthSector
 from insonify.kernels.bed.grid import is_oblique
 from insonify.kernels.bed.profile import WORD, Profile, empty_profile, profile_capacity
 from insonify.kernels.bed.slice import prefetch_strip, slice_bed, snap_to_grid
-from insonify.kernels.common.jit import inlined_uncounted, kernel
-from insonify.kernels.common.prefetch import prefetch_row
 from insonify.kernels.common.range_bins import accumulate_bins
 from insonify.kernels.common.types import PORT, STARBOARD, SceneArrays
 from insonify.kernels.geometry.cross_sections import HalfPlane

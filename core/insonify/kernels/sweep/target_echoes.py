@@ -11,7 +11,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from insonify.kernels.common.jit import NOTHING, inlined_uncounted, kernel_separate, kernel_uncounted
+from insonify.compiler.jit import NOTHING, inlined_uncounted, kernel_separate, kernel_uncounted
 from insonify.kernels.geometry.cross_sections import NEVER
 from insonify.kernels.sweep.facets import Facet, deposit_facet
 from insonify.kernels.sweep.partial_segments import FINE, deposit_partial_segment

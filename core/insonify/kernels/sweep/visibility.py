@@ -13,11 +13,11 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import DTypeLike, NDArray
 
+from insonify.compiler.jit import inlined_uncounted
 from insonify.kernels.beam.knot_weights import weigh_knots
 from insonify.kernels.beam.pattern_samples import FINE_SINE
 from insonify.kernels.bed.grid import is_oblique
 from insonify.kernels.bed.profile import WORD, padded_count
-from insonify.kernels.common.jit import inlined_uncounted
 from insonify.kernels.common.range_bins import FIXED_POINT
 from insonify.kernels.common.scattering import incidence_powers, scatter_segments
 from insonify.kernels.common.types import LIGHT

@@ -7,8 +7,8 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from insonify.compiler.jit import inlined, kernel
 from insonify.kernels.bed.slice import slice_bed
-from insonify.kernels.common.jit import inlined, kernel
 from insonify.kernels.refraction.apparent_positions import straight_grid
 from insonify.kernels.sweep.sweep import aim_plane
 from insonify.kernels.sweep.visibility import NADIR

@@ -15,7 +15,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from insonify.kernels.common.jit import INTEGER, inlined_uncounted, kernel, kernel_separate
+from insonify.compiler.jit import INTEGER, inlined_uncounted, kernel, kernel_separate
 from insonify.kernels.common.types import Mesh, Solids
 from insonify.kernels.geometry.cross_sections import may_cut_solid, section_solid, solid_distance_bound
 from insonify.kernels.targets.apparent_targets import FIELDS, apply_apparent_sources, load_apparent_source

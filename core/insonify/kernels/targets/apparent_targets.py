@@ -11,7 +11,7 @@ from __future__ import annotations
 import math
 from typing import NamedTuple
 
-from insonify.kernels.common.jit import TWO_INTEGERS, inlined_uncounted, kernel_on_demand
+from insonify.compiler.jit import TWO_INTEGERS, inlined_uncounted, kernel_on_demand
 from insonify.kernels.common.types import LIGHT, SPHERE
 from insonify.kernels.geometry.cross_sections import DOWN, UP, HalfPlane, section_solid
 from insonify.kernels.refraction.apparent_positions import look_up_position

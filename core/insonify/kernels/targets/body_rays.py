@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import math
 
-from insonify.kernels.common.jit import inlined_uncounted
+from insonify.compiler.jit import inlined_uncounted
 from insonify.kernels.common.types import SPHERE
 from insonify.kernels.targets.apparent_targets import arrival_direction
 

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import math
 
-from insonify.kernels.common.jit import inlined_uncounted
+from insonify.compiler.jit import inlined_uncounted
 
 STEEPEST = 1e-17  # least cosine of a launch angle
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 
-from insonify.kernels.common.jit import INTEGER, inlined_uncounted, kernel_on_demand
+from insonify.compiler.jit import INTEGER, inlined_uncounted, kernel_on_demand
 
 SAME = 1e-9  # rad; ends of primitives closer together are one
 

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import math
 
-from insonify.kernels.common.jit import inlined_uncounted
+from insonify.compiler.jit import inlined_uncounted
 from insonify.kernels.common.search import last_not_above
 from insonify.kernels.targets.apparent_targets import load_apparent_source
 from insonify.kernels.targets.body_rays import meet_body

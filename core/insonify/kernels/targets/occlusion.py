@@ -11,7 +11,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from insonify.kernels.common.jit import inlined_before_typing, inlined_uncounted
+from insonify.compiler.jit import inlined_before_typing, inlined_uncounted
 from insonify.kernels.common.search import last_not_above
 from insonify.kernels.geometry.cross_sections import DOWN, NEVER, UP
 from insonify.kernels.targets.angular_zbuffer import EDGE, cell_towards

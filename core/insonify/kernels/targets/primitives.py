@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from typing import NamedTuple
 
-from insonify.kernels.common.jit import inlined_uncounted
+from insonify.compiler.jit import inlined_uncounted
 from insonify.kernels.common.types import SPHERE
 from insonify.kernels.geometry.solids import FrustumShape, frustum_normal, intersect_frustum, intersect_sphere
 from insonify.kernels.targets.apparent_targets import ApparentSource, arrival_direction, plane_from_source

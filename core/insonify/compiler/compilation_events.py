@@ -1,0 +1,121 @@
+"""Numba's events of compilation, turned into the progress of one kernel at a time."""
+
+from __future__ import annotations
+
+import gc
+import time
+from dataclasses import dataclass, field
+from types import FunctionType
+from typing import Any
+
+from numba.core import event
+
+from insonify.compiler.part_process import end_process, start_process
+from insonify.compiler.progress import Compilation, tell_watchers
+from insonify.compiler.separate import SeparateKernel
+
+PACKAGE = "insonify.kernels"
+WORDS = {  # by the folder of the kernel's module
+    "beam": "the beam",
+    "bed": "the bed",
+    "common": "range bins",
+    "display": "the picture",
+    "geometry": "solids",
+    "labels": "labels",
+    "multipath": "multipath",
+    "rays": "rays",
+    "receiver": "the receiver",
+    "refracted_rays": "bent rays",
+    "refraction": "bent rays",
+    "speckle": "speckle",
+    "sweep": "the sweep",
+    "targets": "targets",
+}
+MANY = 40  # functions of a kernel whose compilation takes longer than a second process to start
+UNSURE = 0.05  # share done up to which the time left is not told
+ROOT = 0.4  # share of a kernel's time that remains when all its functions are compiled; 0.29 to 0.45 of the sweep's
+
+
+@dataclass
+class _Progress:
+    """Functions that a kernel calls and that are not compiled yet, each weighed by the size of its bytecode."""
+
+    kernel: FunctionType
+    start: float = field(default_factory=time.monotonic)
+    left: dict[FunctionType, int] = field(init=False)
+    whole: int = field(init=False)
+
+    def __post_init__(self) -> None:
+        self.left = {function: len(function.__code__.co_code) for function in called_functions(self.kernel)}
+        self.whole = sum(self.left.values())
+
+    def finish(self, function: FunctionType) -> None:
+        """Take a function as done, with all that it calls."""
+        for finished in called_functions(function):
+            self.left.pop(finished, None)
+
+    def report(self) -> Compilation:
+        """Return the share done, and the time left if the rest goes on at the same rate."""
+        done = (1.0 - ROOT) * (1.0 - sum(self.left.values()) / self.whole)
+        now = time.monotonic()
+        left = (now - self.start) * (1.0 / done - 1.0) if done > UNSURE else None
+        return Compilation(_subject(self.kernel), done, left, now)
+
+
+class CompilationListener(event.Listener):
+    """Tells the watchers of compilation what Numba compiles; all events come under Numba's lock, from one thread."""
+
+    def __init__(self) -> None:
+        self.depth = 0
+        self.progress: _Progress | None = None
+        self.collects = False
+
+    def on_start(self, event: Any) -> None:
+        """Begin a kernel, unless the function is a part of one."""
+        function = event.data["dispatcher"].py_func
+        if self.depth == 0:
+            # Nearly all that the compiler makes lives until the kernel is finished: looking for garbage among it takes
+            # a twelfth of the time.
+            self.collects = gc.isenabled()
+            gc.disable()
+        if self.depth == 0 and function.__module__.startswith(f"{PACKAGE}."):
+            self.progress = _Progress(function)
+            tell_watchers(self.progress.report())
+            if len(self.progress.left) >= MANY:
+                start_process()
+        self.depth += 1
+
+    def on_end(self, event: Any) -> None:
+        """Report a function that is finished; with the outermost, its kernel is."""
+        self.depth -= 1
+        if self.depth == 0 and self.collects:
+            gc.enable()
+        if self.progress is None:
+            return
+        if self.depth == 0:
+            end_process()
+            self.progress = None
+            tell_watchers(None)
+            return
+        self.progress.finish(event.data["dispatcher"].py_func)
+        tell_watchers(self.progress.report())
+
+
+def called_functions(function: FunctionType) -> set[FunctionType]:
+    """Collect a function and all that are compiled into it, directly or not."""
+    found, pending = {function}, [function]
+    while pending:
+        calling = pending.pop()
+        named = (calling.__globals__.get(name) for name in calling.__code__.co_names)
+        parts = (value for value in named if not isinstance(value, SeparateKernel))
+        called = (getattr(value, "py_func", None) for value in parts)
+        new = {function for function in called if function is not None} - found
+        found |= new
+        pending.extend(new)
+    return found
+
+
+def _subject(kernel: FunctionType) -> str:
+    """Return what a kernel calculates, by its module's folder."""
+    folder = kernel.__module__.removeprefix(f"{PACKAGE}.").partition(".")[0]
+    return WORDS.get(folder, "kernels")

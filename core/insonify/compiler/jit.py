@@ -1,0 +1,110 @@
+"""Decorators that compile kernels; the table says which one a function takes.
+
+=========================  =======================  ===========  =====================  ==================
+decorator                  called by a kernel       on disk      counts references      arithmetic
+=========================  =======================  ===========  =====================  ==================
+`kernel`                   a function of its own    yes          yes                    relaxed (`FAST`)
+`kernel_uncounted`         a function of its own    yes          no                     relaxed (`FAST`)
+`kernel_separate`          by its address           yes          if asked to            relaxed (`FAST`)
+`kernel_on_demand`         by its address           yes          if asked to            relaxed (`FAST`)
+`inlined`                  inlined                  no           yes                    relaxed (`FAST`)
+`inlined_uncounted`        inlined                  no           no                     relaxed (`FAST`)
+`inlined_ieee`             inlined                  no           yes                    IEEE 754, in order
+`inlined_before_typing`    inlined                  no           as its caller          as its caller
+=========================  =======================  ===========  =====================  ==================
+
+Reference counting costs an atomic operation of about 5 ns, twice for every array of every tuple passed to a function.
+A function that does not count references may neither create nor return arrays, nor call one that returns them: its
+callers count. Small functions are inlined because passing a tuple of arrays costs more than many of them compute.
+
+What is called by its address is compiled once for all kernels that call it (`separate`): beside the first of them, or,
+on demand, when it is first called. The latter is for what most scenes lack, such as water that bends sound.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any
+
+from numba import njit
+from numba.core import config, event, types
+
+from insonify.compiler.compilation_events import CompilationListener
+from insonify.compiler.dispatch import Kernel
+from insonify.compiler.separate import SeparateKernel
+
+Function = Callable[..., Any]
+# Every licence that keeps NaN and infinity meaningful: guards against them must survive.
+FAST = {"nsz", "arcp", "contract", "afn", "reassoc"}
+COMMON = {"nogil": True, "error_model": "numpy"}
+NOTHING, INTEGER, TWO_INTEGERS = types.none, types.intp, types.UniTuple(types.intp, 2)  # what separate kernels return
+
+
+def kernel(function: Function) -> Function:
+    """Compile a function as a kernel of this package and keep its machine code on disk."""
+    return _kept(function, counting=True)
+
+
+def kernel_uncounted(function: Function) -> Function:
+    """Compile a function as a kernel that does not count references, and keep its machine code on disk."""
+    return _kept(function, counting=False)
+
+
+def kernel_separate(returned: Any, counting: bool = False) -> Callable[[Function], Function]:
+    """Compile a function on its own, beside the kernels that call it, by default without counting references."""
+    return lambda function: _separate(function, returned, ahead=True, counting=counting)
+
+
+def kernel_on_demand(returned: Any, counting: bool = False) -> Callable[[Function], Function]:
+    """Compile a function when a kernel first calls it, by default without counting references."""
+    return lambda function: _separate(function, returned, ahead=False, counting=counting)
+
+
+def inlined(function: Function) -> Function:
+    """Compile a small function into each of its callers."""
+    return _within_callers(function, counting=True, fast=FAST)
+
+
+def inlined_uncounted(function: Function) -> Function:
+    """Compile a small function into each of its callers, without counting references."""
+    return _within_callers(function, counting=False, fast=FAST)
+
+
+def inlined_ieee(function: Function) -> Function:
+    """Compile a small function into each of its callers, in IEEE arithmetic that is never reordered."""
+    return _within_callers(function, counting=True, fast=False)
+
+
+def inlined_before_typing(function: Function) -> Function:
+    """Write a small function out in each of its callers before types are inferred.
+
+    The per-cell loops of rays run faster so; types are inferred anew in every caller, which takes longer to compile.
+    """
+    return njit(nogil=True, fastmath=FAST, error_model="numpy", inline="always")(function)
+
+
+def _kept(function: Function, counting: bool) -> Function:
+    # Division by zero gives infinity, as in NumPy: Python's check would cost the vector units and could only raise.
+    return _kernel(function, {"fastmath": FAST, "_nrt": counting}, kept=True)
+
+
+def _within_callers(function: Function, counting: bool, fast: Any) -> Function:
+    # `fastmath` and `_nrt` are always given: an option left out is inherited from the caller.
+    return _kernel(function, {"fastmath": fast, "_nrt": counting, "forceinline": True}, kept=False)
+
+
+def _separate(function: Function, returned: Any, ahead: bool, counting: bool) -> Function:
+    chosen: Any = config
+    if chosen.DISABLE_JIT:
+        return function
+    return SeparateKernel(function, COMMON | {"fastmath": FAST, "_nrt": counting}, returned, ahead)
+
+
+def _kernel(function: Function, options: dict[str, Any], kept: bool) -> Function:
+    chosen: Any = config
+    if chosen.DISABLE_JIT:
+        return function
+    return Kernel(function, COMMON | options, kept)
+
+
+event.register("numba:compile", CompilationListener())
