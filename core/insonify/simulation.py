@@ -343,7 +343,7 @@ def simulate_record_blocks(
 ) -> Iterator[RecordBlock]:
     """Simulate a scene's record as `simulate_blocks` does, whose parameters these are, without Datasets."""
     if block is not None and block < 1:
-        raise SceneError(f"block: {block} is too small; give at least 1 ping")
+        raise SceneError(f"block: {block} is too few pings; give at least 1")
     asked: dict[str, Any] = {"method": method, "tolerance": tolerance, "forced": forced}
     if pings is not None and not (pings.step == 1 and 0 <= pings.start <= pings.stop <= scene.track.pings):
         raise SceneError(f"pings: {pings} is not of the track; give successive ones of its {scene.track.pings}")
