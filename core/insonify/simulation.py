@@ -108,7 +108,7 @@ class Simulation(PackedScene):
         return echoes
 
     def expect(self, pings: NDArray[np.int64]) -> None:
-        """Keep the ground beneath pings, (n,) numbers, that are traced again in whatever blocks, as far as it fits."""
+        """Keep the ground beneath pings, (n,) numbers, that are traced again in any blocks, if memory allows."""
         self.tiles.expect(self.poses(np.asarray(pings, dtype=np.int64)))
 
     def truth(self, pings: NDArray[np.int64]) -> RecordLabels:
@@ -203,10 +203,10 @@ def prepare(
     scene, method, tolerance, forced, threads
         As in `simulate`.
     plan : Plan, optional
-        A plan of this scene or of one like it, which is kept as far as the geometry of the scene admits it; nothing is
+        A plan of this scene or of one like it, which is kept where the geometry of the scene admits it; nothing is
         measured then.
     packed : PackedScene, optional
-        The scene's ground and arrays, if they are made already, as by `insonify.packing.packed_scene.pack`.
+        The scene's ground and arrays, if they exist already, made by `insonify.packing.packed_scene.pack`.
 
     Returns
     -------
@@ -284,11 +284,11 @@ def simulate(
     SceneError
         One sentence with what is wrong and the remedy.
     """
-    asked: dict[str, Any] = {"method": method, "tolerance": tolerance, "forced": forced}
-    simulation = prepare(scene, **asked, threads=threads)
+    request: dict[str, Any] = {"method": method, "tolerance": tolerance, "forced": forced}
+    simulation = prepare(scene, **request, threads=threads)
     whole = simulation.record_whole(truth, progress)
     found = find_target_truth(scene, whole.columns, 0) if truth else None
-    attributes = record_attributes(scene, simulation.plan, **asked)
+    attributes = record_attributes(scene, simulation.plan, **request)
     return make_block(scene, simulation.ground, *whole, found, attributes).to_dataset()
 
 
@@ -310,23 +310,23 @@ def simulate_blocks(
     scene, method, tolerance, forced, truth, threads
         As in `simulate`.
     block : int, optional
-        Pings at a time, on which the record does not depend; else as many as take a quarter of a second and 16 MB.
+        Pings at a time; the record does not depend on it. By default as many as take a quarter of a second and 16 MB.
     pings : range, optional
         Successive pings, such as those that a record still lacks; all of the track when left out.
 
     Yields
     ------
     Dataset
-        Successive pings. What ``truth`` tells of each target is that of all pings so far; the last block tells that of
-        the whole record.
+        Successive pings. Labels of a whole target describe all pings so far; those of the last block describe the
+        whole record.
 
     Raises
     ------
     SceneError
         One sentence with what is wrong and the remedy.
     """
-    asked: dict[str, Any] = {"method": method, "tolerance": tolerance, "forced": forced, "threads": threads}
-    for simulated in simulate_record_blocks(scene, **asked, truth=truth, block=block, pings=pings):
+    request: dict[str, Any] = {"method": method, "tolerance": tolerance, "forced": forced, "threads": threads}
+    for simulated in simulate_record_blocks(scene, **request, truth=truth, block=block, pings=pings):
         yield simulated.to_dataset()
 
 
@@ -341,14 +341,14 @@ def simulate_record_blocks(
     pings: range | None = None,
     threads: int | None = None,
 ) -> Iterator[RecordBlock]:
-    """Simulate a scene's record as `simulate_blocks` does, whose parameters these are, without Datasets."""
+    """Simulate a scene's record with the parameters of `simulate_blocks`, as blocks of plain arrays."""
     if block is not None and block < 1:
         raise SceneError(f"block: {block} is too few pings; give at least 1")
-    asked: dict[str, Any] = {"method": method, "tolerance": tolerance, "forced": forced}
+    request: dict[str, Any] = {"method": method, "tolerance": tolerance, "forced": forced}
     if pings is not None and not (pings.step == 1 and 0 <= pings.start <= pings.stop <= scene.track.pings):
-        raise SceneError(f"pings: {pings} is not of the track; give successive ones of its {scene.track.pings}")
-    simulation = prepare(scene, **asked, threads=threads)
-    attributes = record_attributes(scene, simulation.plan, **asked)
+        raise SceneError(f"pings: {pings} is not part of the track; give successive ones of its {scene.track.pings}")
+    simulation = prepare(scene, **request, threads=threads)
+    attributes = record_attributes(scene, simulation.plan, **request)
     so_far: list[TargetTruth] = []
     for traced in simulation.record_blocks(truth, block, pings):
         if truth:

@@ -36,7 +36,7 @@ class TerrainTiles:
         self._beds = _beds_of(ground, reach) if isinstance(ground, EndlessGround) else None
 
     def expect(self, poses: Poses) -> None:
-        """Keep the beds of all windows beneath some poses, as far as `MOST_BEDS` allows, once they are made.
+        """Keep the beds of all windows beneath some poses, up to `MOST_BEDS`, once they are made.
 
         Calls over one window after another otherwise drop the first beds, which a later call over all of them needs.
         """
@@ -75,7 +75,7 @@ class _WindowBeds:
         self._beds: OrderedDict[tuple[int, int], Bed] = OrderedDict()
         self._room = KEPT_BEDS
         self._lock = Lock()
-        self.used = 0  # turn in which a bed was last asked for
+        self.used = 0  # turn in which a bed was last used
 
     def make_room(self, windows: int) -> None:
         """Keep as many beds as are needed together, within `MOST_BEDS`."""
@@ -88,10 +88,10 @@ class _WindowBeds:
             if (row, column) in self._beds:
                 self._beds.move_to_end((row, column))
                 return self._beds[row, column]
-            held = self._nearest(row, column)
+            near = self._nearest(row, column)
             while len(self._beds) >= self._room:  # before the new one takes memory
                 self._beds.popitem(last=False)
-        made = make_bed(self._ground.window(row, column, MARGIN * self._reach, held))
+        made = make_bed(self._ground.window(row, column, MARGIN * self._reach, near))
         with self._lock:
             self._beds[row, column] = made
         _keep_within(LARGEST, self)
@@ -107,7 +107,7 @@ class _WindowBeds:
             return sum(sizes)
 
     def _nearest(self, row: int, column: int) -> StoredWindow | None:
-        """Window that is held and shares the most ground with another, if any does."""
+        """Kept window that shares the most ground with another, if there is one."""
         places = min(self._beds, key=lambda place: abs(place[0] - row) + abs(place[1] - column), default=None)
         if places is None:
             return None

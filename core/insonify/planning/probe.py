@@ -1,4 +1,4 @@
-"""Probe of a scene: a few pings traced by several models, whose differences are the errors of the coarser ones."""
+"""Probe of a scene: a few pings traced by several models; their differences are the errors of the coarser ones."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from insonify.acoustics.flat_bed import compute_flat_bed_curves
 from insonify.kernels.common.types import Poses, SceneArrays
 from insonify.packing.packed_scene import SURFACE_ECHO, Model, PackedScene
 from insonify.parallel import in_parallel
-from insonify.planning.probe_pings import ProbePings
+from insonify.planning.probe_pings import ProbePings, spread_over_track
 from insonify.scene import SceneError
 from insonify.tow.poses import make_poses, take_poses
 from insonify.tracers.base import find_tracer, prepare_tracer
@@ -25,6 +25,8 @@ LITTLE = 1e6  # work of some milliseconds, up to which models are compared on al
 MOST = 1e8  # work of half a second, up to which finer and finer models are traced to judge coarser ones
 OF_A_THREAD = 4  # pings worth handing to a thread
 RAYS_OF_A_THREAD = 4000  # rays per side of a single ping that is worth handing to a thread
+SEARCHED, FOUND = 48, 2  # pings over the track that are searched, and the most of them that are added
+LOUD = 3.0  # times the mean energy of those searched
 _LOADED: set[tuple[str, bool, bool]] = set()  # kernels that a probe of this process has called: method, bent, paths
 
 
@@ -193,14 +195,14 @@ def _without_surface_echo(*models: Model) -> tuple[Model, ...]:
 def scale_to_flat_bed(arrays: SceneArrays, poses: Poses, first: int) -> Record:
     """Return the factors by which a record is divided by its flat-bed curve, from a bin on; 0 where that is none."""
     curve = compute_flat_bed_curves(arrays, poses)[:, :, first:]
-    heard = curve > np.finfo(np.float32).tiny
-    return np.divide(1.0, curve, out=np.zeros_like(curve), where=heard).astype(np.float32)
+    echoes = curve > np.finfo(np.float32).tiny
+    return np.divide(1.0, curve, out=np.zeros_like(curve), where=echoes).astype(np.float32)
 
 
 def _ratio(missed: NDArray[np.float64], whole: NDArray[np.float64]) -> NDArray[np.float64]:
     """Root of the ratio of energies; 1 where the finer model returns nothing and the coarser one something."""
-    heard = whole > 0.0
-    return np.sqrt(np.where(heard, missed / np.where(heard, whole, 1.0), missed > 0.0))
+    echoes = whole > 0.0
+    return np.sqrt(np.where(echoes, missed / np.where(echoes, whole, 1.0), missed > 0.0))
 
 
 def _standard_error(missed: NDArray[np.float64], whole: NDArray[np.float64]) -> float:
@@ -209,3 +211,17 @@ def _standard_error(missed: NDArray[np.float64], whole: NDArray[np.float64]) -> 
         return 0.0
     without = _ratio(np.maximum(missed.sum() - missed, 0.0), np.maximum(whole.sum() - whole, 0.0))
     return math.sqrt((missed.size - 1) * float(without.var()))
+
+
+def add_loud_pings(packed: PackedScene, pings: ProbePings) -> ProbePings:
+    """Add those pings over the track that are much louder than others, by one plane over the bed alone."""
+    if packed.scene.seabed.relief.level:
+        return pings
+    searched = spread_over_track(packed.scene, SEARCHED)
+    poses = make_poses(packed.scene, packed.ground, searched)
+    first = find_first_bin(ERROR_ALTITUDES, packed.arrays, poses)
+    record = trace_model(packed, Model(), poses)[:, :, first:] * scale_to_flat_bed(packed.arrays, poses, first)
+    energy = np.square(record, dtype=np.float64).sum(axis=(1, 2))
+    loudest = np.argsort(-energy, kind="stable")[:FOUND]
+    loud = loudest[energy[loudest] > LOUD * energy.mean()]
+    return pings._replace(spread=np.union1d(pings.spread, searched[loud]))

@@ -69,18 +69,18 @@ def record_attributes(
 
 
 def _sonar_attributes(scene: Scene) -> dict[str, float]:
-    """Frequency in Hz, and the one-way widths and the depression of the beams in degrees, as far as they have any."""
+    """Frequency in Hz, and the one-way widths and the depression of the beams in degrees, where they have one."""
     sonar = scene.sonar
-    told = {
+    values = {
         "frequency": sonar.frequency,
         "beam_width": getattr(sonar.beam, "width", None),
         "vertical_beam_width": getattr(sonar.vertical, "width", None),
         "vertical_beam_tilt": getattr(sonar.vertical, "tilt", None),
     }
-    return {name: value for name, value in told.items() if value is not None}
+    return {name: value for name, value in values.items() if value is not None}
 
 
 def _place_attributes(scene: Scene) -> dict[str, Any]:
-    """Where the scene lies on Earth, if it says so."""
+    """Where the scene lies on Earth, if it is declared."""
     place = scene.georeference
     return {} if place is None else place.attributes()

@@ -74,7 +74,7 @@ class PreparedTracer(ABC):
 
     @property
     def bins_beyond(self) -> int:
-        """Bins beyond the record's last whose echoes it sums into the record."""
+        """Bins beyond the record's last with echoes that are summed into the record."""
         return 0
 
 

@@ -108,7 +108,7 @@ def follow(
 
 
 def _bundle(origins: ArrayLike, directions: ArrayLike) -> RayBundle:
-    """Bundle of rays whose origins and directions broadcast together; directions are of any length."""
+    """Bundle of rays; origins and directions broadcast together, directions are of any length."""
     starts, ways = np.broadcast_arrays(
         np.atleast_2d(np.asarray(origins, dtype=np.float64)), np.atleast_2d(np.asarray(directions, dtype=np.float64))
     )

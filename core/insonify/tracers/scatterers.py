@@ -1,4 +1,4 @@
-"""Coherent speckle: interfering waves of single scatterers, whose visibility the sweep decides.
+"""Coherent speckle: interfering waves of single scatterers, which the sweep finds visible.
 
 Derived in docs/theory/speckle.md.
 """
@@ -43,7 +43,7 @@ class ScattererTracer(PreparedTracer):
 
     @property
     def bins_beyond(self) -> int:
-        """Bins beyond the record's last whose scatterers the pulse still reaches within it."""
+        """Bins beyond the record's last with scatterers that the pulse still covers."""
         return math.ceil((self.pulse.taps.size - self.pulse.before) / (self.pulse.samples * self.pulse.cells))
 
     def trace(  # type: ignore[override]
@@ -93,11 +93,11 @@ def make_tracer(scene: Scene, arrays: SceneArrays) -> ScattererTracer:
     _refuse_large_meshes(arrays.mesh.corners)
     patches = make_surface_patches(arrays.solids, arrays.mesh)
     return ScattererTracer(
-        Scatterers(scene.seed, density, per_wave, patches), heard_at_once(pulse, speed, arrays.bin_length, arrays.bins)
+        Scatterers(scene.seed, density, per_wave, patches), sample_pulse(pulse, speed, arrays.bin_length, arrays.bins)
     )
 
 
-def heard_at_once(pulse: DeclaredPulse, sound_speed: float, bin_length: float, bins: int = 1) -> PulseTaps:
+def sample_pulse(pulse: DeclaredPulse, sound_speed: float, bin_length: float, bins: int = 1) -> PulseTaps:
     """Sample a pulse along the line on which waves are summed."""
     resolution = 0.5 * sound_speed * pulse.resolution or bin_length
     samples = samples_per_bin(pulse, sound_speed, bin_length)
@@ -145,13 +145,13 @@ def _refuse_large_meshes(corners: NDArray[np.float64]) -> None:
 
 
 def _extend_range(arrays: SceneArrays, bins: int) -> SceneArrays:
-    """Scene whose range goes on beyond its last bin, with the range factor that holds there."""
+    """Scene with a range extended by some bins, with the range factor of its last bin."""
     factor = np.concatenate([arrays.range_factor, np.repeat(arrays.range_factor[-1:], bins)])
     return arrays._replace(bins=arrays.bins + bins, range_factor=factor)
 
 
 def _narrowed(arrays: SceneArrays, patches: SurfacePatches, poses: Poses) -> SceneArrays:
-    """Scene whose beam pattern leaves out directions of many scatterers and negligible sensitivity.
+    """Scene with a beam pattern without directions of many scatterers and negligible sensitivity.
 
     Of every row of its table the outermost columns go, and rows nearer than anything lies become no wider than others.
     """

@@ -41,12 +41,12 @@ SURFACE_PATH, FACET = 1.0, 0.25
 # Of a segment too long against its range for one density, taken by itself, and of each of its parts.
 CUT_SEGMENT, PART = 7.0, 2.5
 NEAR_PLANES, NEAR_PLANES_OF_PATTERN = 4.0, 12.0  # planes of the near field that several planes need
-# Work of a profile whose segments are divided until they misplace a share of a bin's echo, over that of a whole one.
+# Work of a profile with segments divided until they misplace a share of a bin's echo, over that of a whole one.
 KNOTS = {math.inf: 1.0, 0.03: 2.5, 0.01: 3.0, 0.003: 4.5}
 
 
 class Sweep(Tracer):
-    """The sweep; coherent speckle is traced by a tracer of scatterers, whose visibility it decides."""
+    """The sweep; for coherent speckle, a tracer of scatterers that are visible to it."""
 
     name, rank, automatic = "sweep", 0, True
     fineness = ("planes", "rays", "misplaced", "every")
@@ -103,11 +103,11 @@ def trace(
     if folded.any():
         out[folded] = _trace_folded(arrays, take_poses(poses, np.flatnonzero(folded)), rays, threads)
     clear = np.flatnonzero(~folded)
-    for among, beam, lifted in lay_planes_of_images(arrays, take_poses(poses, clear), planes):
+    for among, beam, image_beam in lay_planes_of_images(arrays, take_poses(poses, clear), planes):
         places = clear[among]
         some = take_poses(poses, places)
         traced = out if places.size == poses.x.size else new_record(arrays, some)
-        _trace_alike(arrays, some, (beam, lifted), apparent, double, threads, traced)
+        _trace_alike(arrays, some, (beam, image_beam), apparent, double, threads, traced)
         if traced is not out:
             out[places] = traced
     return out
@@ -132,7 +132,7 @@ def _trace_alike(
 ) -> None:
     """Trace pings that share their planes, those of the sonar and those of its image in the sea surface."""
     real = np.float64 if double else np.float32
-    beam, lifted = beams
+    beam, image_beam = beams
     rooms = PerThread(lambda: empty_sweep_workspace(arrays, apparent, real))
 
     def block(part: Poses, first: int, last: int) -> int:
@@ -140,7 +140,7 @@ def _trace_alike(
         status = sweep_pings(arrays, part, beam, apparent, room, out[first:last])
         if arrays.multipath.enabled and status == 0:
             images = empty_multipath_workspace(arrays, real)
-            sweep_multipath(arrays, part, beam, lifted, images, empty_contributor_table(0, 0), out[first:last])
+            sweep_multipath(arrays, part, beam, image_beam, images, empty_contributor_table(0, 0), out[first:last])
         return int(status)
 
     trace_blocks(arrays, poses, block, threads, pings_a_thread(beam))

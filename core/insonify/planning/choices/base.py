@@ -12,9 +12,8 @@ from typing import Any, ClassVar
 from insonify.acoustics.straightness import estimate_refraction
 from insonify.packing.packed_scene import Model, PackedScene
 from insonify.planning.checks import check_refraction
-from insonify.planning.loud_pings import add_loud_pings
 from insonify.planning.plan_entries import PlanEntry
-from insonify.planning.probe import Probe, work_of
+from insonify.planning.probe import Probe, add_loud_pings, work_of
 from insonify.planning.probe_pings import choose_probe_pings
 from insonify.planning.relevance import find_audible_multipaths, find_multipaths_in_reach, find_targets_in_reach
 from insonify.scene import Scene, SceneError, edit
@@ -31,7 +30,7 @@ class Case:
     """A scene that is planned, with the requested method and the forced choices by their subjects."""
 
     packed: PackedScene
-    asked: str
+    requested: str
     forced: Mapping[str, str]
     swept: Model | None = None  # beside which errors of fineness are measured, once it is known
     _of_waves: dict[Model, float] = field(default_factory=dict, repr=False)
@@ -93,14 +92,14 @@ class Case:
         if not (wanted and self.packed.arrays.water.bent):
             return False
         try:
-            check_refraction(self.scene, self.asked)
+            check_refraction(self.scene, self.requested)
         except SceneError:
             return False
         return True
 
     @cached_property
     def folds(self) -> bool:
-        """Whether the refracted sweep leaves some pings to single rays, whose number then changes the record."""
+        """Whether the refracted sweep leaves some pings to single rays, so that their number changes the record."""
         few, more = (Model(rays=n * FEWEST_RAYS, bent=True, targets=self.targets) for n in (1, 4))
         return self.probe.difference(few, more) > 0.0
 
@@ -125,7 +124,7 @@ class Case:
     def least_planes(self) -> int:
         """Planes by which effects are compared that hardly depend on them: one, which is fastest.
 
-        Two for surface paths of a beam with a pattern, whose single plane is integrated over the beam at every knot.
+        Two for surface paths of a beam with a pattern: its single plane is integrated over the beam at every knot.
         """
         whole_beam = self.scene.sonar.beam.has_width and self.packed.arrays.pattern.tabulated
         return 2 if self.paths and whole_beam else 1
@@ -139,12 +138,12 @@ class Case:
     def paths(self) -> frozenset[str]:
         """Paths by the sea surface of the finest model."""
         return frozenset(
-            way for way in self.first_echoes if self.forced.get(way, "on" if way in self.heard else "off") == "on"
+            way for way in self.first_echoes if self.forced.get(way, "on" if way in self.audible else "off") == "on"
         )
 
     @cached_property
-    def heard(self) -> frozenset[str]:
-        """Paths by the sea surface whose echoes may arrive within the range."""
+    def audible(self) -> frozenset[str]:
+        """Paths by the sea surface with echoes that may arrive within the range."""
         return find_audible_multipaths(self.scene, self.packed.arrays.bed)
 
     def pings(self, model: Model) -> str:
@@ -209,7 +208,7 @@ class Choice(ABC):
 
     @abstractmethod
     def entries(self, case: Case, model: Model, error: float) -> Iterator[PlanEntry]:
-        """Entries of the plan about it; none where the scene leaves nothing to say."""
+        """Entries of the plan about it; none if it does not concern the scene."""
 
     def require(self, case: Case, model: Model) -> None:
         """Raise an error if a model with its setting cannot be simulated.
@@ -314,10 +313,10 @@ class Doublings(Number):
         """Reason with what was measured."""
         rung = self.rung(case, model)
         coarse, fine = self.pair(case, model, rung)
-        said = f"on {case.pings(fine)} {rung} {words} are {percent(case.probe.difference(coarse, fine))} from "
-        said += f"{getattr(fine, self.field)}"
-        number = getattr(model, self.field)
-        return said if number <= rung else f"{said}, so {number} about {percent(error)} from more"
+        number, finer = getattr(model, self.field), getattr(fine, self.field)
+        difference = percent(case.probe.difference(coarse, fine))
+        reason = f"on {case.pings(fine)}, {rung} and {finer} {words} differ by {difference}"
+        return reason if number <= rung else f"{reason}; estimated error with {number}: {percent(error)}"
 
 
 def percent(error: float) -> str:

@@ -1,4 +1,4 @@
-"""Choices of the tracer and its fineness: planes, rays and nodes of the relief."""
+"""Choices of the tracer and its fineness: planes, rays, steps, segments and nodes of the relief."""
 
 from __future__ import annotations
 
@@ -10,6 +10,7 @@ from insonify.packing.packed_scene import Model
 from insonify.planning.choices.base import (
     FEW_PLANES,
     FEWEST_RAYS,
+    FINENESS,
     GRID,
     TRACER,
     Case,
@@ -60,11 +61,11 @@ class Method(Choice):
 
     def settings(self, case: Case, model: Model) -> tuple[str, ...]:
         """Return the requested method, otherwise the first that can trace the scene."""
-        return (case.choose_tracer(model) if case.asked == AUTO else case.asked,)
+        return (case.choose_tracer(model) if case.requested == AUTO else case.requested,)
 
     def entries(self, case: Case, model: Model, error: float) -> Iterator[PlanEntry]:
         """Entry of the tracer, with the time of its simplest use."""
-        if case.asked != AUTO:
+        if case.requested != AUTO:
             reason = "as requested"
         elif model.bounces > 0:
             reason = f"{model.bounces} bounces require single rays"
@@ -102,7 +103,7 @@ class Planes(Doublings):
         """Models of a rung and of so many planes that some meet every target, beside others that err by little."""
         plain = _finest(case, model)._replace(every=Spacing().common(case, model))
         coarse, fine = super().pair(case, plain, rung)
-        # One plane and two within the same cells of the bed are alike, which tells nothing of a wider fan.
+        # One plane and two within the same cells of the bed are alike, which does not predict a wider fan.
         return coarse, fine._replace(planes=max(fine.planes, FEW_PLANES, _planes_that_meet(case, plain)))
 
     def entries(self, case: Case, model: Model, error: float) -> Iterator[PlanEntry]:
@@ -112,7 +113,7 @@ class Planes(Doublings):
         if not case.scene.sonar.beam.has_width:
             yield self.entry(case, "1 plane", "a knife-edge beam has no width")
             return
-        reason = self.measured(case, model, "planes" if self.rung(case, model) > 1 else "plane", error)
+        reason = self.measured(case, model, "planes", error)
         cost = case.probe.seconds(model) - case.probe.seconds(model._replace(planes=1))
         choice = f"{model.planes} plane{'s' * (model.planes > 1)}"
         yield self.entry(case, choice, reason, error=error, cost=max(cost, 0.0), options=self.offered)
@@ -179,6 +180,60 @@ class Rays(Doublings):
         elif model.rays:
             reason = f"where several eigenrays or none reach a place, a ping is traced with {model.rays} rays per side"
             yield self.entry(case, f"{model.rays} rays", reason, error=error, options=self.offered)
+
+
+class Step(Number):
+    """Steps of the march, with rays as dense."""
+
+    subject, field, stage, rank, whole = "step", "step", FINENESS, 3, False
+    low, high = 1e-6, 1e4
+    offered = ("0.02", "0.05", "0.1", "0.2", "0.5", "1", "2")
+
+    def settings(self, case: Case, model: Model) -> tuple[float, ...]:
+        """Return steps of a cell, its half, a quarter and so on."""
+        if not self.applies(model):
+            return (0.0,)
+        wish, spacing = self.wish(case), case.packed.arrays.bed.spacing
+        return tuple(spacing / 2**n for n in range(7)) if wish is None else (wish,)
+
+    def pair(self, case: Case, model: Model, step: float) -> tuple[Model, Model]:
+        """March of a step, and that of half the step and twice the rays by which it is judged."""
+        plain = Model(model.method, bent=case.bent, bounces=model.bounces, targets=case.targets, ways=case.paths)
+        return plain._replace(step=step, rays=model.rays), plain._replace(step=0.5 * step, rays=2 * model.rays)
+
+    def measured_step(self, case: Case, model: Model) -> float:
+        """Step that is measured: a model's, doubled until the probe affords to judge it, no longer than the range."""
+        step, longest = model.step, case.scene.sonar.range
+        while 2.0 * step <= longest and not case.probe.affords(self.pair(case, model, step)[1]):
+            step *= 2.0
+        return step
+
+    def error(self, case: Case, model: Model, cautious: bool = True) -> float:
+        """Error measured from half the step; that of a shorter one falls with the power, of 0 to 1, last measured.
+
+        The power is 0 where the number of rays alone keeps the error from falling.
+        """
+        if not self.applies(model):
+            return 0.0
+        step = self.measured_step(case, model)
+        error = case.probe.difference(*self.pair(case, model, step), cautious=cautious)
+        if step == model.step or error == 0.0:
+            return error
+        before = case.probe.difference(*self.pair(case, model, 2.0 * step), cautious=cautious)
+        return float(error * (model.step / step) ** min(max(math.log2(max(before / error, 1.0)), 0.0), 1.0))
+
+    def entries(self, case: Case, model: Model, error: float) -> Iterator[PlanEntry]:
+        """Entry of the step."""
+        if self.applies(model):
+            step = self.measured_step(case, model)
+            difference = percent(case.probe.difference(*self.pair(case, model, step)))
+            reason = (
+                f"{model.rays} rays per side; on {case.pings(self.pair(case, model, step)[1])}, steps of {step:.3g} m"
+            )
+            reason += f" and of half that with twice the rays differ by {difference}"
+            reason += f"; estimated error with {model.step:.3g} m: {percent(error)}" if step > model.step else ""
+            reason += "; the march can step over anything thinner than a step"
+            yield self.entry(case, f"steps of {model.step:.3g} m", reason, error=error, options=self.offered)
 
 
 class Fineness(Doublings):
@@ -369,7 +424,7 @@ def _finest(case: Case, model: Model) -> Model:
 
 
 def _planes_that_meet(case: Case, model: Model) -> int:
-    """Planes of which at least one meets each target, a power of two, as far as they are traced in little time."""
+    """Planes of which at least one meets each target, a power of two; fewer where tracing those would take long."""
     if not model.targets:
         return 1
     needed = 2.0 * math.sin(case.packed.arrays.half_width) / find_narrowest_target(case.scene, model.targets)
@@ -379,4 +434,4 @@ def _planes_that_meet(case: Case, model: Model) -> int:
     return planes
 
 
-CHOICES: tuple[Choice, ...] = (Method(), Planes(), Rays(), Fineness(), Segments(), Spacing())
+CHOICES: tuple[Choice, ...] = (Method(), Planes(), Rays(), Step(), Fineness(), Segments(), Spacing())
