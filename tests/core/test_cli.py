@@ -196,14 +196,13 @@ def test_trouble_leaves_the_old_file(tmp_path, capsys, monkeypatch, suffix, trou
     path = tmp_path / f"record{suffix}"
     path.write_bytes(b"old")
     simulate_module = importlib.import_module("insonify.simulation")
-    blocks = importlib.import_module("insonify.record.blocks").trace_blocks
+    blocks = simulate_module.Simulation.record_blocks
 
     def troubled(*arguments, **options):
         yield next(blocks(*arguments, **options))
         raise trouble
 
-    monkeypatch.setattr(simulate_module, "trace_blocks", troubled)
-    monkeypatch.setattr(importlib.import_module("insonify.display.sheet"), "trace_blocks", troubled)
+    monkeypatch.setattr(simulate_module.Simulation, "record_blocks", troubled)
     code = main(["render", *SMALL, "-o", str(path)])
     assert code == (130 if isinstance(trouble, KeyboardInterrupt) else 2)
     assert capsys.readouterr().err.count("\n") == 1

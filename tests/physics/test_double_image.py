@@ -19,7 +19,7 @@ from insonify.kernels.rays.first_echoes import empty_hits
 from insonify.kernels.refracted_rays.hits import empty_arrivals, find_refracted_hits
 from insonify.kernels.refraction.eigenray_search import TIME
 from insonify.kernels.targets.angular_zbuffer import NO_PRIMITIVE
-from insonify.packing.reduced_scene import without_targets
+from insonify.packing.packed_scene import without_targets
 from insonify.tracers import ray_sheets, rays, sweep
 from insonify.tracers.labels import trace_labels
 

@@ -24,7 +24,6 @@ from insonify.display.style import FAINT, label_axes
 from insonify.kernels.common.types import Poses, SceneArrays
 from insonify.kernels.geometry.bvh import build_mesh
 from insonify.planning import plan
-from insonify.record.blocks import trace_blocks
 from insonify.scene import Scene, edit
 from insonify.simulation import Simulation, prepare
 from insonify.tracers import rays, sweep
@@ -196,7 +195,7 @@ def _of_streams(scene: Scene, periodic: bool) -> Calls:
 
 
 def _stream(_: SceneArrays, simulation: Simulation) -> None:
-    for _block in trace_blocks(simulation):
+    for _block in simulation.record_blocks():
         pass
 
 
