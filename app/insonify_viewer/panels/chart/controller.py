@@ -15,8 +15,7 @@ from insonify_viewer.work.job import Progress
 from insonify_viewer.work.thread_job import ThreadJob
 
 if TYPE_CHECKING:
-    from insonify.accuracy.charts.kinds.accuracy import AccuracyChart
-    from insonify.accuracy.charts.measurement import AccuracyRow
+    from insonify.accuracy.charts.accuracy_chart import AccuracyChart, AccuracyRow
 
 
 class ChartPanel(Panel):
