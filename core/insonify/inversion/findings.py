@@ -1,4 +1,4 @@
-"""What a learned scene has in common with the record it was learned from, and what the record does not tell."""
+"""Comparison of a learned scene with the record it was learned from, and what the record does not show."""
 
 from __future__ import annotations
 
@@ -10,8 +10,7 @@ import xarray as xr
 
 from insonify.inversion.bed_parameters import slope_above
 from insonify.inversion.footprint import footprint_of
-from insonify.inversion.level_matching import level_difference
-from insonify.inversion.matching import UNDETERMINED, speed_of_sound
+from insonify.inversion.matching import UNDETERMINED, level_difference, speed_of_sound
 from insonify.inversion.recorded_sonar import RecordedSonar
 from insonify.inversion.roughness_fit import FINEST, RoughnessFit, fit_roughness
 from insonify.inversion.segment_spectra import measure_segment_spectra, sound_bed
