@@ -71,7 +71,7 @@ def describe_machine() -> str:
 
 
 def _processor() -> str:
-    """Name of the processor, as well as the system tells it."""
+    """Name of the processor by the operating system."""
     try:
         lines = Path("/proc/cpuinfo").read_text(encoding="utf-8", errors="replace").splitlines()
     except OSError:

@@ -135,7 +135,7 @@ def _at_level(bed: BedParameters, decibels: float) -> dict[str, Any]:
 
 
 def _rounded(value: float) -> float:
-    """Round to five digits, more than a record tells, so that the last bits of sums do not matter."""
+    """Round to five digits, more than a record determines, so that the last bits of sums have no effect."""
     return float(f"{value:.5g}")
 
 

@@ -44,8 +44,8 @@ class Candidate:
     """Bed, speckle, gains and vertical beam of a scene that is tried."""
 
     bed: BedParameters
-    gains: Pairs | None  # time-varied gain of a sonar whose own is not known
-    # Vertical beam of a sonar whose own is not known and whose altitude changes enough to show it.
+    gains: Pairs | None  # time-varied gain, where that of the sonar is unknown
+    # Vertical beam, where that of the sonar is unknown and its altitude changes enough to show it.
     vertical: Pairs | None
 
     def set_on(self, scene: Scene) -> Scene:

@@ -116,7 +116,7 @@ class AccuracyChart(Chart):
         return [row for row in self.rows if row.targets == targets]
 
     def find_front(self, targets: bool) -> list[AccuracyRow]:
-        """Pareto front, fastest first: rows whose error is less than that of all faster rows.
+        """Pareto front, fastest first: rows with a smaller error than all faster rows.
 
         Less by more than the last doubling of the rays changed the reference; a smaller difference is not resolved.
         """

@@ -40,7 +40,7 @@ def pack_for_chart(scene: Scene, pings: int) -> tuple[SceneArrays, Poses]:
     """Arrays and poses of some pings of a scene, with refraction wherever the water has a gradient."""
     ground = build_ground(scene)
     arrays = pack_scene(scene, ground)
-    # Only these effects are not simulated together with refraction, and only the plan tells which of both is kept.
+    # These effects exclude refraction; the plan decides which of both is modelled.
     if arrays.water.bent and (arrays.multipath.enabled or arrays.bounces) and not prepare(scene).plan.bent:
         arrays = arrays._replace(water=still_water(arrays.water.reference, arrays.water.surface))
     poses = make_poses(scene, ground, np.unique(np.linspace(0, scene.track.pings - 1, pings).astype(np.int64)))

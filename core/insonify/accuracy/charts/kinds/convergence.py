@@ -58,7 +58,7 @@ class ConvergencePoint(NamedTuple):
     series: str  # method and what is refined
     size: float  # step or spacing in metres, or count
     error: float  # share of the record beyond 1.4 times the altitude
-    resolved: bool  # whether the reference is fine enough to tell
+    resolved: bool  # whether the reference is fine enough to resolve the error
 
 
 @dataclass(frozen=True)

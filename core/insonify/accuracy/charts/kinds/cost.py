@@ -36,7 +36,7 @@ from insonify.tracers import rays, sweep
 
 PINGS = (16, 32, 64, 128, 256, 512)
 STREAMED = (1000, 10_000, 100_000, 1_000_000)  # pings of a record that is traced block by block
-LONGEST = 10.0  # s, that such a record may take by its plan
+LONGEST = 10.0  # s, greatest cost of such a record by its plan
 NODES = (8, 4, 2, 1)  # one node of so many of the bed is kept
 SIDES = (1024, 2048, 4096, 8192)  # nodes of the bed
 BINS = (0.25, 0.5, 1.0, 2.0, 4.0, 8.0, 16.0)  # times the bins of the scene
@@ -48,8 +48,8 @@ SWEPT, CAST = 32, 4  # pings of a call of the sweep, and of rays
 CAST_RAYS = 2000  # rays per side where another size grows
 SECONDS = 15.0
 RADIUS = 0.5  # m, of the ball of triangles
-SMALL = 0.15  # m, radius of the targets, of which the most in one beam stand clear of one another
-WHOLE = ("pings", "pings of a streamed record")  # axes of which the time is that of all pings
+SMALL = 0.15  # m, radius of the targets; the greatest number of them in one beam do not touch
+WHOLE = ("pings", "pings of a streamed record")  # axes with the time of all pings
 COLUMNS = ("method", "axis", "size", "microseconds", "spread", "megabytes", "exponent", "exponent_spread")
 
 
