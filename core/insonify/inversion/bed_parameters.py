@@ -13,10 +13,7 @@ from scipy.fft import next_fast_len
 
 from insonify.scene import Scene
 from insonify.scene.edit import edit, plain
-from insonify.scene.receiver.speckles import SpeckleKind
-from insonify.scene.receiver.speckles.k import K
-from insonify.scene.receiver.speckles.none import NoSpeckle
-from insonify.scene.receiver.speckles.rayleigh import Rayleigh
+from insonify.scene.receiver.speckles import K, NoSpeckle, Rayleigh, SpeckleKind
 from insonify.scene.seabed.materials.catalogue import MATERIALS
 from insonify.scene.seabed.reliefs.fractal import Fractal, power_spectrum
 

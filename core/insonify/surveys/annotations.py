@@ -11,8 +11,7 @@ from pathlib import Path
 from typing import IO, Any, Literal, NamedTuple, Protocol
 
 from insonify.io.atomic import replacing
-from insonify.scene.base import Choice, parameter
-from insonify.scene.kinds import Family
+from insonify.scene.base import Family, Kind, parameter
 
 ANNOTATIONS = Family("annotations")
 EXTENTS = ("echo", "shadow", "both")  # annotated parts of a target
@@ -33,7 +32,7 @@ class Idle:
         """Take one tile."""
 
 
-class AnnotationKind(Choice):
+class AnnotationKind(Kind):
     """Format of annotations: files of each tile, files of the whole data set, or both."""
 
     family = ANNOTATIONS
