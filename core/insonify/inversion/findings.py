@@ -120,7 +120,7 @@ def _statistics(one: RecordStatistics, other: RecordStatistics) -> Iterator[Find
     depths = [one.shadow_depth, other.shadow_depth]
     shown = tuple("none" if np.isnan(depth) else f"{depth:.0f} dB" for depth in depths)
     alike = np.isnan(depths).all() or abs(depths[0] - depths[1]) <= 3.0
-    yield Finding("shadows", *shown, MATCHED if alike else DIFFERS)
+    yield Finding("shadows", shown[0], shown[1], MATCHED if alike else DIFFERS)
 
 
 def _compare(quantity: str, one: float, other: float, tolerance: float, form: str) -> Finding:

@@ -30,7 +30,7 @@ Region = NDArray[np.bool_]
 class _Target(NamedTuple):
     """A target of a class as one side of a record shows it."""
 
-    index: int  # in the scene
+    number: int  # index in the scene
     box: tuple[int, int, int, int]  # pings and bins of its echo and shadow, ends exclusive
     area: int  # bins of both
     description: dict[str, Any]  # what every tile notes of it
@@ -139,10 +139,10 @@ def _cut(drawn: DrawnScene, side: _Side, place: tuple[str, int, int], tiles: Til
 def _targets_within(side: _Side, ping: int, first: int, tiles: Tiles) -> Iterator[dict[str, Any]]:
     """Annotate the targets that a tile shows well enough."""
     window = np.s_[ping : ping + tiles.pings, first : first + tiles.bins]
-    for index, (top, bottom, left, right), area, description in side.targets:
+    for number, (top, bottom, left, right), area, description in side.targets:
         if bottom <= ping or top >= ping + tiles.pings or right <= first or left >= first + tiles.bins:
             continue
-        echo, shadow = side.echo_id[window] == index, side.shadow_id[window] == index
+        echo, shadow = side.echo_id[window] == number, side.shadow_id[window] == number
         shown = int((echo | shadow).sum())
         if shown and shown >= tiles.least * area:
             regions = dict(zip(EXTENTS, map(describe_region, (echo, shadow, echo | shadow))))

@@ -123,7 +123,8 @@ def measure_chart(scene: Scene, *, progress: Callable[[float], None] | None = No
     """Measure time and memory against the number of pings, nodes, cells, bins, targets, triangles, planes and rays."""
     planes = plan(scene).planes
     arrays, poses = pack_for_chart(scene, SWEPT)
-    calls = {("sweep", "pings", n): _sweep(arrays, _some(poses, n), planes) for n in PINGS}
+    calls: dict[tuple[str, str, float], _Call] = {}
+    calls |= {("sweep", "pings", n): _sweep(arrays, _some(poses, n), planes) for n in PINGS}
     calls |= {("rays", "pings", n): _rays(arrays, _some(poses, n)) for n in PINGS[:3]}
     if arrays.bed.periodic:
         calls |= {("sweep", WHOLE[1], n): call for n, call in _stream_records(scene)}
