@@ -14,7 +14,7 @@ from insonify.cli import main
 def refused(capsys: pytest.CaptureFixture[str], *words: str) -> str:
     """Run a command that must be refused; return its one line."""
     try:
-        code = main(words)
+        code: object = main(words)
     except SystemExit as leaving:
         code = leaving.code
     written = capsys.readouterr()
