@@ -21,6 +21,7 @@ from insonify.compiler.compiling_process import compiled_elsewhere
 from insonify.compiler.progress import watch_compilation
 from insonify.lessons import Lesson
 from insonify.scene import Scene, SceneError
+from insonify_viewer.errors import cause_of
 from insonify_viewer.panels.comparison.controller import ComparisonPanel
 from insonify_viewer.panels.lessons.controller import LessonsPanel
 from insonify_viewer.record.comparison.arrangement import Arrangement
@@ -176,7 +177,7 @@ def _slot_errors() -> Iterator[list[BaseException]]:
     """Collect exceptions of slots, which Qt would print and pass over."""
     errors: list[BaseException] = []
     before = sys.excepthook
-    sys.excepthook = lambda kind, error, trace: errors.append(error)
+    sys.excepthook = lambda kind, error, trace: errors.append(cause_of(error))
     try:
         yield errors
     finally:

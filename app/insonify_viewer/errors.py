@@ -11,6 +11,8 @@ from importlib.metadata import PackageNotFoundError, version
 from typing import NamedTuple, ParamSpec, TypeVar
 from weakref import WeakKeyDictionary
 
+from psygnal import EmitLoopError
+
 from insonify.scene import SceneError
 
 PARTS = ("insonify", "numpy", "numba", "PySide6-Essentials", "vtk", "pyvista")
@@ -32,6 +34,13 @@ def describe_error(error: BaseException, what: str = "this") -> Failure:
     if isinstance(error, OSError):
         return Failure(f"{error.filename}: {error.strerror or error}; check that the folder can be written to")
     return Failure(f"{what} failed ({type(error).__name__}: {error})", format_trace(error))
+
+
+def cause_of(error: BaseException) -> BaseException:
+    """Return the error that a callback of a signal raised; psygnal wraps it once for every signal on the way."""
+    while isinstance(error, EmitLoopError) and error.__cause__ is not None:
+        error = error.__cause__
+    return error
 
 
 def format_trace(error: BaseException) -> str:

@@ -30,15 +30,13 @@ from insonify_viewer.state.contact_list import ContactList
 from insonify_viewer.state.inspection import Inspection, Mark
 from insonify_viewer.state.session import Session
 from insonify_viewer.state.tow_clock import TowClock, next_pause
-from insonify_viewer.window.file_dialogs import FileDialogs
 from insonify_viewer.window.file_opening import FileOpening
-from insonify_viewer.window.history_controller import HistoryController
 from insonify_viewer.window.main_window import MainWindow
 from insonify_viewer.window.saving import Saving
 from insonify_viewer.window.target_editor import TargetEditor
 from insonify_viewer.work.gc_policy import forget_ground, return_free_memory
 from insonify_viewer.work.jobs import JobList
-from insonify_viewer.work.ping_request import LaidScene, PingRequest, TracedPings
+from insonify_viewer.work.ping_request import PingRequest, TracedPings
 from insonify_viewer.work.simulator import Simulator
 from insonify_viewer.work.waiting import WaitingWatch
 
@@ -66,22 +64,21 @@ class Viewer(QObject):
         self.record = Record(pings_held(scene), scene.sonar.bins)
         self.jobs = JobList(self.simulator.executor.call_later)
         self.saving = Saving(self.session, self.contacts, self.window, self.jobs)
-        self.files = FileDialogs(self.window, self.simulator, self.open, self.saving.may_leave)
         pause = partial(self.run, False)
         self.recordings = RecordingPlayer(self.window, self.session, self.tow, self.simulator.executor, pause=pause)
         self.comparison = Comparison(self.window, self.session, self.simulator, self.recordings)
         self.panels = PanelSet(self._workbench())
+        parts = self.recordings, self.contacts, self.saving
+        self.files = FileOpening(self.session, self.simulator, self.window, *parts, self.open)
         added = self.panels.part_added.emit
         self.targets = TargetEditor(self.session, self.window, self.simulator, self.files, added)
-        parts = self.files, self.recordings, self.targets, self.contacts, self.saving
-        self.opening = FileOpening(self.session, self.simulator, self.window, *parts)
         self.window.mount(tuple(self.panels.values()))
         self.failure = ""
         self._seabed = SeabedController(self.simulator, accelerated=accelerated)
         self._number, self._fine, self._refused = 0, True, -1
         self._traced = (scene, self.session.modelling)
         self._answer: TracedPings | None = None  # the last one that fits the record
-        self._laid: LaidScene | None = None  # a scene that is shown before its first pings
+        self._laid: PackedScene | None = None  # a scene that is shown before its first pings
         self._waiting = WaitingWatch()
         self._freeing = False  # whether memory of the scene before is still to be returned
         self._prepared = self._started = self._stopped = False
@@ -125,7 +122,7 @@ class Viewer(QObject):
     def _show_laid(self, number: int, packed: PackedScene) -> None:
         """Show a new bed before its first pings are traced."""
         if number == self._number:
-            self._laid = LaidScene(packed)
+            self._laid = packed
             self._show_sonar()
 
     def find_levels(self) -> None:
@@ -202,7 +199,10 @@ class Viewer(QObject):
         return Workbench(
             session=self.session,
             simulator=self.simulator,
-            files=self.files,
+            ask_for_file=lambda path: self.files.ask_for(path),
+            ask_for_dem=lambda scene: self.files.ask_for_dem(scene),
+            ask_for_recording=lambda: self.files.ask_for_recording(),
+            keep_recent=lambda path: self.files.keep_recent(path),
             say=self.window.say,
             complain=self.window.complain,
             copy_details=self.window.status.copy_details,
@@ -217,7 +217,7 @@ class Viewer(QObject):
             recordings=self.recordings,
             comparison=self.comparison,
             contacts=self.contacts,
-            open_contacts=lambda: self.opening.ask_for_contacts(),
+            open_contacts=lambda: self.files.ask_for_contacts(),
             save_contacts=self.saving.save_contacts,
             open_scene=open_scene,
             light_fields=lambda paths: self.panels.fields_lit.emit(paths),
@@ -246,7 +246,12 @@ class Viewer(QObject):
         window.waterfall.hovered.connect(session.point_at)
         window.waterfall.scrolled.connect(self.look_back)
         window.waterfall.scrubbed.connect(self.go_to)
-        self._history = HistoryController(session, self.contacts, self.saving, window)
+        window.history.undone.connect(session.undo)
+        window.history.redone.connect(session.redo)
+        session.changed.connect(lambda _, settled: self._show_edits() if settled else None)
+        session.displayed.connect(self._show_edits)
+        self.contacts.changed.connect(self._show_edits)
+        self._show_edits()
         window.levels.triggered.connect(self.find_levels)
         window.reset_view.triggered.connect(self._seabed.reset_view)
         self.jobs.changed.connect(lambda _: window.jobs.show_jobs(self.jobs.running))
@@ -275,6 +280,11 @@ class Viewer(QObject):
             self._show_geometry(scene)
         self.panels.scene_changed.emit(scene, settled)
         self._ask()
+
+    def _show_edits(self) -> None:
+        """Show what can be undone and redone, and the title with the star of unsaved changes."""
+        self.window.show_title(self.session.scene.title, unsaved=self.saving.unsaved)
+        self.window.history.show_edits(self.session.undoable, self.session.redoable)
 
     def _tick(self) -> None:
         now = time.perf_counter()

@@ -18,7 +18,7 @@ from insonify.kernels.rays.cell_walk import RayBundle, empty_hits
 from insonify.kernels.rays.refracted_hits import empty_arrivals, find_refracted_hits
 from insonify.kernels.refraction.eigenray_search import TIME
 from insonify.kernels.targets.angular_zbuffer import NO_PRIMITIVE
-from insonify.packing.reduced_scene import without_targets
+from insonify.packing.packed_scene import without_targets
 from insonify.tracers import ray_sheets, rays, sweep
 from insonify.tracers.labels import trace_labels
 

@@ -7,21 +7,22 @@ from dataclasses import dataclass
 from enum import Enum
 from typing import TYPE_CHECKING, Any, ClassVar, NamedTuple, Protocol
 
+from insonify.scene import Scene
+from insonify_viewer.errors import Failure
+from insonify_viewer.record.comparison.comparison import Comparison
+from insonify_viewer.record.comparison.recording_player import RecordingPlayer
+from insonify_viewer.record.drape import RecordStrip
+from insonify_viewer.record.marked_point import MarkedPoint
+from insonify_viewer.record.record import RecordGrowth
+from insonify_viewer.record.waterfall_view import WaterfallView
+from insonify_viewer.state.contact_list import ContactList
+from insonify_viewer.state.inspection import Inspection
+from insonify_viewer.state.session import Session
+from insonify_viewer.work.jobs import JobList
+from insonify_viewer.work.simulator import Simulator
+
 if TYPE_CHECKING:
     from insonify.planning import Plan
-    from insonify.scene import Scene
-    from insonify_viewer.errors import Failure
-    from insonify_viewer.record.comparison.comparison import Comparison
-    from insonify_viewer.record.comparison.recording_player import RecordingPlayer
-    from insonify_viewer.record.drape import RecordStrip
-    from insonify_viewer.record.marked_point import MarkedPoint
-    from insonify_viewer.record.record import RecordGrowth
-    from insonify_viewer.record.waterfall_view import WaterfallView
-    from insonify_viewer.state.contact_list import ContactList
-    from insonify_viewer.state.inspection import Inspection
-    from insonify_viewer.state.session import Session
-    from insonify_viewer.work.jobs import JobList
-    from insonify_viewer.work.simulator import Simulator
 
 
 class Place(Enum):
@@ -57,32 +58,16 @@ class SceneOpener(Protocol):
         ...
 
 
-class FileQuestions(Protocol):
-    """Dialogs that ask for a file; an empty path if none was picked."""
-
-    def ask_for_recording(self) -> str:
-        """Return the path of a recording."""
-        ...
-
-    def ask_for_dem(self, scene: Scene) -> bool:
-        """Open a scene over a measured bed; return whether one was picked."""
-        ...
-
-    def ask_for(self, path: str) -> str:
-        """Return the path of a file for the field of the scene at a dotted path."""
-        ...
-
-    def keep_recent(self, path: str) -> None:
-        """Add a file to the recent ones."""
-
-
 @dataclass(frozen=True)
 class Workbench:
     """What the viewer offers to its panels."""
 
     session: Session  # the scene and its modelling, both editable
     simulator: Simulator  # the worker thread, for what takes longer than a few milliseconds
-    files: FileQuestions  # dialogs that ask for files
+    ask_for_file: Callable[[str], str]  # asks for a file for the field at a dotted path; returns its path, or ""
+    ask_for_dem: Callable[[Scene], bool]  # asks for a measured bed for a scene, and opens it; whether one was picked
+    ask_for_recording: Callable[[], str]  # asks for a recording; returns its path, or ""
+    keep_recent: Callable[[str], None]  # puts a file on top of the recent ones
     say: Callable[[str], None]  # shows a sentence in the status bar
     # Shows an error in the status bar, a `Failure` or an exception, with a button that copies details.
     complain: Callable[[Failure | Exception], None]
@@ -136,13 +121,14 @@ class Panel(Protocol):
     place: ClassVar[Place]
     rank: ClassVar[int] = 100
     button: ClassVar[Button | None] = None
+    view: Any  # the widget, unless `widget` is overridden
 
     def __init__(self, workbench: Workbench) -> None: ...
 
     @property
     def widget(self) -> Any:
         """The QWidget to show; asked for when the window mounts the panel, or first opens it as a window."""
-        ...
+        return self.view
 
     @property
     def complete(self) -> bool:

@@ -4,17 +4,14 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
 from insonify.display.picture import average_columns, place_columns
 from insonify.display.range_axis import GROUND, make_range_axis
+from insonify.kernels.common.types import Poses
 from insonify_viewer.record.tone_map import ToneMap
-
-if TYPE_CHECKING:
-    from insonify.kernels.common.types import Poses
 
 MOST = 8  # places between two pings
 

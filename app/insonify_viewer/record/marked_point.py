@@ -13,15 +13,13 @@ import numpy as np
 from insonify.explanation.names import PATH_NAMES, name_materials, name_part
 from insonify_viewer.record.record import Record
 from insonify_viewer.state.inspection import Mark
+from insonify_viewer.work.executor import Executor
+from insonify_viewer.work.ping_request import TracedPings
 
 if TYPE_CHECKING:
     from insonify.display.normalisation import LevelBed
     from insonify.simulation import Simulation
     from insonify.tracers.labels import RecordLabels
-    from insonify_viewer.record.record import Record
-    from insonify_viewer.state.inspection import Mark
-    from insonify_viewer.work.executor import Executor
-    from insonify_viewer.work.ping_request import TracedPings
 
 Position = tuple[float, float, float]
 BED = -1

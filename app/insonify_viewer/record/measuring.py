@@ -9,12 +9,12 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 
 from insonify.io.georeference import Georeference, find_georeference, to_degrees
+from insonify_viewer.record.comparison.recording import Recording
 from insonify_viewer.record.marked_point import locate_mark
 from insonify_viewer.state.inspection import Mark
 
 if TYPE_CHECKING:
     from insonify.simulation import Simulation
-    from insonify_viewer.record.comparison.recording import Recording
 
 
 @dataclass(frozen=True)

@@ -3,14 +3,12 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
-if TYPE_CHECKING:
-    from insonify.scene import Scene
-    from insonify_viewer.work.ping_request import TracedPings
+from insonify.scene import Scene
+from insonify_viewer.work.ping_request import TracedPings
 
 MAX_PINGS, MAX_CELLS = 2048, 2**26  # limits of the record on screen
 Rows = NDArray[np.int64]

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import TYPE_CHECKING
 
 from PySide6.QtCore import QEvent, QPoint, QRect, Qt, Signal
 from PySide6.QtGui import QColor, QFocusEvent, QKeyEvent, QMouseEvent, QPainter, QPaintEvent, QWheelEvent
@@ -12,15 +11,13 @@ from PySide6.QtWidgets import QWidget
 from insonify.display.display_options import DisplayOptions
 from insonify.display.picture import choose_contrast
 from insonify_viewer.errors import guard_override
+from insonify_viewer.record.record import Record
 from insonify_viewer.record.record_canvas import RecordCanvas
 from insonify_viewer.record.record_handles import RecordHandles
 from insonify_viewer.state.inspection import Mark
+from insonify_viewer.state.session import Session
 from insonify_viewer.widgets.arrow_keys import ENTER, modifiers_of, steps_of
 from insonify_viewer.widgets.theme import TEXT
-
-if TYPE_CHECKING:
-    from insonify_viewer.record.record import Record
-    from insonify_viewer.state.session import Session
 
 PINGS_A_NOTCH = 16
 NOTCH = 120  # of the wheel, in eighths of a degree

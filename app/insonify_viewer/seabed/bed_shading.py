@@ -8,10 +8,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from insonify.optics.material_colours import mixed_colour, shares_of
+from insonify.scene import Scene
 from insonify.scene.seabed.materials import MATERIALS
 
 if TYPE_CHECKING:
-    from insonify.scene import Scene
     from insonify.terrain.ground import Ground
 
 FOG = (0.345, 0.570, 0.655)

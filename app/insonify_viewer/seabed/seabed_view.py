@@ -7,7 +7,7 @@ import time
 from collections.abc import Callable, Sequence
 from functools import cache
 from importlib import import_module
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 import pyvista
@@ -15,16 +15,14 @@ from numpy.typing import NDArray
 from PySide6.QtCore import QTimer, Signal
 from PySide6.QtWidgets import QVBoxLayout, QWidget
 
+from insonify.kernels.common.types import Poses, SceneArrays
 from insonify_viewer.seabed import pv_meshes
 from insonify_viewer.seabed.pv_meshes import BedPatch, ScanFan, ScanLine
 from insonify_viewer.seabed.seabed_canvas import InteractiveCanvas, OffScreenCanvas, SeabedKeys
 from insonify_viewer.seabed.seabed_handles import SeabedHandles
+from insonify_viewer.state.inspection import SoundDrawing
 from insonify_viewer.widgets.painting import LIT
 from insonify_viewer.widgets.theme import MARK_IN_WATER
-
-if TYPE_CHECKING:
-    from insonify.kernels.common.types import Poses, SceneArrays
-    from insonify_viewer.state.inspection import SoundDrawing
 
 # PyVista is untyped.
 pv: Any = pyvista

@@ -4,7 +4,10 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+from insonify.scene import Scene
 from insonify_viewer.record.marked_point import locate_mark
+from insonify_viewer.record.waterfall_view import WaterfallView
+from insonify_viewer.seabed.controller import SeabedController
 from insonify_viewer.seabed.handle_geometry import (
     THICKNESSES,
     Handle,
@@ -19,10 +22,7 @@ from insonify_viewer.state.inspection import Mark
 from insonify_viewer.state.session import Session
 
 if TYPE_CHECKING:
-    from insonify.scene import Scene
     from insonify.simulation import Simulation
-    from insonify_viewer.record.waterfall_view import WaterfallView
-    from insonify_viewer.seabed.controller import SeabedController
 
 DONE = {"move": "moved", "turn": "turned", "resize": "resized", "raise": "height"}
 

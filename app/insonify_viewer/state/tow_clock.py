@@ -8,8 +8,9 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from insonify.kernels.common.types import Mesh, Poses, Solids
+
 if TYPE_CHECKING:
-    from insonify.kernels.common.types import Mesh, Poses, Solids
     from insonify.simulation import Simulation
     from insonify.terrain.ground import Ground
 

@@ -5,7 +5,6 @@ from __future__ import annotations
 import re
 from collections.abc import Callable, Mapping
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 from insonify.io.atomic import replacing
 from insonify.scene import Scene, scene_to_toml
@@ -21,10 +20,8 @@ from insonify_viewer.widgets.save_dialogs import (
     record_formats,
     save_picture,
 )
+from insonify_viewer.window.main_window import MainWindow
 from insonify_viewer.work.jobs import JobList
-
-if TYPE_CHECKING:
-    from insonify_viewer.window.main_window import MainWindow
 
 SCENE = ".toml"
 Savers = Mapping[str, Callable[[], bool]]  # what saves, by the name of what is not saved

@@ -10,13 +10,13 @@ from typing import TYPE_CHECKING, Any
 from insonify.scene import SceneError, plain
 from insonify_viewer.seabed.target_handles import TargetHandles
 from insonify_viewer.state.session import Session
+from insonify_viewer.window.file_opening import FileOpening
+from insonify_viewer.window.main_window import MainWindow
 from insonify_viewer.window.target_placement import needs_file, new_target
+from insonify_viewer.work.simulator import Simulator
 
 if TYPE_CHECKING:
     from insonify.simulation import Simulation
-    from insonify_viewer.window.file_dialogs import FileDialogs
-    from insonify_viewer.window.main_window import MainWindow
-    from insonify_viewer.work.simulator import Simulator
 
 
 class TargetEditor:
@@ -27,7 +27,7 @@ class TargetEditor:
         session: Session,
         window: MainWindow,
         simulator: Simulator,
-        files: FileDialogs,
+        files: FileOpening,
         added: Callable[[str], None],
     ) -> None:
         self._session, self._window, self._simulator, self._files = session, window, simulator, files
@@ -35,6 +35,7 @@ class TargetEditor:
         self.handles = TargetHandles(session, window.waterfall)
         self._simulation: Simulation | None = None
         window.target_wanted.connect(self.add)
+        files.mesh_opened.connect(partial(self.add, "mesh"))
 
     def follow(self, simulation: Simulation) -> None:
         """Take the simulation on screen, which holds the bed."""

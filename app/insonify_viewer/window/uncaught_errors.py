@@ -9,11 +9,9 @@ from contextlib import contextmanager
 from types import TracebackType
 from typing import Any
 
-from psygnal import EmitLoopError
-
 from insonify.errors import FileWarning
 from insonify.scene import SceneError
-from insonify_viewer.errors import Failure, describe_error, format_trace
+from insonify_viewer.errors import Failure, cause_of, describe_error, format_trace
 
 
 @contextmanager
@@ -25,8 +23,7 @@ def told_errors(complain: Callable[[Failure], None]) -> Iterator[None]:
     before = sys.excepthook
 
     def tell(kind: type[BaseException], error: BaseException, trace: TracebackType | None) -> None:
-        while isinstance(error, EmitLoopError) and error.__cause__ is not None:  # raised by a callback of a signal
-            error = error.__cause__
+        if error is not (error := cause_of(error)):
             kind, trace = type(error), error.__traceback__
         if isinstance(error, SceneError):
             complain(describe_error(error))

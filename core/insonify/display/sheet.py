@@ -14,7 +14,6 @@ from insonify.display.normalisation import estimate_median_curve, normalise
 from insonify.display.picture import average_columns, compute_column_edges, mirror_channels
 from insonify.display.range_axis import RangeAxis, choose_kind, make_range_axis
 from insonify.io.records.bottom_track import complete_altitude, find_altitude
-from insonify.record.blocks import trace_blocks
 from insonify.scene import SceneError
 from insonify.simulation import Simulation
 from insonify.tow.poses import platform_columns
@@ -65,7 +64,7 @@ def trace_sheet_pings(simulation: Simulation) -> Iterator[SheetPings]:
     """Trace the record of a simulation block by block, as far as a picture shows it."""
     sonar = simulation.scene.sonar
     bin_length = sonar.range / sonar.bins
-    for block in trace_blocks(simulation):
+    for block in simulation.record_blocks():
         x, y, _, altitude, *_ = platform_columns(block.poses, simulation.ground)
         intensity = block.columns["intensity"]
         known = complete_altitude(altitude, np.moveaxis(intensity, 1, 0), bin_length)

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from insonify.explanation.names import name_part
-from insonify.explanation.pixel_parts import arrays_at, settings_of
+from insonify.explanation.pixel_parts import arrays_at
 from insonify.explanation.pixel_window import whole_window
 from insonify.explanation.sound_paths import SonarPose, locate_sonar
 from insonify.packing.apparent_tables import make_apparent_tables
@@ -41,7 +41,7 @@ def cut_cross_section(simulation: Simulation, ping: int, side: int) -> CrossSect
     arrays, pose = arrays_at(simulation, ping)
     sonar, reach = locate_sonar(simulation, pose, side), arrays.bins * arrays.bin_length
     _, folded = make_apparent_tables(arrays, pose)
-    fans = lay_planes_of_images(arrays, pose, settings_of(simulation).get("planes", 1))
+    fans = lay_planes_of_images(arrays, pose, simulation.plan.label_settings.get("planes", 1))
     azimuth, parts = 0.0, None
     if fans and not folded.any():
         fan = take_central_plane(arrays, fans[0][1])

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -68,7 +67,7 @@ def find_pixel_parts(simulation: Simulation, ping: int, side: int, pixel: int) -
     """Find the parts of the echo in one pixel."""
     arrays, pose = arrays_at(simulation, ping)
     window, sonar = pixel_window(arrays, simulation.reception.taps, pixel), locate_sonar(simulation, pose, side)
-    parts = find_echo_parts(arrays, pose, side, window.window, **settings_of(simulation))
+    parts = find_echo_parts(arrays, pose, side, window.window, **simulation.plan.label_settings)
     _, folded = make_apparent_tables(arrays, pose)
     placed = _place_surface_parts(simulation, sonar, parts)
     return PixelParts(simulation, arrays, pose, side, window, sonar, bool(folded.any()), placed)
@@ -79,11 +78,6 @@ def arrays_at(simulation: Simulation, ping: int) -> tuple[SceneArrays, Poses]:
     pose = simulation.poses(np.array([ping], dtype=np.int64))
     ((_, arrays),) = simulation.tiles.split(simulation.reduced, pose)
     return arrays, take_poses(pose, slice(0, 1))
-
-
-def settings_of(simulation: Simulation) -> dict[str, Any]:
-    """Planes and rays by which a simulation is traced."""
-    return {name: number for name, number in simulation.plan.settings.items() if name in ("planes", "rays")}
 
 
 def _place_surface_parts(simulation: Simulation, sonar: SonarPose, parts: EchoParts) -> EchoParts:

@@ -28,7 +28,7 @@ from insonify.kernels.multipath.surface_multipath import empty_multipath_workspa
 from insonify.kernels.sweep.sweep import AzimuthFan, empty_sweep_workspace
 from insonify.packing.apparent_tables import make_apparent_tables
 from insonify.packing.containment import refuse_sonar_in_solid
-from insonify.packing.reduced_scene import without_targets
+from insonify.packing.packed_scene import without_targets
 from insonify.tracers.azimuth_fan import lay_planes_of_images
 from insonify.tracers.labels import count_contributors
 

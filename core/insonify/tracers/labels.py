@@ -19,7 +19,7 @@ from insonify.kernels.refraction.apparent_positions import ApparentTables
 from insonify.kernels.sweep.sweep import AzimuthFan, empty_sweep_workspace
 from insonify.kernels.targets.angular_zbuffer import NO_PRIMITIVE
 from insonify.packing.apparent_tables import make_apparent_tables
-from insonify.packing.reduced_scene import without_targets
+from insonify.packing.packed_scene import without_targets
 from insonify.parallel import PerThread
 from insonify.tow.poses import take_poses
 from insonify.tracers.azimuth_fan import lay_planes_of_images

@@ -12,15 +12,12 @@ from insonify_viewer.record.comparison.arrangement import find_pairs
 from insonify_viewer.record.comparison.recording import Recording, describe_point
 from insonify_viewer.record.record import RecordGrowth
 from insonify_viewer.state.inspection import Mark
-from insonify_viewer.work.jobs import BackgroundJob, State
+from insonify_viewer.work.jobs import BackgroundJob, JobList, State
 
 if TYPE_CHECKING:
     import xarray as xr
 
-    from insonify.scene import Scene
     from insonify.simulation import Simulation
-    from insonify_viewer.record.comparison.recording import Recording
-    from insonify_viewer.work.jobs import BackgroundJob, JobList
 
 Measured = dict[str, str] | str  # statistics in words by their names, or why there are none
 
@@ -46,11 +43,6 @@ class ComparisonPanel(Panel):
         self._player.pointed.connect(self._show_point)
         self._player.moved.connect(self._follow)
         self._connect()
-
-    @property
-    def widget(self) -> ComparisonView:
-        """Buttons above what differs, navigation and statistics."""
-        return self.view
 
     @property
     def complete(self) -> bool:
@@ -79,7 +71,7 @@ class ComparisonPanel(Panel):
         self._player.wait_for(f"learning a {self._learning.title}")
 
     def _connect(self) -> None:
-        self.view.open_wanted.connect(lambda: self._player.open(self._workbench.files.ask_for_recording()))
+        self.view.open_wanted.connect(lambda: self._player.open(self._workbench.ask_for_recording()))
         self.view.keep_wanted.connect(self._comparison.keep)
         self.view.partner_wanted.connect(self._comparison.open_partner)
         self.view.pair_wanted.connect(self.open_pair)
@@ -200,12 +192,11 @@ def measure_simulation(simulation: Simulation) -> Measured:
     """Measure the statistics of the whole record of a simulation."""
     # lazy: loads xarray on a thread of its own; the window opens before
     from insonify.io.record_schema import join_blocks
-    from insonify.record.blocks import trace_blocks
     from insonify.record.variables import make_block
 
     title = {"title": simulation.scene.title}
     blocks = [
         make_block(simulation.scene, simulation.ground, *traced, None, title).to_dataset()
-        for traced in trace_blocks(simulation)
+        for traced in simulation.record_blocks()
     ]
     return measure_record(join_blocks(blocks))

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from typing import TYPE_CHECKING
 
 from PySide6.QtCore import Qt, Signal
 from PySide6.QtGui import QAction
@@ -15,16 +14,14 @@ from PySide6.QtWidgets import (
     QWidget,
 )
 
+from insonify.scene import Scene
 from insonify_viewer.record.comparison.arrangement import Arrangement, find_pairs
 from insonify_viewer.record.comparison.kept_record import Change
+from insonify_viewer.record.comparison.recording import Recording
 from insonify_viewer.widgets.buttons import push_button
 from insonify_viewer.widgets.field_rows import Combo
 from insonify_viewer.widgets.save_dialogs import ask_where_to_save
 from insonify_viewer.widgets.side_panel import FoldingBox, SidePanel
-
-if TYPE_CHECKING:
-    from insonify.scene import Scene
-    from insonify_viewer.record.comparison.recording import Recording
 
 HINT = (
     "Keep this record as A, then change the scene or its plan, or open another scene: the live record is B. Hold X to "

@@ -1,7 +1,5 @@
 """Jobs panel: records, charts, data sets and pages that are made beside the window."""
 
-from __future__ import annotations
-
 from insonify_viewer.panels.jobs.controller import JobsPanel
 
 PANEL = JobsPanel

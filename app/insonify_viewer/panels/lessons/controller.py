@@ -42,11 +42,6 @@ class LessonsPanel(Panel):
         view.projected.connect(workbench.project)
 
     @property
-    def widget(self) -> LessonsView:
-        """List and steps."""
-        return self.view
-
-    @property
     def course(self) -> Course | None:
         """The lesson under way."""
         return self._course

@@ -1,7 +1,5 @@
 """Parameters panel: every field of the scene with its slider."""
 
-from __future__ import annotations
-
 from insonify_viewer.panels.parameters.controller import ParametersPanel
 
 PANEL = ParametersPanel

@@ -35,7 +35,7 @@ class ParametersPanel(Panel):
     rank = 10
 
     def __init__(self, workbench: Workbench) -> None:
-        self._workbench, self._session, self._files = workbench, workbench.session, workbench.files
+        self._workbench, self._session = workbench, workbench.session
         self._opened: Scene | None = None
         self._trials, self._ticks, self._resets = Trials(), EffectTicks(), Resets()
         self._meter = EffectMeter(workbench.simulator, self._show_effects)
@@ -54,11 +54,6 @@ class ParametersPanel(Panel):
         view.duplicated.connect(self._duplicate)
         view.locked.connect(self._lock)
         view.searched.connect(lambda _: self._show())
-
-    @property
-    def widget(self) -> ParametersView:
-        """The sections."""
-        return self.view
 
     @property
     def at_rest(self) -> bool:
@@ -176,11 +171,11 @@ class ParametersPanel(Panel):
     def _settle(self, path: str, value: Any) -> None:
         """Make an edit final; some choices need a file first."""
         if path == "seabed.relief.kind" and value == "dem":
-            self._files.ask_for_dem(self._session.scene)
+            self._workbench.ask_for_dem(self._session.scene)
             self._session.settle()
         elif needs_file(self._session.scene, path, value):
             place = path.removesuffix("kind") + "path"
-            file = self._files.ask_for(place)
+            file = self._workbench.ask_for_file(place)
             self._session.settle({path: value, place: file} if file else None)
             self._keep_recent(place, file)
         else:
@@ -189,15 +184,15 @@ class ParametersPanel(Panel):
     def _change_file(self, path: str) -> None:
         """Let the person pick another file for a field."""
         if path == "seabed.relief.path":
-            self._files.ask_for_dem(self._session.scene)
-        elif file := self._files.ask_for(path):
+            self._workbench.ask_for_dem(self._session.scene)
+        elif file := self._workbench.ask_for_file(path):
             self._session.settle({path: file})
             self._keep_recent(path, file)
 
     def _keep_recent(self, path: str, file: str) -> None:
         """Put a file among the recent ones, if a field took it over which a drop would give it to."""
         if path.startswith(DROPPED) and part_at(self._session.scene, path) == file:
-            self._files.keep_recent(file)
+            self._workbench.keep_recent(file)
 
     def _reset(self, paths: tuple[str, ...]) -> None:
         """Reset fields to the scene as it was opened."""

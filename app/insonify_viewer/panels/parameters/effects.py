@@ -23,12 +23,12 @@ from insonify_viewer.record.comparison.record_difference import (
     compare_records,
     say_percent,
 )
+from insonify_viewer.record.record import Record
 from insonify_viewer.state.modelling import Modelling
+from insonify_viewer.work.simulator import Simulator
 
 if TYPE_CHECKING:
     from insonify.simulation import Simulation
-    from insonify_viewer.record.record import Record
-    from insonify_viewer.work.simulator import Simulator
 
 Changes = dict[str, Any]
 KEPT = 32  # scenes whose figures are kept, for undo and redo

@@ -1,7 +1,5 @@
 """Pixel panel: what one pixel of the record is made of, and the plane of the beam that it lies in."""
 
-from __future__ import annotations
-
 from insonify_viewer.panels.pixel.controller import PixelPanel
 
 PANEL = PixelPanel

@@ -52,11 +52,6 @@ class PixelPanel(Panel):
         workbench.inspection.picked.connect(self._pick)
 
     @property
-    def widget(self) -> PixelView:
-        """The budget beside the cross-section."""
-        return self.view
-
-    @property
     def complete(self) -> bool:
         """Whether the pinned pixel is explained in the present scene, or there is none."""
         return self._wanted is None or self._shown == self._wanted

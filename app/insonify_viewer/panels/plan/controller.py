@@ -8,12 +8,11 @@ from typing import TYPE_CHECKING, NamedTuple
 from insonify_viewer.panels.panel import Panel, Place, Workbench
 from insonify_viewer.panels.plan.view import PlanView
 from insonify_viewer.record.comparison.record_difference import RecordDifference, RecordSnapshot, compare_records
-from insonify_viewer.record.record import RecordGrowth
+from insonify_viewer.record.record import Record, RecordGrowth
 from insonify_viewer.state.modelling import Modelling
 
 if TYPE_CHECKING:
     from insonify.planning import Plan
-    from insonify_viewer.record.record import Record
 
 MOVED = 64  # pings by which a running tow moves on before the record is copied again
 
@@ -37,11 +36,6 @@ class PlanPanel(Panel):
         view.tolerated.connect(lambda share: session.model(session.modelling.tolerating(share)))
         view.left_to_plan.connect(lambda: session.model(session.modelling.automatic))
         view.chart_wanted.connect(lambda: workbench.open_panel("chart"))
-
-    @property
-    def widget(self) -> PlanView:
-        """The entries of the plan."""
-        return self.view
 
     def plan_made(self, plan: Plan) -> None:
         """Show another plan."""

@@ -3,15 +3,12 @@
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING, Any
 
 from insonify_viewer.panels.panel import Panel, Place, Workbench
 from insonify_viewer.panels.readout.view import ReadoutView
 from insonify_viewer.record.comparison.recording import summarise_point
-
-if TYPE_CHECKING:
-    from insonify_viewer.record.marked_point import MarkedPoint
-    from insonify_viewer.state.inspection import Mark
+from insonify_viewer.record.marked_point import MarkedPoint
+from insonify_viewer.state.inspection import Mark
 
 SIDES = ("port", "starboard")
 
@@ -24,23 +21,18 @@ class ReadoutPanel(Panel):
     place = Place.STATUS
 
     def __init__(self, workbench: Workbench) -> None:
-        self._view = ReadoutView()
+        self.view = ReadoutView()
         self._recordings = workbench.recordings
         self._recordings.pointed.connect(self._show_recorded)
 
-    @property
-    def widget(self) -> Any:
-        """The line of text."""
-        return self._view
-
     def point_marked(self, point: MarkedPoint | None) -> None:
         """Describe a point, or nothing."""
-        self._view.setText("" if point is None else described(point))
+        self.view.setText("" if point is None else described(point))
 
     def _show_recorded(self, mark: Mark | None) -> None:
         """Describe a point of the recording beside, or nothing."""
         recording = self._recordings.recording
-        self._view.setText("" if mark is None or recording is None else summarise_point(recording, mark))
+        self.view.setText("" if mark is None or recording is None else summarise_point(recording, mark))
 
 
 def described(point: MarkedPoint) -> str:

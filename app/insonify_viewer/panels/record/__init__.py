@@ -1,7 +1,5 @@
 """Record panel: how records are shown, what is measured on them, and contacts."""
 
-from __future__ import annotations
-
 from insonify_viewer.panels.record.controller import RecordPanel
 
 PANEL = RecordPanel

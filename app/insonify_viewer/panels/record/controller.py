@@ -8,9 +8,11 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
+from insonify.io.georeference import Georeference
 from insonify.scene import Scene
 from insonify_viewer.panels.panel import Panel, Place, Workbench
 from insonify_viewer.panels.record.view import RecordView
+from insonify_viewer.record.comparison.recording import Recording
 from insonify_viewer.record.drape import RecordStrip
 from insonify_viewer.record.measuring import (
     Location,
@@ -22,14 +24,12 @@ from insonify_viewer.record.measuring import (
 )
 from insonify_viewer.record.projection import Zoom, row_factors
 from insonify_viewer.record.record import RecordGrowth
+from insonify_viewer.record.waterfall_view import WaterfallView
 from insonify_viewer.state.contacts import SIDES, Contact
 from insonify_viewer.state.inspection import Mark
 
 if TYPE_CHECKING:
-    from insonify.io.georeference import Georeference
     from insonify.simulation import Simulation
-    from insonify_viewer.record.comparison.recording import Recording
-    from insonify_viewer.record.waterfall_view import WaterfallView
 
 SAMPLED = 60_000  # amplitudes that the histogram counts
 OFTEN = 0.25  # s between two histograms of a record that grows
@@ -54,11 +54,6 @@ class RecordPanel(Panel):
         self.contacts = workbench.contacts
         self.view = RecordView()
         self._connect()
-
-    @property
-    def widget(self) -> RecordView:
-        """Sections of display, contrast, measuring and contacts."""
-        return self.view
 
     def record_grown(self, growth: RecordGrowth) -> None:
         """Follow the simulation, and count the levels anew now and then."""

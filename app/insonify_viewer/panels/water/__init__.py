@@ -1,7 +1,5 @@
 """Water panel: sound speed over depth, and the rays that it bends."""
 
-from __future__ import annotations
-
 from insonify_viewer.panels.water.controller import WaterPanel
 
 PANEL = WaterPanel

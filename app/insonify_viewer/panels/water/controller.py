@@ -40,11 +40,6 @@ class WaterPanel(Panel):
         self.view.point_settled.connect(workbench.session.settle)
 
     @property
-    def widget(self) -> WaterView:
-        """The profile beside the rays."""
-        return self.view
-
-    @property
     def complete(self) -> bool:
         """Whether the panel is closed or shows the current scene."""
         return not self._open or (not self._busy and self._shown == self._wanted)

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from functools import partial
-from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
@@ -15,17 +14,13 @@ from insonify_viewer.record.comparison.arrangement import Arrangement
 from insonify_viewer.record.comparison.kept_record import Change, KeptRecord, Traced, list_changes
 from insonify_viewer.record.comparison.record_difference import RecordSnapshot, are_comparable, compare_records
 from insonify_viewer.record.comparison.recording import Recording
-from insonify_viewer.record.record import Record
+from insonify_viewer.record.comparison.recording_player import RecordingPlayer, RecordWindow
+from insonify_viewer.record.record import Record, RecordGrowth
 from insonify_viewer.state.modelling import Modelling
-from insonify_viewer.work.ping_request import SimulatedScene
+from insonify_viewer.state.session import Session
+from insonify_viewer.work.ping_request import SimulatedScene, TracedPings
+from insonify_viewer.work.simulator import Simulator
 from insonify_viewer.work.waiting import Waiting
-
-if TYPE_CHECKING:
-    from insonify_viewer.record.comparison.recording_player import RecordingPlayer, RecordWindow
-    from insonify_viewer.record.record import RecordGrowth
-    from insonify_viewer.state.session import Session
-    from insonify_viewer.work.ping_request import TracedPings
-    from insonify_viewer.work.simulator import Simulator
 
 MOVED = 64  # pings by which a running tow moves on before the difference is measured again
 TOLD = 2  # changes that the status bar names

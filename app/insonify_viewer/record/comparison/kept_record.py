@@ -3,20 +3,16 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
-from insonify.scene import plain
+from insonify.scene import Scene, plain
 from insonify_viewer.record.record import Record, pings_held
 from insonify_viewer.state.fields import name_field
 from insonify_viewer.state.modelling import Modelling
-from insonify_viewer.work.ping_request import SimulatedScene, find_altitude
-
-if TYPE_CHECKING:
-    from insonify.scene import Scene
-    from insonify_viewer.work.ping_request import TracedPings
+from insonify_viewer.work.ping_request import SimulatedScene, TracedPings, find_altitude
 
 BLOCK_TIME = 0.1  # s, predicted for a block of pings, after which it is shown
 Traced = tuple[NDArray[np.float32], NDArray[np.float64]]

@@ -4,16 +4,14 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from insonify.acoustics.error_range import ERROR_ALTITUDES
-
-if TYPE_CHECKING:
-    from insonify.scene import Scene
-    from insonify_viewer.record.record import Record
+from insonify.scene import Scene
+from insonify_viewer.record.record import Record
 
 FEWEST = 16  # pings that two records must have in common
 FLOOR = 1e-4  # energy relative to a level bed, 40 dB below it: fainter differences fade

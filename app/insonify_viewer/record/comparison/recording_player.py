@@ -5,27 +5,23 @@ from __future__ import annotations
 from collections.abc import Callable
 from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING, Protocol
+from typing import Protocol
 
 from psygnal import Signal
+from PySide6.QtGui import QAction
 
 from insonify_viewer.errors import Failure
+from insonify_viewer.record.comparison.comparison_actions import ComparisonActions
+from insonify_viewer.record.comparison.comparison_overlay import ComparisonOverlay
+from insonify_viewer.record.comparison.record_a_view import RecordAView, RecordsSideBySide
 from insonify_viewer.record.comparison.recording import Recording, load_recording
 from insonify_viewer.record.record import Record
-from insonify_viewer.record.waterfall_view import Contrast
+from insonify_viewer.record.waterfall_view import Contrast, WaterfallView
 from insonify_viewer.state.inspection import Mark
 from insonify_viewer.state.session import Session
 from insonify_viewer.state.tow_clock import TowClock
+from insonify_viewer.work.executor import Executor
 from insonify_viewer.work.waiting import Waiting
-
-if TYPE_CHECKING:
-    from PySide6.QtGui import QAction
-
-    from insonify_viewer.record.comparison.comparison_actions import ComparisonActions
-    from insonify_viewer.record.comparison.comparison_overlay import ComparisonOverlay
-    from insonify_viewer.record.comparison.record_a_view import RecordAView, RecordsSideBySide
-    from insonify_viewer.record.waterfall_view import WaterfallView
-    from insonify_viewer.work.executor import Executor
 
 STAMP = 0  # of all rows: a recording does not change
 
