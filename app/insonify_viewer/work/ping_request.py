@@ -8,7 +8,6 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from insonify.kernels.common.types import Poses, SceneArrays
 from insonify.scene import Scene
 from insonify_viewer.state.modelling import Modelling
 
