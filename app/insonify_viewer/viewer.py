@@ -46,7 +46,7 @@ from insonify_viewer.work.waiting import WaitingWatch
 from insonify_viewer.workbench import make_workbench
 
 if TYPE_CHECKING:
-    from insonify.planning.models import PackedScene
+    from insonify.packing.packed_scene import PackedScene
 
 TICK = 25  # ms
 BEHIND = 48  # blank pings on screen at which the tow waits

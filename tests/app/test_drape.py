@@ -9,8 +9,8 @@ import numpy as np
 import pytest
 
 from insonify.display.display_options import DisplayOptions
-from insonify.packing.navigation import make_poses
 from insonify.scene import Scene, edit
+from insonify.tow.poses import make_poses
 from insonify_viewer.record.drape import RecordStrip, drape_record
 from insonify_viewer.record.tone_map import make_tone_map
 

@@ -15,7 +15,7 @@ from PySide6.QtTest import QTest
 from stand_in import StandIn
 
 from insonify.compiler.progress import Compilation, tell_watchers
-from insonify.planning.models import pack
+from insonify.packing.packed_scene import pack
 from insonify.scene import Scene, edit
 from insonify_viewer.seabed import pv_meshes
 from insonify_viewer.state.modelling import Modelling

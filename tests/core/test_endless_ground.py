@@ -11,12 +11,12 @@ import pytest
 
 from insonify.array_cache import ARRAYS
 from insonify.packing import terrain_tiles
-from insonify.packing.track import tow_line_at
-from insonify.planning.models import pack
+from insonify.packing.packed_scene import pack
 from insonify.scene import build, edit
 from insonify.simulation import prepare, simulate_blocks
 from insonify.terrain import EndlessGround, Ground, StoredWindow, build_excerpt, build_ground, relief, relief_picture
 from insonify.terrain.endless_field import PART, TILE, EndlessField, Nodes, gather_tiles
+from insonify.tow.line import tow_line_at
 from insonify.tracers import sweep
 
 FRACTAL = {

@@ -16,8 +16,8 @@ from insonify_viewer.seabed.bed_shading import bed_image, sample_heights
 
 if TYPE_CHECKING:
     from insonify.kernels.common.types import Mesh, Poses, SceneArrays, Solids
-    from insonify.packing.track import TowLine
     from insonify.terrain import AnyGround
+    from insonify.tow.line import TowLine
 
 MESH_NODES = 257
 THINNED = 2  # every so many nodes are drawn while the view is turned

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from insonify.scene import Scene, SceneError, edit
 
 if TYPE_CHECKING:
-    from insonify.planning.models import PackedScene
+    from insonify.packing.packed_scene import PackedScene
 
 THINNINGS = (4, 2)  # times the spacing; the first that resolves the waves of the relief is taken
 MOST_NODES = 2**22  # of ground that is made at once, some 100 MB while it is made; beyond, tiles take less
@@ -36,9 +36,9 @@ def thin_new_ground(scene: Scene, known: Scene | None) -> Scene:
 def pack_beneath(scene: Scene, pings: NDArray[np.int64]) -> PackedScene:
     """Pack a scene over endless ground, of which no more is made than some pings hear."""
     # lazy: loaded on the worker; the window opens before Numba is loaded
-    from insonify.packing.track import tow_line_at
-    from insonify.planning.models import pack
+    from insonify.packing.packed_scene import pack
     from insonify.terrain import build_excerpt
+    from insonify.tow.line import tow_line_at
 
     line, margin = tow_line_at(scene, pings), MARGIN * scene.sonar.range
     low, high = (line.x.min() - margin, line.y.min() - margin), (line.x.max() + margin, line.y.max() + margin)

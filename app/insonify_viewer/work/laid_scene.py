@@ -10,10 +10,10 @@ from numpy.typing import NDArray
 
 if TYPE_CHECKING:
     from insonify.kernels.common.types import Poses, SceneArrays
-    from insonify.packing.track import TowLine
-    from insonify.planning.models import PackedScene
+    from insonify.packing.packed_scene import PackedScene
     from insonify.scene import Scene
     from insonify.terrain import AnyGround
+    from insonify.tow.line import TowLine
 
     Pings = NDArray[np.int64]
 
@@ -42,14 +42,14 @@ class LaidScene:
     def poses(self, pings: Pings) -> Poses:
         """Position and attitude of the sonar at the given pings."""
         # lazy: loaded on the worker; the window opens before Numba is loaded
-        from insonify.packing.navigation import make_poses
+        from insonify.tow.poses import make_poses
 
         return make_poses(self.scene, self.ground, pings)
 
     def line(self, pings: Pings) -> TowLine:
         """Positions and headings along the line of the tow."""
         # lazy: loaded on the worker; the window opens before Numba is loaded
-        from insonify.packing.track import tow_line_at
+        from insonify.tow.line import tow_line_at
 
         return tow_line_at(self.scene, pings)
 

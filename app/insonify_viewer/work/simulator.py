@@ -26,7 +26,7 @@ from insonify_viewer.work.waiting import Activity
 
 if TYPE_CHECKING:
     from insonify.display.normalisation import LevelBed
-    from insonify.planning.models import PackedScene
+    from insonify.packing.packed_scene import PackedScene
     from insonify.simulation import Simulation
 
 BLOCK_TIME = 0.04  # s, predicted for a block of pings: it is shown, and a newer request takes over
@@ -299,7 +299,7 @@ _Errand = tuple[Callable[[], Any], Callable[[Any], None]]
 
 def _pack(scene: Scene) -> PackedScene:
     # lazy: loaded on the worker; the window opens before Numba is loaded
-    from insonify.planning.models import pack
+    from insonify.packing.packed_scene import pack
 
     return pack(scene)
 

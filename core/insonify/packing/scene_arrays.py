@@ -15,10 +15,10 @@ from insonify.acoustics.beam_patterns import make_pattern
 from insonify.acoustics.sea_surface import make_surface_multipath
 from insonify.acoustics.water import make_water, recording_speed
 from insonify.kernels.common.types import EVERY_GRAZING, LIGHT, SONAR, BeamPattern, Bed, SceneArrays, SegmentLimits
-from insonify.packing.navigation import sonar_height
 from insonify.packing.targets import make_bodies
 from insonify.scene import Scene
 from insonify.terrain import AnyGround, EndlessGround, Ground
+from insonify.tow.poses import sonar_height
 
 STRIP = 8  # rows turned at once
 MISPLACED = 0.003  # share of a bin's echo that a segment may add wrongly

@@ -13,9 +13,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from insonify.kernels.common.types import Bed, Poses, SceneArrays
-from insonify.packing.navigation import take_poses
 from insonify.packing.scene_arrays import make_bed
-from insonify.terrain import AnyGround, EndlessGround, StoredWindow
+from insonify.terrain import AnyGround, EndlessGround, HeldWindow
+from insonify.tow.poses import take_poses
 
 Column = NDArray[Any]
 

@@ -28,9 +28,9 @@ def measure_record(record: xr.Dataset) -> Measured:
 def measure_simulation(simulation: Simulation) -> Measured:
     """Measure the statistics of the whole record of a simulation."""
     # lazy: loads xarray on a thread of its own; the window opens before
-    from insonify.dataset import make_block
     from insonify.io.record_schema import join_blocks
-    from insonify.traced_blocks import trace_blocks
+    from insonify.record.blocks import trace_blocks
+    from insonify.record.variables import make_block
 
     title = {"title": simulation.scene.title}
     blocks = [

@@ -17,10 +17,10 @@ from insonify.accuracy.stability.case import Approach, Measured, StabilityTheme,
 from insonify.accuracy.stability.drawing import RIGHT, WRONG, add_legend, common, faint, inked, ours, panel, table
 from insonify.accuracy.stability.level_scenes import ball_at, error_message, level_arrays, make_ground, make_level_scene
 from insonify.compiler.jit import FAST
-from insonify.packing.navigation import take_poses
 from insonify.scene import load_scene
 from insonify.simulation import prepare
 from insonify.terrain import relief
+from insonify.tow.poses import take_poses
 from insonify.tracers import rays, sweep
 
 THEME = StabilityTheme("Arithmetic", 11)

@@ -9,8 +9,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from insonify.kernels.common.types import Poses
-from insonify.packing.navigation import take_poses
 from insonify.scene import Scene
+from insonify.tow.poses import take_poses
 from insonify.tracers.labels import RecordLabels
 
 BLOCK_TIME = 0.25  # s, predicted for a block

@@ -9,8 +9,8 @@ from numpy.typing import NDArray
 
 from insonify.kernels.common.types import Poses, SceneArrays
 from insonify.packing.containment import refuse_sonar_in_mesh, refuse_sonar_in_solid
-from insonify.packing.navigation import take_poses
 from insonify.parallel import in_parallel
+from insonify.tow.poses import take_poses
 
 Record = NDArray[np.float32]
 

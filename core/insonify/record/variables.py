@@ -15,13 +15,13 @@ from insonify.io.georeference import find_georeference
 from insonify.io.record_block import RecordBlock, make_record_block
 from insonify.io.record_schema import coordinates, echo_variable, label_variables, platform, target_variables
 from insonify.kernels.common.types import Poses
-from insonify.packing.navigation import platform_columns
 from insonify.planning import Plan
+from insonify.record.blocks import Columns
+from insonify.record.target_truth import TargetTruth
 from insonify.scene import Scene, scene_to_toml
 from insonify.terrain import AnyGround
-from insonify.traced_blocks import Columns
+from insonify.tow.poses import platform_columns
 from insonify.tracers.labels import PATHS
-from insonify.tracers.target_truth import TargetTruth
 
 _version = cache(version)  # reads a file
 

@@ -9,10 +9,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from insonify.kernels.common.types import Poses
-from insonify.packing.track import TowLine, recorded_at, tow_line_at
 from insonify.scene import Scene, SceneError
 from insonify.scene.track.motions import Axis
 from insonify.terrain import AnyGround, EndlessGround
+from insonify.tow.line import TowLine, recorded_at, tow_line_at
 
 SAMPLES = 64  # samples of the bed to either side of the fish
 KNOTS = 8  # of the smoothed bed, to an altitude along the track
