@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from insonify.kernels.common.types import Bed, Poses, SceneArrays
 from insonify.packing.scene_arrays import make_bed
-from insonify.terrain import AnyGround, EndlessGround, HeldWindow
+from insonify.terrain import AnyGround, EndlessGround, StoredWindow
 from insonify.tow.poses import take_poses
 
 Column = NDArray[Any]
