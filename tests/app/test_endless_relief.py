@@ -15,8 +15,8 @@ from insonify.terrain import build
 from insonify.terrain.endless_field import Nodes
 from insonify.terrain.endless_ground import EndlessExcerpt
 from insonify.terrain.random_heights import Heights
-from insonify_viewer.state.session import Mark
-from insonify_viewer.work.coarse_ground import pack_beneath, thin_new_ground
+from insonify_viewer.state.inspection import Mark
+from insonify_viewer.work.simulator import pack_beneath, thin_new_ground
 
 
 @pytest.fixture

@@ -24,8 +24,7 @@ from insonify.scene.seabed.reliefs.random_relief import RandomRelief
 from insonify.scene.targets import Target
 from insonify.scene.water import WaterKind
 from insonify.scene.water.absorptions import NEPER_PER_DB
-from insonify_viewer.state.field_names import PLACES, name_field
-from insonify_viewer.state.fields import ChoiceField, FileField, NumberField, Parameter
+from insonify_viewer.state.fields import PLACES, ChoiceField, FileField, NumberField, Parameter, name_field
 
 SECTIONS = ("sonar", "seabed", "track", "targets", "volumes", "water", "receiver", "receiver.recorder")
 # Order of the pose fields of a target, after those of its shape.
