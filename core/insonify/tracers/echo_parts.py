@@ -23,8 +23,7 @@ from insonify.kernels.multipath.image_sources import (
     SURFACE_BOTTOM_SURFACE,
     SURFACE_ECHO,
 )
-from insonify.kernels.multipath.plane_echoes import note_plane_echoes
-from insonify.kernels.multipath.surface_multipath import empty_multipath_workspace
+from insonify.kernels.multipath.surface_multipath import empty_multipath_workspace, note_plane_echoes
 from insonify.kernels.sweep.sweep import AzimuthFan, empty_sweep_workspace
 from insonify.packing.apparent_tables import make_apparent_tables
 from insonify.packing.containment import refuse_sonar_in_solid

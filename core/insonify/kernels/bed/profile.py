@@ -40,6 +40,23 @@ class Profile(NamedTuple):
     facing: NDArray[np.float32]  # and of segments, -r√area cosα of the true incidence α, r the apparent slant range, m
 
 
+@inlined_uncounted
+def list_marked(marks, segments, indices):
+    """List the indices of marked segments and return their number; a word of marks beyond the segments is cleared.
+
+    Few segments are marked, so that whole words of marks are tested at once.
+    """
+    marks[segments : segments + WORD] = False
+    words, n = marks[: (segments + WORD - 1) // WORD * WORD].view(np.int64), 0
+    for word in range(words.size):
+        if words[word] != 0:
+            for i in range(WORD * word, WORD * word + WORD):
+                if marks[i]:
+                    indices[n] = i
+                    n += 1
+    return n
+
+
 def empty_profile(capacity: int, dtype: DTypeLike = np.float32) -> Profile:
     """Make room for profiles.
 

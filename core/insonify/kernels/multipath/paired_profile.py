@@ -11,7 +11,7 @@ from __future__ import annotations
 import math
 
 from insonify.compiler.jit import inlined_uncounted, kernel_uncounted
-from insonify.kernels.bed.profile import WORD, padded_count
+from insonify.kernels.bed.profile import padded_count
 from insonify.kernels.common.range_bins import FIXED_POINT, spread_energy
 from insonify.kernels.common.scattering import scatter_paired_segments
 from insonify.kernels.common.types import LIGHT
@@ -39,7 +39,6 @@ def deposit_paired_profile(profile, count, one, other, pair, hidden, arrays, lab
     )
     _mark_parted(knots, profile.area, one, other, pair, hidden, labelling, echoes)
     echoes.energy[count - 1] = 0.0
-    echoes.cut[count - 1 : count - 1 + WORD] = False
     if pair.rms_height > 0.0 or pair.slope_variance > 0.0:
         _deposit_on_waves(count, profile.x, one.z, pair, arrays.multipath.facets[pair.passes - 1], echoes, bins)
     else:
