@@ -12,12 +12,12 @@ from typing import NamedTuple
 from insonify.compiler.jit import inlined_uncounted, kernel_uncounted
 from insonify.kernels.beam.pattern import (
     azimuthal_response,
+    integrated_response,
     lobe_response,
     shared_response,
     vertical_response,
     widest_extent,
 )
-from insonify.kernels.beam.pattern_integrals import integrated_response
 from insonify.kernels.common.types import EVERY_GRAZING, LIGHT
 
 TRANSITION = 0.3  # of the near field, by which the far field takes over

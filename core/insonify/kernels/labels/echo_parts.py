@@ -1,4 +1,4 @@
-"""Parts of which the echo in some range bins is made: stretches of the bed and facets of targets, heard or hidden.
+"""Parts of which the echo in some range bins is made: stretches of the bed and facets of targets, visible or hidden.
 
 The planes of the sweep are walked once more. Every segment and facet near the bins is deposited by the sweep's own
 functions into bins of its own, so that the parts add up to the sweep's record. Bed that the horizon or a target hides
@@ -54,7 +54,7 @@ RISES = 4  # repetitions that find the true height of an apparent place
 
 
 class Window(NamedTuple):
-    """Neighbouring range bins whose echo is looked at."""
+    """Neighbouring range bins, with weights by which their energy is summed."""
 
     first: int
     weights: NDArray[np.float64]  # (3, n) factors of the energy of each bin, for the columns ECHO, SPREAD and VALUE

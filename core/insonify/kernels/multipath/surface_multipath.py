@@ -47,21 +47,14 @@ from insonify.kernels.multipath.image_sources import (
     tilt_delay,
     wave_advance,
 )
-from insonify.kernels.multipath.paired_profile import deposit_paired_profile
+from insonify.kernels.multipath.paired_profile import PairedEchoes, deposit_paired_profile, empty_paired_echoes
 from insonify.kernels.multipath.paired_segments import PairedSegment, SegmentLine, echo_range, list_stretch
 from insonify.kernels.multipath.target_multipath import list_target_echoes
 from insonify.kernels.rays.launch import orient_beam
 from insonify.kernels.refraction.apparent_positions import COLUMNS, straight_grid
 from insonify.kernels.sweep.partial_segments import launch_angle, next_stretch, visible_from
 from insonify.kernels.sweep.sweep import LOWEST, aim_plane
-from insonify.kernels.sweep.visibility import (
-    SegmentEchoes,
-    empty_segment_echoes,
-    launch_slopes,
-    running_horizon,
-    sample_room,
-    slant_ranges,
-)
+from insonify.kernels.sweep.visibility import launch_slopes, running_horizon, slant_ranges
 from insonify.kernels.targets.angular_zbuffer import AngularZbuffer, empty_zbuffer, fill_zbuffer
 from insonify.kernels.targets.occlusion import is_hidden, occluded_slopes, occlusion_of
 
@@ -86,7 +79,7 @@ class MultipathWorkspace(NamedTuple):
     profile: Profile
     images: tuple[ImageProfile, ImageProfile]
     zbuffers: tuple[AngularZbuffer, AngularZbuffer]
-    segments: SegmentEchoes
+    segments: PairedEchoes
     table: NDArray[np.float32]  # apparent positions, which water without refraction has none of
     echoes: NDArray[np.float64]  # a list of echoes
 
@@ -108,7 +101,7 @@ def empty_multipath_workspace(arrays: SceneArrays, dtype: DTypeLike = np.float32
     capacity = profile_capacity(reach, arrays.bed.spacing)
     lower, higher = (ImageProfile(*np.zeros((3, capacity)), *np.zeros((3, capacity), dtype)) for _ in range(2))
     zbuffers = empty_zbuffer(arrays.solids, arrays.mesh), empty_zbuffer(arrays.solids, arrays.mesh)
-    segments = empty_segment_echoes(capacity, arrays.bins, dtype)
+    segments = empty_paired_echoes(capacity, dtype)
     table = np.zeros((2, 2, COLUMNS), np.float32)
     return MultipathWorkspace(
         empty_profile(capacity, dtype), (lower, higher), zbuffers, segments, table, empty_echo_list()
@@ -251,8 +244,8 @@ def _view_from_image(arrays, count, image, plane, sector, reach, workspace, k):
         # Padding past the last knot may hold any number, which must not index a pattern's table.
         x, fine = x[: count if pattern.tabulated else padded_count(count)], FINE_ROOT if pattern.two_way else FINE_SINE
         if not (is_whole_beam(sector) and pattern.two_way):
-            room = sample_room(workspace.segments)
-            weigh_knots(x, seen.rise, seen.r, sector, pattern, arrays.law, fine, room, seen.weight)
+            room, law = workspace.segments.room, arrays.law
+            weigh_knots(x, seen.rise, seen.r, sector, pattern, law, fine, room, seen.weight)
     if zbuffer.body.size == 0:
         return 0
     seen_from = HalfPlane(plane.x, plane.y, plane.z + image.height, plane.ex, plane.ey)

@@ -17,8 +17,7 @@ from insonify.kernels.sweep.facets import Facet, deposit_facet
 from insonify.kernels.sweep.partial_segments import FINE
 from insonify.kernels.targets.angular_zbuffer import NO_PRIMITIVE
 from insonify.kernels.targets.apparent_targets import ApparentSource, load_apparent_source, rays_apart
-from insonify.kernels.targets.directions import bisect_directions
-from insonify.kernels.targets.primitives import Primitive, intersect_primitive, load_primitive
+from insonify.kernels.targets.primitives import Primitive, bisect_directions, intersect_primitive, load_primitive
 
 MOST_FACETS = 64.0
 HALVINGS = 10  # that find where a facet comes out of the bed

@@ -15,7 +15,7 @@ from numpy.typing import DTypeLike, NDArray
 
 from insonify.compiler.jit import inlined_uncounted
 from insonify.kernels.beam.knot_weights import weigh_knots
-from insonify.kernels.beam.pattern_samples import FINE_SINE
+from insonify.kernels.beam.pattern_samples import FINE_SINE, SampleRoom
 from insonify.kernels.bed.grid import is_oblique
 from insonify.kernels.bed.profile import WORD, padded_count
 from insonify.kernels.common.range_bins import FIXED_POINT
@@ -92,8 +92,9 @@ def find_visible_echoes(profile, count, plane, arrays, sector, hidden_from, hidd
 
 @inlined_uncounted
 def sample_room(echoes):
-    """Work space in which the knots are weighed: arrays that are filled only afterwards."""
-    return echoes.place, echoes.early, echoes.late, echoes.third, echoes.fourth
+    """Work space for the samples of a pattern, in the memory of arrays that are filled only afterwards."""
+    early, late, third = echoes.early.view(np.float64), echoes.late.view(np.float64), echoes.third.view(np.float64)
+    return SampleRoom(echoes.place, early, late, third, echoes.fourth.view(np.float64))
 
 
 @inlined_uncounted
