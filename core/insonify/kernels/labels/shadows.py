@@ -62,12 +62,12 @@ def label_shadows(shadows, contributions, materials, labels, ping, side):
         return
     for k in range(share.size):
         hidden, most, best = 0.0, 0.0, NO_TARGET
-        for who in range(shadows.present.size):
-            if shadows.present[who]:
-                energy = shadows.energy[who, k]
+        for row in range(shadows.present.size):
+            if shadows.present[row]:
+                energy = shadows.energy[row, k]
                 hidden += energy
                 if energy > most:
-                    most, best = energy, who
+                    most, best = energy, row
         if hidden > 0.0:
             share[k] = hidden / (hidden + _bed_echo(contributions, materials, k))
             target[k] = best

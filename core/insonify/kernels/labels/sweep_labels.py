@@ -1,8 +1,8 @@
 """Labels of range bins from the sweep: greatest contributor, its place and incidence, and the shadows of targets.
 
 The planes of the sweep are walked once more. Every visible segment and facet adds its energy to the bins it spans,
-contributor by contributor: each material of the bed is one, and so is each target. Whether a bin holds an echo at all
-the sweep's own bins decide.
+contributor by contributor: each material of the bed is one, and so is each target. A bin has an echo if it has energy
+in the record.
 """
 
 from __future__ import annotations
@@ -57,11 +57,11 @@ class BinLabels(NamedTuple):
     ground_range: NDArray[np.float32]  # m, NaN where nothing returns
     incidence: NDArray[np.float32]  # rad, NaN where nothing returns
     target_echo: NDArray[np.float32]  # (pings, 2, targets) direct echo of each target over all bins, m² by law SONAR
-    caustic: NDArray[np.bool_]  # whether a ray at a caustic returns, whose tube's width is bounded from below
+    caustic: NDArray[np.bool_]  # whether a ray at a caustic returns; the width of its tube is bounded from below
 
 
 class LabelledSegment(NamedTuple):
-    """A segment of the bed whose echo is labelled."""
+    """A segment of the bed and what its echo is labelled with."""
 
     segment: BedSegment
     contributor: int
@@ -189,16 +189,16 @@ def label_bins(contributions, straight, by_surface, labels, ping, side):
     contributor, energy = labels.contributor[ping, side], labels.energy[ping, side]
     ground_range, incidence = labels.ground_range[ping, side], labels.incidence[ping, side]
     contributor[:], energy[:], ground_range[:], incidence[:] = NO_PRIMITIVE, 0.0, np.nan, np.nan
-    for who in range(contributions.present.size):
-        if contributions.present[who]:
+    for row in range(contributions.present.size):
+        if contributions.present[row]:
             for k in range(straight.size):
                 best = contributor[k]
                 if (
                     straight[k] + by_surface[k] > 0.0
-                    and contributions.strongest[who, k] >= 0.0
-                    and (best == NO_PRIMITIVE or contributions.energy[who, k] > contributions.energy[best, k])
+                    and contributions.strongest[row, k] >= 0.0
+                    and (best == NO_PRIMITIVE or contributions.energy[row, k] > contributions.energy[best, k])
                 ):
-                    contributor[k] = who
+                    contributor[k] = row
     for k in range(straight.size):
         if contributor[k] != NO_PRIMITIVE:
             energy[k] = contributions.energy[contributor[k], k]
@@ -250,9 +250,9 @@ def _note_stretches(contributions, shadows, labelled, stretches, n):
 
 @inlined
 def _note_whole_segment(contributions, labelled, x_from, x_to, near, far, density):
-    """Note a short segment whose energy is spread evenly over its slant range."""
-    segment, who, level, bin_length = labelled.segment, labelled.contributor, labelled.range_ratio, labelled.bin_length
-    energy, strongest, per_bin = contributions.energy[who], contributions.strongest[who], 1.0 / bin_length
+    """Note a short segment; its energy is spread evenly over its slant range."""
+    segment, row, level, bin_length = labelled.segment, labelled.contributor, labelled.range_ratio, labelled.bin_length
+    energy, strongest, per_bin = contributions.energy[row], contributions.strongest[row], 1.0 / bin_length
     a, b = min(near, far), max(near, far)
     first, last = spanned_bins(a, b, per_bin, energy.size, ROUNDING)
     for k in range(first, last):
@@ -262,20 +262,20 @@ def _note_whole_segment(contributions, labelled, x_from, x_to, near, far, densit
         if part > strongest[k]:
             r = 0.5 * (start + stop)
             strongest[k] = part
-            contributions.x[who, k] = (x_from + (x_to - x_from) * (r - near) / (far - near)) / level
-            contributions.cosine[who, k] = -segment.facing / (r * math.sqrt(segment.area))
+            contributions.x[row, k] = (x_from + (x_to - x_from) * (r - near) / (far - near)) / level
+            contributions.cosine[row, k] = -segment.facing / (r * math.sqrt(segment.area))
 
 
 @kernel
 def _note_stretch(contributions, labelled, x_from, x_to):
     """Note a visible stretch of a segment along which slant range grows or falls, bin by bin."""
     if x_to > x_from:
-        stretch, who = _stretch(labelled.segment, x_from, x_to), labelled.contributor
+        stretch, row = _stretch(labelled.segment, x_from, x_to), labelled.contributor
         bins = contributions.energy.shape[1]
         first, last = spanned_bins(stretch.near, stretch.far, 1.0 / labelled.bin_length, bins, ROUNDING)
         for k in range(first, last):
             x, cosine, energy = _echo_in_bin(labelled, stretch, k)
-            add_contribution(contributions, who, k, energy, x / labelled.range_ratio, cosine)
+            add_contribution(contributions, row, k, energy, x / labelled.range_ratio, cosine)
 
 
 @kernel

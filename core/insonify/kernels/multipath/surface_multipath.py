@@ -67,10 +67,10 @@ class ImageProfile(NamedTuple):
 
     z: NDArray[np.float64]  # height above the image, m
     r: NDArray[np.float64]  # slant range, m
-    rise: NDArray[np.float64]  # height above the sonar of where the sound set out for, m
+    rise: NDArray[np.float64]  # the same, mirrored with the image: how far the sound rises on leaving the sonar, m
     launch: NDArray[np.float32]  # tan of the launch angle above the horizontal
     horizon: NDArray[np.float32]  # greatest launch slope so far
-    weight: NDArray[np.float32]  # what the plane stands for there
+    weight: NDArray[np.float32]  # weight of the plane there
 
 
 class MultipathWorkspace(NamedTuple):
@@ -80,7 +80,7 @@ class MultipathWorkspace(NamedTuple):
     images: tuple[ImageProfile, ImageProfile]
     zbuffers: tuple[AngularZbuffer, AngularZbuffer]
     segments: PairedEchoes
-    table: NDArray[np.float32]  # apparent positions, which water without refraction has none of
+    table: NDArray[np.float32]  # apparent positions; unused in water without refraction
     echoes: NDArray[np.float64]  # a list of echoes
 
 
@@ -191,7 +191,7 @@ def add_image_plane(arrays, poses, ping, side, fan, k, pairs, reaches, workspace
     limits = SegmentLimits(shininess, bin_length, angle, misplaced, False)
     count = slice_bed(arrays.bed, limits, x, y, z, ex, ey, farthest, profile)
     cells_of_sonar = cells_of_image = NOT_SEEN
-    # What an image takes part in: the sonar in two paths, its image in the surface in two, that in the bed in one.
+    # The sonar makes two of the paths, its image in the surface two, its image in the bed one.
     seen_by_sonar, seen_by_image = max(reaches[0], reaches[2]), max(reaches[0], reaches[1])
     for path in range(PAIRS):
         pair, reach = pairs[path], reaches[path]
@@ -233,13 +233,13 @@ def _deposit(arrays, passes, path, echoes, n, sink):
 def _view_from_image(arrays, count, image, plane, sector, reach, workspace, k):
     """Fill the profile and the z-buffer of targets of image k (0 the sonar); return the cells of the z-buffer.
 
-    What lies beyond the reach of its paths neither echoes nor hides anything of them.
+    Nothing beyond the reach of its paths returns an echo by them or hides one.
     """
     seen, zbuffer, pattern = workspace.images[k], workspace.zbuffers[k], arrays.pattern
     x = workspace.profile.x
     count = _knots_within(x, count, reach)
     _view_profile(x, workspace.profile.z, padded_count(count), image, seen)
-    # The bed's image is never the lower one of a pair, whose weights alone count without a pattern.
+    # Without a pattern the weights of the lower image alone count; the bed's image is never the lower one.
     if pattern.tabulated or image.mirrored or k == 0:
         # Padding past the last knot may hold any number, which must not index a pattern's table.
         x, fine = x[: count if pattern.tabulated else padded_count(count)], FINE_ROOT if pattern.two_way else FINE_SINE

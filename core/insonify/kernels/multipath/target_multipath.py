@@ -41,7 +41,8 @@ from insonify.kernels.targets.angular_zbuffer import NO_PRIMITIVE, AngularZbuffe
 from insonify.kernels.targets.primitives import Primitive, meet_primitive
 
 HALVINGS = 12  # that find where the higher image stops to see a facet
-# Under law `light`, whose means of both ends err twice as much as middles do: times as many parts, and at least.
+# Under law `light` the mean of both ends errs twice as much as the middle: factor of the number of parts, and the
+# least number.
 LIT_PARTS, LEAST_LIT = 2, 4
 INSIDE = 1e-9  # share of a facet by which radiance is taken inside its ends
 LEAST_COSINE = 1e-6  # of an incidence, as in the parabola of a facet

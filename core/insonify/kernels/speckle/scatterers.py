@@ -2,7 +2,7 @@
 
 Scatterers lie on the bed and on targets at hashed places, a Poisson number in each lot, and scatter with circular
 Gaussian amplitudes. Each visible scatterer adds its wave, with the mean energy of its share of the area, to a signal
-over slant range that is sampled finer than the pulse. The sum of the signal over the pulse is one sample, whose energy
+over slant range that is sampled finer than the pulse. The sum of the signal over the pulse is one sample; its energy
 enters the record. The mean over all realisations of the scatterers is the sweep's record.
 Derived in docs/theory/speckle.md.
 """
@@ -47,7 +47,7 @@ class Scatterers(NamedTuple):
 class PulseTaps(NamedTuple):
     """Amplitudes with which one sample sums the coherent signal over the pulse."""
 
-    samples: int  # per bin, whose mean energy the bin holds
+    samples: int  # per bin; the bin has their mean energy
     cells: int  # of the line, per sample
     taps: NDArray[np.float64]  # amplitudes, from the nearest cell to the farthest
     before: int  # how many of them lie nearer than the middle of the sample
@@ -82,7 +82,7 @@ class WaveScale(NamedTuple):
 class ScattererEcho(NamedTuple):
     """A scatterer as the sonar sees it."""
 
-    response: float  # two-way response of the beam; 0 if it does not take it in
+    response: float  # two-way response of the beam; 0 outside it
     cosine: float  # of the incidence
     r: float  # slant range, m
     dx: float  # direction to it

@@ -16,7 +16,7 @@ from insonify.kernels.common.scattering import backscatter_strength
 from insonify.kernels.common.types import LIGHT
 from insonify.kernels.targets.occlusion import is_hidden, next_visible
 
-FINE = 0.02  # longest part, as a share of its range, whose energy spreads evenly over its bins
+FINE = 0.02  # length, as a share of its range, up to which the energy of a part spreads evenly over its bins
 MOST_PARTS = 4096
 
 
