@@ -10,7 +10,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from insonify.compiler.jit import inlined, kernel
+from insonify.compiler.jit import inlined
 from insonify.kernels.common.search import last_not_above
 from insonify.kernels.labels.shadows import NO_TARGET
 from insonify.kernels.sweep.partial_segments import ground_range_at, launch_angle, next_stretch
@@ -37,7 +37,7 @@ def empty_stretches(zbuffer: AngularZbuffer) -> Stretches:
     return Stretches(np.empty(room), np.empty(room), np.empty(room, np.int64), np.empty(room, np.int64))
 
 
-@kernel
+@inlined
 def split_segment(segment, x_from, x_to, risen, occlusion, arrays, zbuffer, stretches):
     """Split a segment that rises above the horizon at the ground range ``risen``; return the number of stretches."""
     n = _add_stretch(stretches, 0, x_from, risen, BEHIND_BED, NO_TARGET)
