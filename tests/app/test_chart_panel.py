@@ -26,7 +26,7 @@ from insonify_viewer.panels.chart.chart_details import (
     nearest_row,
     row_details,
 )
-from insonify_viewer.work.background_job import State
+from insonify_viewer.work.jobs import State
 
 
 def a_chart(scene: Scene, progress: Callable[[float], None] = lambda share: None) -> AccuracyChart:

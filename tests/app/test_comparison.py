@@ -24,10 +24,9 @@ from test_menus import activate
 
 from insonify.cli import main
 from insonify.scene import Scene, edit, load_partner, load_scene
-from insonify_viewer.record.comparison.arrangement import Arrangement
-from insonify_viewer.record.comparison.changed_fields import list_changes
-from insonify_viewer.record.comparison.difference_picture import SPANS, decibels_between, draw_difference
-from insonify_viewer.record.comparison.pairs import find_pairs
+from insonify_viewer.record.comparison.arrangement import Arrangement, find_pairs
+from insonify_viewer.record.comparison.comparison_overlay import SPANS, decibels_between, draw_difference
+from insonify_viewer.record.comparison.kept_record import list_changes
 from insonify_viewer.record.comparison.record_difference import (
     RecordDifference,
     RecordSnapshot,

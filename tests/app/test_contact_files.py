@@ -10,8 +10,8 @@ from pathlib import Path
 import pytest
 
 from insonify.scene import SceneError, load_scene
-from insonify_viewer.state.contact_files import read_contacts, write_contacts
-from insonify_viewer.state.contacts import Contact, ContactList
+from insonify_viewer.state.contact_list import ContactList
+from insonify_viewer.state.contacts import Contact, read_contacts, write_contacts
 from insonify_viewer.state.session import Session
 
 PLAIN = Contact("wreck, bow", 'broken; "see log"\nline 2', "A scene", 120, "port", 700, 35.02, 33.6, 24.0, 33.6)

@@ -13,8 +13,7 @@ from PySide6.QtGui import QDragEnterEvent, QDropEvent
 from PySide6.QtWidgets import QApplication, QFileDialog, QMessageBox
 
 from insonify.scene import Scene, bundled_meshes, bundled_scenes, edit, scene_to_toml
-from insonify_viewer.state.contact_files import write_contacts
-from insonify_viewer.state.contacts import Contact
+from insonify_viewer.state.contacts import Contact, write_contacts
 from insonify_viewer.window.settings import RECENT, Settings
 
 

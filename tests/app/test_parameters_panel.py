@@ -15,14 +15,14 @@ from insonify.display.normalisation import LevelBed
 from insonify.scene import Scene, bundled_scenes, edit, load_scene
 from insonify.simulation import prepare
 from insonify.statistics.record_errors import compute_errors, find_first_bin
-from insonify_viewer.panels.parameters.effect_catalogue import EFFECTS
+from insonify_viewer.panels.parameters.effects import EFFECTS
 from insonify_viewer.panels.parameters.sections import pinned_section, sections_of
-from insonify_viewer.panels.parameters.trying import Trials, row_of
+from insonify_viewer.panels.parameters.values import Trials, row_of
 from insonify_viewer.panels.parameters.view import parameters_view
 from insonify_viewer.panels.parameters.view.parameters_view import ParametersView
 from insonify_viewer.panels.parameters.view.section_box import SectionBox
 from insonify_viewer.record.comparison.record_difference import visible_share
-from insonify_viewer.state.field_names import name_edit, name_field
+from insonify_viewer.state.fields import name_edit, name_field
 from insonify_viewer.state.session import Session
 
 

@@ -11,7 +11,7 @@ from insonify.scene import Scene, edit, load_scene
 from insonify.simulation import prepare
 from insonify.statistics.record_errors import compare_records
 from insonify.tracers import sweep
-from insonify_viewer.panels.plan.comparison import changed_subject, difference_in_words
+from insonify_viewer.panels.plan.controller import changed_subject, difference_in_words
 from insonify_viewer.record.comparison.record_difference import RecordDifference
 from insonify_viewer.state.modelling import Modelling
 from insonify_viewer.state.session import Session

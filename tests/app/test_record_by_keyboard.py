@@ -15,7 +15,7 @@ from insonify.scene import Scene
 from insonify_viewer.record.comparison.arrangement import Arrangement
 from insonify_viewer.record.comparison.comparison_overlay import WIPE
 from insonify_viewer.record.projection import Zoom
-from insonify_viewer.state.session import Mark
+from insonify_viewer.state.inspection import Mark
 
 Key, Modifier = Qt.Key, Qt.KeyboardModifier
 

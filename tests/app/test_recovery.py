@@ -14,8 +14,7 @@ import pytest
 from PySide6.QtCore import QLockFile
 
 from insonify.scene import Scene, edit
-from insonify_viewer.state.contact_files import read_contacts, write_contacts
-from insonify_viewer.state.contacts import Contact
+from insonify_viewer.state.contacts import Contact, read_contacts, write_contacts
 from insonify_viewer.window.recovery import INTERVAL, Recovery
 
 FISH = Contact("fish", "a shoal?", "A scene", 3, "port", 7, 2.0, snapshot=bytes(range(256)))
@@ -28,7 +27,7 @@ from insonify.scene import load_scene
 from insonify_viewer import application
 from insonify_viewer.state.contacts import Contact
 from insonify_viewer.viewer import Viewer
-from insonify_viewer.window.crash_recovery import CrashRecovery
+from insonify_viewer.window.recovery import CrashRecovery
 
 def ask(window, title, question, *rest):
     print("ASKED", question, flush=True)

@@ -14,7 +14,7 @@ from test_menus import activate
 
 from insonify.scene import Scene
 from insonify_viewer.application import has_opengl
-from insonify_viewer.seabed.seabed_keys import CLOSER, STEP
+from insonify_viewer.seabed.seabed_canvas import CLOSER, STEP
 from insonify_viewer.seabed.seabed_view import FARTHEST, LOWEST, NEAREST, STEEPEST
 
 

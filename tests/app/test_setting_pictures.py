@@ -11,9 +11,8 @@ from PySide6.QtCore import QPoint, Qt
 
 from insonify.display.scene_curves import beam_curve
 from insonify.scene import Scene, edit
-from insonify_viewer.panels.parameters.setting_pictures import registry
-from insonify_viewer.panels.parameters.setting_pictures.curves_picture import CurvesPicture
-from insonify_viewer.panels.parameters.setting_pictures.spectrum_picture import SpectrumPicture
+from insonify_viewer.panels.parameters.view import setting_pictures as registry
+from insonify_viewer.panels.parameters.view.setting_pictures import CurvesPicture, SpectrumPicture
 from insonify_viewer.viewer import Viewer
 
 Opener = Callable[..., Viewer]

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 from PySide6.QtCore import QPointF, QRect, Qt
 from PySide6.QtGui import QColor, QPainter, QPen
 
-from insonify_viewer.widgets.polylines import make_polyline
+from insonify_viewer.widgets.painting import make_polyline
 from insonify_viewer.widgets.theme import ACCENT, EDGE, MARK, QUIET, RAISED
 
 LEAST, GAP = 84, 22  # px, height of the trace, and its distance from the ruler above it

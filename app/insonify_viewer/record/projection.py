@@ -9,14 +9,21 @@ from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
+from PySide6.QtCore import QRect
 
+from insonify.display.display_options import DisplayOptions, side_factors
 from insonify.display.picture import average_columns, colour_rows, place_columns
-from insonify.display.range_axis import RangeAxis
-from insonify_viewer.state.session import Mark
+from insonify.display.range_axis import SLANT, RangeAxis, choose_kind, make_range_axis
+from insonify_viewer.record.record import Record
+from insonify_viewer.state.inspection import Mark
 
 Values = NDArray[np.float64]
 BEYOND = np.float32(-1.0)  # amplitude of columns that lie beyond the last bin
 CLOSEST = 1.0 / 64.0  # least share of the record that a zoom shows
+STEPS = 50.0  # of altitude over the range, by which the reach of a picture changes
+LEAST_FILLED = 0.55  # share of the room that a plot at true scale fills; else the plot fills the room
+ALIKE = 0.02  # deviation of two scales that counts as none
+MANY = 10.0  # ratio that is told in whole numbers
 
 
 class Zoom(NamedTuple):
@@ -194,3 +201,53 @@ def _moved(span: tuple[float, float], by: float) -> tuple[float, float]:
     first, last = span
     by = min(max(by, -first), 1.0 - last)
     return first + by, last + by
+
+
+def choose_axis(look: DisplayOptions, record: Record, slant_range: float) -> RangeAxis:
+    """Distance across the picture of a record; slant range where its bed is not known or out of range."""
+    bin_length = slant_range / record.bins
+    lowest = record.lowest
+    lowest = math.floor(STEPS * lowest / slant_range) * slant_range / STEPS if math.isfinite(lowest) else lowest
+    kind = choose_kind(ground_range=look.ground_range, water_column=look.water_column)
+    axis = make_range_axis(kind, record.bins, bin_length, lowest)
+    return axis or RangeAxis(SLANT, record.bins, bin_length, slant_range)
+
+
+def row_factors(look: DisplayOptions, bins: int) -> NDArray[np.float32] | None:
+    """Factors on a row of a record, from far port to far starboard; None where there are none."""
+    factors = side_factors(look, bins)
+    return None if factors is None else np.concatenate([factors[0, ::-1], factors[1]])
+
+
+def project_record(look: DisplayOptions, record: Record, axis: RangeAxis, zoom: Zoom, newest: int) -> Projection:
+    """Projection of a record whose newest ping on screen is given."""
+    factors = row_factors(look, record.bins)
+    return Projection(axis, look.side, look.newest_on_top, zoom, newest, record.pings, record.altitude_of, factors)
+
+
+def zoom_to_true_scale(zoom: Zoom, room: tuple[int, int], across: float, along: float, *, newest_on_top: bool) -> Zoom:
+    """Show as much of the track as fills the room at true scale, from the newest ping of the zoom on."""
+    metres = (zoom.right - zoom.left) * across / room[0] * room[1]
+    share = min(metres / along, 1.0)
+    if newest_on_top:
+        upper = min(zoom.upper, 1.0 - share)
+        return zoom._replace(upper=upper, lower=upper + share)
+    lower = max(zoom.lower, share)
+    return zoom._replace(upper=lower - share, lower=lower)
+
+
+def plot_at_true_scale(room: QRect, along: float, across: float, *, always: bool = False) -> QRect:
+    """Largest plot at true scale in the upper left of a room, or the whole room where too little would be filled."""
+    scale = min(room.width() / across, room.height() / along)
+    plot = QRect(room.left(), room.top(), max(round(across * scale), 1), max(round(along * scale), 1))
+    filled = plot.width() * plot.height() / max(room.width() * room.height(), 1)
+    return plot if always or filled >= LEAST_FILLED else room
+
+
+def name_scale(plot: QRect, along: float, across: float) -> str:
+    """Say whether a plot is at true scale, and by how much the track is drawn out or compressed else."""
+    ratio = (plot.height() / along) / max(plot.width() / across, 1e-9)
+    if abs(ratio - 1.0) < ALIKE:
+        return "1 : 1"
+    sign, by = ("×", ratio) if ratio > 1.0 else ("÷", 1.0 / ratio)
+    return f"track {sign} {by:.2g}" if by < MANY else f"track {sign} {by:.0f}"

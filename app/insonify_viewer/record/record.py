@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -9,6 +10,7 @@ from numpy.typing import NDArray
 
 if TYPE_CHECKING:
     from insonify.scene import Scene
+    from insonify_viewer.work.ping_request import TracedPings
 
 MAX_PINGS, MAX_CELLS = 2048, 2**26  # limits of the record on screen
 Rows = NDArray[np.int64]
@@ -91,3 +93,13 @@ class Record:
 def pings_held(scene: Scene) -> int:
     """Count the pings of a scene's track that the record on screen holds."""
     return min(scene.track.pings, MAX_PINGS, MAX_CELLS // (2 * scene.sonar.bins))
+
+
+@dataclass(frozen=True)
+class RecordGrowth:
+    """Pings that the record on screen has just taken over."""
+
+    answer: TracedPings  # the traced pings and the simulation that traced them
+    record: Record  # all pings on screen
+    current: bool  # whether the pings are traced at full accuracy and belong to the scene as it is now
+    complete: bool  # whether no ping on screen is missing

@@ -11,22 +11,30 @@ from PySide6.QtGui import QColor, QPainter, QPaintEvent, QResizeEvent
 from PySide6.QtWidgets import QWidget
 
 from insonify.display.display_options import DisplayOptions, Levels
-from insonify_viewer.errors.guarded_overrides import guard_override
+from insonify_viewer.errors import guard_override
 from insonify_viewer.record import record_overlays as overlays
 from insonify_viewer.record.echo_trace import CAPTION, GAP, WIDE, draw_caption, draw_trace, room_for_trace
-from insonify_viewer.record.layout import choose_axis, project_record, zoom_to_true_scale
-from insonify_viewer.record.projection import Projection, Zoom
+from insonify_viewer.record.projection import (
+    Projection,
+    Zoom,
+    choose_axis,
+    name_scale,
+    plot_at_true_scale,
+    project_record,
+    zoom_to_true_scale,
+)
 from insonify_viewer.record.record import Record, Rows
 from insonify_viewer.record.record_image import RecordImage
-from insonify_viewer.record.record_marks import RecordMarks
-from insonify_viewer.record.rulers import draw_ping_ruler, draw_range_ruler
-from insonify_viewer.record.scrub_handle import ScrubHandle
+from insonify_viewer.record.record_overlays import (
+    RecordMarks,
+    ScrubHandle,
+    draw_ping_ruler,
+    draw_range_ruler,
+    draw_waiting,
+)
 from insonify_viewer.record.tone_map import ToneMap, make_tone_map
-from insonify_viewer.record.true_scale import name_scale, plot_at_true_scale
-from insonify_viewer.record.waiting_bar import draw_waiting
-from insonify_viewer.state.session import Mark
-from insonify_viewer.widgets.text_scale import text_scale
-from insonify_viewer.widgets.theme import GROUND
+from insonify_viewer.state.inspection import Mark
+from insonify_viewer.widgets.theme import GROUND, text_scale
 from insonify_viewer.work.waiting import Waiting
 
 LEFT, BOTTOM, TOP, RIGHT = 64, 40, 24, 24

@@ -7,7 +7,7 @@ from collections.abc import Callable, Sequence
 from PySide6.QtCore import QObject, QPoint, QPointF, QRectF, Qt, Signal
 from PySide6.QtGui import QColor, QPainter, QPen
 
-from insonify_viewer.state.session import Mark
+from insonify_viewer.state.inspection import Mark
 from insonify_viewer.widgets.theme import HALO, MARK_IN_WATER
 
 GRIP = 9  # px from a handle at which the mouse takes hold of it

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from insonify.display.display_options import DisplayOptions, Levels
 from insonify.display.picture import colour_rows, shown_palette, span_decibels
-from insonify_viewer.widgets.pixels import colour_table, compress_highlights, with_highlights
+from insonify_viewer.widgets.painting import colour_table, compress_highlights, with_highlights
 
 SILENT = np.float32(1e-15)  # amplitude that stands for silence in decibels
 

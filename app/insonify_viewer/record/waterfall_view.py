@@ -3,18 +3,24 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from typing import TYPE_CHECKING
 
 from PySide6.QtCore import QEvent, QPoint, QRect, Qt, Signal
 from PySide6.QtGui import QColor, QFocusEvent, QKeyEvent, QMouseEvent, QPainter, QPaintEvent, QWheelEvent
 from PySide6.QtWidgets import QWidget
 
-from insonify_viewer.errors.guarded_overrides import guard_override
+from insonify.display.display_options import DisplayOptions
+from insonify.display.picture import choose_contrast
+from insonify_viewer.errors import guard_override
 from insonify_viewer.record.record_canvas import RecordCanvas
-from insonify_viewer.record.record_cursor import RecordCursor
 from insonify_viewer.record.record_handles import RecordHandles
-from insonify_viewer.state.session import Mark
+from insonify_viewer.state.inspection import Mark
 from insonify_viewer.widgets.arrow_keys import ENTER, modifiers_of, steps_of
 from insonify_viewer.widgets.theme import TEXT
+
+if TYPE_CHECKING:
+    from insonify_viewer.record.record import Record
+    from insonify_viewer.state.session import Session
 
 PINGS_A_NOTCH = 16
 NOTCH = 120  # of the wheel, in eighths of a degree
@@ -24,6 +30,7 @@ STILL = 3  # px by which the mouse may move in a click
 PAGES: dict[int, int] = {Qt.Key.Key_PageUp: -1, Qt.Key.Key_PageDown: 1}  # down
 KEYS = "Arrow keys move the cursor and the record, Return explains the pixel at the cursor, C marks a contact there."
 BY_TAB = Qt.FocusReason.TabFocusReason, Qt.FocusReason.BacktabFocusReason
+SAMPLED = 4  # every so many rows are looked at
 
 
 class WaterfallView(RecordCanvas):
@@ -280,3 +287,63 @@ class WaterfallView(RecordCanvas):
             self.hovered.emit(mark)
         if self._begun is not None and mark is not None:
             self.measured.emit(self._begun, mark)
+
+
+class RecordCursor:
+    """A place of the plot, from where the mouse last was; it follows its bin when the record is zoomed or moves."""
+
+    def __init__(
+        self,
+        plot: Callable[[], QRect],
+        mark_at: Callable[[QPoint], Mark | None],
+        place_of: Callable[[Mark], QPoint],
+    ) -> None:
+        self._plot, self._mark_at, self._place_of = plot, mark_at, place_of
+        self._place = QPoint(-1, -1)
+        self._mark: Mark | None = None
+
+    @property
+    def place(self) -> QPoint:
+        """Position in the view; the middle of the plot where the cursor was left out of sight."""
+        if self._plot().contains(self._place) and self._mark_at(self._place) == self._mark:
+            return self._place
+        moved = self._place if self._mark is None else self._place_of(self._mark)
+        return moved if self._plot().contains(moved) else self._plot().center()
+
+    def put(self, place: QPoint) -> None:
+        """Put the cursor at a position of the view."""
+        self._place, self._mark = place, self._mark_at(place)
+
+    def step(self, across: int, down: int) -> bool:
+        """Go to the nearest place of another bin in a direction; return whether the plot has one."""
+        place = self.place
+        here, plot = self._mark_at(place), self._plot()
+        there = place + QPoint(across, down)
+        while here is not None and plot.contains(there) and self._mark_at(there) == here:
+            there += QPoint(across, down)
+        inside = plot.contains(there)
+        self.put(there if inside else place)
+        return inside
+
+
+class Contrast:
+    """Shows a record by the display options, and chooses the ends of the palette where these leave them open."""
+
+    def __init__(self, waterfall: WaterfallView, session: Session) -> None:
+        self._waterfall, self._decibels = waterfall, session.display.decibels
+        self.due = True
+        session.displayed.connect(self._show)
+        waterfall.show_display(session.display)
+
+    def settle(self, record: Record, *, complete: bool) -> None:
+        """Choose the contrast anew if it is due, for the last time when the record is complete."""
+        if self.due:
+            heard = record.amplitude[record.ping >= 0][::SAMPLED]
+            self._waterfall.show_levels(choose_contrast(heard, decibels=self._decibels))
+            self.due = not complete
+
+    def _show(self, look: DisplayOptions) -> None:
+        self._waterfall.show_display(look)
+        if look.decibels is not self._decibels:
+            self._decibels, self.due = look.decibels, True
+            self.settle(self._waterfall.record, complete=True)

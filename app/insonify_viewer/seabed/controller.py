@@ -8,18 +8,16 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
+from psygnal import Signal
 
 from insonify.scene import SceneError
-from insonify_viewer.errors.failure import Failure
+from insonify_viewer.errors import Failure
 from insonify_viewer.record.drape import RecordStrip, drape_record
 from insonify_viewer.seabed.fan_sheet import fan_sheet
-from insonify_viewer.seabed.line_of_sight import meet_bed
-from insonify_viewer.state.session import Event
+from insonify_viewer.seabed.handle_geometry import meet_bed
 from insonify_viewer.widgets.qt_modules import load_qt_modules
 from insonify_viewer.work.gc_policy import leave_out_libraries
-from insonify_viewer.work.job import Job
-from insonify_viewer.work.laid_scene import LaidScene, is_same_ground
-from insonify_viewer.work.newest_wins import NewestWins
+from insonify_viewer.work.ping_request import LaidScene, is_same_ground
 from insonify_viewer.work.simulator import Simulator
 
 if TYPE_CHECKING:
@@ -41,6 +39,12 @@ VIEW = "insonify_viewer.seabed.seabed_view"
 class SeabedController:
     """Loads the view and its libraries, and passes on only what has changed."""
 
+    picked = Signal(tuple)  # place of the bed or of a target that was clicked
+    taken = Signal(int)  # number of the handle at which a drag begins
+    pulled = Signal(tuple)  # place of the bed to which it is dragged
+    released = Signal()
+    failed = Signal(object)  # a `Failure` or an exception
+
     def __init__(self, simulator: Simulator, *, accelerated: bool) -> None:
         self._simulator, self._accelerated = simulator, accelerated
         self._view: SeabedView | None = None
@@ -49,16 +53,11 @@ class SeabedController:
         self._bodies: _Bodies | None = None
         self._asked = self._shown = 0  # numbers of the newest bed that is made, and of the one on screen
         self._owed = 0  # number of the bed of a settled scene that is not yet on screen, else 0
-        self._jobs: list[Job] = []
         self._loading = False  # whether this window is the first of the process, which loads the libraries
-        self._fans = NewestWins("fan", simulator.call_later)
-        self._scans = NewestWins("scan", simulator.call_later)
-        self._drapes = NewestWins("drape", simulator.call_later)
+        self._executor = simulator.executor
         self._strip: RecordStrip | None = None  # what is laid over the bed
         self._patch: BedPatch | None = None  # the bed on screen
         self._drape_asked = self._drape_shown = 0
-        self.picked, self.taken, self.pulled, self.released = Event(), Event(), Event(), Event()
-        self.failed = Event()
         self._grips: Sequence[Grip] = ()
 
     @property
@@ -128,7 +127,7 @@ class SeabedController:
             if self._view is not None and image is not None and patch is self._patch:
                 self._view.show_texture(image)
 
-        self._drapes.send(make, show)
+        self._executor.submit("drape", make, show)
 
     def show_mark(self, place: tuple[float, float, float] | None) -> None:
         """Mark a point of the bed; None removes the mark."""
@@ -168,13 +167,8 @@ class SeabedController:
         if self._view is not None:
             self._view.draw_now()
 
-    def close(self, patience: float | None = None) -> None:
-        """Release the drawing resources, and wait for each bed that is being made, at most for a time in seconds."""
-        self._fans.close(patience)
-        self._scans.close(patience)
-        self._drapes.close(patience)
-        for job in self._jobs:
-            job.close(patience)
+    def close(self) -> None:
+        """Release the drawing resources."""
         if self._view is not None:
             self._view.close_view()
             self._view = None
@@ -195,9 +189,9 @@ class SeabedController:
         self._view = SeabedView(accelerated=self._accelerated)
         self._view.sighted.connect(self._pick)
         handles = self._view.handles
-        handles.taken.connect(self.taken.emit)
+        handles.taken.connect(lambda number: self.taken.emit(number))
         handles.pulled.connect(self._pull)
-        handles.released.connect(self.released.emit)
+        handles.released.connect(lambda: self.released.emit())
         handles.show(self._grips)
         put(self._view)
         if self._latest is not None:
@@ -222,7 +216,7 @@ class SeabedController:
                 self._cut_fan(simulation, ping)
 
         if isinstance(ground, EndlessGround):
-            self._scans.send(lambda: scan_line(ground, arrays, pose), show)
+            self._executor.submit("scan", lambda: scan_line(ground, arrays, pose), show)
         else:
             show(scan_line(ground, arrays, pose))
 
@@ -237,7 +231,7 @@ class SeabedController:
             if self._view is not None and sheet is not None and self._latest is latest:
                 self._view.show_sheet(sheet)
 
-        self._fans.send(lambda: fan_sheet(simulation, ping), show)
+        self._executor.submit("fan", lambda: fan_sheet(simulation, ping), show)
 
     def _pull(self, begin: Vector, end: Vector) -> None:
         """Tell of the place of the bed under the mouse that holds a handle."""
@@ -274,24 +268,11 @@ class SeabedController:
 
         if at_once:
             self._owed = number
-            self._begin(make, show)
+            self._executor.start("picture of the bed", make, done=show, failed=show)
         elif self._shown:
-            self._simulator.send_patiently(make, show)
+            self._simulator.send_patiently("bed", make, show)
         else:
             self._simulator.send(make, show)
-
-    def _begin(self, make: Callable[[], Any], show: Callable[[Any], None]) -> None:
-        """Make meshes beside the worker."""
-        job = Job(
-            lambda _: make(),
-            self._simulator.call_later,
-            progressed=lambda _: None,
-            done=show,
-            failed=show,
-            name="picture of the bed",
-        )
-        self._jobs = [*(each for each in self._jobs if each.running), job]
-        job.start()
 
     def _lay(self, number: int, made: tuple[BedPatch, Any] | SceneError | Failure) -> None:
         """Show meshes, unless newer ones are on screen."""

@@ -7,13 +7,15 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
+from numpy.typing import NDArray
 
 from insonify.scene import Scene
 from insonify.scene.targets import Target
-from insonify_viewer.state.session import Mark
+from insonify_viewer.state.inspection import Mark
 
 if TYPE_CHECKING:
     from insonify.simulation import Simulation
+    from insonify.terrain import AnyGround
 
 Place = tuple[float, float, float]
 Action = Literal["move", "turn", "resize", "thicken", "raise"]
@@ -26,6 +28,11 @@ NEAR = 0.03  # slant ranges about a target within which a place belongs to it
 AROUND = 96  # pings about the one that straight tow lines give, in which an echo is looked for
 SMALLEST, LARGEST = 0.02, 50.0  # factors by which one drag resizes
 DIGITS = 3  # of positions and sizes in metres
+SAMPLES = 4096  # along the line
+HALVINGS = 30
+CLEAR = 2.0  # m above the highest bed known, and below the lowest, between which the line is looked at
+
+Vector = NDArray[np.float64]
 
 
 @dataclass(frozen=True)
@@ -167,3 +174,33 @@ def _distance(target: Target, x: float, y: float) -> float:
 
 def _scaled(size: float, factor: float) -> float:
     return max(round(size * factor, DIGITS), 10.0**-DIGITS)
+
+
+def meet_bed(
+    ground: AnyGround, begin: Vector, end: Vector, heights: tuple[float, float]
+) -> tuple[float, float, float] | None:
+    """Find where a line of sight meets the bed first."""
+    way = end - begin
+    if way[2] >= 0.0:
+        return None
+    first, last = ((level - begin[2]) / way[2] for level in (heights[1] + CLEAR, heights[0] - CLEAR))
+    first, last = max(first, 0.0), min(last, 1.0)
+    if first >= last:
+        return None
+    share = np.linspace(first, last, SAMPLES)
+    below = _above(ground, begin, way, share) <= 0.0  # NaN, where there is no bed, compares false
+    if not below.any():
+        return None
+    k = int(np.argmax(below))
+    low, high = share[max(k - 1, 0)], share[k]
+    for _ in range(HALVINGS):
+        middle = 0.5 * (low + high)
+        low, high = (low, middle) if _above(ground, begin, way, np.array([middle]))[0] <= 0.0 else (middle, high)
+    x, y, z = begin + high * way
+    return float(x), float(y), float(z)
+
+
+def _above(ground: AnyGround, begin: Vector, way: Vector, share: Vector) -> Vector:
+    """Heights of points of the line above the bed, m."""
+    points = begin + np.multiply.outer(share, way)
+    return np.asarray(points[:, 2] - ground.height_at_once(points[:, 0], points[:, 1]))

@@ -12,7 +12,7 @@ from PySide6.QtCore import QEvent, QObject, QPointF, Qt, Signal
 from PySide6.QtGui import QMouseEvent
 from PySide6.QtWidgets import QWidget
 
-from insonify_viewer.errors.guarded_overrides import guard_override
+from insonify_viewer.errors import guard_override
 from insonify_viewer.widgets.theme import ACCENT_IN_WATER, MARK_IN_WATER
 
 pv: Any = pyvista  # untyped

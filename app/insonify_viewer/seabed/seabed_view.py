@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from functools import cache
 from importlib import import_module
 from typing import TYPE_CHECKING, Any
@@ -17,11 +17,9 @@ from PySide6.QtWidgets import QVBoxLayout, QWidget
 
 from insonify_viewer.seabed import pv_meshes
 from insonify_viewer.seabed.pv_meshes import BedPatch, ScanFan, ScanLine
-from insonify_viewer.seabed.seabed_canvas import InteractiveCanvas, OffScreenCanvas
+from insonify_viewer.seabed.seabed_canvas import InteractiveCanvas, OffScreenCanvas, SeabedKeys
 from insonify_viewer.seabed.seabed_handles import SeabedHandles
-from insonify_viewer.seabed.seabed_keys import SeabedKeys
-from insonify_viewer.seabed.sound_actors import SoundActors
-from insonify_viewer.widgets.pixel_marks import LIT
+from insonify_viewer.widgets.painting import LIT
 from insonify_viewer.widgets.theme import MARK_IN_WATER
 
 if TYPE_CHECKING:
@@ -41,6 +39,11 @@ STEEPEST = math.radians(88.0)  # depression of the line of sight, at which the v
 NEAREST, FARTHEST = 0.05, 6.0  # distance of the camera from its focus, in slant ranges
 FADED = 0.25  # opacity of a bed of an earlier scene
 REST = 4.0  # pause between two drawings, in drawing times, which leaves time for the window
+# PyVista is untyped.
+
+Points = NDArray[np.float64]
+BLOCKED, HIDDEN = "#ff7a5c", "#2a0f0a"
+LIFT = 0.002  # share of the slant range by which stretches of the bed are drawn above it
 
 
 def load_libraries(*, accelerated: bool) -> None:
@@ -323,3 +326,49 @@ def _pin() -> Any:
     ball = pv.Sphere(center=(0, 0, 0.07), radius=0.011)
     needle = pv.Cylinder(center=(0, 0, 0.035), direction=(0, 0, 1), radius=0.002, height=0.07)
     return pv.merge([ball, needle]).extract_surface(algorithm=None)
+
+
+class SoundActors:
+    """Actors of one plotter that draw a `SoundDrawing`."""
+
+    def __init__(self, plotter: Any) -> None:
+        add: dict[str, Any] = {"render": False, "reset_camera": False, "lighting": False}
+        styles = {
+            "rays": {"color": MARK_IN_WATER, "line_width": 1.5, "opacity": 0.85},
+            "blocked": {"color": BLOCKED, "line_width": 1.5, "opacity": 0.85},
+            "heard": {"color": MARK_IN_WATER, "line_width": 6.0},
+            "hidden": {"color": HIDDEN, "line_width": 6.0},
+        }
+        self.actors = {name: plotter.add_mesh(_line(), **add, **style) for name, style in styles.items()}
+
+    def show(self, drawing: SoundDrawing | None, reach: float) -> None:
+        """Draw the sound of a pixel, at a view's slant range in metres; None hides it."""
+        lines: dict[str, Sequence[Points]] = dict.fromkeys(self.actors, ())
+        if drawing is not None:
+            lift = np.array([0.0, 0.0, LIFT * reach])
+            lines = {
+                "rays": drawing.rays,
+                "blocked": drawing.blocked,
+                "heard": list(drawing.heard + lift),
+                "hidden": list(drawing.hidden + lift),
+            }
+        for name, actor in self.actors.items():
+            actor.visibility = len(lines[name]) > 0
+            if len(lines[name]):
+                actor.mapper.SetInputData(polylines(lines[name]))
+
+
+def polylines(lines: Sequence[Points]) -> Any:
+    """Mesh of several lines, each of (n, 3) points."""
+    mesh = pv.PolyData(np.concatenate(lines).astype(np.float32))
+    first, cells = 0, []
+    for line in lines:
+        cells += [len(line), *range(first, first + len(line))]
+        first += len(line)
+    mesh.lines = np.array(cells)
+    mesh.verts = np.empty(0, np.int64)
+    return mesh
+
+
+def _line() -> Any:
+    return polylines([np.zeros((2, 3))])

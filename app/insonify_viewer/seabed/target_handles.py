@@ -14,8 +14,9 @@ from insonify_viewer.seabed.handle_geometry import (
     handles_of,
     target_at,
 )
-from insonify_viewer.state.field_names import name_field
-from insonify_viewer.state.session import Mark, Session
+from insonify_viewer.state.fields import name_field
+from insonify_viewer.state.inspection import Mark
+from insonify_viewer.state.session import Session
 
 if TYPE_CHECKING:
     from insonify.scene import Scene

@@ -3,14 +3,11 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field, replace
-from typing import TYPE_CHECKING
 
 from insonify.display.display_options import DisplayOptions
 from insonify.scene import Scene
+from insonify_viewer.state.contacts import Contact
 from insonify_viewer.state.modelling import Modelling
-
-if TYPE_CHECKING:
-    from insonify_viewer.state.contacts import Contact
 
 UNDO_DEPTH = 200
 

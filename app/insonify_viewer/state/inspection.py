@@ -3,19 +3,22 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
-
-from insonify_viewer.state.session import Event, Mark
-
-if TYPE_CHECKING:
-    from insonify_viewer.record.waterfall_view import WaterfallView
-    from insonify_viewer.seabed.controller import SeabedController
+from psygnal import Signal
 
 Points = NDArray[np.float64]
 Place = tuple[float, float, float]
+
+
+@dataclass(frozen=True)
+class Mark:
+    """A bin of the record."""
+
+    ping: int  # number of the ping
+    side: int  # 0 for port, 1 for starboard
+    bin: int  # range bin, counted from the sonar
 
 
 @dataclass(frozen=True, eq=False)
@@ -31,23 +34,18 @@ class SoundDrawing:
 class Inspection:
     """Pinned pixel, picked place, and their pictures."""
 
+    pinned = Signal(object)  # the `Mark`, or None
+    picked = Signal(object)  # the `Place`, or None
+    lit = Signal(tuple)  # pixels of the record that are lit
+    drawn = Signal(object)  # the `SoundDrawing`, or None
+
     def __init__(self) -> None:
-        self.pinned, self.picked, self.lit, self.drawn = Event(), Event(), Event(), Event()
         self._mark: Mark | None = None
 
     @property
     def mark(self) -> Mark | None:
         """The pinned pixel."""
         return self._mark
-
-    def connect(self, waterfall: WaterfallView, seabed: SeabedController) -> None:
-        """Follow clicks into both views, and show in both what is inspected."""
-        waterfall.clicked.connect(self.pin)
-        self.pinned.connect(waterfall.show_pin)
-        self.lit.connect(waterfall.show_lit)
-        self.drawn.connect(seabed.show_sound)
-        self.picked.connect(seabed.show_pick)
-        seabed.picked.connect(self.pick)
 
     def pin(self, mark: Mark | None) -> None:
         """Pin a pixel; the pinned one, clicked again, or None, is let go."""

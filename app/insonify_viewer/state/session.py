@@ -3,43 +3,19 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping
-from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, Any
+from dataclasses import replace
+from typing import Any
+
+from psygnal import Signal
 
 from insonify.display.display_options import DisplayOptions
 from insonify.scene import Scene, SceneError, edit
 from insonify.scene_edits import add_dependent_edits
-from insonify_viewer.state.field_names import name_display, name_edit
+from insonify_viewer.state.contacts import Contact
+from insonify_viewer.state.fields import name_display, name_edit
 from insonify_viewer.state.history import History, State
+from insonify_viewer.state.inspection import Mark
 from insonify_viewer.state.modelling import Modelling
-
-if TYPE_CHECKING:
-    from insonify_viewer.state.contacts import Contact
-
-
-class Event:
-    """A list of callbacks that are called together."""
-
-    def __init__(self) -> None:
-        self._listeners: list[Callable[..., None]] = []
-
-    def connect(self, listener: Callable[..., None]) -> None:
-        """Add a callback; callbacks run in the order they were added."""
-        self._listeners.append(listener)
-
-    def emit(self, *values: Any) -> None:
-        """Call every callback with these values."""
-        for listener in self._listeners:
-            listener(*values)
-
-
-@dataclass(frozen=True)
-class Mark:
-    """A bin of the record."""
-
-    ping: int  # number of the ping
-    side: int  # 0 for port, 1 for starboard
-    bin: int  # range bin, counted from the sonar
 
 
 class Session:
@@ -49,9 +25,14 @@ class Session:
     the dependent edits of a move vanish when the slider returns. Settling makes one step of undo of the whole drag.
     """
 
+    changed = Signal(object, bool)  # the scene, and False while a slider moves
+    said = Signal(str)  # a sentence for the status bar
+    marked = Signal(object)  # the `Mark` under the mouse, or None
+    displayed = Signal(object)  # the `DisplayOptions`
+    refused = Signal(object)  # the `SceneError` of an edit
+    contacts_changed = Signal()
+
     def __init__(self, scene: Scene) -> None:
-        self.changed, self.said, self.marked, self.displayed = Event(), Event(), Event(), Event()
-        self.refused, self.contacts_changed = Event(), Event()
         self._scene, self._history = scene, History(State(scene, Modelling(), scene))
         self._dragged = ""
         self._mark: Mark | None = None

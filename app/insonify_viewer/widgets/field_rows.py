@@ -12,7 +12,7 @@ from PySide6.QtWidgets import QComboBox, QGridLayout, QLabel, QLineEdit, QMenu, 
 
 from insonify_viewer.state.fields import ChoiceField, FileField, NumberField
 from insonify_viewer.state.quantities import format_quantity, parse_quantity, slider_position, slider_value
-from insonify_viewer.widgets.lighting import set_property
+from insonify_viewer.widgets.buttons import set_property
 
 STEPS = 1000
 NARROWEST = 44  # px, of a slider

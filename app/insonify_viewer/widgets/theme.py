@@ -6,9 +6,11 @@ from enum import Enum
 
 from PySide6.QtCore import Qt
 from PySide6.QtGui import QColor, QGuiApplication, QPalette
-from PySide6.QtWidgets import QApplication
+from PySide6.QtWidgets import QApplication, QWidget
 
 from insonify.files import resources
+
+USUAL_LINE = 14  # px, height of a line of text for which lengths in pixels are given
 
 
 class Theme(Enum):
@@ -177,3 +179,13 @@ def _palette() -> QPalette:
     for one in (role.WindowText, role.Text, role.ButtonText):
         palette.setColor(QPalette.ColorGroup.Disabled, one, QColor(FAINT))
     return palette
+
+
+def text_scale(widget: QWidget) -> float:
+    """Height of a line of a widget's text over the usual one."""
+    return widget.fontMetrics().height() / USUAL_LINE
+
+
+def scaled(widget: QWidget, pixels: int) -> int:
+    """Length that holds as many letters of a widget as a length in pixels holds of the usual ones."""
+    return round(pixels * text_scale(widget))

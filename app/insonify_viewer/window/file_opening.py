@@ -13,13 +13,13 @@ from insonify.io.meshes import MESHES
 from insonify.io.navigation import NAVIGATION, RecordedNavigation, read_navigation
 from insonify.io.sound_speed_casts import CASTS, Cast, read_cast
 from insonify.scene import SceneError
-from insonify_viewer.errors.failure import Failure
+from insonify_viewer.errors import Failure
 from insonify_viewer.record.comparison.recording import is_recording
-from insonify_viewer.state.contact_files import is_contacts, read_contacts
+from insonify_viewer.state.contacts import is_contacts, read_contacts
 
 if TYPE_CHECKING:
     from insonify_viewer.record.comparison.recording_player import RecordingPlayer
-    from insonify_viewer.state.contacts import ContactList
+    from insonify_viewer.state.contact_list import ContactList
     from insonify_viewer.state.session import Session
     from insonify_viewer.window.file_dialogs import FileDialogs
     from insonify_viewer.window.main_window import MainWindow

@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
-    from insonify_viewer.state.contacts import ContactList
+    from insonify_viewer.state.contact_list import ContactList
     from insonify_viewer.state.session import Session
     from insonify_viewer.window.main_window import MainWindow
     from insonify_viewer.window.saving import Saving

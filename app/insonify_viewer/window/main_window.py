@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from functools import partial
 
-from PySide6.QtCore import QSize, Qt, Signal
-from PySide6.QtGui import QAction, QCloseEvent, QKeySequence
+from PySide6.QtCore import QEvent, QObject, QSize, Qt, Signal
+from PySide6.QtGui import QAction, QCloseEvent, QDragEnterEvent, QDropEvent, QKeySequence
 from PySide6.QtWidgets import (
     QAbstractButton,
     QApplication,
@@ -19,31 +20,32 @@ from PySide6.QtWidgets import (
 )
 
 from insonify.display.display_options import DisplayOptions
-from insonify_viewer.errors.failure import Failure
-from insonify_viewer.errors.guarded_overrides import guard_override
+from insonify_viewer.errors import Failure, guard_override
 from insonify_viewer.panels.panel import Panel, Place
 from insonify_viewer.record.comparison.comparison_actions import ComparisonActions
 from insonify_viewer.record.comparison.comparison_overlay import ComparisonOverlay
-from insonify_viewer.record.comparison.record_a_view import RecordAView
-from insonify_viewer.record.comparison.records_side_by_side import RecordsSideBySide
+from insonify_viewer.record.comparison.record_a_view import RecordAView, RecordsSideBySide
 from insonify_viewer.record.waterfall_view import WaterfallView
 from insonify_viewer.state.tow_clock import SPEEDS
-from insonify_viewer.widgets.icons import set_icon
-from insonify_viewer.widgets.text_scale import scaled
-from insonify_viewer.window.file_drop import take_drops
-from insonify_viewer.window.history_menus import HistoryMenus
-from insonify_viewer.window.job_bar import JobBar
-from insonify_viewer.window.menu_contents import fill_menus, name_button
-from insonify_viewer.window.menus import Menus
-from insonify_viewer.window.panel_docks import PanelDocks
-from insonify_viewer.window.panel_room import PanelRoom
-from insonify_viewer.window.recent_menu import RecentMenu
-from insonify_viewer.window.save_menu import SaveMenu
+from insonify_viewer.widgets.buttons import set_icon
+from insonify_viewer.widgets.theme import scaled
+from insonify_viewer.window.help_dialogs import OTHER_KEYS, AboutDialog, KeysDialog
+from insonify_viewer.window.menus import (
+    GainSlider,
+    HistoryMenus,
+    LooksMenu,
+    Menus,
+    RecentMenu,
+    SaveMenu,
+    button_of,
+    make_combo,
+    with_key,
+)
+from insonify_viewer.window.panel_docks import PanelDocks, PanelRoom
 from insonify_viewer.window.scene_menu import SceneMenu
 from insonify_viewer.window.settings import Settings
-from insonify_viewer.window.status_line import StatusLine
+from insonify_viewer.window.status_line import JobBar, StatusLine
 from insonify_viewer.window.target_placement import target_menu
-from insonify_viewer.window.tool_widgets import GainSlider, button_of, make_combo, with_key
 from insonify_viewer.window.tour import Tour, tour_steps
 
 USUAL, ROOMY = (1480, 900), 0.7  # px, and share of a large screen, that the window takes at the first start
@@ -95,8 +97,10 @@ class MainWindow(QMainWindow):
         self._add_tools(palettes)
         self.menus = Menus(self)
         self.recent = RecentMenu(self, self.settings)
-        self.tour = Tour(self, tour_steps(self))
-        self.looks = fill_menus(self, self.menus)
+        sliders = partial(self.panel_widget, "parameters")
+        parts = lambda: self.scenes, sliders, lambda: self.waterfall, lambda: self.seabed, self.menuBar
+        self.tour = Tour(self, tour_steps(*parts))
+        self._fill_menus()
         self._add_status()
         take_drops(self, self.files_wanted.emit)
         application = QApplication.instance()
@@ -320,6 +324,43 @@ class MainWindow(QMainWindow):
         status.addWidget(self.status, 1)
         status.addPermanentWidget(self.jobs)
 
+    def _fill_menus(self) -> None:
+        """Put every command into the menus, before those of panels."""
+        menus = self.menus
+        menus.file.addMenu(self.scenes.menu()).setText("Scenes")
+        menus.group("File", [self.open_scene, self.open_recording, self.open_dem])
+        contacts = menus.add("File", "Open contacts…", "Open a file of contacts in place of those in the list")
+        contacts.triggered.connect(lambda: self.contacts_wanted.emit())
+        menus.file.addMenu(self.recent)
+        menus.group("File", [self.save.scene, self.save.record, self.save.picture])
+        menus.file.addSeparator()
+        menus.add("File", "Quit", "Close the window", "Ctrl+Q").triggered.connect(self.close)
+        menus.group("Edit", [self.undo, self.redo])
+        menus.edit.addSeparator()
+        menus.edit.addMenu(self.targets.menu()).setText("Add a target")
+        menus.group("Record", [self.pause, self.levels, self.trace])
+        menus.group("Record", self.comparison.actions)
+        menus.group("Tools", [self.save.jobs])
+        menus.group("View", [self.projector, self.reset_view])
+        self.looks = LooksMenu(self, menus.view, self.settings, self.say)
+        menus.view.addSeparator()
+        keys = menus.add("Help", "Keyboard shortcuts", "Every command that has a key, and the keys of views", "?")
+        keys.triggered.connect(lambda: KeysDialog(self, menus.all, OTHER_KEYS).show())
+        menus.add("Help", "Tour", "Five steps through the window").triggered.connect(self.tour.begin)
+        about = menus.add("Help", "About insonify", "Versions, licence, citation")
+        about.triggered.connect(lambda: AboutDialog(self).show())
+        self._show_icons()
+
+    def _show_icons(self) -> None:
+        """Give the tools icons, and names to those who reach them by keyboard."""
+        for owner, name in (
+            (self.scenes, "scenes"), (self.targets, "target"), (self.save, "save"), (self.undo, "undo"),
+            (self.redo, "redo"), (self.pause, "pause"), (self.reset_view, "home"), (self.levels, "levels"),
+        ):  # fmt: skip
+            set_icon(owner, name)
+        for button in self.findChildren(QToolButton):
+            name_button(button)
+
     def _tool(self, bar: QToolBar, text: str, tip: str, shortcut: QKeySequence) -> QAction:
         action = self._action(text, tip, shortcut)
         bar.addAction(action)
@@ -330,3 +371,37 @@ class MainWindow(QMainWindow):
         action.setShortcut(shortcut)
         action.setToolTip(with_key(tip, shortcut))
         return action
+
+
+def name_button(button: QToolButton) -> None:
+    """Let the keyboard reach a tool, and give it a name for screen readers."""
+    button.setFocusPolicy(Qt.FocusPolicy.TabFocus)
+    button.setAccessibleName(button.toolTip())
+
+
+def take_drops(window: QWidget, opened: Callable[[list[str]], None]) -> None:
+    """Let a window take files that are dropped anywhere on it, and pass on their paths."""
+    window.setAcceptDrops(True)
+    window.installEventFilter(_Drops(window, opened))
+
+
+class _Drops(QObject):
+    """Takes the drops of a window, of which it is a child."""
+
+    def __init__(self, window: QWidget, opened: Callable[[list[str]], None]) -> None:
+        super().__init__(window)
+        self._opened = opened
+
+    @guard_override(False)
+    def eventFilter(self, watched: QObject, event: QEvent) -> bool:
+        """Accept a drag with local files, and pass them on when they are dropped."""
+        if event.type() not in (QEvent.Type.DragEnter, QEvent.Type.Drop):
+            return False
+        assert isinstance(event, QDragEnterEvent | QDropEvent)
+        paths = [url.toLocalFile() for url in event.mimeData().urls() if url.isLocalFile()]
+        if not paths:
+            return False
+        event.acceptProposedAction()
+        if event.type() is QEvent.Type.Drop:
+            self._opened(paths)
+        return True

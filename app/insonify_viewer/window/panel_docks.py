@@ -5,13 +5,14 @@ from __future__ import annotations
 from collections.abc import Sequence
 from itertools import pairwise
 
-from PySide6.QtCore import Qt
-from PySide6.QtWidgets import QDockWidget, QMainWindow, QTabBar, QTabWidget, QWidget
+from PySide6.QtCore import QEvent, QObject, Qt
+from PySide6.QtWidgets import QDockWidget, QMainWindow, QSplitter, QTabBar, QTabWidget, QWidget
 
+from insonify_viewer.errors import guard_override
 from insonify_viewer.panels.panel import Panel, Place
-from insonify_viewer.widgets.text_scale import scaled
-from insonify_viewer.window.panel_room import PanelRoom
+from insonify_viewer.widgets.theme import scaled
 
+HANDLES = 24  # px, of the lines between the parts
 SIDE = 332  # px at the usual size of the text, width of the panels at the side
 BELOW = 0.32  # of the height of the window, of the panels below when one is first opened
 
@@ -20,6 +21,49 @@ AREAS = {
     Place.BELOW: Qt.DockWidgetArea.BottomDockWidgetArea,
     Place.LEFT: Qt.DockWidgetArea.LeftDockWidgetArea,
 }
+
+
+class PanelRoom(QObject):
+    """Leaves out the 3-D view while the panels at the sides and the record need its room."""
+
+    def __init__(self, window: QMainWindow, splitter: QSplitter) -> None:
+        super().__init__(window)
+        self._window, self._splitter = window, splitter
+        window.installEventFilter(self)
+
+    def watch(self, dock: QDockWidget) -> None:
+        """Make room whenever a dock opens or closes."""
+        dock.installEventFilter(self)
+
+    def make(self) -> None:
+        """Show the 3-D view, unless the window is too narrow for it beside the panels and the record."""
+        views = [self._splitter.widget(place) for place in range(self._splitter.count())]
+        solid, *others, live = [view for view in views if view is not None]
+        left = self._narrowest(Qt.DockWidgetArea.LeftDockWidgetArea)
+        right = self._narrowest(Qt.DockWidgetArea.RightDockWidgetArea)
+        # Beside record A alone, the 3-D view can be drawn out from the edge.
+        beside = [view for view in others if left and not view.isHidden()]
+        narrowest = right + sum(view.minimumWidth() for view in (solid, live, *beside))
+        solid.setVisible(left + scaled(self._window, narrowest) + HANDLES <= self._window.width())
+
+    @guard_override(False)
+    def eventFilter(self, watched: QObject, event: QEvent) -> bool:
+        """Make room when the window changes its width, or a dock opens or closes."""
+        kind = QEvent.Type
+        on_window = watched is self._window and event.type() is kind.Resize
+        on_dock = watched is not self._window and event.type() in (kind.ShowToParent, kind.HideToParent)
+        if on_window or on_dock:
+            self.make()
+        return False
+
+    def _narrowest(self, area: Qt.DockWidgetArea) -> int:
+        """Least width of the panels that are open at a side, 0 without any."""
+        docks = [
+            dock
+            for dock in self._window.findChildren(QDockWidget)
+            if not dock.isHidden() and self._window.dockWidgetArea(dock) is area
+        ]
+        return max((dock.minimumSizeHint().width() for dock in docks), default=0)
 
 
 class PanelDocks:

@@ -9,8 +9,8 @@ from typing import TYPE_CHECKING
 
 from insonify.io.atomic import replacing
 from insonify.scene import Scene, scene_to_toml
-from insonify_viewer.state.contact_files import FORMATS, GEOJSON, write_contacts
-from insonify_viewer.state.contacts import ContactList, describe_contacts
+from insonify_viewer.state.contact_list import ContactList
+from insonify_viewer.state.contacts import FORMATS, GEOJSON, describe_contacts, write_contacts
 from insonify_viewer.state.session import Session
 from insonify_viewer.widgets.save_dialogs import (
     PICTURE,
@@ -21,7 +21,7 @@ from insonify_viewer.widgets.save_dialogs import (
     record_formats,
     save_picture,
 )
-from insonify_viewer.work.job_list import JobList
+from insonify_viewer.work.jobs import JobList
 
 if TYPE_CHECKING:
     from insonify_viewer.window.main_window import MainWindow

@@ -3,19 +3,16 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import TYPE_CHECKING, NamedTuple
+from typing import NamedTuple
 
 from PySide6.QtCore import QEvent, QObject, QPoint, QRect, QSize, Qt
 from PySide6.QtGui import QKeyEvent
 from PySide6.QtWidgets import QFrame, QHBoxLayout, QLabel, QVBoxLayout, QWidget
 from shiboken6 import isValid
 
-from insonify_viewer.errors.guarded_overrides import guard_override
-from insonify_viewer.widgets.push_button import push_button
+from insonify_viewer.errors import guard_override
+from insonify_viewer.widgets.buttons import push_button
 from insonify_viewer.widgets.theme import ACCENT
-
-if TYPE_CHECKING:
-    from insonify_viewer.window.main_window import MainWindow
 
 WIDTH, APART = 300, 12  # px: of the card, and its distance from the part and from the edge of the window
 LINE = 3  # px, of the frame
@@ -165,28 +162,29 @@ def _lay_over_native_views(widget: QWidget) -> None:
     widget.setAttribute(Qt.WidgetAttribute.WA_NativeWindow)
 
 
-def tour_steps(window: MainWindow) -> tuple[TourStep, ...]:
-    """Make the steps of the tour through a window."""
+def tour_steps(*parts: Callable[[], QWidget | None]) -> tuple[TourStep, ...]:
+    """Make the steps of the tour: scenes, parameters, record, seabed, menu bar."""
+    scenes, parameters, record, seabed, menus = parts
     return (
         TourStep(
             "Pick a scene", "Scenes holds pipes, wrecks, ripples, ghosts, bent sound … The first record is under way.",
-            lambda: window.scenes,
+            scenes,
         ),
         TourStep(
             "Move a slider", "The record follows while it moves. Double-click a name to reset it; Ctrl+Z undoes. Ticks "
-            "take effects out, one at a time.", lambda: window.panel_widget("parameters"),
+            "take effects out, one at a time.", parameters,
         ),
         TourStep(
             "Ask the record", "Space pauses the tow. Click a pixel, above all a dark one: what returns its echo, and "
-            "what hides the bed there, is told in decibels.", lambda: window.waterfall,
+            "what hides the bed there, is told in decibels.", record,
         ),
         TourStep(
             "Turn the seabed", "Drag to turn it, the wheel zooms. Click a target, then move, turn or stretch it by its "
-            "handles.", lambda: window.seabed,
+            "handles.", seabed,
         ),
         TourStep(
             "Go on", "Lessons lead through what sonar shows, step by step. Help lists the keys, and shows this again.",
-            lambda: window.menuBar(),
+            menus,
         ),
     )  # fmt: skip
 

@@ -3,12 +3,17 @@
 from __future__ import annotations
 
 import sys
+import warnings
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from types import TracebackType
+from typing import Any
 
+from psygnal import EmitLoopError
+
+from insonify.errors import FileWarning
 from insonify.scene import SceneError
-from insonify_viewer.errors.failure import Failure, describe_error, format_trace
+from insonify_viewer.errors import Failure, describe_error, format_trace
 
 
 @contextmanager
@@ -20,6 +25,9 @@ def told_errors(complain: Callable[[Failure], None]) -> Iterator[None]:
     before = sys.excepthook
 
     def tell(kind: type[BaseException], error: BaseException, trace: TracebackType | None) -> None:
+        while isinstance(error, EmitLoopError) and error.__cause__ is not None:  # raised by a callback of a signal
+            error = error.__cause__
+            kind, trace = type(error), error.__traceback__
         if isinstance(error, SceneError):
             complain(describe_error(error))
             return
@@ -33,3 +41,20 @@ def told_errors(complain: Callable[[Failure], None]) -> Iterator[None]:
         yield
     finally:
         sys.excepthook = before
+
+
+@contextmanager
+def told_file_warnings(tell: Callable[[str], None]) -> Iterator[None]:
+    """Tell the person what a file lacks that is read all the same; other warnings are written as before."""
+    before = warnings.showwarning
+
+    def show(message: Warning | str, category: type[Warning], *where: Any, **more: Any) -> None:
+        if issubclass(category, FileWarning):
+            tell(" ".join(str(message).split()))
+        else:
+            before(message, category, *where, **more)
+
+    with warnings.catch_warnings():
+        warnings.simplefilter("always", FileWarning)
+        warnings.showwarning = show
+        yield

@@ -2,26 +2,22 @@
 
 from __future__ import annotations
 
-import threading
 import time
 from collections.abc import Callable, Iterator
-from contextlib import ExitStack, contextmanager, suppress
+from contextlib import ExitStack, contextmanager
 from functools import partial
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
-from PySide6.QtCore import QObject, Qt, Signal
+from psygnal import Signal
 
 from insonify.compiler.progress import Compilation, watch_compilation
-from insonify.scene import Scene, SceneError
-from insonify_viewer.errors.failure import describe_error
-from insonify_viewer.record.comparison.kept_record import SimulatedScene, find_altitude
+from insonify.scene import Scene, SceneError, edit
+from insonify_viewer.errors import describe_error
 from insonify_viewer.state.modelling import Modelling
-from insonify_viewer.work.coarse_ground import pack_beneath, thin_new_ground
-from insonify_viewer.work.laid_scene import is_same_ground
-from insonify_viewer.work.ping_request import PingRequest, TracedPings
-from insonify_viewer.work.thread_priority import yield_to_window
+from insonify_viewer.work.executor import Executor, Lane, Receive, Work
+from insonify_viewer.work.ping_request import PingRequest, SimulatedScene, TracedPings, find_altitude, is_same_ground
 from insonify_viewer.work.waiting import Activity
 
 if TYPE_CHECKING:
@@ -34,46 +30,38 @@ COARSE_TIME = 0.01  # s, time to trace all pings on screen while a slider moves
 MAX_STRIDE = 16
 FIRST_COARSE = 4  # pings of a coarse picture by which the time of the others is told
 LONGEST = 0.3  # s, after which a coarse picture that a newer request waits for is shown as far as it is traced
-QUIET, PATIENCE = 0.1, 0.7  # s without requests before a patient errand, and its longest wait
+THINNINGS = (4, 2)  # times the spacing; the first that resolves the waves of the relief is taken
+MOST_NODES = 2**22  # of ground that is made at once, some 100 MB while it is made; beyond, tiles take less
+MARGIN = 1.3  # times the range, about the pings: for the pulse, rough motion and refracted rays
 
 
-class Simulator(QObject):
+class Simulator:
     """Traces the pings of the newest request on a thread of its own.
 
     A new request replaces one that waits. A request under way runs to the end of its block, so that a slider that moves
     all the time still shows pings; the rest of it must be requested again.
     """
 
-    answered = Signal(object)
+    answered = Signal(object)  # `TracedPings`
     laid = Signal(int, object)  # number of a request, and its scene on a new bed
     refused = Signal(int, object)  # number of a request, and a `Failure`
-    _called_back = Signal(object, object)
 
     def __init__(
         self,
         prepare: Callable[..., Simulation] | None = None,
         pack: Callable[[Scene], PackedScene] | None = None,
-        parent: QObject | None = None,
     ) -> None:
-        super().__init__(parent)
+        self.executor = Executor()  # threads of what else works beside the window
         self._prepare = prepare or _prepare
         self._pack = pack or (None if prepare else _pack)
         self._activity = Activity()
         self._compilation: Compilation | None = None
         self._watching = ExitStack()
         self._watching.enter_context(watch_compilation(partial(setattr, self, "_compilation")))
-        self._waiting: PingRequest | None = None
-        self._errands: list[_Errand] = []
-        self._patient: _Errand | None = None
-        self._latest_start = 0.0
-        self._closing = False
+        self._lane = Lane("simulator", self.executor.call_later)
         self._cost = 1e-4  # s, of a coarse ping
         self._coarse = -1  # number of the last coarse answer that was sent to the main thread
-        self._changed = threading.Condition()
         self._last: dict[bool, tuple[Scene, Modelling, Simulation, LevelBed]] = {}
-        self._called_back.connect(self._call_back, Qt.ConnectionType.QueuedConnection)
-        self._thread = threading.Thread(target=self._work, name="insonify simulator", daemon=True)
-        self._thread.start()
 
     @property
     def activity(self) -> Activity:
@@ -86,9 +74,7 @@ class Simulator(QObject):
 
     def ask(self, request: PingRequest) -> None:
         """Trace these pings next, instead of a request that still waits."""
-        with self._changed:
-            self._waiting = request
-            self._changed.notify()
+        self._lane.put("pings", lambda: self._serve(request), lambda _: None, rank=2)
 
     def prepare(self, scene: Scene, modelling: Modelling, receive: Callable[[Any], None]) -> None:
         """Prepare a scene without tracing it, and pass its `Simulation` or a `SceneError` to the main thread."""
@@ -102,22 +88,16 @@ class Simulator(QObject):
         simulation = self._prepare(scene, tolerance=modelling.tolerance, forced=dict(modelling.forced))
         return SimulatedScene(simulation, LevelBed(simulation))
 
-    def send(self, errand: Callable[[], Any], receive: Callable[[Any], None]) -> None:
-        """Run an errand on the worker, before any request, and pass its result to the main thread.
+    def send(self, work: Work, receive: Receive) -> None:
+        """Run work on the simulator's thread, before any request, and pass its result to the main thread.
 
-        An exception of the errand is passed on as a `SceneError`.
+        An exception is passed on as a `SceneError`.
         """
-        with self._changed:
-            self._errands.append((errand, receive))
-            self._changed.notify()
+        self._lane.put(object(), lambda: _result(work), receive, rank=0)
 
-    def send_patiently(self, errand: Callable[[], Any], receive: Callable[[Any], None]) -> None:
-        """Run an errand once no request came for a moment; it replaces a patient errand that still waits."""
-        with self._changed:
-            if self._patient is None:
-                self._latest_start = time.perf_counter() + PATIENCE
-            self._patient = (errand, receive)
-            self._changed.notify()
+    def send_patiently(self, key: str, work: Work, receive: Receive) -> None:
+        """Run work like `send` once no request came for a moment; it replaces work of its key that still waits."""
+        self._lane.put(key, lambda: _result(work), receive, rank=3, patient=True)
 
     def trace_beside(self, scene: Scene, modelling: Modelling, pings: NDArray[np.int64]) -> NDArray[np.float32]:
         """Trace pings of another scene on the calling thread alone, beside the worker."""
@@ -129,38 +109,11 @@ class Simulator(QObject):
             simulation = self._prepare(scene, tolerance=modelling.tolerance, forced={})
             return LevelBed(simulation).amplitudes(pings)
 
-    def call_later(self, receive: Callable[[Any], None], result: Any) -> None:
-        """Pass a result from any thread to the main thread; it is dropped once the viewer closes."""
-        # A thread that compiles outlives the window, and Qt's half of this object when the interpreter ends.
-        with suppress(RuntimeError):
-            self._called_back.emit(receive, result)
-
     def close(self, patience: float | None = None) -> None:
-        """Stop the worker and wait for it, at most for a time in seconds: it may be compiling."""
-        with self._changed:
-            self._closing = True
-            self._changed.notify()
+        """End all threads, and wait for each at most for a time in seconds: it may be compiling."""
         self._watching.close()
-        self._thread.join(patience)
-
-    def _work(self) -> None:
-        yield_to_window()
-        while not self._closing:
-            with self._changed:
-                self._changed.wait_for(lambda: self._patient or self._is_wanted())
-                # A patient errand gives precedence to the next move of a slider.
-                self._changed.wait_for(self._is_wanted, timeout=QUIET)
-                errands, self._errands = self._errands, []
-                request, self._waiting = self._waiting, None
-                if self._patient and (request is None or time.perf_counter() > self._latest_start):
-                    errands, self._patient = [*errands, self._patient], None
-            for errand, receive in errands:
-                self.call_later(receive, _result(errand))
-            if request is not None and not self._closing:
-                self._serve(request)
-
-    def _is_wanted(self) -> bool:
-        return bool(self._waiting or self._errands or self._closing)
+        self._lane.close(patience)
+        self.executor.close(patience)
 
     def _serve(self, request: PingRequest) -> None:
         refuse = partial(self.refused.emit, request.number)
@@ -168,11 +121,11 @@ class Simulator(QObject):
             for answer in self._trace(request):
                 if not answer.fine:
                     self._coarse = answer.number
-                self.call_later(self._deliver, answer)
-                if self._waiting is not None or self._closing:
+                self.executor.call_later(self._deliver, answer)
+                if self._lane.is_interrupted_by("pings"):
                     return
         except Exception as error:  # an exception that ends the thread would freeze the picture silently
-            self.call_later(refuse, describe_error(error, "the simulation of this scene"))
+            self.executor.call_later(refuse, describe_error(error, "the simulation of this scene"))
 
     def _trace(self, request: PingRequest) -> Iterator[TracedPings]:
         modelling = request.modelling if request.fine else request.modelling.coarse
@@ -219,7 +172,7 @@ class Simulator(QObject):
             parts.append(level.amplitudes(pings[done : done + size]))
             done += len(parts[-1])
             passed = time.perf_counter() - begun
-            if passed > LONGEST and (self._waiting is not None or self._closing):
+            if passed > LONGEST and self._lane.is_interrupted_by("pings"):
                 break
             # Of what takes little time there is one more part; one that takes long is looked after.
             size = max(1, int(LONGEST * done / passed))
@@ -272,7 +225,7 @@ class Simulator(QObject):
         packed = self._pack(scene) if beneath is None else pack_beneath(scene, beneath)
         known = self._last.get(True)
         if tell and (known is None or not is_same_ground(known[2].ground, packed.ground)):
-            self.call_later(partial(self.laid.emit, number), packed)
+            self.executor.call_later(partial(self.laid.emit, number), packed)
         return {"packed": packed}
 
     @contextmanager
@@ -288,13 +241,6 @@ class Simulator(QObject):
         """Pass an answer on, unless it is a coarse picture and that of a later edit waits behind it."""
         if answer.fine or answer.number >= self._coarse:
             self.answered.emit(answer)
-
-    def _call_back(self, receive: Callable[[Any], None], result: Any) -> None:
-        if not self._closing:  # a result may still be queued when the window closes
-            receive(result)
-
-
-_Errand = tuple[Callable[[], Any], Callable[[Any], None]]
 
 
 def _pack(scene: Scene) -> PackedScene:
@@ -323,12 +269,46 @@ def _reach(simulation: Simulation) -> NDArray[np.float64] | None:
     return coherence_angle(arrays) * bin_centres(arrays) / step
 
 
-def _result(errand: Callable[[], Any]) -> Any:
+def _result(work: Work) -> Any:
     try:
-        return errand()
+        return work()
     except SceneError as error:
         return error
     except Exception as error:
         refusal = SceneError(f"this cannot be shown ({type(error).__name__}: {error}); open another scene")
         refusal.__cause__ = error
         return refusal
+
+
+def thin_new_ground(scene: Scene, known: Scene | None) -> Scene:
+    """Scene on fewer nodes, where its ground is endless and not that of another scene whose tiles are known.
+
+    Endless ground shares all but its finest waves with the same ground at a multiple of the spacing, and the time that
+    a window takes falls with the square of it.
+    """
+    if not scene.seabed.endless or (known is not None and _ground_of(scene) == _ground_of(known)):
+        return scene
+    for times in THINNINGS:
+        try:
+            return edit(scene, {"seabed.spacing": times * scene.seabed.spacing})
+        except SceneError:  # waves of the relief are too short for it
+            continue
+    return scene
+
+
+def pack_beneath(scene: Scene, pings: NDArray[np.int64]) -> PackedScene:
+    """Pack a scene over endless ground, of which no more is made than some pings hear."""
+    # lazy: loaded on the worker; the window opens before Numba is loaded
+    from insonify.packing.packed_scene import pack
+    from insonify.terrain import build_excerpt
+    from insonify.tow.line import tow_line_at
+
+    line, margin = tow_line_at(scene, pings), MARGIN * scene.sonar.range
+    low, high = (line.x.min() - margin, line.y.min() - margin), (line.x.max() + margin, line.y.max() + margin)
+    sides = np.subtract(high, low) / scene.seabed.spacing
+    return pack(scene, build_excerpt(scene, low, high) if sides.prod() <= MOST_NODES else None)
+
+
+def _ground_of(scene: Scene) -> tuple[object, ...]:
+    """Return what decides the tiles beneath the pings of a scene."""
+    return scene.seabed, scene.seed, scene.track.start, scene.track.heading

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from PySide6.QtCore import QEvent
 
-from insonify_viewer.state.session import Mark
+from insonify_viewer.state.inspection import Mark
 from insonify_viewer.viewer import Viewer
 from insonify_viewer.widgets.field_rows import STEPS
 from soak.actions import Random, Steps, action

@@ -19,9 +19,8 @@ from PySide6.QtWidgets import (
 )
 
 from insonify.lessons import Lesson
-from insonify_viewer.errors.guarded_overrides import guard_override
-from insonify_viewer.widgets.lighting import light
-from insonify_viewer.widgets.push_button import push_button
+from insonify_viewer.errors import guard_override
+from insonify_viewer.widgets.buttons import light, push_button
 from insonify_viewer.widgets.side_panel import ScrollColumn
 
 USUAL, LARGE = 1.2, 1.9  # factors on the size of the text, without and with a projector

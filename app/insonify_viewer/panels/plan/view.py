@@ -18,12 +18,10 @@ from PySide6.QtWidgets import (
 from insonify_viewer.state.fields import NumberField
 from insonify_viewer.state.modelling import Modelling
 from insonify_viewer.state.quantities import format_duration
+from insonify_viewer.widgets.buttons import light, push_button
 from insonify_viewer.widgets.field_rows import Combo, NumberRow
-from insonify_viewer.widgets.folding_box import FoldingBox
-from insonify_viewer.widgets.lighting import light
-from insonify_viewer.widgets.push_button import push_button
-from insonify_viewer.widgets.side_panel import SidePanel
-from insonify_viewer.widgets.text_scale import scaled
+from insonify_viewer.widgets.side_panel import FoldingBox, SidePanel
+from insonify_viewer.widgets.theme import scaled
 
 if TYPE_CHECKING:
     from insonify.planning import Plan, PlanEntry

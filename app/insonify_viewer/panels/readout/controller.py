@@ -11,7 +11,7 @@ from insonify_viewer.record.comparison.recording import summarise_point
 
 if TYPE_CHECKING:
     from insonify_viewer.record.marked_point import MarkedPoint
-    from insonify_viewer.state.session import Mark
+    from insonify_viewer.state.inspection import Mark
 
 SIDES = ("port", "starboard")
 

@@ -9,21 +9,21 @@ import numpy as np
 from numpy.typing import NDArray
 
 from insonify.scene import Scene
-from insonify_viewer.panels.panel import Panel, Place, RecordGrowth, Workbench
-from insonify_viewer.panels.record.view.record_view import RecordView
+from insonify_viewer.panels.panel import Panel, Place, Workbench
+from insonify_viewer.panels.record.view import RecordView
 from insonify_viewer.record.drape import RecordStrip
-from insonify_viewer.record.layout import row_factors
-from insonify_viewer.record.location import (
+from insonify_viewer.record.measuring import (
     Location,
     degrees_of,
     georeference_of,
     locate_recorded,
     locate_simulated,
+    measure,
 )
-from insonify_viewer.record.measurement import measure
-from insonify_viewer.record.projection import Zoom
+from insonify_viewer.record.projection import Zoom, row_factors
+from insonify_viewer.record.record import RecordGrowth
 from insonify_viewer.state.contacts import SIDES, Contact
-from insonify_viewer.state.session import Mark
+from insonify_viewer.state.inspection import Mark
 
 if TYPE_CHECKING:
     from insonify.io.georeference import Georeference

@@ -7,25 +7,23 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
+from psygnal import Signal
 
 from insonify.scene import Scene, SceneError, load_partner
-from insonify_viewer.errors.failure import Failure
+from insonify_viewer.errors import Failure
 from insonify_viewer.record.comparison.arrangement import Arrangement
-from insonify_viewer.record.comparison.changed_fields import Change, list_changes
-from insonify_viewer.record.comparison.kept_record import KeptRecord, SimulatedScene, Traced
+from insonify_viewer.record.comparison.kept_record import Change, KeptRecord, Traced, list_changes
 from insonify_viewer.record.comparison.record_difference import RecordSnapshot, are_comparable, compare_records
 from insonify_viewer.record.comparison.recording import Recording
 from insonify_viewer.record.record import Record
 from insonify_viewer.state.modelling import Modelling
-from insonify_viewer.state.session import Event
-from insonify_viewer.work.newest_wins import NewestWins
+from insonify_viewer.work.ping_request import SimulatedScene
 from insonify_viewer.work.waiting import Waiting
 
 if TYPE_CHECKING:
-    from insonify_viewer.panels.panel import RecordGrowth
-    from insonify_viewer.record.comparison.recording_player import RecordingPlayer
+    from insonify_viewer.record.comparison.recording_player import RecordingPlayer, RecordWindow
+    from insonify_viewer.record.record import RecordGrowth
     from insonify_viewer.state.session import Session
-    from insonify_viewer.window.main_window import MainWindow
     from insonify_viewer.work.ping_request import TracedPings
     from insonify_viewer.work.simulator import Simulator
 
@@ -40,15 +38,18 @@ class Comparison:
     own. A recording is played by `RecordingPlayer`.
     """
 
-    def __init__(self, window: MainWindow, session: Session, simulator: Simulator, recordings: RecordingPlayer) -> None:
-        self.changed, self.measured = Event(), Event()
+    changed = Signal()  # record A, or the arrangement
+    measured = Signal()  # the difference
+
+    def __init__(
+        self, window: RecordWindow, session: Session, simulator: Simulator, recordings: RecordingPlayer
+    ) -> None:
         self.a: KeptRecord | Recording | None = None
         self.arrangement = Arrangement.ALONE
         self.difference = ""
         self._window, self._session, self._simulator, self._recordings = window, session, simulator, recordings
         self._view = window.record_a
-        self._thread = NewestWins("record A", simulator.call_later)
-        self._measurer = NewestWins("difference", simulator.call_later)
+        self._executor = simulator.executor
         self._growth: RecordGrowth | None = None
         self._traced: tuple[Scene, Modelling] | None = None  # what the growth was traced for
         self._asked = False  # whether pings of A are on their way
@@ -155,12 +156,6 @@ class Comparison:
             self._view.show_levels(self._window.waterfall.levels)
         self._window.overlay.follow()
 
-    def close(self, patience: float) -> None:
-        """End the threads, after a time in seconds at most each, because the window closes."""
-        self._recordings.end(patience)
-        self._thread.close(patience)
-        self._measurer.close(patience)
-
     def _connect(self) -> None:
         actions = self._window.comparison
         actions.keep.triggered.connect(self.keep)
@@ -247,10 +242,10 @@ class Comparison:
         if kept.simulated is None:
             self._asked = True
             prepare = partial(self._simulator.simulate_beside, kept.scene, kept.modelling)
-            self._thread.send(partial(_result_of, prepare), partial(self._take_scene, kept))
+            self._executor.submit("record A", partial(_result_of, prepare), partial(self._take_scene, kept))
         elif missing.size:
             self._asked = True
-            self._thread.send(partial(kept.trace, missing), partial(self._take_pings, kept, missing))
+            self._executor.submit("record A", partial(kept.trace, missing), partial(self._take_pings, kept, missing))
 
     def _take_scene(self, kept: KeptRecord, found: SimulatedScene | SceneError) -> None:
         if kept is not self.a:
@@ -297,7 +292,7 @@ class Comparison:
         self._compared, self.difference = (kept, simulation, top), ""
         scene, record = simulation.scene, growth.record
         errand = partial(_compare, kept, scene, record)
-        self._measurer.send(errand, partial(self._take_difference, self._compared, is_edit))
+        self._executor.submit("difference", errand, partial(self._take_difference, self._compared, is_edit))
 
     def _take_difference(self, compared: object, is_edit: bool, found: str | None) -> None:
         """Show what B changes, and say it once after an edit."""

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from insonify.io.records import RECORDS
 from insonify_viewer.record.projection import compile_picture
 from insonify_viewer.record.record import MAX_CELLS, MAX_PINGS
-from insonify_viewer.state.session import Mark
+from insonify_viewer.state.inspection import Mark
 
 if TYPE_CHECKING:
     import xarray as xr

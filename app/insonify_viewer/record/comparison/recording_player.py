@@ -5,22 +5,47 @@ from __future__ import annotations
 from collections.abc import Callable
 from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Protocol
 
-from insonify_viewer.errors.failure import Failure
+from psygnal import Signal
+
+from insonify_viewer.errors import Failure
 from insonify_viewer.record.comparison.recording import Recording, load_recording
-from insonify_viewer.record.contrast import Contrast
 from insonify_viewer.record.record import Record
-from insonify_viewer.state.session import Event, Mark, Session
+from insonify_viewer.record.waterfall_view import Contrast
+from insonify_viewer.state.inspection import Mark
+from insonify_viewer.state.session import Session
 from insonify_viewer.state.tow_clock import TowClock
-from insonify_viewer.work.job import Job
 from insonify_viewer.work.waiting import Waiting
 
 if TYPE_CHECKING:
-    from insonify_viewer.window.main_window import MainWindow
-    from insonify_viewer.work.simulator import Simulator
+    from PySide6.QtGui import QAction
+
+    from insonify_viewer.record.comparison.comparison_actions import ComparisonActions
+    from insonify_viewer.record.comparison.comparison_overlay import ComparisonOverlay
+    from insonify_viewer.record.comparison.record_a_view import RecordAView, RecordsSideBySide
+    from insonify_viewer.record.waterfall_view import WaterfallView
+    from insonify_viewer.work.executor import Executor
 
 STAMP = 0  # of all rows: a recording does not change
+
+
+class RecordWindow(Protocol):
+    """What the comparison needs of the window that shows both records."""
+
+    waterfall: WaterfallView  # the live record
+    record_a: RecordAView
+    records: RecordsSideBySide
+    overlay: ComparisonOverlay
+    comparison: ComparisonActions
+    trace: QAction
+    levels: QAction
+
+    def say(self, sentence: str, *, lasting: bool = False) -> None:
+        """Show a sentence in the status bar."""
+
+    def complain(self, error: Failure | Exception, *, lasting: bool = False) -> None:
+        """Show an error in the status bar."""
 
 
 class RecordingPlayer:
@@ -30,17 +55,21 @@ class RecordingPlayer:
     anew.
     """
 
+    opened = Signal(object)  # the `Recording` on screen, or None
+    reading = Signal()
+    pointed = Signal(object)  # the `Mark` under the mouse, or None
+    moved = Signal(int)  # the ping on top
+
     def __init__(
-        self, window: MainWindow, session: Session, tow: TowClock, simulator: Simulator, *, pause: Callable[[], None]
+        self, window: RecordWindow, session: Session, tow: TowClock, executor: Executor, *, pause: Callable[[], None]
     ) -> None:
-        self.opened, self.reading, self.pointed, self.moved = Event(), Event(), Event(), Event()
         self.recording: Recording | None = None
         self.failure = ""
-        self._window, self._tow, self._simulator, self._pause = window, tow, simulator, pause
+        self._window, self._tow, self._executor, self._pause = window, tow, executor, pause
         self._view = window.record_a
         self._record, self._clock = Record(1, 1), TowClock(0)
         self._contrast = Contrast(self._view, session)
-        self._reading: dict[int, Job] = {}  # by number; the newest is shown
+        self._reading: set[int] = set()  # numbers of the files that are read; the newest is shown
         self._asked = 0
         self._connect()
 
@@ -66,28 +95,21 @@ class RecordingPlayer:
         self._pause()
         self._window.say("")  # what the file lacks is told while it is read
         self._asked += 1
-        job = self._reading[self._asked] = Job(
-            lambda _: load_recording(path, frequency),
-            self._simulator.call_later,
-            progressed=lambda _: None,
-            done=partial(self._take, self._asked),
-            failed=partial(self._refuse, self._asked),
-            name="recording",
-        )
+        self._reading.add(self._asked)
         self.reading.emit()
         self.wait_for(f"reading {Path(path).name}{_size(Path(path))}")
-        job.start()
+        self._executor.start(
+            "recording",
+            partial(load_recording, path, frequency),
+            done=partial(self._take, self._asked),
+            failed=partial(self._refuse, self._asked),
+        )
 
     def close(self) -> None:
         """Leave the recording."""
         self.recording, self._record = None, Record(1, 1)
         self.pointed.emit(None)
         self.opened.emit(None)
-
-    def end(self, patience: float) -> None:
-        """Wait for files that are being read, at most for a time in seconds each, because the window closes."""
-        for job in self._reading.values():
-            job.close(patience)
 
     def wait_for(self, what: str, share: float | None = None) -> None:
         """Show a bar over the recording with what it waits for and the share done; an empty text removes it."""
@@ -149,7 +171,7 @@ class RecordingPlayer:
 
     def _finish(self, number: int) -> bool:
         """Note that a file was read; return whether it is the newest that was asked for."""
-        del self._reading[number]
+        self._reading.remove(number)
         if number < self._asked:
             return False
         self.wait_for("")
