@@ -13,8 +13,8 @@ from insonify.acoustics.beam_patterns import make_pattern
 from insonify.compiler.jit import kernel
 from insonify.kernels.beam.azimuth_sector import AzimuthSector, sector_weight
 from insonify.kernels.beam.knot_weights import weigh_knots
-from insonify.kernels.beam.pattern_integrals import integrated_response
-from insonify.kernels.beam.pattern_samples import FINE_SINE, ROOM, sample_pattern
+from insonify.kernels.beam.pattern import integrated_response
+from insonify.kernels.beam.pattern_samples import FINE_SINE, ROOM, SampleRoom, sample_pattern
 from insonify.kernels.common.types import EVERY_GRAZING, GAUSSIAN, LIGHT, SONAR, TABLE, TOP_HAT, BeamPattern
 from insonify.scene import edit, load_scene
 from insonify.scene.sonar.beams import BeamConditions
@@ -201,7 +201,7 @@ def integrate_along(pattern, x, z, r, sector, room, many, single):
 
 
 def sample_room(knots):
-    return np.empty(knots + ROOM, np.int32), *np.empty((4, knots + ROOM), np.int64)
+    return SampleRoom(np.empty(knots + ROOM, np.int32), *np.empty((4, knots + ROOM)))
 
 
 def weigh(pattern, x, z, r, sector, law, weights, each):
