@@ -8,7 +8,7 @@ import re
 import numpy as np
 import pytest
 
-from insonify.acoustics.straightness import estimate_refraction
+from insonify.acoustics.water import estimate_refraction
 from insonify.packing.packed_scene import Model, pack
 from insonify.planning import MOST_PLANES, plan, probe
 from insonify.planning.choices import CHOICES

@@ -25,7 +25,6 @@ WORDS = {  # by the folder of the kernel's module
     "multipath": "multipath",
     "rays": "rays",
     "receiver": "the receiver",
-    "refracted_rays": "bent rays",
     "refraction": "bent rays",
     "speckle": "speckle",
     "sweep": "the sweep",

@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from insonify.acoustics.absorption import absorption_coefficient
 from insonify.acoustics.resolution_cell import bin_centres, surface_echo, volume_echo
+from insonify.acoustics.water import absorption_coefficient
 from insonify.kernels.common.types import SceneArrays
 from insonify.scene import Scene
 from insonify.scene.receiver.gains import RangeBins

@@ -10,11 +10,10 @@ from numpy.typing import ArrayLike, NDArray
 
 from insonify.kernels.common.types import BED, Poses, SceneArrays
 from insonify.kernels.multipath.multipath_rays import trace_multipath
-from insonify.kernels.rays.cell_walk import NOTHING, RayBundle
-from insonify.kernels.rays.first_echoes import cast_straight_rays, empty_hits, trace_straight_pings
+from insonify.kernels.rays.cell_walk import NOTHING, RayBundle, empty_hits, find_first_hits
+from insonify.kernels.rays.pings import trace_refracted_pings, trace_straight_pings
+from insonify.kernels.rays.refracted_hits import empty_arrivals, find_refracted_hits
 from insonify.kernels.rays.specular_paths import follow_specular_paths
-from insonify.kernels.refracted_rays.echoes import trace_refracted_pings
-from insonify.kernels.refracted_rays.hits import empty_arrivals, find_refracted_hits
 from insonify.packing.packed_scene import SURFACE_ECHO, Model
 from insonify.parallel import count_threads
 from insonify.scene import Scene, SceneError
@@ -81,7 +80,8 @@ def cast(
     if arrays.water.bent:
         find_refracted_hits(arrays, bundle, farthest, WALK, hits, empty_arrivals(bundle.x.size))
     else:
-        cast_straight_rays(arrays, bundle, farthest, hits)
+        bodies = np.arange(arrays.solids.shape.size)
+        find_first_hits(arrays.bed, arrays.solids, bodies, bodies.size, arrays.mesh, bundle, farthest, hits)
     return hits.distance, _targets(arrays)[hits.body], np.column_stack([hits.nx, hits.ny, hits.nz])
 
 

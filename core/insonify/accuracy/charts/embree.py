@@ -11,15 +11,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from insonify.kernels.common.types import BED, PORT, SPHERE, Bed, Poses, SceneArrays, Solids
-from insonify.kernels.rays.cell_walk import NOTHING, Hits, RayBundle
-from insonify.kernels.rays.first_echoes import deposit_hits, empty_bundle, empty_hits, empty_launch
-from insonify.kernels.rays.launch import (
-    SideBeam,
-    aim_rays,
-    highest_elevation,
-    list_solids_in_beam,
-    rotate_to_world,
-)
+from insonify.kernels.rays.cast import add_ray_echoes, aim_straight, arrive_straight, unaimed
+from insonify.kernels.rays.cell_walk import NOTHING, Hits, RayBundle, empty_bundle, empty_hits
+from insonify.kernels.rays.launch import SideBeam, rotate_to_world
 from insonify.scene import SceneError
 
 MOST_TRIANGLES = 8_000_000
@@ -90,20 +84,15 @@ class TriangulatedScene:
         """Trace pings ray by ray."""
         arrays = self._arrays
         out = np.zeros((poses.x.size, 2, arrays.bins), dtype=np.float32)
-        launch, bundle, sums = empty_launch(rays), empty_bundle(rays), np.empty(arrays.bins)
-        fan, near = arrays.half_width > 0.0, np.empty(arrays.solids.shape.size, np.int64)
-        aimed_at = math.nan, math.nan
-        for ping, z in enumerate(poses.z):
+        aim, bundle, sums = unaimed(rays), empty_bundle(rays), np.empty(arrays.bins)
+        near = np.empty(arrays.solids.shape.size, np.int64)
+        for ping in range(poses.x.size):
             for side in range(2):
                 beam = _beam(arrays, poses, ping, side)
-                _, highest = list_solids_in_beam(arrays.solids, arrays.mesh, beam, near)
-                top = max(highest, highest_elevation(arrays.bed.high - z, 0.0, beam.reach))
-                if aimed_at != (z, top):
-                    aim_rays(launch, z, top, beam.reach, arrays.half_width, arrays.law, False)
-                    aimed_at = z, top
-                rotate_to_world(launch, beam, bundle)
-                hits = self.cast(bundle)
-                deposit_hits(bundle, hits, launch.weight, arrays.reflectivity, arrays.law, fan, arrays.bin_length, sums)
+                _, aim = aim_straight(arrays, beam, 0.0, near, aim)
+                rotate_to_world(aim.launch, beam, bundle)
+                sums[:] = 0.0
+                add_ray_echoes(arrays, arrive_straight(arrays, bundle, self.cast(bundle)), aim.launch.weight, sums)
                 out[ping, side] = sums * arrays.range_factor
         return out
 

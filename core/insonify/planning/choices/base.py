@@ -9,7 +9,7 @@ from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import Any, ClassVar
 
-from insonify.acoustics.straightness import estimate_refraction
+from insonify.acoustics.water import estimate_refraction
 from insonify.packing.packed_scene import Model, PackedScene
 from insonify.planning.checks import check_refraction
 from insonify.planning.plan_entries import PlanEntry

@@ -1,8 +1,8 @@
 """Launch directions of refracted rays, from probe rays that show where there is anything to hit.
 
-Between two probes that hit a level bed, rays lie at equal steps of its slant range; where a probe only comes as low as
-something may stand, as dense as they lie on a level bed at the end of the range, at most half of all. Elevations from
-which nothing is reached get no rays. Each ray stands for exactly the angles that it was given.
+Between two probes that hit a level bed, rays lie at equal steps of its slant range. Between probes that only come as
+low as a target may stand, rays are as dense as on a level bed at the end of the range, at most half of all. Elevations
+that reach nothing get no rays. The angles of all rays add up exactly to those that reach anything.
 """
 
 from __future__ import annotations
@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 from insonify.compiler.jit import inlined, kernel
 from insonify.kernels.common.types import Water
 from insonify.kernels.rays.launch import set_ray
-from insonify.kernels.refracted_rays.hits import MOST_ARCS
+from insonify.kernels.rays.refracted_hits import MOST_ARCS
 from insonify.kernels.refraction.arcs import ENDLESS, HIGH, LOW, RANGE
 from insonify.kernels.refraction.section_arcs import SectionPlane, advance_ray, launch_ray
 

@@ -15,36 +15,28 @@ import numpy as np
 from numpy.typing import NDArray
 
 from insonify.compiler.jit import inlined, kernel
-from insonify.kernels.rays.cell_walk import NOTHING, Hits, RayBundle
-from insonify.kernels.rays.launch import ball_about
-from insonify.kernels.refracted_rays.chords import (
-    ALONG,
-    ARC,
-    DX,
-    DY,
-    DZ,
-    GROUND,
-    LENGTH,
-    ChordBatch,
-    X,
-    Y,
-    Z,
-    empty_batch,
-    empty_chord_hits,
-    march_chords,
-    meet_chords,
-)
+from insonify.kernels.common.types import BED
+from insonify.kernels.geometry.solids import intersect_solid
+from insonify.kernels.geometry.triangles import NO_TRIANGLE, facing_normal, intersect_mesh
+from insonify.kernels.rays.cell_walk import NOTHING, Hits, Ray, RayBundle, meet_bed
+from insonify.kernels.rays.launch import ball_about, box_about
+from insonify.kernels.rays.march import march_chord
 from insonify.kernels.refraction.arcs import ENDLESS, HIGH, LOW, RANGE, RayState
 from insonify.kernels.refraction.section_arcs import SectionPlane, advance_ray, launch_ray
 
 SAGITTA = 1e-4  # m by which a chord may leave its arc
-MOST_ARCS = 4096  # of one ray: a trapped one is given up
+MOST_ARCS = 4096  # of one ray; a trapped one ends there
 CLEAR = 1e-3  # m above the highest thing and off any node of the water, below which rays are tested for hits
 TOGETHER = 64  # rays of a batch
 STATE = 8  # numbers of the state of a ray at the start of an arc
 # At a caustic the tube closes, and ray theory makes intensity infinite. Airy's function peaks where the tube is about
 # (λ / πr)^⅓ as wide as one that nothing focuses: 0.02 at 400 kHz and 100 m. No tube counts as narrower.
 CAUSTIC = 0.02
+OVERLAP = 1e-9  # m by which chords are extended, so that rounding hides nothing where two of them meet
+# Columns of a chord: its start, unit direction and length; the number of its arc; and in the ray's vertical plane the
+# ground range of its start and the level part of its direction.
+X, Y, Z, DX, DY, DZ, LENGTH, ARC, GROUND, ALONG = 0, 1, 2, 3, 4, 5, 6, 7, 8, 9
+COLUMNS = 10
 
 
 class Arrivals(NamedTuple):
@@ -56,8 +48,8 @@ class Arrivals(NamedTuple):
     tube: NDArray[np.float64]  # m/rad, distance across the tube per elevation at the sonar
     spread: NDArray[np.float64]  # m/rad, and at right angles to that: ground range over the cosine of that elevation
     speed: NDArray[np.float64]  # of sound there, m/s
-    x: NDArray[np.float64]  # ground range, m
-    z: NDArray[np.float64]  # height, m
+    x: NDArray[np.float64]  # ground range, m; none of straight rays
+    z: NDArray[np.float64]  # height, m; none of straight rays
 
 
 class LandedRays(NamedTuple):
@@ -69,7 +61,7 @@ class LandedRays(NamedTuple):
 
 
 class VerticalPlane(NamedTuple):
-    """The vertical plane of a ray: the ground place of its start and the level unit vector it is sent along."""
+    """The vertical plane of a ray: ground place of its start, and level unit vector of its direction."""
 
     x: float
     y: float
@@ -85,6 +77,28 @@ class ContactZone(NamedTuple):
     bed: float  # m, height above which there is no bed
     near: float  # m, ground ranges between which there are bodies
     far: float
+
+
+class ChordBatch(NamedTuple):
+    """The chords of some rays, those of each one after the other, and what each ray may meet."""
+
+    chords: NDArray[np.float64]  # (m, COLUMNS)
+    start: NDArray[np.int64]  # (rays + 1,) first chord of each ray
+    near: NDArray[np.int64]  # (rays, bodies) bodies that its plane crosses
+    listed: NDArray[np.int64]  # (rays,) and their number
+    meshed: NDArray[np.bool_]  # (rays,) whether it may cross the mesh
+
+
+class ChordHits(NamedTuple):
+    """First hit of each ray of a batch, (rays,) each."""
+
+    chord: NDArray[np.int64]
+    distance: NDArray[np.float64]  # along that chord, m
+    body: NDArray[np.int64]  # as in Hits
+    material: NDArray[np.int64]
+    nx: NDArray[np.float64]
+    ny: NDArray[np.float64]
+    nz: NDArray[np.float64]
 
 
 @kernel
@@ -105,7 +119,7 @@ def find_refracted_hits(arrays, bundle, reach, march, hits, arrivals):
         Filled where there is a hit.
     """
     bed, solids, mesh, water = arrays.bed, arrays.solids, arrays.mesh, arrays.water
-    batch, met = empty_batch(TOGETHER, solids.shape.size), empty_chord_hits(TOGETHER)
+    batch, met = _empty_batch(TOGETHER, solids.shape.size), _empty_chord_hits(TOGETHER)
     limits, begins = np.empty((TOGETHER, 5)), np.empty((4 * TOGETHER, STATE))
     for first in range(0, bundle.x.size, TOGETHER):
         count = min(TOGETHER, bundle.x.size - first)
@@ -113,24 +127,15 @@ def find_refracted_hits(arrays, bundle, reach, march, hits, arrivals):
         rows, begins = _lay_chords(water, bundle, first, count, reach, march, limits, batch, begins)
         batch = ChordBatch(rows, batch.start, batch.near, batch.listed, batch.meshed)
         if march > 0.0:
-            march_chords(bed, solids, mesh, batch, count, met)
+            _march_chords(bed, solids, mesh, batch, count, met)
         else:
-            meet_chords(bed, solids, mesh, batch, count, met)
+            _meet_chords(bed, solids, mesh, batch, count, met)
         _arrive(water, LandedRays(bundle, hits, arrivals), first, count, reach, batch, begins, met)
 
 
 @kernel
 def empty_arrivals(n):
-    """Room for n arrivals.
-
-    Parameters
-    ----------
-    n : int
-
-    Returns
-    -------
-    Arrivals
-    """
+    """Room for n arrivals."""
     return Arrivals(
         np.empty(n), np.empty(n), np.empty(n), np.empty(n), np.empty(n), np.empty(n), np.empty(n), np.empty(n)
     )
@@ -174,9 +179,8 @@ def _find_contact_zones(bed, solids, mesh, height, bundle, first, count, batch, 
                 nearest, farthest = min(nearest, near), max(farthest, far)
         batch.listed[k], batch.meshed[k] = listed, False
         if mesh.skip.size > 0:
-            wx, wy = 0.5 * (mesh.high[0, 0] - mesh.low[0, 0]), 0.5 * (mesh.high[0, 1] - mesh.low[0, 1])
-            cx, cy = mesh.low[0, 0] + wx - plane.x, mesh.low[0, 1] + wy - plane.y
-            near, far = _disc_crossing(plane, cx, cy, math.sqrt(wx * wx + wy * wy))
+            wx, wy, _, cx, cy, _ = box_about(mesh, 0)
+            near, far = _disc_crossing(plane, cx - plane.x, cy - plane.y, math.sqrt(wx * wx + wy * wy))
             if near < far:
                 batch.meshed[k] = True
                 low, high = min(low, mesh.low[0, 2]), max(high, mesh.high[0, 2])
@@ -288,7 +292,7 @@ def _keep_arc_start(begins, arc, ray):
 
 @kernel
 def _arrive(water, rays, first, count, reach, batch, begins, met):
-    """Arrivals of rays at their hits, along the arcs whose chords were hit."""
+    """Arrivals of rays at their hits, along the arcs of the chords that were hit."""
     bundle, hits, arrivals = rays.bundle, rays.hits, rays.arrivals
     height, speed, station, reference = water.height, water.speed, water.station, water.reference
     axis_x, axis_y, rows = water.axis_x, water.axis_y, batch.chords
@@ -319,3 +323,113 @@ def _arrive(water, rays, first, count, reach, batch, begins, met):
         arrivals.dz[n], arrivals.speed[n], arrivals.x[n], arrivals.z[n] = ray.sine, ray.speed, ray.x, ray.z
         spread = ray.x / level if level > 0.0 else abs(ray.q)
         arrivals.tube[n], arrivals.spread[n] = max(abs(ray.q), CAUSTIC * spread), spread
+
+
+@kernel
+def _empty_batch(rays, bodies):
+    """Room for the chords of some rays."""
+    return ChordBatch(
+        np.empty((8 * rays, COLUMNS)), np.zeros(rays + 1, np.int64), np.empty((rays, bodies), np.int64),
+        np.zeros(rays, np.int64), np.zeros(rays, np.bool_),
+    )  # fmt: skip
+
+
+@kernel
+def _empty_chord_hits(rays):
+    """Room for the hits of some rays."""
+    return ChordHits(
+        np.empty(rays, np.int64), np.empty(rays), np.empty(rays, np.int64), np.empty(rays, np.int64),
+        np.empty(rays), np.empty(rays), np.empty(rays),
+    )  # fmt: skip
+
+
+@kernel
+def _meet_chords(bed, solids, mesh, batch, rays, met):
+    """First hits of the rays of a batch, exact along their chords."""
+    _meet_bodies(solids, batch, rays, met)
+    if mesh.skip.size > 0:
+        _meet_mesh(solids, mesh, batch, rays, met)
+    _meet_bed(bed, batch, rays, met)
+
+
+@kernel
+def _march_chords(bed, solids, mesh, batch, rays, met):
+    """First hits of the rays of a batch, by one sample at the end of each chord; triangles are met where they are."""
+    chords = batch.chords
+    for k in range(rays):
+        met.chord[k], met.distance[k], met.body[k], met.material[k] = batch.start[k + 1], math.inf, NOTHING, 0
+        for c in range(batch.start[k], batch.start[k + 1]):
+            way = Ray(chords[c, X], chords[c, Y], chords[c, Z], chords[c, DX], chords[c, DY], chords[c, DZ])
+            distance, body, material, nx, ny, nz = march_chord(
+                bed, solids, batch.near[k], batch.listed[k], way, chords[c, LENGTH]
+            )
+            if body != NOTHING:
+                met.chord[k], met.distance[k], met.body[k], met.material[k] = c, distance, body, material
+                met.nx[k], met.ny[k], met.nz[k] = nx, ny, nz
+                break
+    if mesh.skip.size > 0:
+        _meet_mesh(solids, mesh, batch, rays, met)
+
+
+@inlined
+def _limit(chords, met, k, c):
+    """Distance along chord c up to which a hit of ray k is nearer than the known one, m."""
+    limit = chords[c, LENGTH] + OVERLAP
+    return min(limit, met.distance[k]) if c == met.chord[k] else limit
+
+
+@kernel
+def _meet_bodies(solids, batch, rays, met):
+    """Initialise the hits of a batch with the first solid on each ray."""
+    chords = batch.chords
+    for k in range(rays):
+        met.chord[k], met.distance[k], met.body[k], met.material[k] = batch.start[k + 1], math.inf, NOTHING, 0
+        for m in range(batch.listed[k]):
+            body = batch.near[k, m]
+            for c in range(batch.start[k], min(met.chord[k] + 1, batch.start[k + 1])):
+                distance, nx, ny, nz = intersect_solid(
+                    solids, body, chords[c, X], chords[c, Y], chords[c, Z], chords[c, DX], chords[c, DY], chords[c, DZ]
+                )
+                limit = _limit(chords, met, k, c)
+                if distance < limit:
+                    met.chord[k], met.distance[k], met.body[k] = c, distance, body
+                    met.material[k] = solids.material[body]
+                    met.nx[k], met.ny[k], met.nz[k] = nx, ny, nz
+                    break
+
+
+@kernel
+def _meet_mesh(solids, mesh, batch, rays, met):
+    """Replace the hit of each ray by its first triangle where that is nearer."""
+    chords = batch.chords
+    for k in range(rays):
+        if not batch.meshed[k]:
+            continue
+        for c in range(batch.start[k], min(met.chord[k] + 1, batch.start[k + 1])):
+            dx, dy, dz = chords[c, DX], chords[c, DY], chords[c, DZ]
+            limit = _limit(chords, met, k, c)
+            distance, triangle = intersect_mesh(mesh, chords[c, X], chords[c, Y], chords[c, Z], dx, dy, dz, limit)
+            if triangle != NO_TRIANGLE:
+                met.chord[k], met.distance[k], met.body[k] = c, distance, solids.shape.size + triangle
+                met.material[k] = mesh.material[triangle]
+                met.nx[k], met.ny[k], met.nz[k] = facing_normal(mesh, triangle, dx, dy, dz)
+                break
+
+
+@kernel
+def _meet_bed(bed, batch, rays, met):
+    """Replace the hit of each ray by the bed where that is nearer; a ray inside the bed ends there."""
+    chords = batch.chords
+    for k in range(rays):
+        for c in range(batch.start[k], min(met.chord[k] + 1, batch.start[k + 1])):
+            way = Ray(chords[c, X], chords[c, Y], chords[c, Z], chords[c, DX], chords[c, DY], chords[c, DZ])
+            limit = _limit(chords, met, k, c)
+            distance, material, nx, ny, nz = meet_bed(bed, way, limit)
+            if distance < limit:
+                met.chord[k], met.distance[k], met.body[k], met.material[k] = c, distance, BED, material
+                met.nx[k], met.ny[k], met.nz[k] = nx, ny, nz
+                break
+            if distance != distance:
+                if c < met.chord[k]:
+                    met.body[k] = NOTHING
+                break

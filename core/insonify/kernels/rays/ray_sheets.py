@@ -22,37 +22,40 @@ from numpy.typing import NDArray
 from insonify.compiler.jit import inlined, kernel
 from insonify.kernels.beam.pattern import widest_extent
 from insonify.kernels.common.types import LIGHT
-from insonify.kernels.rays.cell_walk import NOTHING, find_first_hits
-from insonify.kernels.rays.first_echoes import (
-    elevation_tilt,
-    empty_bundle,
-    empty_hits,
-    empty_launch,
-    ray_echo,
-    weigh_by_pattern,
-)
+from insonify.kernels.rays.cast import arrive_straight, make_waveguide, ray_echo, weigh_by_pattern
+from insonify.kernels.rays.cell_walk import NOTHING, empty_bundle, empty_hits, find_first_hits
 from insonify.kernels.rays.launch import (
     aim_rays,
     cone_azimuth,
+    empty_launch,
     find_enclosing_solid,
     highest_elevation,
     list_solids_in_beam,
     orient_beam,
     rotate_to_world,
 )
-from insonify.kernels.refracted_rays.echoes import make_waveguide, refracted_echo
-from insonify.kernels.refracted_rays.hits import LandedRays, empty_arrivals, find_refracted_hits
-from insonify.kernels.refracted_rays.mixed_paths import MOST_WAYS, find_mixed_echoes
-from insonify.kernels.refracted_rays.probe_rays import aim_refracted_rays
+from insonify.kernels.rays.mixed_paths import MOST_WAYS, find_mixed_echoes
+from insonify.kernels.rays.probe_rays import Landings, Waveguide, aim_refracted_rays, empty_landings
+from insonify.kernels.rays.refracted_hits import LandedRays, empty_arrivals, find_refracted_hits
 
+DIRECT = -1  # way of a first echo, back along the ray itself
 KINKED = 0.02  # share by which growths differ on both sides of a kink
 FINE = 1.0 / 64.0  # share of a bin by which neighbours may land apart without being halved
 FINEST = 1e-9  # rad, the least angle between neighbours
 ROUNDED = 0.03  # share by which the echoes of neighbours on a round body may differ without being halved
 FINEST_ROUNDED = 1e-6  # rad, the least angle between neighbours on one
-OF_NADIR = 4  # one ray more about nadir for so many of a sheet
+OF_NADIR = 4  # rays of a sheet per extra ray about nadir
 OF_THREE = 3  # rays of a gap: both ends and the middle
-REVERSED = 1 << 32  # what sets surfaces apart whose mixed echoes count for both orders of their paths
+REVERSED = 1 << 32  # marks surfaces with mixed echoes that count for both orders of their paths
+
+
+class SheetFan(NamedTuple):
+    """What the rays of all sheets of one side share."""
+
+    pitch: float  # rad
+    near: NDArray[np.int64]  # (bodies,) rows of the solids in the beam
+    waveguide: Waveguide
+    landings: Landings  # of probe rays; empty for straight rays
 
 
 class SheetEchoes(NamedTuple):
@@ -92,12 +95,9 @@ def trace_ray_sheets(arrays, poses, sheets, rays, out):
         if body >= 0:
             return -1 - body
         for side in range(2):
-            beam, pitch = orient_beam(arrays, poses, ping, side), poses.pitch[ping]
+            beam = orient_beam(arrays, poses, ping, side)
             sums[:] = 0.0
-            if arrays.water.bent:
-                _add_refracted_sheets(arrays, beam, pitch, sheets, rays, sums)
-            else:
-                _add_sheets(arrays, beam, pitch, near, sheets, rays, sums)
+            _add_sheets(arrays, beam, poses.pitch[ping], near, sheets, rays, sums)
             for k in range(arrays.bins):
                 out[ping, side, k] = sums[k] * arrays.range_factor[k] / sheets
     return 0
@@ -105,52 +105,38 @@ def trace_ray_sheets(arrays, poses, sheets, rays, out):
 
 @kernel
 def _add_sheets(arrays, beam, pitch, near, sheets, rays, sums):
-    """Sum the echoes of sheets of straight rays."""
-    bodies, top = list_solids_in_beam(arrays.solids, arrays.mesh, beam, near)
-    top = max(top, highest_elevation(arrays.bed.high - beam.z, 0.0, beam.reach))
-    launch = empty_launch(rays)
-    aim_rays(launch, beam.z, top, beam.reach, 0.0, LIGHT, True)
-    angle = _elevations(launch.up, top)
-    for sheet in range(sheets):
-        place, together = (sheet + 0.5) / sheets, angle.size
-        landed = _trace_sheet(arrays, beam, pitch, near, bodies, angle, place)
-        while landed.angle.size > 0:
-            gaps = _spread_or_split(landed, together, arrays.solids.shape.size, arrays.bin_length, sums)
-            middles = _trace_sheet(arrays, beam, pitch, near, bodies, _middles(landed, gaps), place)
-            landed, together = _insert_middles(landed, gaps, middles), OF_THREE
-
-
-@kernel
-def _add_refracted_sheets(arrays, beam, pitch, sheets, rays, sums):
-    """Sum the echoes of sheets of rays along arcs."""
-    waveguide, launch = make_waveguide(arrays, beam), empty_launch(rays)
+    """Sum the echoes of the sheets of one side."""
+    launch, waveguide = empty_launch(rays), make_waveguide(arrays, beam)
     # Law `light` of a knife: weights are the angles that rays stand for.
-    landings = aim_refracted_rays(launch, waveguide, beam.z, 0.0, LIGHT, True)
-    angle = _elevations(launch.up, 0.5 * math.pi)
+    if arrays.water.bent:
+        bodies, top = 0, 0.5 * math.pi
+        landings = aim_refracted_rays(launch, waveguide, beam.z, 0.0, LIGHT, True)
+    else:
+        bodies, top = list_solids_in_beam(arrays.solids, arrays.mesh, beam, near)
+        top = max(top, highest_elevation(arrays.bed.high - beam.z, 0.0, beam.reach))
+        landings = empty_landings()
+        aim_rays(launch, beam.z, top, beam.reach, 0.0, LIGHT, True)
+    fan, angle = SheetFan(pitch, near[:bodies], waveguide, landings), _elevations(launch.up, top)
     for sheet in range(sheets):
-        place, together = (sheet + 0.5) / sheets, angle.size
-        landed = _trace_refracted_sheet(arrays, beam, pitch, angle, place)
-        while landed.angle.size > 0:
-            gaps = _spread_or_split(landed, together, arrays.solids.shape.size, arrays.bin_length, sums)
-            middles = _trace_refracted_sheet(arrays, beam, pitch, _middles(landed, gaps), place)
-            landed, together = _insert_middles(landed, gaps, middles), OF_THREE
-        if landings.fold < math.inf:
-            _add_mixed(arrays, beam, pitch, waveguide, landings, angle, place, sums)
+        place = (sheet + 0.5) / sheets
+        _add_sheet(arrays, beam, fan, angle, place, DIRECT, sums)
+        # The mixed echoes out along the rays of the sheet, one path back after the other.
+        way = 0
+        while landings.fold < math.inf and way < MOST_WAYS:
+            way = way + 1 if _add_sheet(arrays, beam, fan, angle, place, way, sums) else MOST_WAYS
 
 
 @kernel
-def _add_mixed(arrays, beam, pitch, waveguide, landings, angle, place, sums):
-    """Sum the mixed echoes out along the rays of one sheet, one path back after the other."""
-    for way in range(MOST_WAYS):
-        together = angle.size
-        landed = _trace_mixed_sheet(arrays, beam, pitch, waveguide, landings, angle, place, way)
-        if not np.any(landed.value > 0.0):
-            return
-        while landed.angle.size > 0:
-            gaps = _spread_or_split(landed, together, arrays.solids.shape.size, arrays.bin_length, sums)
-            angles = _middles(landed, gaps)
-            middles = _trace_mixed_sheet(arrays, beam, pitch, waveguide, landings, angles, place, way)
-            landed, together = _insert_middles(landed, gaps, middles), OF_THREE
+def _add_sheet(arrays, beam, fan, angle, place, way, sums):
+    """Sum the echoes of one sheet back by one path; return whether there are any."""
+    together, landed = angle.size, _trace_sheet(arrays, beam, fan, angle, place, way)
+    if way != DIRECT and not np.any(landed.value > 0.0):
+        return False
+    while landed.angle.size > 0:
+        gaps = _spread_or_split(landed, together, arrays.solids.shape.size, arrays.bin_length, sums)
+        middles = _trace_sheet(arrays, beam, fan, _middles(landed, gaps), place, way)
+        landed, together = _insert_middles(landed, gaps, middles), OF_THREE
+    return True
 
 
 @kernel
@@ -168,55 +154,30 @@ def _elevations(up, top):
 
 
 @kernel
-def _trace_sheet(arrays, beam, pitch, near, bodies, angle, place):
-    """Echoes of straight rays of one place within the beam at given elevations."""
-    n, fan = angle.size, arrays.half_width > 0.0
-    bundle, density = _send(arrays, beam, pitch, angle, place)
-    hits, landed = empty_hits(n), SheetEchoes(angle, np.empty(n), np.empty(n, np.int64), np.zeros(n), np.zeros(n))
-    find_first_hits(arrays.bed, arrays.solids, near, bodies, arrays.mesh, bundle, beam.reach, hits)
-    if arrays.pattern.tabulated:
-        density = weigh_by_pattern(arrays, beam, bundle, hits, density, np.empty(n))
-    for k in range(n):
-        landed.distance[k], landed.surface[k] = hits.distance[k], min(hits.body[k], arrays.solids.shape.size)
-        value, growth = ray_echo(bundle, hits, k, arrays.reflectivity, arrays.law, fan, arrays.bin_length)
-        landed.value[k], landed.growth[k] = value * density[k], growth
-    return landed
-
-
-@kernel
-def _trace_refracted_sheet(arrays, beam, pitch, angle, place):
-    """Echoes of rays along arcs of one place within the beam at given elevations."""
-    n = angle.size
-    bundle, density = _send(arrays, beam, pitch, angle, place)
-    hits, arrivals = empty_hits(n), empty_arrivals(n)
-    find_refracted_hits(arrays, bundle, beam.reach, 0.0, hits, arrivals)
-    if arrays.pattern.tabulated:
-        density = weigh_by_pattern(arrays, beam, bundle, hits, density, np.empty(n))
-    landed = SheetEchoes(angle, np.empty(n), np.empty(n, np.int64), np.zeros(n), np.zeros(n))
-    for k in range(n):
-        landed.distance[k], landed.surface[k] = hits.distance[k], min(hits.body[k], arrays.solids.shape.size)
-        b, value, cos_incidence = refracted_echo(arrays, hits, arrivals, density, k)
-        if b >= 0:
-            rise = elevation_tilt(arrivals.dx[k], arrivals.dy[k], arrivals.dz[k], hits.nx[k], hits.ny[k], hits.nz[k])
-            landed.value[k] = value
-            landed.growth[k] = arrays.water.reference / arrivals.speed[k] * arrivals.tube[k] * rise / cos_incidence
-    return landed
-
-
-@kernel
-def _trace_mixed_sheet(arrays, beam, pitch, waveguide, landings, angle, place, way):
-    """Echoes out along rays of one place within the beam at given elevations, and back along one other path of each."""
-    n = angle.size
-    bundle, density = _send(arrays, beam, pitch, angle, place)
-    hits, arrivals = empty_hits(n), empty_arrivals(n)
-    find_refracted_hits(arrays, bundle, waveguide.reach, 0.0, hits, arrivals)
-    rays = LandedRays(bundle, hits, arrivals)
-    mixed = find_mixed_echoes(arrays, beam, waveguide, beam.z, landings, density, rays)
+def _trace_sheet(arrays, beam, fan, angle, place, way):
+    """Echoes of rays of one place within the beam at given elevations, back along themselves or one other path."""
+    n, solids = angle.size, arrays.solids.shape.size
+    bundle, density = _send(arrays, beam, fan.pitch, angle, place)
     landed = SheetEchoes(angle, np.full(n, math.inf), np.full(n, NOTHING), np.zeros(n), np.zeros(n))
+    if arrays.water.bent:
+        rays = LandedRays(bundle, empty_hits(n), empty_arrivals(n))
+        find_refracted_hits(arrays, bundle, beam.reach, 0.0, rays.hits, rays.arrivals)
+    else:
+        hits = empty_hits(n)
+        find_first_hits(arrays.bed, arrays.solids, fan.near, fan.near.size, arrays.mesh, bundle, beam.reach, hits)
+        rays = arrive_straight(arrays, bundle, hits)
+    hits = rays.hits
+    if way == DIRECT:
+        density = weigh_by_pattern(arrays, beam, rays, density)
+        for k in range(n):
+            landed.distance[k], landed.surface[k] = hits.distance[k], min(hits.body[k], solids)
+            _, landed.value[k], _, landed.growth[k] = ray_echo(arrays, rays, density, k)
+        return landed
+    mixed = find_mixed_echoes(arrays, beam, fan.waveguide, fan.landings, density, rays)
     for m in range(mixed.ray.size):
         if mixed.way[m] == way and mixed.bin[m] >= 0:
             k = mixed.ray[m]
-            landed.distance[k], landed.surface[k] = mixed.distance[m], min(hits.body[k], arrays.solids.shape.size)
+            landed.distance[k], landed.surface[k] = mixed.distance[m], min(hits.body[k], solids)
             if 2.0 * mixed.distance[m] - hits.distance[k] >= beam.reach:
                 landed.surface[k] += REVERSED  # it counts for its reverse as well
             landed.value[k], landed.growth[k] = mixed.value[m], mixed.growth[m]
@@ -270,8 +231,8 @@ def _azimuth(centre, extent, main, level, place):
 def _spread_or_split(landed, together, solids, bin_length, sums):
     """Spread the energy between neighbouring rays over the bins that it spans; list the gaps that must be halved.
 
-    So many rays at a time are neighbours of one another. Surfaces below ``solids`` are round bodies, on which the echo
-    changes between neighbours that an even spread would take for alike.
+    Each run of ``together`` rays is a row of neighbours. Surfaces below ``solids`` are round bodies: the echo changes
+    between two neighbours even where their landings fit an even spread.
     """
     n = landed.angle.size
     gaps, count = np.empty(n, np.int64), 0
@@ -294,10 +255,9 @@ def _spread_or_split(landed, together, solids, bin_length, sums):
             gaps[count] = k
             count += 1
         else:
-            _add_over_ranges(0.5 * angle * landed.value[k], landed.distance[k], landed.distance[k], bin_length, sums)
-            _add_over_ranges(
-                0.5 * angle * landed.value[k + 1], landed.distance[k + 1], landed.distance[k + 1], bin_length, sums
-            )
+            for m in range(k, k + 2):
+                place = landed.distance[m]
+                _add_over_ranges(0.5 * angle * landed.value[m], place, place, bin_length, sums)
     return gaps[:count]
 
 
@@ -332,26 +292,26 @@ def _add_over_ranges(value, one, other, bin_length, sums):
 @kernel
 def _middles(landed, gaps):
     """Elevations halfway across gaps."""
-    angle = np.empty(gaps.size)
-    for m in range(gaps.size):
-        angle[m] = 0.5 * (landed.angle[gaps[m]] + landed.angle[gaps[m] + 1])
-    return angle
+    return 0.5 * (landed.angle[gaps] + landed.angle[gaps + 1])
 
 
 @kernel
 def _insert_middles(landed, gaps, middles):
     """Echoes of the rays halfway across gaps, between those that bound them."""
-    n = OF_THREE * gaps.size
-    halved = SheetEchoes(np.empty(n), np.empty(n), np.empty(n, np.int64), np.empty(n), np.empty(n))
+    return SheetEchoes(
+        _insert_between(landed.angle, gaps, middles.angle),
+        _insert_between(landed.distance, gaps, middles.distance),
+        _insert_between(landed.surface, gaps, middles.surface),
+        _insert_between(landed.value, gaps, middles.value),
+        _insert_between(landed.growth, gaps, middles.growth),
+    )
+
+
+@kernel
+def _insert_between(column, gaps, middle):
+    """Values on both sides of gaps, with one between them: before, middle, after."""
+    row = np.empty(OF_THREE * gaps.size, column.dtype)
     for m in range(gaps.size):
-        _copy(landed, gaps[m], halved, OF_THREE * m)
-        _copy(middles, m, halved, OF_THREE * m + 1)
-        _copy(landed, gaps[m] + 1, halved, OF_THREE * m + 2)
-    return halved
-
-
-@inlined
-def _copy(landed, k, other, m):
-    """Copy the echo of one ray to another place."""
-    other.angle[m], other.distance[m], other.surface[m] = landed.angle[k], landed.distance[k], landed.surface[k]
-    other.value[m], other.growth[m] = landed.value[k], landed.growth[k]
+        first = OF_THREE * m
+        row[first], row[first + 1], row[first + 2] = column[gaps[m]], middle[m], column[gaps[m] + 1]
+    return row

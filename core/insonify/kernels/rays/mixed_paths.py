@@ -22,10 +22,9 @@ from insonify.compiler.jit import inlined, kernel
 from insonify.kernels.beam.pattern import two_way_response
 from insonify.kernels.common.scattering import bistatic_strength
 from insonify.kernels.common.types import LIGHT
-from insonify.kernels.rays.cell_walk import NOTHING, RayBundle
-from insonify.kernels.rays.first_echoes import empty_bundle, empty_hits
+from insonify.kernels.rays.cell_walk import NOTHING, RayBundle, empty_bundle, empty_hits
+from insonify.kernels.rays.refracted_hits import MOST_ARCS, LandedRays, empty_arrivals, find_refracted_hits
 from insonify.kernels.rays.specular_paths import pair_sensitivity
-from insonify.kernels.refracted_rays.hits import MOST_ARCS, LandedRays, empty_arrivals, find_refracted_hits
 from insonify.kernels.refraction.arcs import RANGE
 from insonify.kernels.refraction.section_arcs import advance_ray, launch_ray
 
@@ -50,10 +49,17 @@ class MixedEchoes(NamedTuple):
 
 
 @kernel
-def find_mixed_echoes(arrays, beam, waveguide, z, landings, weight, rays):
+def empty_mixed_echoes():
+    """No mixed echoes."""
+    none, number = np.empty(0), np.empty(0, np.int64)
+    return MixedEchoes(number, number, number, none, none, none, empty_bundle(0))
+
+
+@kernel
+def find_mixed_echoes(arrays, beam, waveguide, landings, weight, rays):
     """Mixed echoes of one side's rays: out along one path and back along another to the same place."""
     bundle, arrivals = rays.bundle, rays.arrivals
-    pairs, ways, angles = _pair_paths(waveguide, z, landings, rays, weight)
+    pairs, ways, angles = _pair_paths(waveguide, beam.z, landings, rays, weight)
     n = angles.size
     others, met, back = empty_bundle(n), empty_hits(n), empty_arrivals(n)
     for m in range(n):
