@@ -10,8 +10,8 @@ from typing import Any
 
 from numba.core import event
 
-from insonify.compiler.part_process import end_process, start_process
-from insonify.compiler.progress import Compilation, tell_watchers
+from insonify.compiler.processes import helper
+from insonify.compiler.progress import Compilation, report_progress
 from insonify.compiler.separate import SeparateKernel
 
 PACKAGE = "insonify.kernels"
@@ -80,9 +80,9 @@ class CompilationListener(event.Listener):
             gc.disable()
         if self.depth == 0 and function.__module__.startswith(f"{PACKAGE}."):
             self.progress = _Progress(function)
-            tell_watchers(self.progress.report())
+            report_progress(self.progress.report())
             if len(self.progress.left) >= MANY:
-                start_process()
+                helper.start()
         self.depth += 1
 
     def on_end(self, event: Any) -> None:
@@ -93,12 +93,12 @@ class CompilationListener(event.Listener):
         if self.progress is None:
             return
         if self.depth == 0:
-            end_process()
+            helper.finish()
             self.progress = None
-            tell_watchers(None)
+            report_progress(None)
             return
         self.progress.finish(event.data["dispatcher"].py_func)
-        tell_watchers(self.progress.report())
+        report_progress(self.progress.report())
 
 
 def called_functions(function: FunctionType) -> set[FunctionType]:
@@ -119,3 +119,8 @@ def _subject(kernel: FunctionType) -> str:
     """Return what a kernel calculates, by its module's folder."""
     folder = kernel.__module__.removeprefix(f"{PACKAGE}.").partition(".")[0]
     return WORDS.get(folder, "kernels")
+
+
+def report_compilations() -> None:
+    """Report what Numba compiles from now on."""
+    event.register("numba:compile", CompilationListener())

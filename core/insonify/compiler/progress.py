@@ -70,7 +70,7 @@ def watch_compilation(watcher: Watcher) -> Iterator[None]:
         _watchers.remove(watcher)
 
 
-def tell_watchers(compilation: Compilation | None) -> None:
+def report_progress(compilation: Compilation | None) -> None:
     """Report the progress of a compilation to all watchers."""
     for watcher in tuple(_watchers):
         watcher(compilation)

@@ -9,7 +9,6 @@ from __future__ import annotations
 
 import ctypes
 import hashlib
-import importlib
 from collections.abc import Callable
 from functools import cached_property
 from typing import Any
@@ -18,12 +17,19 @@ import llvmlite.binding as llvm
 from llvmlite import ir
 from numba.core import cgutils, types
 from numba.core.registry import CPUDispatcher, cpu_target
-from numba.core.serialize import dumps, loads
 from numba.core.typing.templates import AbstractTemplate, signature
 
 from insonify.compiler.cache import SeparateCache
-from insonify.compiler.dispatch import Kernel, NotCompiledError, WithoutWrapper, failure, let_compile
-from insonify.compiler.part_process import ask_for_kernel, wait_for_kernel
+from insonify.compiler.dispatch import (
+    Kernel,
+    NotCompiledError,
+    WithoutWrapper,
+    compile_named,
+    failure,
+    let_compile,
+    name_code,
+)
+from insonify.compiler.processes import helper
 
 RESOLVE = "insonify_resolve"
 POINTER = ir.IntType(8).as_pointer()
@@ -56,8 +62,7 @@ class SeparateKernel(Kernel):
     def name_code(self, arguments: tuple[Any, ...]) -> bytes:
         """Name the machine code for types of arguments, as `find_address` takes it."""
         if arguments not in self._names:  # pickled again, equal types may give other bytes
-            place = self.py_func.__module__, self.py_func.__qualname__
-            self._names[arguments] = bytes(dumps((*place, arguments)))
+            self._names[arguments] = name_code(self.py_func, "machine_code", arguments)
         return self._names[arguments]
 
 
@@ -71,7 +76,7 @@ class _Call(AbstractTemplate):
             return None
         arguments = tuple(map(types.unliteral, args))
         if self.key.ahead:
-            ask_for_kernel(self.key.name_code(arguments))
+            helper.request(self.key.name_code(arguments))
         return signature(self.key.returned, *arguments)
 
 
@@ -130,11 +135,8 @@ class _MachineCode(CPUDispatcher):
 def find_address(name: bytes) -> int:
     """Address of the machine code of a separate kernel, compiled if that is not known."""
     if name not in _addresses:
-        wait_for_kernel(name)
-        module, qualname, arguments = loads(name)
-        code = getattr(importlib.import_module(module), qualname).machine_code
-        code.compile(arguments)
-        _addresses[name] = code.overloads[arguments].entry_point
+        helper.wait(name)
+        _addresses[name] = compile_named(name).entry_point
     return _addresses[name]
 
 
