@@ -85,18 +85,18 @@ class _Locator:
         return "kernel"
 
 
-class _CacheImpl(CompileResultCacheImpl):
+class EntryCode(CompileResultCacheImpl):
     """What is written of a function that Python calls: its machine code, and the name of that."""
 
     _locator_classes = [_Locator]  # noqa: RUF012  # Numba's own attribute
 
     def get_filename_base(self, fullname: str, abiflags: str) -> str:
-        # Numba empties an index that another of its versions wrote: environments with two would do so in turn.
+        """Name the files with the version of Numba, which empties an index that another of its versions wrote."""
         return f"{super().get_filename_base(fullname, abiflags)}.numba-{numba.__version__}"
 
     def reduce(self, cres: Any) -> tuple[Any, ...]:
+        """Leave out the LLVM code that Numba adds for callers: here they have the part, and the name is enough."""
         (name, kind, (code, _)), *rest = super().reduce(cres)
-        # Numba adds all LLVM code, to be linked into callers: here they have the part, and the name is enough.
         return (name, kind, (code, _bitcode_of_name(cres.fndesc.llvm_cpython_wrapper_name))), *rest
 
 
@@ -105,13 +105,15 @@ def _bitcode_of_name(name: str) -> bytes:
     return bytes(llvm.parse_assembly(f'define void @"{name}"() {{ ret void }}').as_bitcode())
 
 
-class _PartCacheImpl(_CacheImpl):
+class PartCode(EntryCode):
     """What is written of a function that other kernels call, and how it is read."""
 
     def get_filename_base(self, fullname: str, abiflags: str) -> str:
+        """Name the files."""
         return f"{super().get_filename_base(fullname, abiflags)}.part"
 
     def reduce(self, cres: Any) -> tuple[Any, ...]:
+        """Return what is pickled."""
         cres.fndesc.typemap = cres.fndesc.calltypes = None  # not needed to link it, and cannot all be pickled
         code = self._code_of(cres)
         return cres.library.name, code, cres.fndesc, cres.environment, cres.signature, cres.reload_init
@@ -123,6 +125,7 @@ class _PartCacheImpl(_CacheImpl):
         return PartLibrary.from_bitcode(codegen, name, code)
 
     def rebuild(self, target_context: Any, payload: tuple[Any, ...]) -> Any:
+        """Restore what was pickled."""
         name, code, fndesc, environment, signature, reload_init = payload
         for again in reload_init:
             again()
@@ -140,10 +143,11 @@ class _PartCacheImpl(_CacheImpl):
         )
 
 
-class _SeparateCacheImpl(_PartCacheImpl):
+class SeparateCode(PartCode):
     """What is written of a function that other kernels call by its address: its machine code, and the name of that."""
 
     def get_filename_base(self, fullname: str, abiflags: str) -> str:
+        """Name the files."""
         return f"{super().get_filename_base(fullname, abiflags)}.separate"
 
     def _code_of(self, cres: Any) -> Any:
@@ -190,9 +194,8 @@ def _name_of_content(content: bytes) -> str:
 class KernelCache(FunctionCache):
     """Machine code of one kernel on disk; a damaged file is compiled anew, an unusable folder is ignored."""
 
-    _impl_class: type[_CacheImpl] = _CacheImpl
-
-    def __init__(self, function: Callable[..., Any]) -> None:
+    def __init__(self, function: Callable[..., Any], form: type[EntryCode]) -> None:
+        self._impl_class = form
         super().__init__(function)
         impl = self._impl
         self._cache_file = _CacheFile(self._cache_path, impl.filename_base, impl.locator.get_source_stamp())
@@ -223,15 +226,3 @@ class KernelCache(FunctionCache):
         """Keep the code of a signature."""
         with contextlib.suppress(OSError):
             super().save_overload(sig, data)
-
-
-class PartCache(KernelCache):
-    """LLVM code on disk of one function that other kernels call."""
-
-    _impl_class = _PartCacheImpl
-
-
-class SeparateCache(KernelCache):
-    """Machine code on disk of one function that other kernels call by its address."""
-
-    _impl_class = _SeparateCacheImpl

@@ -20,7 +20,7 @@ from numba.core.compiler import Compiler
 from numba.core.registry import CPUDispatcher
 from numba.core.serialize import dumps, loads
 
-from insonify.compiler.cache import KernelCache, PartCache, PartLibrary
+from insonify.compiler.cache import EntryCode, KernelCache, PartCode, PartLibrary
 from insonify.compiler.processes import elsewhere
 
 
@@ -54,7 +54,7 @@ class Kernel:
         """Numba's dispatcher of calls from Python."""
         entry: Any = _Entry(self.py_func, {}, self.options)
         if self.kept:
-            entry._cache = KernelCache(self.py_func)
+            entry._cache = KernelCache(self.py_func, EntryCode)
         return entry
 
     @cached_property
@@ -62,7 +62,7 @@ class Kernel:
         """The `Part` that other kernels call."""
         part: Any = Part(self.py_func, {}, self.options, _PartCompiler)
         if self.kept:
-            part._cache = PartCache(self.py_func)
+            part._cache = KernelCache(self.py_func, PartCode)
         return part
 
     @property

@@ -19,7 +19,7 @@ from numba.core import cgutils, types
 from numba.core.registry import CPUDispatcher, cpu_target
 from numba.core.typing.templates import AbstractTemplate, signature
 
-from insonify.compiler.cache import SeparateCache
+from insonify.compiler.cache import KernelCache, SeparateCode
 from insonify.compiler.dispatch import (
     Kernel,
     NotCompiledError,
@@ -48,7 +48,7 @@ class SeparateKernel(Kernel):
     def machine_code(self) -> Any:
         """Numba's dispatcher of its machine code, by type of the arguments."""
         code: Any = _MachineCode(self.py_func, {}, self.options, WithoutWrapper)
-        code._cache = SeparateCache(self.py_func)
+        code._cache = KernelCache(self.py_func, SeparateCode)
         code.returned = self.returned
         return code
 

@@ -9,9 +9,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from insonify.errors import SceneError
-from insonify.files import file_version
+from insonify.files import file_version, kept_until_changed
 from insonify.io.file_access import guarded
-from insonify.io.file_cache import kept_until_changed
 from insonify.io.pictures import read_pixels
 from insonify.scene.base import FilePath, parameter
 from insonify.scene.materials.base import Cells, Map
