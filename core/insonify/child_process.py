@@ -22,7 +22,7 @@ from typing import Any
 # The search path is given whole; and what a child imports is compiled once for all later ones.
 LEFT_OUT = {"PYTHONPATH", "PYTHONDONTWRITEBYTECODE"}
 START = "import sys; sys.path[:] = sys.argv[2:]; __import__(sys.argv[1], fromlist=['main']).main()"
-STARVED = 6.0  # times as long an answer may take while other programs keep the processors busy
+STARVED = 6.0  # times as long an answer may take while other programs occupy the processors
 PIPE = 2**20  # bytes of a pipe, where the system lets it be chosen
 LENGTH = 8  # bytes of every length in a message
 

@@ -59,7 +59,7 @@ class PartLibrary(JITCodeLibrary):
 
 
 class _Locator:
-    """Place of one kernel's machine code, as Numba asks for it."""
+    """Place of one kernel's machine code, as Numba's cache expects it."""
 
     def __init__(self, function: Callable[..., Any], file: str) -> None:
         self._py_file = file

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import gc
 import time
 from dataclasses import dataclass, field
 from types import FunctionType
@@ -32,7 +31,7 @@ WORDS = {  # by the folder of the kernel's module
     "targets": "targets",
 }
 MANY = 40  # functions of a kernel whose compilation takes longer than a second process to start
-UNSURE = 0.05  # share done up to which the time left is not told
+UNSURE = 0.05  # share done up to which the time left is not predicted
 ROOT = 0.4  # share of a kernel's time that remains when all its functions are compiled; 0.29 to 0.45 of the sweep's
 
 
@@ -68,16 +67,10 @@ class CompilationListener(event.Listener):
     def __init__(self) -> None:
         self.depth = 0
         self.progress: _Progress | None = None
-        self.collects = False
 
     def on_start(self, event: Any) -> None:
         """Begin a kernel, unless the function is a part of one."""
         function = event.data["dispatcher"].py_func
-        if self.depth == 0:
-            # Nearly all that the compiler makes lives until the kernel is finished: looking for garbage among it takes
-            # a twelfth of the time.
-            self.collects = gc.isenabled()
-            gc.disable()
         if self.depth == 0 and function.__module__.startswith(f"{PACKAGE}."):
             self.progress = _Progress(function)
             report_progress(self.progress.report())
@@ -88,8 +81,6 @@ class CompilationListener(event.Listener):
     def on_end(self, event: Any) -> None:
         """Report a function that is finished; with the outermost, its kernel is."""
         self.depth -= 1
-        if self.depth == 0 and self.collects:
-            gc.enable()
         if self.progress is None:
             return
         if self.depth == 0:

@@ -67,7 +67,7 @@ class Kernel:
 
     @property
     def _numba_type_(self) -> Any:
-        # Numba asks for it when it compiles a caller.
+        # Numba reads it when it compiles a caller.
         return self.part._numba_type_
 
 

@@ -5,8 +5,8 @@ decorator                  called by a kernel       on disk      counts referenc
 =========================  =======================  ===========  =====================  ==================
 `kernel`                   a function of its own    yes          yes                    relaxed (`FAST`)
 `kernel_uncounted`         a function of its own    yes          no                     relaxed (`FAST`)
-`kernel_separate`          by its address           yes          if asked to            relaxed (`FAST`)
-`kernel_on_demand`         by its address           yes          if asked to            relaxed (`FAST`)
+`kernel_separate`          by its address           yes          optional               relaxed (`FAST`)
+`kernel_on_demand`         by its address           yes          optional               relaxed (`FAST`)
 `inlined`                  inlined                  no           yes                    relaxed (`FAST`)
 `inlined_uncounted`        inlined                  no           no                     relaxed (`FAST`)
 `inlined_ieee`             inlined                  no           yes                    IEEE 754, in order

@@ -1,7 +1,7 @@
 """Kernels with machine code of their own that other kernels call by its address, which is found at the first call.
 
 A part is compiled into each of its callers. A separate kernel is compiled once, whoever calls it: while its callers are
-compiled, by a second process; or not before a scene asks for it, for what most scenes lack. Every array is handed over
+compiled, by a second process; or when it is first called, for what most scenes lack. Every array is handed over
 as seven numbers and more: a whole scene costs half a microsecond. No inner loop should make such a call.
 """
 
@@ -54,7 +54,7 @@ class SeparateKernel(Kernel):
 
     @cached_property
     def _numba_type_(self) -> Any:
-        # Numba asks for it when it compiles a caller.
+        # Numba reads it when it compiles a caller.
         template = type("Call", (_Call,), {"key": self})
         cpu_target.target_context.insert_func_defn([(_generate_call(self), self, (types.VarArg(types.Any),))])
         return types.Function(template)
