@@ -13,8 +13,8 @@ from pydantic.fields import FieldInfo
 
 from insonify.files import bundled_meshes
 from insonify.scene import Scene
-from insonify.scene.kinds import KindOf, kind_name
-from insonify.scene.materials import MATERIALS
+from insonify.scene.base import KindOf, kind_name
+from insonify.scene.seabed.materials import MATERIALS
 
 Draw = Callable[[st.SearchStrategy[Any]], Any]
 CELLS = (3, 200)  # of a period, and likewise of a range

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 
-from insonify.accuracy.record_errors import compare_records
+from insonify.statistics.record_errors import compare_records
 from insonify.tracers import rays
 
 FIRST_RAYS = 1 << 15

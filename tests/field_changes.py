@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from insonify.scene.surfaces import WAYS
+from insonify.scene.water.surfaces import WAYS
 from relief_fields import PERIOD, alone, of_fractals, of_made, summed
 
 DEM = {"seabed.relief": {"kind": "dem", "path": "BED"}, "targets": []}

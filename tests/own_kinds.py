@@ -11,7 +11,7 @@ import numpy as np
 
 from insonify.scene import Scene, edit, load_scene
 from insonify.scene.base import parameter
-from insonify.scene.materials import MATERIAL_MAPS, MATERIALS, Cells, CompositeMap
+from insonify.scene.seabed.materials import MATERIAL_MAPS, MATERIALS, Cells, CompositeMap
 from insonify.scene.targets import TARGETS, Body, Posed
 from insonify.scene.targets.shape import Shape, ball, frustum
 

@@ -9,16 +9,16 @@ from typing import Literal
 
 import numpy as np
 
-from insonify.scene.absorptions import ABSORPTIONS, AbsorptionKind
 from insonify.scene.base import parameter
-from insonify.scene.beams import BEAMS, BeamKind, Sounding
-from insonify.scene.motions import MOTIONS, SingleMotion
-from insonify.scene.pulses import PULSES, PulseKind
-from insonify.scene.reliefs import RELIEFS, HeightGrid, ReliefKind
-from insonify.scene.reliefs.random_relief import ExtendableRelief, rms_height
-from insonify.scene.reliefs.spectrum import Band, Density
-from insonify.scene.speckles import SPECKLES, SpeckleKind, Texture
-from insonify.scene.waters import WATERS, SoundSpeeds, WaterKind, speeds_by_depth
+from insonify.scene.receiver.speckles import SPECKLES, SpeckleKind, Texture
+from insonify.scene.seabed.reliefs import RELIEFS, HeightGrid, ReliefKind
+from insonify.scene.seabed.reliefs.random_relief import ExtendableRelief, rms_height
+from insonify.scene.seabed.reliefs.spectrum import Band, Density
+from insonify.scene.sonar.beams import BEAMS, BeamKind, Sounding
+from insonify.scene.sonar.pulses import PULSES, PulseKind
+from insonify.scene.track.motions import MOTIONS, SingleMotion
+from insonify.scene.water import WATERS, SoundSpeeds, WaterKind, speeds_by_depth
+from insonify.scene.water.absorptions import ABSORPTIONS, AbsorptionKind
 
 FAMILIES = {
     RELIEFS: ("band", "terrace"),

@@ -8,12 +8,11 @@ from insonify.io.meshes import read_mesh
 from insonify.parallel import count_threads
 from insonify.planning import Plan
 from insonify.scene import Scene
-from insonify.scene.materials import Material
-from insonify.scene.pulses.ideal import Ideal
-from insonify.scene.pulses.tone import Tone
-from insonify.scene.reliefs.random_relief import RandomRelief
-from insonify.scene.speckles.coherent import Coherent
-from insonify.scene.waters.uniform import UniformWater
+from insonify.scene.receiver.speckles import Coherent
+from insonify.scene.seabed.materials import Material
+from insonify.scene.seabed.reliefs.random_relief import RandomRelief
+from insonify.scene.sonar.pulses import Ideal, Tone
+from insonify.scene.water.uniform import UniformWater
 
 ALWAYS = 64e6  # bytes: tables of beams and of water, and what Python needs
 OF_ENDLESS_GROUND = 600e6  # the tiles that are kept

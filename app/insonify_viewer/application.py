@@ -21,19 +21,18 @@ from insonify.compiler.processes import compiled_elsewhere
 from insonify.compiler.progress import watch_compilation
 from insonify.lessons import Lesson
 from insonify.scene import Scene, SceneError
-from insonify_viewer.comparison.arrangement import Arrangement
-from insonify_viewer.errors.file_warnings import told_file_warnings
-from insonify_viewer.gc_policy import collected_by_hand, limit_free_memory
 from insonify_viewer.panels.comparison.controller import ComparisonPanel
 from insonify_viewer.panels.lessons.controller import LessonsPanel
-from insonify_viewer.session import Mark
+from insonify_viewer.record.comparison.arrangement import Arrangement
+from insonify_viewer.state.inspection import Mark
 from insonify_viewer.viewer import Viewer
-from insonify_viewer.views.crash_recovery import CrashRecovery
-from insonify_viewer.views.qt_modules import leave_sources_unread
-from insonify_viewer.views.save_dialogs import save_picture
-from insonify_viewer.views.settings import Settings
-from insonify_viewer.views.theme import Theme, apply_theme
-from insonify_viewer.views.uncaught_errors import told_errors
+from insonify_viewer.widgets.qt_modules import leave_sources_unread
+from insonify_viewer.widgets.save_dialogs import save_picture
+from insonify_viewer.widgets.theme import Theme, apply_theme
+from insonify_viewer.window.recovery import CrashRecovery
+from insonify_viewer.window.settings import Settings
+from insonify_viewer.window.uncaught_errors import told_errors, told_file_warnings
+from insonify_viewer.work.gc_policy import collected_by_hand, limit_free_memory
 
 SNAPSHOT_SIZE = (1600, 1000)
 COLLECTION_INTERVAL = 200  # ms
@@ -67,7 +66,7 @@ def open_window(
             settings.toured = True
             QTimer.singleShot(TOUR, viewer.window.tour.begin)
         signal.signal(signal.SIGINT, lambda *_: _close_on_interrupt(viewer))
-        tell = partial(viewer.simulator.call_later, partial(viewer.window.say, lasting=True))
+        tell = partial(viewer.simulator.executor.call_later, partial(viewer.window.say, lasting=True))
         with told_errors(viewer.window.complain), told_file_warnings(tell):
             return application.exec()
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import gc
 import time
+from collections.abc import Sequence
 from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -15,38 +16,34 @@ from PySide6.QtGui import QGuiApplication
 
 from insonify.display.picture import PALETTES
 from insonify.scene import Scene, SceneError, bundled_scenes, scene_to_toml
-from insonify_viewer.auto_pause import next_pause
-from insonify_viewer.comparison.comparison import Comparison
-from insonify_viewer.comparison.recording_player import RecordingPlayer
-from insonify_viewer.contacts.contact import ContactList
-from insonify_viewer.contrast import Contrast
-from insonify_viewer.errors.failure import Failure, describe_error
-from insonify_viewer.file_opening import FileOpening
-from insonify_viewer.gc_policy import forget_ground, return_free_memory
-from insonify_viewer.history_controller import HistoryController
-from insonify_viewer.inspection import Inspection
-from insonify_viewer.jobs.job_list import JobList
-from insonify_viewer.laid_scene import LaidScene
-from insonify_viewer.mark_controller import MarkController
-from insonify_viewer.marked_point import MarkedPoint
-from insonify_viewer.panel_set import PanelSet
-from insonify_viewer.panels.panel import RecordGrowth
-from insonify_viewer.ping_request import PingRequest, TracedPings
-from insonify_viewer.record import Record, pings_held
-from insonify_viewer.record_display.projection import compile_picture
-from insonify_viewer.saving import Saving
-from insonify_viewer.seabed_controller import SeabedController, silence
-from insonify_viewer.session import Mark, Session
-from insonify_viewer.simulator import Simulator
-from insonify_viewer.target_editor import TargetEditor
-from insonify_viewer.tow_clock import TowClock
-from insonify_viewer.views.file_dialogs import FileDialogs
-from insonify_viewer.views.main_window import MainWindow
-from insonify_viewer.waiting import WaitingWatch
-from insonify_viewer.workbench import make_workbench
+from insonify_viewer.errors import Failure, describe_error
+from insonify_viewer.panels.panel import Workbench
+from insonify_viewer.panels.panel_set import PanelSet
+from insonify_viewer.record.comparison.comparison import Comparison
+from insonify_viewer.record.comparison.recording_player import RecordingPlayer
+from insonify_viewer.record.marked_point import MarkController, MarkedPoint
+from insonify_viewer.record.projection import compile_picture
+from insonify_viewer.record.record import Record, RecordGrowth, pings_held
+from insonify_viewer.record.waterfall_view import Contrast
+from insonify_viewer.seabed.controller import SeabedController, silence
+from insonify_viewer.state.contact_list import ContactList
+from insonify_viewer.state.inspection import Inspection, Mark
+from insonify_viewer.state.session import Session
+from insonify_viewer.state.tow_clock import TowClock, next_pause
+from insonify_viewer.window.file_dialogs import FileDialogs
+from insonify_viewer.window.file_opening import FileOpening
+from insonify_viewer.window.history_controller import HistoryController
+from insonify_viewer.window.main_window import MainWindow
+from insonify_viewer.window.saving import Saving
+from insonify_viewer.window.target_editor import TargetEditor
+from insonify_viewer.work.gc_policy import forget_ground, return_free_memory
+from insonify_viewer.work.jobs import JobList
+from insonify_viewer.work.ping_request import LaidScene, PingRequest, TracedPings
+from insonify_viewer.work.simulator import Simulator
+from insonify_viewer.work.waiting import WaitingWatch
 
 if TYPE_CHECKING:
-    from insonify.planning.models import PackedScene
+    from insonify.packing.packed_scene import PackedScene
 
 TICK = 25  # ms
 BEHIND = 48  # blank pings on screen at which the tow waits
@@ -63,18 +60,18 @@ class Viewer(QObject):
         self.contacts = ContactList(self.session)
         self.inspection = Inspection()
         self.tow = TowClock(pings_held(scene) - 1)
-        self.simulator = Simulator(prepare, parent=self)
+        self.simulator = Simulator(prepare)
         native = accelerated and QGuiApplication.platformName() == "xcb"
         self.window = MainWindow(native=native, palettes=PALETTES)
         self.record = Record(pings_held(scene), scene.sonar.bins)
-        self.jobs = JobList(self.simulator.call_later)
+        self.jobs = JobList(self.simulator.executor.call_later)
         self.saving = Saving(self.session, self.contacts, self.window, self.jobs)
         self.files = FileDialogs(self.window, self.simulator, self.open, self.saving.may_leave)
         pause = partial(self.run, False)
-        self.recordings = RecordingPlayer(self.window, self.session, self.tow, self.simulator, pause=pause)
+        self.recordings = RecordingPlayer(self.window, self.session, self.tow, self.simulator.executor, pause=pause)
         self.comparison = Comparison(self.window, self.session, self.simulator, self.recordings)
-        self.panels = PanelSet(make_workbench(self))
-        added = partial(self.panels.tell, "part_added")
+        self.panels = PanelSet(self._workbench())
+        added = self.panels.part_added.emit
         self.targets = TargetEditor(self.session, self.window, self.simulator, self.files, added)
         parts = self.files, self.recordings, self.targets, self.contacts, self.saving
         self.opening = FileOpening(self.session, self.simulator, self.window, *parts)
@@ -88,14 +85,14 @@ class Viewer(QObject):
         self._waiting = WaitingWatch()
         self._freeing = False  # whether memory of the scene before is still to be returned
         self._prepared = self._started = self._stopped = False
-        self._marks = MarkController(self._show_point, self.simulator.call_later)
+        self._marks = MarkController(self._show_point, self.simulator.executor)
         self._contrast = Contrast(self.window.waterfall, self.session)
         self._clock = QTimer(self)
         self._clock.setInterval(TICK)
         self._ticked = 0.0
         self._connect()
         self._show_geometry(scene)
-        self.panels.tell("scene_changed", scene, True)
+        self.panels.scene_changed.emit(scene, True)
 
     @property
     def complete(self) -> bool:
@@ -184,16 +181,58 @@ class Viewer(QObject):
     def close(self) -> None:
         """Stop clock, panels and worker."""
         self._clock.stop()
-        self.panels.tell("closing")
-        self.comparison.close(PATIENCE)
+        self.panels.closing.emit()
         self.jobs.close(PATIENCE)
-        self._marks.close(PATIENCE)
         self.simulator.close(PATIENCE)
-        self._seabed.close(PATIENCE)
+        self._seabed.close()
+
+    def _workbench(self) -> Workbench:
+        """Return what the panels are made with."""
+
+        def open_scene(scene: Scene, file: str, *, ask: bool) -> bool:
+            if ask and not self.saving.may_leave():
+                return False
+            self.open(scene, file)
+            return True
+
+        def add_actions(actions: Sequence[Any]) -> None:
+            self.window.addActions(actions)
+            self.window.menus.group("Record", actions)
+
+        return Workbench(
+            session=self.session,
+            simulator=self.simulator,
+            files=self.files,
+            say=self.window.say,
+            complain=self.window.complain,
+            copy_details=self.window.status.copy_details,
+            pause=lambda: self.run(False),
+            go_to=self.go_to,
+            record_views=(self.window.waterfall, self.window.record_a),
+            add_actions=add_actions,
+            drape=lambda strip: self.seabed.drape(strip),
+            open_panel=self.window.open_panel,
+            inspection=self.inspection,
+            jobs=self.jobs,
+            recordings=self.recordings,
+            comparison=self.comparison,
+            contacts=self.contacts,
+            open_contacts=lambda: self.opening.ask_for_contacts(),
+            save_contacts=self.saving.save_contacts,
+            open_scene=open_scene,
+            light_fields=lambda paths: self.panels.fields_lit.emit(paths),
+            project=self.window.projector.setChecked,
+        )
 
     def _connect(self) -> None:
         window, session = self.window, self.session
-        self.inspection.connect(window.waterfall, self._seabed)
+        inspection, seabed = self.inspection, self._seabed
+        window.waterfall.clicked.connect(inspection.pin)
+        inspection.pinned.connect(window.waterfall.show_pin)
+        inspection.lit.connect(window.waterfall.show_lit)
+        inspection.drawn.connect(seabed.show_sound)
+        inspection.picked.connect(seabed.show_pick)
+        seabed.picked.connect(inspection.pick)
         self.targets.handles.connect_seabed(self._seabed)
         self._seabed.failed.connect(window.complain)
         session.changed.connect(self._scene_changed)
@@ -207,18 +246,18 @@ class Viewer(QObject):
         window.waterfall.hovered.connect(session.point_at)
         window.waterfall.scrolled.connect(self.look_back)
         window.waterfall.scrubbed.connect(self.go_to)
-        HistoryController(session, self.contacts, self.saving, window)
+        self._history = HistoryController(session, self.contacts, self.saving, window)
         window.levels.triggered.connect(self.find_levels)
         window.reset_view.triggered.connect(self._seabed.reset_view)
-        self.jobs.watch(lambda _: window.jobs.show_jobs(self.jobs.running))
-        self.jobs.watch(window.status.show_end)
+        self.jobs.changed.connect(lambda _: window.jobs.show_jobs(self.jobs.running))
+        self.jobs.changed.connect(window.status.show_end)
         window.gain_changed.connect(lambda decibels: session.show(gain=decibels))
         window.palette_changed.connect(lambda name: session.show(palette=name))
         session.displayed.connect(lambda look: window.show_display(look))
         session.displayed.connect(lambda _: self._show_sonar())
         window.speed_changed.connect(lambda speed: setattr(self.tow, "speed", speed))
         window.running_changed.connect(self.run)
-        window.projector.toggled.connect(lambda large: self.panels.tell("projected", large))
+        window.projector.toggled.connect(lambda large: self.panels.projected.emit(large))
         window.may_close = self.saving.may_close
         window.closing.connect(self.close)
         self._clock.timeout.connect(self._tick)
@@ -234,7 +273,7 @@ class Viewer(QObject):
             self.record = Record(pings_held(scene), scene.sonar.bins)
             self._answer = None
             self._show_geometry(scene)
-        self.panels.tell("scene_changed", scene, settled)
+        self.panels.scene_changed.emit(scene, settled)
         self._ask()
 
     def _tick(self) -> None:
@@ -313,7 +352,7 @@ class Viewer(QObject):
             self._freeing = False
             gc.collect()  # simulations and beds refer to themselves: few objects, but many megabytes
             self.simulator.send(return_free_memory, lambda _: None)
-        self.panels.tell_growth(RecordGrowth(answer, self.record, current, complete=not self._missing().size))
+        self.panels.show_growth(RecordGrowth(answer, self.record, current, complete=not self._missing().size))
         if not self._started:
             self._started = True
             self.window.say(scene.title)
@@ -332,7 +371,7 @@ class Viewer(QObject):
             self.window.complain(failure, lasting=True)
         else:
             self.session.take_back()
-            self.panels.tell("scene_refused")
+            self.panels.scene_refused.emit()
             self.window.complain(failure)
 
     def _settle_levels(self) -> None:
@@ -350,7 +389,7 @@ class Viewer(QObject):
         self._marks.show(mark, self._answer, self.record)
 
     def _show_point(self, point: MarkedPoint | None) -> None:
-        self.panels.tell("point_marked", point)
+        self.panels.point_marked.emit(point)
         self.window.waterfall.show_mark(None if point is None else point.mark)
         self._seabed.show_mark(None if point is None else point.position)
 

@@ -9,23 +9,23 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from insonify.dataset import make_block, record_attributes
 from insonify.io.record_block import RecordBlock
 from insonify.kernels.common.types import Poses, SceneArrays
-from insonify.packing.navigation import bed_beneath, make_poses, refuse_track_off_bed
+from insonify.packing.packed_scene import PackedScene, pack
 from insonify.packing.terrain_tiles import TerrainTiles
-from insonify.packing.track import TowLine, tow_line_at
 from insonify.parallel import count_threads, limited_threads
 from insonify.planning import Plan
-from insonify.planning.models import PackedScene, pack
 from insonify.planning.selection import check_request, choose_model, keep_plan
 from insonify.receiver import Reception, Traced, prepare_reception, record_echoes
+from insonify.record.blocks import trace_blocks, trace_whole
+from insonify.record.target_truth import TargetTruth, find_target_truth, join_target_truth
+from insonify.record.variables import make_block, record_attributes
 from insonify.scene import Scene, SceneError
 from insonify.terrain import AnyGround
-from insonify.traced_blocks import trace_blocks, trace_whole
+from insonify.tow.line import TowLine, tow_line_at
+from insonify.tow.poses import bed_beneath, make_poses, refuse_track_off_bed
 from insonify.tracers.labels import RecordLabels, trace_labels
 from insonify.tracers.registry import Tracer
-from insonify.tracers.target_truth import TargetTruth, find_target_truth, join_target_truth
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -95,16 +95,21 @@ class Simulation:
         (n, 2, bins) float32
             Linear intensity, port first: ``out``, if it is given.
         """
+        with limited_threads(self.threads):
+            shapes, divided = self.reception.divided_by_shape, None
+            traced = self.trace(poses)
+            if shapes is not None:
+                divided = self.trace(poses, self.reduced._replace(reflectivity=shapes))
+            return record_echoes(self.reception, traced, pings, divided, out)
+
+    def trace(self, poses: Poses, arrays: SceneArrays | None = None) -> Traced:
+        """Trace echoes of an ideal pulse: their mean energy, or their waves where the receiver adds others to them."""
         trace_pings = (self.reception.sums_waves and self.tracer.trace_waves) or self.tracer.trace
 
-        def trace(arrays: SceneArrays) -> Traced:
-            def trace_tile(tile: SceneArrays, some: Poses) -> tuple[Traced]:
-                return (trace_pings(tile, some, **self.plan.settings),)
+        def trace_tile(tile: SceneArrays, some: Poses) -> tuple[Traced]:
+            return (trace_pings(tile, some, **self.plan.settings),)
 
-            return self.tiles.map(trace_tile, arrays, poses)[0]
-
-        with limited_threads(self.threads):
-            return record_echoes(self.reception, trace, self.reduced, pings, out)
+        return self.tiles.map(trace_tile, self.reduced if arrays is None else arrays, poses)[0]
 
     def expect(self, pings: NDArray[np.int64]) -> None:
         """Keep the ground beneath pings, (n,) numbers, that are traced again in whatever blocks, as far as it fits."""
@@ -164,7 +169,7 @@ def prepare(
         A plan of this scene or of one like it, which is kept as far as the geometry of the scene admits it; nothing is
         measured then.
     packed : PackedScene, optional
-        The scene's ground and arrays, if they are made already, as by `insonify.planning.models.pack`.
+        The scene's ground and arrays, if they are made already, as by `insonify.packing.packed_scene.pack`.
 
     Returns
     -------

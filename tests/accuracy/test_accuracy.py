@@ -9,9 +9,9 @@ import pytest
 
 from beds import arrays_of, poses_of, rough
 from exact_rays import reference
-from insonify.accuracy.record_errors import compare_records, compute_errors
 from insonify.accuracy.timing import time_calls
 from insonify.acoustics.flat_bed import compute_flat_bed_curves
+from insonify.statistics.record_errors import compare_records, compute_errors
 from insonify.tracers import rays
 
 

@@ -5,10 +5,10 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from insonify.accuracy.record_errors import compare_records
-from insonify.packing.navigation import take_poses
 from insonify.scene import edit, load_scene
 from insonify.simulation import prepare
+from insonify.statistics.record_errors import compare_records
+from insonify.tow.poses import take_poses
 from insonify.tracers import rays, sweep
 
 KNIFE = {"sonar.beam": "knife", "receiver.speckle": "none"}

@@ -20,11 +20,11 @@ from insonify.accuracy.charts.method_settings import list_settings
 from insonify.accuracy.charts.reference import Reference, trace_exact_rays
 from insonify.accuracy.charts.scene_setup import pack_for_chart
 from insonify.accuracy.charts.style import SHADES
-from insonify.accuracy.displacement import Displacement
-from insonify.accuracy.record_errors import RecordErrors, compare_records
-from insonify.accuracy.similarity import measure_similarity
 from insonify.kernels.common.types import no_surface_multipath
 from insonify.scene import SceneError, edit, load_scene
+from insonify.statistics.displacement import Displacement
+from insonify.statistics.record_errors import RecordErrors, compare_records
+from insonify.statistics.similarity import measure_similarity
 
 
 def row(method, setting, microseconds, error, targets=False):

@@ -9,10 +9,10 @@ import pytest
 
 from beds import NO_MESH, arrays_of, mesh_of, poses_of, rough, solids_of
 from insonify.accuracy.charts.embree import TriangulatedScene, explain_omission
-from insonify.accuracy.record_errors import compare_records
 from insonify.kernels.rays.cell_walk import RayBundle
 from insonify.kernels.rays.first_echoes import cast_straight_rays, empty_hits
 from insonify.scene import SceneError
+from insonify.statistics.record_errors import compare_records
 from insonify.tracers import rays
 
 POSES = poses_of([0.0, 3.7], 1.3, 8.0, [0.3, 1.9])

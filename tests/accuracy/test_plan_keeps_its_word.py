@@ -20,10 +20,10 @@ import numpy as np
 import pytest
 
 from insonify.accuracy.charts.reference import trace_exact_rays
-from insonify.accuracy.record_errors import compare_records
 from insonify.kernels.common.types import Poses, SceneArrays
 from insonify.scene import Scene, edit
 from insonify.simulation import Simulation, prepare
+from insonify.statistics.record_errors import compare_records
 from planned_scenes import planned_scene
 
 JUDGED = range(300)

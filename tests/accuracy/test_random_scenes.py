@@ -15,11 +15,11 @@ import numpy as np
 import pytest
 
 from exact_rays import reference
-from insonify.accuracy.record_errors import RecordErrors, compare_records
 from insonify.acoustics.flat_bed import compute_flat_bed_curves
 from insonify.kernels.common.types import Poses, SceneArrays
 from insonify.scene import Scene
 from insonify.simulation import prepare
+from insonify.statistics.record_errors import RecordErrors, compare_records
 from insonify.tracers import sweep
 from random_scenes import random_scene
 

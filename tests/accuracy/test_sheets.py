@@ -10,10 +10,10 @@ import pytest
 from beds import arrays_of, bed_of, gaussian_pattern, poses_of, rough
 from insonify.accuracy.charts.reference import name_rays, trace_exact_rays
 from insonify.accuracy.charts.scene_setup import pack_for_chart
-from insonify.accuracy.record_errors import compare_records
 from insonify.acoustics.flat_bed import flat_bed_curve
 from insonify.kernels.common.types import LIGHT, SONAR, Water, no_surface_multipath
 from insonify.scene import SceneError, edit, load_scene
+from insonify.statistics.record_errors import compare_records
 from insonify.tracers import ray_sheets, rays, sweep
 
 FAN = math.radians(1.0)

@@ -8,10 +8,10 @@ import numpy as np
 import pytest
 
 from beds import arrays_of, poses_of, rough
-from insonify.accuracy.record_errors import compare_records
 from insonify.kernels.common.types import LIGHT, SONAR
 from insonify.scene import edit, load_scene
 from insonify.simulation import prepare
+from insonify.statistics.record_errors import compare_records
 from insonify.tracers import march, rays, sweep
 
 POSES = poses_of(np.arange(6) * 1.37 + 0.1, 0.23, 7.0, 0.3)

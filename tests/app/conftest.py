@@ -18,12 +18,12 @@ from stand_in import StandIn
 
 from insonify.explanation import compilation, listeners
 from insonify.scene import Scene, edit, load_scene
-from insonify_viewer import seabed_controller as seabed
 from insonify_viewer.application import has_opengl, main_thread_collection
 from insonify_viewer.panels.comparison import controller as comparison
 from insonify_viewer.panels.pixel import controller as pixel
+from insonify_viewer.seabed import controller as seabed
 from insonify_viewer.viewer import Viewer
-from insonify_viewer.views.theme import apply_theme
+from insonify_viewer.widgets.theme import apply_theme
 
 COMPILING = 240.0  # s, that a thread may take to compile its kernels where other tests keep the cores busy
 TURNS, TURN = 10, 20  # of the loop of events, at least, in any time that a test waits; ms, of one that goes on and on
@@ -98,7 +98,7 @@ def _beds_are_shaded_once() -> Iterator[None]:
     Where no graphics card makes these, they take a tenth of a second of each window, a quarter of its opening. Commands
     that draw a window are tested with them.
     """
-    from insonify_viewer.views import pv_meshes, seabed_view
+    from insonify_viewer.seabed import pv_meshes, seabed_view
 
     def plain_texture() -> Any:
         texture = blank_texture()

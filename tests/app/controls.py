@@ -17,7 +17,7 @@ from PySide6.QtWidgets import (
     QWidget,
 )
 
-from insonify_viewer.views.main_window import MainWindow
+from insonify_viewer.window.main_window import MainWindow
 
 CONTROLS = (QAbstractSlider, QAbstractSpinBox, QLineEdit, QComboBox, QAbstractButton, QAbstractItemView)
 WHOLE = (QComboBox, QAbstractSpinBox, QLineEdit, QAbstractItemView)  # what is inside belongs to them

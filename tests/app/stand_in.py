@@ -9,16 +9,16 @@ import numpy as np
 from numpy.typing import NDArray
 
 from insonify.acoustics.flat_bed import flat_bed_curve
-from insonify.packing.navigation import make_poses
 from insonify.packing.scene_arrays import pack_scene
-from insonify.packing.track import tow_line_at
 from insonify.planning import Plan
 from insonify.planning import plan as make_plan
 from insonify.receiver import make_reception
 from insonify.scene import Scene, SceneError
-from insonify.scene.materials import MATERIALS
 from insonify.scene.seabed import Seabed
+from insonify.scene.seabed.materials import MATERIALS
 from insonify.terrain.ground import Ground
+from insonify.tow.line import tow_line_at
+from insonify.tow.poses import make_poses
 from insonify.tracers.labels import RecordLabels
 
 

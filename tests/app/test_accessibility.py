@@ -13,10 +13,10 @@ from test_menus import activate
 
 from insonify.scene import Scene
 from insonify_viewer.application import enlarge_text, has_opengl
-from insonify_viewer.fields import NumberField
 from insonify_viewer.panels.parameters.view.section_box import SectionBox
-from insonify_viewer.views.field_rows import Combo
-from insonify_viewer.views.main_window import MainWindow
+from insonify_viewer.state.fields import NumberField
+from insonify_viewer.widgets.field_rows import Combo
+from insonify_viewer.window.main_window import MainWindow
 
 PANELS = ("parameters", "plan", "record", "comparison", "lessons", "pixel", "water", "chart", "jobs")
 SIDE = ("parameters", "plan", "record")

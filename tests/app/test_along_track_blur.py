@@ -11,10 +11,10 @@ from stand_in import StandIn
 from insonify.display.normalisation import LevelBed, normalise
 from insonify.scene import edit, load_scene
 from insonify.simulation import prepare
-from insonify_viewer.modelling import Modelling
-from insonify_viewer.ping_request import PingRequest
-from insonify_viewer.simulator import Simulator
-from insonify_viewer.views.along_track_blur import blur_along_track
+from insonify_viewer.record.record_image import blur_along_track
+from insonify_viewer.state.modelling import Modelling
+from insonify_viewer.work.ping_request import PingRequest
+from insonify_viewer.work.simulator import Simulator
 
 
 def box(energy: np.ndarray, ping: int, pings: float) -> float:

@@ -16,10 +16,9 @@ from insonify.accuracy.charts.kinds.accuracy import AccuracyChart
 from insonify.accuracy.charts.measurement import AccuracyRow, TracedScene
 from insonify.accuracy.charts.method_settings import SettingKey
 from insonify.accuracy.charts.reference import Reference
-from insonify.accuracy.displacement import measure_displacement
-from insonify.accuracy.record_errors import compare_records
 from insonify.scene import Scene, SceneError
-from insonify_viewer.jobs.background_job import State
+from insonify.statistics.displacement import measure_displacement
+from insonify.statistics.record_errors import compare_records
 from insonify_viewer.panels.chart.chart_details import (
     ChartPoint,
     details_in_words,
@@ -27,6 +26,7 @@ from insonify_viewer.panels.chart.chart_details import (
     nearest_row,
     row_details,
 )
+from insonify_viewer.work.jobs import State
 
 
 def a_chart(scene: Scene, progress: Callable[[float], None] = lambda share: None) -> AccuracyChart:

@@ -20,8 +20,7 @@ from stand_in import StandIn
 from insonify.scene import Scene, SceneError, edit
 from insonify_viewer import application
 from insonify_viewer.application import has_opengl
-from insonify_viewer.job import Job
-from insonify_viewer.newest_wins import NewestWins
+from insonify_viewer.work.executor import Task
 
 
 def test_a_closed_view_names_nothing_that_qt_deletes_with_the_window(open_viewer: Any, small: Scene) -> None:
@@ -101,7 +100,7 @@ def test_a_window_closes_during_work_beside_it_at_once(open_viewer: Any, small: 
             going.wait(120.0)
 
         if busy == "a bed":
-            viewer.seabed._begin(work, print)
+            viewer.simulator.executor.start("picture of the bed", work, done=print, failed=print)
         else:
             viewer.panels["chart"].measure = work
             viewer.panels["chart"].begin()
@@ -147,15 +146,15 @@ def test_windows_are_opened_and_drawn_with_garbage_in_one_place(
 def test_what_a_thread_has_found_when_qt_has_ended_is_dropped(open_viewer: Any, small: Scene) -> None:
     viewer = open_viewer(small)
     viewer.window.close()
-    later = viewer.simulator.call_later
-    delete(viewer.simulator)
+    later = viewer.simulator.executor.call_later
+    delete(viewer.simulator.executor)
     later(print, "found too late")
 
 
 def test_no_worker_imports_modules_of_qt() -> None:
     """PySide6 makes the classes of a module when they are first asked for, which two threads must not do at once."""
     code = (
-        "import sys; from insonify_viewer.views.qt_modules import load_qt_modules; load_qt_modules(); "
+        "import sys; from insonify_viewer.widgets.qt_modules import load_qt_modules; load_qt_modules(); "
         "known = set(sys.modules); import pyvistaqt; "
         "print([m for m in set(sys.modules) - known if m.split('.')[0] in ('PySide6', 'qtpy', 'shiboken6')])"
     )
@@ -170,13 +169,10 @@ def test_threads_beside_the_window_yield_the_processor_to_it(open_viewer: Any, s
     def niceness() -> int:
         return os.getpriority(os.PRIO_PROCESS, 0)
 
-    later = viewer.simulator.call_later
     viewer.simulator.send(niceness, found.append)
-    Job(lambda _: niceness(), later, progressed=print, done=found.append, failed=print, name="test").start()
-    thread = NewestWins("test", later)
-    thread.send(niceness, found.append)
+    viewer.simulator.executor.start("test", niceness, done=found.append, failed=print)
+    viewer.simulator.executor.submit("test", niceness, found.append)
     qtbot.waitUntil(lambda: len(found) == 3, timeout=5000)
-    thread.close()
     assert min(found) > niceness()
 
 
@@ -188,7 +184,7 @@ def test_reports_that_wait_are_passed_on_as_one() -> None:
         for k in range(1000):
             progress(k / 1000.0)
 
-    job = Job(work, lambda *call: calls.append(call), progressed=told.append, done=print, failed=print, name="test")
+    job = Task(work, lambda *call: calls.append(call), progressed=told.append, done=print, failed=print, name="test")
     job.start()
     job._thread.join(60.0)
     assert len(calls) == 2, "one of its progress, one of its end"

@@ -1,4 +1,4 @@
-"""The command as people run it, without a screen_check."""
+"""The command as people run it, without a screen."""
 
 from __future__ import annotations
 
@@ -17,8 +17,8 @@ from PIL import Image
 from insonify.cli import main
 from insonify.compiler.progress import report_progress
 from insonify.scene import Scene, SceneError, edit, load_scene
-from insonify_viewer import application, screen_check
-from insonify_viewer.session import Mark
+from insonify_viewer import application, commands
+from insonify_viewer.state.inspection import Mark
 from insonify_viewer.viewer import Viewer
 
 SMALL = ("--set", "track.pings=64", "--set", "sonar.bins=200")
@@ -133,16 +133,16 @@ def test_mistakes_are_one_sentence(words: tuple[str, ...], part: str, capsys: py
 def test_why_no_window(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.delenv("QT_QPA_PLATFORM", raising=False)
     monkeypatch.delenv("WAYLAND_DISPLAY", raising=False)
-    assert screen_check.why_no_window() == ""
-    monkeypatch.setattr(screen_check, "WINDOW_LIBRARIES", (screen_check.WINDOW_LIBRARIES[0], "libnowhere.so.1"))
-    assert screen_check.why_no_window().startswith(
+    assert commands.why_no_window() == ""
+    monkeypatch.setattr(commands, "WINDOW_LIBRARIES", (commands.WINDOW_LIBRARIES[0], "libnowhere.so.1"))
+    assert commands.why_no_window().startswith(
         "the system lacks libnowhere.so.1; install it with: apt-get install libegl1"
     )
-    monkeypatch.setattr(screen_check, "WINDOW_LIBRARIES", screen_check.WINDOW_LIBRARIES[:1])
+    monkeypatch.setattr(commands, "WINDOW_LIBRARIES", commands.WINDOW_LIBRARIES[:1])
     monkeypatch.setenv("DISPLAY", ":4711")
-    assert screen_check.why_no_window() == "display :4711 does not answer"
+    assert commands.why_no_window() == "display :4711 does not answer"
     monkeypatch.delenv("DISPLAY")
-    assert screen_check.why_no_window() == "there is no display"
+    assert commands.why_no_window() == "there is no display"
 
 
 def test_registering_imports_no_window() -> None:

@@ -24,19 +24,18 @@ from test_menus import activate
 
 from insonify.cli import main
 from insonify.scene import Scene, edit, load_partner, load_scene
-from insonify_viewer.comparison.arrangement import Arrangement
-from insonify_viewer.comparison.changed_fields import list_changes
-from insonify_viewer.comparison.pairs import find_pairs
-from insonify_viewer.comparison.record_difference import (
+from insonify_viewer.record.comparison.arrangement import Arrangement, find_pairs
+from insonify_viewer.record.comparison.comparison_overlay import SPANS, decibels_between, draw_difference
+from insonify_viewer.record.comparison.kept_record import list_changes
+from insonify_viewer.record.comparison.record_difference import (
     RecordDifference,
     RecordSnapshot,
     are_comparable,
     compare_records,
     visible_share,
 )
-from insonify_viewer.modelling import Modelling
-from insonify_viewer.record import Record
-from insonify_viewer.views.difference_picture import SPANS, decibels_between, draw_difference
+from insonify_viewer.record.record import Record
+from insonify_viewer.state.modelling import Modelling
 
 DARK, LIGHT = {"seabed.material.diffuse": 0.2}, {"seabed.material.diffuse": 0.4}
 GREY = np.array([0xFF000000 | k << 16 | k << 8 | k for k in range(256)], np.uint32)

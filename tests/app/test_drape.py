@@ -9,10 +9,10 @@ import numpy as np
 import pytest
 
 from insonify.display.display_options import DisplayOptions
-from insonify.packing.navigation import make_poses
 from insonify.scene import Scene, edit
-from insonify_viewer.record_display.drape import RecordStrip, drape_record
-from insonify_viewer.record_display.tone_map import make_tone_map
+from insonify.tow.poses import make_poses
+from insonify_viewer.record.drape import RecordStrip, drape_record
+from insonify_viewer.record.tone_map import make_tone_map
 
 
 @pytest.mark.parametrize("heading", [0.0, 30.0, 180.0])

@@ -8,7 +8,7 @@ import numpy as np
 from PySide6.QtCore import QRect
 from PySide6.QtGui import QImage, QPainter
 
-from insonify_viewer.views.echo_trace import draw_trace
+from insonify_viewer.record.echo_trace import draw_trace
 
 
 def drawn(loudest: list[float]) -> QImage:

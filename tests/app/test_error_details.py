@@ -15,11 +15,10 @@ from PySide6.QtTest import QTest
 from stand_in import StandIn
 
 from insonify.scene import Scene, SceneError, scene_to_toml
-from insonify_viewer.newest_wins import NewestWins
 from insonify_viewer.panels.pixel import controller as pixel_controller
-from insonify_viewer.session import Mark
+from insonify_viewer.state.inspection import Mark
 from insonify_viewer.viewer import Viewer
-from insonify_viewer.views.uncaught_errors import told_errors
+from insonify_viewer.window.uncaught_errors import told_errors
 
 Opener = Callable[..., Viewer]
 
@@ -109,7 +108,6 @@ def test_a_file_that_is_damaged_while_it_is_shown_is_no_fault_of_the_program(
 def test_a_fault_in_a_thread_beside_the_window_is_told_once(open_viewer: Opener, small: Scene, qtbot: Any) -> None:
     viewer = open_viewer(small)
     received: list[Any] = []
-    thread = NewestWins("test", viewer.simulator.call_later)
 
     def fail() -> None:
         int(float("nan"))
@@ -119,7 +117,7 @@ def test_a_fault_in_a_thread_beside_the_window_is_told_once(open_viewer: Opener,
 
     def run(errand: Callable[[], Any]) -> None:
         count = len(received)
-        thread.send(errand, received.append)
+        viewer.simulator.executor.submit("test", errand, received.append)
         qtbot.waitUntil(lambda: len(received) > count)
 
     with qtbot.captureExceptions() as printed, told_errors(viewer.window.complain):
@@ -129,7 +127,6 @@ def test_a_fault_in_a_thread_beside_the_window_is_told_once(open_viewer: Opener,
         assert [kind for kind, *_ in printed] == [ValueError, ValueError], "again only after a success"
         assert "fault of the program (ValueError: cannot convert" in viewer.window.status.sentence.text()
         assert "in fail" in copied(viewer)
-    thread.close()
 
 
 def test_a_fault_of_an_explanation_is_told(

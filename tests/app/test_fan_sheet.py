@@ -10,7 +10,7 @@ import pyvista as pv
 
 from insonify.scene import edit, load_scene
 from insonify.simulation import prepare
-from insonify_viewer.fan_sheet import STEP, fan_sheet
+from insonify_viewer.seabed.fan_sheet import STEP, fan_sheet
 
 
 def far_ends(triangles: np.ndarray) -> np.ndarray:

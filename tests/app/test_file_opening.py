@@ -13,9 +13,8 @@ from PySide6.QtGui import QDragEnterEvent, QDropEvent
 from PySide6.QtWidgets import QApplication, QFileDialog, QMessageBox
 
 from insonify.scene import Scene, bundled_meshes, bundled_scenes, edit, scene_to_toml
-from insonify_viewer.contacts.contact import Contact
-from insonify_viewer.contacts.files import write_contacts
-from insonify_viewer.views.settings import RECENT, Settings
+from insonify_viewer.state.contacts import Contact, write_contacts
+from insonify_viewer.window.settings import RECENT, Settings
 
 
 def drop(window: Any, *paths: Path) -> None:

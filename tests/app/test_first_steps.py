@@ -14,8 +14,8 @@ from PySide6.QtTest import QTest
 from PySide6.QtWidgets import QApplication, QFileDialog, QLineEdit, QMenu
 
 from insonify.scene import load_scene
-from insonify_viewer.session import Mark
-from insonify_viewer.views.scene_gallery import SceneGallery
+from insonify_viewer.state.inspection import Mark
+from insonify_viewer.window.scene_menu import SceneGallery
 
 MOST = 3  # actions
 ROLE = Qt.ItemDataRole.UserRole

@@ -9,7 +9,7 @@ from pathlib import Path
 
 import pytest
 
-from insonify_viewer.gc_policy import collected_by_hand, leave_out_libraries
+from insonify_viewer.work.gc_policy import collected_by_hand, leave_out_libraries
 
 
 class Node:

@@ -11,7 +11,7 @@ from typing import Any
 import pytest
 
 import insonify_viewer
-from insonify_viewer.errors.guarded_overrides import guard_override
+from insonify_viewer.errors import guard_override
 
 # Methods that Qt calls within a call from Python. Events of mouse and keys come from the loop of events instead,
 # under which Qt for Python prints an exception.
@@ -25,10 +25,10 @@ from PySide6.QtCore import QSize, QTimer
 from PySide6.QtGui import QPainter, QPixmap
 from PySide6.QtWidgets import QVBoxLayout, QWidget
 from insonify_viewer.application import make_application
-from insonify_viewer.errors.guarded_overrides import guard_override
-from insonify_viewer.views.main_window import MainWindow
-from insonify_viewer.views.record_image import RecordImage
-from insonify_viewer.views.uncaught_errors import told_errors
+from insonify_viewer.errors import guard_override
+from insonify_viewer.window.main_window import MainWindow
+from insonify_viewer.record.record_image import RecordImage
+from insonify_viewer.window.uncaught_errors import told_errors
 
 def fail(*_):
     int(float("nan"))

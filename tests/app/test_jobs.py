@@ -18,13 +18,11 @@ from insonify.commands.render import write
 from insonify.display.display_options import DisplayOptions
 from insonify.io.records import read_record
 from insonify.scene import Scene, edit
-from insonify_viewer.jobs import background_job
-from insonify_viewer.jobs.background_job import Stage, State
-from insonify_viewer.jobs.command_job import CommandJob
-from insonify_viewer.jobs.thread_job import ThreadJob
 from insonify_viewer.panels.jobs.view import JobsView, WantedChart, WantedDataset
-from insonify_viewer.quantities import format_time_left
+from insonify_viewer.state.quantities import format_time_left
 from insonify_viewer.viewer import Viewer
+from insonify_viewer.work import jobs as background_job
+from insonify_viewer.work.jobs import CommandJob, Stage, State, ThreadJob
 
 Opener = Callable[..., Viewer]
 PATIENCE = 240_000  # ms, while kernels compile at worst
@@ -108,7 +106,7 @@ def test_progress_is_shown_and_a_stop_leaves_nothing(
 def test_the_time_left_counts_from_where_a_stage_goes_on(monkeypatch: pytest.MonkeyPatch) -> None:
     clock = [0.0]
     monkeypatch.setattr(background_job.time, "monotonic", lambda: clock[0])
-    job = ThreadJob("a page", None, lambda *_: None, lambda _: None)
+    job = ThreadJob("a page", print, lambda *_: None)
     told = []
     for now, stage in (
         (1.0, Stage("measuring", 1, 50, "case")), (40.0, Stage("measuring", 40, 50, "case")),

@@ -16,9 +16,9 @@ from test_jobs import PATIENCE, advanced, jobs_of
 from test_menus import activate
 
 from insonify.scene import Scene, edit
-from insonify_viewer.jobs.background_job import State
-from insonify_viewer.panels.jobs.view import jobs_window
+from insonify_viewer.panels.jobs import view as jobs_window
 from insonify_viewer.viewer import Viewer
+from insonify_viewer.work.jobs import State
 
 Opener = Callable[..., Viewer]
 

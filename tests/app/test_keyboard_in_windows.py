@@ -12,11 +12,10 @@ from PySide6.QtWidgets import QApplication, QLabel, QWidget
 from test_menus import activate
 
 from insonify.scene import Scene, edit, load_scene
-from insonify_viewer.panels.jobs.view.dataset_question import DatasetQuestion
+from insonify_viewer.panels.jobs.view import DatasetQuestion
 from insonify_viewer.viewer import Viewer
-from insonify_viewer.views.help_dialogs import AboutDialog, KeysDialog
-from insonify_viewer.views.key_list import OTHER_KEYS
-from insonify_viewer.views.scene_gallery import SceneGallery
+from insonify_viewer.window.help_dialogs import OTHER_KEYS, AboutDialog, KeysDialog
+from insonify_viewer.window.scene_menu import SceneGallery
 
 DIALOGS: dict[str, Callable[[QWidget], QWidget]] = {
     "about": AboutDialog,

@@ -13,12 +13,11 @@ from PySide6.QtWidgets import QWidget
 from insonify.scene import Scene, bundled_scenes, edit, load_scene
 from insonify_viewer.panels.parameters.sections import sections_of
 from insonify_viewer.panels.parameters.view.parameters_view import ParametersView
-from insonify_viewer.session import Mark
-from insonify_viewer.views.field_rows import Combo, NameLabel
-from insonify_viewer.views.record_overlays import draw_measured
-from insonify_viewer.views.rulers import write_towed
-from insonify_viewer.views.theme import Theme, apply_theme
-from insonify_viewer.views.true_scale import name_scale, plot_at_true_scale
+from insonify_viewer.record.projection import name_scale, plot_at_true_scale
+from insonify_viewer.record.record_overlays import draw_measured, write_towed
+from insonify_viewer.state.inspection import Mark
+from insonify_viewer.widgets.field_rows import Combo, NameLabel
+from insonify_viewer.widgets.theme import Theme, apply_theme
 
 MOTIONS = {"kind": "sum", "of": [{"kind": "heave", "period": 8.0}, {"kind": "heave", "period": 3.0}, {"kind": "roll"}]}
 

@@ -10,9 +10,9 @@ from PySide6.QtWidgets import QMessageBox
 from insonify.lessons import LessonState, load_lessons, parse_lesson, split_move, states_of
 from insonify.planning import plan
 from insonify.scene import Scene, edit
-from insonify_viewer.modelling import Modelling
-from insonify_viewer.panels.lessons.course import Course
-from insonify_viewer.session import Session
+from insonify_viewer.panels.lessons.controller import Course
+from insonify_viewer.state.modelling import Modelling
+from insonify_viewer.state.session import Session
 
 LESSON = """+++
 title = "Range"

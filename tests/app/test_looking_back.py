@@ -10,7 +10,7 @@ from PySide6.QtCore import Qt
 from PySide6.QtTest import QTest
 
 from insonify.scene import Scene
-from insonify_viewer.views.record_image import EMPTY
+from insonify_viewer.record.record_image import EMPTY
 
 
 def test_looking_back_traces_the_old_pings_again(open_viewer: Any, small: Scene, qtbot: Any) -> None:

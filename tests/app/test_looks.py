@@ -16,13 +16,13 @@ from PySide6.QtWidgets import QApplication, QWidget
 from insonify.display.display_options import DisplayOptions
 from insonify.scene import Scene, scene_to_toml
 from insonify_viewer.application import keep_display, keep_place
-from insonify_viewer.panels.parameters.view.about_box import AboutBox
-from insonify_viewer.panels.record.view.histogram_view import HistogramView
-from insonify_viewer.views import icons
-from insonify_viewer.views.icons import make_icon
-from insonify_viewer.views.pixel_marks import draw_pin
-from insonify_viewer.views.settings import Settings
-from insonify_viewer.views.theme import ACCENT, COLOURS, GROUND, MARK_IN_WATER, Theme, apply_theme
+from insonify_viewer.panels.parameters.view.parameters_view import AboutBox
+from insonify_viewer.panels.record.view import HistogramView
+from insonify_viewer.widgets import buttons as icons
+from insonify_viewer.widgets.buttons import make_icon
+from insonify_viewer.widgets.painting import draw_pin
+from insonify_viewer.widgets.theme import ACCENT, COLOURS, GROUND, MARK_IN_WATER, Theme, apply_theme
+from insonify_viewer.window.settings import Settings
 
 
 def contrast(one: str, other: str) -> float:

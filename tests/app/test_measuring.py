@@ -10,9 +10,8 @@ import pytest
 
 from insonify.scene import edit, load_scene
 from insonify.simulation import Simulation, prepare
-from insonify_viewer.measuring.location import Location, locate_simulated
-from insonify_viewer.measuring.measurement import measure, round_shadow_height, shadow_height
-from insonify_viewer.session import Mark
+from insonify_viewer.record.measuring import Location, locate_simulated, measure, round_shadow_height, shadow_height
+from insonify_viewer.state.inspection import Mark
 
 ALTITUDE, RANGE, BINS = 10.0, 50.0, 2000
 PING = 100

@@ -13,8 +13,7 @@ from PySide6.QtWidgets import QMenu, QToolBar, QToolButton, QWidget
 
 import insonify_viewer
 from insonify.scene import Scene
-from insonify_viewer.views.help_dialogs import AboutDialog, KeysDialog
-from insonify_viewer.views.key_list import OTHER_KEYS
+from insonify_viewer.window.help_dialogs import OTHER_KEYS, AboutDialog, KeysDialog
 
 
 def entries(menu: QMenu) -> list[QAction]:

@@ -14,10 +14,10 @@ from stand_in import StandIn
 from insonify.kernels.common.types import PORT, STARBOARD
 from insonify.scene import Scene, edit
 from insonify_viewer.application import has_opengl
-from insonify_viewer.marked_point import locate_mark
-from insonify_viewer.session import Mark
-from insonify_viewer.views.pv_meshes import MESH_NODES, PATH_POINTS, bed_patch, path_pings, pose_matrix, scan_line
-from insonify_viewer.views.seabed_view import FARTHEST, NEAREST
+from insonify_viewer.record.marked_point import locate_mark
+from insonify_viewer.seabed.pv_meshes import MESH_NODES, PATH_POINTS, bed_patch, path_pings, pose_matrix, scan_line
+from insonify_viewer.seabed.seabed_view import FARTHEST, NEAREST
+from insonify_viewer.state.inspection import Mark
 
 TURN = {"kind": "turn", "rate": 10.0, "begin": 2.0, "duration": 9.0}
 TILTED = {"kind": "pitch", "amplitude": 10.0, "period": 1e5, "phase": 90.0}

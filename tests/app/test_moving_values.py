@@ -7,10 +7,10 @@ from typing import Any
 import pytest
 
 from insonify.scene import Scene, SceneError, bundled_scenes, edit, load_scene
-from insonify_viewer.fields import NumberField
-from insonify_viewer.panels.parameters.moving_values import follow_values
 from insonify_viewer.panels.parameters.sections import FieldSection, sections_of
-from insonify_viewer.session import Session
+from insonify_viewer.panels.parameters.values import follow_values
+from insonify_viewer.state.fields import NumberField
+from insonify_viewer.state.session import Session
 
 
 def values(sections: tuple[FieldSection, ...]) -> dict[str, Any]:

@@ -9,13 +9,13 @@ import numpy as np
 import pytest
 
 from insonify.scene import Scene, edit
+from insonify.scene_edits import add_dependent_edits
 from insonify.simulation import prepare
-from insonify_viewer.bed_shading import target_colours
-from insonify_viewer.dependent_edits import add_dependent_edits
-from insonify_viewer.fields import ChoiceField, NumberField
 from insonify_viewer.panels.parameters.sections import sections_of
-from insonify_viewer.target_placement import target_menu
-from insonify_viewer.views.pv_meshes import targets_mesh
+from insonify_viewer.seabed.bed_shading import target_colours
+from insonify_viewer.seabed.pv_meshes import targets_mesh
+from insonify_viewer.state.fields import ChoiceField, NumberField
+from insonify_viewer.window.target_placement import target_menu
 from own_kinds import own_kinds, own_scene
 
 

@@ -13,7 +13,7 @@ from insonify.scene import Scene
 from insonify_viewer import panels
 from insonify_viewer.panels import GROUP, find_panels
 from insonify_viewer.panels.panel import Button, Panel, Place, Workbench
-from insonify_viewer.session import Mark
+from insonify_viewer.state.inspection import Mark
 
 
 class DummyPanel(Panel):

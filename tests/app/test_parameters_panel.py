@@ -11,19 +11,19 @@ from PySide6.QtGui import QShortcut
 from PySide6.QtTest import QTest
 from PySide6.QtWidgets import QToolButton, QWidget
 
-from insonify.accuracy.record_errors import compute_errors, find_first_bin
 from insonify.display.normalisation import LevelBed
 from insonify.scene import Scene, bundled_scenes, edit, load_scene
 from insonify.simulation import prepare
-from insonify_viewer.comparison.record_difference import visible_share
-from insonify_viewer.effects import EFFECTS
-from insonify_viewer.field_names import name_edit, name_field
+from insonify.statistics.record_errors import compute_errors, find_first_bin
+from insonify_viewer.panels.parameters.effects import EFFECTS
 from insonify_viewer.panels.parameters.sections import pinned_section, sections_of
-from insonify_viewer.panels.parameters.trying import Trials, row_of
+from insonify_viewer.panels.parameters.values import Trials, row_of
 from insonify_viewer.panels.parameters.view import parameters_view
 from insonify_viewer.panels.parameters.view.parameters_view import ParametersView
 from insonify_viewer.panels.parameters.view.section_box import SectionBox
-from insonify_viewer.session import Session
+from insonify_viewer.record.comparison.record_difference import visible_share
+from insonify_viewer.state.fields import name_edit, name_field
+from insonify_viewer.state.session import Session
 
 
 def panel(viewer: Any) -> Any:

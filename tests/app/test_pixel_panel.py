@@ -14,12 +14,10 @@ from PySide6.QtTest import QTest
 
 from insonify.explanation import compilation
 from insonify.scene import Scene, edit, load_scene
-from insonify_viewer.panels.pixel.view.budget_list import DETAIL, LEVEL, NAME
-from insonify_viewer.panels.pixel.view.section_scales import SectionScales
-from insonify_viewer.panels.pixel.view.section_view import BED as GROUND
-from insonify_viewer.panels.pixel.view.section_view import BLOCKED, HEARD, HIDDEN, WATER
-from insonify_viewer.session import Mark
-from insonify_viewer.views.theme import ACCENT, MARK, Theme, apply_theme
+from insonify_viewer.panels.pixel.view import BED as GROUND
+from insonify_viewer.panels.pixel.view import BLOCKED, DETAIL, HEARD, HIDDEN, LEVEL, NAME, WATER, SectionScales
+from insonify_viewer.state.inspection import Mark
+from insonify_viewer.widgets.theme import ACCENT, MARK, Theme, apply_theme
 
 PIPE = Mark(40, 1, 624)  # echo of the pipe, 31.2 m from the sonar
 SHADOW = Mark(40, 1, 660)

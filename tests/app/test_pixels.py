@@ -11,7 +11,7 @@ from insonify.display.normalisation import LevelBed
 from insonify.display.picture import choose_contrast, colour_rows
 from insonify.scene import edit, load_scene
 from insonify.simulation import prepare
-from insonify_viewer.views.pixels import (
+from insonify_viewer.widgets.painting import (
     HEADROOM,
     KNEE,
     colour_table,

@@ -6,15 +6,15 @@ from typing import Any
 
 import numpy as np
 
-from insonify.accuracy.record_errors import compare_records
 from insonify.cli import main
 from insonify.scene import Scene, edit, load_scene
 from insonify.simulation import prepare
+from insonify.statistics.record_errors import compare_records
 from insonify.tracers import sweep
-from insonify_viewer.comparison.record_difference import RecordDifference
-from insonify_viewer.modelling import Modelling
-from insonify_viewer.panels.plan.comparison import changed_subject, difference_in_words
-from insonify_viewer.session import Session
+from insonify_viewer.panels.plan.controller import changed_subject, difference_in_words
+from insonify_viewer.record.comparison.record_difference import RecordDifference
+from insonify_viewer.state.modelling import Modelling
+from insonify_viewer.state.session import Session
 
 BENT = {"kind": "profile", "depth": [0.0, 10.0, 20.0, 30.0], "sound_speed": [1520.0, 1518.0, 1500.0, 1502.0]}
 

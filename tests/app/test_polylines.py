@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from insonify_viewer.views.polylines import make_polyline
+from insonify_viewer.widgets.painting import make_polyline
 
 
 @pytest.mark.parametrize("size", [0, 1, 2, 1000])

@@ -5,7 +5,13 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from insonify_viewer.quantities import format_duration, format_quantity, parse_quantity, slider_position, slider_value
+from insonify_viewer.state.quantities import (
+    format_duration,
+    format_quantity,
+    parse_quantity,
+    slider_position,
+    slider_value,
+)
 
 
 @pytest.mark.parametrize(

@@ -9,7 +9,7 @@ import pytest
 from PySide6.QtTest import QTest
 
 from insonify.scene import Scene, edit
-from insonify_viewer.session import Mark
+from insonify_viewer.state.inspection import Mark
 
 
 def test_hover_tells_the_point_and_marks_it(open_viewer: Any, small: Scene, qtbot: Any) -> None:

@@ -12,10 +12,10 @@ from PySide6.QtWidgets import QApplication
 from test_menus import activate
 
 from insonify.scene import Scene
-from insonify_viewer.comparison.arrangement import Arrangement
-from insonify_viewer.record_display.projection import Zoom
-from insonify_viewer.session import Mark
-from insonify_viewer.views.comparison_overlay import WIPE
+from insonify_viewer.record.comparison.arrangement import Arrangement
+from insonify_viewer.record.comparison.comparison_overlay import WIPE
+from insonify_viewer.record.projection import Zoom
+from insonify_viewer.state.inspection import Mark
 
 Key, Modifier = Qt.Key, Qt.KeyboardModifier
 

@@ -18,13 +18,12 @@ from PySide6.QtWidgets import QApplication, QFileDialog
 from insonify.display.display_options import DisplayOptions, read_display
 from insonify.display.range_axis import make_range_axis
 from insonify.scene import Scene, edit
-from insonify_viewer.record import Record
-from insonify_viewer.record_display.layout import project_record, zoom_to_true_scale
-from insonify_viewer.record_display.projection import Projection, Zoom
-from insonify_viewer.record_display.tone_map import make_tone_map
-from insonify_viewer.session import Mark
-from insonify_viewer.views.pixels import colour_table
-from insonify_viewer.views.record_image import EMPTY
+from insonify_viewer.record.projection import Projection, Zoom, project_record, zoom_to_true_scale
+from insonify_viewer.record.record import Record
+from insonify_viewer.record.record_image import EMPTY
+from insonify_viewer.record.tone_map import make_tone_map
+from insonify_viewer.state.inspection import Mark
+from insonify_viewer.widgets.painting import colour_table
 
 PINGS, BINS, RANGE = 40, 200, 50.0
 KINDS = ("slant", "bed", "ground")

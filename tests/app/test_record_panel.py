@@ -17,12 +17,11 @@ from test_record_display import drag
 from insonify.display.display_options import DisplayOptions
 from insonify.scene import Scene, edit, load_scene
 from insonify_viewer.application import keep_display
-from insonify_viewer.contacts.contact import Contact
-from insonify_viewer.contacts.files import read_contacts
-from insonify_viewer.panels.record.view import contact_list
-from insonify_viewer.panels.record.view.record_view import TICKS
-from insonify_viewer.session import Mark
-from insonify_viewer.views.settings import Settings
+from insonify_viewer.panels.record import view as contact_list
+from insonify_viewer.panels.record.view import TICKS
+from insonify_viewer.state.contacts import Contact, read_contacts
+from insonify_viewer.state.inspection import Mark
+from insonify_viewer.window.settings import Settings
 
 
 @pytest.fixture

@@ -14,16 +14,16 @@ from PySide6.QtGui import QDragEnterEvent, QDropEvent
 from PySide6.QtTest import QTest
 from PySide6.QtWidgets import QApplication, QFileDialog
 
-from insonify.accuracy.record_statistics import measure_statistics
 from insonify.cli import main
 from insonify.io.records import read_record
 from insonify.scene import Scene, edit, load_scene
-from insonify_viewer.comparison import recording_player
-from insonify_viewer.comparison.arrangement import Arrangement
-from insonify_viewer.comparison.recording import MAX_PINGS, Recording, compass_heading, describe_point
-from insonify_viewer.errors.file_warnings import told_file_warnings
-from insonify_viewer.jobs.background_job import State
-from insonify_viewer.session import Mark
+from insonify.statistics.record_statistics import measure_statistics
+from insonify_viewer.record.comparison import recording_player
+from insonify_viewer.record.comparison.arrangement import Arrangement
+from insonify_viewer.record.comparison.recording import MAX_PINGS, Recording, compass_heading, describe_point
+from insonify_viewer.state.inspection import Mark
+from insonify_viewer.window.uncaught_errors import told_file_warnings
+from insonify_viewer.work.jobs import State
 
 REAL = Path("../shared/data/xtf/scotsman-iver2.xtf")
 PINGS, BINS, RANGE, STEP = 400, 300, 60.0, 0.2
@@ -57,7 +57,7 @@ def test_what_a_cut_recording_lacks_is_said_in_the_window(
 ) -> None:
     cut = tmp_path / "cut.xtf"
     cut.write_bytes((folder / "record.xtf").read_bytes()[:-100])
-    with told_file_warnings(partial(viewer.simulator.call_later, viewer.window.say)):
+    with told_file_warnings(partial(viewer.simulator.executor.call_later, viewer.window.say)):
         assert open_recording(viewer, cut, qtbot).pings == PINGS - 1
     assert "cut.xtf: ends within the packet at byte" in viewer.window.status.sentence.text()
 

@@ -14,9 +14,8 @@ import pytest
 from PySide6.QtCore import QLockFile
 
 from insonify.scene import Scene, edit
-from insonify_viewer.contacts.contact import Contact
-from insonify_viewer.contacts.files import read_contacts, write_contacts
-from insonify_viewer.recovery import INTERVAL, Recovery
+from insonify_viewer.state.contacts import Contact, read_contacts, write_contacts
+from insonify_viewer.window.recovery import INTERVAL, Recovery
 
 FISH = Contact("fish", "a shoal?", "A scene", 3, "port", 7, 2.0, snapshot=bytes(range(256)))
 # A window that takes an edit after a moment, or says what it offers at its start, with the answer Yes.
@@ -26,9 +25,9 @@ from PySide6.QtCore import QTimer
 from PySide6.QtWidgets import QMessageBox
 from insonify.scene import load_scene
 from insonify_viewer import application
-from insonify_viewer.contacts.contact import Contact
+from insonify_viewer.state.contacts import Contact
 from insonify_viewer.viewer import Viewer
-from insonify_viewer.views.crash_recovery import CrashRecovery
+from insonify_viewer.window.recovery import CrashRecovery
 
 def ask(window, title, question, *rest):
     print("ASKED", question, flush=True)
@@ -145,8 +144,8 @@ def test_what_cannot_be_read_is_removed(recovery: Recovery) -> None:
 
 
 def test_what_is_kept_of_contacts_is_bounded(recovery: Recovery, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("insonify_viewer.recovery.MOST_CONTACTS", 4)
-    monkeypatch.setattr("insonify_viewer.recovery.MOST_PICTURES", 5)
+    monkeypatch.setattr("insonify_viewer.window.recovery.MOST_CONTACTS", 4)
+    monkeypatch.setattr("insonify_viewer.window.recovery.MOST_PICTURES", 5)
     recovery.keep(None, tuple(replace(FISH, name=str(number), snapshot=b"12") for number in range(6)))
     (file,) = recovery._folder.glob("*.geojson")
     kept = read_contacts(file)

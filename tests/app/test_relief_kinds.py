@@ -1,18 +1,15 @@
 """Every kind of relief can be chosen from every other, and turned by its sliders."""
 
-from itertools import permutations
-
 import pytest
 
 from insonify.scene import Scene, edit, load_scene
-from insonify.scene.kinds import kind_name, models_of
+from insonify.scene.base import kind_name, models_of
 from insonify.scene.seabed import Seabed
-from insonify_viewer.dependent_edits import add_dependent_edits
-from insonify_viewer.fields import NumberField
+from insonify.scene_edits import add_dependent_edits
 from insonify_viewer.panels.parameters.sections import sections_of
+from insonify_viewer.state.fields import NumberField
 
 KINDS = [kind_name(model) for model in models_of(Seabed, "relief") if kind_name(model) != "dem"]
-ENDLESS = ["fractal", "power_law", "von_karman", "ripples", "autocorrelation", "sum"]
 
 
 def changed(scene: Scene, **changes) -> Scene:
@@ -30,21 +27,6 @@ def shown(scene: Scene) -> dict:
 @pytest.fixture
 def scene() -> Scene:
     return load_scene("default")
-
-
-@pytest.mark.parametrize(("first", "second"), list(permutations(KINDS, 2)))
-def test_any_kind_follows_any_other(scene, first, second):
-    assert changed(changed(scene, kind=first), kind=second).seabed.relief.kind == second
-
-
-@pytest.mark.parametrize("first", ENDLESS)
-@pytest.mark.parametrize("second", KINDS)
-def test_any_kind_follows_an_endless_one(scene, first, second):
-    before = changed(scene, kind=first)
-    place = {"of__0__extent": "endless"} if first == "sum" else {"extent": "endless"}
-    endless = changed(before, **place)
-    assert endless.seabed.endless
-    assert changed(endless, kind=second).seabed.relief.kind == second
 
 
 @pytest.mark.parametrize("kind", [kind for kind in KINDS if kind not in ("flat", "mimic")])

@@ -13,7 +13,7 @@ from PySide6.QtWidgets import QFileDialog, QMessageBox
 from insonify import simulate
 from insonify.io.records import RECORDS, read_record
 from insonify.scene import Scene, edit, load_scene
-from insonify_viewer.session import Session
+from insonify_viewer.state.session import Session
 
 Buttons = QMessageBox.StandardButton
 

@@ -14,8 +14,8 @@ from test_menus import activate
 
 from insonify.scene import Scene
 from insonify_viewer.application import has_opengl
-from insonify_viewer.views.seabed_keys import CLOSER, STEP
-from insonify_viewer.views.seabed_view import FARTHEST, LOWEST, NEAREST, STEEPEST
+from insonify_viewer.seabed.seabed_canvas import CLOSER, STEP
+from insonify_viewer.seabed.seabed_view import FARTHEST, LOWEST, NEAREST, STEEPEST
 
 
 @pytest.fixture

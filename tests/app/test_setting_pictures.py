@@ -11,10 +11,9 @@ from PySide6.QtCore import QPoint, Qt
 
 from insonify.display.scene_curves import beam_curve
 from insonify.scene import Scene, edit
+from insonify_viewer.panels.parameters.view import setting_pictures as registry
+from insonify_viewer.panels.parameters.view.setting_pictures import CurvesPicture, SpectrumPicture
 from insonify_viewer.viewer import Viewer
-from insonify_viewer.views.setting_pictures import registry
-from insonify_viewer.views.setting_pictures.curves_picture import CurvesPicture
-from insonify_viewer.views.setting_pictures.spectrum_picture import SpectrumPicture
 
 Opener = Callable[..., Viewer]
 

@@ -10,11 +10,11 @@ import pytest
 from PySide6.QtWidgets import QFileDialog, QToolButton
 
 from insonify.scene import Scene, SceneError, edit, resources
-from insonify_viewer.bed_shading import target_colours
 from insonify_viewer.panels.parameters.sections import sections_of
-from insonify_viewer.target_placement import new_target, target_menu
-from insonify_viewer.views.field_rows import FileRow
-from insonify_viewer.views.pv_meshes import frustum_mesh, targets_mesh
+from insonify_viewer.seabed.bed_shading import target_colours
+from insonify_viewer.seabed.pv_meshes import frustum_mesh, targets_mesh
+from insonify_viewer.widgets.field_rows import FileRow
+from insonify_viewer.window.target_placement import new_target, target_menu
 
 
 def pick_file(monkeypatch: pytest.MonkeyPatch, path: str) -> None:

@@ -13,7 +13,7 @@ from test_menus import activate
 from insonify.scene import Scene
 from insonify_viewer import application
 from insonify_viewer.viewer import Viewer
-from insonify_viewer.views.settings import Settings
+from insonify_viewer.window.settings import Settings
 
 Opener = Callable[..., Viewer]
 
@@ -80,7 +80,7 @@ def test_the_first_start_alone_shows_the_tour(
     begun: list[int] = []
     Settings().toured = toured
     monkeypatch.setattr(application, "TOUR", 0)
-    monkeypatch.setattr("insonify_viewer.views.tour.Tour.begin", lambda _: begun.append(1))
+    monkeypatch.setattr("insonify_viewer.window.tour.Tour.begin", lambda _: begun.append(1))
     monkeypatch.setattr("insonify_viewer.viewer.Viewer.start", lambda self: self.window.close())
     monkeypatch.setattr(type(qapp), "exec", lambda *_: [qapp.processEvents() for _ in range(20)] and 0)
     assert application.open_window(small, panel=panel) == 0

@@ -15,10 +15,10 @@ from PySide6.QtCore import QPoint, Qt, QTimer
 from PySide6.QtTest import QTest
 
 from insonify.scene import edit, load_scene
-from insonify_viewer.comparison.arrangement import Arrangement
-from insonify_viewer.modelling import Modelling
-from insonify_viewer.ping_request import PingRequest
-from insonify_viewer.simulator import Simulator
+from insonify_viewer.record.comparison.arrangement import Arrangement
+from insonify_viewer.state.modelling import Modelling
+from insonify_viewer.work.ping_request import PingRequest
+from insonify_viewer.work.simulator import Simulator
 
 pytestmark = pytest.mark.bench
 MOVES = 12

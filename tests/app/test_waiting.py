@@ -15,14 +15,14 @@ from PySide6.QtTest import QTest
 from stand_in import StandIn
 
 from insonify.compiler.progress import Compilation, report_progress
-from insonify.planning.models import pack
+from insonify.packing.packed_scene import pack
 from insonify.scene import Scene, edit
-from insonify_viewer.modelling import Modelling
-from insonify_viewer.ping_request import PingRequest
-from insonify_viewer.simulator import Simulator
-from insonify_viewer.views import pv_meshes
-from insonify_viewer.views.pixels import dimmed
-from insonify_viewer.waiting import DELAY, FEW, Activity, Waiting, WaitingWatch
+from insonify_viewer.seabed import pv_meshes
+from insonify_viewer.state.modelling import Modelling
+from insonify_viewer.widgets.painting import dimmed
+from insonify_viewer.work.ping_request import PingRequest
+from insonify_viewer.work.simulator import Simulator
+from insonify_viewer.work.waiting import DELAY, FEW, Activity, Waiting, WaitingWatch
 
 
 def look(watch: WaitingWatch, now: float, missing: int, **given: Any) -> Waiting | None:
@@ -216,11 +216,14 @@ class Slow(StandIn):
 def test_a_coarse_picture_that_takes_long_is_cut_short_for_a_newer_request(small: Scene, waits: bool) -> None:
     simulator = Simulator(prepare=Slow)
     request = PingRequest(0, small, Modelling(), np.arange(40, dtype=np.int64), fine=False)
-    Slow.traced, simulator._waiting = 0, request if waits else None
-    with simulator._changed:  # so that the worker lets it wait
+    Slow.traced = 0
+    with simulator._lane.changed:  # so that the worker lets it wait
+        if waits:
+            simulator.ask(request)
         answer = next(simulator._trace(request))
+        traced = Slow.traced
     simulator.close()
-    assert len(answer.pings) == len(answer.amplitude) == answer.alike * Slow.traced
+    assert len(answer.pings) == len(answer.amplitude) == answer.alike * traced
     assert (len(answer.pings) < 40) == waits
     assert answer.pings.tolist() == list(range(len(answer.pings))), "the most urgent ones"
 

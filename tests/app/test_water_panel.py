@@ -11,8 +11,8 @@ from PySide6.QtWidgets import QApplication, QFileDialog
 from test_menus import activate
 
 from insonify.scene import Scene, edit
-from insonify_viewer.session import Session
-from insonify_viewer.views.pixels import round_steps
+from insonify_viewer.state.session import Session
+from insonify_viewer.widgets.painting import round_steps
 
 PROFILE = {"kind": "profile", "depth": [0.0, 10.0, 20.0, 30.0], "sound_speed": [1520.0, 1518.0, 1500.0, 1502.0]}
 

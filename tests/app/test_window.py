@@ -12,8 +12,8 @@ from PySide6.QtTest import QTest
 from PySide6.QtWidgets import QFileDialog, QToolButton
 
 from insonify.scene import Scene, bundled_scenes, edit, load_scene
-from insonify.scene.materials import MATERIALS
-from insonify_viewer.views.field_rows import ChoiceRow, NumberRow
+from insonify.scene.seabed.materials import MATERIALS
+from insonify_viewer.widgets.field_rows import ChoiceRow, NumberRow
 
 
 def number_row(viewer: Any, path: str) -> NumberRow:
@@ -299,7 +299,7 @@ def test_nothing_black_in_the_water_above(open_viewer: Any, small: Scene, qtbot:
 
 
 def test_picture_is_saved_whole_or_not_at_all(open_viewer: Any, small: Scene, tmp_path: Any) -> None:
-    from insonify_viewer.views.save_dialogs import save_picture
+    from insonify_viewer.widgets.save_dialogs import save_picture
 
     viewer = open_viewer(small)
     save_picture(viewer.window, tmp_path / "w.png")

@@ -18,13 +18,13 @@ import pytest
 
 from floor import floor_call
 from insonify.accuracy.charts.embree import TriangulatedScene
-from insonify.accuracy.record_errors import compare_records
 from insonify.accuracy.timing import time_calls
 from insonify.kernels.common.types import no_surface_multipath
 from insonify.kernels.rays.first_echoes import empty_bundle, empty_launch
 from insonify.kernels.rays.launch import aim_rays, orient_beam, rotate_to_world
 from insonify.scene import edit, load_scene
 from insonify.simulation import prepare
+from insonify.statistics.record_errors import compare_records
 from insonify.tracers import sweep
 from insonify.tracers.azimuth_fan import lay_planes_of_images
 

@@ -14,10 +14,10 @@ import numpy as np
 import pytest
 
 from insonify.accuracy.timing import time_calls
-from insonify.packing.navigation import make_poses
-from insonify.planning import models
-from insonify.planning.models import Model, pack
+from insonify.packing import packed_scene as models
+from insonify.packing.packed_scene import Model, pack
 from insonify.scene import edit, load_scene
+from insonify.tow.poses import make_poses
 
 pytestmark = pytest.mark.bench
 STRIDES = 1, 2, 4, 8, 16, 32

@@ -8,10 +8,10 @@ from time import thread_time
 import numpy as np
 import pytest
 
-from insonify.accuracy.record_errors import compare_records
 from insonify.accuracy.timing import time_calls
 from insonify.scene import edit, load_scene
 from insonify.simulation import prepare
+from insonify.statistics.record_errors import compare_records
 from insonify.tracers import rays, sweep
 
 pytestmark = pytest.mark.bench

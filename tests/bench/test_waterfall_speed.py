@@ -13,9 +13,9 @@ from PySide6.QtCore import QSize
 from PySide6.QtGui import QImage
 
 from insonify.display.display_options import DisplayOptions
-from insonify_viewer.record import Record
-from insonify_viewer.record_display.projection import Zoom, compile_picture
-from insonify_viewer.views.waterfall_view import WaterfallView
+from insonify_viewer.record.projection import Zoom, compile_picture
+from insonify_viewer.record.record import Record
+from insonify_viewer.record.waterfall_view import WaterfallView
 
 pytestmark = pytest.mark.bench
 PINGS, BINS, FRAMES = 1000, 1000, 200  # bins of one side

@@ -22,7 +22,7 @@ from insonify.parallel import count_threads
 from insonify.receiver import receive
 from insonify.scene import edit, load_scene
 from insonify.simulation import prepare, simulate, simulate_blocks
-from insonify_viewer.simulator import BLOCK_TIME
+from insonify_viewer.work.simulator import BLOCK_TIME
 
 pytestmark = pytest.mark.bench
 DEFAULT = load_scene("default")

@@ -196,7 +196,7 @@ def test_trouble_leaves_the_old_file(tmp_path, capsys, monkeypatch, suffix, trou
     path = tmp_path / f"record{suffix}"
     path.write_bytes(b"old")
     simulate_module = importlib.import_module("insonify.simulation")
-    blocks = importlib.import_module("insonify.traced_blocks").trace_blocks
+    blocks = importlib.import_module("insonify.record.blocks").trace_blocks
 
     def troubled(*arguments, **options):
         yield next(blocks(*arguments, **options))

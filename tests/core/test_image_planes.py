@@ -5,9 +5,9 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from insonify.packing.navigation import make_poses
-from insonify.planning.models import pack
+from insonify.packing.packed_scene import pack
 from insonify.scene import edit, load_scene
+from insonify.tow.poses import make_poses
 from insonify.tracers.azimuth_fan import lay_planes_of_images
 
 

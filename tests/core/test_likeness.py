@@ -8,13 +8,13 @@ import xarray as xr
 from PIL import Image
 from scipy.signal import periodogram
 
-from insonify.accuracy import record_statistics
 from insonify.accuracy.comparison_page import draw_comparison
-from insonify.accuracy.record_statistics import AmplitudeSpectrum, measure_statistics
 from insonify.cli import main
 from insonify.io.records import read_record, write_record
 from insonify.scene import SceneError, edit, load_scene
 from insonify.simulation import simulate
+from insonify.statistics import record_statistics
+from insonify.statistics.record_statistics import AmplitudeSpectrum, measure_statistics
 
 REAL = Path(__file__).parents[3] / "shared" / "data" / "xtf" / "scotsman-iver2.xtf"
 PINGS, BINS = 320, 512

@@ -8,12 +8,12 @@ import numpy as np
 import pytest
 
 from beds import arrays_of, poses_of, rough
-from insonify.accuracy.record_errors import compare_records
 from insonify.kernels.common.types import BED, LIGHT, SONAR
 from insonify.kernels.rays.cell_walk import RayBundle
 from insonify.kernels.rays.first_echoes import empty_hits
 from insonify.kernels.rays.march import march_hits
 from insonify.scene import SceneError
+from insonify.statistics.record_errors import compare_records
 from insonify.tracers import march, rays
 
 FLAT = np.zeros((8, 8))

@@ -8,11 +8,11 @@ import numpy as np
 import pytest
 
 from beds import arrays_of, icosphere, mesh_of, poses_of
-from insonify.accuracy.record_errors import compare_records
 from insonify.kernels.common.types import LIGHT, SONAR
 from insonify.packing.containment import solid_angle
 from insonify.scene import Scene, SceneError, edit, load_scene
 from insonify.simulation import prepare, simulate
+from insonify.statistics.record_errors import compare_records
 from insonify.tracers import march, rays
 
 FLAT = np.zeros((8, 8))

@@ -10,7 +10,7 @@ import pytest
 from beds import arrays_of, poses_of, rough
 from insonify.planning import plan
 from insonify.scene import SceneError, edit, load_scene
-from insonify.scene.surfaces import WAYS
+from insonify.scene.water.surfaces import WAYS
 from insonify.simulation import prepare, simulate
 from insonify.tracers import sweep
 from insonify.tracers.labels import PATHS, trace_labels

@@ -11,13 +11,13 @@ import pytest
 import xarray as xr
 
 import insonify
-from insonify.accuracy.record_errors import compare_records
 from insonify.cli import main
 from insonify.planning.relevance import outline_of
 from insonify.scene import SceneError, edit, scene_from_toml, scene_to_toml
-from insonify.scene.materials import MATERIALS, catalogue
-from insonify.scene.materials.catalogue import Catalogue, read_materials
+from insonify.scene.seabed.materials import MATERIALS, catalogue
+from insonify.scene.seabed.materials.catalogue import Catalogue, read_materials
 from insonify.simulation import prepare
+from insonify.statistics.record_errors import compare_records
 from insonify.terrain import build_ground
 from insonify.tracers import rays, sweep
 from own_kinds import OWN_MATERIALS, own_kinds, own_scene

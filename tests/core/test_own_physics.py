@@ -14,9 +14,9 @@ from insonify.acoustics.absorption import absorption_coefficient
 from insonify.acoustics.beam_patterns import make_pattern
 from insonify.acoustics.pulses import coherence, coherent_taps, pulse_taps
 from insonify.cli import main
-from insonify.packing.navigation import make_poses
 from insonify.scene import Scene, SceneError, edit, load_scene, scene_from_toml, scene_to_toml
 from insonify.terrain import build_ground, relief
+from insonify.tow.poses import make_poses
 from own_physics import own_physics
 
 SMALL = {"targets": [], "sonar.range": 30.0, "sonar.bins": 150, "track.pings": 40}

@@ -8,15 +8,15 @@ import re
 import numpy as np
 import pytest
 
-from insonify.accuracy.record_errors import compare_records
 from insonify.acoustics.straightness import estimate_refraction
+from insonify.packing.packed_scene import Model, PackedScene, pack
 from insonify.planning import MOST_PLANES, plan, probe
 from insonify.planning.choices import CHOICES
 from insonify.planning.choices.base import Case
-from insonify.planning.models import Model, PackedScene, pack
 from insonify.planning.probe import FEW, MOST
 from insonify.scene import SceneError, edit, load_scene
 from insonify.simulation import prepare
+from insonify.statistics.record_errors import compare_records
 from insonify.tracers import sweep
 
 DEFAULT = load_scene("default")

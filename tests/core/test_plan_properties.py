@@ -12,9 +12,9 @@ from hypothesis import strategies as st
 from pydantic import ValidationError
 
 from drawn_scenes import scenes
+from insonify.packing.packed_scene import pack
 from insonify.planning import plan
 from insonify.planning.choices.base import Case
-from insonify.planning.models import pack
 from insonify.planning.selection import check_request, choose_for_case
 from insonify.scene import Scene, SceneError, edit, load_scene
 from insonify.simulation import prepare

@@ -11,11 +11,11 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from insonify.io.records import write_record
-from insonify.packing.navigation import KNOTS, bed_beneath, interpolate_bed_beneath, make_poses
-from insonify.packing.track import tow_line_at
 from insonify.scene import SceneError, edit, load_scene
 from insonify.simulation import simulate, simulate_blocks
 from insonify.terrain import build_ground
+from insonify.tow.line import tow_line_at
+from insonify.tow.poses import KNOTS, bed_beneath, interpolate_bed_beneath, make_poses
 
 LEVEL = edit(
     load_scene("default"),

@@ -5,12 +5,12 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from insonify.packing.navigation import make_poses
+from insonify.packing.packed_scene import pack
 from insonify.planning.loud_pings import add_loud_pings
-from insonify.planning.models import pack
 from insonify.planning.probe_pings import SPREAD, choose_probe_pings
 from insonify.scene import edit, load_scene
 from insonify.terrain import build_ground
+from insonify.tow.poses import make_poses
 
 DEFAULT = load_scene("default")
 BARE = edit(DEFAULT, {"targets": []})

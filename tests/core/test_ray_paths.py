@@ -8,7 +8,7 @@ from pydantic import TypeAdapter
 
 import insonify
 from insonify.scene import SceneError
-from insonify.scene.waters import AnyWater
+from insonify.scene.water import AnyWater
 
 
 def water(**fields):

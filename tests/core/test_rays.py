@@ -13,10 +13,11 @@ from hypothesis import strategies as st
 
 import naive
 from beds import arrays_of, poses_of, rough
+from insonify import parallel
 from insonify.acoustics.flat_bed import flat_bed_curve
 from insonify.kernels.common.types import BED, LIGHT, SONAR
 from insonify.scene import SceneError
-from insonify.scene.materials import Reflectivity
+from insonify.scene.seabed.materials import Reflectivity
 from insonify.tracers import rays
 
 NOTHING = -2
@@ -394,6 +395,7 @@ print(most(4096), most(1_000_000))
 
 def test_more_rays_than_fit_in_memory_are_traced_by_fewer_threads(monkeypatch):
     given = []
+    monkeypatch.setattr(parallel, "most_threads", lambda: 4)
     monkeypatch.setattr(rays, "trace_blocks", lambda *arguments: given.append(arguments[-1]))
     for count in (1000, 3 * rays.MEMORY // (10 * rays.STRAIGHT), rays.MEMORY):
         rays.trace(flat(), poses_of(0.0, 0.0, 4.0), rays=count, threads=4)

@@ -8,9 +8,9 @@ from typing import Any
 import numpy as np
 import pytest
 
-from insonify.accuracy.record_errors import RecordErrors, compare_records
 from insonify.scene import Scene, edit, load_scene
 from insonify.simulation import prepare
+from insonify.statistics.record_errors import RecordErrors, compare_records
 from insonify.tracers import ray_sheets, sweep
 
 PINGS = np.array([10, 77, 150])

@@ -9,8 +9,8 @@ import numpy as np
 import pytest
 import xarray as xr
 
-from insonify import traced_blocks as module
 from insonify.planning import plan
+from insonify.record import blocks as module
 from insonify.scene import SceneError, edit, load_scene, scene_from_toml
 from insonify.simulation import prepare, simulate, simulate_blocks
 

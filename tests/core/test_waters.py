@@ -7,11 +7,11 @@ from scipy.interpolate import PchipInterpolator
 from insonify.acoustics.layers import make_sound_speed_field
 from insonify.acoustics.water import make_water, recording_speed, speed_at_sonar
 from insonify.scene import SceneError, build, edit, load_scene, scene_from_toml, scene_to_toml
-from insonify.scene.waters.hydrography import HydrographyWater
-from insonify.scene.waters.polyline import approximate_by_segments, thin_polyline
-from insonify.scene.waters.profile import ProfileWater
-from insonify.scene.waters.section import SectionWater
-from insonify.scene.waters.sound_speed import mackenzie
+from insonify.scene.water.hydrography import HydrographyWater
+from insonify.scene.water.polyline import approximate_by_segments, thin_polyline
+from insonify.scene.water.profile import ProfileWater
+from insonify.scene.water.section import SectionWater
+from insonify.scene.water.sound_speed import mackenzie
 from insonify.simulation import prepare
 
 DEPTHS, SPEEDS = (2.0, 8.0, 16.0, 60.0), (1520.0, 1519.0, 1501.0, 1500.0)

@@ -3,10 +3,10 @@
 import numpy as np
 import pytest
 
-from insonify.accuracy.record_statistics import measure_statistics
 from insonify.io.meshes import read_mesh
 from insonify.scene import edit, load_scene
 from insonify.simulation import prepare, simulate
+from insonify.statistics.record_statistics import measure_statistics
 
 MAST = np.arange(352, 378)  # pings about it
 STARBOARD = 1

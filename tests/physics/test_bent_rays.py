@@ -14,7 +14,7 @@ from insonify.kernels.rays.cell_walk import RayBundle
 from insonify.kernels.rays.first_echoes import empty_hits
 from insonify.kernels.refracted_rays.hits import empty_arrivals, find_refracted_hits
 from insonify.scene import SceneError
-from insonify.scene.materials import Reflectivity
+from insonify.scene.seabed.materials import Reflectivity
 from insonify.tracers import march, rays
 
 FLAT = np.zeros((8, 8))

@@ -12,7 +12,7 @@ from scipy.special import airy
 import insonify
 from insonify.acoustics.caustics import airy_pressure
 from insonify.kernels.refraction.arcs import HIGH, LOW
-from insonify.scene.waters import AnyWater
+from insonify.scene.water import AnyWater
 from water import layers, shot
 
 # Pedersen and Gordon's water: 1/c² = (1 + 2.4 z/1550)/1550² over depth; source at 1000 m, receiver at 800 m.

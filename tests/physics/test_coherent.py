@@ -15,13 +15,11 @@ from insonify.kernels.common.hashing import hash_integers, splitmix64
 from insonify.kernels.common.streams import BED_SCATTERERS
 from insonify.kernels.receiver.pulse import convolve_pulse
 from insonify.kernels.speckle.scatterers import LOT, Scatterers
-from insonify.packing.navigation import take_poses
 from insonify.packing.surface_patches import make_surface_patches
 from insonify.scene import SceneError, edit, load_scene
-from insonify.scene.pulses.chirp import Chirp
-from insonify.scene.pulses.ideal import Ideal
-from insonify.scene.pulses.tone import Tone
+from insonify.scene.sonar.pulses import Chirp, Ideal, Tone
 from insonify.simulation import prepare
+from insonify.tow.poses import take_poses
 from insonify.tracers import rays, sweep
 from insonify.tracers.scatterers import ScattererTracer, heard_at_once
 

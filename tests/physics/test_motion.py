@@ -10,10 +10,10 @@ import xarray as xr
 
 from insonify.display.normalisation import LevelBed, normalise
 from insonify.io.record_schema import join_blocks
-from insonify.packing.navigation import make_poses
 from insonify.scene import edit, load_scene
 from insonify.simulation import prepare, simulate, simulate_blocks
 from insonify.terrain import build_ground
+from insonify.tow.poses import make_poses
 
 LEVEL = edit(
     load_scene("default"),

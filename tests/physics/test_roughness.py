@@ -8,13 +8,13 @@ import pytest
 from scipy.optimize import minimize_scalar
 
 from insonify.scene import SceneError, build
-from insonify.scene.reliefs.power_law import PowerLaw
-from insonify.scene.reliefs.ripples import Ripples
-from insonify.scene.reliefs.von_karman import VonKarman
 from insonify.scene.seabed import Seabed
+from insonify.scene.seabed.reliefs.power_law import PowerLaw
+from insonify.scene.seabed.reliefs.ripples import Ripples
+from insonify.scene.seabed.reliefs.von_karman import VonKarman
+from insonify.statistics.spectral_exponent import amplitude_exponent
 from insonify.terrain import relief
-from insonify.terrain.periodic_relief import periodic_heights
-from insonify.terrain.spectral_exponent import amplitude_exponent
+from insonify.terrain.random_heights import periodic_heights
 
 SIDE, PERIOD = 512, 51.2
 
@@ -167,7 +167,7 @@ def moments(field, scales, orders):
 
 
 def test_flux_of_a_cascade_has_the_moments_of_its_codimension():
-    from insonify.scene.reliefs.cascade import Cascade
+    from insonify.scene.seabed.reliefs.cascade import Cascade
     from insonify.terrain.periodic_waves import frequencies, wave_coefficients
 
     cascade, found = Cascade(intermittency=0.15), []
@@ -242,7 +242,7 @@ def test_tabled_autocorrelation_has_the_transform_of_its_law():
 def test_autocorrelation_that_no_surface_has_is_refused():
     box = {"kind": "table", "points": [[0.0, 1.0], [2.0, 1.0], [2.1, 0.0]]}
     with pytest.raises(
-        SceneError, match=r"^seabed\.relief\.function: .* would be negative, as no surface has it; let it"
+        SceneError, match=r"^seabed\.relief\.function: .* would be negative, which no surface can have; let it"
     ):
         heights(kind="autocorrelation", function=box)
 

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from insonify.scene.waters.sound_speed import EQUATIONS, mackenzie, paper, teos10
+from insonify.scene.water.sound_speed import EQUATIONS, mackenzie, paper, teos10
 
 AT_THE_SURFACE = {
     "paper": (1449.000, 1489.800, 1521.400),

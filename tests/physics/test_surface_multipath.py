@@ -9,10 +9,10 @@ import pytest
 
 from beds import arrays_of, gaussian_pattern, mesh_of, poses_of, rough
 from brute_force import gaussian
-from insonify.accuracy.record_errors import compare_records
 from insonify.kernels.common.types import GAUSSIAN, LIGHT, SONAR
-from insonify.packing.navigation import take_poses
-from insonify.scene.surfaces.rough import rms_height, slope_variance
+from insonify.scene.water.surfaces import rms_height, slope_variance
+from insonify.statistics.record_errors import compare_records
+from insonify.tow.poses import take_poses
 from insonify.tracers import march, rays, sweep
 from sea_surfaces import bright_ball, image_heights, naive_ghost, naive_level_ghost, under_sea
 

@@ -14,7 +14,7 @@ from insonify.kernels.refraction.arcs import ENDLESS, GRAZING, HIGH, LOW, NODE, 
 from insonify.kernels.refraction.eigenray_search import ANGLE, TIME
 from insonify.kernels.refraction.eigenrays import FOUND, NONE
 from insonify.kernels.refraction.ray_paths import AT_RANGE, NOWHERE, TRAPPED, RayLimits
-from insonify.scene.waters import AnyWater
+from insonify.scene.water import AnyWater
 from water import NO_CEILING, NO_FLOOR, downward, followed, joined, layers, shot, stepped, water_of
 
 WEAK = (0.0, 1e-16, 1e-14, 1e-12, 1e-10, 1e-8)

@@ -10,20 +10,18 @@ from typing import TYPE_CHECKING, Any, ClassVar, NamedTuple, Protocol
 if TYPE_CHECKING:
     from insonify.planning import Plan
     from insonify.scene import Scene
-    from insonify_viewer.comparison.comparison import Comparison
-    from insonify_viewer.comparison.recording_player import RecordingPlayer
-    from insonify_viewer.contacts.contact import ContactList
-    from insonify_viewer.errors.failure import Failure
-    from insonify_viewer.inspection import Inspection
-    from insonify_viewer.jobs.job_list import JobList
-    from insonify_viewer.marked_point import MarkedPoint
-    from insonify_viewer.ping_request import TracedPings
-    from insonify_viewer.record import Record
-    from insonify_viewer.record_display.drape import RecordStrip
-    from insonify_viewer.session import Session
-    from insonify_viewer.simulator import Simulator
-    from insonify_viewer.views.file_dialogs import FileDialogs
-    from insonify_viewer.views.waterfall_view import WaterfallView
+    from insonify_viewer.errors import Failure
+    from insonify_viewer.record.comparison.comparison import Comparison
+    from insonify_viewer.record.comparison.recording_player import RecordingPlayer
+    from insonify_viewer.record.drape import RecordStrip
+    from insonify_viewer.record.marked_point import MarkedPoint
+    from insonify_viewer.record.record import RecordGrowth
+    from insonify_viewer.record.waterfall_view import WaterfallView
+    from insonify_viewer.state.contact_list import ContactList
+    from insonify_viewer.state.inspection import Inspection
+    from insonify_viewer.state.session import Session
+    from insonify_viewer.work.jobs import JobList
+    from insonify_viewer.work.simulator import Simulator
 
 
 class Place(Enum):
@@ -59,13 +57,32 @@ class SceneOpener(Protocol):
         ...
 
 
+class FileQuestions(Protocol):
+    """Dialogs that ask for a file; an empty path if none was picked."""
+
+    def ask_for_recording(self) -> str:
+        """Return the path of a recording."""
+        ...
+
+    def ask_for_dem(self, scene: Scene) -> bool:
+        """Open a scene over a measured bed; return whether one was picked."""
+        ...
+
+    def ask_for(self, path: str) -> str:
+        """Return the path of a file for the field of the scene at a dotted path."""
+        ...
+
+    def keep_recent(self, path: str) -> None:
+        """Add a file to the recent ones."""
+
+
 @dataclass(frozen=True)
 class Workbench:
     """What the viewer offers to its panels."""
 
     session: Session  # the scene and its modelling, both editable
     simulator: Simulator  # the worker thread, for what takes longer than a few milliseconds
-    files: FileDialogs  # dialogs that ask for files
+    files: FileQuestions  # dialogs that ask for files
     say: Callable[[str], None]  # shows a sentence in the status bar
     # Shows an error in the status bar, a `Failure` or an exception, with a button that copies details.
     complain: Callable[[Failure | Exception], None]
@@ -92,16 +109,6 @@ class Workbench:
     # Lights the fields at some dotted paths wherever they are shown, and no others.
     light_fields: Callable[[tuple[str, ...]], None]
     project: Callable[[bool], None]  # switches the view for a projector, full screen and in large type, on or off
-
-
-@dataclass(frozen=True)
-class RecordGrowth:
-    """Pings that the record on screen has just taken over."""
-
-    answer: TracedPings  # the traced pings and the simulation that traced them
-    record: Record  # all pings on screen
-    current: bool  # whether the pings are traced at full accuracy and belong to the scene as it is now
-    complete: bool  # whether no ping on screen is missing
 
 
 class Panel(Protocol):

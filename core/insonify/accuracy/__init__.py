@@ -1,1 +1,1 @@
-"""Accuracy and speed: record errors, displacement, similarity, timing, charts and stability cases."""
+"""Accuracy and speed: charts, stability cases, and the comparison of two records."""

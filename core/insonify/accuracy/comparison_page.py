@@ -10,13 +10,13 @@ import xarray as xr
 from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
-from insonify.accuracy.record_statistics import AmplitudeSpectrum, RecordStatistics, measure_statistics
 from insonify.display.display_options import DisplayOptions
 from insonify.display.page import caption_record
 from insonify.display.picture import choose_contrast, colour_amplitudes
 from insonify.display.sheet import RecordSheet, gather_record_sheet
 from insonify.display.style import BLUE, FAINT, INK, ORANGE, label_axes, make_figure, style_axes
 from insonify.io.atomic import replacing
+from insonify.statistics.record_statistics import AmplitudeSpectrum, RecordStatistics, measure_statistics
 
 HUES = (BLUE, ORANGE)
 WIDTH, DPI = 15.0, 110  # inches

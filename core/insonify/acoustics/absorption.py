@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from insonify.scene.absorptions import NEPER_PER_DB, AbsorptionKind
+from insonify.scene.water.absorptions import NEPER_PER_DB, AbsorptionKind
 
 
 def absorption_coefficient(absorption: AbsorptionKind, frequency: float, depth: float) -> float:

@@ -9,8 +9,8 @@ from numpy.typing import NDArray
 
 from insonify.kernels.common.types import EVERY_GRAZING, GAUSSIAN, TABLE, TOP_HAT, BeamPattern, plain_pattern
 from insonify.scene import Scene
-from insonify.scene.beams import Sounding
-from insonify.scene.vertical_beams import VerticalBeamKind
+from insonify.scene.sonar.beams import Sounding
+from insonify.scene.sonar.vertical_beams import VerticalBeamKind
 
 SHAPES = {"every_grazing": EVERY_GRAZING, "top_hat": TOP_HAT, "gaussian": GAUSSIAN, "table": TABLE}
 

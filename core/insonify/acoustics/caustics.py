@@ -10,7 +10,7 @@ from numpy.typing import ArrayLike, NDArray
 from insonify.acoustics.paths import prepare_paths
 from insonify.acoustics.rays import ALONG_STATIONS
 from insonify.kernels.refraction.caustics import COLUMNS, trace_caustics
-from insonify.scene.waters import WaterKind
+from insonify.scene.water import WaterKind
 
 if TYPE_CHECKING:
     import xarray as xr

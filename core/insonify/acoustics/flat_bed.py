@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from insonify.kernels.beam.pattern import ring_responses
 from insonify.kernels.common.types import LIGHT, Poses, SceneArrays
-from insonify.scene.materials import Reflectivity
+from insonify.scene.seabed.materials import Reflectivity
 
 LAMBERT = Reflectivity(1.0, 0.0, 1.0)
 

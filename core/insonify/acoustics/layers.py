@@ -9,7 +9,7 @@ from functools import lru_cache
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from insonify.scene.waters import WaterKind
+from insonify.scene.water import WaterKind
 
 Values = NDArray[np.float64]
 

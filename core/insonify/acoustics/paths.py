@@ -14,7 +14,7 @@ from insonify.kernels.common.types import Water as LaidWater
 from insonify.kernels.refraction.eigenray_search import ANGLE, BOTTOMS, COSINE, GRAZED, SINE, TIME, TOPS, TUBE, TURNS
 from insonify.kernels.refraction.ray_paths import ON_BED, RayLimits, RayPoints
 from insonify.scene import SceneError
-from insonify.scene.waters import WaterKind
+from insonify.scene.water import WaterKind
 
 if TYPE_CHECKING:
     import xarray as xr

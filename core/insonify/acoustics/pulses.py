@@ -9,7 +9,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from insonify.scene.pulses import PulseKind
+from insonify.scene.sonar.pulses import PulseKind
 
 SAMPLES = 64  # of a response, per bin and per resolution cell
 AT_ONCE = 1 << 18  # samples that are integrated together

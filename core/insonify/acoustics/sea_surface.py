@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from insonify.kernels.common.types import SurfaceMultipath, no_surface_multipath
-from insonify.scene.surfaces import SurfaceKind
+from insonify.scene.water.surfaces import SurfaceKind
 
 STRATA = 8  # of tilts, each combined with two of heights
 

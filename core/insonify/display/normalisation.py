@@ -15,8 +15,8 @@ from numpy.typing import NDArray
 from insonify.acoustics.flat_bed import flat_bed_curve
 from insonify.array_cache import keep_arrays
 from insonify.kernels.display.rows import ROWS_A_THREAD, relate_amplitudes
-from insonify.packing.navigation import interpolate_bed_beneath
 from insonify.parallel import in_parallel
+from insonify.tow.poses import interpolate_bed_beneath
 
 if TYPE_CHECKING:
     from insonify.simulation import Simulation

@@ -11,9 +11,9 @@ from numpy.typing import NDArray
 from insonify.acoustics.beam_patterns import vertical_energy
 from insonify.acoustics.water import speed_at_sonar
 from insonify.scene import Scene
-from insonify.scene.beams import Sounding
-from insonify.scene.pulses import PulseKind
-from insonify.scene.reliefs.fractal import Fractal, power_spectrum
+from insonify.scene.seabed.reliefs.fractal import Fractal, power_spectrum
+from insonify.scene.sonar.beams import Sounding
+from insonify.scene.sonar.pulses import PulseKind
 
 FLOOR = -50.0  # dB, the least level of a curve
 LOBES_SHOWN = 4.0  # half widths of the main lobe on either side of a beam's axis

@@ -14,10 +14,10 @@ from insonify.display.normalisation import estimate_median_curve, normalise
 from insonify.display.picture import average_columns, compute_column_edges, mirror_channels
 from insonify.display.range_axis import RangeAxis, choose_kind, make_range_axis
 from insonify.io.records.bottom_track import complete_altitude, find_altitude
-from insonify.packing.navigation import platform_columns
+from insonify.record.blocks import trace_blocks
 from insonify.scene import SceneError
 from insonify.simulation import Simulation
-from insonify.traced_blocks import trace_blocks
+from insonify.tow.poses import platform_columns
 
 if TYPE_CHECKING:
     import xarray as xr

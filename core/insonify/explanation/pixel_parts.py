@@ -13,8 +13,8 @@ from insonify.explanation.pixel_window import PixelWindow, pixel_window
 from insonify.explanation.sound_paths import DIRECT, SURFACE, SonarPose, height_by_range, locate_sonar, trace_path
 from insonify.kernels.common.types import Poses, SceneArrays
 from insonify.packing.apparent_tables import make_apparent_tables
-from insonify.packing.navigation import take_poses
 from insonify.simulation import Simulation
+from insonify.tow.poses import take_poses
 from insonify.tracers.echo_parts import EchoParts, find_echo_parts
 
 Points = NDArray[np.float64]

@@ -85,10 +85,11 @@ class _Tracing:
 
     def record(self, reception: Reception) -> Record:
         """Record of the ping by a receiver, (2, bins)."""
-        arrays = self._simulation.reduced
+        arrays, shapes = self._simulation.reduced, reception.divided_by_shape
+        traced = self._trace(arrays, reception)
+        divided = None if shapes is None else self._trace(arrays._replace(reflectivity=shapes), reception)
         out = np.empty((1, 2, arrays.bins), np.float32)
-        record_echoes(reception, lambda scene: self._trace(scene, reception), arrays, self._pings, out)
-        return out[0]
+        return record_echoes(reception, traced, self._pings, divided, out)[0]
 
     def _trace(self, arrays: SceneArrays, reception: Reception) -> Traced:
         waves = bool(reception.sums_waves and reception.coherent)

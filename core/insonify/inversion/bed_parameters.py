@@ -13,8 +13,8 @@ from scipy.fft import next_fast_len
 from insonify.inversion.speckle_statistics import choose_speckle
 from insonify.scene import Scene
 from insonify.scene.edit import edit, plain
-from insonify.scene.materials.catalogue import MATERIALS
-from insonify.scene.reliefs.fractal import Fractal, power_spectrum
+from insonify.scene.seabed.materials.catalogue import MATERIALS
+from insonify.scene.seabed.reliefs.fractal import Fractal, power_spectrum
 
 MOST_CELLS = 2048  # of a period of the bed
 LONGEST_PERIOD = 2.0  # swaths of both sides after which the bed repeats, at least

@@ -8,7 +8,6 @@ from typing import NamedTuple
 import numpy as np
 import xarray as xr
 
-from insonify.accuracy.record_statistics import RecordStatistics, measure_statistics
 from insonify.inversion.bed_parameters import slope_above
 from insonify.inversion.footprint import footprint_of
 from insonify.inversion.level_matching import level_difference
@@ -17,6 +16,7 @@ from insonify.inversion.recorded_sonar import RecordedSonar
 from insonify.inversion.roughness_fit import FINEST, RoughnessFit, fit_roughness
 from insonify.inversion.segment_spectra import measure_segment_spectra, sound_bed
 from insonify.scene import Scene
+from insonify.statistics.record_statistics import RecordStatistics, measure_statistics
 
 MATCHED, DIFFERS, TAKEN, ESTIMATED, UNKNOWN = "matched", "differs", "as recorded", "estimated", "not in the record"
 

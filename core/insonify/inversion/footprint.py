@@ -9,8 +9,8 @@ from numpy.typing import NDArray
 
 from insonify.acoustics.pulses import coherence, pulse_taps
 from insonify.scene import Scene
-from insonify.scene.beams import Sounding
-from insonify.scene.pulses import PulseKind
+from insonify.scene.sonar.beams import Sounding
+from insonify.scene.sonar.pulses import PulseKind
 
 Field = NDArray[np.float64]
 DIRECTIONS = 64  # of the beam that are summed

@@ -7,7 +7,7 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from insonify.scene.materials import MATERIALS
+from insonify.scene.seabed.materials import MATERIALS
 
 LUMINANCE = np.array([0.2126, 0.7152, 0.0722])  # of linear red, green, blue
 Shares = Sequence[tuple[str, float]]

@@ -7,11 +7,11 @@ from dataclasses import dataclass
 import numpy as np
 
 from insonify.kernels.common.types import Poses, SceneArrays, still_water
-from insonify.packing.navigation import make_poses
 from insonify.packing.scene_arrays import make_bed, pack_scene
-from insonify.packing.track import tow_line_at
 from insonify.scene import Scene
 from insonify.terrain import Ground, build_ground
+from insonify.tow.line import tow_line_at
+from insonify.tow.poses import make_poses
 
 
 @dataclass(frozen=True, eq=False)

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from insonify.kernels.common.types import Bed, SceneArrays, Solids
 from insonify.kernels.geometry.bvh import build_mesh
-from insonify.scene.surfaces import WAYS
+from insonify.scene.water.surfaces import WAYS
 
 
 def reduce_scene(

@@ -15,10 +15,10 @@ from insonify.acoustics.beam_patterns import make_pattern
 from insonify.acoustics.sea_surface import make_surface_multipath
 from insonify.acoustics.water import make_water, recording_speed
 from insonify.kernels.common.types import EVERY_GRAZING, LIGHT, SONAR, BeamPattern, Bed, SceneArrays, SegmentLimits
-from insonify.packing.navigation import sonar_height
 from insonify.packing.targets import make_bodies
 from insonify.scene import Scene
 from insonify.terrain import AnyGround, EndlessGround, Ground
+from insonify.tow.poses import sonar_height
 
 STRIP = 8  # rows turned at once
 MISPLACED = 0.003  # share of a bin's echo that a segment may add wrongly
@@ -33,9 +33,9 @@ def pack_scene(scene: Scene, ground: AnyGround) -> SceneArrays:
     sonar = scene.sonar
     bed = make_bed(ground.around(scene.track.start, 0.0))
     water = make_water(scene, ground.datum, -math.inf if isinstance(ground, EndlessGround) else bed.low)
-    sonar.refuse_haste(water.reference)
-    sonar.refuse_long_pulse(water.reference)
-    scene.refuse_long_slices(bed.spacing)
+    sonar.check_ping_rate(water.reference)
+    sonar.check_pulse_length(water.reference)
+    scene.check_slice_length(bed.spacing)
     half_width, pattern = make_pattern(scene, water.reference)
     bin_length = sonar.range / sonar.bins / (recording_speed(scene, ground.datum) / water.reference)
     centres = (np.arange(sonar.bins, dtype=np.float64) + 0.5) * np.float64(bin_length)

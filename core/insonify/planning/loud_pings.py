@@ -5,10 +5,10 @@ from __future__ import annotations
 import numpy as np
 
 from insonify.acoustics.error_range import ERROR_ALTITUDES, find_first_bin
-from insonify.packing.navigation import make_poses
-from insonify.planning.models import Model, PackedScene
+from insonify.packing.packed_scene import Model, PackedScene
 from insonify.planning.probe import scale_to_flat_bed
 from insonify.planning.probe_pings import ProbePings, spread_over_track
+from insonify.tow.poses import make_poses
 
 SEARCHED, FOUND = 48, 2  # pings over the track that are searched, and the most of them that are added
 LOUD = 3.0  # times the mean energy of those searched

@@ -7,7 +7,7 @@ import textwrap
 from dataclasses import dataclass, field
 from typing import Any
 
-from insonify.planning.models import Model
+from insonify.packing.packed_scene import Model
 
 WIDEST, NARROWEST = 120, 60  # characters of a table
 ERROR, COST = 8, 10  # characters of the last two columns

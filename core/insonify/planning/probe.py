@@ -12,11 +12,11 @@ from numpy.typing import NDArray
 from insonify.acoustics.error_range import ERROR_ALTITUDES, find_first_bin
 from insonify.acoustics.flat_bed import compute_flat_bed_curves
 from insonify.kernels.common.types import Poses, SceneArrays
-from insonify.packing.navigation import make_poses, take_poses
+from insonify.packing.packed_scene import SURFACE_ECHO, Model, PackedScene
 from insonify.parallel import in_parallel
-from insonify.planning.models import SURFACE_ECHO, Model, PackedScene
 from insonify.planning.probe_pings import ProbePings
 from insonify.scene import SceneError
+from insonify.tow.poses import make_poses, take_poses
 
 Record = NDArray[np.float32]
 FEW = 12  # pings on which models of much work are compared

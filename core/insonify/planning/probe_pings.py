@@ -15,10 +15,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from insonify.kernels.common.types import Poses
-from insonify.packing.navigation import make_poses
-from insonify.packing.track import tow_line_at
 from insonify.scene import Scene
 from insonify.terrain import AnyGround
+from insonify.tow.line import tow_line_at
+from insonify.tow.poses import make_poses
 
 SPREAD = 8  # pings over the track
 ACROSS, MOST_ACROSS = 3, 12  # pings across each target, fewer where there are many targets; across all of them

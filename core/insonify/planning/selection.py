@@ -9,11 +9,11 @@ from heapq import heappop, heappush
 from itertools import takewhile
 from typing import Any
 
+from insonify.packing.packed_scene import Model, PackedScene, pack
 from insonify.planning.checks import check_method
 from insonify.planning.choices import CHOICES
 from insonify.planning.choices.base import FINENESS, Case, Choice, percent
 from insonify.planning.choices.fineness import METHODS, measure_together
-from insonify.planning.models import Model, PackedScene, pack
 from insonify.planning.plan_entries import Plan, PlanEntry
 from insonify.scene import Scene, SceneError
 

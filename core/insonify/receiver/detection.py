@@ -10,7 +10,6 @@ from collections.abc import Callable
 import numpy as np
 from numpy.typing import NDArray
 
-from insonify.kernels.common.types import SceneArrays
 from insonify.parallel import in_parallel
 from insonify.receiver.reception import Reception, Traced, spread_echoes
 from insonify.receiver.waves import Waves, no_waves, split_waves, steady_waves
@@ -21,18 +20,13 @@ TOGETHER = 64  # pings received at a time, so that intermediate arrays stay in t
 
 def record_echoes(
     reception: Reception,
-    trace: Callable[[SceneArrays], Traced],
-    arrays: SceneArrays,
+    traced: Traced,
     pings: NDArray[np.int64],
+    divided: Traced | None = None,
     out: Record | None = None,
 ) -> Record:
-    """Trace pings and turn their echoes into a record."""
-    traced = trace(arrays)
-    divided: Traced | None = None
-    if reception.divided_by_shape is not None:
-        divided = trace(arrays._replace(reflectivity=reception.divided_by_shape))
-
-    record = _place_of(traced, arrays.bins) if out is None else out
+    """Turn traced echoes into a record; ``divided`` is the trace with ``reception.divided_by_shape``, if it has one."""
+    record = _place_of(traced, reception.gain.size) if out is None else out
 
     def block(first: int, last: int) -> None:
         for low in range(first, last, TOGETHER):

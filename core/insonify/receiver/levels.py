@@ -9,8 +9,8 @@ from insonify.acoustics.absorption import absorption_coefficient
 from insonify.acoustics.resolution_cell import bin_centres, surface_echo, volume_echo
 from insonify.kernels.common.types import SceneArrays
 from insonify.scene import Scene
-from insonify.scene.gains import RangeBins
-from insonify.scene.reverberations import ReverberationKind
+from insonify.scene.receiver.gains import RangeBins
+from insonify.scene.receiver.reverberations import ReverberationKind
 
 Curve = NDArray[np.float64]
 SMALLEST = float(np.finfo(np.float32).tiny)  # intensity that stands for the noise floor where there is no noise
@@ -34,8 +34,8 @@ def reverberation(declared: ReverberationKind, arrays: SceneArrays, altitude: fl
 
 def noise_level(scene: Scene) -> float:
     """Mean intensity of the ambient noise before the time-varied gain."""
-    level = scene.receiver.noise.mean_level
-    return 0.0 if level is None else power(level)
+    noise = scene.receiver.noise
+    return 0.0 if noise is None else power(noise.level)
 
 
 def crosstalk(scene: Scene) -> float:

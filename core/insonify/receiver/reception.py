@@ -14,7 +14,6 @@ from insonify.acoustics.pulses import Taps, coherent_taps, pulse_taps, samples_p
 from insonify.kernels.common.streams import AMBIENT_NOISE, REVERBERATION
 from insonify.kernels.common.types import LIGHT, SceneArrays
 from insonify.kernels.receiver.pulse import convolve_pulse
-from insonify.packing.navigation import bed_beneath, make_poses
 from insonify.receiver.disturbances import Disturbances, make_disturbances
 from insonify.receiver.fluctuation import Fluctuation, make_fluctuation
 from insonify.receiver.levels import crosstalk, noise_level, power, reverberation, time_varied_gain
@@ -24,6 +23,7 @@ from insonify.receiver.speckle import Speckle, divide_by_shape, make_speckle
 from insonify.receiver.volumes import VolumeEchoes, make_volume_echoes
 from insonify.scene import Scene
 from insonify.terrain import AnyGround
+from insonify.tow.poses import bed_beneath, make_poses
 
 Record = NDArray[np.float32]
 Traced = NDArray[np.float32] | NDArray[np.complex128]

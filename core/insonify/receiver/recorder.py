@@ -12,7 +12,7 @@ from insonify.kernels.common.streams import DROPPED_PINGS
 from insonify.kernels.receiver.foreign_pings import fill_uniform
 from insonify.receiver.levels import SMALLEST, power
 from insonify.scene import Scene
-from insonify.scene.recorder import Recorder
+from insonify.scene.receiver.recorder import Recorder
 
 LARGEST = float(np.finfo(np.float32).max)
 

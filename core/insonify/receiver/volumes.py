@@ -10,11 +10,11 @@ from numpy.typing import NDArray
 
 from insonify.kernels.common.types import Poses, SceneArrays
 from insonify.kernels.rays.volumes import EchoPoints, add_volume_echoes
-from insonify.packing.navigation import make_poses
 from insonify.receiver.levels import power
 from insonify.scene import Scene
 from insonify.scene.volumes import Volume
 from insonify.terrain import AnyGround
+from insonify.tow.poses import make_poses
 
 TOGETHER = 256  # points of a group that a beam takes in or passes over
 

@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from insonify.kernels.beam.azimuth_sector import TRANSITION
 from insonify.kernels.common.types import Poses, SceneArrays
 from insonify.kernels.sweep.sweep import LOWEST, AzimuthFan
-from insonify.packing.navigation import take_poses
+from insonify.tow.poses import take_poses
 
 FEW = 16  # planes, beyond which the approximations below shrink with the spacing of the planes
 # Up to where cos θ reaches 1 - FORESHORTENED the beam's cone is followed azimuth by azimuth; beyond it the inner planes

@@ -19,11 +19,11 @@ from insonify.kernels.refraction.apparent_positions import ApparentTables
 from insonify.kernels.sweep.sweep import AzimuthFan, empty_sweep_workspace
 from insonify.kernels.targets.angular_zbuffer import NO_PRIMITIVE
 from insonify.packing.apparent_tables import make_apparent_tables
-from insonify.packing.navigation import take_poses
 from insonify.packing.reduced_scene import without_targets
 from insonify.parallel import PerThread
+from insonify.tow.poses import take_poses
 from insonify.tracers.azimuth_fan import lay_planes_of_images
-from insonify.tracers.blocks import trace_blocks
+from insonify.tracers.base import trace_blocks
 from insonify.tracers.sweep import pings_a_thread
 
 NOTHING = NO_TARGET  # target of a bin without an echo, or without a shadow

@@ -6,7 +6,7 @@ import math
 
 from insonify.kernels.common.types import Poses, SceneArrays
 from insonify.scene import SceneError
-from insonify.tracers.blocks import Record
+from insonify.tracers.base import Record
 from insonify.tracers.rays import trace_rays
 
 

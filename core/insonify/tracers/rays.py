@@ -17,7 +17,7 @@ from insonify.kernels.refracted_rays.echoes import trace_refracted_pings
 from insonify.kernels.refracted_rays.hits import empty_arrivals, find_refracted_hits
 from insonify.parallel import count_threads
 from insonify.scene import SceneError
-from insonify.tracers.blocks import Record, empty_record, trace_blocks
+from insonify.tracers.base import Record, empty_record, trace_blocks
 
 WALK = 0.0  # step that stands for an exact walk
 STRAIGHT, REFRACTED = 64, 256  # bytes that a thread holds of every ray of both sides

@@ -9,7 +9,7 @@ from typing import Protocol
 from insonify.kernels.common.types import SceneArrays
 from insonify.scene import Scene
 from insonify.tracers import march, rays, scatterers, sweep
-from insonify.tracers.blocks import Record
+from insonify.tracers.base import Record
 from insonify.tracers.scatterers import Waves
 
 

@@ -19,12 +19,12 @@ from insonify.kernels.speckle.scatterers import PulseTaps, Scatterers, detect_sa
 from insonify.kernels.speckle.surface_patches import SurfacePatches
 from insonify.kernels.sweep.sweep import AzimuthFan
 from insonify.kernels.sweep.visible_stretches import empty_visible_bed
-from insonify.packing.navigation import take_poses
 from insonify.packing.surface_patches import make_surface_patches
 from insonify.scene import Scene, SceneError
-from insonify.scene.pulses import PulseKind as DeclaredPulse
+from insonify.scene.sonar.pulses import PulseKind as DeclaredPulse
+from insonify.tow.poses import take_poses
 from insonify.tracers.azimuth_fan import lay_planes
-from insonify.tracers.blocks import Record, empty_record, trace_blocks
+from insonify.tracers.base import Record, empty_record, trace_blocks
 
 Waves = NDArray[np.complex128]
 IN_A_CELL = 32.0  # scatterers, where the scene does not say how many

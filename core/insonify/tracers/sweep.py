@@ -16,11 +16,11 @@ from insonify.kernels.multipath.surface_multipath import empty_multipath_workspa
 from insonify.kernels.refraction.apparent_positions import ApparentTables
 from insonify.kernels.sweep.sweep import AzimuthFan, empty_sweep_workspace, sweep_pings
 from insonify.packing.apparent_tables import make_apparent_tables
-from insonify.packing.navigation import take_poses
 from insonify.parallel import PerThread
+from insonify.tow.poses import take_poses
 from insonify.tracers import ray_sheets
 from insonify.tracers.azimuth_fan import lay_planes_of_images
-from insonify.tracers.blocks import Record, new_record, trace_blocks
+from insonify.tracers.base import Record, new_record, trace_blocks
 from insonify.tracers.rays import trace as trace_rays
 
 RAYS_A_SHEET = 8.0  # of a fan where refraction folds, per root of all its rays: both parts of the error are about equal

@@ -47,7 +47,8 @@ before = config.CACHE_DIR
 from plain_kernels import combine
 value = combine(np.ones(4), 3)
 assert config.CACHE_DIR == before
-private = [name for name in ("cache", "dispatch", "separate", "processes") if f"insonify.compiler.{name}" in sys.modules]
+own = ("cache", "dispatch", "separate", "processes")
+private = [name for name in own if f"insonify.compiler.{name}" in sys.modules]
 print(value, sum(combine.stats.cache_hits.values()), *private)
 """
 

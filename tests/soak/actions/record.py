@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from PySide6.QtCore import QEvent
 
-from insonify_viewer.session import Mark
+from insonify_viewer.state.inspection import Mark
 from insonify_viewer.viewer import Viewer
-from insonify_viewer.views.field_rows import STEPS
+from insonify_viewer.widgets.field_rows import STEPS
 from soak.actions import Random, Steps, action
 from soak.input import LEFT, mouse, pick
 

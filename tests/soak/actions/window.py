@@ -8,9 +8,9 @@ from PySide6.QtWidgets import QComboBox, QTabBar
 from shiboken6 import isValid
 
 from insonify.scene import bundled_scenes
-from insonify_viewer.target_placement import target_menu
 from insonify_viewer.viewer import Viewer
-from insonify_viewer.views.field_rows import STEPS, ChoiceRow, NumberRow
+from insonify_viewer.widgets.field_rows import STEPS, ChoiceRow, NumberRow
+from insonify_viewer.window.target_placement import target_menu
 from soak.actions import Random, Steps, action
 from soak.input import LEFT, NONE, mouse, pick, rows, wheel
 

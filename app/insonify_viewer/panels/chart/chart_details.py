@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from insonify_viewer.quantities import format_duration
+from insonify_viewer.state.quantities import format_duration
 
 if TYPE_CHECKING:
     from insonify.accuracy.charts.kinds.accuracy import AccuracyChart
@@ -77,7 +77,7 @@ class RowDetails:
 def row_details(chart: AccuracyChart, row: AccuracyRow) -> RowDetails:
     """Trace the record of a row and its reference, and compare them."""
     # lazy: the window opens before Matplotlib is loaded
-    from insonify.accuracy.similarity import measure_similarity
+    from insonify.statistics.similarity import measure_similarity
 
     record, reference = chart.normalise_row(row)
     scene = chart.scenes[row.targets]

@@ -7,12 +7,11 @@ from functools import partial
 from typing import TYPE_CHECKING, Any
 
 from insonify.scene import Scene, SceneError
-from insonify_viewer.job import Progress
-from insonify_viewer.jobs.background_job import BackgroundJob, State
-from insonify_viewer.jobs.thread_job import ThreadJob
 from insonify_viewer.panels.chart.chart_details import ChartPicture, RowDetails, draw_chart, row_details
-from insonify_viewer.panels.chart.view.chart_window import ChartWindow
+from insonify_viewer.panels.chart.view import ChartWindow
 from insonify_viewer.panels.panel import Button, Panel, Place, Workbench
+from insonify_viewer.work.executor import Progress
+from insonify_viewer.work.jobs import BackgroundJob, State, ThreadJob
 
 if TYPE_CHECKING:
     from insonify.accuracy.charts.kinds.accuracy import AccuracyChart
@@ -35,7 +34,7 @@ class ChartPanel(Panel):
         self.measure: Any = None
         self.view: ChartWindow | None = None
         self._measurement: ThreadJob | None = None
-        workbench.jobs.watch(self._follow)
+        workbench.jobs.changed.connect(self._follow)
         self._picture: ChartPicture | None = None
 
     @property

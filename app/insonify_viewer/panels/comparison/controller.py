@@ -5,22 +5,24 @@ from __future__ import annotations
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from insonify.scene import bundled_scenes, load_scene
-from insonify_viewer.comparison.pairs import find_pairs
-from insonify_viewer.comparison.recording import Recording, describe_point
-from insonify_viewer.jobs.background_job import BackgroundJob, State
-from insonify_viewer.newest_wins import NewestWins
-from insonify_viewer.panels.comparison.learning import begin_learning
-from insonify_viewer.panels.comparison.measurement import Measured, measure_record, measure_simulation
+from insonify.scene import Scene, SceneError, bundled_scenes, load_scene
 from insonify_viewer.panels.comparison.view import ComparisonView
-from insonify_viewer.panels.panel import Panel, Place, RecordGrowth, Workbench
-from insonify_viewer.session import Mark
+from insonify_viewer.panels.panel import Panel, Place, Workbench
+from insonify_viewer.record.comparison.arrangement import find_pairs
+from insonify_viewer.record.comparison.recording import Recording, describe_point
+from insonify_viewer.record.record import RecordGrowth
+from insonify_viewer.state.inspection import Mark
+from insonify_viewer.work.jobs import BackgroundJob, State
 
 if TYPE_CHECKING:
+    import xarray as xr
+
     from insonify.scene import Scene
     from insonify.simulation import Simulation
+    from insonify_viewer.record.comparison.recording import Recording
+    from insonify_viewer.work.jobs import BackgroundJob, JobList
 
-PATIENCE = 0.25  # s, for each thread when the window closes
+Measured = dict[str, str] | str  # statistics in words by their names, or why there are none
 
 
 class ComparisonPanel(Panel):
@@ -32,14 +34,13 @@ class ComparisonPanel(Panel):
 
     def __init__(self, workbench: Workbench) -> None:
         self._workbench, self._player, self._comparison = workbench, workbench.recordings, workbench.comparison
-        parts, later = ("recorded", "simulated", "pairs"), workbench.simulator.call_later
-        self._threads = {part: NewestWins(part, later) for part in parts}
+        self._executor = workbench.simulator.executor
         self._mark: Mark | None = None  # under the mouse
         self._simulation: Simulation | None = None  # that of the whole record on screen
         self._wanted: dict[str, Any] = {}  # what is to be measured: a recording, a simulation
         self._measured: dict[str, Any] = {}
         self._learning: BackgroundJob | None = None
-        workbench.jobs.watch(self._follow_learning)
+        workbench.jobs.changed.connect(self._follow_learning)
         self.view = ComparisonView()
         self._player.opened.connect(self._show_recording)
         self._player.pointed.connect(self._show_point)
@@ -66,7 +67,7 @@ class ComparisonPanel(Panel):
     def opened(self, shown: bool) -> None:
         """Read the bundled pairs for their menu."""
         if shown:
-            self._threads["pairs"].send(find_pairs, self.view.show_pairs)
+            self._executor.submit("pairs", find_pairs, self.view.show_pairs)
 
     def learn(self, file: str) -> None:
         """Learn a scene from the recording, write it to a file, and open it."""
@@ -76,11 +77,6 @@ class ComparisonPanel(Panel):
         self.view.show_learning(True)
         self._learning = begin_learning(self._workbench.jobs, recording, Path(file))
         self._player.wait_for(f"learning a {self._learning.title}")
-
-    def closing(self) -> None:
-        """End the threads."""
-        for thread in self._threads.values():
-            thread.close(PATIENCE)
 
     def _connect(self) -> None:
         self.view.open_wanted.connect(lambda: self._player.open(self._workbench.files.ask_for_recording()))
@@ -172,10 +168,44 @@ class ComparisonPanel(Panel):
             return
         self._wanted[part] = what
         self.view.show_measuring(part)
-        self._threads[part].send(errand, lambda found: self._take(part, what, found))
+        self._executor.submit(part, errand, lambda found: self._take(part, what, found))
 
     def _take(self, part: str, what: Any, found: Measured | None) -> None:
         """Show the statistics of a record, unless another one is wanted by now."""
         if self._wanted.get(part) is what:
             self._measured[part] = what
             self.view.show_measured(part, found or "cannot be measured")
+
+
+def begin_learning(jobs: JobList, recording: Recording, file: Path) -> BackgroundJob:
+    """Start to learn a scene from a recording, which is read anew at the frequency that is shown."""
+    arguments = ["learn", str(recording.path), "-o", str(file)]
+    if recording.dataset.attrs.get("frequencies"):
+        arguments += ["--frequency", repr(float(recording.dataset.attrs["frequency"]))]
+    return jobs.begin(f"scene like {recording.path.name}", arguments, file)
+
+
+def measure_record(record: xr.Dataset) -> Measured:
+    """Measure the statistics of a record; a record with too little bed has a sentence instead."""
+    # lazy: loads SciPy on a thread of its own; the window opens before
+    from insonify.statistics.record_statistics import measure_statistics
+
+    try:
+        return measure_statistics(record).described()
+    except SceneError as error:
+        return str(error)
+
+
+def measure_simulation(simulation: Simulation) -> Measured:
+    """Measure the statistics of the whole record of a simulation."""
+    # lazy: loads xarray on a thread of its own; the window opens before
+    from insonify.io.record_schema import join_blocks
+    from insonify.record.blocks import trace_blocks
+    from insonify.record.variables import make_block
+
+    title = {"title": simulation.scene.title}
+    blocks = [
+        make_block(simulation.scene, simulation.ground, *traced, None, title).to_dataset()
+        for traced in trace_blocks(simulation)
+    ]
+    return measure_record(join_blocks(blocks))

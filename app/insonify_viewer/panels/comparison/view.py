@@ -15,19 +15,16 @@ from PySide6.QtWidgets import (
     QWidget,
 )
 
-from insonify_viewer.comparison.arrangement import Arrangement
-from insonify_viewer.comparison.changed_fields import Change
-from insonify_viewer.comparison.pairs import find_pairs
-from insonify_viewer.views.field_rows import Combo
-from insonify_viewer.views.folding_box import FoldingBox
-from insonify_viewer.views.push_button import push_button
-from insonify_viewer.views.save_dialogs import ask_where_to_save
-from insonify_viewer.views.side_panel import SidePanel
+from insonify_viewer.record.comparison.arrangement import Arrangement, find_pairs
+from insonify_viewer.record.comparison.kept_record import Change
+from insonify_viewer.widgets.buttons import push_button
+from insonify_viewer.widgets.field_rows import Combo
+from insonify_viewer.widgets.save_dialogs import ask_where_to_save
+from insonify_viewer.widgets.side_panel import FoldingBox, SidePanel
 
 if TYPE_CHECKING:
     from insonify.scene import Scene
-    from insonify_viewer.comparison.recording import Recording
-    from insonify_viewer.panels.comparison.measurement import Measured
+    from insonify_viewer.record.comparison.recording import Recording
 
 HINT = (
     "Keep this record as A, then change the scene or its plan, or open another scene: the live record is B. Hold X to "
@@ -84,7 +81,7 @@ class ComparisonView(SidePanel):
         self.point, self.statistics = _Table(1), _Table(len(PARTS))
         self._point_box = FoldingBox("Point", self.point, unfolded=True)
         self._statistics_box = FoldingBox("Statistics", self.statistics, unfolded=True)
-        self._found: dict[str, Measured] = {}
+        self._found: dict[str, dict[str, str] | str] = {}
         self._lay_out()
         self.show_recording(None)
 
@@ -136,7 +133,7 @@ class ComparisonView(SidePanel):
         """Show that a record is being measured."""
         self.show_measured(part, "measuring …")
 
-    def show_measured(self, part: str, found: Measured) -> None:
+    def show_measured(self, part: str, found: dict[str, str] | str) -> None:
         """Show the statistics of the recorded or the simulated record, or a sentence instead."""
         self._found[part] = found
         names = [name for each in self._found.values() if isinstance(each, dict) for name in each]

@@ -5,10 +5,10 @@ from __future__ import annotations
 from pathlib import Path
 
 from insonify.files import bundled_specifications
-from insonify_viewer.errors.failure import Failure
-from insonify_viewer.jobs.background_job import BackgroundJob
+from insonify_viewer.errors import Failure
 from insonify_viewer.panels.jobs.view import JobsView, WantedChart, WantedDataset
 from insonify_viewer.panels.panel import Panel, Place, Workbench
+from insonify_viewer.work.jobs import BackgroundJob
 
 
 class JobsPanel(Panel):
@@ -21,7 +21,7 @@ class JobsPanel(Panel):
     def __init__(self, workbench: Workbench) -> None:
         self._workbench = workbench
         self._jobs = workbench.jobs
-        self._jobs.watch(self._show)
+        self._jobs.changed.connect(self._show)
         self.view: JobsView | None = None
 
     @property

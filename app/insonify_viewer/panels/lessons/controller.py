@@ -6,14 +6,14 @@ from collections.abc import Mapping
 from typing import Any
 
 from insonify.files import bundled_scenes
-from insonify.lessons import AUTOMATIC, SIDES, Lesson, LessonState, load_lessons, split_move
+from insonify.lessons import AUTOMATIC, SIDES, Lesson, LessonState, Step, load_lessons, split_move, states_of
 from insonify.scene import Scene
-from insonify_viewer.marked_point import MarkedPoint
-from insonify_viewer.modelling import Modelling
-from insonify_viewer.panels.lessons.course import Course
 from insonify_viewer.panels.lessons.view import LessonsView
-from insonify_viewer.panels.panel import Button, Panel, Place, RecordGrowth, Workbench
-from insonify_viewer.session import Mark
+from insonify_viewer.panels.panel import Button, Panel, Place, Workbench
+from insonify_viewer.record.marked_point import MarkedPoint
+from insonify_viewer.record.record import RecordGrowth
+from insonify_viewer.state.inspection import Mark
+from insonify_viewer.state.modelling import Modelling
 
 
 class LessonsPanel(Panel):
@@ -206,3 +206,55 @@ class LessonsPanel(Panel):
 def _file_of(course: Course) -> str:
     """File of the bundled scene that a step is about."""
     return str(bundled_scenes()[course.base])
+
+
+class Course:
+    """A lesson under way."""
+
+    def __init__(self, lesson: Lesson) -> None:
+        self.lesson, self.index = lesson, 0
+        self._states = tuple(states_of(lesson))
+        self._done: set[int] = set()
+
+    @property
+    def step(self) -> Step:
+        """The present step."""
+        return self.lesson.steps[self.index]
+
+    @property
+    def start(self) -> LessonState:
+        """The state in which the present step begins."""
+        return self._states[self.index][1]
+
+    @property
+    def base(self) -> str:
+        """Name of the bundled scene that the present step is about."""
+        own = [step.scene for step in self.lesson.steps[: self.index + 1] if step.scene]
+        return own[-1] if own else self.lesson.scene
+
+    @property
+    def done(self) -> bool:
+        """Whether the present step was done."""
+        return self.index in self._done
+
+    @property
+    def last(self) -> bool:
+        """Whether the present step is the last."""
+        return self.index + 1 == len(self.lesson.steps)
+
+    @property
+    def finished(self) -> bool:
+        """Whether every step was done."""
+        return len(self._done) == len(self.lesson.steps)
+
+    def notice(self, state: LessonState) -> bool:
+        """Note the present step as done if its condition holds; return whether it does for the first time."""
+        if self.done or not self.step.condition.holds(state.value):
+            return False
+        self._done.add(self.index)
+        return True
+
+    def go_to(self, index: int) -> None:
+        """Go to a step, which is to be done anew, with those that follow it."""
+        self.index = index
+        self._done = {number for number in self._done if number < index}

@@ -19,10 +19,9 @@ from PySide6.QtWidgets import (
 )
 
 from insonify.lessons import Lesson
-from insonify_viewer.errors.guarded_overrides import guard_override
-from insonify_viewer.views.lighting import light
-from insonify_viewer.views.push_button import push_button
-from insonify_viewer.views.side_panel import ScrollColumn
+from insonify_viewer.errors import guard_override
+from insonify_viewer.widgets.buttons import light, push_button
+from insonify_viewer.widgets.side_panel import ScrollColumn
 
 USUAL, LARGE = 1.2, 1.9  # factors on the size of the text, without and with a projector
 HEADING = 1.25  # factor on the size of headings

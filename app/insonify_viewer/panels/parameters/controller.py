@@ -5,15 +5,10 @@ from __future__ import annotations
 from typing import Any
 
 from insonify.scene import Scene, plain
+from insonify.scene.edit import part_at
 from insonify.scene.links import split_description
-from insonify_viewer.effects import EffectMeter, EffectTicks
-from insonify_viewer.effects.rows import describe_tick
-from insonify_viewer.field_names import name_edit, name_field
-from insonify_viewer.fields import NumberField, part_at
-from insonify_viewer.modelling import Modelling
-from insonify_viewer.panels.panel import Panel, Place, RecordGrowth, Workbench
-from insonify_viewer.panels.parameters.moving_values import follow_values
-from insonify_viewer.panels.parameters.resetting import Resets
+from insonify_viewer.panels.panel import Panel, Place, Workbench
+from insonify_viewer.panels.parameters.effects import EffectMeter, EffectTicks, describe_tick
 from insonify_viewer.panels.parameters.sections import (
     FieldSection,
     found_section,
@@ -21,12 +16,14 @@ from insonify_viewer.panels.parameters.sections import (
     pinned_section,
     sections_of,
 )
-from insonify_viewer.panels.parameters.trying import Trials, glide_value, row_of
+from insonify_viewer.panels.parameters.values import Resets, Trials, follow_values, glide_value, row_of
 from insonify_viewer.panels.parameters.view.parameters_view import ParametersView
+from insonify_viewer.record.record import RecordGrowth
+from insonify_viewer.state.fields import NumberField, name_edit, name_field
+from insonify_viewer.state.modelling import Modelling
 
 DROPPED = ("water", "track.motion", "targets")  # parts that take a file over when it is dropped on the window
 ASIDE = 0.08  # slant ranges by which a copy of a target lies beside it
-PATIENCE = 0.25  # s, for the thread that measures when the window closes
 
 
 class ParametersPanel(Panel):
@@ -99,7 +96,7 @@ class ParametersPanel(Panel):
     def closing(self) -> None:
         """Drop the update that waits, and measure no more."""
         self.view.stop_waiting()
-        self._meter.close(PATIENCE)
+        self._meter.stop()
 
     def _follow_history(self, scene: Scene) -> None:
         """Forget what belongs to the scene that was open before."""

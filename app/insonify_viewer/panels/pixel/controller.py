@@ -8,12 +8,11 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from insonify.scene import Scene, SceneError
-from insonify_viewer.inspection import Place as ScenePlace
-from insonify_viewer.inspection import SoundDrawing
-from insonify_viewer.newest_wins import NewestWins
-from insonify_viewer.panels.panel import Button, Panel, Place, RecordGrowth, Workbench
-from insonify_viewer.panels.pixel.view.pixel_view import PixelView
-from insonify_viewer.session import Mark
+from insonify_viewer.panels.panel import Button, Panel, Place, Workbench
+from insonify_viewer.panels.pixel.view import PixelView
+from insonify_viewer.record.record import RecordGrowth
+from insonify_viewer.state.inspection import Mark, SoundDrawing
+from insonify_viewer.state.inspection import Place as ScenePlace
 
 if TYPE_CHECKING:
     from insonify.explanation.cross_section import CrossSection
@@ -21,7 +20,6 @@ if TYPE_CHECKING:
     from insonify.explanation.pixel import PixelExplanation
     from insonify.simulation import Simulation
 
-PATIENCE = 0.25  # s, for the thread when the window closes
 AROUND = 600  # pings to either side of the ping on top in which a place may be heard
 
 
@@ -43,8 +41,7 @@ class PixelPanel(Panel):
 
     def __init__(self, workbench: Workbench) -> None:
         self._workbench = workbench
-        self._thread = NewestWins("pixel", workbench.simulator.call_later)
-        self._compiler = NewestWins("pixel kernels", workbench.simulator.call_later)
+        self._executor = workbench.simulator.executor
         self._compiled: set[tuple[object, ...]] = set()  # modelled effects whose kernels are compiled
         self._simulation: Simulation | None = None
         self._shown: tuple[Simulation, Mark] | None = None
@@ -84,18 +81,13 @@ class PixelPanel(Panel):
         if settled and mark is not None and mark.bin >= scene.sonar.bins:
             self._workbench.inspection.pin(None)
 
-    def closing(self) -> None:
-        """End the threads."""
-        self._thread.close(PATIENCE)
-        self._compiler.close(PATIENCE)
-
     def _compile(self, simulation: Simulation) -> None:
         """Compile the kernels that the first click needs while nobody waits; each set of effects has its own."""
         model = simulation.plan.model
         effects = model.method, model.bent, model.bounces, model.targets, model.ways
         if effects not in self._compiled:
             self._compiled.add(effects)
-            self._compiler.send(lambda: _compile(simulation), lambda _: None)
+            self._executor.submit("pixel kernels", lambda: _compile(simulation), lambda _: None)
 
     def _pin(self, mark: Mark | None) -> None:
         """Open the panel for a pinned pixel, and explain it."""
@@ -112,7 +104,7 @@ class PixelPanel(Panel):
             return
         self._asked = wanted
         self.view.show_waiting(wanted[1])
-        self._thread.send(lambda: _explained(*wanted), lambda found: self._take(wanted, found))
+        self._executor.submit("pixel", lambda: _explained(*wanted), lambda found: self._take(wanted, found))
 
     def _take(self, asked: tuple[Simulation, Mark], found: ExplainedPixel | SceneError | None) -> None:
         """Show an explanation, unless another one is wanted by now."""
@@ -137,7 +129,7 @@ class PixelPanel(Panel):
         last = self._newest
         pings = np.arange(max(last - 2 * AROUND, 0), last + 1, dtype=np.int64)
         self._workbench.say("looking for the pixels that hear this place …")
-        self._thread.send(lambda: _listeners(simulation, place, pings), self._light)
+        self._executor.submit("pixel", lambda: _listeners(simulation, place, pings), self._light)
 
     def _light(self, found: tuple[Listener, ...] | None) -> None:
         """Light the pixels up and say how many there are."""

@@ -3,16 +3,17 @@
 from __future__ import annotations
 
 import statistics
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NamedTuple
 
-from insonify_viewer.comparison.record_difference import RecordSnapshot, compare_records
-from insonify_viewer.panels.panel import Panel, Place, RecordGrowth, Workbench
-from insonify_viewer.panels.plan.comparison import ModelledRecord, changed_subject, difference_in_words
+from insonify_viewer.panels.panel import Panel, Place, Workbench
 from insonify_viewer.panels.plan.view import PlanView
+from insonify_viewer.record.comparison.record_difference import RecordDifference, RecordSnapshot, compare_records
+from insonify_viewer.record.record import RecordGrowth
+from insonify_viewer.state.modelling import Modelling
 
 if TYPE_CHECKING:
     from insonify.planning import Plan
-    from insonify_viewer.record import Record
+    from insonify_viewer.record.record import Record
 
 MOVED = 64  # pings by which a running tow moves on before the record is copied again
 
@@ -86,3 +87,23 @@ class PlanPanel(Panel):
         self.view.show_change(subject, words)
         choice = dict(after.modelling.forced).get(subject, "automatic") if subject else ""
         self._say(f"{subject} {choice}: {words}" if subject else words)
+
+
+class ModelledRecord(NamedTuple):
+    """Copy of a record under one modelling."""
+
+    record: RecordSnapshot  # the copy
+    modelling: Modelling  # the modelling
+    seconds: float  # time to trace a ping
+
+
+def changed_subject(before: Modelling, after: Modelling) -> str:
+    """Subject by which two modellings differ; empty if there are several, or none."""
+    subjects = {subject for subject, _ in {*before.forced} ^ {*after.forced}}
+    return subjects.pop() if len(subjects) == 1 and before.tolerance == after.tolerance else ""
+
+
+def difference_in_words(difference: RecordDifference | None, times: float) -> str:
+    """Write a difference and a ratio of times: "changes the record by 0.4 %, takes 1.8 × the time"."""
+    record = "" if difference is None else f"{difference.in_words()}, "
+    return f"{record}takes {times:.2g} × the time"

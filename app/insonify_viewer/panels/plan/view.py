@@ -15,15 +15,13 @@ from PySide6.QtWidgets import (
     QWidget,
 )
 
-from insonify_viewer.fields import NumberField
-from insonify_viewer.modelling import Modelling
-from insonify_viewer.quantities import format_duration
-from insonify_viewer.views.field_rows import Combo, NumberRow
-from insonify_viewer.views.folding_box import FoldingBox
-from insonify_viewer.views.lighting import light
-from insonify_viewer.views.push_button import push_button
-from insonify_viewer.views.side_panel import SidePanel
-from insonify_viewer.views.text_scale import scaled
+from insonify_viewer.state.fields import NumberField
+from insonify_viewer.state.modelling import Modelling
+from insonify_viewer.state.quantities import format_duration
+from insonify_viewer.widgets.buttons import light, push_button
+from insonify_viewer.widgets.field_rows import Combo, NumberRow
+from insonify_viewer.widgets.side_panel import FoldingBox, SidePanel
+from insonify_viewer.widgets.theme import scaled
 
 if TYPE_CHECKING:
     from insonify.planning import Plan, PlanEntry

@@ -5,13 +5,13 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING, Any
 
-from insonify_viewer.comparison.recording import summarise_point
 from insonify_viewer.panels.panel import Panel, Place, Workbench
 from insonify_viewer.panels.readout.view import ReadoutView
+from insonify_viewer.record.comparison.recording import summarise_point
 
 if TYPE_CHECKING:
-    from insonify_viewer.marked_point import MarkedPoint
-    from insonify_viewer.session import Mark
+    from insonify_viewer.record.marked_point import MarkedPoint
+    from insonify_viewer.state.inspection import Mark
 
 SIDES = ("port", "starboard")
 

@@ -9,27 +9,27 @@ import numpy as np
 from numpy.typing import NDArray
 
 from insonify.scene import Scene
-from insonify_viewer.contacts.contact import SIDES, Contact
-from insonify_viewer.measuring.location import (
+from insonify_viewer.panels.panel import Panel, Place, Workbench
+from insonify_viewer.panels.record.view import RecordView
+from insonify_viewer.record.drape import RecordStrip
+from insonify_viewer.record.measuring import (
     Location,
     degrees_of,
     georeference_of,
     locate_recorded,
     locate_simulated,
+    measure,
 )
-from insonify_viewer.measuring.measurement import measure
-from insonify_viewer.panels.panel import Panel, Place, RecordGrowth, Workbench
-from insonify_viewer.panels.record.view.record_view import RecordView
-from insonify_viewer.record_display.drape import RecordStrip
-from insonify_viewer.record_display.layout import row_factors
-from insonify_viewer.record_display.projection import Zoom
-from insonify_viewer.session import Mark
+from insonify_viewer.record.projection import Zoom, row_factors
+from insonify_viewer.record.record import RecordGrowth
+from insonify_viewer.state.contacts import SIDES, Contact
+from insonify_viewer.state.inspection import Mark
 
 if TYPE_CHECKING:
     from insonify.io.georeference import Georeference
     from insonify.simulation import Simulation
-    from insonify_viewer.comparison.recording import Recording
-    from insonify_viewer.views.waterfall_view import WaterfallView
+    from insonify_viewer.record.comparison.recording import Recording
+    from insonify_viewer.record.waterfall_view import WaterfallView
 
 SAMPLED = 60_000  # amplitudes that the histogram counts
 OFTEN = 0.25  # s between two histograms of a record that grows

@@ -5,10 +5,11 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from insonify.scene import Scene, SceneError
-from insonify.scene.waters.profile import ProfileWater
-from insonify.scene.waters.uniform import UniformWater
-from insonify_viewer.panels.panel import Button, Panel, Place, RecordGrowth, Workbench
-from insonify_viewer.panels.water.view.water_view import WaterView
+from insonify.scene.water.profile import ProfileWater
+from insonify.scene.water.uniform import UniformWater
+from insonify_viewer.panels.panel import Button, Panel, Place, Workbench
+from insonify_viewer.panels.water.view import WaterView
+from insonify_viewer.record.record import RecordGrowth
 
 if TYPE_CHECKING:
     from insonify.display.ray_diagram.diagram import RayDiagram

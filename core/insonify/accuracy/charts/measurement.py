@@ -12,11 +12,11 @@ import numpy as np
 from insonify.accuracy.charts.method_settings import EMBREE_OWN, SWEEPS, Record, SettingKey
 from insonify.accuracy.charts.reference import Reference
 from insonify.accuracy.charts.style import format_percent, format_time
-from insonify.accuracy.displacement import Displacement
-from insonify.accuracy.record_errors import RecordErrors
 from insonify.acoustics.flat_bed import compute_flat_bed_curves
 from insonify.display.normalisation import extend_to_water_column, normalise
 from insonify.kernels.common.types import Poses, SceneArrays
+from insonify.statistics.displacement import Displacement
+from insonify.statistics.record_errors import RecordErrors
 
 COMPARED_ERROR = 0.02  # error at which the times of methods are compared
 TINY = 1e-9  # errors below it count as this

@@ -11,10 +11,10 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from insonify.accuracy.record_errors import compare_records
 from insonify.kernels.common.types import Poses, SceneArrays, no_surface_multipath
-from insonify.packing.navigation import take_poses
 from insonify.parallel import count_threads
+from insonify.statistics.record_errors import compare_records
+from insonify.tow.poses import take_poses
 from insonify.tracers import ray_sheets, rays
 
 RESOLVED = 10.0  # ratio of an error to the change of the reference that resolves it

@@ -5,12 +5,12 @@ from __future__ import annotations
 import numpy as np
 
 from insonify.kernels.common.types import Poses, SceneArrays, still_water
-from insonify.packing.navigation import make_poses, take_poses
 from insonify.packing.scene_arrays import pack_scene
 from insonify.packing.terrain_tiles import TerrainTiles
 from insonify.scene import Scene
 from insonify.simulation import prepare
 from insonify.terrain import build_ground
+from insonify.tow.poses import make_poses, take_poses
 
 
 def pack_for_chart(scene: Scene, pings: int) -> tuple[SceneArrays, Poses]:

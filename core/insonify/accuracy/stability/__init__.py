@@ -1,6 +1,20 @@
-"""Cases of numerical failure of common methods, each measured beside the method that avoids it."""
+"""Cases of numerical failure of common methods, each measured beside the method that avoids it.
 
-from insonify.accuracy.stability.case import Approach, Outcome, StabilityCase, measure_case
-from insonify.accuracy.stability.cases import CASES
+Every module in ``themes`` that defines a ``THEME`` adds its cases, without being listed.
+"""
 
-__all__ = ["CASES", "Approach", "Outcome", "StabilityCase", "measure_case"]
+from __future__ import annotations
+
+from insonify.accuracy.stability.case import Approach, Outcome, StabilityCase, StabilityTheme
+from insonify.plugins import modules_in
+
+__all__ = ["CASES", "Approach", "Outcome", "StabilityCase", "find_themes"]
+
+
+def find_themes() -> list[StabilityTheme]:
+    """Import the modules of ``themes`` and return their themes in the order of the page."""
+    modules = modules_in("insonify.accuracy.stability.themes")
+    return sorted((module.THEME for module in modules), key=lambda theme: theme.place)
+
+
+CASES: dict[str, list[StabilityCase]] = {theme.title: theme.cases for theme in find_themes()}

@@ -4,22 +4,38 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from dataclasses import dataclass, field
+from functools import cache
+from typing import TYPE_CHECKING, Any, NamedTuple
+
+import numpy as np
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-RAISED = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
+SUPERSCRIPTS = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
 
 
-@dataclass(frozen=True)
-class Approach:
-    """Method and its measured error."""
+class Measured(NamedTuple):
+    """Errors of both methods of a case, in its unit; NaN where a method gives no number."""
+
+    failing: float
+    right: float
+    picture: Callable[[Figure], object]  # draws both on an empty figure
+
+    @classmethod
+    def by(
+        cls, error: Callable[[Any], float], failing: object, right: object, picture: Callable[[Figure], object]
+    ) -> Measured:
+        """Measure the results of both methods by the same error."""
+        return cls(float(error(failing)), float(error(right)), picture)
+
+
+class Approach(NamedTuple):
+    """Method of a case, and the bound that the failing method exceeds and the right one keeps."""
 
     does: str  # what the method does, as a sentence
-    error: Callable[[], float]  # measures its error in the case's unit; NaN where the method gives no number
-    bound: float  # bound that the failing method exceeds and the right one keeps
+    bound: float
 
 
 @dataclass(frozen=True)
@@ -32,7 +48,7 @@ class StabilityCase:
     unit: str  # unit of that quantity, empty for a pure number
     failing: Approach  # common method, and the method of this program
     right: Approach
-    picture: Callable[[Figure], None]  # draws both on an empty figure
+    measure: Callable[[], Measured]  # runs both methods
     scene: str = ""  # name of the bundled scene of the measurement; empty if there is none
 
 
@@ -42,26 +58,36 @@ class StabilityTheme:
 
     title: str  # heading on the page
     place: int  # place on the page; themes stand in the order of these numbers
-    cases: tuple[StabilityCase, ...]  # cases in order
+    cases: list[StabilityCase] = field(default_factory=list)  # cases in order
+
+    def case(
+        self, name: str, trigger: str, figure: str, unit: str, *, failing: Approach, right: Approach, scene: str = ""
+    ) -> Callable[[Callable[[], Measured]], StabilityCase]:
+        """Make a case of a function that measures it, and add it to the theme."""
+
+        def add(measure: Callable[[], Measured]) -> StabilityCase:
+            case = StabilityCase(name, trigger, figure, unit, failing, right, cache(measure), scene)
+            self.cases.append(case)
+            return case
+
+        return add
 
 
-@dataclass(frozen=True)
-class Outcome:
+class Outcome(NamedTuple):
     """Measured errors of a case."""
 
     case: StabilityCase
-    failing: float  # errors of its two methods
-    right: float
+    measured: Measured
 
     @property
     def is_shown(self) -> bool:
         """Whether the failing method exceeds its bound; a method without a number does."""
-        return not self.failing <= self.case.failing.bound
+        return not self.measured.failing <= self.case.failing.bound
 
     @property
     def is_held(self) -> bool:
         """Whether the right method keeps its bound."""
-        return self.right <= self.case.right.bound
+        return self.measured.right <= self.case.right.bound
 
     @property
     def verdict(self) -> str:
@@ -71,9 +97,9 @@ class Outcome:
         return "holds" if self.is_shown else "holds, failure not shown"
 
 
-def measure_case(case: StabilityCase) -> Outcome:
-    """Measure both methods of a case."""
-    return Outcome(case, float(case.failing.error()), float(case.right.error()))
+def percent(mask: Any) -> float:
+    """Percentage of true values."""
+    return float(100.0 * np.mean(mask))
 
 
 def format_quantity(value: float, unit: str) -> str:
@@ -86,4 +112,4 @@ def format_quantity(value: float, unit: str) -> str:
     if value == 0.0 or 1e-3 <= abs(value) < 1e5:
         return f"{float(f'{value:.3g}'):g}{after}".replace("-", "−")
     mantissa, exponent = f"{value:.1e}".split("e")
-    return f"{mantissa} × 10{str(int(exponent)).translate(RAISED)}{after}"
+    return f"{mantissa} × 10{str(int(exponent)).translate(SUPERSCRIPTS)}{after}"

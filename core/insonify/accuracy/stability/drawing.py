@@ -1,27 +1,82 @@
-"""Drawing of stability cases: one colour for the method that fails and one for the method that holds."""
+"""Drawing of stability cases: one colour for the common method, one for this program."""
 
 from __future__ import annotations
 
+from collections.abc import Callable, Sequence
+from functools import partial
 from textwrap import wrap
-from typing import Any
+from typing import Any, NamedTuple
 
 from matplotlib.figure import Figure
 
 from insonify.display.style import BROWN, FAINT, GREEN, INK, label_axes, style_axes
 
 WRONG, RIGHT = BROWN, GREEN
+Picture = Callable[[Figure], Any]  # draws on an empty figure
 
 
-def add_panel(figure: Figure, place: int = 111, *, x: str, y: str, title: str = "") -> Any:
-    """Add labelled axes to a figure."""
-    axes = figure.add_subplot(place)
-    label_axes(axes, x, y, size=9)
-    if title:
-        axes.set_title(title, fontsize=9.5, color=INK, loc="left")
-    style_axes(axes, 8.5)
-    axes.grid(True, color=FAINT, alpha=0.18, linewidth=0.7)
-    axes.set_axisbelow(True)
-    return axes
+class Curve(NamedTuple):
+    """Line or points of a panel; without ``x`` or ``y`` a straight line across the whole panel."""
+
+    colour: str
+    x: Any
+    y: Any
+    label: str = ""
+    style: str = "-"
+    options: dict[str, Any] = {}  # noqa: RUF012  # never changed
+
+    def draw(self, axes: Any) -> None:
+        """Draw the curve."""
+        options = {"color": self.colour, **({"label": self.label} if self.label else {}), **self.options}
+        if self.x is None:
+            axes.axhline(self.y, linestyle=self.style, **options)
+        elif self.y is None:
+            axes.axvline(self.x, linestyle=self.style, **options)
+        else:
+            axes.plot(self.x, self.y, self.style, **options)
+
+
+def curve(colour: str, x: Any, y: Any, label: str = "", style: str = "-", **options: Any) -> Curve:
+    """Curve with options of Matplotlib."""
+    return Curve(colour, x, y, label, style, options)
+
+
+common = partial(curve, WRONG)  # of the common method
+ours = partial(curve, RIGHT)  # of this program
+inked = partial(curve, INK)  # exact values
+faint = partial(curve, FAINT)
+
+
+def panel(
+    *curves: Curve, x: str, y: str, title: str = "", place: int = 111, log: str = "", legend: str = "best",
+    down: bool = False, **limits: Any,
+) -> Picture:  # fmt: skip
+    """Picture of curves: axes that are logarithmic are named, `down` points the y axis downwards."""
+
+    def draw(figure: Figure) -> Any:
+        axes = figure.add_subplot(place)
+        label_axes(axes, x, y, size=9)
+        if title:
+            axes.set_title(title, fontsize=9.5, color=INK, loc="left")
+        style_axes(axes, 8.5)
+        axes.grid(True, color=FAINT, alpha=0.18, linewidth=0.7)
+        axes.set_axisbelow(True)
+        axes.set(**{f"{axis}scale": "log" for axis in log})
+        for each in curves:
+            each.draw(axes)
+        axes.set(**limits)
+        if down:
+            axes.invert_yaxis()
+        if any(each.label for each in curves) and legend:
+            add_legend(axes, legend)
+        return axes
+
+    return draw
+
+
+def side_by_side(*pictures: Picture) -> Picture:
+    """Picture of several panels, each with a place of its own."""
+    return lambda figure: [picture(figure) for picture in pictures]
 
 
 def add_legend(axes: Any, place: str = "best", **options: Any) -> None:
@@ -29,18 +84,22 @@ def add_legend(axes: Any, place: str = "best", **options: Any) -> None:
     axes.legend(loc=place, frameon=False, fontsize=8.5, labelcolor=INK, **options)
 
 
-def write_table(figure: Figure, heads: tuple[str, str, str], rows: list[tuple[str, str, str]]) -> None:
-    """Write a table of three columns: the input, what the common method does, what this program does."""
-    axes = figure.add_subplot()
-    axes.axis("off")
-    places, widths = (0.0, 0.27, 0.5), (28, 24, 54)
-    lines = [[wrap(text, width) or [""] for text, width in zip(row, widths)] for row in rows]
-    heights = [max(map(len, row)) + 0.6 for row in lines]
-    top, per_line = 1.0, 1.0 / (sum(heights) + 1.8)
-    for x, head, colour in zip(places, heads, (INK, WRONG, RIGHT)):
-        axes.text(x, top, head, color=colour, fontsize=8.5, fontweight="bold", va="top")
-    top -= 1.5 * per_line
-    for row, height in zip(lines, heights):
-        for x, text, colour in zip(places, row, (INK, WRONG, RIGHT)):
-            axes.text(x, top, "\n".join(text), color=colour, fontsize=7.8, va="top", linespacing=1.15)
-        top -= height * per_line
+def table(heads: tuple[str, str, str], rows: Sequence[tuple[str, str, str]]) -> Picture:
+    """Table of three columns: the input, what the common method does, what this program does."""
+
+    def draw(figure: Figure) -> None:
+        axes = figure.add_subplot()
+        axes.axis("off")
+        places, widths = (0.0, 0.27, 0.5), (28, 24, 54)
+        lines = [[wrap(text, width) or [""] for text, width in zip(row, widths)] for row in rows]
+        heights = [max(map(len, row)) + 0.6 for row in lines]
+        top, per_line = 1.0, 1.0 / (sum(heights) + 1.8)
+        for x, head, colour in zip(places, heads, (INK, WRONG, RIGHT)):
+            axes.text(x, top, head, color=colour, fontsize=8.5, fontweight="bold", va="top")
+        top -= 1.5 * per_line
+        for row, height in zip(lines, heights):
+            for x, text, colour in zip(places, row, (INK, WRONG, RIGHT)):
+                axes.text(x, top, "\n".join(text), color=colour, fontsize=7.8, va="top", linespacing=1.15)
+            top -= height * per_line
+
+    return draw

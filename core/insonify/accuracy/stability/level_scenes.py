@@ -1,20 +1,20 @@
-"""Small scenes for cases, and grounds made of given heights."""
+"""Small scenes for cases: a level bed or a bed of given heights, and one ping over it."""
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from dataclasses import replace
+from collections.abc import Callable, Mapping
 from typing import Any
 
 import numpy as np
-from numpy.typing import ArrayLike
+from numpy.typing import ArrayLike, NDArray
 
-from insonify.kernels.common.types import Poses
+from insonify.kernels.common.types import Poses, SceneArrays
 from insonify.packing.scene_arrays import make_bed
-from insonify.scene import Scene, edit
-from insonify.scene.materials import Reflectivity
-from insonify.simulation import Simulation, prepare
+from insonify.scene import Scene, SceneError, edit
+from insonify.scene.seabed.materials import Reflectivity
+from insonify.simulation import prepare
 from insonify.terrain import Ground
+from insonify.tracers import sweep
 
 LEVEL: dict[str, Any] = {
     "seabed.material": {"name": "medium_sand", "diffuse": 1.0, "specular": 0.0},
@@ -30,22 +30,44 @@ def make_level_scene(changes: Mapping[str, Any] | None = None) -> Scene:
     return edit(Scene(), LEVEL | dict(changes or {}))
 
 
-def prepare_over_heights(
-    scene: Scene, heights: ArrayLike, spacing: float, *, x0: float = 0.0, y0: float = 0.0
-) -> Simulation:
-    """Make a scene ready over a bed of given heights that ends at its outermost nodes."""
-    simulation = prepare(scene)
-    bed = make_bed(make_ground(heights, spacing, x0=x0, y0=y0))
-    return replace(simulation, arrays=simulation.arrays._replace(bed=bed))
+def level_arrays(changes: Mapping[str, Any] | None = None) -> SceneArrays:
+    """Arrays of such a scene."""
+    return prepare(make_level_scene(changes)).arrays
+
+
+def arrays_over(
+    heights: ArrayLike, spacing: float, *, x0: float = 0.0, y0: float = 0.0, changes: Mapping[str, Any] | None = None
+) -> SceneArrays:
+    """Arrays of such a scene over a bed of given heights that ends at its outermost nodes."""
+    return level_arrays(changes)._replace(bed=make_bed(make_ground(heights, spacing, x0=x0, y0=y0)))
 
 
 def make_ground(heights: ArrayLike, spacing: float, *, x0: float = 0.0, y0: float = 0.0) -> Ground:
-    """Make a ground of given heights, as `over` takes them."""
+    """Make a ground of given heights, rows along y."""
     z = np.asarray(heights, dtype=np.float32)
     materials = np.zeros(z.shape, dtype=np.uint8)
     return Ground(z, materials, ("bed",), (Reflectivity(1.0, 0.0, 1.0),), x0, y0, spacing, periodic=False, datum=0.0)
 
 
 def make_pose(x: float, y: float, z: float, heading: float = 0.0) -> Poses:
-    """Place a level fish; z above the datum, heading in radians."""
+    """Place a level sonar; z above the datum, heading in radians."""
     return Poses(*(np.array([value]) for value in (x, y, z, heading, 0.0, 0.0)))
+
+
+def sweep_port(arrays: SceneArrays, pose: Poses, **options: Any) -> NDArray[np.float64]:
+    """Record of the port side of one ping by the sweep, (bins,)."""
+    return sweep.trace(arrays, pose, **options)[0, 0].astype(np.float64)
+
+
+def ball_at(x: float, y: float, z: float, radius: float, **fields: Any) -> dict[str, Any]:
+    """Declare a sphere by its centre."""
+    return {"kind": "sphere", "position": [x, y, z], "radius": radius, **fields}
+
+
+def error_message(make: Callable[[], object]) -> str:
+    """Message with which a scene is refused; empty if it is accepted."""
+    try:
+        make()
+    except SceneError as error:
+        return str(error)
+    return ""

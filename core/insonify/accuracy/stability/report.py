@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import base64
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from html import escape
 from importlib.metadata import version
 from io import BytesIO
@@ -11,7 +11,7 @@ from pathlib import Path
 
 from matplotlib.figure import Figure
 
-from insonify.accuracy.stability.case import Approach, Outcome, StabilityCase, format_quantity, measure_case
+from insonify.accuracy.stability.case import Approach, Outcome, StabilityCase, format_quantity
 from insonify.io.atomic import replacing
 
 WIDTH, HEIGHT, DPI = 7.2, 2.9, 130
@@ -64,7 +64,7 @@ img { display: block; width: 100%; max-width: 46rem; height: auto; margin: .6rem
 
 def write_report(
     path: str | Path,
-    cases: Mapping[str, tuple[StabilityCase, ...]],
+    cases: Mapping[str, Sequence[StabilityCase]],
     *,
     done: Callable[[StabilityCase], None] = lambda case: None,
 ) -> list[Outcome]:
@@ -73,27 +73,28 @@ def write_report(
     for theme, members in cases.items():
         outcomes[theme] = []
         for case in members:
-            outcomes[theme].append(measure_case(case))
+            outcomes[theme].append(Outcome(case, case.measure()))
             done(case)
-    text = lay_out_page(outcomes)
+    text = _lay_out_page(outcomes)
     with replacing(path) as beside:
         beside.write_text(text, encoding="utf-8")
     return [outcome for members in outcomes.values() for outcome in members]
 
 
-def lay_out_page(outcomes: Mapping[str, list[Outcome]]) -> str:
+def _lay_out_page(outcomes: Mapping[str, list[Outcome]]) -> str:
     """Lay outcomes out as HTML."""
-    every = [outcome for members in outcomes.values() for outcome in members]
-    numbers = {id(outcome): number for number, outcome in enumerate(every, 1)}
-    held = sum(outcome.is_held and outcome.is_shown for outcome in every)
     rows, sections = [], []
+    number = held = 0
     for theme, members in outcomes.items():
         rows.append(f'<tr class="theme"><td colspan="5">{escape(theme)}</td></tr>')
         sections.append(f"<h2>{escape(theme)}</h2>")
-        rows += [_row(outcome, numbers[id(outcome)]) for outcome in members]
-        sections += [_section(outcome, numbers[id(outcome)]) for outcome in members]
+        for outcome in members:
+            number += 1
+            held += outcome.is_held and outcome.is_shown
+            rows.append(_row(outcome, number))
+            sections.append(_section(outcome, number))
     heads = "".join(f"<th{kind}>{head}</th>" for kind, head in HEADS)
-    summary = f"{held} of {len(every)} cases: the common method exceeds its bound, and this program keeps its own."
+    summary = f"{held} of {number} cases: the common method exceeds its bound, and this program keeps its own."
     return (
         '<!doctype html>\n<html lang="en"><head><meta charset="utf-8">'
         '<meta name="viewport" content="width=device-width, initial-scale=1">'
@@ -105,35 +106,35 @@ def lay_out_page(outcomes: Mapping[str, list[Outcome]]) -> str:
 
 
 def _row(outcome: Outcome, number: int) -> str:
-    case = outcome.case
+    """Row of the table of all cases."""
+    case, measured = outcome.case, outcome.measured
+    kind = "right" if outcome.is_held and outcome.is_shown else "bad"
     return (
         f'<tr><td><a href="#case-{number}">{escape(case.name)}</a></td>'
         f'<td class="trigger faint">{escape(case.trigger)}</td>'
-        f'<td class="figure wrong">{escape(format_quantity(outcome.failing, case.unit))}</td>'
-        f'<td class="figure right">{escape(format_quantity(outcome.right, case.unit))}</td>'
-        f'<td class="{_class(outcome)}">{outcome.verdict}</td></tr>\n'
+        f'<td class="figure wrong">{escape(format_quantity(measured.failing, case.unit))}</td>'
+        f'<td class="figure right">{escape(format_quantity(measured.right, case.unit))}</td>'
+        f'<td class="{kind}">{outcome.verdict}</td></tr>\n'
     )
 
 
 def _section(outcome: Outcome, number: int) -> str:
-    case = outcome.case
+    """Section of one case: cause, both methods, picture."""
+    case, measured = outcome.case, outcome.measured
+    scene = f", on the scene <code>{escape(case.scene)}</code>" if case.scene else ""
     methods = (
-        _row_of("wrong", "Common", outcome.failing, case.failing, case.unit),
-        _row_of("right", "Own", outcome.right, case.right, case.unit),
+        _method("wrong", "Common", measured.failing, case.failing, case.unit),
+        _method("right", "Own", measured.right, case.right, case.unit),
     )
     return (
         f'<section id="case-{number}"><h3>{escape(case.name)}</h3>\n<p>{escape(case.trigger)} '
-        f'<span class="faint">Measured: {escape(case.figure)}{_scene(case)}.</span></p>\n'
-        f"<dl>{''.join(methods)}</dl>\n{_picture(case)}</section>\n"
+        f'<span class="faint">Measured: {escape(case.figure)}{scene}.</span></p>\n'
+        f"<dl>{''.join(methods)}</dl>\n{_picture(outcome)}</section>\n"
     )
 
 
-def _scene(case: StabilityCase) -> str:
-    """Name of the scene of a case."""
-    return f", on the scene <code>{escape(case.scene)}</code>" if case.scene else ""
-
-
-def _row_of(kind: str, name: str, value: float, approach: Approach, unit: str) -> str:
+def _method(kind: str, name: str, value: float, approach: Approach, unit: str) -> str:
+    """One method of a case, with its error and bound."""
     bound = f"({'bound' if kind == 'right' else 'fails above'} {format_quantity(approach.bound, unit)})"
     return (
         f'<dt class="{kind}">{name}</dt><dd class="figure {kind}">{escape(format_quantity(value, unit))}</dd>'
@@ -141,15 +142,12 @@ def _row_of(kind: str, name: str, value: float, approach: Approach, unit: str) -
     )
 
 
-def _class(outcome: Outcome) -> str:
-    return "right" if outcome.is_held and outcome.is_shown else "bad"
-
-
-def _picture(case: StabilityCase) -> str:
+def _picture(outcome: Outcome) -> str:
     """Picture of a case as an inlined PNG."""
     figure = Figure(figsize=(WIDTH, HEIGHT), facecolor="white", layout="constrained")
-    case.picture(figure)
+    outcome.measured.picture(figure)
     memory = BytesIO()
     figure.savefig(memory, format="png", dpi=DPI)
     data = base64.b64encode(memory.getvalue()).decode("ascii")
-    return f'<img src="data:image/png;base64,{data}" alt="{escape(case.name)}: {escape(case.figure)}">\n'
+    alt = f"{escape(outcome.case.name)}: {escape(outcome.case.figure)}"
+    return f'<img src="data:image/png;base64,{data}" alt="{alt}">\n'

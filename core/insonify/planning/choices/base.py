@@ -10,9 +10,9 @@ from functools import cached_property
 from typing import Any, ClassVar
 
 from insonify.acoustics.straightness import estimate_refraction
+from insonify.packing.packed_scene import Model, PackedScene
 from insonify.planning.checks import check_refraction
 from insonify.planning.loud_pings import add_loud_pings
-from insonify.planning.models import Model, PackedScene
 from insonify.planning.plan_entries import PlanEntry
 from insonify.planning.probe import Probe
 from insonify.planning.probe_pings import choose_probe_pings

@@ -5,11 +5,11 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator
 
+from insonify.packing.packed_scene import SURFACE_ECHO, Model
 from insonify.planning.checks import check_refraction
 from insonify.planning.choices.base import FEWEST_RAYS, NEGLIGIBLE, Case, Choice, percent
-from insonify.planning.models import SURFACE_ECHO, Model
 from insonify.planning.plan_entries import PlanEntry
-from insonify.scene.surfaces import WAYS
+from insonify.scene.water.surfaces import WAYS
 
 
 class Bending(Choice):

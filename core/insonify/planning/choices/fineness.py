@@ -6,6 +6,7 @@ import math
 from collections.abc import Iterator
 from itertools import takewhile
 
+from insonify.packing.packed_scene import Model
 from insonify.planning.choices.base import (
     FEW_PLANES,
     FEWEST_RAYS,
@@ -18,7 +19,6 @@ from insonify.planning.choices.base import (
     percent,
 )
 from insonify.planning.choices.effects import SMALL_EFFECTS
-from insonify.planning.models import Model
 from insonify.planning.plan_entries import PlanEntry
 from insonify.planning.probe import FEW
 from insonify.planning.relevance import find_narrowest_target

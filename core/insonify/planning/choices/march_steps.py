@@ -5,8 +5,8 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator
 
+from insonify.packing.packed_scene import Model
 from insonify.planning.choices.base import FINENESS, Case, Choice, Number, percent
-from insonify.planning.models import Model
 from insonify.planning.plan_entries import PlanEntry
 
 

@@ -5,8 +5,8 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator
 
+from insonify.packing.packed_scene import Model
 from insonify.planning.choices.base import Case, Choice
-from insonify.planning.models import Model
 from insonify.planning.plan_entries import PlanEntry
 
 SINGLE = 1e-6  # greatest relative error of 32-bit numbers with 64-bit sums, ten roundings of 2⁻²⁴ each

@@ -9,11 +9,11 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from insonify.packing.track import tow_line_at
 from insonify.scene import Scene, SceneError, edit, scene_to_toml
 from insonify.surveys.datasets.specification import DatasetSpecification, TargetGroup
 from insonify.surveys.distributions.uniform import Uniform
 from insonify.surveys.draws import Draws
+from insonify.tow.line import tow_line_at
 
 GOLDEN = 0.5 * (math.sqrt(5.0) - 1.0)
 FARTHEST = 0.85  # of the ground range of the last bin, up to which targets lie

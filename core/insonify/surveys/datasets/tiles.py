@@ -12,13 +12,13 @@ from numpy.typing import NDArray
 from insonify.display.normalisation import normalise
 from insonify.display.sheet import compute_median_curve
 from insonify.io.record_schema import CHANNELS
+from insonify.record.target_truth import DARK
 from insonify.scene import SceneError
 from insonify.surveys.annotations import EXTENTS
 from insonify.surveys.datasets.scenes import DrawnScene
 from insonify.surveys.datasets.specification import Images, Tiles
 from insonify.surveys.storages import Tile
 from insonify.tracers.labels import NOTHING, PATHS
-from insonify.tracers.target_truth import DARK
 
 if TYPE_CHECKING:
     import xarray as xr

@@ -11,18 +11,18 @@ from typing import Any
 
 import numpy as np
 
-from insonify.dataset import make_block, record_attributes
 from insonify.io.atomic import replacing
 from insonify.io.record_block import RecordBlock
 from insonify.io.records import write_record
 from insonify.planning import Plan, plan
+from insonify.record.blocks import trace_blocks
+from insonify.record.variables import make_block, record_attributes
 from insonify.scene import Scene, edit
 from insonify.simulation import prepare
 from insonify.surveys.engine.jobs import FLAGS, digest_of, name_job
 from insonify.surveys.lines.specification import SurveySpecification
 from insonify.surveys.lines.track import SurveyLine, SurveyTrack, join_lines, lay_lines
 from insonify.surveys.specification import contents_of
-from insonify.traced_blocks import trace_blocks
 
 TRACK = "track.csv"
 RECORDS = "records"

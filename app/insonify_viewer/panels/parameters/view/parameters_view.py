@@ -2,26 +2,28 @@
 
 from __future__ import annotations
 
+import html
 from collections.abc import Callable, Mapping, Sequence
 
-from PySide6.QtCore import Qt, QTimer, QVariantAnimation, Signal
+from PySide6.QtCore import QEvent, Qt, QTimer, QVariantAnimation, Signal
 from PySide6.QtGui import QKeySequence, QShortcut
-from PySide6.QtWidgets import QLineEdit, QToolButton, QWidget
+from PySide6.QtWidgets import QCheckBox, QGridLayout, QLabel, QLineEdit, QSizePolicy, QToolButton, QWidget
 
 from insonify.scene import Scene
 from insonify.scene.links import Link
-from insonify_viewer.effects import EffectRow
+from insonify_viewer.errors import guard_override
+from insonify_viewer.panels.parameters.effects import EffectRow
 from insonify_viewer.panels.parameters.sections import PINNED, FieldSection
-from insonify_viewer.panels.parameters.view.about_box import AboutBox
-from insonify_viewer.panels.parameters.view.effects_box import EffectsBox
 from insonify_viewer.panels.parameters.view.section_box import Row, SectionBox, make_tool
-from insonify_viewer.views.icons import set_icon
-from insonify_viewer.views.side_panel import SidePanel
+from insonify_viewer.widgets.buttons import set_icon
+from insonify_viewer.widgets.side_panel import FoldingBox, SidePanel
+from insonify_viewer.widgets.theme import ACCENT
 
 DELAY = 20  # ms, by which the other numbers follow a slider that moves
 STILL = 400  # ms without another call, before what takes longer begins
 GLIDE = 900  # ms, in which a value that is tried is reached
 OPEN_AT_FIRST = (PINNED, "sonar", "seabed", "track")
+BACK = "↩ "  # before the words of a link that leads back
 
 
 class ParametersView(SidePanel):
@@ -290,3 +292,105 @@ def _search_line(view: ParametersView) -> QLineEdit:
 
 def _nothing() -> None:
     """Update nothing."""
+
+
+class AboutBox(FoldingBox):
+    """The description of the scene, under a heading that folds."""
+
+    def __init__(self) -> None:
+        self.label = QLabel()
+        self.label.setObjectName("about")
+        self.label.setWordWrap(True)
+        self.label.setTextFormat(Qt.TextFormat.RichText)
+        flag = Qt.TextInteractionFlag
+        self.label.setTextInteractionFlags(
+            flag.TextSelectableByMouse | flag.LinksAccessibleByMouse | flag.LinksAccessibleByKeyboard
+        )
+        self.label.setFocusPolicy(Qt.FocusPolicy.TabFocus)  # a click leaves the keyboard where it is
+        self.label.setAccessibleName("About this scene")
+        self.label.linkHovered.connect(self._explain)
+        self._shown: tuple[Sequence[str | Link], Sequence[bool]] = ((), ())
+        super().__init__("About this scene", self.label, unfolded=True)
+
+    @property
+    def words(self) -> str:
+        """The text without its links."""
+        return "".join(part if isinstance(part, str) else part.words for part in self._shown[0])
+
+    def say(self, parts: Sequence[str | Link], tried: Sequence[bool]) -> None:
+        """Show a description; links whose value is tried at present lead back. Without one, hide the heading too."""
+        self._shown = (parts, tried)
+        text, number = "", 0
+        for part in parts:
+            if isinstance(part, str):
+                text += html.escape(part)
+                continue
+            words = html.escape(BACK * tried[number] + part.words)
+            text += f'<a href="{number}" style="color: {ACCENT.name()}">{words}</a>'
+            number += 1
+        if text != self.label.text():
+            start, length = self.label.selectionStart(), len(self.label.selectedText())
+            self.label.setText(text)
+            if self.label.hasFocus() and start >= 0:
+                self.label.setSelection(start, length)  # the Tab key goes on from the link that was followed
+        self.setVisible(bool(parts))
+
+    @guard_override(None)
+    def changeEvent(self, event: QEvent) -> None:
+        """Colour the links by another theme."""
+        if event.type() is QEvent.Type.StyleChange and self._shown[0]:
+            self.say(*self._shown)
+        super().changeEvent(event)
+
+    def _explain(self, number: str) -> None:
+        """Say in the tooltip what the link under the mouse does."""
+        links = [part for part in self._shown[0] if isinstance(part, Link)]
+        if not number:
+            self.label.setToolTip("")
+        elif self._shown[1][int(number)]:
+            self.label.setToolTip("Click to go back to the value before")
+        else:
+            self.label.setToolTip(f"Click to try {links[int(number)].path} = {_shown(links[int(number)].value)}")
+
+
+def _shown(value: object) -> str:
+    """Write a value as people write it in a scene."""
+    return str(value.get("kind", value)) if isinstance(value, dict) else f"{value}"
+
+
+class EffectsBox(FoldingBox):
+    """One tick box an effect, under a heading that folds."""
+
+    def __init__(self, ticked: Callable[[str, bool], None]) -> None:
+        self.ticks: dict[str, QCheckBox] = {}
+        self.figures: dict[str, QLabel] = {}
+        self._ticked = ticked
+        body = QWidget()
+        self._grid = QGridLayout(body)
+        self._grid.setContentsMargins(6, 4, 6, 4)
+        self._grid.setVerticalSpacing(3)
+        self._grid.setColumnStretch(1, 1)
+        super().__init__("Effects", body, unfolded=True)
+
+    def show_rows(self, rows: tuple[EffectRow, ...]) -> None:
+        """Show which effects the scene has, and what each changes."""
+        for row in rows:
+            if row.name not in self.ticks:
+                self._add(row)
+            tick, figure = self.ticks[row.name], self.figures[row.name]
+            tick.setChecked(row.on)
+            figure.setText(row.figure)
+            figure.setToolTip(row.explanation)
+
+    def _add(self, row: EffectRow) -> None:
+        tick, figure = QCheckBox(row.name), QLabel()
+        tick.setToolTip(row.meaning)
+        tick.setFocusPolicy(Qt.FocusPolicy.TabFocus)  # a click leaves the keyboard to the record, where Space pauses
+        tick.clicked.connect(lambda on, name=row.name: self._ticked(name, on))
+        figure.setObjectName("figure")
+        figure.setAlignment(Qt.AlignmentFlag.AlignRight | Qt.AlignmentFlag.AlignVCenter)
+        figure.setSizePolicy(QSizePolicy.Policy.Ignored, QSizePolicy.Policy.Preferred)
+        line = len(self.ticks)
+        self._grid.addWidget(tick, line, 0)
+        self._grid.addWidget(figure, line, 1)
+        self.ticks[row.name], self.figures[row.name] = tick, figure

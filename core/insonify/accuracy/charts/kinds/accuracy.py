@@ -26,12 +26,12 @@ from insonify.accuracy.charts.method_settings import (
 )
 from insonify.accuracy.charts.reference import Reference, refine_reference
 from insonify.accuracy.charts.scene_setup import pack_for_chart
-from insonify.accuracy.displacement import measure_displacement
-from insonify.accuracy.record_errors import compare_records
 from insonify.accuracy.timing import time_calls
 from insonify.kernels.common.types import Poses, SceneArrays
-from insonify.packing.navigation import take_poses
 from insonify.scene import Scene, SceneError, edit
+from insonify.statistics.displacement import measure_displacement
+from insonify.statistics.record_errors import compare_records
+from insonify.tow.poses import take_poses
 
 PINGS = 8
 PROVING = 300.0  # s of processor time for a reference, over all cores; without surface paths rays seldom take as much

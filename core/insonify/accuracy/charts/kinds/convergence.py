@@ -24,10 +24,10 @@ from insonify.accuracy.charts.reference import Reference, refine_reference
 from insonify.accuracy.charts.scene_setup import pack_for_chart
 from insonify.accuracy.charts.series_figure import draw_series, finish_panel, format_count, lay_out_panels
 from insonify.accuracy.charts.style import format_percent, get_colour, get_mark, scale_axes, write_headings
-from insonify.accuracy.record_errors import compare_records
 from insonify.display.style import FAINT, label_axes
 from insonify.kernels.common.types import Poses, SceneArrays
 from insonify.scene import Scene
+from insonify.statistics.record_errors import compare_records
 from insonify.tracers import rays, sweep
 
 STEPS = (8.0, 4.0, 2.0, 1.0, 0.5, 0.25, 0.125)  # step of a march, in cells of the bed

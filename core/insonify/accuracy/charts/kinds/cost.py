@@ -24,9 +24,9 @@ from insonify.display.style import FAINT, label_axes
 from insonify.kernels.common.types import Poses, SceneArrays
 from insonify.kernels.geometry.bvh import build_mesh
 from insonify.planning import plan
+from insonify.record.blocks import trace_blocks
 from insonify.scene import Scene, edit
 from insonify.simulation import Simulation, prepare
-from insonify.traced_blocks import trace_blocks
 from insonify.tracers import rays, sweep
 
 PINGS = (16, 32, 64, 128, 256, 512)

@@ -3,20 +3,19 @@
 from __future__ import annotations
 
 import math
-from functools import lru_cache
 
 import numpy as np
-from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
-from insonify.accuracy.stability.case import Approach, StabilityCase, StabilityTheme
-from insonify.accuracy.stability.drawing import RIGHT, WRONG, add_legend, add_panel
+from insonify.accuracy.stability.case import Approach, Measured, StabilityTheme
+from insonify.accuracy.stability.drawing import common, curve, ours, panel
 from insonify.accuracy.stability.level_scenes import make_level_scene
 from insonify.kernels.common.scattering import bistatic_strength
 from insonify.kernels.common.types import SONAR
 from insonify.simulation import simulate
 
-Curve = NDArray[np.float64]
+THEME = StabilityTheme("The receiver", 10)
+Values = NDArray[np.float64]
 ABSORPTION = 0.3  # dB/m, some 900 kHz
 NOISY = {
     "sonar.range": 150.0, "sonar.bins": 1500, "sonar.ping_rate": 4.0, "track.pings": 24,
@@ -24,101 +23,62 @@ NOISY = {
 }  # fmt: skip
 
 
-@lru_cache(maxsize=2)
-def _mean_record(tvg: bool) -> tuple[Curve, Curve]:
-    """Slant range and mean intensity of a noisy record, with the receiver's own gain or none."""
-    changes = NOISY | ({"receiver.tvg": {"kind": "power", "spreading": 40.0}} if tvg else {})
-    record = simulate(make_level_scene(changes))
-    return record.slant_range.values, record.intensity.values.astype(np.float64).mean(axis=(0, 1))
+@THEME.case(
+    "Gain over noise",
+    "Time-varied gain keeps rising where only noise is left.",
+    "level of the last tenth of the record above the bed's",
+    "dB",
+    failing=Approach("Applies 40 log r + 2αr at every range.", 20.0),
+    right=Approach("Holds the gain from the range where even a perfect bed is below the noise.", 3.0),
+)
+def _gain() -> Measured:
+    tvg = {"receiver.tvg": {"kind": "power", "spreading": 40.0}}
+    bare, gained = (simulate(make_level_scene(NOISY | more)) for more in ({}, tvg))
+    r = bare.slant_range.values
+    plain, own = (one.intensity.values.astype(np.float64).mean(axis=(0, 1)) for one in (bare, gained))
+    plain = plain * 10.0 ** ((40.0 * np.log10(r) + 2.0 * ABSORPTION * r) / 10.0)
+    return Measured.by(lambda one: 10.0 * np.log10(one[1350:].mean() / one[100:500].max()), plain, own, panel(
+        common(r, 10.0 * np.log10(plain), "gain to the end of the range", linewidth=1.0),
+        ours(r, 10.0 * np.log10(own), "gain held where noise exceeds any bed", linewidth=1.0),
+        x="slant range (m)", y="level (dB)",
+    ))  # fmt: skip
 
 
-def plain_gain(r: Curve) -> Curve:
-    """40 log r + 2αr at every range, as a ratio of powers."""
-    return np.asarray(10.0 ** ((40.0 * np.log10(r) + 2.0 * ABSORPTION * r) / 10.0))
-
-
-def _raised() -> Curve:
-    r, record = _mean_record(False)
-    return record * plain_gain(r)
-
-
-def _rise(record: Curve) -> float:
-    """Decibels by which the last tenth of a record lies above its loudest part before 50 m."""
-    return float(10.0 * np.log10(record[1350:].mean() / record[100:500].max()))
-
-
-def _draw_gain(figure: Figure) -> None:
-    r, own = _mean_record(True)
-    axes = add_panel(figure, x="slant range (m)", y="level (dB)")
-    axes.plot(r, 10.0 * np.log10(_raised()), color=WRONG, linewidth=1.0, label="gain to the end of the range")
-    axes.plot(r, 10.0 * np.log10(own), color=RIGHT, linewidth=1.0, label="gain held where noise exceeds any bed")
-    add_legend(axes)
-
-
-def plain_lobe(cos_out: Curve, mirrored: Curve, diffuse: float, specular: float, shininess: float) -> Curve:
-    """Lambert and Phong as light has them, k_d/π + k_s max(0, R·V)ⁿ, times the cosine of what leaves."""
-    return np.asarray((diffuse / math.pi + specular * np.maximum(mirrored, 0.0) ** shininess) * cos_out)
-
-
-def _directions() -> tuple[Curve, Curve, Curve, Curve]:
-    """Directions over the half space and the solid angle of each."""
+def _albedos(incidences: Values, shininess: float) -> tuple[Values, Values]:
+    """Shares of the energy from incidences that leave in all directions: as light has the lobe, and normalised."""
     cosine = (np.arange(120) + 0.5) / 120.0
     around = (np.arange(120) + 0.5) / 120.0 * 2.0 * math.pi
     cosines, angles = (grid.ravel() for grid in np.meshgrid(cosine, around))
-    sines = np.sqrt(1.0 - cosines**2)
-    return sines * np.cos(angles), sines * np.sin(angles), cosines, np.full(cosines.size, 2.0 * math.pi / cosines.size)
+    solid_angle = np.full(cosines.size, 2.0 * math.pi / cosines.size)
+    plain, own = [], []
+    for incidence in incidences:
+        mirrored = cosines * math.cos(incidence) - np.sqrt(1.0 - cosines**2) * np.cos(angles) * math.sin(incidence)
+        # Lambert and Phong, k_d/π + k_s max(0, R·V)ⁿ with k_d = k_s = ½, times the cosine of what leaves.
+        lobe = (0.5 / math.pi + 0.5 * np.maximum(mirrored, 0.0) ** shininess) * cosines
+        plain.append(float((lobe * solid_angle).sum()))
+        arrives = math.cos(incidence)
+        leaves = [bistatic_strength(arrives, c, m, 0.5, 0.5, shininess, SONAR) for c, m in zip(cosines, mirrored)]
+        own.append(float((np.array(leaves) * solid_angle).sum() / arrives))
+    return np.array(plain), np.array(own)
 
 
-def _albedo(incidence: float, normalised: bool, diffuse: float, specular: float, shininess: float) -> float:
-    """Share of what arrives at an incidence that leaves in all directions."""
-    x, _, cosine, solid_angle = _directions()
-    mirrored = cosine * math.cos(incidence) - x * math.sin(incidence)
-    if not normalised:
-        return float((plain_lobe(cosine, mirrored, diffuse, specular, shininess) * solid_angle).sum())
-    arriving = math.cos(incidence)
-    out = [bistatic_strength(arriving, c, m, diffuse, specular, shininess, SONAR) for c, m in zip(cosine, mirrored)]
-    return float((np.array(out) * solid_angle).sum() / arriving)
-
-
-@lru_cache(maxsize=4)
-def _albedos(normalised: bool, shininess: float) -> Curve:
-    return np.array([_albedo(a, normalised, 0.5, 0.5, shininess) for a in np.radians(INCIDENCES)])
-
-
-INCIDENCES = np.arange(0.0, 81.0, 10.0)
-
-
-def _excess(normalised: bool) -> float:
-    return max(float(max(_albedos(normalised, n).max() for n in (1.0, 4.0))) - 1.0, 0.0)
-
-
-def _draw_albedo(figure: Figure) -> None:
-    axes = add_panel(figure, x="incidence (°)", y="share that leaves")
+@THEME.case(
+    "A lobe without its norm",
+    "Phong's lobe added to Lambert's law without a norm returns more energy than arrives.",
+    "surplus over the incident energy",
+    "",
+    failing=Approach("Takes k_d/π + k_s cosⁿ with k_d + k_s = 1.", 0.3),
+    right=Approach("Normalises the lobe by its integral: a factor (n + 2)/2π.", 0.002),
+)
+def _lobe() -> Measured:
+    degrees, curves, albedos = np.arange(0.0, 81.0, 10.0), [], []
     for n, style in ((1.0, "-"), (4.0, "--")):
-        axes.plot(INCIDENCES, _albedos(False, n), style, color=WRONG, label=f"as light has it, n = {n:g}")
-        axes.plot(INCIDENCES, _albedos(True, n), style, color=RIGHT, label=f"normalised, n = {n:g}")
-    axes.axhline(1.0, color="black", linewidth=0.8, linestyle=":")
-    axes.set_ylim(0.0, 1.7)
-    add_legend(axes)
-
-
-THEME = StabilityTheme("The receiver", 10, (
-    StabilityCase(
-        "Gain over noise",
-        "Time-varied gain keeps rising where only noise is left.",
-        "level of the last tenth of the record above the bed's", "dB",
-        Approach("Applies 40 log r + 2αr at every range.", lambda: _rise(_raised()), 20.0),
-        Approach("Holds the gain from the range where even a perfect bed is below the noise.",
-                 lambda: _rise(_mean_record(True)[1]),
-            3.0),
-        _draw_gain,
-    ),
-    StabilityCase(
-        "A lobe without its norm",
-        "Phong's lobe added to Lambert's law without a norm returns more energy than arrives.",
-        "surplus over the incident energy", "",
-        Approach("Takes k_d/π + k_s cosⁿ with k_d + k_s = 1.", lambda: _excess(False), 0.3),
-        Approach("Normalises the lobe by its integral: a factor (n + 2)/2π.", lambda: _excess(True), 0.002),
-        _draw_albedo,
-    ),
-))  # fmt: skip
+        plain, own = _albedos(np.radians(degrees), n)
+        albedos.append((plain.max(), own.max()))
+        curves += [common(degrees, plain, f"as light has it, n = {n:g}", style)]
+        curves += [ours(degrees, own, f"normalised, n = {n:g}", style)]
+    plain, own = np.array(albedos).T
+    return Measured.by(lambda shares: max(*shares, 1.0) - 1.0, plain, own, panel(
+        *curves, curve("black", None, 1.0, style=":", linewidth=0.8),
+        x="incidence (°)", y="share that leaves", ylim=(0.0, 1.7),
+    ))  # fmt: skip

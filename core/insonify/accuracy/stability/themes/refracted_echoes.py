@@ -2,30 +2,20 @@
 
 from __future__ import annotations
 
-from functools import lru_cache
-
 import numpy as np
-from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
-from insonify.accuracy.stability.case import Approach, StabilityCase, StabilityTheme
-from insonify.accuracy.stability.drawing import RIGHT, WRONG, add_legend, add_panel
-from insonify.accuracy.stability.level_scenes import make_level_scene, make_pose
+from insonify.accuracy.stability.case import Approach, Measured, StabilityTheme
+from insonify.accuracy.stability.drawing import common, inked, ours, panel
+from insonify.accuracy.stability.level_scenes import level_arrays, make_level_scene, make_pose
 from insonify.acoustics.resolution_cell import bin_centres
-from insonify.display.style import INK
 from insonify.kernels.bed.profile import empty_profile
-from insonify.kernels.refraction.apparent_positions import (
-    LEVEL,
-    RISE,
-    TUBE,
-    TableGrid,
-    apply_apparent_positions,
-)
+from insonify.kernels.refraction.apparent_positions import LEVEL, RISE, TUBE, TableGrid, apply_apparent_positions
 from insonify.packing.apparent_tables import COLUMN_STEP, ROW_STEP, make_apparent_tables
 from insonify.simulation import prepare
 from insonify.tracers import ray_sheets, rays
-from insonify.tracers.blocks import Record
 
+THEME = StabilityTheme("Echoes in layered water", 12)
 Values = NDArray[np.float64]
 # Sound slows down by 2 m/s per metre of depth: rays are arcs of circles, with closed forms.
 SPEED, RATE, ALTITUDE = 1500.0, 2.0, 30.0
@@ -37,42 +27,6 @@ SLOWING = {
     "sonar.bins": 600,
 }
 FACETS, HALF, EXPONENT = 400, 0.05, 400  # facets that face the sonar, half their length along the level, m, and lobe
-# Warm water on cold: what goes up flatter than 13 degrees is bent down again and heard beyond 240 m.
-DOUBLE = {
-    "water": {"kind": "profile", "depth": [0.0, 12.0, 14.0, 54.0], "sound_speed": [1532.0, 1532.0, 1490.0, 1487.5]},
-    "seabed.depth": 54.0,
-    "track.altitude": 25.0,
-    "sonar.range": 290.0,
-    "sonar.bins": 2900,
-    "sonar.ping_rate": 2.0,
-}
-TWICE = slice(2670, 2890)  # bins in which all is heard along several paths
-RAYS, MANY_RAYS = 1 << 12, 1 << 20
-
-
-@lru_cache(maxsize=1)
-def _lobes() -> tuple[Values, Values, Values]:
-    """Ground ranges of facets that face the sonar, and the echoes of their lobes: by slopes, and by the sweep."""
-    arrays = prepare(make_level_scene(SLOWING)).arrays
-    apparent, _ = make_apparent_tables(arrays, make_pose(0.0, 0.0, ALTITUDE))
-    middle = np.linspace(0.4, 50.0, FACETS)
-    # The arrival at the end of an arc of constant gradient: docs/theory/refraction.md.
-    away = RATE * (middle**2 + ALTITUDE**2) / (2.0 * middle * (SPEED - RATE * ALTITUDE))
-    slope = 1.0 / (ALTITUDE / middle + away)
-    x = np.ravel(middle[:, None] + [-HALF, HALF])
-    z = np.ravel(slope[:, None] * [-HALF, HALF]) - ALTITUDE
-    # The table of this height, as the sonar is at a whole step.
-    table, profile = apparent.tables[0], empty_profile(4 * FACETS, np.float64)
-    rows, columns, _ = table.shape
-    grid = TableGrid(True, 1.0, apparent.low - ALTITUDE, 1.0 / ROW_STEP, 1.0 / COLUMN_STEP, rows, columns)
-    area = 1.0 + (np.diff(z) / np.diff(x)) ** 2
-    profile.x[: x.size], profile.z[: x.size] = x, z
-    profile.slope[: x.size - 1], profile.area[: x.size - 1] = np.diff(z) / np.diff(x), area
-    apply_apparent_positions(table, grid, True, profile, x.size)
-    seen_x, seen_z = (0.5 * (knots[0 : x.size : 2] + knots[1 : x.size : 2]) for knots in (profile.x, profile.z))
-    squared = profile.facing[0 : x.size - 1 : 2] ** 2 / (seen_x**2 + seen_z**2) / profile.area[0 : x.size - 1 : 2]
-    plain = _cosines_from_slopes(table, grid.low, x, z)[::2] ** 2
-    return middle, (2.0 * plain - 1.0) ** EXPONENT, (2.0 * squared - 1.0) ** EXPONENT
 
 
 def _cosines_from_slopes(table: NDArray[np.float32], low: float, x: Values, z: Values) -> Values:
@@ -89,62 +43,74 @@ def _cosines_from_slopes(table: NDArray[np.float32], low: float, x: Values, z: V
     return 0.5 * (q[1:] + q[:-1]) * angles / np.hypot(np.diff(x), np.diff(z))
 
 
-def _worst(echoes: Values) -> float:
-    return float(100.0 * np.abs(echoes - 1.0).max())
+@THEME.case(
+    "An incidence from the slope of a table",
+    "A table of positions, linear between its places, has a slope in error to first order, and a narrow lobe "
+    "takes the 400th power of the cosine that follows from it.",
+    "worst error of a facet's lobe",
+    "%",
+    failing=Approach("Takes the incidence from the slopes of the table.", 20.0),
+    right=Approach("Takes it from the direction of arrival, which is tabulated too.", 0.5),
+)
+def _lobes() -> Measured:
+    apparent, _ = make_apparent_tables(level_arrays(SLOWING), make_pose(0.0, 0.0, ALTITUDE))
+    middle = np.linspace(0.4, 50.0, FACETS)
+    # The arrival at the end of an arc of constant gradient: docs/theory/refraction.md.
+    away = RATE * (middle**2 + ALTITUDE**2) / (2.0 * middle * (SPEED - RATE * ALTITUDE))
+    slope = 1.0 / (ALTITUDE / middle + away)
+    x = np.ravel(middle[:, None] + [-HALF, HALF])
+    z = np.ravel(slope[:, None] * [-HALF, HALF]) - ALTITUDE
+    # The table of this height, as the sonar is at a whole step.
+    table, profile = apparent.tables[0], empty_profile(4 * FACETS, np.float64)
+    rows, columns, _ = table.shape
+    grid = TableGrid(True, 1.0, apparent.low - ALTITUDE, 1.0 / ROW_STEP, 1.0 / COLUMN_STEP, rows, columns)
+    area = 1.0 + (np.diff(z) / np.diff(x)) ** 2
+    profile.x[: x.size], profile.z[: x.size] = x, z
+    profile.slope[: x.size - 1], profile.area[: x.size - 1] = np.diff(z) / np.diff(x), area
+    apply_apparent_positions(table, grid, True, profile, x.size)
+    seen_x, seen_z = (0.5 * (knots[0 : x.size : 2] + knots[1 : x.size : 2]) for knots in (profile.x, profile.z))
+    squared = profile.facing[0 : x.size - 1 : 2] ** 2 / (seen_x**2 + seen_z**2) / profile.area[0 : x.size - 1 : 2]
+    by_slope = _cosines_from_slopes(table, grid.low, x, z)[::2] ** 2
+    plain, own = ((2.0 * each - 1.0) ** EXPONENT for each in (by_slope, squared))
+    return Measured.by(lambda echoes: 100.0 * np.abs(echoes - 1.0).max(), plain, own, panel(
+        common(middle, plain, "incidence from the slope of a table", ".", markersize=3),
+        ours(middle, own, "incidence from the direction of arrival", ".", markersize=3),
+        inked(None, 1.0, linewidth=0.6),
+        x="ground range (m)", y="echo over the right one", ylim=(0.6, 2.2), legend="upper right",
+    ))  # fmt: skip
 
 
-def _draw_lobes(figure: Figure) -> None:
-    x, plain, ours = _lobes()
-    axes = add_panel(figure, x="ground range (m)", y="echo over the right one")
-    axes.plot(x, plain, ".", color=WRONG, markersize=3, label="incidence from the slope of a table")
-    axes.plot(x, ours, ".", color=RIGHT, markersize=3, label="incidence from the direction of arrival")
-    axes.axhline(1.0, color=INK, linewidth=0.6)
-    axes.set(ylim=(0.6, 2.2))
-    add_legend(axes, "upper right")
+# Warm water on cold: sound that rises at less than 13 degrees is bent down again and arrives beyond 240 m.
+DOUBLE = {
+    "water": {"kind": "profile", "depth": [0.0, 12.0, 14.0, 54.0], "sound_speed": [1532.0, 1532.0, 1490.0, 1487.5]},
+    "seabed.depth": 54.0,
+    "track.altitude": 25.0,
+    "sonar.range": 290.0,
+    "sonar.bins": 2900,
+    "sonar.ping_rate": 2.0,
+}
+TWICE = slice(2670, 2890)  # bins in which every echo arrives along several paths
+RAYS, MANY_RAYS = 1 << 12, 1 << 20
 
 
-@lru_cache(maxsize=1)
-def _double() -> tuple[Values, Record, Record, Record]:
-    """Slant range, and a level bed heard along several paths: by single rays, by a sheet, and by very many rays."""
+@THEME.case(
+    "Pairs of paths binned one by one",
+    "Where sound comes along several paths, each ray out and each path back puts its echo into one bin.",
+    "error of the record where all is heard several times",
+    "%",
+    failing=Approach("Puts the echo of each pair into the bin in which it arrives.", 10.0),
+    right=Approach("Spreads it over the range between neighbouring rays.", 0.5),
+)
+def _double() -> Measured:
     simulation = prepare(make_level_scene(DOUBLE))
     arrays, pose = simulation.arrays, simulation.poses(np.zeros(1, dtype=np.int64))
-    single, right = (rays.trace(arrays, pose, rays=count)[0, 0, TWICE] for count in (RAYS, MANY_RAYS))
+    single, exact = (rays.trace(arrays, pose, rays=count)[0, 0, TWICE] for count in (RAYS, MANY_RAYS))
     sheet = ray_sheets.trace(arrays, pose, sheets=1, rays=RAYS)[0, 0, TWICE]
-    return bin_centres(arrays)[TWICE], single, sheet, right
-
-
-def _off(record: Record) -> float:
-    right = _double()[3]
-    return float(100.0 * np.linalg.norm(record - right) / np.linalg.norm(right))
-
-
-def _draw_double(figure: Figure) -> None:
-    r, single, sheet, right = _double()
-    axes = add_panel(figure, x="slant range (m)", y="echo over that of many rays")
-    axes.plot(r, single / right, ".", color=WRONG, markersize=3, label="rays binned one by one")
-    axes.plot(r, sheet / right, ".", color=RIGHT, markersize=3, label="spread between neighbours")
-    axes.axhline(1.0, color=INK, linewidth=0.6)
-    axes.set(ylim=(0.6, 1.6))
-    add_legend(axes, "upper right")
-
-
-THEME = StabilityTheme("Echoes in layered water", 12, (
-    StabilityCase(
-        "An incidence from the slope of a table",
-        "A table of positions, linear between its places, has a slope in error to first order, and a narrow lobe "
-        "takes the 400th power of the cosine that follows from it.",
-        "worst error of a facet's lobe", "%",
-        Approach("Takes the incidence from the slopes of the table.", lambda: _worst(_lobes()[1]), 20.0),
-        Approach("Takes it from the direction of arrival, which is tabulated too.",
-                 lambda: _worst(_lobes()[2]), 0.5),
-        _draw_lobes,
-    ),
-    StabilityCase(
-        "Pairs of paths binned one by one",
-        "Where sound comes along several paths, each ray out and each path back puts its echo into one bin.",
-        "error of the record where all is heard several times", "%",
-        Approach("Puts the echo of each pair into the bin in which it arrives.", lambda: _off(_double()[1]), 10.0),
-        Approach("Spreads it over the range between neighbouring rays.", lambda: _off(_double()[2]), 0.5),
-        _draw_double,
-    ),
-))  # fmt: skip
+    r = bin_centres(arrays)[TWICE]
+    norm = float(np.linalg.norm(exact))
+    return Measured.by(lambda one: 100.0 * float(np.linalg.norm(one - exact)) / norm, single, sheet, panel(
+        common(r, single / exact, "rays binned one by one", ".", markersize=3),
+        ours(r, sheet / exact, "spread between neighbours", ".", markersize=3),
+        inked(None, 1.0, linewidth=0.6),
+        x="slant range (m)", y="echo over that of many rays", ylim=(0.6, 1.6), legend="upper right",
+    ))  # fmt: skip

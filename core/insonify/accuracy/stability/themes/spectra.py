@@ -2,23 +2,22 @@
 
 from __future__ import annotations
 
-from functools import lru_cache
 from typing import Any
 
 import numpy as np
-from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
-from insonify.accuracy.stability.case import Approach, StabilityCase, StabilityTheme
-from insonify.accuracy.stability.drawing import RIGHT, WRONG, add_legend, add_panel, write_table
-from insonify.accuracy.stability.level_scenes import make_level_scene
-from insonify.display.style import FAINT
-from insonify.scene import Scene, SceneError, load_scene
+from insonify.accuracy.stability.case import Approach, Measured, StabilityTheme
+from insonify.accuracy.stability.drawing import common, faint, ours, panel, side_by_side, table
+from insonify.accuracy.stability.level_scenes import error_message, make_level_scene
+from insonify.scene import Scene, load_scene
+from insonify.statistics.spectral_exponent import amplitude_exponent
 from insonify.terrain import relief, relief_picture
-from insonify.terrain.spectral_exponent import amplitude_exponent
 
+THEME = StabilityTheme("Generated reliefs", 9)
 Field = NDArray[np.float64]
 CELLS = 256
+SHARED = 40  # waves that grids of 128 and of 256 nodes both resolve
 
 
 def _fractal(**options: Any) -> Scene:
@@ -26,8 +25,8 @@ def _fractal(**options: Any) -> Scene:
     return make_level_scene({"seabed.spacing": 0.1, "seabed.relief": declared})
 
 
-def filtered_noise(shape: tuple[int, int], beta: float, peak: tuple[float, float]) -> Field:
-    """Filter white noise by the distance of array indices from a peak, and take the real part."""
+def _filter_noise(shape: tuple[int, int], beta: float, peak: tuple[float, float] = (0.0, 0.0)) -> Field:
+    """White noise filtered by the distance of array indices from a peak: its real part."""
     noise = np.fft.fft2(np.random.default_rng(1).normal(size=shape))
     rows, columns = np.indices(shape)
     away = np.hypot(columns - peak[0] % shape[1], rows - peak[1] % shape[0])
@@ -37,176 +36,117 @@ def filtered_noise(shape: tuple[int, int], beta: float, peak: tuple[float, float
 BAD: tuple[dict[str, Any], ...] = ({"peaks": [[200.0, 0.0]]}, {"peaks": [[0.0, 128.0]]}, {"beta": 5.0}, {"beta": -1.0})
 
 
-def _taken_by_noise() -> float:
-    made = 0
+@THEME.case(
+    "Peaks and exponents out of bounds",
+    "A peak at or above the Nyquist frequency aliases; an exponent below 0 or from 5 on makes no relief.",
+    "such beds made without an error",
+    "of 4",
+    failing=Approach("Filters by array indices without a check.", 3.0),
+    right=Approach("Refuses each in one sentence that names the field.", 0.0),
+)
+def _out_of_bounds() -> Measured:
+    made, unexplained, rows = 0, 0, []
     for wrong in BAD:
         peak = wrong.get("peaks", [[0.0, 0.0]])[0]
-        field = filtered_noise((64, 64), float(wrong.get("beta", 1.4)), (peak[0], peak[1]))
+        field = _filter_noise((64, 64), float(wrong.get("beta", 1.4)), (peak[0], peak[1]))
         made += bool(np.isfinite(field).all())
-    return float(made)
+        message = error_message(lambda wrong=wrong: _fractal(**wrong))  # type: ignore[misc]
+        unexplained += "\n" in message or "relief" not in message
+        fields = ", ".join(f"{name} = {value}" for name, value in wrong.items())
+        rows.append((fields, f"heights from {field.min():.2g} to {field.max():.2g}", message))
+    return Measured(float(made), float(unexplained), table(("relief", "filtered without a check", "message"), rows))
 
 
-def _refusal(wrong: dict[str, Any]) -> str:
-    """Error message for a relief; empty if it is accepted."""
-    try:
-        _fractal(**wrong)
-    except SceneError as error:
-        return str(error)
-    return ""
-
-
-def _taken_by_scenes() -> float:
-    return float(sum("\n" in said or "relief" not in said for said in map(_refusal, BAD)))
-
-
-RIPPLES = 90.0  # cycles per period, more than a grid of 128 holds
-
-
-@lru_cache(maxsize=1)
-def _ripples() -> tuple[Field, Field, Field]:
-    """Ripples on a fine grid, on a coarse one by taking every second sample, and as the same landscape made there."""
-    seabed = _fractal(beta=3.0, peaks=[[RIPPLES, 0.0]]).seabed
+@THEME.case(
+    "Undersampled ripples",
+    "Waves too short for a coarse grid alias to longer ones.",
+    "energy of aliased waves",
+    "%",
+    failing=Approach("Takes every second sample.", 50.0),
+    right=Approach("Synthesises the same relief on the coarse grid from the waves that it resolves.", 1e-9),
+)
+def _undersampled() -> Measured:
+    keep, x = CELLS // 2, np.arange(CELLS) * 0.1
+    seabed = _fractal(beta=3.0, peaks=[[90.0, 0.0]]).seabed  # more cycles per period than a grid of 128 resolves
     fine = relief(seabed, (CELLS, CELLS))
-    return fine, fine[::2, ::2], relief(seabed, (CELLS // 2, CELLS // 2))
-
-
-def _ghost_waves(coarse: Field) -> float:
-    """Energy of waves that the landscape does not have, over all its energy."""
-    fine = _ripples()[0]
-    keep = CELLS // 2
-    true = np.fft.fft2(fine, norm="forward")
+    sampled, made = fine[::2, ::2], relief(seabed, (keep, keep))
+    waves = np.fft.fft2(fine, norm="forward")
     index = (np.arange(keep) + keep // 2) % keep - keep // 2
-    held = true[np.ix_(index, index)]
-    ghost = np.abs(np.fft.fft2(coarse, norm="forward") - held) ** 2
-    ghost[keep // 2], ghost[:, keep // 2] = 0.0, 0.0
-    return float(100.0 * ghost.sum() / (np.abs(true) ** 2).sum())
+
+    def aliased(coarse: Field) -> float:
+        """Energy of waves that the landscape does not have, over all its energy, in per cent."""
+        alias = np.abs(np.fft.fft2(coarse, norm="forward") - waves[np.ix_(index, index)]) ** 2
+        alias[keep // 2], alias[:, keep // 2] = 0.0, 0.0
+        return float(100.0 * alias.sum() / (np.abs(waves) ** 2).sum())
+
+    return Measured.by(aliased, sampled, made, panel(
+        faint(x, fine[10], "ripples of 28 cm, sampled every 10 cm", linewidth=0.7),
+        common(x[::2], sampled[5], "every second sample: 67 cm", ".-", linewidth=1.2, markersize=3),
+        ours(x[::2], made[5], "relief that a grid of 20 cm resolves", linewidth=1.6),
+        x="along x (m)", y="height (m)", xlim=(0.0, 8.0), ylim=(-0.18, 0.30), legend="upper right",
+    ))  # fmt: skip
 
 
-def _draw_beats(figure: Figure) -> None:
-    fine, sampled, made = _ripples()
-    axes = add_panel(figure, x="along x (m)", y="height (m)")
-    x = np.arange(CELLS) * 0.1
-    axes.plot(x, fine[10], color=FAINT, linewidth=0.7, label="ripples of 28 cm, sampled every 10 cm")
-    axes.plot(x[::2], sampled[5], ".-", color=WRONG, linewidth=1.2, markersize=3, label="every second sample: 67 cm")
-    axes.plot(x[::2], made[5], color=RIGHT, linewidth=1.6, label="relief that a grid of 20 cm resolves")
-    axes.set(xlim=(0.0, 8.0), ylim=(-0.18, 0.30))
-    add_legend(axes, "upper right")
-
-
-def _common_waves(field: Field) -> Field:
-    half = np.fft.rfft2(field, norm="forward")
-    return np.concatenate([np.abs(half[:40, 1:40]).ravel(), np.angle(half[:40, 1:40]).ravel()])
-
-
-def _unlike(one: Field, other: Field) -> float:
-    """Relative difference of the waves that both grids resolve."""
-    a, b = (np.fft.rfft2(field, norm="forward")[:40, 1:40] for field in (one, other))
-    a, b = a / np.linalg.norm(a), b / np.linalg.norm(b)
-    return float(100.0 * np.linalg.norm(a - b))
-
-
-def _plain_grids() -> float:
-    return _unlike(filtered_noise((CELLS, CELLS), 1.4, (0.0, 0.0)), filtered_noise((CELLS, 128), 1.4, (0.0, 0.0)))
-
-
-def _own_grids() -> float:
-    seabed = _fractal(beta=1.4).seabed
-    return _unlike(relief(seabed, (CELLS, CELLS)), relief(seabed, (CELLS, 128)))
-
-
-@lru_cache(maxsize=1)
-def _smooth_bed() -> tuple[Field, Field]:
-    """Heights of β = 2, and their picture in 256 greys."""
-    scene = load_scene("breaks-greys")
-    return relief(scene.seabed), relief_picture(scene)[::-1].astype(np.float64)
-
-
-def _exponent_off(which: int) -> float:
-    return abs(amplitude_exponent(_smooth_bed()[which]) - 2.0)
-
-
-def _draw_exponents(figure: Figure) -> None:
-    axes = add_panel(figure, x="cycles per period", y="mean power (dB)")
-    axes.set_xscale("log")
-    for field, colour, words in zip(_smooth_bed(), (RIGHT, WRONG), ("heights", "picture in 256 greys")):
-        power = np.abs(np.fft.rfft2(field / field.std(), norm="forward")) ** 2
-        fy = np.fft.fftfreq(field.shape[0], 1.0 / field.shape[0])[:, None]
-        radius = np.rint(np.hypot(fy, np.arange(power.shape[1]))).astype(np.int64).ravel()
-        mean = np.bincount(radius, power.ravel())[1:250] / np.bincount(radius)[1:250]
-        slope = amplitude_exponent(field)
-        axes.plot(np.arange(1, 250), 10.0 * np.log10(mean), color=colour, label=f"{words}: β = {slope:.2f}")
-    add_legend(axes)
-
-
-def _draw_bad(figure: Figure) -> None:
-    rows = []
-    for wrong in BAD:
-        peak = wrong.get("peaks", [[0.0, 0.0]])[0]
-        field = filtered_noise((64, 64), float(wrong.get("beta", 1.4)), (peak[0], peak[1]))
-        asked = ", ".join(f"{name} = {value}" for name, value in wrong.items())
-        rows.append((asked, f"heights from {field.min():.2g} to {field.max():.2g}", _refusal(wrong)))
-    write_table(figure, ("relief", "filtered without a check", "message"), rows)
-
-
-def _draw_grids(figure: Figure) -> None:
-    seabed = _fractal(beta=1.4).seabed
-    shapes = (CELLS, CELLS), (CELLS, 128)
-    plain = [filtered_noise(shape, 1.4, (0.0, 0.0)) for shape in shapes]
-    own = [relief(seabed, shape) for shape in shapes]
-    for place, fields, colour, words in (
-        (121, plain, WRONG, "noise per sample"),
-        (122, own, RIGHT, "hashed waves"),
-    ):
-        axes = add_panel(figure, place, x="along y (m)", y="height over its rms", title=words)
-        for field, style, width in zip(fields, ("-", "--"), (1.0, 1.6)):
-            axes.plot(np.arange(CELLS) * 0.1, smoothed(field)[:, 0], style, color=colour, linewidth=width,
-                      label=f"{field.shape[1]} columns")  # fmt: skip
-        add_legend(axes)
-
-
-def smoothed(field: Field) -> Field:
+def _smooth(field: Field) -> Field:
     """Relief low-passed to the waves that both grids resolve, over its rms."""
     half = np.fft.rfft2(field, norm="forward")
-    half[40:-40], half[:, 40:] = 0.0, 0.0
+    half[SHARED:-SHARED], half[:, SHARED:] = 0.0, 0.0
     wave = np.fft.irfft2(half, field.shape, norm="forward")
     return np.asarray(wave / wave.std())
 
 
-THEME = StabilityTheme("Generated reliefs", 9, (
-    StabilityCase(
-        "Peaks and exponents out of bounds",
-        "A peak at or above the Nyquist frequency aliases; an exponent below 0 or from 5 on makes no relief.",
-        "such beds made without an error", "of 4",
-        Approach("Filters by array indices without a check.", _taken_by_noise, 3.0),
-        Approach("Refuses each in one sentence that names the field.", _taken_by_scenes, 0.0),
-        _draw_bad,
-    ),
-    StabilityCase(
-        "Undersampled ripples",
-        "Waves too short for a coarse grid alias to longer ones.",
-        "energy of aliased waves", "%",
-        Approach("Takes every second sample.", lambda: _ghost_waves(_ripples()[1]), 50.0),
-        Approach("Synthesises the same relief on the coarse grid from the waves that it resolves.",
-                 lambda: _ghost_waves(_ripples()[2]),
-            1e-9),
-        _draw_beats,
-    ),
-    StabilityCase(
-        "The same seed on another grid",
-        "Random numbers drawn per sample give another relief on every grid; array indices give another shape on a "
-        "grid that is not square.",
-        "difference between the waves that both grids resolve", "%",
-        Approach("Draws noise for each grid and filters it by indices.", _plain_grids, 100.0),
-        Approach("Hashes each wave's coefficient from the seed and its frequency.", _own_grids, 1e-9),
-        _draw_grids,
-    ),
-    StabilityCase(
-        "β measured on a picture",
-        "Rounding to 256 greys adds white noise, which flattens a spectrum that falls steeply.",
-        "error of the measured β", "",
-        Approach("Fits the spectrum of a picture in 256 greys.", lambda: _exponent_off(1), 0.2),
-        Approach("Fits the spectrum of the heights themselves.", lambda: _exponent_off(0), 0.02),
-        _draw_exponents,
-        "breaks-greys",
-    ),
-))  # fmt: skip
+def _difference(fields: list[Field]) -> float:
+    """Relative difference of the waves that both grids resolve, in per cent."""
+    a, b = (np.fft.rfft2(field, norm="forward")[:SHARED, 1:SHARED] for field in fields)
+    return float(100.0 * np.linalg.norm(a / np.linalg.norm(a) - b / np.linalg.norm(b)))
+
+
+@THEME.case(
+    "The same seed on another grid",
+    "Random numbers drawn per sample give another relief on every grid; array indices give another shape on a "
+    "grid that is not square.",
+    "difference between the waves that both grids resolve",
+    "%",
+    failing=Approach("Draws noise for each grid and filters it by indices.", 100.0),
+    right=Approach("Hashes each wave's coefficient from the seed and its frequency.", 1e-9),
+)
+def _same_seed() -> Measured:
+    seabed, shapes, y = _fractal(beta=1.4).seabed, ((CELLS, CELLS), (CELLS, 128)), np.arange(CELLS) * 0.1
+    plain, own = [_filter_noise(shape, 1.4) for shape in shapes], [relief(seabed, shape) for shape in shapes]
+
+    def curves(draw: Any, fields: list[Field]) -> list[Any]:
+        square, narrow = (_smooth(field)[:, 0] for field in fields)
+        return [
+            draw(y, square, f"{CELLS} columns", linewidth=1.0),
+            draw(y, narrow, "128 columns", "--", linewidth=1.6),
+        ]
+
+    labels: dict[str, Any] = {"x": "along y (m)", "y": "height over its rms"}
+    return Measured.by(_difference, plain, own, side_by_side(
+        panel(*curves(common, plain), title="noise per sample", place=121, **labels),
+        panel(*curves(ours, own), title="hashed waves", place=122, **labels),
+    ))  # fmt: skip
+
+
+@THEME.case(
+    "β measured on a picture",
+    "Rounding to 256 greys adds white noise, which flattens a spectrum that falls steeply.",
+    "error of the measured β",
+    "",
+    failing=Approach("Fits the spectrum of a picture in 256 greys.", 0.2),
+    right=Approach("Fits the spectrum of the heights themselves.", 0.02),
+    scene="breaks-greys",
+)
+def _greys() -> Measured:
+    scene, curves, slopes = load_scene("breaks-greys"), [], []
+    heights, picture = relief(scene.seabed), relief_picture(scene)[::-1].astype(np.float64)
+    for field, draw, words in ((heights, ours, "heights"), (picture, common, "picture in 256 greys")):
+        power = np.abs(np.fft.rfft2(field / field.std(), norm="forward")) ** 2
+        fy = np.fft.fftfreq(field.shape[0], 1.0 / field.shape[0])[:, None]
+        radius = np.rint(np.hypot(fy, np.arange(power.shape[1]))).astype(np.int64).ravel()
+        mean = np.bincount(radius, power.ravel())[1:250] / np.bincount(radius)[1:250]
+        slopes.append(amplitude_exponent(field))
+        curves.append(draw(np.arange(1, 250), 10.0 * np.log10(mean), f"{words}: β = {slopes[-1]:.2f}"))
+    return Measured(abs(slopes[1] - 2.0), abs(slopes[0] - 2.0), panel(
+        *curves, x="cycles per period", y="mean power (dB)", log="x",
+    ))  # fmt: skip

@@ -1,1 +1,0 @@
-"""Contacts: points of records that a person marks, names and keeps in a file."""

@@ -1,1 +1,0 @@
-"""Errors as the person meets them: one sentence, and details to copy."""

@@ -1,1 +1,0 @@
-"""Commands that run in processes of their own beside the window."""

@@ -1,1 +1,0 @@
-"""Measuring on a record: places of its bins, distances, and heights from shadows."""

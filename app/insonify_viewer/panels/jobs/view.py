@@ -1,0 +1,333 @@
+"""Window that begins jobs and lists them."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from functools import partial
+from pathlib import Path
+from typing import NamedTuple
+
+from PySide6.QtCore import Qt, QUrl, Signal
+from PySide6.QtGui import QDesktopServices, QFocusEvent, QKeyEvent, QShowEvent
+from PySide6.QtWidgets import (
+    QComboBox,
+    QDialog,
+    QDialogButtonBox,
+    QFileDialog,
+    QFormLayout,
+    QFrame,
+    QGridLayout,
+    QHBoxLayout,
+    QLabel,
+    QLineEdit,
+    QMenu,
+    QProgressBar,
+    QPushButton,
+    QSpinBox,
+    QVBoxLayout,
+    QWidget,
+)
+
+from insonify.accuracy.charts.kinds import list_chart_kinds
+from insonify_viewer.errors import guard_override
+from insonify_viewer.state.quantities import format_time_left
+from insonify_viewer.widgets.buttons import push_button
+from insonify_viewer.widgets.save_dialogs import Formats, ask_where_to_save, record_formats
+from insonify_viewer.widgets.side_panel import ScrollColumn
+from insonify_viewer.work.jobs import BackgroundJob, State
+
+STEPS = 1000
+MOST_SCENES, USUAL_SCENES = 1_000_000, 20
+SIZE, SMALLEST = (620, 420), (420, 240)
+CHARTS: Formats = (("Pictures", ".png"), ("Drawings", ".svg"), ("Tables", ".csv"), ("Tables", ".json"))
+PAGES: Formats = (("Pages", ".html"),)
+HINT = "Jobs run beside the window, which stays free. What a command makes here is the same as in a shell, to the bit."
+
+
+class JobRow(QFrame):
+    """Shows a job until it is left out of the list; with the keyboard in it, Delete stops the job."""
+
+    details_wanted = Signal(object)  # BackgroundJob
+    focused = Signal(object)  # the row itself
+    left = Signal(int)  # by Up to a newer job, 1, or by Down to an older one, -1
+
+    def __init__(self, job: BackgroundJob) -> None:
+        super().__init__()
+        self.setObjectName("job")
+        self.setFocusPolicy(Qt.FocusPolicy.TabFocus)
+        self._job = job
+        self.title, self.words = QLabel(job.title), QLabel()
+        self.title.setObjectName("choice")
+        self.words.setObjectName("name")
+        self.words.setWordWrap(True)
+        self.words.setTextInteractionFlags(Qt.TextInteractionFlag.TextSelectableByMouse)
+        self.bar = QProgressBar()
+        self.bar.setTextVisible(False)
+        self.stop = push_button("Stop", "End this job (Delete); nothing half-written is left")
+        self.stop.clicked.connect(job.stop)
+        self.show_result = push_button("Show", "Open the folder of what was made")
+        self.show_result.clicked.connect(lambda: _show_folder(job.result))
+        self.copy = push_button("Copy details", "Copy versions, scene and what went wrong, to be sent with a report")
+        self.copy.clicked.connect(lambda: self.details_wanted.emit(job))
+        self.bar.setAccessibleName(f"progress of {job.title}")
+        for button in self.buttons:
+            button.setAccessibleName(f"{button.text()}: {job.title}")
+        grid = QGridLayout(self)
+        grid.setContentsMargins(4, 4, 4, 6)
+        grid.setColumnStretch(0, 1)
+        grid.addWidget(self.title, 0, 0)
+        grid.addWidget(self.bar, 0, 1)
+        for button in self.buttons:
+            grid.addWidget(button, 0, 2)
+        grid.addWidget(self.words, 1, 0, 1, 3)
+        self.show_job(job)
+
+    @property
+    def buttons(self) -> tuple[QPushButton, ...]:
+        """What can be done about the job; no more than one of them is shown."""
+        return self.stop, self.show_result, self.copy
+
+    def show_job(self, job: BackgroundJob) -> None:
+        """Show how far the job is."""
+        if self.stop.hasFocus() and job.state is not State.RUNNING:
+            self.setFocus()  # Qt would pass the keyboard on to another job
+        share = job.stage.share
+        self.bar.setVisible(job.running)
+        self.bar.setRange(0, 0 if share is None else STEPS)
+        self.bar.setValue(0 if share is None else int(STEPS * share))
+        self.stop.setVisible(job.running)
+        self.stop.setEnabled(job.state is State.RUNNING)
+        self.show_result.setVisible(job.state is State.DONE and job.result is not None)
+        self.copy.setVisible(job.state is State.FAILED)
+        self.words.setText(_words(job) if job.running else job.sentence)
+        self.setAccessibleName(f"{job.title}: {self.words.text()}")
+
+    def focusInEvent(self, event: QFocusEvent) -> None:
+        """Tell that the row has the keyboard."""
+        super().focusInEvent(event)
+        self.focused.emit(self)
+
+    def keyPressEvent(self, event: QKeyEvent) -> None:
+        """Stop the job by Delete; tell of Up and Down, which the scroll area would take."""
+        if event.key() == Qt.Key.Key_Delete:
+            self._job.stop()
+        elif event.key() in (Qt.Key.Key_Up, Qt.Key.Key_Down):
+            self.left.emit(1 if event.key() == Qt.Key.Key_Up else -1)
+        else:
+            super().keyPressEvent(event)
+
+
+def _show_folder(result: Path | None) -> None:
+    if result is not None:
+        QDesktopServices.openUrl(QUrl.fromLocalFile(str(result.parent)))
+
+
+def _words(job: BackgroundJob) -> str:
+    """Say what the job does now, how much of it is done, and the time left."""
+    if job.state is State.STOPPING:
+        return "stopping"
+    stage, left = job.stage, job.seconds_left
+    counted = f"{stage.done:.0f} of {stage.total:.0f} {stage.unit}s" if stage.unit else ""
+    share = f"{100.0 * stage.share:.0f} %" if stage.share is not None and not stage.unit else ""
+    told = "" if left is None else f"{format_time_left(left)} left"
+    return ", ".join(part for part in (stage.doing, counted, share, told) if part)
+
+
+class WantedDataset(NamedTuple):
+    """A data set to be made."""
+
+    specification: str  # name of a bundled specification, or a file
+    scenes: int
+    folder: Path
+
+
+class DatasetQuestion(QDialog):
+    """Asks for a data set."""
+
+    def __init__(self, bundled: list[str], parent: QWidget) -> None:
+        super().__init__(parent)
+        self.setWindowTitle("Make a data set")
+        self.specification = QComboBox()
+        self.specification.setEditable(True)
+        self.specification.addItems(bundled)
+        self.specification.setToolTip("A bundled specification, or the path of a TOML file")
+        self.scenes = QSpinBox()
+        self.scenes.setRange(1, MOST_SCENES)
+        self.scenes.setValue(USUAL_SCENES)
+        self.scenes.setToolTip(f"Number of scenes that are drawn at random, 1 to {MOST_SCENES}")
+        self.folder = QLineEdit(str(Path.home() / (bundled[0] if bundled else "dataset")))
+        self.folder.setObjectName("line")
+        self.folder.setToolTip("Folder to make, or one in which a stopped data set goes on")
+        for name, field in (("Specification", self.specification), ("Scenes", self.scenes), ("Folder", self.folder)):
+            field.setAccessibleName(name)
+        self.buttons = QDialogButtonBox(QDialogButtonBox.StandardButton.Ok | QDialogButtonBox.StandardButton.Cancel)
+        self.buttons.accepted.connect(self.accept)
+        self.buttons.rejected.connect(self.reject)
+        form = QFormLayout(self)
+        form.addRow("Specification", _beside(self.specification, "File…", "Pick a TOML file", self._choose_file))
+        form.addRow("Scenes", self.scenes)
+        form.addRow("Folder", _beside(self.folder, "Choose…", "Pick the folder of the data set", self._choose_folder))
+        form.addRow(self.buttons)
+
+    @property
+    def answer(self) -> WantedDataset:
+        """What was asked for."""
+        return WantedDataset(self.specification.currentText(), self.scenes.value(), Path(self.folder.text()))
+
+    def _choose_file(self) -> None:
+        file, _ = QFileDialog.getOpenFileName(self, "Open a specification", "", "Specifications (*.toml)")
+        if file:
+            self.specification.setCurrentText(file)
+
+    def _choose_folder(self) -> None:
+        folder = QFileDialog.getExistingDirectory(self, "Folder of the data set", self.folder.text())
+        if folder:
+            self.folder.setText(folder)
+
+
+def _beside(field: QWidget, text: str, tip: str, choose: Callable[[], None]) -> QWidget:
+    """Put a field and its button side by side."""
+    line = QWidget()
+    row = QHBoxLayout(line)
+    row.setContentsMargins(0, 0, 0, 0)
+    button = QPushButton(text)
+    button.setToolTip(tip)
+    button.clicked.connect(choose)
+    row.addWidget(field, 1)
+    row.addWidget(button)
+    return line
+
+
+class WantedChart(NamedTuple):
+    """A chart to be measured: its kind, and the file to write."""
+
+    kind: str
+    path: Path
+
+
+class JobsView(QWidget):
+    """Lists the jobs, the newest first.
+
+    Tab goes from the buttons to the jobs in the order in which they stand, Up and Down go from job to job, Return
+    presses a button, and Escape closes the window.
+    """
+
+    record_wanted = Signal(object)  # Path
+    chart_wanted = Signal(object)  # WantedChart
+    dataset_wanted = Signal(object)  # WantedDataset
+    stability_wanted = Signal(object)  # Path
+    forget_wanted = Signal()
+    details_wanted = Signal(object)  # BackgroundJob that failed
+
+    def __init__(self, specifications: list[str]) -> None:
+        super().__init__()
+        self.setObjectName("panel")
+        self.setWindowTitle("Jobs · insonify")
+        self.resize(*SIZE)
+        self.setMinimumSize(*SMALLEST)
+        self._specifications = specifications
+        self.record = _button("&Record…", "Every ping of the scene, as data or as a picture", self._ask_for_record)
+        self.chart = _button("&Chart…", "Error, cost or convergence, measured on this machine")
+        self.chart.setMenu(self._charts())
+        self.dataset = _button("&Data set…", "Labelled images of many scenes", self._ask_for_dataset)
+        self.stability = _button("S&tability…", "The known numerical failures, measured, as a page", self._ask_for_page)
+        self.forget = _button("C&lear", "Leave the jobs that have ended out of this list", self.forget_wanted.emit)
+        self._hint = QLabel(HINT)
+        self._hint.setObjectName("name")
+        self._hint.setWordWrap(True)
+        self._rows: dict[BackgroundJob, JobRow] = {}
+        self._lay_out()
+
+    @property
+    def rows(self) -> tuple[JobRow, ...]:
+        """The rows, the oldest first."""
+        return tuple(self._rows.values())
+
+    def show_jobs(self, jobs: list[BackgroundJob]) -> None:
+        """Show these jobs and no others."""
+        for job in [job for job in self._rows if job not in jobs]:
+            row = self._rows.pop(job)
+            self._list.removeWidget(row)
+            row.deleteLater()
+        for job in jobs:
+            self.show_job(job)
+
+    def show_job(self, job: BackgroundJob) -> None:
+        """Show how far a job is; a new one gets a row on top."""
+        if job not in self._rows:
+            self._rows[job] = row = JobRow(job)
+            row.focused.connect(self._scroll.ensureWidgetVisible)
+            row.left.connect(self._go)
+            row.details_wanted.connect(self.details_wanted)
+            self._list.insertWidget(0, row)
+            for each in (*reversed(row.buttons), row):  # each goes right behind the last of the tools
+                self.setTabOrder(self.forget, each)
+        self._rows[job].show_job(job)
+
+    @guard_override(None)
+    def showEvent(self, event: QShowEvent) -> None:
+        """Give the keyboard to the newest job, or to the first button where there is none."""
+        super().showEvent(event)
+        (self.rows[-1] if self._rows else self.record).setFocus()
+
+    def keyPressEvent(self, event: QKeyEvent) -> None:
+        """Close the window, or press the button that has the keyboard."""
+        focus, key = self.focusWidget(), event.key()
+        if key == Qt.Key.Key_Escape:
+            self.close()
+        elif key in (Qt.Key.Key_Return, Qt.Key.Key_Enter) and isinstance(focus, QPushButton):
+            focus.click()
+        else:
+            super().keyPressEvent(event)
+
+    def _go(self, step: int) -> None:
+        """Give the keyboard to a newer or an older job than the one that has it."""
+        rows = self.rows
+        here = next((k for k, row in enumerate(rows) if row.hasFocus()), 0)
+        rows[min(max(here + step, 0), len(rows) - 1)].setFocus()
+
+    def _ask_for_record(self) -> None:
+        if path := ask_where_to_save(self, "Write the record", "record.nc", record_formats()):
+            self.record_wanted.emit(path)
+
+    def _charts(self) -> QMenu:
+        """Make a menu of the kinds of charts."""
+        menu = QMenu(self)
+        for kind in list_chart_kinds():
+            menu.addAction(f"{kind.capitalize()}…", partial(self._ask_for_chart, kind))
+        return menu
+
+    def _ask_for_chart(self, kind: str) -> None:
+        if path := ask_where_to_save(self, f"Measure a chart of {kind}", f"{kind}.png", CHARTS):
+            self.chart_wanted.emit(WantedChart(kind, path))
+
+    def _ask_for_dataset(self) -> None:
+        question = DatasetQuestion(self._specifications, self)
+        if question.exec():
+            self.dataset_wanted.emit(question.answer)
+
+    def _ask_for_page(self) -> None:
+        if path := ask_where_to_save(self, "Write the page of stability", "stability.html", PAGES):
+            self.stability_wanted.emit(path)
+
+    def _lay_out(self) -> None:
+        tools = QHBoxLayout()
+        for button in (self.record, self.chart, self.dataset, self.stability):
+            tools.addWidget(button)
+        tools.addStretch(1)
+        tools.addWidget(self.forget)
+        self._scroll = ScrollColumn()
+        self._scroll.setFocusPolicy(Qt.FocusPolicy.NoFocus)  # it follows the job that has the keyboard
+        self._list = self._scroll.column
+        self._list.addStretch(1)
+        column = QVBoxLayout(self)
+        column.addLayout(tools)
+        column.addWidget(self._hint)
+        column.addWidget(self._scroll, 1)
+
+
+def _button(text: str, tip: str, clicked: Callable[[], None] | None = None) -> QPushButton:
+    button = push_button(text, tip)
+    if clicked is not None:
+        button.clicked.connect(lambda: clicked())
+    return button

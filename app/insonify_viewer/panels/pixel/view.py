@@ -1,0 +1,397 @@
+"""Summary and budget of a pixel beside its cross-section."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+from PySide6.QtCore import QEvent, QPointF, QRectF, QSizeF, Qt
+from PySide6.QtGui import QColor, QPainter, QPaintEvent, QPen, QPixmap, QPolygonF, QResizeEvent
+from PySide6.QtWidgets import (
+    QHeaderView,
+    QLabel,
+    QSplitter,
+    QTreeWidget,
+    QTreeWidgetItem,
+    QTreeWidgetItemIterator,
+    QVBoxLayout,
+    QWidget,
+)
+
+from insonify_viewer.errors import guard_override
+from insonify_viewer.state.inspection import Mark
+from insonify_viewer.widgets.painting import round_steps
+from insonify_viewer.widgets.theme import (
+    ACCENT,
+    ACCENT_IN_WATER,
+    GROUND,
+    MARK_IN_WATER,
+    OVER_WATER,
+    QUIET,
+    scaled,
+    text_scale,
+)
+
+if TYPE_CHECKING:
+    from insonify.explanation.cross_section import CrossSection
+    from insonify.explanation.pixel import PixelExplanation
+
+HINT = "Click a pixel of the record to explain it. Click a place in the 3-D view to light up the pixels that hear it."
+SIDES = ("port", "starboard")
+LEFT, RIGHT, TOP, BOTTOM = 46.0, 22.0, 10.0, 22.0  # px at the usual size of the text
+BELOW, ABOVE = 0.12, 0.08  # of the water's height, drawn below the bed and above the sonar
+FLATTEST = 1e-9  # least extent of heights as a share of them, so that their edges are two numbers
+
+Points = NDArray[np.float64]
+WATER, BED, HEARD, HIDDEN = "#1c3a52", "#4b3f2d", ACCENT_IN_WATER, "#0a0604"
+BLOCKED, RING, TARGET = "#ff7a5c", "#5b7d99", "#e8eef2"
+ARC = 96  # points of the ring of equal slant range
+
+MOST = 6  # contributions, and what hides, that are listed
+LEVEL, NAME, DETAIL = 0, 1, 2  # columns
+NARROW = 205  # px, which hold levels and names
+WIDE = 330  # px at the usual size of the text, from which on details have a column; else they are in the tips of names
+
+Row = tuple[str, str, str]
+
+
+class PixelView(QWidget):
+    """Shows the explanation of a pixel."""
+
+    def __init__(self, parent: QWidget | None = None) -> None:
+        super().__init__(parent)
+        self.setObjectName("panel")
+        self.summary = QLabel(HINT)
+        self.summary.setWordWrap(True)
+        self.summary.setTextInteractionFlags(Qt.TextInteractionFlag.TextSelectableByMouse)
+        self.budget, self.section = BudgetList(), SectionView()
+        splitter = QSplitter(Qt.Orientation.Horizontal)
+        splitter.addWidget(self.budget)
+        splitter.addWidget(self.section)
+        splitter.setSizes([430, 570])
+        splitter.setChildrenCollapsible(False)
+        layout = QVBoxLayout(self)
+        layout.setContentsMargins(6, 4, 6, 4)
+        layout.setSpacing(3)
+        layout.addWidget(self.summary)
+        layout.addWidget(splitter, 1)
+
+    def show_nothing(self) -> None:
+        """Show that no pixel is pinned."""
+        self.summary.setText(HINT)
+        self.budget.clear()
+        self.section.show_section(None, None)
+
+    def show_waiting(self, mark: Mark) -> None:
+        """Show that a pixel is being explained."""
+        self.summary.setText(f"explaining ping {mark.ping}, {SIDES[mark.side]} …")
+
+    def show_pixel(self, explanation: PixelExplanation, section: CrossSection) -> None:
+        """Show the explanation of a pixel."""
+        where = f"ping {explanation.ping}, {SIDES[explanation.side]}, {explanation.slant_range:.2f} m"
+        self.summary.setText(f"{where}: {explanation.summary}")
+        self.budget.show_explanation(explanation)
+        self.section.show_section(explanation, section)
+
+
+@dataclass(frozen=True)
+class SectionScales:
+    """Scales of one cross-section in a widget."""
+
+    area: QRectF  # of the plot, px
+    reach: float  # ground range at the far end, m
+    low: float  # heights at the lower and the upper edge, m
+    high: float
+    mirrored: bool  # whether ground range grows to the left, as on the port side of the record
+    text: float = 1.0  # size of the text over the usual one
+
+    @classmethod
+    def of(cls, section: CrossSection, size: tuple[float, float], surfaced: bool, text: float = 1.0) -> SectionScales:
+        """Fit a section into a widget; ``surfaced`` shows the sea surface too, ``text`` enlarges the margins."""
+        bed = section.bed[np.isfinite(section.bed[:, 1]), 1]
+        sonar = float(section.sonar.place[2])
+        high = section.sonar.surface if surfaced else sonar
+        # A fish towed at a depth may be below all of a measured bed.
+        low = min(float(bed.min()) if bed.size else sonar - 1.0, high)
+        tall = max(high - low, 1.0, FLATTEST * abs(low))
+        left, right, bottom = LEFT * text, RIGHT * text, BOTTOM * text
+        area = QRectF(left, TOP, max(size[0] - left - right, 1.0), max(size[1] - TOP - bottom, 1.0))
+        return cls(area, section.reach, low - BELOW * tall, high + ABOVE * tall, section.side == 0, text)
+
+    def at(self, ground_range: float, height: float) -> QPointF:
+        """Pixel of a ground range and a height, m."""
+        share = ground_range / self.reach
+        share = 1.0 - share if self.mirrored else share
+        y = self.area.bottom() - (height - self.low) / (self.high - self.low) * self.area.height()
+        return QPointF(self.area.left() + share * self.area.width(), y)
+
+    def polygon(self, points: Points) -> QPolygonF:
+        """Pixels of (n, 2) ground ranges and heights."""
+        return QPolygonF([self.at(x, z) for x, z in points.tolist()])
+
+
+class SectionView(QWidget):
+    """Paints a cross-section with the rays of a pixel."""
+
+    def __init__(self, parent: QWidget | None = None) -> None:
+        super().__init__(parent)
+        self.setMinimumSize(100, 110)
+        self.setAccessibleName("Cross-section of the beam")
+        self._shown: tuple[PixelExplanation, CrossSection] | None = None
+        self._picture: QPixmap | None = None
+
+    def show_section(self, explanation: PixelExplanation | None, section: CrossSection | None) -> None:
+        """Show a pixel in its cross-section; None clears it."""
+        self._shown = None if explanation is None or section is None else (explanation, section)
+        self._picture = None
+        self.update()
+
+    @guard_override(None)
+    def resizeEvent(self, event: QResizeEvent) -> None:
+        """Fit the section to the new size."""
+        self._picture = None
+        super().resizeEvent(event)
+
+    @guard_override(None)
+    def paintEvent(self, event: QPaintEvent) -> None:
+        """Paint the section once for its size."""
+        del event
+        if self._picture is None:
+            self._picture = self._painted()
+        with QPainter(self) as painter:
+            painter.drawPixmap(0, 0, self._picture)
+
+    @guard_override(None)
+    def changeEvent(self, event: QEvent) -> None:
+        """Paint anew in another theme."""
+        if event.type() is QEvent.Type.PaletteChange:
+            self._picture = None
+        super().changeEvent(event)
+
+    def _painted(self) -> QPixmap:
+        ratio = self.devicePixelRatioF()
+        picture = QPixmap(int(self.width() * ratio), int(self.height() * ratio))
+        picture.setDevicePixelRatio(ratio)
+        picture.fill(QColor(GROUND))
+        if self._shown is not None:
+            with QPainter(picture) as painter:
+                painter.setFont(self.font())
+                painter.setRenderHint(QPainter.RenderHint.Antialiasing)
+                _paint(painter, *self._shown, (self.width(), self.height()), text_scale(self))
+        return picture
+
+
+def _paint(
+    painter: QPainter, explanation: PixelExplanation, section: CrossSection, size: tuple[int, int], text: float
+) -> None:
+    """Paint water, bed, targets, rays and scales."""
+    ghosts = any(each.path != "direct" for each in explanation.contributions)
+    scales = SectionScales.of(section, size, surfaced=ghosts, text=text)
+    painter.fillRect(scales.area, QColor(WATER))
+    painter.setClipRect(scales.area)
+    _paint_bed(painter, scales, section)
+    _paint_ring(painter, scales, section, explanation.slant_range)
+    _paint_rays(painter, scales, section, explanation)
+    painter.setClipping(False)
+    painter.setPen(_pen(HIDDEN, 1.0))
+    painter.setBrush(QColor(OVER_WATER))
+    painter.drawEllipse(scales.at(0.0, float(section.sonar.place[2])), 5.0, 5.0)
+    _paint_scales(painter, scales, section)
+
+
+def _paint_bed(painter: QPainter, scales: SectionScales, section: CrossSection) -> None:
+    """Paint the bed with its heard and hidden stretches, horizons and targets."""
+    bed = section.bed[np.isfinite(section.bed[:, 1])]
+    if len(bed):
+        ends = np.array([[bed[-1, 0], scales.low], [bed[0, 0], scales.low]])
+        painter.setPen(Qt.PenStyle.NoPen)
+        painter.setBrush(QColor(BED))
+        painter.drawPolygon(scales.polygon(np.concatenate([bed, ends])))
+    painter.setBrush(Qt.BrushStyle.NoBrush)
+    painter.setPen(QPen(QColor(RING), 1.0, Qt.PenStyle.DotLine))
+    painter.drawLines(_lines(scales, section.horizon))
+    for stretches, colour, width in ((section.heard, HEARD, 2.0), (section.hidden, HIDDEN, 3.5)):
+        painter.setPen(_pen(colour, width))
+        painter.drawLines(_lines(scales, stretches))
+    for name, face in section.targets:
+        painter.setPen(_pen(TARGET, 2.5))
+        painter.drawLines(_lines(scales, face))
+        _name_target(painter, scales, name, face)
+
+
+def _name_target(painter: QPainter, scales: SectionScales, name: str, face: Points) -> None:
+    """Write the name of a target above it and beyond, where the ray from the sonar does not cross it."""
+    top = face.reshape(-1, 2)[np.argmax(face[..., 1])]
+    place = scales.at(float(top[0]), float(top[1]))
+    width = painter.fontMetrics().horizontalAdvance(name) + 2.0
+    left = place.x() - 6.0 - width if scales.mirrored else place.x() + 6.0
+    left = min(max(left, scales.area.left()), scales.area.right() - width)
+    painter.setPen(QColor(TARGET))
+    top_left = QPointF(left, place.y() - 20.0 * scales.text)
+    painter.drawText(QRectF(top_left, QSizeF(width, 16.0 * scales.text)), Qt.TextFlag.TextDontClip, name)
+
+
+def _paint_ring(painter: QPainter, scales: SectionScales, section: CrossSection, slant_range: float) -> None:
+    """Paint the places at the slant range of the pixel, were sound to go straight."""
+    angle = np.linspace(-0.5 * np.pi, 0.0, ARC)
+    ring = np.column_stack([np.cos(angle), np.sin(angle)]) * slant_range + [0.0, section.sonar.place[2]]
+    painter.setPen(QPen(QColor(RING), 1.0, Qt.PenStyle.DashLine))
+    painter.drawPolyline(scales.polygon(ring))
+
+
+def _paint_rays(painter: QPainter, scales: SectionScales, section: CrossSection, explanation: PixelExplanation) -> None:
+    """Paint rays, and where they lead."""
+    drawn: list[tuple[str, tuple[Points, ...], Points]] = [
+        (BLOCKED, each.rays[:1], each.places) for each in explanation.obstructions
+    ]
+    drawn += [(MARK_IN_WATER, each.rays, each.places) for each in explanation.contributions]
+    for colour, rays, places in drawn:
+        painter.setPen(_pen(colour, 1.6))
+        for ray in rays:
+            painter.drawPolyline(scales.polygon(_flat(section, ray)))
+        painter.setPen(_pen(colour, 4.0))
+        painter.drawLines(_lines(scales, np.stack([_flat(section, place) for place in places])) if len(places) else [])
+
+
+def _paint_scales(painter: QPainter, scales: SectionScales, section: CrossSection) -> None:
+    """Write ground ranges below and depths beside the section."""
+    painter.setPen(QColor(QUIET))
+    area, wide, high = scales.area, 80.0 * scales.text, 16.0 * scales.text
+    for distance in round_steps(0.0, scales.reach, max(int(area.width() / (70 * scales.text)), 1)):
+        x = scales.at(distance, 0.0).x()
+        place = QRectF(x - 0.5 * wide, area.bottom() + 3.0, wide, high)
+        painter.drawText(place, Qt.AlignmentFlag.AlignHCenter, f"{distance:g} m")
+    right = Qt.AlignmentFlag.AlignRight | Qt.AlignmentFlag.AlignVCenter
+    surface = section.sonar.surface
+    for depth in round_steps(
+        surface - scales.high, surface - scales.low, max(int(area.height() / (40 * scales.text)), 1)
+    ):
+        y = scales.at(0.0, surface - depth).y()
+        if area.top() <= y <= area.bottom():
+            painter.drawText(QRectF(0.0, y - 0.5 * high, area.left() - 6.0, high), right, f"{depth:g} m")
+
+
+def _flat(section: CrossSection, points: Points) -> Points:
+    """Ground range and height of places in local coordinates, (n, 3) to (n, 2)."""
+    level = points[:, :2] - section.sonar.place[:2]
+    return np.column_stack([np.hypot(level[:, 0], level[:, 1]), points[:, 2]])
+
+
+def _lines(scales: SectionScales, segments: Points) -> list[QPointF]:
+    """Pixels of the beginnings and ends of segments, in turns."""
+    return [scales.at(x, z) for x, z in segments.reshape(-1, 2).tolist()]
+
+
+def _pen(colour: str, width: float) -> QPen:
+    pen = QPen(QColor(colour), width)
+    pen.setCapStyle(Qt.PenCapStyle.FlatCap)
+    return pen
+
+
+class BudgetList(QTreeWidget):
+    """Lists the budget of a pixel."""
+
+    def __init__(self, parent: QWidget | None = None) -> None:
+        super().__init__(parent)
+        self.setObjectName("budget")
+        self.setAccessibleName("Budget of the pixel")
+        self.setColumnCount(3)
+        self.setHeaderHidden(True)
+        self.setIndentation(10)
+        self.setRootIsDecorated(False)
+        self.setUniformRowHeights(True)
+        self.setToolTip("Terms in decibels that add up to the level of the pixel")
+        self.setMinimumWidth(NARROW)
+        self.setHorizontalScrollBarPolicy(Qt.ScrollBarPolicy.ScrollBarAlwaysOff)
+        self.header().setSectionResizeMode(LEVEL, QHeaderView.ResizeMode.ResizeToContents)
+        self._give_details_room()
+
+    @guard_override(None)
+    def resizeEvent(self, event: QResizeEvent) -> None:
+        """Give details a column where the list is wide enough."""
+        super().resizeEvent(event)
+        self._give_details_room()
+
+    @guard_override(None)
+    def changeEvent(self, event: QEvent) -> None:
+        """Show headings in the accent of the theme."""
+        super().changeEvent(event)
+        if event.type() is QEvent.Type.StyleChange:
+            for k in range(self.topLevelItemCount()):
+                self._colour_heading(self.topLevelItem(k))
+
+    def show_explanation(self, explanation: PixelExplanation) -> None:
+        """List the budget of a pixel."""
+        self.clear()
+        terms = [(term.name, _level(term.decibels), term.detail) for term in explanation.terms]
+        self._add_group("pixel", _level(explanation.level), "the sum of" if terms else "", terms)
+        self._add_group("returned by", "", "", _contributions(explanation))
+        self._add_group("hidden by", "", "", _obstructions(explanation))
+        for said in explanation.approximations:
+            QTreeWidgetItem(self, [said]).setFirstColumnSpanned(True)
+        self.expandAll()
+
+    def rows(self) -> list[Row]:
+        """Name, level and detail of all rows, each group before its own."""
+        found: list[Row] = []
+        iterator = QTreeWidgetItemIterator(self)
+        while (item := iterator.value()) is not None:
+            found.append((item.text(NAME), item.text(LEVEL), item.text(DETAIL)))
+            iterator += 1
+        return found
+
+    def _add_group(self, name: str, level: str, detail: str, rows: Iterable[Row]) -> None:
+        """Add a heading with its rows; one without level and rows is left out."""
+        rows = list(rows)
+        if not rows and not level:
+            return
+        group = QTreeWidgetItem(self, [level, name, detail])
+        self._colour_heading(group)
+        own = [QTreeWidgetItem(group, [level, name, detail]) for name, level, detail in rows]
+        for row in (group, *own):
+            row.setTextAlignment(LEVEL, Qt.AlignmentFlag.AlignRight | Qt.AlignmentFlag.AlignVCenter)
+            tip = ": ".join(filter(None, (row.text(NAME), row.text(DETAIL))))
+            for column in (NAME, DETAIL):
+                row.setToolTip(column, tip)
+
+    def _give_details_room(self) -> None:
+        wide = self.viewport().width() >= scaled(self, WIDE)
+        modes = QHeaderView.ResizeMode
+        self.setColumnHidden(DETAIL, not wide)
+        self.header().setStretchLastSection(wide)
+        self.header().setSectionResizeMode(NAME, modes.ResizeToContents if wide else modes.Stretch)
+
+    def _colour_heading(self, heading: QTreeWidgetItem | None) -> None:
+        if heading is not None and heading.text(NAME):
+            heading.setForeground(NAME, QColor(ACCENT))
+
+
+def _contributions(explanation: PixelExplanation) -> list[Row]:
+    return [
+        (each.words, f"{100.0 * each.share:.1f} %", f"at {each.ground_range:.1f} m, incidence {each.incidence:.0f}°")
+        for each in explanation.contributions[:MOST]
+    ]
+
+
+def _obstructions(explanation: PixelExplanation) -> list[Row]:
+    """List what hides the bed, and the level that the pixel would have if nothing did."""
+    hiders = [
+        (
+            each.hider,
+            f"{100.0 * each.share:.1f} %",
+            "a slope that faces away" if each.faces_away else f"at {each.ground_range:.1f} m",
+        )
+        for each in explanation.obstructions[:MOST]
+    ]
+    return [*hiders, ("with nothing hidden", _level(explanation.unhidden), "")] if hiders else []
+
+
+def _level(level: float) -> str:
+    """Level with a true minus sign; no echo has none."""
+    if not math.isfinite(level):
+        return "no echo"
+    return f"{round(level, 2) + 0.0:.2f} dB".replace("-", "−")

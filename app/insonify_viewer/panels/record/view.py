@@ -1,0 +1,501 @@
+"""Display options of records, contrast, measuring and contacts, in folding sections."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+from PySide6.QtCore import QPointF, QRectF, QSize, Qt, Signal
+from PySide6.QtGui import (
+    QAction,
+    QColor,
+    QIcon,
+    QImage,
+    QKeyEvent,
+    QKeySequence,
+    QMouseEvent,
+    QPainter,
+    QPaintEvent,
+    QPen,
+    QPixmap,
+    QPolygonF,
+)
+from PySide6.QtWidgets import (
+    QCheckBox,
+    QGridLayout,
+    QLabel,
+    QLineEdit,
+    QListWidget,
+    QListWidgetItem,
+    QVBoxLayout,
+    QWidget,
+)
+
+from insonify.display.display_options import PALETTES, SCALES, SIDES, DisplayOptions
+from insonify_viewer.errors import guard_override
+from insonify_viewer.record.tone_map import ToneMap
+from insonify_viewer.state.contacts import Contact
+from insonify_viewer.state.fields import ChoiceField, NumberField
+from insonify_viewer.widgets.buttons import push_button
+from insonify_viewer.widgets.field_rows import ChoiceRow, NumberRow
+from insonify_viewer.widgets.side_panel import FoldingBox, SidePanel
+from insonify_viewer.widgets.theme import ACCENT, GROUND, QUIET, RAISED, TEXT
+
+REACH = 30.0  # dB either way
+TICKS = (  # option, label, key, what it does
+    ("ground_range", "Ground range", "G", "Ground range of a level bed in place of slant range"),
+    ("water_column", "Water column", "Shift+W", "Begin slant range at the sonar; else at the first echo of the bed"),
+    ("bottom_line", "Bottom line", "B", "The slant range of the bed beneath the sonar"),
+    ("range_lines", "Range lines", "L", "Lines of equal range"),
+    ("newest_on_top", "Newest on top", "N", "Later pings above earlier ones; else below"),
+    ("decibels", "Decibels", "Shift+D", "Colours linear in decibels; else in amplitude"),
+    ("reverse", "Reversed colours", "I", "From bright to dark"),
+    (
+        "draped",
+        "Draped in 3-D",
+        "Shift+B",
+        "The record over the bed of the 3-D view, by ground range",
+    ),
+)
+CHOICES = (
+    ("side", "sides", SIDES, "Sides that are shown (keys 1, 2 and 3)"),
+    ("scale", "scale", SCALES, "True scale where it fills most of the room, true scale always, or all of the room (T)"),
+    ("palette", "palette", PALETTES, "Colours of the record"),
+)
+GAINS = (  # option, place in it, label, what it does
+    ("gain", None, "gain", "Gain of both sides"),
+    ("side_gains", 0, "port", "Gain of port alone"),
+    ("side_gains", 1, "starboard", "Gain of starboard alone"),
+    ("side_slopes", 0, "port slope", "Time-varied gain of port per decade of range, 0 dB at half the range"),
+    ("side_slopes", 1, "starb. slope", "Time-varied gain of starboard per decade of range, 0 dB at half the range"),
+)
+MEASURE = "Drag over the record, or press Return at both ends, to measure"
+KEYS = (("1", "both"), ("2", "port"), ("3", "starboard"))
+ICON = 56  # px
+HINT = "Point at the record and press C, or pin a pixel and click Mark."
+LOWEST, HIGHEST, STEP = -40.0, 40.0, 20.0  # dB re level bed
+BAR, SCALE, MARGIN = 14, 16, 8  # px
+GRIP = 9.0  # px beside an end in which it is taken hold of
+APART = 0.5  # dB, least distance of the ends
+KEY_STEP = 0.5  # dB
+
+
+class RecordView(SidePanel):
+    """Shows the display options, and signals their changes."""
+
+    changed = Signal(dict)  # display options by name
+    measuring = Signal(bool)
+    zoomed = Signal(float)  # factor; 0 for the whole record
+    contact_wanted = Signal()  # under the mouse
+
+    def __init__(self, parent: QWidget | None = None) -> None:
+        super().__init__(parent)
+        self._look = DisplayOptions()
+        self.keys: list[QAction] = []
+        self.ticks: dict[str, QCheckBox] = {}
+        self.choices = {name: ChoiceRow(_choice(name, self._look), self._settle) for name, *_ in CHOICES}
+        self.gains = [NumberRow(_gain(row, self._look), self._settle, self._settle) for row in range(len(GAINS))]
+        self.usual = push_button("Usual display", "Put all display options back, gains and contrast too", wide=True)
+        self.usual.clicked.connect(self._show_usual)
+        self.histogram = HistogramView()
+        self.measure = self._tick("Measure a line", "M", MEASURE, self.measuring)
+        self.measured = QLabel()
+        self.measured.setObjectName("about")
+        self.measured.setWordWrap(True)
+        self.measured.setMinimumHeight(5 * self.fontMetrics().lineSpacing())  # of the longest words, wrapped
+        self.measured.setAlignment(Qt.AlignmentFlag.AlignTop)
+        self.measured.setTextInteractionFlags(Qt.TextInteractionFlag.TextSelectableByMouse)
+        self.contacts = ContactListView()
+        self._lay_out()
+        self._add_keys()
+        self.show_display(self._look)
+        self.show_measured("")
+
+    def show_display(self, look: DisplayOptions) -> None:
+        """Show display options; those without effect stand aside."""
+        self._look = look
+        for name, tick in self.ticks.items():
+            tick.blockSignals(True)
+            tick.setChecked(bool(getattr(look, name)))
+            tick.blockSignals(False)
+        self.ticks["water_column"].setEnabled(not look.ground_range)
+        for name, row in self.choices.items():
+            row.show_value(_choice(name, look))
+        for number, gain in enumerate(self.gains):
+            gain.show_value(_gain(number, look))
+
+    def show_measured(self, words: str) -> None:
+        """Show what was measured last, or how to measure."""
+        self.measured.setText(words or "Drag over the record: distance, and the height of a target from its shadow.")
+
+    def _show_usual(self) -> None:
+        """Put every display option back, the contrast to that of the record."""
+        self.changed.emit(DisplayOptions()._asdict())
+
+    def _settle(self, path: str, value: Any) -> None:
+        """Signal an option that a row changes; a slider that is let go has none, a number may be no number."""
+        if not path:
+            return
+        name, _, place = path.partition(".")
+        if place or name == "gain":
+            try:
+                number = float(value)
+            except ValueError:
+                self.show_display(self._look)
+                return
+            pair = list(getattr(self._look, name)) if place else []
+            if place:
+                pair[int(place)] = number
+            value = tuple(pair) if place else number
+        self.changed.emit({name: value})
+
+    def _lay_out(self) -> None:
+        shown, measuring = QWidget(), QWidget()
+        self._lay_shown(QGridLayout(shown))
+        lines = QVBoxLayout(measuring)
+        lines.setContentsMargins(6, 6, 2, 6)
+        lines.addWidget(self.measure)
+        lines.addWidget(self.measured)
+        for title, part in (
+            ("Shown", shown),
+            ("Contrast", self.histogram),
+            ("Gain", self._gain_rows()),
+            ("Measure", measuring),
+            ("Contacts", self.contacts),
+        ):
+            self.column.addWidget(FoldingBox(title, part, unfolded=True))
+        self.column.addStretch(1)
+
+    def _lay_shown(self, grid: QGridLayout) -> None:
+        grid.setContentsMargins(6, 6, 2, 6)
+        grid.setHorizontalSpacing(10)
+        for number, (name, label, key, about) in enumerate(TICKS):
+            tick = QCheckBox(label)
+            tick.setToolTip(f"{about} ({key})")
+            tick.setFocusPolicy(Qt.FocusPolicy.TabFocus)
+            tick.toggled.connect(lambda on, name=name: self.changed.emit({name: on}))
+            self.ticks[name] = tick
+            grid.addWidget(tick, number // 2, number % 2)
+        rows = QWidget()
+        inner = QGridLayout(rows)
+        inner.setContentsMargins(0, 4, 0, 0)
+        for number, row in enumerate(self.choices.values()):
+            row.place(inner, number)
+        grid.addWidget(rows, len(TICKS), 0, 1, 2)
+        grid.addWidget(self.usual, len(TICKS) + 1, 0, 1, 2)
+
+    def _gain_rows(self) -> QWidget:
+        rows = QWidget()
+        grid = QGridLayout(rows)
+        grid.setContentsMargins(6, 6, 2, 6)
+        for number, row in enumerate(self.gains):
+            row.place(grid, number)
+        return rows
+
+    def _tick(self, text: str, key: str, about: str, signal: Any) -> QCheckBox:
+        tick = QCheckBox(text)
+        tick.setToolTip(f"{about} ({key})")
+        tick.setFocusPolicy(Qt.FocusPolicy.TabFocus)
+        tick.toggled.connect(signal)
+        self._key(text, key, tick.toggle)
+        return tick
+
+    def _add_keys(self) -> None:
+        """Make an action for every key; the window holds them, so that they work while the panel is hidden."""
+        for name, label, key, _ in TICKS:
+            self._key(label, key, lambda name=name: self.changed.emit({name: not getattr(self._look, name)}))
+        for key, side in KEYS:
+            self._key(f"Show {side}", key, lambda side=side: self.changed.emit({"side": side}))
+        self._key("True scale", "T", lambda: self.changed.emit({"scale": _other_scale(self._look)}))
+        self._key("Zoom in", "+", lambda: self.zoomed.emit(1.5))
+        self._key("Zoom out", "-", lambda: self.zoomed.emit(1.0 / 1.5))
+        self._key("Whole record", "0", lambda: self.zoomed.emit(0.0))
+        self._key("Mark a contact", "C", self.contact_wanted.emit)
+        self._key("Usual display", "", self._show_usual)
+
+    def _key(self, text: str, key: str, act: Any) -> None:
+        action = QAction(text, self)
+        action.setShortcut(QKeySequence(key))
+        action.triggered.connect(lambda: act())
+        self.keys.append(action)
+
+
+def _other_scale(look: DisplayOptions) -> str:
+    return "fit" if look.scale == "true" else "true"
+
+
+def _choice(name: str, look: DisplayOptions) -> ChoiceField:
+    _, label, options, about = next(row for row in CHOICES if row[0] == name)
+    return ChoiceField(name, label, about, 0, getattr(look, name), options)
+
+
+def _gain(row: int, look: DisplayOptions) -> NumberField:
+    name, place, label, about = GAINS[row]
+    value = getattr(look, name) if place is None else getattr(look, name)[place]
+    path = name if place is None else f"{name}.{place}"
+    return NumberField(path, label, about, "dB", 0, value, (-REACH, REACH), log=False, integer=False, name=about)
+
+
+class ContactListView(QWidget):
+    """Lists contacts, and signals what the person does to them."""
+
+    mark_wanted = Signal()
+    remove_wanted = Signal(int)
+    jump_wanted = Signal(int)
+    chosen = Signal(int)  # -1 for none
+    edited = Signal(int, str, str)  # which, name of the field, text
+    open_wanted = Signal()
+    save_wanted = Signal()
+
+    def __init__(self, parent: QWidget | None = None) -> None:
+        super().__init__(parent)
+        self.list = QListWidget()
+        self.list.setObjectName("contacts")
+        self.list.setAccessibleName("Contacts")
+        self.list.setIconSize(QSize(ICON, ICON))
+        self.list.setMinimumHeight(3 * ICON)
+        self.list.setToolTip("A double click, or Enter, shows the contact in its record")
+        self.list.currentRowChanged.connect(self._choose)
+        self.list.itemActivated.connect(lambda item: self.jump_wanted.emit(self.list.row(item)))
+        self.name, self.note = _line("Name of the contact"), _line("Note on the contact")
+        self.name.editingFinished.connect(lambda: self._edit("name", self.name))
+        self.note.editingFinished.connect(lambda: self._edit("note", self.note))
+        self.mark = push_button("Mark", "Mark a contact at the pinned pixel; C marks one under the mouse")
+        self.jump = push_button("Show", "Show the contact in its record")
+        self.remove = push_button("Remove", "Remove the contact from the list")
+        self.open = push_button("Open…", "Open a file of contacts in place of these")
+        self.save = push_button("Save…", "Save the contacts as GeoJSON with their pictures, or as a CSV table")
+        self.hint = QLabel(HINT)
+        self.hint.setObjectName("about")
+        self.hint.setWordWrap(True)
+        self.mark.clicked.connect(self.mark_wanted)
+        self.jump.clicked.connect(lambda: self.jump_wanted.emit(self.list.currentRow()))
+        self.remove.clicked.connect(lambda: self.remove_wanted.emit(self.list.currentRow()))
+        self.open.clicked.connect(self.open_wanted)
+        self.save.clicked.connect(self.save_wanted)
+        self._contacts: Sequence[Contact] = ()
+        self._lay()
+        self.show_contacts(())
+
+    def show_contacts(self, contacts: Sequence[Contact]) -> None:
+        """List contacts; the chosen one stays chosen, or the first new one if there are more than before."""
+        row = self.list.currentRow()
+        if len(contacts) > len(self._contacts):
+            shared = zip(contacts, self._contacts, strict=False)
+            row = next((number for number, (new, old) in enumerate(shared) if new is not old), len(self._contacts))
+        self.list.blockSignals(True)
+        for number, contact in enumerate(contacts):
+            # An entry holds a picture: those that stay are not made again at every change of the scene.
+            if number >= len(self._contacts) or contact is not self._contacts[number]:
+                self.list.takeItem(number)
+                self.list.insertItem(number, _item(contact))
+        while self.list.count() > len(contacts):
+            self.list.takeItem(self.list.count() - 1)
+        self._contacts = tuple(contacts)
+        self.list.setCurrentRow(min(row, len(contacts) - 1))
+        self.list.blockSignals(False)
+        self.hint.setVisible(not contacts)
+        self.list.setVisible(bool(contacts))
+        self.save.setEnabled(bool(contacts))
+        self._choose(self.list.currentRow())
+
+    def _choose(self, row: int) -> None:
+        there = 0 <= row < len(self._contacts)
+        for widget in (self.name, self.note, self.jump, self.remove):
+            widget.setEnabled(there)
+        self.name.setText(self._contacts[row].name if there else "")
+        self.note.setText(self._contacts[row].note if there else "")
+        self.chosen.emit(row if there else -1)
+
+    def _edit(self, name: str, line: QLineEdit) -> None:
+        row = self.list.currentRow()
+        if 0 <= row < len(self._contacts) and line.text() != getattr(self._contacts[row], name):
+            self.edited.emit(row, name, line.text())
+
+    def _lay(self) -> None:
+        grid = QGridLayout(self)
+        grid.setContentsMargins(6, 6, 2, 6)
+        grid.setSpacing(5)
+        grid.addWidget(self.hint, 0, 0, 1, 3)
+        grid.addWidget(self.list, 1, 0, 1, 3)
+        for row, (text, line) in enumerate((("name", self.name), ("note", self.note)), start=2):
+            label = QLabel(text)
+            label.setObjectName("name")
+            label.setBuddy(line)
+            grid.addWidget(label, row, 0)
+            grid.addWidget(line, row, 1, 1, 2)
+        for column, button in enumerate((self.mark, self.jump, self.remove)):
+            grid.addWidget(button, 4, column)
+        grid.addWidget(self.open, 5, 0)
+        grid.addWidget(self.save, 5, 1)
+
+
+def _item(contact: Contact) -> QListWidgetItem:
+    """Entry of a contact: its picture, its name and where it is."""
+    place = f"ping {contact.ping}, {contact.side}, {contact.slant_range:.1f} m slant"
+    item = QListWidgetItem("\n".join(filter(None, [contact.name, place, contact.note])))
+    picture = QPixmap()
+    if contact.snapshot and picture.loadFromData(contact.snapshot):
+        item.setIcon(QIcon(picture))
+    where = "" if contact.x is None or contact.y is None else f", x {contact.x:.2f} m, y {contact.y:.2f} m"
+    item.setToolTip(f"{contact.name}: {place}{where}; {contact.source}")
+    return item
+
+
+def _line(name: str) -> QLineEdit:
+    line = QLineEdit()
+    line.setObjectName("line")
+    line.setAccessibleName(name)
+    line.setToolTip(name)
+    line.returnPressed.connect(line.clearFocus)
+    return line
+
+
+class HistogramView(QWidget):
+    """Shows how often each level occurs, and the colours of the levels."""
+
+    dragged = Signal(float, float)  # ends in dB re level bed; minus infinity for silence
+
+    def __init__(self, parent: QWidget | None = None) -> None:
+        super().__init__(parent)
+        self.setMinimumHeight(104)
+        self.setMouseTracking(True)
+        self.setFocusPolicy(Qt.FocusPolicy.TabFocus)
+        self.setAccessibleName("Contrast: levels of the record over the colour bar")
+        self.setToolTip(
+            "How often each level occurs. Drag the two ends of the colour bar; by keys, ← → move the upper end "
+            "and Shift ← → the lower one."
+        )
+        self._counts: NDArray[np.float64] = np.zeros(1)
+        self._due: Callable[[], NDArray[np.floating]] | None = None  # gives the levels to count
+        self._bar = QImage()
+        self._ends = (LOWEST, HIGHEST)
+        self._held: int | None = None
+
+    @guard_override(QSize())
+    def sizeHint(self) -> QSize:
+        """Size that is asked for."""
+        return QSize(260, 112)
+
+    @property
+    def ends(self) -> tuple[float, float]:
+        """Ends of the colour bar in dB re level bed."""
+        return self._ends
+
+    def show_levels(self, find: Callable[[], NDArray[np.floating]]) -> None:
+        """Count levels in dB re level bed, which are asked for when they are next painted: behind a tab, never."""
+        self._due = find
+        self.update()
+
+    def _count(self) -> None:
+        """Count the levels that are due."""
+        find, self._due = self._due, None
+        if find is not None:
+            counts, _ = np.histogram(find(), bins=160, range=(LOWEST, HIGHEST))
+            self._counts = np.sqrt(counts / max(int(counts.max()), 1))  # so that rare levels are seen
+
+    def show_colours(self, tone_map: ToneMap) -> None:
+        """Show the colours of levels, and the ends of the palette."""
+        with np.errstate(divide="ignore"):
+            ends = tone_map.ends if tone_map.decibels else 20.0 * np.log10(np.maximum(tone_map.ends, 0.0))
+        self._ends = float(ends[0]), float(ends[1])
+        levels = np.linspace(LOWEST, HIGHEST, 320, dtype=np.float32)
+        self._words = np.ascontiguousarray(tone_map.colours(10.0 ** (levels / np.float32(20.0)))[None, :])
+        # The image shares the memory of the words.
+        self._bar = QImage(self._words.data, 320, 1, 4 * 320, QImage.Format.Format_RGB32)
+        self.update()
+
+    def place_of(self, decibels: float) -> float:
+        """Horizontal place of a level in px, at an edge where it lies beyond."""
+        share = (min(max(decibels, LOWEST), HIGHEST) - LOWEST) / (HIGHEST - LOWEST)
+        return MARGIN + share * (self.width() - 2 * MARGIN)
+
+    def level_at(self, x: float) -> float:
+        """Level at a horizontal place in px; minus infinity at the left edge and beyond."""
+        share = (x - MARGIN) / max(self.width() - 2 * MARGIN, 1)
+        return -np.inf if share <= 0.0 else LOWEST + min(share, 1.0) * (HIGHEST - LOWEST)
+
+    @guard_override(None)
+    def paintEvent(self, event: QPaintEvent) -> None:
+        """Draw histogram, colour bar, its ends and a scale."""
+        self._count()
+        with QPainter(self) as painter:
+            base = self.height() - BAR - SCALE
+            area = QRectF(MARGIN, 2.0, self.width() - 2 * MARGIN, base - 2.0)
+            painter.fillRect(area, QColor(RAISED))
+            self._draw_counts(painter, area)
+            painter.drawImage(QRectF(MARGIN, base, area.width(), BAR), self._bar, QRectF(self._bar.rect()))
+            for level in np.arange(LOWEST, HIGHEST + 1.0, STEP):
+                place = QRectF(self.place_of(level) - 30.0, base + BAR, 60.0, SCALE)
+                painter.setPen(QColor(QUIET))
+                text = (
+                    "bed" if level == 0.0 else f"{level:+.0f}".replace("-", "−") + (" dB" if level == HIGHEST else "")
+                )
+                align = {LOWEST: Qt.AlignmentFlag.AlignLeft, HIGHEST: Qt.AlignmentFlag.AlignRight}
+                inside = place.translated({LOWEST: 30.0, HIGHEST: -30.0}.get(float(level), 0.0), 0.0)
+                painter.drawText(inside, align.get(float(level), Qt.AlignmentFlag.AlignHCenter), text)
+            self._draw_ends(painter, base)
+
+    def _draw_counts(self, painter: QPainter, area: QRectF) -> None:
+        painter.setPen(Qt.PenStyle.NoPen)
+        painter.setBrush(QColor(QUIET))
+        x = np.linspace(area.left(), area.right(), self._counts.size)
+        y = area.bottom() - self._counts * (area.height() - 4.0)
+        line = [QPointF(a, b) for a, b in zip(x.tolist(), y.tolist())]
+        painter.drawPolygon(QPolygonF([QPointF(x[0], area.bottom()), *line, QPointF(x[-1], area.bottom())]))
+
+    def _draw_ends(self, painter: QPainter, base: int) -> None:
+        painter.setRenderHint(QPainter.RenderHint.Antialiasing)
+        for number, end in enumerate(self._ends):
+            x = self.place_of(end)
+            painter.setPen(QPen(QColor(ACCENT if self._held == number or self.hasFocus() else TEXT), 1.5))
+            painter.drawLine(QPointF(x, 2.0), QPointF(x, base + BAR))
+            painter.setPen(QPen(QColor(GROUND), 1.0))
+            painter.setBrush(QColor(ACCENT if self._held == number else TEXT))
+            painter.drawRoundedRect(QRectF(x - 4.0, base - 2.0, 8.0, BAR + 4.0), 3.0, 3.0)
+
+    def _end_at(self, x: float) -> int | None:
+        """Which end lies at a place; of both, the one on the side of the place."""
+        away = [abs(x - self.place_of(end)) for end in self._ends]
+        if min(away) > GRIP:
+            return None
+        if abs(away[0] - away[1]) < 1.0:
+            return int(x >= self.place_of(self._ends[1]))
+        return int(away[1] < away[0])
+
+    def mousePressEvent(self, event: QMouseEvent) -> None:
+        """Take hold of an end."""
+        if event.button() is Qt.MouseButton.LeftButton:
+            self._held = self._end_at(event.position().x())
+            self.update()
+
+    def mouseMoveEvent(self, event: QMouseEvent) -> None:
+        """Drag an end."""
+        x = event.position().x()
+        if self._held is None:
+            there = self._end_at(x) is not None
+            self.setCursor(Qt.CursorShape.SizeHorCursor if there else Qt.CursorShape.ArrowCursor)
+        else:
+            self._move(self._held, self.level_at(x))
+
+    def mouseReleaseEvent(self, event: QMouseEvent) -> None:
+        """Let go of an end."""
+        self._held = None
+        self.update()
+
+    def keyPressEvent(self, event: QKeyEvent) -> None:
+        """Move an end by half a decibel."""
+        turn = {Qt.Key.Key_Left: -KEY_STEP, Qt.Key.Key_Right: KEY_STEP}.get(Qt.Key(event.key()))
+        if turn is None:
+            super().keyPressEvent(event)
+            return
+        number = 0 if event.modifiers() & Qt.KeyboardModifier.ShiftModifier else 1
+        self._move(number, max(self._ends[number], LOWEST) + turn)
+
+    def _move(self, number: int, level: float) -> None:
+        low, high = self._ends
+        low, high = (min(level, high - APART), high) if number == 0 else (low, max(level, low + APART, LOWEST + APART))
+        if (low, high) != self._ends:
+            self.dragged.emit(low, high)

@@ -1,0 +1,1 @@
+"""The record: waterfall, echo of one ping, measuring, comparison."""

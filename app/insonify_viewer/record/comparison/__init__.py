@@ -1,0 +1,1 @@
+"""Comparison of the live record with another: recordings, kept records, and their views."""

@@ -1,0 +1,149 @@
+"""A recording as the viewer shows it: amplitudes relative to its own median, and its navigation in words."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from datetime import datetime, timedelta
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+
+from insonify.io.records import RECORDS
+from insonify_viewer.record.projection import compile_picture
+from insonify_viewer.record.record import MAX_CELLS, MAX_PINGS
+from insonify_viewer.state.inspection import Mark
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+SIDES = ("port", "starboard")
+UNKNOWN = "not recorded"
+
+
+@dataclass(frozen=True, eq=False)
+class Recording:
+    """A record that was read from a file."""
+
+    path: Path  # the file
+    dataset: xr.Dataset  # the record, from ``records.read_record``
+    # (pings, 2, bins) amplitudes relative to the median curve of the record; port first, near to far.
+    amplitude: NDArray[np.float32]
+    # (pings,) height of the sonar above the bed in metres, as recorded, else by the bottom track; NaN where
+    # neither is known.
+    altitude: NDArray[np.float64]
+
+    @property
+    def pings(self) -> int:
+        """Number of pings."""
+        return self.amplitude.shape[0]
+
+    @property
+    def bins(self) -> int:
+        """Range bins per side."""
+        return self.amplitude.shape[2]
+
+    @property
+    def held(self) -> int:
+        """Number of pings that are on screen at once."""
+        return max(min(self.pings, MAX_PINGS, MAX_CELLS // (2 * self.bins)), 1)
+
+    @property
+    def slant_range(self) -> float:
+        """Slant range of the outer edge of the last bin, in metres."""
+        return 2.0 * float(self.dataset["slant_range"].values[0]) * self.bins
+
+    @property
+    def ping_rate(self) -> float:
+        """Mean number of pings a second; 1 where the record tells no times."""
+        times = self.dataset["ping_time"].values
+        lasts = float(times[-1] - times[0])
+        return (self.pings - 1) / lasts if lasts > 0.0 else 1.0
+
+    @property
+    def step(self) -> float:
+        """Mean distance between pings in metres; where the fish does not move, that of a picture as long as wide."""
+        x, y = (self.dataset[f"platform_{axis}"].values for axis in "xy")
+        towed = float(np.hypot(np.diff(x), np.diff(y)).sum())
+        return towed / (self.pings - 1) if towed > 0.0 else 2.0 * self.slant_range / self.held
+
+    def slant_range_of(self, range_bin: int) -> float:
+        """Slant range of the centre of a bin, in metres."""
+        return float(self.dataset["slant_range"].values[range_bin])
+
+    def value(self, name: str, ping: int) -> float:
+        """Value of a platform variable at a ping; NaN where the record lacks it."""
+        column = self.dataset.variables.get(f"platform_{name}")
+        return math.nan if column is None else float(column.values[ping])
+
+
+def is_recording(path: str) -> bool:
+    """Whether a file is, by its suffix, a recording or a record rather than a scene."""
+    return Path(path).suffix.lower() in (*RECORDS.readable(), *RECORDS.foreign())
+
+
+def load_recording(path: str, frequency: float | None = None) -> Recording:
+    """Read a record and relate it to its own median curve, as ``insonify compare`` draws it."""
+    # lazy: loads SciPy and kernels on a thread of its own; the window opens before
+    from insonify.display.normalisation import normalise
+    from insonify.display.sheet import compute_median_curve
+    from insonify.io.records import read_record
+    from insonify.io.records.bottom_track import find_altitude
+
+    compile_picture()
+    dataset = read_record(path, frequency)
+    intensity = dataset["intensity"].transpose("ping_time", "channel", "range_sample").values
+    return Recording(Path(path), dataset, normalise(intensity, compute_median_curve(dataset)), find_altitude(dataset))
+
+
+def describe_point(recording: Recording, mark: Mark) -> dict[str, str]:
+    """Tell what is known of a point of a recording: where the sonar was, and what it received."""
+    level = float(recording.amplitude[mark.ping, mark.side, mark.bin])
+    return {
+        "ping": f"{mark.ping} of {recording.pings}",
+        "time": _time(recording, mark.ping),
+        "position": _position(recording, mark.ping),
+        "heading": _quantity(compass_heading(recording.value("heading", mark.ping)), ".1f", "°"),
+        "altitude": _quantity(recording.value("altitude", mark.ping), ".2f", " m"),
+        "slant range": f"{recording.slant_range_of(mark.bin):.2f} m, {SIDES[mark.side]}",
+        "level": f"{20.0 * math.log10(level):+.1f} dB re median".replace("-", "−") if level > 0.0 else "no echo",
+    }
+
+
+def summarise_point(recording: Recording, mark: Mark) -> str:
+    """Describe a point of a recording in one line, without what the file lacks."""
+    known = {name: text for name, text in describe_point(recording, mark).items() if text != UNKNOWN}
+    parts = [f"recorded ping {mark.ping}", f"slant {known['slant range']}"]
+    parts += [f"{name} {known[name]}" for name in ("altitude", "heading") if name in known]
+    return "  ·  ".join([*parts, known["level"]])
+
+
+def compass_heading(heading_deg: float) -> float:
+    """Heading by the compass, 0 to 360 degrees clockwise from north, of one counter-clockwise from east."""
+    return (90.0 - heading_deg) % 360.0
+
+
+def _time(recording: Recording, ping: int) -> str:
+    """Date and time of a ping where the record tells when it began, else seconds since its first ping."""
+    seconds = float(recording.dataset["ping_time"].values[ping])
+    try:
+        begin = datetime.fromisoformat(str(recording.dataset.attrs["time_coverage_start"]))
+    except (KeyError, ValueError):
+        return f"{seconds:.2f} s"
+    at = begin + timedelta(seconds=seconds)
+    return f"{at:%Y-%m-%d %H:%M:%S}.{at.microsecond // 10_000:02d}"
+
+
+def _position(recording: Recording, ping: int) -> str:
+    """Latitude and longitude where the record tells them, else metres."""
+    latitude, longitude = recording.value("latitude", ping), recording.value("longitude", ping)
+    if math.isfinite(latitude) and math.isfinite(longitude):
+        north, east = "N" if latitude >= 0.0 else "S", "E" if longitude >= 0.0 else "W"
+        return f"{abs(latitude):.5f}° {north}, {abs(longitude):.5f}° {east}"
+    return f"x {recording.value('x', ping):.1f} m, y {recording.value('y', ping):.1f} m".replace("-", "−")
+
+
+def _quantity(value: float, form: str, unit: str) -> str:
+    return f"{value:{form}}{unit}" if math.isfinite(value) else UNKNOWN

@@ -1,0 +1,151 @@
+"""Picture of a record in a ring of coloured rows; a row is coloured once, when it arrives."""
+
+from __future__ import annotations
+
+from itertools import pairwise
+
+import numpy as np
+from numpy.typing import NDArray
+from PySide6.QtCore import QBuffer, QByteArray, QPoint, QRect, QRectF
+from PySide6.QtGui import QColor, QImage, QImageWriter, QPainter
+
+from insonify_viewer.record.projection import Projection
+from insonify_viewer.record.record import Record, Rows
+from insonify_viewer.record.tone_map import ToneMap
+from insonify_viewer.widgets.painting import dimmed
+
+EMPTY = 0xFF0B1118
+SNAPSHOT = 128  # px, side of a picture about a place
+
+
+class RecordImage:
+    """Display columns and colours of the rows of a record."""
+
+    def __init__(self) -> None:
+        self.version = 0
+        self.oldest = -1
+
+    def fit(self, record: Record, projection: Projection, tone_map: ToneMap, width: int) -> None:
+        """Compute the display columns and the colours of every row for a width."""
+        self._record, self._downwards = record, projection.newest_on_top
+        self._columns = np.zeros((record.pings, width), dtype=np.float32)
+        held = np.flatnonzero(record.ping >= 0)
+        if held.size:
+            self._columns[held] = self._averaged(held, projection)
+        self.pixels = np.full((record.pings, width), EMPTY, dtype=np.uint32)
+        # The image shares the memory of the array; both live as long as this object.
+        self._image = QImage(self.pixels.data, width, record.pings, 4 * width, QImage.Format.Format_RGB32)
+        self.paint(np.arange(record.pings), projection, tone_map)
+
+    def put(
+        self, rows: Rows, projection: Projection, tone_map: ToneMap, alike: int, reach: NDArray[np.float64] | None
+    ) -> None:
+        """Take over rows that the record has just received; `WaterfallView.show_rows` explains the parameters."""
+        means = self._averaged(rows[::alike], projection)
+        if reach is not None and rows.size:
+            bins = projection.bins_of_columns(projection.newest, means.shape[1])
+            means = blur_along_track(means, reach[bins] / alike)
+        painted = _coloured(means, projection, tone_map)
+        if alike > 1:
+            means = np.repeat(means, alike, axis=0)[: rows.size]
+            painted = np.repeat(painted, alike, axis=0)[: rows.size]
+        self._columns[rows] = means
+        self._put_colours(rows, painted, projection)
+
+    def paint(self, rows: Rows, projection: Projection, tone_map: ToneMap) -> None:
+        """Colour rows that hold a ping anew; blank those whose ping is not in the picture."""
+        rows = rows[self._record.ping[rows] >= 0]
+        self._put_colours(rows, _coloured(self._columns[rows], projection, tone_map), projection)
+
+    def _put_colours(self, rows: Rows, painted: NDArray[np.uint32], projection: Projection) -> None:
+        """Show rows by their colours, which are written to; blank or dim some of them."""
+        record = self._record
+        stale = record.stamp[rows] < self.oldest
+        painted[stale] = dimmed(painted[stale])
+        age = projection.newest - record.ping[rows]
+        painted[(age < 0) | (age >= record.pings)] = EMPTY
+        self.pixels[self._places(rows)] = painted
+        self.version += 1
+
+    def blank(self, rows: Rows) -> None:
+        """Blank rows."""
+        self.pixels[self._places(rows)] = EMPTY
+
+    def picture(self, rows: Rows) -> NDArray[np.uint32]:
+        """Colours of some rows, as 0xffRRGGBB."""
+        return np.asarray(self.pixels[self._places(rows)])
+
+    def columns(self, rows: Rows) -> NDArray[np.float32]:
+        """Amplitudes of some rows in display columns; negative beyond the last bin."""
+        return np.asarray(self._columns[rows])
+
+    def draw(self, painter: QPainter, plot: QRect, projection: Projection) -> None:
+        """Draw the part that the projection shows, in the two pieces of the ring."""
+        pings, width = self.pixels.shape
+        top, bottom = sorted(projection.ages)
+        newest = pings - 1 - projection.newest % pings  # row of the newest ping
+        first = (newest + top) % pings if self._downwards else (pings - newest - bottom) % pings
+        shown = bottom - top
+        above = min(shown, pings - first)
+        seam = plot.top() + round(above / shown * plot.height())
+        painter.setRenderHint(QPainter.RenderHint.SmoothPixmapTransform, shown > plot.height())
+        upper = QRectF(plot.left(), plot.top(), plot.width(), seam - plot.top())
+        painter.drawImage(upper, self._image, QRectF(0.0, first, width, above))
+        if shown > above:
+            lower = QRectF(plot.left(), seam, plot.width(), plot.bottom() + 1 - seam)
+            painter.drawImage(lower, self._image, QRectF(0.0, 0.0, width, shown - above))
+
+    def snapshot(self, plot: QRect, projection: Projection, place: QPoint) -> bytes:
+        """Draw the surroundings of a place of the plot as PNG."""
+        picture = QImage(SNAPSHOT, SNAPSHOT, QImage.Format.Format_RGB32)
+        picture.fill(QColor.fromRgb(EMPTY))
+        with QPainter(picture) as painter:
+            painter.translate(QPoint(SNAPSHOT // 2, SNAPSHOT // 2) - place)
+            self.draw(painter, plot, projection)
+        buffer = QBuffer()
+        buffer.open(QBuffer.OpenModeFlag.WriteOnly)
+        QImageWriter(buffer, QByteArray(b"PNG")).write(picture)
+        return bytes(buffer.data().data())
+
+    def _averaged(self, rows: Rows, projection: Projection) -> NDArray[np.float32]:
+        """Display columns of rows of the record."""
+        record, width = self._record, self._columns.shape[1]
+        altitude = np.nan_to_num(record.altitude[rows])
+        if projection.factors is None:
+            return projection.columns(record.amplitude, altitude, width, rows)
+        return projection.columns(record.amplitude[rows] * projection.factors, altitude, width)
+
+    def _places(self, rows: Rows) -> Rows:
+        """Rows of the picture that show rows of the record."""
+        return rows if self._downwards else self._record.pings - 1 - rows
+
+
+def _coloured(columns: NDArray[np.float32], projection: Projection, tone_map: ToneMap) -> NDArray[np.uint32]:
+    """Colours of display columns, blank beyond the last bin."""
+    painted = tone_map.colours(columns)
+    if not projection.axis.shows_water:
+        painted[columns < 0.0] = EMPTY
+    return painted
+
+
+def blur_along_track(columns: NDArray[np.float32], reach: NDArray[np.float64]) -> NDArray[np.float32]:
+    """Average energy over the number of successive pings that the beam covers."""
+    half = 0.5 * np.maximum(reach, 1.0)
+    margin = int(half.max() + 0.5) + 1
+    energy = np.square(np.pad(columns, ((margin, margin), (0, 0)), mode="edge"))
+    total = np.zeros((len(energy) + 1, columns.shape[1]), dtype=np.float32)
+    np.cumsum(energy, axis=0, out=total[1:])
+    out = columns.copy()
+    whole = np.floor(half + 0.5).astype(np.int64)
+    part = (half + 0.5 - whole).astype(np.float32)
+    ends = np.flatnonzero(np.diff(whole, prepend=-1, append=-1))
+    # The columns of a run average over the same rows.
+    for run in (slice(first, end) for first, end in pairwise(ends) if whole[first] > 0):
+        far, near = margin + int(whole[run.start]), margin + 1 - int(whole[run.start])
+        above, below = total[:, run], part[run]
+        n = len(columns)
+        summed = above[far : far + n] - above[near : near + n]
+        summed += below * (energy[far : far + n, run] + energy[near - 1 : near - 1 + n, run])
+        summed /= (2.0 * half[run]).astype(np.float32)
+        out[:, run] = np.sqrt(np.maximum(summed, 0.0))  # rounding may make the difference of two sums negative
+    return out

@@ -1,0 +1,1 @@
+"""Three-dimensional view of the seabed: camera, shading, handles of targets."""

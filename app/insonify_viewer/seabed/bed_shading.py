@@ -1,0 +1,100 @@
+"""Image of the bed from above: colours of the materials, shaded by the slopes, fading into the water."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from insonify.optics.material_colours import mixed_colour, shares_of
+from insonify.scene.seabed.materials import MATERIALS
+
+if TYPE_CHECKING:
+    from insonify.scene import Scene
+    from insonify.terrain.ground import Ground
+
+FOG = (0.345, 0.570, 0.655)
+LAMP = np.array([-0.50, 0.55, 0.67]) / np.linalg.norm([-0.50, 0.55, 0.67])
+LIT = 1.3  # brightness of targets over the bed, so that they stand out
+SLOPE_SHOWN = 0.42
+EXAGGERATION = (0.5, 15.0)
+FADE = (0.55, 0.98)
+DARK = 1e-6  # diffuse share below which a material counts as black
+TONES = (0.3, 2.5)  # limits of shown brightness: diffuse share over that of the named material
+
+
+def target_colours(scene: Scene) -> NDArray[np.uint8]:
+    """Colours of the targets by their materials, (targets, 3) uint8."""
+    colours = np.array([MATERIALS[target.material.name].colour for target in scene.targets]).reshape(-1, 3)
+    return np.asarray(255.0 * np.minimum(colours * LIT, 1.0), dtype=np.uint8)
+
+
+def bed_image(ground: Ground, centre: tuple[float, float], half: float, size: int) -> NDArray[np.uint8]:
+    """Shade the bed within a window, seen from above."""
+    offset = ((np.arange(size) + 0.5) / size * 2.0 - 1.0).astype(np.float32)
+    x, y = centre[0] + half * offset, centre[1] + half * offset
+    z = sample_heights(ground, x, y)
+    light = _shade(z, 2.0 * half / size)
+    r = np.clip((np.hypot(offset, offset[:, None]) - FADE[0]) / (FADE[1] - FADE[0]), 0.0, 1.0)
+    clear = np.where(np.isnan(z), np.float32(0.0), 1.0 - r * r * (3.0 - 2.0 * r))
+    light = np.nan_to_num(light) * clear
+    materials = _materials(ground, x, y)
+    table = _colours(ground)
+    image = np.empty((size, size, 3), dtype=np.uint8)
+    for channel in range(3):
+        tone = table[:, channel][materials] * light + np.float32(FOG[channel]) * (1.0 - clear)
+        image[..., channel] = (np.clip(tone[::-1], 0.0, 1.0) * 255.0).astype(np.uint8)
+    return image
+
+
+def _colours(ground: Ground) -> NDArray[np.float32]:
+    """Colours of the rows of the material table, (n, 3): that of the name, lighter or darker by the diffuse share."""
+    named = [shares_of(name) for name in ground.names]
+    colours = np.array([mixed_colour(shares) for shares in named])
+    usual = np.array([sum(share * MATERIALS[name].diffuse for name, share in shares) for shares in named])
+    ratio = np.array([row.diffuse for row in ground.reflectivities]) / np.maximum(usual, DARK)
+    tone = np.sqrt(np.clip(ratio / max(float(ratio.mean()), DARK), *TONES))
+    return np.asarray(colours * tone[:, np.newaxis], dtype=np.float32)
+
+
+def sample_heights(ground: Ground, x: NDArray[Any], y: NDArray[Any]) -> NDArray[np.float32]:
+    """Bilinear heights on a grid along the axes."""
+    ny, nx = ground.heights.shape
+    j, part_y = _nodes(y, ground.y0, ground.spacing, ny, periodic=ground.periodic)
+    i, part_x = _nodes(x, ground.x0, ground.spacing, nx, periodic=ground.periodic)
+    z = ground.heights
+    along = z[:, i] * (1 - part_x) + z[:, (i + 1) % nx] * part_x
+    return np.asarray(along[j] * (1 - part_y[:, None]) + along[(j + 1) % ny] * part_y[:, None])
+
+
+def _nodes(
+    place: NDArray[Any], first: float, spacing: float, nodes: int, *, periodic: bool
+) -> tuple[NDArray[np.int64], NDArray[np.float32]]:
+    """Index of the node before each coordinate, and the fraction of the cell after it; NaN outside the grid."""
+    u = (np.asarray(place, dtype=np.float64) - first) / spacing
+    low = np.floor(u).astype(np.int64)
+    part = (u - low).astype(np.float32)
+    if periodic:
+        return low % nodes, part
+    part[(u < 0) | (u >= nodes - 1)] = np.nan
+    return np.clip(low, 0, max(nodes - 2, 0)), part
+
+
+def _shade(z: NDArray[np.float32], spacing: float) -> NDArray[np.float32]:
+    """Hillshade of every pixel, about 1 on level bed, with slopes scaled to be visible."""
+    slope_y, slope_x = np.gradient(z, np.float32(spacing))
+    square = slope_x**2 + slope_y**2
+    spread = float(np.sqrt(np.nanmean(square))) if np.isfinite(square).any() else 0.0
+    scale = np.float32(np.clip(SLOPE_SHOWN / max(spread, 1e-9), *EXAGGERATION))
+    lamp = LAMP.astype(np.float32)
+    toward = (lamp[2] - scale * (lamp[0] * slope_x + lamp[1] * slope_y)) / np.sqrt(1.0 + scale**2 * square)
+    return np.asarray(0.30 + 0.70 / lamp[2] * np.maximum(toward, 0.0), dtype=np.float32)
+
+
+def _materials(ground: Ground, x: NDArray[Any], y: NDArray[Any]) -> NDArray[np.uint8]:
+    """Material index at each point of a grid along the axes, (ny, nx)."""
+    ny, nx = ground.materials.shape
+    j, _ = _nodes(y, ground.y0, ground.spacing, ny, periodic=ground.periodic)
+    i, _ = _nodes(x, ground.x0, ground.spacing, nx, periodic=ground.periodic)
+    return np.asarray(ground.materials[np.ix_(j, i)])

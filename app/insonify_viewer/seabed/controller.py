@@ -1,0 +1,310 @@
+"""Controller of the three-dimensional view; meshes and textures are made on the worker."""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Callable, Sequence
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+from psygnal import Signal
+
+from insonify.scene import SceneError
+from insonify_viewer.errors import Failure
+from insonify_viewer.record.drape import RecordStrip, drape_record
+from insonify_viewer.seabed.fan_sheet import fan_sheet
+from insonify_viewer.seabed.handle_geometry import meet_bed
+from insonify_viewer.widgets.qt_modules import load_qt_modules
+from insonify_viewer.work.gc_policy import leave_out_libraries
+from insonify_viewer.work.ping_request import LaidScene, is_same_ground
+from insonify_viewer.work.simulator import Simulator
+
+if TYPE_CHECKING:
+    from insonify.kernels.common.types import Mesh, Poses, Solids
+    from insonify.simulation import Simulation
+    from insonify.terrain import AnyGround
+    from insonify_viewer.seabed.pv_meshes import BedPatch, ScanLine
+    from insonify_viewer.state.inspection import SoundDrawing
+
+    Vector = NDArray[np.float64]
+    Grip = tuple[tuple[float, float, float], str, bool]
+    _Bed = tuple[AnyGround, tuple[float, float], float]
+    _Bodies = tuple[Solids, Mesh, NDArray[np.uint8]]
+    from insonify_viewer.seabed.seabed_view import SeabedView
+
+VIEW = "insonify_viewer.seabed.seabed_view"
+
+
+class SeabedController:
+    """Loads the view and its libraries, and passes on only what has changed."""
+
+    picked = Signal(tuple)  # place of the bed or of a target that was clicked
+    taken = Signal(int)  # number of the handle at which a drag begins
+    pulled = Signal(tuple)  # place of the bed to which it is dragged
+    released = Signal()
+    failed = Signal(object)  # a `Failure` or an exception
+
+    def __init__(self, simulator: Simulator, *, accelerated: bool) -> None:
+        self._simulator, self._accelerated = simulator, accelerated
+        self._view: SeabedView | None = None
+        self._latest: tuple[Simulation | LaidScene, int, NDArray[np.float32], bool] | None = None
+        self._bed: _Bed | None = None
+        self._bodies: _Bodies | None = None
+        self._asked = self._shown = 0  # numbers of the newest bed that is made, and of the one on screen
+        self._owed = 0  # number of the bed of a settled scene that is not yet on screen, else 0
+        self._loading = False  # whether this window is the first of the process, which loads the libraries
+        self._executor = simulator.executor
+        self._strip: RecordStrip | None = None  # what is laid over the bed
+        self._patch: BedPatch | None = None  # the bed on screen
+        self._drape_asked = self._drape_shown = 0
+        self._grips: Sequence[Grip] = ()
+
+    @property
+    def view(self) -> SeabedView | None:
+        """The view; None until it is loaded."""
+        return self._view
+
+    @property
+    def complete(self) -> bool:
+        """Whether the view shows the present bed and targets."""
+        laid = self._view is not None and self._bed is not None and self._shown == self._asked
+        return laid and self._drape_shown == self._drape_asked
+
+    def load(self, put: Callable[[SeabedView], None]) -> None:
+        """Import the libraries on the worker, then make the view on the main thread and hand it to ``put``."""
+        self._loading = VIEW not in sys.modules
+        if self._accelerated:
+            load_qt_modules()
+        self._simulator.send(self._import, lambda _: self._build(put))
+
+    def show_sonar(
+        self, simulation: Simulation | LaidScene, ping: int, tones: NDArray[np.float32], *, at_once: bool = False
+    ) -> None:
+        """Move the sonar to a ping; update bed and targets if they have changed."""
+        self._latest = (simulation, ping, tones, at_once)
+        if self._view is None:
+            return
+        # lazy: the window opens before PyVista is loaded
+        from insonify_viewer.seabed.bed_shading import target_colours
+        from insonify_viewer.seabed.pv_meshes import path_pings, window_centre
+
+        sent = np.array([ping], dtype=np.int64)
+        pose, line = simulation.poses(sent), simulation.line(sent)
+        reach = simulation.arrays.bins * simulation.arrays.bin_length
+        bed = simulation.ground, window_centre(line, reach), reach
+        bodies = (simulation.arrays.solids, simulation.arrays.mesh, target_colours(simulation.scene))
+        if not _is_same_bed(self._bed, bed) or not _same(self._bodies, bodies):
+            self._bed, self._bodies = bed, bodies
+            self._bake(bed, bodies, at_once=at_once)
+        if not at_once:  # pings of the scene are on screen
+            self._view.fade_bed(bool(self._owed))
+        self._view.show_sonar(simulation.arrays, pose, float(line.heading[0]))
+        self._scan(pose)
+        scene = simulation.scene
+        step = scene.track.speed / scene.sonar.ping_rate
+        self._view.show_path(simulation.poses(path_pings(ping, step, reach)))
+
+    def show_later(self, show: Callable[[], None]) -> None:
+        """Call a function that shows the sonar before the next drawing; drawings are rarer than moves of a slider."""
+        if self._view is not None:
+            self._view.draw_after(show)
+
+    def drape(self, strip: RecordStrip | None) -> None:
+        """Lay a record over the bed, on a thread of its own; None shows the bed as it is."""
+        self._strip = strip
+        patch = self._patch
+        if patch is None or self._view is None:
+            return
+        self._drape_asked += 1
+        number = self._drape_asked
+
+        def make() -> NDArray[np.uint8]:
+            return patch.image if strip is None else drape_record(patch.image, patch.centre, patch.half, strip)
+
+        def show(image: NDArray[np.uint8] | None) -> None:
+            self._drape_shown = number
+            if self._view is not None and image is not None and patch is self._patch:
+                self._view.show_texture(image)
+
+        self._executor.submit("drape", make, show)
+
+    def show_mark(self, place: tuple[float, float, float] | None) -> None:
+        """Mark a point of the bed; None removes the mark."""
+        if self._view is not None:
+            self._view.show_mark(place)
+
+    def show_pick(self, place: tuple[float, float, float] | None) -> None:
+        """Mark a picked place; None removes the mark."""
+        if self._view is not None:
+            self._view.show_pick(place)
+
+    def show_handles(self, grips: Sequence[Grip]) -> None:
+        """Show handles of targets: place, what a drag does, and whether it belongs to the chosen target."""
+        self._grips = grips
+        if self._view is not None:
+            self._view.handles.show(grips)
+
+    def show_sound(self, drawing: SoundDrawing | None) -> None:
+        """Draw the sound of a pixel; None removes it."""
+        if self._view is not None:
+            self._view.show_sound(drawing)
+
+    def reset_camera(self) -> None:
+        """Reset the camera to its place behind and above the fish."""
+        if self._view is not None:
+            self._view.reset_camera()
+
+    def reset_view(self) -> None:
+        """Put the camera behind and above the fish now."""
+        self.reset_camera()
+        if self._latest is not None:
+            simulation, ping, tones, at_once = self._latest
+            self.show_sonar(simulation, ping, tones, at_once=at_once)
+
+    def draw_now(self) -> None:
+        """Draw immediately, for a picture of the window."""
+        if self._view is not None:
+            self._view.draw_now()
+
+    def close(self) -> None:
+        """Release the drawing resources."""
+        if self._view is not None:
+            self._view.close_view()
+            self._view = None
+
+    def _import(self) -> None:
+        # These imports take a second or two.
+        # lazy: the window opens before PyVista is loaded
+        from insonify_viewer.seabed.seabed_view import load_libraries
+
+        load_libraries(accelerated=self._accelerated)
+
+    def _build(self, put: Callable[[SeabedView], None]) -> None:
+        # lazy: the window opens before PyVista is loaded
+        from insonify_viewer.seabed.seabed_view import SeabedView
+
+        if self._loading:
+            leave_out_libraries()
+        self._view = SeabedView(accelerated=self._accelerated)
+        self._view.sighted.connect(self._pick)
+        handles = self._view.handles
+        handles.taken.connect(lambda number: self.taken.emit(number))
+        handles.pulled.connect(self._pull)
+        handles.released.connect(lambda: self.released.emit())
+        handles.show(self._grips)
+        put(self._view)
+        if self._latest is not None:
+            simulation, ping, tones, at_once = self._latest
+            self.show_sonar(simulation, ping, tones, at_once=at_once)
+
+    def _scan(self, pose: Poses) -> None:
+        """Lay the fan on the bed; heights of endless ground may take a second, on a thread of their own."""
+        # lazy: the window opens before PyVista and Numba are loaded
+        from insonify.terrain import EndlessGround
+        from insonify_viewer.seabed.pv_meshes import scan_line
+
+        assert self._latest is not None
+        latest = simulation, ping, tones, at_once = self._latest
+        arrays, ground = simulation.arrays, simulation.ground
+
+        def show(scanned: ScanLine | None) -> None:
+            if self._view is None or scanned is None:
+                return
+            self._view.show_scan(arrays, pose, scanned, tones)
+            if not at_once and self._latest is latest:  # the kernels of the first pings must not wait for its own
+                self._cut_fan(simulation, ping)
+
+        if isinstance(ground, EndlessGround):
+            self._executor.submit("scan", lambda: scan_line(ground, arrays, pose), show)
+        else:
+            show(scan_line(ground, arrays, pose))
+
+    def _cut_fan(self, simulation: Simulation | LaidScene, ping: int) -> None:
+        """Cut the fan by what shades it, on a thread of its own."""
+        if isinstance(simulation, LaidScene):
+            return
+        latest = self._latest
+
+        def show(sheet: NDArray[np.float64] | None) -> None:
+            # The fish may be farther on by now; the next sheet follows.
+            if self._view is not None and sheet is not None and self._latest is latest:
+                self._view.show_sheet(sheet)
+
+        self._executor.submit("fan", lambda: fan_sheet(simulation, ping), show)
+
+    def _pull(self, begin: Vector, end: Vector) -> None:
+        """Tell of the place of the bed under the mouse that holds a handle."""
+        if self._latest is not None:
+            bed = self._latest[0].arrays.bed
+            place = meet_bed(self._latest[0].ground, begin, end, (bed.low, bed.high))
+            if place is not None:
+                self.pulled.emit(place)
+
+    def _pick(self, begin: Vector, end: Vector, target: Vector | None) -> None:
+        """Tell of the nearest place of a target or of the bed along a line of sight."""
+        if self._latest is None:
+            return
+        bed = self._latest[0].arrays.bed
+        place = meet_bed(self._latest[0].ground, begin, end, (bed.low, bed.high))
+        if target is not None and (place is None or np.linalg.norm(target - begin) < np.linalg.norm(place - begin)):
+            place = float(target[0]), float(target[1]), float(target[2])
+        if place is not None:
+            self.picked.emit(place)
+
+    def _bake(self, bed: _Bed, bodies: _Bodies, *, at_once: bool) -> None:
+        """Make the meshes of bed and targets, on a thread of their own or on the worker."""
+        # lazy: the window opens before PyVista is loaded
+        from insonify_viewer.seabed.pv_meshes import bed_patch, targets_mesh
+
+        self._asked += 1
+        number = self._asked
+
+        def make() -> tuple[BedPatch, Any]:
+            return bed_patch(*bed), targets_mesh(*bodies)
+
+        def show(made: tuple[BedPatch, Any] | SceneError | Failure) -> None:
+            self._lay(number, made)
+
+        if at_once:
+            self._owed = number
+            self._executor.start("picture of the bed", make, done=show, failed=show)
+        elif self._shown:
+            self._simulator.send_patiently("bed", make, show)
+        else:
+            self._simulator.send(make, show)
+
+    def _lay(self, number: int, made: tuple[BedPatch, Any] | SceneError | Failure) -> None:
+        """Show meshes, unless newer ones are on screen."""
+        if self._view is None or number < self._shown:
+            return
+        self._shown = number
+        if isinstance(made, (SceneError, Failure)):
+            self.failed.emit(made)
+            return
+        self._patch = made[0]
+        self._view.show_bed(made[0])
+        if number >= self._owed:
+            self._owed = 0
+            self._view.fade_bed(False)
+        if self._strip is not None:
+            self.drape(self._strip)
+        self._view.show_targets(made[1])
+
+
+def _is_same_bed(first: _Bed | None, second: _Bed) -> bool:
+    """Whether two windows show the same ground at the same place."""
+    return first is not None and first[1:] == second[1:] and is_same_ground(first[0], second[0])
+
+
+def _same(first: _Bodies | None, second: _Bodies) -> bool:
+    """Whether two sets of targets have the same shapes and colours."""
+    if first is None or first[0] is second[0]:
+        return first is not None
+    bodies = [*zip(first[0], second[0]), *zip(first[1], second[1])]
+    return np.array_equal(first[2], second[2]) and all(np.array_equal(a, b) for a, b in bodies)
+
+
+def silence(simulation: Simulation | LaidScene) -> NDArray[np.float32]:
+    """Tones of a scan line without echoes."""
+    return np.zeros(2 * simulation.arrays.bins, dtype=np.float32)

@@ -1,0 +1,206 @@
+"""Handles of targets: where they are in the scene and in the record, and what a drag of one changes."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any, Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+from insonify.scene import Scene
+from insonify.scene.targets import Target
+from insonify_viewer.state.inspection import Mark
+
+if TYPE_CHECKING:
+    from insonify.simulation import Simulation
+    from insonify.terrain import AnyGround
+
+Place = tuple[float, float, float]
+Action = Literal["move", "turn", "resize", "thicken", "raise"]
+SIZES = {"pipe": "length", "box": "size", "sphere": "radius", "cone": "radius", "mesh": "scale"}
+THICKNESSES = {"pipe": "radius", "box": "width and height", "cone": "height"}  # in words, of what thickens a target
+RAISED = ("box",)  # kinds whose height alone has a handle
+BESIDE = 0.06  # slant ranges by which the handle that turns stands beyond the end of a target
+ASIDE = 0.1  # slant ranges by which the handles that thicken and raise stand off its sides, clear of the one that moves
+NEAR = 0.03  # slant ranges about a target within which a place belongs to it
+AROUND = 96  # pings about the one that straight tow lines give, in which an echo is looked for
+SMALLEST, LARGEST = 0.02, 50.0  # factors by which one drag resizes
+DIGITS = 3  # of positions and sizes in metres
+SAMPLES = 4096  # along the line
+HALVINGS = 30
+CLEAR = 2.0  # m above the highest bed known, and below the lowest, between which the line is looked at
+
+Vector = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class Handle:
+    """A place by which a target is held."""
+
+    target: int  # position of the target in the scene
+    # What a drag does: ``move``, ``turn``, ``resize``, ``thicken`` across the heading alone, or ``raise`` in
+    # height.
+    action: Action
+    place: Place  # (float, float, float) local coordinates, in metres
+
+
+def handles_of(simulation: Simulation, chosen: int | None) -> tuple[Handle, ...]:
+    """List the handles of the targets that are not locked: all can be moved, the chosen one turned and resized too."""
+    scene, found = simulation.scene, []
+    for number, target in enumerate(scene.targets):
+        if target.locked:
+            continue
+        found.append(Handle(number, "move", _place(simulation, target, 0.0)))
+        if number == chosen:
+            half = half_length(target)
+            if "heading" in type(target).model_fields and target.kind != "sphere":
+                beyond = half + BESIDE * scene.sonar.range
+                found.append(Handle(number, "turn", _place(simulation, target, beyond)))
+            if target.kind in SIZES:
+                found.append(Handle(number, "resize", _place(simulation, target, half)))
+            aside = half_width(target) + ASIDE * scene.sonar.range
+            if target.kind in THICKNESSES:
+                found.append(Handle(number, "thicken", _place(simulation, target, 0.0, aside)))
+            if target.kind in RAISED:
+                found.append(Handle(number, "raise", _place(simulation, target, 0.0, -aside)))
+    return tuple(found)
+
+
+def half_length(target: Target) -> float:
+    """Half of the length of a target along its heading, in metres."""
+    return target.outline.extent((1.0, 0.0, 0.0))
+
+
+def half_width(target: Target) -> float:
+    """Half of the width of a target across its heading, in metres."""
+    return target.outline.extent((0.0, 1.0, 0.0))
+
+
+def target_at(scene: Scene, x: float, y: float) -> int | None:
+    """Find the target nearest to a place, if it is within its plan or close to it."""
+    margin = NEAR * scene.sonar.range
+    distances = [_distance(target, x, y) for target in scene.targets]
+    nearest = min(range(len(distances)), key=distances.__getitem__, default=None)
+    return nearest if nearest is not None and distances[nearest] <= margin else None
+
+
+def drag_edit(scene: Scene, handle: Handle, begun: Place, now: Place) -> dict[str, Any]:
+    """Edit that a drag of a handle makes."""
+    target, path = scene.targets[handle.target], f"targets.{handle.target}"
+    x, y, *height = target.position
+    if handle.action == "move":
+        there = [round(x + now[0] - begun[0], DIGITS), round(y + now[1] - begun[1], DIGITS)]
+        return {f"{path}.position": [*there, *height]}
+    # What stands above the bed is heard nearer than the bed beneath it: the mouse shows how far the handle has moved.
+    first = handle.place[0] - x, handle.place[1] - y
+    last = first[0] + now[0] - begun[0], first[1] + now[1] - begun[1]
+    if handle.action == "turn":
+        turned = math.degrees(math.atan2(last[1], last[0]) - math.atan2(first[1], first[0]))
+        heading = float(target.attitude[0]) + turned
+        return {f"{path}.heading": round((heading + 180.0) % 360.0 - 180.0, 1)}
+    factor = min(max(math.hypot(*last) / max(math.hypot(*first), 1e-6), SMALLEST), LARGEST)
+    if handle.action == "thicken":
+        return _thickened(target, path, factor)
+    if handle.action == "raise":
+        return _raised(target, path, factor)
+    name = SIZES[target.kind]
+    size = getattr(target, name)
+    scaled = [_scaled(side, factor) for side in size] if isinstance(size, tuple) else _scaled(size, factor)
+    changes = {f"{path}.{name}": scaled}
+    return changes | ({f"{path}.height": _scaled(target.height, factor)} if hasattr(target, "height") else {})
+
+
+def _thickened(target: Any, path: str, factor: float) -> dict[str, Any]:
+    """Edit that scales a target across its heading, or the height of one that is round in plan."""
+    if target.kind == "box":
+        length, *others = target.size
+        return {f"{path}.size": [length, *(_scaled(side, factor) for side in others)]}
+    name = THICKNESSES[target.kind]
+    return {f"{path}.{name}": _scaled(getattr(target, name), factor)}
+
+
+def _raised(target: Any, path: str, factor: float) -> dict[str, Any]:
+    """Edit that scales the height of a box."""
+    length, width, height = target.size
+    return {f"{path}.size": [length, width, _scaled(height, factor)]}
+
+
+def echo_mark(simulation: Simulation, place: Place) -> Mark | None:
+    """Find the bin in which a place is heard abeam, by straight sound; None if it is out of range or never abeam."""
+    scene, arrays = simulation.scene, simulation.arrays
+    step = scene.track.speed / scene.sonar.ping_rate
+    line = simulation.line(np.zeros(1, dtype=np.int64))
+    heading = float(line.heading[0])
+    ahead = (place[0] - float(line.x[0])) * math.cos(heading) + (place[1] - float(line.y[0])) * math.sin(heading)
+    middle = round(ahead / step)
+    if middle < -AROUND:
+        return None
+    pings = np.arange(max(middle - AROUND, 0), max(middle + AROUND, 0) + 1, dtype=np.int64)
+    pose = simulation.poses(pings)
+    dx, dy, dz = place[0] - pose.x, place[1] - pose.y, place[2] - pose.z
+    along = dx * np.cos(pose.heading) + dy * np.sin(pose.heading)
+    left = dy * np.cos(pose.heading) - dx * np.sin(pose.heading)
+    slant = np.sqrt(dx**2 + dy**2 + dz**2)
+    # The beam is a cone about the axis of the fish, squinted from the plane athwart.
+    off = np.abs(along - arrays.pattern.centre * slant)
+    k = int(np.argmin(off))
+    if off[k] > 2.0 * step or slant[k] >= arrays.bins * arrays.bin_length:
+        return None
+    return Mark(int(pings[k]), int(left[k] < 0.0), int(slant[k] / arrays.bin_length))
+
+
+def _place(simulation: Simulation, target: Target, ahead: float, aside: float = 0.0) -> Place:
+    """Place at half the height of a target, some way ahead of its centre and to its port side."""
+    angle = math.radians(float(target.attitude[0]))
+    x = target.position[0] + ahead * math.cos(angle) - aside * math.sin(angle)
+    y = target.position[1] + ahead * math.sin(angle) + aside * math.cos(angle)
+    if len(target.position) == 3:
+        return x, y, target.position[2] - simulation.ground.datum
+    bed = float(simulation.ground.height_at_once(np.array([x]), np.array([y]))[0])
+    up = target.underside + target.outline.extent((0.0, 0.0, 1.0))
+    return x, y, (0.0 if math.isnan(bed) else bed) + up
+
+
+def _distance(target: Target, x: float, y: float) -> float:
+    """Horizontal distance of a place from the box about a target, 0 inside it, in metres."""
+    angle = math.radians(float(target.attitude[0]))
+    dx, dy = x - target.position[0], y - target.position[1]
+    along = abs(dx * math.cos(angle) + dy * math.sin(angle)) - half_length(target)
+    across = abs(dy * math.cos(angle) - dx * math.sin(angle)) - half_width(target)
+    return math.hypot(max(along, 0.0), max(across, 0.0))
+
+
+def _scaled(size: float, factor: float) -> float:
+    return max(round(size * factor, DIGITS), 10.0**-DIGITS)
+
+
+def meet_bed(
+    ground: AnyGround, begin: Vector, end: Vector, heights: tuple[float, float]
+) -> tuple[float, float, float] | None:
+    """Find where a line of sight meets the bed first."""
+    way = end - begin
+    if way[2] >= 0.0:
+        return None
+    first, last = ((level - begin[2]) / way[2] for level in (heights[1] + CLEAR, heights[0] - CLEAR))
+    first, last = max(first, 0.0), min(last, 1.0)
+    if first >= last:
+        return None
+    share = np.linspace(first, last, SAMPLES)
+    below = _above(ground, begin, way, share) <= 0.0  # NaN, where there is no bed, compares false
+    if not below.any():
+        return None
+    k = int(np.argmax(below))
+    low, high = share[max(k - 1, 0)], share[k]
+    for _ in range(HALVINGS):
+        middle = 0.5 * (low + high)
+        low, high = (low, middle) if _above(ground, begin, way, np.array([middle]))[0] <= 0.0 else (middle, high)
+    x, y, z = begin + high * way
+    return float(x), float(y), float(z)
+
+
+def _above(ground: AnyGround, begin: Vector, way: Vector, share: Vector) -> Vector:
+    """Heights of points of the line above the bed, m."""
+    points = begin + np.multiply.outer(share, way)
+    return np.asarray(points[:, 2] - ground.height_at_once(points[:, 0], points[:, 1]))

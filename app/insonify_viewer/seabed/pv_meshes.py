@@ -1,0 +1,238 @@
+"""PyVista meshes of a scene: bed, targets, fish, track and scan line; without window or plotter."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from functools import cache
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+import pyvista as pv
+from numpy.typing import NDArray
+
+from insonify.scene.targets.shape import rotation_matrix
+from insonify_viewer.seabed.bed_shading import bed_image, sample_heights
+
+if TYPE_CHECKING:
+    from insonify.kernels.common.types import Mesh, Poses, SceneArrays, Solids
+    from insonify.terrain import AnyGround
+    from insonify.tow.line import TowLine
+
+MESH_NODES = 257
+THINNED = 2  # every so many nodes are drawn while the view is turned
+TEXTURE_SIZE = 768
+LINE_POINTS = 96  # per side, of the current scan line
+MAX_SOLIDS = 400
+ROUND = 28  # corners of a circle
+WINDOW = 3.6  # side of the bed shown, in slant ranges
+BEHIND = 0.55  # distance of its middle behind the fish, in slant ranges: recorded bed matters most
+PATH_POINTS = 160
+PATH = (1.7, 0.5)  # of the track, shown behind and ahead, in slant ranges
+STEPS = 16  # of the window, per slant range
+
+
+@dataclass(frozen=True, eq=False)
+class BedPatch:
+    """Mesh and texture of the bed around the fish."""
+
+    centre: tuple[float, float]  # (float, float) its middle, in local metres
+    points: NDArray[np.float32]  # (MESH_NODES², 3) nodes of the mesh
+    image: NDArray[np.uint8]  # (TEXTURE_SIZE, TEXTURE_SIZE, 3) shaded colours, row 0 at the far y
+    half: float  # half the side of the window, in metres
+
+
+def window_centre(line: TowLine, reach: float) -> tuple[float, float]:
+    """Centre of the window around a point of the track; it moves with the tow in steps."""
+    step, behind = reach / STEPS, BEHIND * reach
+    x = float(line.x[0]) - behind * math.cos(float(line.heading[0]))
+    y = float(line.y[0]) - behind * math.sin(float(line.heading[0]))
+    return round(x / step) * step, round(y / step) * step
+
+
+def bed_patch(bed: AnyGround, centre: tuple[float, float], reach: float) -> BedPatch:
+    """Sample and shade the bed within a window."""
+    half = WINDOW * reach / 2.0
+    ground = bed.around(centre, half)
+    x = np.linspace(centre[0] - half, centre[0] + half, MESH_NODES)
+    y = np.linspace(centre[1] - half, centre[1] + half, MESH_NODES)
+    z = sample_heights(ground, x, y)
+    z = np.where(np.isnan(z), np.nanmin(ground.heights), z)
+    points = np.stack([*np.meshgrid(x, y), z], axis=-1).reshape(-1, 3).astype(np.float32)
+    return BedPatch(centre, points, bed_image(ground, centre, half, TEXTURE_SIZE), half)
+
+
+def bed_mesh(*, thinned: bool = False) -> Any:
+    """Return a textured grid of `MESH_NODES`² nodes or of every `THINNED`th of them, to be filled from a `BedPatch`."""
+    mesh: Any = pv.StructuredGrid()
+    side = np.linspace(0.0, 1.0, MESH_NODES, dtype=np.float32)[:: THINNED if thinned else 1]
+    u, v = np.meshgrid(side, side)
+    mesh.points = np.column_stack([u.ravel(), v.ravel(), np.zeros(u.size, np.float32)])
+    mesh.dimensions = (len(side), len(side), 1)
+    mesh.active_texture_coordinates = np.column_stack([u.ravel(), v.ravel()])
+    return mesh
+
+
+def thinned_points(points: NDArray[np.float32]) -> NDArray[np.float32]:
+    """Every `THINNED`th node of a `BedPatch` along both axes, its edges among them."""
+    return points.reshape(MESH_NODES, MESH_NODES, 3)[::THINNED, ::THINNED].reshape(-1, 3)
+
+
+def targets_mesh(solids: Solids, mesh: Mesh, colours: NDArray[np.uint8]) -> Any:
+    """Return the targets as one surface; solids beyond `MAX_SOLIDS` are left out."""
+    parts: list[Any] = []
+    if len(mesh.corners):
+        corners = mesh.corners.reshape(-1, 3)
+        faces: Any = np.arange(len(corners)).reshape(-1, 3)
+        parts.append(pv.PolyData.from_regular_faces(corners, faces))
+        parts[0].cell_data["colour"] = colours[mesh.target]
+    for row in range(min(len(solids.shape), MAX_SOLIDS)):
+        start, axis = solids.start[row], solids.axis[row]
+        length, radius = float(solids.length[row]), float(solids.radius[row])
+        if length > 0.0:
+            last_radius = max(radius + float(solids.taper[row]) * length, 0.0)
+            parts.append(frustum_mesh(start, start + length * axis, radius, last_radius))
+        else:
+            parts.append(pv.Sphere(center=start, radius=radius, theta_resolution=ROUND, phi_resolution=20))
+        parts[-1].cell_data["colour"] = np.tile(colours[solids.target[row]], (parts[-1].n_cells, 1))
+    return pv.merge(parts).extract_surface(algorithm=None) if parts else pv.PolyData()
+
+
+def frustum_mesh(first: NDArray[np.float64], last: NDArray[np.float64], radius: float, last_radius: float) -> Any:
+    """Return a cylinder, a cone or a frustum from the centres and radii of its ends."""
+    axis = (last - first) / np.linalg.norm(last - first)
+    aside = np.cross(axis, [1.0, 0.0, 0.0] if abs(axis[2]) > 0.7 else [0.0, 0.0, 1.0])
+    aside /= np.linalg.norm(aside)
+    angle = np.linspace(0.0, 2.0 * math.pi, ROUND, endpoint=False)[:, None]
+    rim = np.cos(angle) * aside + np.sin(angle) * np.cross(axis, aside)
+    i = np.arange(ROUND)
+    after = (i + 1) % ROUND
+    sides = np.column_stack([np.full(ROUND, 4), i, after, after + ROUND, i + ROUND])
+    ends = [[ROUND, *i[::-1]], [ROUND, *(i + ROUND)]]
+    points = np.vstack([first + radius * rim, last + last_radius * rim])
+    return pv.PolyData(points, faces=np.concatenate([sides.ravel(), *ends]))
+
+
+@cache
+def fish_mesh(length: float) -> Any:
+    """Return a towfish of a length in metres that heads for +x; one mesh that all views share."""
+    radius = 0.085 * length
+    body = pv.Cylinder(center=(-0.02 * length, 0, 0), direction=(1, 0, 0), radius=radius, height=0.76 * length)
+    nose = pv.Sphere(center=(0.36 * length, 0, 0), radius=radius)
+    tail = pv.Cone(
+        center=(-0.45 * length, 0, 0), direction=(-1, 0, 0), radius=radius, height=0.14 * length, resolution=24
+    )
+    wide = pv.Box((-0.52 * length, -0.36 * length, -0.2 * length, 0.2 * length, -0.012 * length, 0.012 * length))
+    tall = pv.Box((-0.52 * length, -0.36 * length, -0.012 * length, 0.012 * length, -0.2 * length, 0.2 * length))
+    return pv.merge([body, nose, tail, wide, tall]).extract_surface(algorithm=None)
+
+
+def cable_mesh(length: float) -> Any:
+    """Return the tow cable of a fish at the origin, which runs up and ahead."""
+    s = np.linspace(0.0, 1.0, 24)
+    ahead, up = 0.03 + 22.0 * s, 0.08 + 13.0 * s**1.2
+    return pv.MultipleLines(length * np.column_stack([ahead, np.zeros(24), up]))
+
+
+def path_mesh() -> Any:
+    """Return a line of `PATH_POINTS` points, to be filled with the track."""
+    return pv.MultipleLines(np.zeros((PATH_POINTS, 3)))
+
+
+def path_pings(ping: int, step: float, reach: float) -> NDArray[np.int64]:
+    """Choose the pings whose places are shown, given the metres between two pings; the tow starts at ping 0."""
+    behind, ahead = (share * reach / step for share in PATH)
+    return np.maximum(np.rint(np.linspace(ping - behind, ping + ahead, PATH_POINTS)), 0.0).astype(np.int64)
+
+
+def pose_matrix(pose: Poses, length: float, *, level: bool = False) -> NDArray[np.float64]:
+    """Matrix that scales a mesh along +x and moves it to a pose, with its pitch and roll or level; (4, 4) float64."""
+    pitch, roll = (0.0, 0.0) if level else (math.degrees(pose.pitch[0]), math.degrees(pose.roll[0]))
+    matrix = np.eye(4)
+    matrix[:3, :3] = length * rotation_matrix(math.degrees(pose.heading[0]), pitch, roll)
+    matrix[:3, 3] = pose.x[0], pose.y[0], pose.z[0]
+    return matrix
+
+
+def triangles_mesh(triangles: NDArray[np.float64]) -> Any:
+    """Return triangles of (n, 3, 3) corners as one surface."""
+    corners = triangles.reshape(-1, 3)
+    faces: Any = np.arange(len(corners)).reshape(-1, 3)
+    return pv.PolyData.from_regular_faces(corners, faces)
+
+
+ScanLine = tuple[NDArray[np.float64], NDArray[np.float64]]
+
+
+class ScanFan:
+    """The current scan: a sheet from the fish to the bed, and its footprint."""
+
+    def __init__(self) -> None:
+        n = 2 * LINE_POINTS
+        i = np.arange(n - 1)
+        triangles = np.column_stack([np.full(n - 1, 3), np.zeros(n - 1, np.int64), i + 1, i + 2])
+        quads = np.column_stack([np.full(n - 1, 4), 2 * i, 2 * i + 1, 2 * i + 3, 2 * i + 2])
+        self.sheet = pv.PolyData(np.zeros((n + 1, 3), np.float32), faces=triangles.ravel())
+        self.footprint = pv.PolyData(np.zeros((2 * n, 3), np.float32), faces=quads.ravel())
+        self.footprint.point_data["colour"] = np.full((2 * n, 3), 255, np.uint8)
+
+    def move(
+        self,
+        arrays: SceneArrays,
+        pose: Poses,
+        scanned: ScanLine,
+        tones: NDArray[np.float32],
+    ) -> None:
+        """Move sheet and footprint to a pose."""
+        line, slant = scanned
+        ahead = np.array([math.cos(pose.heading[0]), math.sin(pose.heading[0]), 0.0])
+        reach = arrays.bins * arrays.bin_length
+        half = np.maximum(slant * math.sin(arrays.half_width), 0.006 * reach)[:, None]
+        lifted = line + np.array([0.0, 0.0, 0.0015 * reach])
+        self.sheet.points = np.vstack([[[pose.x[0], pose.y[0], pose.z[0]]], line]).astype(np.float32)
+        self.footprint.points = (
+            np.stack([lifted - half * ahead, lifted + half * ahead], 1).reshape(-1, 3).astype(np.float32)
+        )
+        bins = arrays.bins
+        bin_scanned = np.clip((slant / arrays.bin_length).astype(np.int64), 0, bins - 1)
+        columns = np.concatenate([bins - 1 - bin_scanned[:LINE_POINTS], bins + bin_scanned[LINE_POINTS:]])
+        self.footprint.point_data["colour"] = np.repeat(scan_colours(tones[columns]), 2, axis=0)
+
+
+def scan_colours(tones: NDArray[np.float32]) -> NDArray[np.uint8]:
+    """Colours of the scan line, from dark for shadow to a cold white, distinct from sand."""
+    dark, bright = np.array([8.0, 30.0, 48.0]), np.array([214.0, 250.0, 255.0])
+    return np.asarray((dark + tones[:, None] * (bright - dark)).astype(np.uint8))
+
+
+def scan_line(ground: AnyGround, arrays: SceneArrays, pose: Poses) -> ScanLine:
+    """Points of the bed under the beam, far port to far starboard, and their slant ranges."""
+    reach = arrays.bins * arrays.bin_length
+    below = bed_below(ground, pose)
+    height, squint = float(pose.z[0]) - below, arrays.pattern.centre
+    farthest = (squint * reach + height * math.sin(pose.pitch[0])) / math.cos(pose.pitch[0])
+    far = math.sqrt(max(reach**2 - height**2 - farthest**2, 0.0))
+    across = np.concatenate([np.linspace(far, 0.0, LINE_POINTS), np.linspace(0.0, -far, LINE_POINTS)])
+    cos, sin = math.cos(pose.heading[0]), math.sin(pose.heading[0])
+    ahead = _ahead(np.hypot(across, height), height, float(pose.pitch[0]), squint)
+    x, y = pose.x[0] + ahead * cos - across * sin, pose.y[0] + ahead * sin + across * cos
+    z = ground.height_at(x, y)
+    z = np.where(np.isnan(z), below, z)
+    return np.column_stack([x, y, z]), np.hypot(np.hypot(across, ahead), pose.z[0] - z)
+
+
+def _ahead(distance: NDArray[np.float64], height: float, pitch: float, squint: float) -> NDArray[np.float64]:
+    """Distance ahead of the fish at which its beam meets a level bed, given the distance athwart.
+
+    With x ahead, the bow's direction (cos p, sin p) and d the distance athwart, the cone is
+    x cos p − h sin p = s √(x² + d²); of the two roots of its square the one on the side of s.
+    """
+    cos, lean = math.cos(pitch), height * math.sin(pitch)
+    square = cos**2 - squint**2
+    return np.asarray((cos * lean + squint * np.sqrt(lean**2 + square * distance**2)) / square)
+
+
+def bed_below(ground: AnyGround, pose: Poses) -> float:
+    """Height of the bed under the sonar; the mean if there is no bed."""
+    height = float(ground.height_at(pose.x[:1], pose.y[:1])[0])
+    return 0.0 if math.isnan(height) else height

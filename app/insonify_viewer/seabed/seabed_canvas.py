@@ -1,0 +1,179 @@
+"""What the three-dimensional view is drawn on: an OpenGL widget, or a picture in memory."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+import pyvista
+from numpy.typing import NDArray
+from PySide6.QtCore import QEvent, QObject, Qt
+from PySide6.QtGui import QImage, QKeyEvent, QMouseEvent, QPainter, QPaintEvent, QResizeEvent
+from PySide6.QtWidgets import QWidget
+
+from insonify_viewer.errors import guard_override
+
+# PyVista is untyped.
+pv: Any = pyvista
+
+STILL = 3  # px by which the mouse may move in a click
+STEP = 5.0  # degrees that a key turns the view
+CLOSER = 1.1  # magnification by a key
+TURNS: dict[int, tuple[float, float]] = {  # degrees across and up: the scene follows the arrow, as it follows the mouse
+    Qt.Key.Key_Left: (-STEP, 0.0),
+    Qt.Key.Key_Right: (STEP, 0.0),
+    Qt.Key.Key_Up: (0.0, STEP),
+    Qt.Key.Key_Down: (0.0, -STEP),
+}
+ZOOMS: dict[int, float] = {Qt.Key.Key_Plus: CLOSER, Qt.Key.Key_Minus: 1.0 / CLOSER}
+OF_FOCUS = Qt.Key.Key_Tab, Qt.Key.Key_Backtab
+
+
+class InteractiveCanvas:
+    """An OpenGL widget that the mouse turns."""
+
+    def __init__(self, parent: QWidget) -> None:
+        from pyvistaqt import QtInteractor
+
+        make: Any = QtInteractor
+        self.plotter: Any = make(parent, auto_update=False, multi_samples=0)
+        self.plotter.enable_terrain_style(mouse_wheel_zooms=True)
+        # VTK's keys would close the view or turn on stereo; the keys belong to the window.
+        for event in ("CharEvent", "KeyPressEvent", "KeyReleaseEvent"):
+            self.plotter.iren.interactor.RemoveObservers(event)
+        self.widget: QWidget = self.plotter
+
+    def on_turn(self, turned: Callable[[], None]) -> None:
+        """Call a function whenever the person has turned or zoomed the view."""
+        self.plotter.iren.interactor.GetInteractorStyle().AddObserver("InteractionEvent", lambda *_: turned())
+        for event in ("MouseWheelForwardEvent", "MouseWheelBackwardEvent"):
+            self.plotter.iren.interactor.AddObserver(event, lambda *_: turned(), -1.0)
+
+    def on_hold(self, held: Callable[[bool], None]) -> None:
+        """Call a function with True when the person takes hold of the view, and with False when it is let go."""
+        style = self.plotter.iren.interactor.GetInteractorStyle()
+        style.AddObserver("StartInteractionEvent", lambda *_: held(True))
+        style.AddObserver("EndInteractionEvent", lambda *_: held(False))
+
+    def on_click(self, clicked: Callable[[float, float], None]) -> None:
+        """Call a function with the place of a click that does not turn the view."""
+        interactor, begun = self.plotter.iren.interactor, [(0, 0)]
+
+        def release() -> None:
+            place = interactor.GetEventPosition()
+            if abs(place[0] - begun[0][0]) + abs(place[1] - begun[0][1]) <= STILL:
+                clicked(*place)
+
+        style = interactor.GetInteractorStyle()
+        style.AddObserver("StartInteractionEvent", lambda *_: begun.__setitem__(0, interactor.GetEventPosition()))
+        style.AddObserver("EndInteractionEvent", lambda *_: release())
+
+    def draw(self) -> None:
+        """Draw soon, with the rest of the window."""
+        self.widget.update()
+
+    def draw_time(self) -> float:
+        """Seconds that the last drawing took."""
+        return float(self.plotter.renderer.GetLastRenderTimeInSeconds())
+
+    def close(self) -> None:
+        """Release the drawing resources."""
+        self.plotter.close()
+        # The plotter lives until it is collected. Its reference to a surface, which Qt deletes with the window, would
+        # then point to whatever object Qt makes at the same address.
+        self.plotter._cleanup_context()
+
+
+class OffScreenCanvas:
+    """Pictures drawn in memory, without an OpenGL widget."""
+
+    def __init__(self, parent: QWidget) -> None:
+        self.plotter: Any = pv.Plotter(off_screen=True, window_size=[640, 480])
+        self.widget = _PixelsWidget(self._resize, parent)
+        self._took = 0.0
+
+    def on_turn(self, turned: Callable[[], None]) -> None:
+        """Nobody turns a picture."""
+
+    def on_hold(self, held: Callable[[bool], None]) -> None:
+        """Nobody takes hold of a picture."""
+
+    def on_click(self, clicked: Callable[[float, float], None]) -> None:
+        """Call a function with the place of a click."""
+        self.widget.clicked = clicked
+
+    def _resize(self, width: int, height: int) -> None:
+        self.plotter.window_size = [max(width, 2), max(height, 2)]
+        self.draw()
+
+    def draw(self) -> None:
+        """Draw immediately."""
+        start = time.perf_counter()
+        self.plotter.render()
+        self.widget.show_pixels(np.ascontiguousarray(self.plotter.screenshot(return_img=True)))
+        self._took = time.perf_counter() - start
+
+    def draw_time(self) -> float:
+        """Seconds that the last drawing took."""
+        return self._took
+
+    def close(self) -> None:
+        """Release the drawing resources."""
+        self.plotter.close()
+
+
+class _PixelsWidget(QWidget):
+    """A widget that shows an array of pixels."""
+
+    def __init__(self, resized: Any, parent: QWidget) -> None:
+        super().__init__(parent)
+        self._resized = resized
+        self._image = QImage()
+        self.clicked: Callable[[float, float], None] = lambda x, y: None
+
+    def show_pixels(self, pixels: NDArray[np.uint8]) -> None:
+        height, width, _ = pixels.shape
+        self._image = QImage(pixels.data, width, height, 3 * width, QImage.Format.Format_RGB888).copy()
+        self.update()
+
+    @guard_override(None)
+    def resizeEvent(self, event: QResizeEvent) -> None:
+        self._resized(self.width(), self.height())
+
+    def mousePressEvent(self, event: QMouseEvent) -> None:
+        place = event.position()
+        self.clicked(place.x(), self.height() - 1.0 - place.y())
+
+    @guard_override(None)
+    def paintEvent(self, event: QPaintEvent) -> None:
+        with QPainter(self) as painter:
+            painter.drawImage(self.rect(), self._image)
+
+
+class SeabedKeys(QObject):
+    """Turns and zooms a view by keys, and leaves all others to the window.
+
+    Elsewhere in the window + and − zoom the record.
+    """
+
+    def __init__(self, widget: QWidget, turn: Callable[[float, float], None], zoom: Callable[[float], None]) -> None:
+        super().__init__(widget)
+        self._turn, self._zoom = turn, zoom
+        widget.installEventFilter(self)
+
+    @guard_override(False)
+    def eventFilter(self, watched: QObject, event: QEvent) -> bool:
+        """Act on the keys of the view before the shortcuts of the window do."""
+        if not isinstance(event, QKeyEvent) or event.key() in OF_FOCUS:
+            return False
+        key = event.key()  # a letter of another alphabet has no name in Qt.Key
+        others = event.modifiers() & ~(Qt.KeyboardModifier.KeypadModifier | Qt.KeyboardModifier.ShiftModifier)
+        event.setAccepted(key in (*TURNS, *ZOOMS) and not others)
+        if event.isAccepted() and event.type() is QEvent.Type.KeyPress:
+            if key in TURNS:
+                self._turn(*TURNS[key])
+            else:
+                self._zoom(ZOOMS[key])
+        return True

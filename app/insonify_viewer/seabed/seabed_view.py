@@ -1,0 +1,374 @@
+"""Three-dimensional view of bed, targets, towfish and scan line."""
+
+from __future__ import annotations
+
+import math
+import time
+from collections.abc import Callable, Sequence
+from functools import cache
+from importlib import import_module
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+import pyvista
+from numpy.typing import NDArray
+from PySide6.QtCore import QTimer, Signal
+from PySide6.QtWidgets import QVBoxLayout, QWidget
+
+from insonify_viewer.seabed import pv_meshes
+from insonify_viewer.seabed.pv_meshes import BedPatch, ScanFan, ScanLine
+from insonify_viewer.seabed.seabed_canvas import InteractiveCanvas, OffScreenCanvas, SeabedKeys
+from insonify_viewer.seabed.seabed_handles import SeabedHandles
+from insonify_viewer.widgets.painting import LIT
+from insonify_viewer.widgets.theme import MARK_IN_WATER
+
+if TYPE_CHECKING:
+    from insonify.kernels.common.types import Poses, SceneArrays
+    from insonify_viewer.state.inspection import SoundDrawing
+
+# PyVista is untyped.
+pv: Any = pyvista
+
+WATER = ("#2f6b84", "#629db2")  # below and above; the far bed fades into the latter
+CAMERA = (-1.85, -0.12, 1.15)  # ahead, to port, up; in slant ranges, for a square view
+FOCUS = (-0.22, 0.0, -0.20)
+VIEW_ANGLE = 54.0
+FISH = 0.075  # length in slant ranges: larger than life, so that it shows
+LOWEST = 0.03  # least slope of the line of sight, by which the camera stays above the bed
+STEEPEST = math.radians(88.0)  # depression of the line of sight, at which the view still has an upper edge
+NEAREST, FARTHEST = 0.05, 6.0  # distance of the camera from its focus, in slant ranges
+FADED = 0.25  # opacity of a bed of an earlier scene
+REST = 4.0  # pause between two drawings, in drawing times, which leaves time for the window
+# PyVista is untyped.
+
+Points = NDArray[np.float64]
+BLOCKED, HIDDEN = "#ff7a5c", "#2a0f0a"
+LIFT = 0.002  # share of the slant range by which stretches of the bed are drawn above it
+
+
+def load_libraries(*, accelerated: bool) -> None:
+    """Import the libraries of the view in advance, so that it is made quickly."""
+    if accelerated:
+        import_module("pyvistaqt")
+
+
+class SeabedView(QWidget):
+    """Shows bed, targets and sonar; drawings are delayed and merged, because they may be slow."""
+
+    sighted = Signal(object, object, object)  # ends of the line of sight through a click, and a target's place or None
+
+    def __init__(self, *, accelerated: bool, parent: QWidget | None = None) -> None:
+        super().__init__(parent)
+        self.setMinimumSize(200, 140)
+        self._canvas = InteractiveCanvas(self) if accelerated else OffScreenCanvas(self)
+        layout = QVBoxLayout(self)
+        layout.setContentsMargins(0, 0, 0, 0)
+        layout.addWidget(self._canvas.widget)
+        self._reach = 0.0
+        self._fish_at: NDArray[np.float64] | None = None
+        self._heading = 0.0
+        self._bed_shown = self._held = False
+        self._fan = ScanFan()
+        self._path = pv_meshes.path_mesh()
+        self._bed, self._thinned_bed = pv_meshes.bed_mesh(), pv_meshes.bed_mesh(thinned=True)
+        self._furnish()
+        self._canvas.on_turn(self._clip)
+        self._canvas.on_hold(self._thin)
+        self._canvas.on_click(self.look_at)
+        self._drawn, self._took = 0.0, 0.05
+        self._awaited: Callable[[], None] | None = None
+        self._due = QTimer(self)
+        self._due.setSingleShot(True)
+        self._due.timeout.connect(self.draw_now)
+        self.handles = SeabedHandles(self._canvas.plotter, self._canvas.widget, self._sight, self._later)
+        self.keys = SeabedKeys(self._canvas.widget, self.turn, self.magnify)
+        self._canvas.widget.setAccessibleName("Seabed in 3-D")
+
+    def show_bed(self, patch: BedPatch) -> None:
+        """Show another bed."""
+        self._bed.points = patch.points
+        self._thinned_bed.points = pv_meshes.thinned_points(patch.points)
+        self.show_texture(patch.image)
+        self._bed_shown = True
+        self._thin(self._held)
+
+    def fade_bed(self, faded: bool) -> None:
+        """Fade bed and targets while they belong to an earlier scene than the record."""
+        opacity = FADED if faded else 1.0
+        if self._bed_actor.prop.opacity != opacity:
+            for actor in (self._bed_actor, self._thinned_actor, self._targets_actor):
+                actor.prop.opacity = opacity
+            self._later()
+
+    def show_texture(self, picture: NDArray[np.uint8]) -> None:
+        """Show other colours of the bed."""
+        image = pv.Texture(picture).to_image()
+        for actor in (self._bed_actor, self._thinned_actor):  # OpenGL would keep the pixels of other textures for good
+            actor.texture.SetInputData(image)
+            actor.texture.Modified()
+        self._later()
+
+    def show_targets(self, mesh: Any) -> None:
+        """Show other targets."""
+        self._targets_actor.visibility = mesh.n_points > 0
+        if mesh.n_points:
+            self._targets_actor.mapper.SetInputData(mesh)
+        self._later()
+
+    def show_sonar(self, arrays: SceneArrays, pose: Poses, heading: float) -> None:
+        """Move the fish; the camera follows and turns with the heading of the track."""
+        reach = arrays.bins * arrays.bin_length
+        self._fish_actor.user_matrix = pv_meshes.pose_matrix(pose, FISH * reach)
+        self._cable_actor.user_matrix = pv_meshes.pose_matrix(pose, FISH * reach, level=True)
+        self._fish_actor.visibility = self._cable_actor.visibility = True
+        self._follow(np.array([pose.x[0], pose.y[0], pose.z[0]], dtype=np.float64), heading, reach)
+        self._later()
+
+    def show_scan(self, arrays: SceneArrays, pose: Poses, scanned: ScanLine, tones: NDArray[np.float32]) -> None:
+        """Move fan and footprint to the line of the bed that is scanned."""
+        self._fan.move(arrays, pose, scanned, tones)
+        self._sheet_actor.mapper.SetInputData(self._fan.sheet)  # until what shades it is known
+        self._sheet_actor.visibility = self._footprint_actor.visibility = True
+        self._later()
+
+    def show_sheet(self, triangles: NDArray[np.float64]) -> None:
+        """Show the fan as triangles, (n, 3, 3), until the sonar moves on."""
+        if len(triangles):
+            self._sheet_actor.mapper.SetInputData(pv_meshes.triangles_mesh(triangles))
+            self._later()
+
+    def show_path(self, path: Poses) -> None:
+        """Draw the track through `PATH_POINTS` poses."""
+        self._path.points = np.column_stack([path.x, path.y, path.z]).astype(np.float32)
+        self._path_actor.visibility = True
+        self._later()
+
+    def show_mark(self, place: tuple[float, float, float] | None) -> None:
+        """Mark a point of the bed; None removes the mark."""
+        self._mark_actor.visibility = place is not None
+        if place is not None:
+            self._mark_actor.position = place
+            self._mark_actor.scale = self._reach
+        self._later()
+
+    def show_pick(self, place: tuple[float, float, float] | None) -> None:
+        """Mark a picked place; None removes the mark."""
+        self._pick_actor.visibility = place is not None
+        if place is not None:
+            self._pick_actor.position = place
+            self._pick_actor.scale = self._reach
+        self._later()
+
+    def show_sound(self, drawing: SoundDrawing | None) -> None:
+        """Draw the sound of a pixel; None removes it."""
+        self._sound.show(drawing, self._reach)
+        self._later()
+
+    def look_at(self, x: float, y: float) -> None:
+        """Signal the line of sight through a point of the view, in pixels from its lower left corner."""
+        renderer, ends = self._canvas.plotter.renderer, self._sight(x, y)
+        picker = pv._vtk.vtkCellPicker()
+        picker.PickFromListOn()
+        picker.AddPickList(self._targets_actor)
+        picker.SetTolerance(0.0)
+        met = self._targets_actor.visibility and picker.Pick(x, y, 0.0, renderer)
+        self.sighted.emit(*ends, np.array(picker.GetPickPosition()) if met else None)
+
+    def _sight(self, x: float, y: float) -> list[NDArray[np.float64]]:
+        """Return the ends of the line of sight through a point of the view."""
+        renderer, ends = self._canvas.plotter.renderer, []
+        for depth in (0.0, 1.0):
+            renderer.SetDisplayPoint(x, y, depth)
+            renderer.DisplayToWorld()
+            *place, scale = renderer.GetWorldPoint()
+            ends.append(np.array(place) / scale)
+        return ends
+
+    def reset_camera(self) -> None:
+        """Reset the camera to its place behind and above the fish, when the fish is shown next."""
+        self._reach = 0.0
+
+    def turn(self, across: float, up: float) -> None:
+        """Turn the scene about the focus of the camera by degrees to the right and upwards, as a drag does."""
+        camera = self._canvas.plotter.camera
+        x, y, z = away = np.array(camera.position) - np.array(camera.focal_point)
+        bearing = math.atan2(y, x) - math.radians(across)
+        slope = min(math.atan2(z, math.hypot(x, y)) - math.radians(up), STEEPEST)
+        level = math.cos(slope)
+        direction = np.array([level * math.cos(bearing), level * math.sin(bearing), math.sin(slope)])
+        camera.position = tuple(np.array(camera.focal_point) + np.linalg.norm(away) * direction)
+        self._clip()
+        self._later()
+
+    def magnify(self, factor: float) -> None:
+        """Move the camera closer to its focus by a factor, within the limits of the wheel."""
+        camera = self._canvas.plotter.camera
+        focus = np.array(camera.focal_point)
+        camera.position = tuple(focus + (np.array(camera.position) - focus) / factor)
+        self._clip()
+        self._later()
+
+    def close_view(self) -> None:
+        """Release the drawing resources."""
+        self._due.stop()
+        self._canvas.close()
+
+    def _furnish(self) -> None:
+        plotter = self._canvas.plotter
+        plotter.set_background(WATER[0], top=WATER[1])
+        plotter.renderer.camera.is_set = True  # else PyVista draws the view when the camera is first asked for
+        add: dict[str, Any] = {"render": False, "reset_camera": False, "show_scalar_bar": False}
+        self._bed_actor = plotter.add_mesh(self._bed, texture=_blank_texture(), lighting=False, **add)
+        self._thinned_actor = plotter.add_mesh(self._thinned_bed, texture=_blank_texture(), lighting=False, **add)
+        shiny: dict[str, Any] = {"ambient": 0.35, "diffuse": 0.7, "specular": 0.25}
+        ball = pv.Sphere()
+        ball.cell_data["colour"] = np.zeros((ball.n_cells, 3), np.uint8)
+        self._targets_actor = plotter.add_mesh(ball, scalars="colour", rgb=True, **shiny, **add)
+        self._fish_actor = plotter.add_mesh(pv_meshes.fish_mesh(1.0), color="#ffc83d", **shiny, **add)
+        self._cable_actor = plotter.add_mesh(pv_meshes.cable_mesh(1.0), color="#23333f", line_width=1.5, **add)
+        self._path_actor = plotter.add_mesh(
+            self._path, color="#ffc83d", opacity=0.8, line_width=2.0, lighting=False, **add
+        )
+        self._sheet_actor = plotter.add_mesh(self._fan.sheet, color="#bfeaff", opacity=0.17, lighting=False, **add)
+        self._footprint_actor = plotter.add_mesh(self._fan.footprint, scalars="colour", rgb=True, lighting=False, **add)
+        self._mark_actor = plotter.add_mesh(_pin(), color=MARK_IN_WATER, lighting=False, **add)
+        self._pick_actor = plotter.add_mesh(_pin(), color=LIT, lighting=False, **add)
+        self._sound = SoundActors(plotter)
+        for actor in plotter.actors.values():
+            actor.visibility = False
+
+    def _follow(self, place: NDArray[np.float64], heading: float, reach: float) -> None:
+        """Move the camera with the fish, however the person turned it; reset it for another range."""
+        camera = self._canvas.plotter.camera
+        if self._fish_at is None or reach != self._reach:
+            turn = _about_z(heading)
+            camera.up = (0.0, 0.0, 1.0)
+            camera.view_angle = VIEW_ANGLE
+            focus = place + turn @ FOCUS * reach
+            # A narrow view moves back, so that both ends of the fan are visible.
+            back = min(max(0.85 * self.height() / max(self.width(), 1), 0.8), 1.25)
+            position = focus + turn @ (np.array(CAMERA) - FOCUS) * back * reach
+            self._reach = reach
+        else:
+            turn = _about_z(heading - self._heading)
+            position = place + turn @ (np.array(camera.position) - self._fish_at)
+            focus = place + turn @ (np.array(camera.focal_point) - self._fish_at)
+        camera.position, camera.focal_point = tuple(position), tuple(focus)
+        self._fish_at, self._heading = place, heading
+        self._clip()
+
+    def _clip(self) -> None:
+        """Keep the camera above its focus and its distance within limits, and fit its clipping range to it."""
+        camera = self._canvas.plotter.camera
+        away = np.array(camera.position) - np.array(camera.focal_point)
+        distance = float(np.linalg.norm(away))
+        kept = min(max(distance, NEAREST * self._reach), FARTHEST * self._reach)
+        level = float(np.hypot(away[0], away[1]))
+        if away[2] < LOWEST * level:  # it would see the bed from below
+            away[2] = LOWEST * level
+        if distance > 0.0 and (kept != distance or away[2] == LOWEST * level):
+            away *= kept / np.linalg.norm(away)
+            camera.position = tuple(np.array(camera.focal_point) + away)
+        camera.clipping_range = (0.02 * kept, kept + 6.0 * self._reach)
+
+    def _thin(self, held: bool) -> None:
+        """Draw a bed of fewer nodes while the person holds the view, so that it turns smoothly."""
+        self._held = held
+        self._bed_actor.visibility = self._bed_shown and not held
+        self._thinned_actor.visibility = self._bed_shown and held
+
+    def _later(self) -> None:
+        """Schedule a drawing, with a pause after the last one."""
+        if not self._due.isActive():
+            rest = self._drawn + REST * self._took - time.perf_counter()
+            self._due.start(max(int(1000 * rest), 15))
+
+    def draw_after(self, update: Callable[[], None]) -> None:
+        """Draw soon, and call a function just before, in place of one that still waits for the drawing."""
+        self._awaited = update
+        self._later()
+
+    def draw_now(self) -> None:
+        """Draw immediately."""
+        update, self._awaited = self._awaited, None
+        if update is not None:
+            update()
+        self._due.stop()
+        self._canvas.draw()
+        self._took = max(self._canvas.draw_time(), 0.01)
+        self._drawn = time.perf_counter()
+
+    @property
+    def draw_time(self) -> float:
+        """Seconds that the last drawing took."""
+        return float(self._took)
+
+
+def _about_z(angle: float) -> NDArray[np.float64]:
+    """Rotation matrix about z by an angle in radians."""
+    cos, sin = math.cos(angle), math.sin(angle)
+    return np.array([[cos, -sin, 0.0], [sin, cos, 0.0], [0.0, 0.0, 1.0]])
+
+
+def _blank_texture() -> Any:
+    """Return a black texture that is filtered alike in all directions."""
+    texture = pv.Texture(np.zeros((2, 2, 3), np.uint8))
+    texture.interpolate = texture.mipmap = True
+    # VTK asks for four samples along the line of sight. Mesa's software renderer then loops for minutes, or for ever,
+    # over the texels of one pixel where a triangle is seen from its edge, and the window hangs.
+    texture.SetMaximumAnisotropicFiltering(1.0)
+    return texture
+
+
+@cache
+def _pin() -> Any:
+    """Return a marker, a ball on a needle, for a slant range of 1; one mesh that all marks share."""
+    ball = pv.Sphere(center=(0, 0, 0.07), radius=0.011)
+    needle = pv.Cylinder(center=(0, 0, 0.035), direction=(0, 0, 1), radius=0.002, height=0.07)
+    return pv.merge([ball, needle]).extract_surface(algorithm=None)
+
+
+class SoundActors:
+    """Actors of one plotter that draw a `SoundDrawing`."""
+
+    def __init__(self, plotter: Any) -> None:
+        add: dict[str, Any] = {"render": False, "reset_camera": False, "lighting": False}
+        styles = {
+            "rays": {"color": MARK_IN_WATER, "line_width": 1.5, "opacity": 0.85},
+            "blocked": {"color": BLOCKED, "line_width": 1.5, "opacity": 0.85},
+            "heard": {"color": MARK_IN_WATER, "line_width": 6.0},
+            "hidden": {"color": HIDDEN, "line_width": 6.0},
+        }
+        self.actors = {name: plotter.add_mesh(_line(), **add, **style) for name, style in styles.items()}
+
+    def show(self, drawing: SoundDrawing | None, reach: float) -> None:
+        """Draw the sound of a pixel, at a view's slant range in metres; None hides it."""
+        lines: dict[str, Sequence[Points]] = dict.fromkeys(self.actors, ())
+        if drawing is not None:
+            lift = np.array([0.0, 0.0, LIFT * reach])
+            lines = {
+                "rays": drawing.rays,
+                "blocked": drawing.blocked,
+                "heard": list(drawing.heard + lift),
+                "hidden": list(drawing.hidden + lift),
+            }
+        for name, actor in self.actors.items():
+            actor.visibility = len(lines[name]) > 0
+            if len(lines[name]):
+                actor.mapper.SetInputData(polylines(lines[name]))
+
+
+def polylines(lines: Sequence[Points]) -> Any:
+    """Mesh of several lines, each of (n, 3) points."""
+    mesh = pv.PolyData(np.concatenate(lines).astype(np.float32))
+    first, cells = 0, []
+    for line in lines:
+        cells += [len(line), *range(first, first + len(line))]
+        first += len(line)
+    mesh.lines = np.array(cells)
+    mesh.verts = np.empty(0, np.int64)
+    return mesh
+
+
+def _line() -> Any:
+    return polylines([np.zeros((2, 3))])

@@ -1,0 +1,152 @@
+"""Contacts: marked points of a record with a name, and the files of them."""
+
+from __future__ import annotations
+
+import base64
+import binascii
+import csv
+import io
+import json
+from collections.abc import Iterable
+from dataclasses import asdict, dataclass, fields
+from pathlib import Path
+from typing import Any
+
+from insonify.io.atomic import replacing
+from insonify.scene import SceneError
+from insonify_viewer.state.inspection import Mark
+
+SIDES = ("port", "starboard")
+GEOJSON, CSV = ".geojson", ".csv"
+FORMATS = (("Contacts with snapshots (GeoJSON)", GEOJSON), ("Table of contacts (CSV)", CSV))
+HEADER = 10_000  # characters, of the longest line of names
+WHOLE, REAL = ("ping", "range_bin"), ("slant_range", "ground_range", "x", "y", "longitude", "latitude")
+
+
+@dataclass(frozen=True)
+class Contact:
+    """A point of a record with a name."""
+
+    name: str  # as the person writes them
+    note: str
+    source: str  # title of the scene, or name of the file of the recording
+    ping: int
+    side: str  # ``port`` or ``starboard``
+    range_bin: int
+    slant_range: float  # in metres
+    ground_range: float | None = None  # in metres; None in the water column
+    x: float | None = None  # place in metres of the scene or of the recording's map; None where it is not known
+    y: float | None = None
+    longitude: float | None = None  # in degrees; None where the map is not known
+    latitude: float | None = None
+    snapshot: bytes = b""  # picture around it as PNG; empty if there is none
+
+    @property
+    def mark(self) -> Mark:
+        """Its bin."""
+        return Mark(self.ping, SIDES.index(self.side), self.range_bin)
+
+
+COLUMNS = tuple(field.name for field in fields(Contact) if field.name != "snapshot")
+
+
+def describe_contacts(number: int) -> str:
+    """Words for a list of some contacts, for sentences about it."""
+    return f"the list of {number} contact{'s' * (number != 1)}"
+
+
+def write_contacts(path: Path, contacts: Iterable[Contact]) -> None:
+    """Write contacts by the suffix of a file.
+
+    GeoJSON follows RFC 7946: geometries hold longitude and latitude, and are null where these are not known. All fields
+    are properties, the snapshot as base64.
+    """
+    text = _as_csv(contacts) if path.suffix.lower() == CSV else _as_geojson(contacts)
+    with replacing(path) as beside:
+        beside.write_text(text, encoding="utf-8", newline="")
+
+
+def is_contacts(path: str) -> bool:
+    """Whether a file holds contacts by its suffix; of a table, by the names of its columns."""
+    suffix = Path(path).suffix.lower()
+    if suffix != CSV:
+        return suffix == GEOJSON
+    try:
+        with Path(path).open(encoding="utf-8-sig", errors="replace", newline="") as file:
+            names = file.readline(HEADER).strip().split(",")
+    except OSError:
+        return False
+    return {*WHOLE, "side", "slant_range"} <= set(names)
+
+
+def read_contacts(path: Path) -> tuple[Contact, ...]:
+    """Read contacts by the suffix of a file."""
+    try:
+        text = path.read_text(encoding="utf-8-sig")
+        rows = _rows_of_csv(text) if path.suffix.lower() == CSV else _rows_of_geojson(text)
+    except OSError as error:
+        raise SceneError(f"{path.name}: cannot be read ({error.strerror}); choose another file") from error
+    except (ValueError, LookupError, TypeError, AttributeError) as error:
+        raise SceneError(f"{path.name}: is no file of contacts; choose a GeoJSON or CSV file saved here") from error
+    return tuple(_contact(path, number, row) for number, row in enumerate(rows, start=1))
+
+
+def _as_csv(contacts: Iterable[Contact]) -> str:
+    text = io.StringIO()
+    writer = csv.DictWriter(text, COLUMNS, extrasaction="ignore")
+    writer.writeheader()
+    writer.writerows(asdict(contact) for contact in contacts)
+    return text.getvalue()
+
+
+def _as_geojson(contacts: Iterable[Contact]) -> str:
+    collection = {"type": "FeatureCollection", "features": [_feature(contact) for contact in contacts]}
+    return json.dumps(collection, indent=1, ensure_ascii=False) + "\n"
+
+
+def _feature(contact: Contact) -> dict[str, Any]:
+    known = contact.longitude is not None and contact.latitude is not None
+    place = {"type": "Point", "coordinates": [contact.longitude, contact.latitude]} if known else None
+    properties = asdict(contact) | {"snapshot": base64.b64encode(contact.snapshot).decode("ascii")}
+    return {"type": "Feature", "geometry": place, "properties": properties}
+
+
+def _rows_of_csv(text: str) -> list[dict[str, Any]]:
+    reader = csv.DictReader(io.StringIO(text))
+    if "ping" not in (reader.fieldnames or ()):
+        raise ValueError("no column of pings")
+    return list(reader)
+
+
+def _rows_of_geojson(text: str) -> list[dict[str, Any]]:
+    return [dict(feature["properties"]) for feature in json.loads(text)["features"]]
+
+
+def _contact(path: Path, number: int, row: dict[str, Any]) -> Contact:
+    """Contact of one row, with every value checked."""
+    try:
+        values: dict[str, Any] = {name: str(row.get(name) or "") for name in ("name", "note", "source")}
+        values |= {name: int(row[name]) for name in WHOLE}
+        values |= {name: None if row.get(name) in (None, "") else float(row[name]) for name in REAL}
+        values |= {"snapshot": base64.b64decode(row.get("snapshot") or "", validate=True)}
+    except (KeyError, TypeError, ValueError, binascii.Error) as error:
+        raise SceneError(f"{path.name}: contact {number} has no valid {_culprit(row)}; mend the file") from error
+    if row.get("side") not in SIDES:
+        raise SceneError(f"{path.name}: contact {number} has side {row.get('side')!r}; write port or starboard")
+    if values["slant_range"] is None:
+        raise SceneError(f"{path.name}: contact {number} has no slant_range; write it in metres")
+    if min(values["ping"], values["range_bin"]) < 0:
+        raise SceneError(f"{path.name}: contact {number} has a negative ping or range_bin; count them from 0")
+    return Contact(side=row["side"], **values)
+
+
+def _culprit(row: dict[str, Any]) -> str:
+    """Name of the first field of a row that cannot be read."""
+    for kind, names in ((int, WHOLE), (float, REAL)):
+        for name in names:
+            try:
+                if kind is int or row.get(name) not in (None, ""):
+                    kind(row.get(name))  # type: ignore[arg-type]
+            except (TypeError, ValueError):
+                return name
+    return "snapshot"

@@ -1,0 +1,110 @@
+"""History of a session: the states before and after the present one, with the names of the edits between them."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field, replace
+
+from insonify.display.display_options import DisplayOptions
+from insonify.scene import Scene
+from insonify_viewer.state.contacts import Contact
+from insonify_viewer.state.modelling import Modelling
+
+UNDO_DEPTH = 200
+
+
+@dataclass(frozen=True)
+class State:
+    """What undo goes back to: declarations and small things, never arrays."""
+
+    scene: Scene
+    modelling: Modelling
+    opened: Scene = field(compare=False)  # the scene as it was opened
+    contacts: tuple[Contact, ...] = ()  # states share those that stay, with the compressed pictures around them
+    display: DisplayOptions = field(default_factory=DisplayOptions)  # how records are shown
+    edit: str = field(default="", compare=False)  # name of the edit that led to the state
+
+    def simulates_as(self, other: State) -> bool:
+        """Whether another state has the same scene and the same modelling."""
+        return (self.scene, self.modelling) == (other.scene, other.modelling)
+
+    def shows(self, other: State) -> bool:
+        """Whether another state differs by the display alone."""
+        return self.simulates_as(other) and self.contacts == other.contacts
+
+
+class History:
+    """The present state, and up to `UNDO_DEPTH` states before it."""
+
+    def __init__(self, present: State) -> None:
+        self.present = present
+        self._past: list[State] = []
+        self._future: list[State] = []
+
+    @property
+    def undoable(self) -> tuple[str, ...]:
+        """Names of the edits that can be undone, the last first."""
+        return tuple(state.edit for state in reversed([*self._past[1:], self.present])) if self._past else ()
+
+    @property
+    def redoable(self) -> tuple[str, ...]:
+        """Names of the edits that can be redone, the next first."""
+        return tuple(state.edit for state in reversed(self._future))
+
+    def turn_to(self, state: State) -> None:
+        """Make a state the present one, by one step if anything differs."""
+        if state == self.present:
+            self.present = replace(state, edit=self.present.edit)
+            return
+        self._past = [*self._past, self.present][-UNDO_DEPTH:]
+        self._future = []
+        self.present = state
+
+    def show(self, display: DisplayOptions, name: str) -> None:
+        """Change the display by a step, which takes up further changes of the same name."""
+        state = replace(self.present, display=display, edit=name)
+        if not all(state.shows(later) for later in self._future):
+            self._show_throughout(display)
+            return
+        if self._past and self.present.edit == name and self._past[-1].shows(state):
+            self.present, self._future = self._past.pop(), []
+        self.turn_to(state)
+
+    def show_first(self, display: DisplayOptions) -> None:
+        """Begin with a display, without a step."""
+        self.present = replace(self.present, display=display)
+
+    def undo(self, steps: int) -> bool:
+        """Go back some steps; return whether there was one."""
+        return self._step(self._past, self._future, steps)
+
+    def redo(self, steps: int) -> bool:
+        """Go forward some steps; return whether there was one."""
+        return self._step(self._future, self._past, steps)
+
+    def take_back(self) -> None:
+        """Take out the edit that led to the present scene and modelling; what was done to other things since stays."""
+        since, wrong = [self.present], self.present
+        while len(since) <= len(self._past) and self._past[-len(since)].simulates_as(wrong):
+            since.append(self._past[-len(since)])
+        if len(since) > len(self._past):
+            return  # every state has this scene
+        self._past = self._past[: len(self._past) - len(since) + 1]
+        self.present = right = self._past.pop()
+        for state in reversed(since[:-1]):
+            self._past.append(self.present)
+            self.present = replace(state, scene=right.scene, modelling=right.modelling, opened=right.opened)
+
+    def _show_throughout(self, display: DisplayOptions) -> None:
+        """Change the display here and in what can be redone, which is not given up for another look."""
+        before = self.present.display._asdict()
+        changed = {name: value for name, value in display._asdict().items() if value != before[name]}
+        self.present = replace(self.present, display=display)
+        self._future = [replace(state, display=state.display._replace(**changed)) for state in self._future]
+
+    def _step(self, taken: list[State], given: list[State], steps: int) -> bool:
+        """Move from one list of states to the other."""
+        steps = min(steps, len(taken))
+        for _ in range(steps):
+            given.append(self.present)
+            self.present = taken.pop()
+        return steps > 0

@@ -1,0 +1,65 @@
+"""What the person inspects: a pinned pixel of the record, a picked place of the scene, and what is drawn of both."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+from psygnal import Signal
+
+Points = NDArray[np.float64]
+Place = tuple[float, float, float]
+
+
+@dataclass(frozen=True)
+class Mark:
+    """A bin of the record."""
+
+    ping: int  # number of the ping
+    side: int  # 0 for port, 1 for starboard
+    bin: int  # range bin, counted from the sonar
+
+
+@dataclass(frozen=True, eq=False)
+class SoundDrawing:
+    """The sound of one pixel in three dimensions, in local coordinates, m."""
+
+    rays: tuple[Points, ...]  # ways of the sound that is heard, and of the sound that something keeps from the bed
+    blocked: tuple[Points, ...]
+    heard: Points  # (n, 2, 3) stretches of bed and targets that echo in the pixel, and of bed that is hidden
+    hidden: Points
+
+
+class Inspection:
+    """Pinned pixel, picked place, and their pictures."""
+
+    pinned = Signal(object)  # the `Mark`, or None
+    picked = Signal(object)  # the `Place`, or None
+    lit = Signal(tuple)  # pixels of the record that are lit
+    drawn = Signal(object)  # the `SoundDrawing`, or None
+
+    def __init__(self) -> None:
+        self._mark: Mark | None = None
+
+    @property
+    def mark(self) -> Mark | None:
+        """The pinned pixel."""
+        return self._mark
+
+    def pin(self, mark: Mark | None) -> None:
+        """Pin a pixel; the pinned one, clicked again, or None, is let go."""
+        self._mark = None if mark == self._mark else mark
+        if self._mark is None:
+            self.drawn.emit(None)
+        self.pinned.emit(self._mark)
+
+    def pick(self, place: Place | None) -> None:
+        """Pick a place of the bed or of a target."""
+        self.lit.emit(())
+        self.picked.emit(place)
+
+    def clear(self) -> None:
+        """Let go of pixel and place."""
+        self.pin(None)
+        self.pick(None)

@@ -1,0 +1,208 @@
+"""Session: the scene, its modelling, the contacts, the history of all, and the marked point; without widgets."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Mapping
+from dataclasses import replace
+from typing import Any
+
+from psygnal import Signal
+
+from insonify.display.display_options import DisplayOptions
+from insonify.scene import Scene, SceneError, edit
+from insonify.scene_edits import add_dependent_edits
+from insonify_viewer.state.contacts import Contact
+from insonify_viewer.state.fields import name_display, name_edit
+from insonify_viewer.state.history import History, State
+from insonify_viewer.state.inspection import Mark
+from insonify_viewer.state.modelling import Modelling
+
+
+class Session:
+    """The scene on screen, its modelling, the contacts, and the one history of all.
+
+    An edit under way (a slider being dragged) is provisional: every move starts from the last settled scene, so that
+    the dependent edits of a move vanish when the slider returns. Settling makes one step of undo of the whole drag.
+    """
+
+    changed = Signal(object, bool)  # the scene, and False while a slider moves
+    said = Signal(str)  # a sentence for the status bar
+    marked = Signal(object)  # the `Mark` under the mouse, or None
+    displayed = Signal(object)  # the `DisplayOptions`
+    refused = Signal(object)  # the `SceneError` of an edit
+    contacts_changed = Signal()
+
+    def __init__(self, scene: Scene) -> None:
+        self._scene, self._history = scene, History(State(scene, Modelling(), scene))
+        self._dragged = ""
+        self._mark: Mark | None = None
+        self._saved = {"": scene}
+        self.file = ""
+
+    @property
+    def scene(self) -> Scene:
+        """The current scene, provisional edits included."""
+        return self._scene
+
+    @property
+    def modelling(self) -> Modelling:
+        """The modelling of the scene."""
+        return self._history.present.modelling
+
+    @property
+    def contacts(self) -> tuple[Contact, ...]:
+        """Contacts, in the order in which they were marked."""
+        return self._history.present.contacts
+
+    @property
+    def mark(self) -> Mark | None:
+        """The marked point of the record."""
+        return self._mark
+
+    @property
+    def display(self) -> DisplayOptions:
+        """Display options of the simulated record and of recordings."""
+        return self._history.present.display
+
+    def show(self, name: str = "", **options: Any) -> None:
+        """Change some of the display options, by a step of undo that takes up further changes of the same.
+
+        While edits of the scene or of contacts can be redone, it is no step of its own: they stay.
+        """
+        display = self.display._replace(**options)
+        if display != self.display:
+            self._history.show(display, name or name_display(self.display, display))
+            self.displayed.emit(display)
+
+    def show_first(self, **options: Any) -> None:
+        """Begin with display options of an earlier start, without a step of undo."""
+        self._history.show_first(self.display._replace(**options))
+        self.displayed.emit(self.display)
+
+    @property
+    def opened(self) -> Scene:
+        """The scene as it was opened, to which fields are reset."""
+        return self._history.present.opened
+
+    @property
+    def undoable(self) -> tuple[str, ...]:
+        """Names of the edits that can be undone, the last first."""
+        return self._history.undoable
+
+    @property
+    def redoable(self) -> tuple[str, ...]:
+        """Names of the edits that can be redone, the next first."""
+        return self._history.redoable
+
+    def drag(self, changes: Mapping[str, Any]) -> bool:
+        """Apply changes provisionally to the last settled scene; return whether they are valid."""
+        scene = self._edited(changes)
+        if scene is None:
+            return False
+        if scene != self._scene:
+            self._dragged = name_edit(scene, changes)
+            self._scene = scene
+            self.changed.emit(scene, False)
+        return True
+
+    def settle(self, changes: Mapping[str, Any] | None = None, name: str = "", said: str = "") -> bool:
+        """Apply changes finally, or those of the drag under way; return whether they are valid."""
+        scene = self._scene if changes is None else self._edited(changes, said)
+        if scene is None:
+            # The widget that asked must return to the valid value.
+            self.changed.emit(self._scene, True)
+            return False
+        name = name or (self._dragged if changes is None else name_edit(scene, changes))
+        self._turn_to(scene=scene, edit=name)
+        return True
+
+    def list_contacts(self, contacts: Iterable[Contact], name: str) -> None:
+        """Put other contacts in place of the present ones, as one step of undo of a name; a drag goes on."""
+        before = self._history.present
+        self._history.turn_to(replace(before, contacts=tuple(contacts), edit=name))
+        self._tell_contacts(before)
+
+    @property
+    def unsaved(self) -> bool:
+        """Whether the scene differs from every one that was opened or saved, as it is in its file now."""
+        return self._scene not in self._saved.values()
+
+    def mark_saved(self, file: str) -> None:
+        """Note that the scene is in a file as it is."""
+        self._saved[file] = self._scene
+        self.file = file
+        self.changed.emit(self._scene, True)
+
+    def open(self, scene: Scene, file: str = "", *, bundled: bool = False) -> None:
+        """Replace the scene, with no choice forced, as one step of undo."""
+        if file:
+            self._saved[file] = scene
+        self.file = "" if bundled else file
+        self._turn_to(scene=scene, modelling=self.modelling.automatic, opened=scene, edit=f"open {scene.title}")
+
+    def model(self, modelling: Modelling) -> None:
+        """Change the modelling, as one step of undo."""
+        subjects = {subject for subject, _ in {*modelling.forced} ^ {*self.modelling.forced}}
+        name = ", ".join(sorted(subjects)) if subjects else "tolerance"
+        self._turn_to(modelling=modelling, edit=name)
+
+    def turn_to(self, scene: Scene, modelling: Modelling, name: str = "") -> None:
+        """Turn to a scene and its modelling as both were before, as one step of undo."""
+        self._turn_to(scene=scene, modelling=modelling, edit=name or f"back to {scene.title}")
+
+    def undo(self, steps: int = 1) -> None:
+        """Go back some steps."""
+        self._step(self._history.undo, steps)
+
+    def redo(self, steps: int = 1) -> None:
+        """Go forward some steps."""
+        self._step(self._history.redo, steps)
+
+    def take_back(self) -> None:
+        """Return from a scene that cannot be simulated, without a step to redo."""
+        if self._scene == self._history.present.scene:
+            self._history.take_back()
+        self._show_scene()
+
+    def point_at(self, mark: Mark | None) -> None:
+        """Mark a point of the record."""
+        if mark != self._mark:
+            self._mark = mark
+            self.marked.emit(mark)
+
+    def _step(self, move: Callable[[int], bool], steps: int) -> None:
+        """Move through the history, and tell what differs there."""
+        before = self._history.present
+        if not move(steps):
+            return
+        self.said.emit("")
+        self._tell_contacts(before)
+        now = self._history.present
+        if now.display != before.display:
+            self.displayed.emit(now.display)
+        if now.scene is not self._scene or (now.modelling, now.opened) != (before.modelling, before.opened):
+            self._show_scene()
+
+    def _turn_to(self, **changes: Any) -> None:
+        """Change the present state by one step, and show its scene, in place of one that is dragged."""
+        self._history.turn_to(replace(self._history.present, **changes))
+        self._show_scene()
+
+    def _show_scene(self) -> None:
+        self._scene = self._history.present.scene
+        self.changed.emit(self._scene, True)
+
+    def _tell_contacts(self, before: State) -> None:
+        if self._history.present.contacts != before.contacts:
+            self.contacts_changed.emit()
+
+    def _edited(self, changes: Mapping[str, Any], said: str = "") -> Scene | None:
+        """Edit the settled scene; report an invalid edit and return None for it."""
+        try:
+            complete, remark = add_dependent_edits(self._history.present.scene, changes)
+            scene = edit(self._history.present.scene, complete)
+        except SceneError as error:
+            self.refused.emit(error)
+            return None
+        self.said.emit("; ".join(filter(None, (said, remark))))
+        return scene

@@ -1,1 +1,0 @@
-"""Main window, its views, and widgets that panels share; they show and signal, and never edit the scene."""

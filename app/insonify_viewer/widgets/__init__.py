@@ -1,0 +1,1 @@
+"""Widgets, colours and pictures that rooms share."""

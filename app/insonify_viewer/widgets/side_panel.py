@@ -1,0 +1,104 @@
+"""Base of the panels at the sides of the window: a column of widgets that scrolls down."""
+
+from __future__ import annotations
+
+from typing import ClassVar
+
+from PySide6.QtCore import Qt
+from PySide6.QtWidgets import QFrame, QHBoxLayout, QScrollArea, QSizePolicy, QToolButton, QVBoxLayout, QWidget
+
+from insonify_viewer.widgets.theme import scaled
+
+
+class ScrollColumn(QScrollArea):
+    """A column of widgets that scrolls down and, by itself, never sideways."""
+
+    def __init__(self, parent: QWidget | None = None) -> None:
+        super().__init__(parent)
+        self.setWidgetResizable(True)
+        self.setFrameShape(QFrame.Shape.NoFrame)
+        self.setHorizontalScrollBarPolicy(Qt.ScrollBarPolicy.ScrollBarAlwaysOff)
+        self.body = QWidget()
+        self.body.setObjectName("panel")
+        self.column = QVBoxLayout(self.body)
+        self.setWidget(self.body)
+
+
+class SidePanel(ScrollColumn):
+    """A column at a side of the window, never too narrow for its rows.
+
+    It scrolls sideways where large text leaves no room for its rows in a small window.
+
+    Attributes
+    ----------
+    narrowest : int
+        Least width in pixels, and that of the rows at the usual size of the text.
+    """
+
+    narrowest: ClassVar[int] = 292
+
+    def __init__(self, parent: QWidget | None = None) -> None:
+        super().__init__(parent)
+        wanted = scaled(self, self.narrowest)
+        self.setMinimumWidth(min(wanted, self.narrowest))
+        self.body.setMinimumWidth(wanted - self.verticalScrollBar().sizeHint().width())
+        self.setHorizontalScrollBarPolicy(Qt.ScrollBarPolicy.ScrollBarAsNeeded)
+        self.column.setContentsMargins(8, 8, 8, 8)
+        self.column.setSpacing(6)
+
+
+class FoldingBox(QWidget):
+    """A heading, and a body that it hides or shows.
+
+    Parameters
+    ----------
+    title : str
+        Text of the heading.
+    body : QWidget
+        Widget below the heading.
+    unfolded : bool
+        Whether the body shows at first.
+    beside : QWidget, optional
+        Widget at the right of the heading.
+    """
+
+    def __init__(self, title: str, body: QWidget, *, unfolded: bool, beside: QWidget | None = None) -> None:
+        super().__init__()
+        self._heading = QToolButton()
+        self._heading.setObjectName("heading")
+        self.entitle(title)
+        self._heading.setCheckable(True)
+        self._heading.setChecked(unfolded)
+        self._heading.setToolButtonStyle(Qt.ToolButtonStyle.ToolButtonTextBesideIcon)
+        self._heading.setSizePolicy(QSizePolicy.Policy.Expanding, QSizePolicy.Policy.Fixed)
+        self._heading.toggled.connect(self._fold)
+        self._body = body
+        column = QVBoxLayout(self)
+        column.setContentsMargins(0, 0, 0, 0)
+        column.setSpacing(0)
+        top = QHBoxLayout()
+        top.setSpacing(3)
+        top.addWidget(self._heading)
+        if beside is not None:
+            top.addWidget(beside)
+        column.addLayout(top)
+        column.addWidget(body)
+        self._fold(unfolded)
+
+    @property
+    def unfolded(self) -> bool:
+        """Whether the body shows."""
+        return self._heading.isChecked()
+
+    def unfold(self, unfolded: bool) -> None:
+        """Show or hide the body."""
+        self._heading.setChecked(unfolded)
+
+    def entitle(self, title: str) -> None:
+        """Change the heading."""
+        self._heading.setText(title)
+        self._heading.setToolTip(f"Show or hide “{title}”")
+
+    def _fold(self, unfolded: bool) -> None:
+        self._body.setVisible(unfolded)
+        self._heading.setArrowType(Qt.ArrowType.DownArrow if unfolded else Qt.ArrowType.RightArrow)

@@ -1,0 +1,1 @@
+"""Main window, its menus, docks, dialogs, tour and recovery after a crash."""

@@ -1,0 +1,166 @@
+"""Dialogs of the help menu: keys of the window, and what the program is."""
+
+from __future__ import annotations
+
+from PySide6.QtCore import Qt
+from PySide6.QtGui import QAction, QGuiApplication, QKeySequence
+from PySide6.QtWidgets import (
+    QDialog,
+    QDialogButtonBox,
+    QLabel,
+    QMenu,
+    QTreeWidget,
+    QTreeWidgetItem,
+    QVBoxLayout,
+    QWidget,
+)
+
+from insonify_viewer.errors import list_versions, version_of
+
+_NATIVE = QKeySequence.SequenceFormat.NativeText
+ROOM, HIGH = 60, 640  # px: beside the columns of the list of keys, and its height
+LICENCE = "MIT licence: free to use, change and pass on, without warranty."
+OTHER_KEYS: tuple[tuple[str, tuple[tuple[str, str], ...]], ...] = (
+    (
+        "Record, while it has the keyboard",
+        (
+            ("move the cursor along the row", "← →"),
+            ("look back and forward by a ping (newest on top)", "↓ ↑"),
+            ("move ten bins or pings", "Shift+← → ↓ ↑"),
+            ("look back and forward by a page, outside lessons", "PgDown PgUp"),
+            ("go to the upper and the lower end of the tow", "Ctrl+Home Ctrl+End"),
+            ("explain the pixel at the cursor, or let it go", "Return"),
+            ("begin and end a measured line, after M", "Return"),
+            ("move the line between A and B (wiped)", "Alt+← →"),
+        ),
+    ),
+    ("Record, wherever no text is typed", (("show record A while held", "X"),)),
+    (
+        "Record, with the mouse",
+        (
+            ("explain a pixel, or let it go", "click"),
+            ("look back along a paused record", "wheel"),
+            ("zoom about the mouse", "Ctrl+wheel"),
+            ("move a zoomed record across", "Shift+wheel"),
+            ("move a zoomed record, and look back", "drag"),
+            ("go to any ping", "drag of the handle at its edge"),
+        ),
+    ),
+    (
+        "3-D view, while it has the keyboard",
+        (("turn", "← → ↓ ↑"), ("zoom", "+ -")),
+    ),
+    (
+        "3-D view, with the mouse",
+        (
+            ("turn", "drag"),
+            ("move", "Shift+drag"),
+            ("zoom", "wheel"),
+            ("light up the pixels that hear a place", "click"),
+        ),
+    ),
+    (
+        "Parameters",
+        (
+            ("find a parameter", "Ctrl+F"),
+            ("show all parameters again", "Esc"),
+            ("reset a parameter", "double-click on its name"),
+        ),
+    ),
+    (
+        "Water",
+        (
+            ("choose a point, or the cross in the water", "Tab"),
+            ("move what is chosen, ten times as far with Shift", "← → ↓ ↑"),
+            ("find the rays to the cross", "Return"),
+        ),
+    ),
+    ("Chart", (("choose the point before or after", "← →"),)),
+    ("Contrast", (("move the upper end", "← →"), ("move the lower end", "Shift+← →"))),
+    ("Lessons", (("go to the step before", "PgUp"), ("go to the next step", "PgDown"))),
+    ("Jobs", (("go from job to job", "↓ ↑"), ("stop the job that has the keyboard", "Delete"))),
+    ("Tour", (("leave it", "Esc"),)),
+)
+
+
+class KeysDialog(QDialog):
+    """Lists every command that has a key, by its menu, and the keys of views."""
+
+    def __init__(
+        self, window: QWidget, menus: list[QMenu], others: tuple[tuple[str, tuple[tuple[str, str], ...]], ...]
+    ) -> None:
+        super().__init__(window)
+        self.setAttribute(Qt.WidgetAttribute.WA_DeleteOnClose)
+        self.setWindowTitle("Keyboard shortcuts")
+        self.list = QTreeWidget()
+        self.list.setAccessibleName("Keyboard shortcuts")
+        self.list.setHeaderLabels(["command", "key"])
+        for menu in menus:
+            self._add(menu.title().replace("&", ""), [(a.text(), a.shortcut()) for a in _commands(menu)])
+        for title, keys in others:
+            self._add(title, list(keys))
+        self.list.expandAll()
+        for column in range(2):
+            self.list.resizeColumnToContents(column)
+        layout = QVBoxLayout(self)
+        layout.addWidget(self.list)
+        layout.addWidget(_closing(self))
+        self.resize(self.list.columnWidth(0) + self.list.columnWidth(1) + ROOM, HIGH)
+
+    def _add(self, title: str, keys: list[tuple[str, QKeySequence | str]]) -> None:
+        shown = [(text, key if isinstance(key, str) else key.toString(_NATIVE)) for text, key in keys]
+        if shown := [(text, key) for text, key in shown if key]:
+            group = QTreeWidgetItem(self.list, [title])
+            for pair in shown:
+                QTreeWidgetItem(group, list(pair))
+
+
+class AboutDialog(QDialog):
+    """Says what the program is, with versions, licence and citation, all to be copied."""
+
+    def __init__(self, window: QWidget) -> None:
+        super().__init__(window)
+        self.setAttribute(Qt.WidgetAttribute.WA_DeleteOnClose)
+        self.setWindowTitle("About insonify")
+        words = QLabel(about())
+        words.setAccessibleName("About insonify")
+        words.setTextInteractionFlags(
+            Qt.TextInteractionFlag.TextSelectableByMouse | Qt.TextInteractionFlag.TextSelectableByKeyboard
+        )
+        buttons = _closing(self)
+        self.copy = buttons.addButton("Copy", QDialogButtonBox.ButtonRole.ActionRole)
+        self.copy.clicked.connect(lambda: QGuiApplication.clipboard().setText(about()))
+        layout = QVBoxLayout(self)
+        layout.addWidget(words)
+        layout.addWidget(buttons)
+
+
+def about() -> str:
+    """Describe the program: the versions it runs with, its licence, and how to cite it."""
+    return "\n".join(
+        [
+            "insonify: a side-scan sonar simulator",
+            "",
+            *list_versions(),
+            "",
+            LICENCE,
+            "",
+            "To cite it:",
+            f"The insonify authors. insonify: a side-scan sonar simulator (version {version_of('insonify')}).",
+        ]
+    )
+
+
+def _closing(dialog: QDialog) -> QDialogButtonBox:
+    buttons = QDialogButtonBox(QDialogButtonBox.StandardButton.Close)
+    buttons.rejected.connect(dialog.reject)
+    return buttons
+
+
+def _commands(menu: QMenu) -> list[QAction]:
+    """Commands of a menu and of the menus in it."""
+    found: list[QAction] = []
+    for action in menu.actions():
+        inner = action.menu()
+        found += _commands(inner) if isinstance(inner, QMenu) else [action]
+    return found

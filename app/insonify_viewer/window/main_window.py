@@ -1,0 +1,407 @@
+"""Main window: seabed on the left, record on the right, panels around them, tools above."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from functools import partial
+
+from PySide6.QtCore import QEvent, QObject, QSize, Qt, Signal
+from PySide6.QtGui import QAction, QCloseEvent, QDragEnterEvent, QDropEvent, QKeySequence
+from PySide6.QtWidgets import (
+    QAbstractButton,
+    QApplication,
+    QLabel,
+    QMainWindow,
+    QMenu,
+    QSplitter,
+    QToolBar,
+    QToolButton,
+    QWidget,
+)
+
+from insonify.display.display_options import DisplayOptions
+from insonify_viewer.errors import Failure, guard_override
+from insonify_viewer.panels.panel import Panel, Place
+from insonify_viewer.record.comparison.comparison_actions import ComparisonActions
+from insonify_viewer.record.comparison.comparison_overlay import ComparisonOverlay
+from insonify_viewer.record.comparison.record_a_view import RecordAView, RecordsSideBySide
+from insonify_viewer.record.waterfall_view import WaterfallView
+from insonify_viewer.state.tow_clock import SPEEDS
+from insonify_viewer.widgets.buttons import set_icon
+from insonify_viewer.widgets.theme import scaled
+from insonify_viewer.window.help_dialogs import OTHER_KEYS, AboutDialog, KeysDialog
+from insonify_viewer.window.menus import (
+    GainSlider,
+    HistoryMenus,
+    LooksMenu,
+    Menus,
+    RecentMenu,
+    SaveMenu,
+    button_of,
+    make_combo,
+    with_key,
+)
+from insonify_viewer.window.panel_docks import PanelDocks, PanelRoom
+from insonify_viewer.window.scene_menu import SceneMenu
+from insonify_viewer.window.settings import Settings
+from insonify_viewer.window.status_line import JobBar, StatusLine
+from insonify_viewer.window.target_placement import target_menu
+from insonify_viewer.window.tour import Tour, tour_steps
+
+USUAL, ROOMY = (1480, 900), 0.7  # px, and share of a large screen, that the window takes at the first start
+SMALLEST = (760, 420)  # px, which fits half of a screen of 1600 × 900 at twice the scale
+GAIN_REACH = 30  # dB either way
+LARGE = 1.6  # factor on the text of the record for a projector
+
+
+class MainWindow(QMainWindow):
+    """Holds views and panels, and signals what the person asks for."""
+
+    gain_changed = Signal(float)
+    palette_changed = Signal(str)
+    speed_changed = Signal(float)
+    running_changed = Signal(bool)
+    target_wanted = Signal(str)
+    closing = Signal()
+    files_wanted = Signal(list)  # paths of files that are dropped together
+    contacts_wanted = Signal()
+
+    def __init__(self, *, native: bool, palettes: tuple[str, ...]) -> None:
+        super().__init__()
+        self.setWindowTitle("insonify")
+        screen = self.screen().availableSize()
+        self.resize(QSize(*USUAL).expandedTo(screen * ROOMY).boundedTo(screen))
+        self.setMinimumSize(*SMALLEST)
+        self.waterfall = WaterfallView(native=native)
+        self.trace = self._action("Echo", "Echo of one ping under the record", QKeySequence("E"))
+        self.trace.triggered.connect(self.waterfall.toggle_trace)
+        self._placeholder = QLabel("setting up the seabed …")
+        self._placeholder.setAlignment(Qt.AlignmentFlag.AlignCenter)
+        self._splitter = QSplitter(Qt.Orientation.Horizontal)
+        self._splitter.addWidget(self._placeholder)
+        self._splitter.addWidget(self.waterfall)
+        self._splitter.setSizes([500, 500])
+        self._splitter.setChildrenCollapsible(False)
+        self.record_a = RecordAView(native=native)
+        self.records = RecordsSideBySide(self._splitter, self.waterfall, self.record_a)
+        self._room = PanelRoom(self, self._splitter)
+        self._docks = PanelDocks(self, self._room)
+        self.overlay = ComparisonOverlay(self.record_a, self.waterfall)
+        self.comparison = ComparisonActions(self)
+        self.setCentralWidget(self._splitter)
+        self.may_close: Callable[[], bool] = lambda: True
+        self._closed = self._asking = False
+        self._panels: dict[str, Panel] = {}
+        self._buttons: dict[str, QAction] = {}
+        self.settings = Settings()
+        self._add_tools(palettes)
+        self.menus = Menus(self)
+        self.recent = RecentMenu(self, self.settings)
+        sliders = partial(self.panel_widget, "parameters")
+        parts = lambda: self.scenes, sliders, lambda: self.waterfall, lambda: self.seabed, self.menuBar
+        self.tour = Tour(self, tour_steps(*parts))
+        self._fill_menus()
+        self._add_status()
+        take_drops(self, self.files_wanted.emit)
+        application = QApplication.instance()
+        assert isinstance(application, QApplication)
+        application.focusChanged.connect(self._share_space)
+        self.waterfall.setFocus()
+
+    def mount(self, panels: Sequence[Panel]) -> None:
+        """Mount panels at their places, in this order."""
+        self._panels = {panel.name: panel for panel in panels}
+        self._docks.mount(panels)
+        for panel in panels:
+            if panel.place is Place.STATUS:
+                self.statusBar().addPermanentWidget(panel.widget)
+            if panel.button is not None:
+                self._add_button(panel)
+
+    def open_panel(self, name: str) -> None:
+        """Open a panel, or bring it to the front."""
+        panel = self._panels[name]
+        if panel.place is Place.WINDOW:
+            self._open_window(panel)
+            return
+        if name in self._buttons:
+            self._buttons[name].setChecked(True)
+        if name in self._docks:
+            self._docks.bring_forward(name)
+
+    @property
+    def seabed(self) -> QWidget | None:
+        """The view of the seabed, or what stands in its place until it is there."""
+        return self._splitter.widget(0)
+
+    def panel_widget(self, name: str) -> QWidget:
+        """Return the widget of a panel that stands at a side of the window."""
+        return self._docks.widget(name)
+
+    def put_seabed(self, view: QWidget) -> None:
+        """Put the view of the seabed into its place."""
+        sizes = self._splitter.sizes()
+        self._splitter.replaceWidget(0, view)
+        self._splitter.setSizes(sizes)
+        view.show()
+        self._room.make()
+        self._placeholder.deleteLater()
+
+    def say(self, sentence: str, *, lasting: bool = False) -> None:
+        """Show a sentence in the status bar until the next one, and for some seconds unless it is to last."""
+        self.status.say(sentence, lasting=lasting)
+
+    def complain(self, error: Failure | Exception, *, lasting: bool = False) -> None:
+        """Show an error in the status bar like a sentence, with a button that copies its details."""
+        self.status.complain(error, lasting=lasting)
+
+    def show_display(self, look: DisplayOptions) -> None:
+        """Set palette and gain among the tools to the display options."""
+        self.palettes.setCurrentText(look.palette)
+        self.gain.setValue(round(10 * look.gain))
+
+    def show_title(self, title: str, *, unsaved: bool) -> None:
+        """Show the title of the scene, with a mark for unsaved changes."""
+        self.setWindowTitle(f"{title}[*] · insonify")
+        self.setWindowModified(unsaved)
+
+    def show_running(self, running: bool) -> None:
+        """Set the button that pauses or plays, which says what it would do."""
+        self.pause.setChecked(not running)
+        self.pause.setText("Pause" if running else "Play")
+        set_icon(self.pause, "pause" if running else "play")
+        tip = "Pause the tow; the mouse wheel then looks back" if running else "Tow on from the ping on top"
+        self.pause.setToolTip(with_key(tip, self.pause.shortcut()))
+
+    @guard_override(None)
+    def closeEvent(self, event: QCloseEvent) -> None:
+        """Signal the end while all widgets exist, unless the person stays; the worker may need a moment to finish."""
+        if self._closed:
+            return
+        if self._asking or not self._is_left():
+            event.ignore()
+            return
+        self._closed = True
+        self.status.stop()
+        self.hide()
+        self.closing.emit()
+        super().closeEvent(event)
+
+    def _share_space(self, _left: QWidget | None, focused: QWidget | None) -> None:
+        """Leave Space to the button or tick that has the keyboard; anywhere else it is a key of the window."""
+        taken = isinstance(focused, QAbstractButton)
+        context = Qt.ShortcutContext.WidgetShortcut if taken else Qt.ShortcutContext.WindowShortcut
+        if self.pause.shortcutContext() is not context:
+            self.pause.setShortcutContext(context)
+
+    def _is_left(self) -> bool:
+        """Ask whether the window may close; a second request to close does not ask again meanwhile."""
+        self._asking = True
+        try:
+            return self.may_close()
+        finally:
+            self._asking = False
+
+    def _add_button(self, panel: Panel) -> None:
+        """Put the command of a panel into its menu and, if it has an icon, among the tools before the palettes."""
+        assert panel.button is not None
+        action = self._action(panel.button.text, panel.button.tooltip, QKeySequence(panel.button.shortcut))
+        self.menus.named(panel.button.menu).addAction(action)
+        if panel.place is Place.WINDOW:
+            action.triggered.connect(lambda: self._open_window(panel))
+        else:
+            action.setCheckable(True)
+            action.toggled.connect(lambda shown: self._docks.show(panel, shown))
+        if panel.button.icon:
+            set_icon(action, panel.button.icon)
+            self._bar.insertAction(self._after_buttons, action)
+            name_button(button_of(self._bar, action))
+        self._buttons[panel.name] = action
+
+    def _open_window(self, panel: Panel) -> None:
+        widget: QWidget = panel.widget
+        if widget.parent() is not self:
+            widget.setParent(self, Qt.WindowType.Window)
+        widget.show()
+        widget.raise_()
+        panel.opened(True)
+
+    def _add_tools(self, palettes: tuple[str, ...]) -> None:
+        bar = QToolBar("Tools", self)
+        bar.setObjectName("tools")
+        bar.setMovable(False)
+        bar.setIconSize(QSize(1, 1) * scaled(self, bar.iconSize().width()))
+        bar.setContextMenuPolicy(Qt.ContextMenuPolicy.PreventContextMenu)
+        self.addToolBar(bar)
+        key = QKeySequence.StandardKey
+        self.open_scene = QAction("Open a file…", self)
+        self.open_scene.setShortcut(QKeySequence(key.Open))
+        self.addAction(self.open_scene)
+        self.open_recording = QAction("Open a recording…", self)
+        self.open_recording.setShortcut(QKeySequence("Ctrl+Shift+O"))
+        self.addAction(self.open_recording)
+        self.scenes = SceneMenu(self.open_scene, self.open_recording)
+        bar.addWidget(self.scenes)
+        tip = "Replace the bed by a grid of measured heights"
+        self.open_dem = self._action("Open a measured bed…", tip, QKeySequence("Ctrl+D"))
+        self._add_targets(bar)
+        self.save = SaveMenu(self)
+        bar.addWidget(self.save)
+        bar.addSeparator()
+        self.undo = self._tool(bar, "Undo", "Undo the last edit", QKeySequence(key.Undo))
+        self.redo = self._tool(bar, "Redo", "Redo the edit that was undone", QKeySequence(key.Redo))
+        undo, redo = ((action, button_of(bar, action)) for action in (self.undo, self.redo))
+        self.history = HistoryMenus(undo, redo)
+        bar.addSeparator()
+        self.pause = self._tool(bar, "Pause", "Pause the tow; the mouse wheel then looks back", QKeySequence("Space"))
+        self.pause.setCheckable(True)
+        self.pause.toggled.connect(lambda paused: self.running_changed.emit(not paused))
+        speeds = [(f"{speed:g}×" if speed >= 1 else f"1/{1 / speed:g}×", speed) for speed in SPEEDS]
+        self.speed = make_combo(speeds, "Speed of the tow")
+        self.speed.setCurrentIndex(SPEEDS.index(1.0))
+        self.speed.activated.connect(lambda: self.speed_changed.emit(self.speed.currentData()))
+        bar.addWidget(self.speed)
+        bar.addSeparator()
+        self.palettes = make_combo([(name, name) for name in palettes], "Palette of the record")
+        self.palettes.activated.connect(lambda: self.palette_changed.emit(self.palettes.currentData()))
+        tip = "Reset view: put the camera behind and above the fish again"
+        self.reset_view = self._tool(bar, "Reset view", tip, QKeySequence("Home"))
+        self.projector = self._action("Projector", "Full screen, in large type", QKeySequence("F11"))
+        self.projector.setCheckable(True)
+        self.projector.toggled.connect(self._project)
+        self._bar, self._after_buttons = bar, bar.addWidget(self.palettes)
+        self._add_gain(bar)
+
+    def _add_targets(self, bar: QToolBar) -> None:
+        """Add the menu with every kind of target."""
+        self.targets = QToolButton()
+        self.targets.setText("Target")
+        self.targets.setToolButtonStyle(Qt.ToolButtonStyle.ToolButtonTextBesideIcon)
+        self.targets.setToolTip("Add a target on the bed, abeam of the track")
+        self.targets.setPopupMode(QToolButton.ToolButtonPopupMode.InstantPopup)
+        menu = QMenu(self.targets)
+        for kind, name in target_menu().items():
+            action = QAction(name, menu)
+            action.setData(kind)
+            menu.addAction(action)
+        menu.triggered.connect(lambda action: self.target_wanted.emit(action.data()))
+        self.targets.setMenu(menu)
+        bar.addWidget(self.targets)
+
+    def _project(self, large: bool) -> None:
+        """Fill the screen, with large type at a wide record, or return to the window."""
+        self.waterfall.enlarge_text(LARGE if large else 1.0)
+        self._splitter.setSizes([300, 700, 700] if large else [500, 500, 500])
+        if large:
+            self.showFullScreen()
+        else:
+            self.showNormal()
+
+    def _add_gain(self, bar: QToolBar) -> None:
+        self.gain = GainSlider()
+        self.gain.setRange(-10 * GAIN_REACH, 10 * GAIN_REACH)
+        self.gain.setToolTip(f"Gain of the picture, −{GAIN_REACH} to +{GAIN_REACH} dB; the record stays as it is")
+        self.gain.setAccessibleName("Display gain")
+        self._gain_text = QLabel("0 dB")
+        self._gain_text.setMinimumWidth(self.fontMetrics().horizontalAdvance("-30.0 dB") + 4)
+        self.gain.valueChanged.connect(self._gain_moved)
+        bar.addWidget(QLabel("gain"))
+        bar.addWidget(self.gain)
+        bar.addWidget(self._gain_text)
+        self.levels = self._tool(bar, "Auto", "Set gain and contrast from the record on screen", QKeySequence("A"))
+
+    def _gain_moved(self, tenths: int) -> None:
+        self._gain_text.setText(f"{tenths / 10:g} dB")
+        self.gain_changed.emit(tenths / 10.0)
+
+    def _add_status(self) -> None:
+        status = self.statusBar()
+        status.setSizeGripEnabled(False)
+        self.status = StatusLine()
+        self.jobs = JobBar()
+        self.jobs.clicked.connect(lambda: self.open_panel("jobs"))
+        self.save.jobs.triggered.connect(lambda: self.open_panel("jobs"))
+        status.addWidget(self.status, 1)
+        status.addPermanentWidget(self.jobs)
+
+    def _fill_menus(self) -> None:
+        """Put every command into the menus, before those of panels."""
+        menus = self.menus
+        menus.file.addMenu(self.scenes.menu()).setText("Scenes")
+        menus.group("File", [self.open_scene, self.open_recording, self.open_dem])
+        contacts = menus.add("File", "Open contacts…", "Open a file of contacts in place of those in the list")
+        contacts.triggered.connect(lambda: self.contacts_wanted.emit())
+        menus.file.addMenu(self.recent)
+        menus.group("File", [self.save.scene, self.save.record, self.save.picture])
+        menus.file.addSeparator()
+        menus.add("File", "Quit", "Close the window", "Ctrl+Q").triggered.connect(self.close)
+        menus.group("Edit", [self.undo, self.redo])
+        menus.edit.addSeparator()
+        menus.edit.addMenu(self.targets.menu()).setText("Add a target")
+        menus.group("Record", [self.pause, self.levels, self.trace])
+        menus.group("Record", self.comparison.actions)
+        menus.group("Tools", [self.save.jobs])
+        menus.group("View", [self.projector, self.reset_view])
+        self.looks = LooksMenu(self, menus.view, self.settings, self.say)
+        menus.view.addSeparator()
+        keys = menus.add("Help", "Keyboard shortcuts", "Every command that has a key, and the keys of views", "?")
+        keys.triggered.connect(lambda: KeysDialog(self, menus.all, OTHER_KEYS).show())
+        menus.add("Help", "Tour", "Five steps through the window").triggered.connect(self.tour.begin)
+        about = menus.add("Help", "About insonify", "Versions, licence, citation")
+        about.triggered.connect(lambda: AboutDialog(self).show())
+        self._show_icons()
+
+    def _show_icons(self) -> None:
+        """Give the tools icons, and names to those who reach them by keyboard."""
+        for owner, name in (
+            (self.scenes, "scenes"), (self.targets, "target"), (self.save, "save"), (self.undo, "undo"),
+            (self.redo, "redo"), (self.pause, "pause"), (self.reset_view, "home"), (self.levels, "levels"),
+        ):  # fmt: skip
+            set_icon(owner, name)
+        for button in self.findChildren(QToolButton):
+            name_button(button)
+
+    def _tool(self, bar: QToolBar, text: str, tip: str, shortcut: QKeySequence) -> QAction:
+        action = self._action(text, tip, shortcut)
+        bar.addAction(action)
+        return action
+
+    def _action(self, text: str, tip: str, shortcut: QKeySequence) -> QAction:
+        action = QAction(text, self)
+        action.setShortcut(shortcut)
+        action.setToolTip(with_key(tip, shortcut))
+        return action
+
+
+def name_button(button: QToolButton) -> None:
+    """Let the keyboard reach a tool, and give it a name for screen readers."""
+    button.setFocusPolicy(Qt.FocusPolicy.TabFocus)
+    button.setAccessibleName(button.toolTip())
+
+
+def take_drops(window: QWidget, opened: Callable[[list[str]], None]) -> None:
+    """Let a window take files that are dropped anywhere on it, and pass on their paths."""
+    window.setAcceptDrops(True)
+    window.installEventFilter(_Drops(window, opened))
+
+
+class _Drops(QObject):
+    """Takes the drops of a window, of which it is a child."""
+
+    def __init__(self, window: QWidget, opened: Callable[[list[str]], None]) -> None:
+        super().__init__(window)
+        self._opened = opened
+
+    @guard_override(False)
+    def eventFilter(self, watched: QObject, event: QEvent) -> bool:
+        """Accept a drag with local files, and pass them on when they are dropped."""
+        if event.type() not in (QEvent.Type.DragEnter, QEvent.Type.Drop):
+            return False
+        assert isinstance(event, QDragEnterEvent | QDropEvent)
+        paths = [url.toLocalFile() for url in event.mimeData().urls() if url.isLocalFile()]
+        if not paths:
+            return False
+        event.acceptProposedAction()
+        if event.type() is QEvent.Type.Drop:
+            self._opened(paths)
+        return True

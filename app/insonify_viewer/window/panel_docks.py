@@ -1,0 +1,148 @@
+"""Panels around scene and record, each in a dock without a title bar."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from itertools import pairwise
+
+from PySide6.QtCore import QEvent, QObject, Qt
+from PySide6.QtWidgets import QDockWidget, QMainWindow, QSplitter, QTabBar, QTabWidget, QWidget
+
+from insonify_viewer.errors import guard_override
+from insonify_viewer.panels.panel import Panel, Place
+from insonify_viewer.widgets.theme import scaled
+
+HANDLES = 24  # px, of the lines between the parts
+SIDE = 332  # px at the usual size of the text, width of the panels at the side
+BELOW = 0.32  # of the height of the window, of the panels below when one is first opened
+
+AREAS = {
+    Place.SIDE: Qt.DockWidgetArea.RightDockWidgetArea,
+    Place.BELOW: Qt.DockWidgetArea.BottomDockWidgetArea,
+    Place.LEFT: Qt.DockWidgetArea.LeftDockWidgetArea,
+}
+
+
+class PanelRoom(QObject):
+    """Leaves out the 3-D view while the panels at the sides and the record need its room."""
+
+    def __init__(self, window: QMainWindow, splitter: QSplitter) -> None:
+        super().__init__(window)
+        self._window, self._splitter = window, splitter
+        window.installEventFilter(self)
+
+    def watch(self, dock: QDockWidget) -> None:
+        """Make room whenever a dock opens or closes."""
+        dock.installEventFilter(self)
+
+    def make(self) -> None:
+        """Show the 3-D view, unless the window is too narrow for it beside the panels and the record."""
+        views = [self._splitter.widget(place) for place in range(self._splitter.count())]
+        solid, *others, live = [view for view in views if view is not None]
+        left = self._narrowest(Qt.DockWidgetArea.LeftDockWidgetArea)
+        right = self._narrowest(Qt.DockWidgetArea.RightDockWidgetArea)
+        # Beside record A alone, the 3-D view can be drawn out from the edge.
+        beside = [view for view in others if left and not view.isHidden()]
+        narrowest = right + sum(view.minimumWidth() for view in (solid, live, *beside))
+        solid.setVisible(left + scaled(self._window, narrowest) + HANDLES <= self._window.width())
+
+    @guard_override(False)
+    def eventFilter(self, watched: QObject, event: QEvent) -> bool:
+        """Make room when the window changes its width, or a dock opens or closes."""
+        kind = QEvent.Type
+        on_window = watched is self._window and event.type() is kind.Resize
+        on_dock = watched is not self._window and event.type() in (kind.ShowToParent, kind.HideToParent)
+        if on_window or on_dock:
+            self.make()
+        return False
+
+    def _narrowest(self, area: Qt.DockWidgetArea) -> int:
+        """Least width of the panels that are open at a side, 0 without any."""
+        docks = [
+            dock
+            for dock in self._window.findChildren(QDockWidget)
+            if not dock.isHidden() and self._window.dockWidgetArea(dock) is area
+        ]
+        return max((dock.minimumSizeHint().width() for dock in docks), default=0)
+
+
+class PanelDocks:
+    """Mounts panels at the sides of a window and below; those at one place stand one behind the other."""
+
+    def __init__(self, window: QMainWindow, room: PanelRoom) -> None:
+        self._window, self._room = window, room
+        self._docks: dict[str, QDockWidget] = {}
+        self._opened_below = False
+        window.setDocumentMode(True)
+        window.setCorner(Qt.Corner.BottomRightCorner, AREAS[Place.SIDE])
+        window.setCorner(Qt.Corner.BottomLeftCorner, AREAS[Place.LEFT])
+        for area in (AREAS[Place.SIDE], AREAS[Place.BELOW]):
+            window.setTabPosition(area, QTabWidget.TabPosition.North)
+
+    def mount(self, panels: Sequence[Panel]) -> None:
+        """Mount panels at their places, in this order; those at the right side are open, the first in front."""
+        for place, area in AREAS.items():
+            here = [panel for panel in panels if panel.place is place]
+            docks = [self._dock(panel, area) for panel in here]
+            if place is not Place.SIDE:
+                for dock in docks:
+                    dock.hide()
+                continue
+            for one, next_one in pairwise(docks):
+                self._window.tabifyDockWidget(one, next_one)
+            for dock, panel in zip(docks, here, strict=True):
+                dock.visibilityChanged.connect(panel.opened)  # a click on its tab opens it too
+            self._window.resizeDocks(docks, [scaled(self._window, SIDE)] * len(docks), Qt.Orientation.Horizontal)
+            for dock in docks[:1]:
+                dock.raise_()
+        self._name_tabs()
+
+    def __contains__(self, panel: str) -> bool:
+        """Whether a panel, by its name, stands in a dock."""
+        return panel in self._docks
+
+    def widget(self, panel: str) -> QWidget:
+        """Return the dock of a panel."""
+        return self._docks[panel]
+
+    def bring_forward(self, panel: str) -> None:
+        """Open a panel, before those that share its place."""
+        dock = self._docks[panel]
+        if dock.isHidden():
+            area = self._window.dockWidgetArea(dock)
+            # Qt lays a dock out where it stands behind others only if these are in view by then.
+            for other in self._docks.values():
+                if not other.isHidden() and self._window.dockWidgetArea(other) is area:
+                    self._window.tabifyDockWidget(other, dock)
+            dock.show()
+            self._name_tabs()
+        dock.raise_()
+
+    def show(self, panel: Panel, shown: bool) -> None:
+        """Open or close a panel."""
+        if shown and panel.place is Place.BELOW and not self._opened_below:
+            self._opened_below = True
+            height = round(BELOW * self._window.height())
+            self._window.resizeDocks([self._docks[panel.name]], [height], Qt.Orientation.Vertical)
+        if shown:
+            self.bring_forward(panel.name)
+        else:
+            self._docks[panel.name].hide()
+        panel.opened(shown)
+
+    def _dock(self, panel: Panel, area: Qt.DockWidgetArea) -> QDockWidget:
+        """Put a panel at a side, without a title bar."""
+        dock = QDockWidget(panel.title, self._window)
+        dock.setObjectName(panel.name)
+        dock.setFeatures(QDockWidget.DockWidgetFeature.NoDockWidgetFeatures)
+        dock.setTitleBarWidget(QWidget())
+        dock.setWidget(panel.widget)
+        self._window.addDockWidget(area, dock)
+        self._room.watch(dock)
+        self._docks[panel.name] = dock
+        return dock
+
+    def _name_tabs(self) -> None:
+        """Name the tabs of panels for screen readers; Qt makes some when panels come to stand behind one another."""
+        for tabs in self._window.findChildren(QTabBar):
+            tabs.setAccessibleName("Panels")

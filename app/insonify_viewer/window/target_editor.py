@@ -1,0 +1,66 @@
+"""Adds targets to the scene."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from functools import partial
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from insonify.scene import SceneError, plain
+from insonify_viewer.seabed.target_handles import TargetHandles
+from insonify_viewer.state.session import Session
+from insonify_viewer.window.target_placement import needs_file, new_target
+
+if TYPE_CHECKING:
+    from insonify.simulation import Simulation
+    from insonify_viewer.window.file_dialogs import FileDialogs
+    from insonify_viewer.window.main_window import MainWindow
+    from insonify_viewer.work.simulator import Simulator
+
+
+class TargetEditor:
+    """Adds the targets that the window's menu asks for, each as one step of undo."""
+
+    def __init__(
+        self,
+        session: Session,
+        window: MainWindow,
+        simulator: Simulator,
+        files: FileDialogs,
+        added: Callable[[str], None],
+    ) -> None:
+        self._session, self._window, self._simulator, self._files = session, window, simulator, files
+        self._added = added
+        self.handles = TargetHandles(session, window.waterfall)
+        self._simulation: Simulation | None = None
+        window.target_wanted.connect(self.add)
+
+    def follow(self, simulation: Simulation) -> None:
+        """Take the simulation on screen, which holds the bed."""
+        self._simulation = simulation
+        self.handles.follow(simulation)
+
+    def add(self, kind: str, path: str = "") -> None:
+        """Place a target of a kind where the record shows it; one that is read from a file asks for it unless given."""
+        path = path or (self._files.ask_for_mesh() if needs_file(kind) else "")
+        simulation, top = self._simulation, self._window.waterfall.top
+        if simulation is not None and (path or not needs_file(kind)):
+            if path:
+                self._window.say(f"reading {Path(path).name} …")
+            self._simulator.send(
+                lambda: new_target(simulation, self._session.scene, kind, top, path), partial(self._put, path)
+            )
+
+    def _put(self, path: str, target: dict[str, Any] | SceneError) -> None:
+        """Add a target that is declared, or say why the file of a path cannot be one."""
+        if isinstance(target, SceneError):
+            self._window.complain(target)
+            return
+        targets = plain(self._session.scene)["targets"]
+        name = f"{target['kind'].replace('_', ' ')} added"
+        x, y, *_ = target["position"]
+        said = f"mesh {Path(path).name} added as target {len(targets) + 1}, at x {x:g} m, y {y:g} m" if path else ""
+        if self._session.settle({"targets": [*targets, target]}, name, said):
+            self._files.keep_recent(path)
+            self._added(f"targets.{len(targets)}")

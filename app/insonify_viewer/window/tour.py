@@ -1,0 +1,218 @@
+"""Tour of the window in five steps: a card beside the part that it speaks of, which is framed."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import NamedTuple
+
+from PySide6.QtCore import QEvent, QObject, QPoint, QRect, QSize, Qt
+from PySide6.QtGui import QKeyEvent
+from PySide6.QtWidgets import QFrame, QHBoxLayout, QLabel, QVBoxLayout, QWidget
+from shiboken6 import isValid
+
+from insonify_viewer.errors import guard_override
+from insonify_viewer.widgets.buttons import push_button
+from insonify_viewer.widgets.theme import ACCENT
+
+WIDTH, APART = 300, 12  # px: of the card, and its distance from the part and from the edge of the window
+LINE = 3  # px, of the frame
+
+
+class TourStep(NamedTuple):
+    """One step: its title, what it says, and what finds the part of the window that it speaks of."""
+
+    title: str
+    words: str
+    part: Callable[[], QWidget | None]
+
+
+class Tour(QObject):
+    """Leads through a window step by step; nothing is locked meanwhile."""
+
+    def __init__(self, window: QWidget, steps: tuple[TourStep, ...]) -> None:
+        super().__init__(window)
+        self._window, self._steps = window, steps
+        self._place = 0
+        self._shown: tuple[TourStep, ...] = ()
+        self._outline: _Outline | None = None
+        self._before: QWidget | None = None  # what had the keyboard before the tour
+        self.card: TourCard | None = None
+        window.installEventFilter(self)
+
+    def begin(self) -> None:
+        """Show the first step."""
+        self.end()
+        self._shown = tuple(step for step in self._steps if _is_in_view(step.part()))
+        if not self._shown:
+            return
+        self._place = 0
+        self._outline, self.card = _Outline(self._window), TourCard(self._window)
+        self.card.back.clicked.connect(lambda: self._go(-1))
+        self.card.next.clicked.connect(lambda: self._go(1))
+        self.card.skip.clicked.connect(self.end)
+        self._show()
+        self._before = self._window.focusWidget()
+        self.card.next.setFocus()
+
+    def end(self) -> None:
+        """Leave the tour; the keyboard returns to where it was, unless it has left the card meanwhile."""
+        if self.card is not None and self._outline is not None:
+            if self.card.isAncestorOf(self._window.focusWidget()) and self._before and isValid(self._before):
+                self._before.setFocus()
+            for widget in (self.card, *self._outline.bars):
+                widget.hide()
+                widget.deleteLater()
+        self.card = self._outline = None
+
+    @guard_override(False)
+    def eventFilter(self, watched: QObject, event: QEvent) -> bool:
+        """Follow the window when its size changes, and leave the tour by Escape, unless a widget takes that key."""
+        if event.type() is QEvent.Type.Resize and self.card is not None:
+            self._show()
+        if self.card is not None and _is_escape(event):
+            self.end()
+            return True
+        return super().eventFilter(watched, event)
+
+    def _go(self, steps: int) -> None:
+        self._place += steps
+        if self._place >= len(self._shown):
+            self.end()
+        else:
+            self._show()
+
+    def _show(self) -> None:
+        """Show the present step beside its part."""
+        assert self.card is not None
+        assert self._outline is not None
+        step = self._shown[self._place]
+        part = step.part()
+        frame = QRect() if part is None else QRect(part.mapTo(self._window, QPoint(0, 0)), part.size())
+        self._outline.show_about(frame)
+        self.card.show_step(step, self._place + 1, len(self._shown))
+        self.card.move(_place_beside(frame, self.card.size().width(), self.card.size().height(), self._window.rect()))
+        self.card.show()
+        self.card.raise_()
+
+
+class TourCard(QFrame):
+    """Title, words and buttons of a step."""
+
+    def __init__(self, window: QWidget) -> None:
+        super().__init__(window)
+        self.setObjectName("tour")
+        self.setFixedWidth(WIDTH)
+        _lay_over_native_views(self)
+        self.title, self.words = QLabel(), QLabel()
+        self.title.setObjectName("choice")
+        self.words.setWordWrap(True)
+        self.skip = push_button("Skip", "Leave the tour (Escape); Help, Tour shows it again")
+        self.back = push_button("Back", "To the step before")
+        self.next = push_button("Next", "To the next step")
+        row = QHBoxLayout()
+        row.addWidget(self.skip)
+        row.addStretch(1)
+        row.addWidget(self.back)
+        row.addWidget(self.next)
+        column = QVBoxLayout(self)
+        column.addWidget(self.title)
+        column.addWidget(self.words)
+        column.addLayout(row)
+
+    def show_step(self, step: TourStep, number: int, count: int) -> None:
+        """Show one of several steps."""
+        self.title.setText(f"{number} of {count}: {step.title}")
+        self.words.setText(step.words)
+        self.back.setEnabled(number > 1)
+        self.next.setText("Next" if number < count else "Done")
+        self.skip.setVisible(number < count)
+        self.adjustSize()
+        self.resize(WIDTH, self.heightForWidth(WIDTH) if self.hasHeightForWidth() else self.sizeHint().height())
+
+
+class _Outline:
+    """Frame of four bars round a part of the window, which leave it to the mouse."""
+
+    def __init__(self, window: QWidget) -> None:
+        self.bars = [QFrame(window) for _ in range(4)]
+        for bar in self.bars:
+            bar.setStyleSheet(f"background: {ACCENT.name()}")
+            _lay_over_native_views(bar)
+
+    def show_about(self, part: QRect) -> None:
+        """Frame a rectangle of the window."""
+        across, down = part.width(), part.height()
+        for bar, place in zip(
+            self.bars,
+            (
+                QRect(part.left(), part.top(), across, LINE),
+                QRect(part.left(), part.bottom() - LINE + 1, across, LINE),
+                QRect(part.left(), part.top(), LINE, down),
+                QRect(part.right() - LINE + 1, part.top(), LINE, down),
+            ),
+        ):
+            bar.setGeometry(place)
+            bar.show()
+            bar.raise_()
+
+
+def _lay_over_native_views(widget: QWidget) -> None:
+    """Give a widget a native window: the record and the 3-D view have one, and hide widgets that have none."""
+    widget.setAttribute(Qt.WidgetAttribute.WA_DontCreateNativeAncestors)
+    widget.setAttribute(Qt.WidgetAttribute.WA_NativeWindow)
+
+
+def tour_steps(*parts: Callable[[], QWidget | None]) -> tuple[TourStep, ...]:
+    """Make the steps of the tour: scenes, parameters, record, seabed, menu bar."""
+    scenes, parameters, record, seabed, menus = parts
+    return (
+        TourStep(
+            "Pick a scene", "Scenes holds pipes, wrecks, ripples, ghosts, bent sound … The first record is under way.",
+            scenes,
+        ),
+        TourStep(
+            "Move a slider", "The record follows while it moves. Double-click a name to reset it; Ctrl+Z undoes. Ticks "
+            "take effects out, one at a time.", parameters,
+        ),
+        TourStep(
+            "Ask the record", "Space pauses the tow. Click a pixel, above all a dark one: what returns its echo, and "
+            "what hides the bed there, is told in decibels.", record,
+        ),
+        TourStep(
+            "Turn the seabed", "Drag to turn it, the wheel zooms. Click a target, then move, turn or stretch it by its "
+            "handles.", seabed,
+        ),
+        TourStep(
+            "Go on", "Lessons lead through what sonar shows, step by step. Help lists the keys, and shows this again.",
+            menus,
+        ),
+    )  # fmt: skip
+
+
+def _is_escape(event: QEvent) -> bool:
+    if not isinstance(event, QKeyEvent) or event.type() is not QEvent.Type.KeyPress:
+        return False
+    return event.key() == Qt.Key.Key_Escape
+
+
+def _is_in_view(part: QWidget | None) -> bool:
+    return part is not None and part.isVisible()
+
+
+def _place_beside(part: QRect, width: int, height: int, window: QRect) -> QPoint:
+    """Place a card below a part, left or right of it, or over it where there is no room; always within the window."""
+    inner = window.adjusted(APART, APART, -APART, -APART)
+    wanted = [
+        QPoint(max(part.left(), inner.left()), part.bottom() + APART),
+        QPoint(part.left() - width - APART, part.top() + APART),
+        QPoint(part.right() + APART, part.top() + APART),
+    ]
+    for place in wanted:
+        if inner.contains(QRect(place, QSize(width, height))):
+            return place
+    inside = part.center() - QPoint(width // 2, height // 2)
+    most = QPoint(max(inner.right() - width, inner.left()), max(inner.bottom() - height, inner.top()))
+    return QPoint(
+        min(max(inside.x(), inner.left()), most.x()),
+        min(max(inside.y(), inner.top()), most.y()),
+    )

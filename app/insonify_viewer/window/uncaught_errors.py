@@ -1,0 +1,60 @@
+"""Errors of slots that nothing caught: the window says so and goes on."""
+
+from __future__ import annotations
+
+import sys
+import warnings
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from types import TracebackType
+from typing import Any
+
+from psygnal import EmitLoopError
+
+from insonify.errors import FileWarning
+from insonify.scene import SceneError
+from insonify_viewer.errors import Failure, describe_error, format_trace
+
+
+@contextmanager
+def told_errors(complain: Callable[[Failure], None]) -> Iterator[None]:
+    """Tell the person of every exception that no slot caught, besides writing faults to standard error.
+
+    A `SceneError` is no fault: a file of the scene may be damaged or removed while the window shows it.
+    """
+    before = sys.excepthook
+
+    def tell(kind: type[BaseException], error: BaseException, trace: TracebackType | None) -> None:
+        while isinstance(error, EmitLoopError) and error.__cause__ is not None:  # raised by a callback of a signal
+            error = error.__cause__
+            kind, trace = type(error), error.__traceback__
+        if isinstance(error, SceneError):
+            complain(describe_error(error))
+            return
+        before(kind, error, trace)
+        if isinstance(error, Exception):
+            sentence = f"this is a fault of the program ({kind.__name__}: {error}); save the scene and go on"
+            complain(Failure(sentence, format_trace(error)))
+
+    sys.excepthook = tell
+    try:
+        yield
+    finally:
+        sys.excepthook = before
+
+
+@contextmanager
+def told_file_warnings(tell: Callable[[str], None]) -> Iterator[None]:
+    """Tell the person what a file lacks that is read all the same; other warnings are written as before."""
+    before = warnings.showwarning
+
+    def show(message: Warning | str, category: type[Warning], *where: Any, **more: Any) -> None:
+        if issubclass(category, FileWarning):
+            tell(" ".join(str(message).split()))
+        else:
+            before(message, category, *where, **more)
+
+    with warnings.catch_warnings():
+        warnings.simplefilter("always", FileWarning)
+        warnings.showwarning = show
+        yield

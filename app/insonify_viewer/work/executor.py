@@ -1,0 +1,241 @@
+"""Work beside the window: threads by key on which the newest work wins, and long tasks with progress."""
+
+from __future__ import annotations
+
+import math
+import os
+import sys
+import threading
+import time
+from collections.abc import Callable
+from contextlib import suppress
+from dataclasses import dataclass
+from typing import Any
+
+from PySide6.QtCore import QObject, Qt, Signal
+
+from insonify.scene import SceneError
+from insonify_viewer.errors import Failure, FaultReport, describe_error, report_fault
+
+Work = Callable[[], Any]
+Receive = Callable[[Any], None]
+CallLater = Callable[[Receive, Any], None]
+Progress = Callable[[float], None]
+
+LOWER = 5  # steps of niceness, each some 20 % of a processor's share
+QUIET, LONGEST = 0.1, 0.7  # s without other work before patient work begins, and its longest wait
+
+
+class Executor(QObject):
+    """Runs work on threads of its own and passes the results to the main thread.
+
+    Work has a key, and each key its thread, which begins with the first work: work replaces work of the same key that
+    still waits. A task has a thread to itself.
+    """
+
+    _posted = Signal(object, object)
+
+    def __init__(self, parent: QObject | None = None) -> None:
+        super().__init__(parent)
+        self._lanes: dict[str, Lane] = {}
+        self._tasks: list[Task] = []
+        self._faults: dict[str, FaultReport] = {}
+        self._closing = False
+        self._posted.connect(self._call, Qt.ConnectionType.QueuedConnection)
+
+    def submit(self, key: str, work: Work, receive: Receive) -> None:
+        """Run work on the thread of a key and pass its result to the main thread, or None where it raises.
+
+        A `SceneError` is dropped, because the simulator reports it too; any other exception is reported, a repeated
+        one once.
+        """
+        if key not in self._lanes:
+            self._lanes[key], self._faults[key] = Lane(key, self.call_later), FaultReport()
+        self._lanes[key].put(key, lambda: _outcome(work), lambda outcome: self._take(key, receive, *outcome))
+
+    def start(self, name: str, work: Work, *, done: Receive, failed: Callable[[Failure], None]) -> None:
+        """Run work without progress on a thread of its own."""
+        task = Task(lambda _: work(), self.call_later, done=done, failed=failed, name=name)
+        self._tasks = [*(each for each in self._tasks if each.running), task]
+        task.start()
+
+    def call_later(self, receive: Receive, result: Any) -> None:
+        """Pass a result from any thread to the main thread; it is dropped once the window closes."""
+        # A thread that compiles outlives the window, and Qt's half of this object when the interpreter ends.
+        with suppress(RuntimeError):
+            self._posted.emit(receive, result)
+
+    def close(self, patience: float | None = None) -> None:
+        """End all threads, and wait for each at most for a time in seconds: it may be compiling."""
+        self._closing = True
+        for lane in self._lanes.values():
+            lane.close(patience)
+        for task in self._tasks:
+            task.close(patience)
+
+    def _take(self, key: str, receive: Receive, result: Any, error: Exception | None) -> None:
+        """Pass a result on, then report an error that is news for the key."""
+        receive(result)
+        if error is None:
+            self._faults[key].forget()
+        elif not isinstance(error, SceneError) and self._faults[key].is_news(error):
+            report_fault(error)
+
+    def _call(self, receive: Receive, result: Any) -> None:
+        if not self._closing:  # a result may still be queued when the window closes
+            receive(result)
+
+
+def _outcome(work: Work) -> tuple[Any, Exception | None]:
+    try:
+        return work(), None
+    except Exception as error:
+        return None, error
+
+
+@dataclass
+class _Waiting:
+    """Work that waits for the thread of a lane."""
+
+    work: Work
+    receive: Receive
+    rank: int  # lower ranks begin first
+    due: float = 0.0  # time from which patient work may begin, unless other work comes
+    latest: float = math.inf  # time from which it begins before all other work
+
+    @property
+    def begins(self) -> float:
+        """Time from which it may begin."""
+        return min(self.due, self.latest)
+
+    def rank_at(self, now: float) -> int:
+        """Rank at a time."""
+        return 0 if self.latest <= now else self.rank
+
+
+class Lane:
+    """A thread and the work that waits for it; work of a key replaces work of the same key that still waits."""
+
+    def __init__(self, name: str, call_later: CallLater) -> None:
+        self._call_later = call_later
+        self._waiting: dict[object, _Waiting] = {}
+        self.closing = False
+        self.changed = threading.Condition()
+        self._thread = threading.Thread(target=self._work, name=f"insonify {name}", daemon=True)
+
+    def put(self, key: object, work: Work, receive: Receive, *, rank: int = 1, patient: bool = False) -> None:
+        """Run work next, before work of a higher rank; patient work waits for a moment without other work."""
+        with self.changed:
+            before, waiting = self._waiting.get(key), _Waiting(work, receive, rank)
+            if patient:
+                now = time.perf_counter()
+                waiting.due, waiting.latest = now + QUIET, before.latest if before else now + LONGEST
+            self._waiting[key] = waiting
+            self.changed.notify()
+            if not self._thread.is_alive() and not self.closing:
+                self._thread.start()
+
+    def is_interrupted_by(self, key: object) -> bool:
+        """Whether work of a key waits, or the thread is to end."""
+        return self.closing or key in self._waiting
+
+    def close(self, patience: float | None = None) -> None:
+        """End the thread and wait for it, at most for a time in seconds."""
+        with self.changed:
+            self.closing = True
+            self.changed.notify()
+        if self._thread.is_alive():
+            self._thread.join(patience)
+
+    def _work(self) -> None:
+        yield_to_window()
+        while (waiting := self._next()) is not None:
+            self._call_later(waiting.receive, waiting.work())
+
+    def _next(self) -> _Waiting | None:
+        """Wait for work that may begin, and take it; None if the thread is to end."""
+        with self.changed:
+            now = time.perf_counter()
+            for each in self._waiting.values():
+                each.due = each.due and now + QUIET  # the thread was busy until now
+            while not self.closing:
+                now = time.perf_counter()
+                ready = {key: each.rank_at(now) for key, each in self._waiting.items() if each.begins <= now}
+                if ready:
+                    return self._waiting.pop(min(ready, key=ready.__getitem__))
+                begins = min((each.begins for each in self._waiting.values()), default=None)
+                self.changed.wait(None if begins is None else begins - now)
+            return None
+
+
+class StoppedError(Exception):
+    """The task was stopped."""
+
+
+class Task:
+    """Long work on a thread of its own, with progress and a stop."""
+
+    def __init__(
+        self,
+        work: Callable[[Progress], Any],
+        call_later: CallLater,
+        *,
+        done: Receive,
+        failed: Callable[[Failure], None],
+        name: str,
+        progressed: Progress = lambda _: None,
+    ) -> None:
+        self._do, self._name = work, name
+        self._call_later, self._progressed, self._done, self._failed = call_later, progressed, done, failed
+        self._stopping = False
+        self._share: float | None = None  # reported and not passed on yet
+        self._thread = threading.Thread(target=self._work, name=f"insonify {name}", daemon=True)
+
+    @property
+    def running(self) -> bool:
+        """Whether the thread still works."""
+        return self._thread.is_alive()
+
+    def start(self) -> None:
+        """Start the thread."""
+        self._thread.start()
+
+    def stop(self) -> None:
+        """Stop at the next report of progress."""
+        self._stopping = True
+
+    def close(self, patience: float | None = None) -> None:
+        """Stop, and wait for the thread, at most for a time in seconds."""
+        self.stop()
+        self._thread.join(patience)
+
+    def _work(self) -> None:
+        yield_to_window()
+        try:
+            self._call_later(self._done, self._do(self._report))
+        except StoppedError:
+            self._call_later(self._failed, Failure(""))
+        except Exception as error:  # an exception that ends the thread would leave the window waiting
+            self._call_later(self._failed, describe_error(error, f"the {self._name}"))
+
+    def _report(self, share: float) -> None:
+        if self._stopping:
+            raise StoppedError
+        waits, self._share = self._share is not None, share
+        if not waits:  # otherwise the report that waits passes this share on: work may report faster than Qt delivers
+            self._call_later(self._pass_on, None)
+
+    def _pass_on(self, _: None) -> None:
+        share, self._share = self._share, None
+        if share is not None:
+            self._progressed(share)
+
+
+def yield_to_window(process: int = 0) -> None:
+    """Lower the priority of the calling thread, or of a process that just started, and of the threads that it starts.
+
+    Tracing keeps all processors busy, and the main thread would have to wait for its turn. Only Linux has priorities
+    of single threads by niceness.
+    """
+    if sys.platform == "linux":
+        os.setpriority(os.PRIO_PROCESS, process, os.getpriority(os.PRIO_PROCESS, process) + LOWER)

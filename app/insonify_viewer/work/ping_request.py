@@ -1,0 +1,112 @@
+"""What the window asks its worker for, and what the worker answers."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, fields
+from typing import TYPE_CHECKING, Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from insonify.scene import Scene
+from insonify_viewer.state.modelling import Modelling
+
+if TYPE_CHECKING:
+    from insonify.display.normalisation import LevelBed
+    from insonify.kernels.common.types import Poses, SceneArrays
+    from insonify.packing.packed_scene import PackedScene
+    from insonify.scene import Scene
+    from insonify.simulation import Simulation
+    from insonify.terrain import AnyGround
+    from insonify.tow.line import TowLine
+
+    Pings = NDArray[np.int64]
+
+
+@dataclass(frozen=True)
+class PingRequest:
+    """Pings wanted of a scene."""
+
+    number: int  # number of the edit that the request is for
+    scene: Scene  # scene to trace
+    modelling: Modelling  # its modelling
+    pings: NDArray[np.int64]  # (n,) pings wanted, the most urgent first
+    # Whether to trace by the modelling; else one plane traces every few pings, and new endless ground is thinned.
+    fine: bool
+
+
+@dataclass(frozen=True)
+class TracedPings:
+    """Traced pings."""
+
+    number: int  # as in the request
+    fine: bool
+    pings: NDArray[np.int64]  # (n,) their numbers
+    amplitude: NDArray[np.float32]  # (n, 2, bins) amplitude relative to the level bed's
+    level: LevelBed  # intensities of a level bed, at which the amplitude is 1
+    simulation: Simulation  # the simulation that traced them
+    seconds: float  # time that tracing took
+    alike: int  # number of successive pings that share the amplitudes of the first of them
+    # (n,) height of the sonar above the bed at each ping in metres; NaN where there is no bed.
+    altitude: NDArray[np.float64]
+    # (bins,) number of pings that the beam covers, over which the view still has to average.
+    reach: NDArray[np.float64] | None = None
+
+
+class SimulatedScene(NamedTuple):
+    """A scene that is ready to be traced, and its record on a level bed."""
+
+    simulation: Simulation
+    level: LevelBed
+
+
+def find_altitude(simulation: Simulation, pings: NDArray[np.int64]) -> NDArray[np.float64]:
+    """Height of the sonar above the bed at pings, in metres; NaN where there is no bed."""
+    poses = simulation.poses(pings)
+    return np.asarray(poses.z - simulation.ground.height_at(poses.x, poses.y))
+
+
+@dataclass(frozen=True, eq=False)
+class LaidScene:
+    """A scene with its ground and arrays; it can be shown, but not yet traced."""
+
+    packed: PackedScene  # the scene, its ground and its arrays
+
+    @property
+    def scene(self) -> Scene:
+        """The declaration."""
+        return self.packed.scene
+
+    @property
+    def ground(self) -> AnyGround:
+        """The bed."""
+        return self.packed.ground
+
+    @property
+    def arrays(self) -> SceneArrays:
+        """The scene as tracers take it."""
+        return self.packed.arrays
+
+    def poses(self, pings: Pings) -> Poses:
+        """Position and attitude of the sonar at the given pings."""
+        # lazy: loaded on the worker; the window opens before Numba is loaded
+        from insonify.tow.poses import make_poses
+
+        return make_poses(self.scene, self.ground, pings)
+
+    def line(self, pings: Pings) -> TowLine:
+        """Positions and headings along the line of the tow."""
+        # lazy: loaded on the worker; the window opens before Numba is loaded
+        from insonify.tow.line import tow_line_at
+
+        return tow_line_at(self.scene, pings)
+
+
+def is_same_ground(one: AnyGround, other: AnyGround) -> bool:
+    """Whether two grounds hold the very same arrays, at the same place, of the same materials."""
+    if type(one) is not type(other):
+        return False
+    parts: list[tuple[Any, Any]] = [
+        (getattr(one, field.name), getattr(other, field.name)) for field in fields(one) if field.init
+    ]
+    return all(a is b or (not isinstance(a, np.ndarray) and bool(a == b)) for a, b in parts)

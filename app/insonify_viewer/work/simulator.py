@@ -1,0 +1,314 @@
+"""Worker thread between the window and the core; requests are numbered, and the newest wins."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable, Iterator
+from contextlib import ExitStack, contextmanager
+from functools import partial
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+from psygnal import Signal
+
+from insonify.compiler.progress import Compilation, watch_compilation
+from insonify.scene import Scene, SceneError, edit
+from insonify_viewer.errors import describe_error
+from insonify_viewer.state.modelling import Modelling
+from insonify_viewer.work.executor import Executor, Lane, Receive, Work
+from insonify_viewer.work.ping_request import PingRequest, SimulatedScene, TracedPings, find_altitude, is_same_ground
+from insonify_viewer.work.waiting import Activity
+
+if TYPE_CHECKING:
+    from insonify.display.normalisation import LevelBed
+    from insonify.packing.packed_scene import PackedScene
+    from insonify.simulation import Simulation
+
+BLOCK_TIME = 0.04  # s, predicted for a block of pings: it is shown, and a newer request takes over
+COARSE_TIME = 0.01  # s, time to trace all pings on screen while a slider moves
+MAX_STRIDE = 16
+FIRST_COARSE = 4  # pings of a coarse picture by which the time of the others is told
+LONGEST = 0.3  # s, after which a coarse picture that a newer request waits for is shown as far as it is traced
+THINNINGS = (4, 2)  # times the spacing; the first that resolves the waves of the relief is taken
+MOST_NODES = 2**22  # of ground that is made at once, some 100 MB while it is made; beyond, tiles take less
+MARGIN = 1.3  # times the range, about the pings: for the pulse, rough motion and refracted rays
+
+
+class Simulator:
+    """Traces the pings of the newest request on a thread of its own.
+
+    A new request replaces one that waits. A request under way runs to the end of its block, so that a slider that moves
+    all the time still shows pings; the rest of it must be requested again.
+    """
+
+    answered = Signal(object)  # `TracedPings`
+    laid = Signal(int, object)  # number of a request, and its scene on a new bed
+    refused = Signal(int, object)  # number of a request, and a `Failure`
+
+    def __init__(
+        self,
+        prepare: Callable[..., Simulation] | None = None,
+        pack: Callable[[Scene], PackedScene] | None = None,
+    ) -> None:
+        self.executor = Executor()  # threads of what else works beside the window
+        self._prepare = prepare or _prepare
+        self._pack = pack or (None if prepare else _pack)
+        self._activity = Activity()
+        self._compilation: Compilation | None = None
+        self._watching = ExitStack()
+        self._watching.enter_context(watch_compilation(partial(setattr, self, "_compilation")))
+        self._lane = Lane("simulator", self.executor.call_later)
+        self._cost = 1e-4  # s, of a coarse ping
+        self._coarse = -1  # number of the last coarse answer that was sent to the main thread
+        self._last: dict[bool, tuple[Scene, Modelling, Simulation, LevelBed]] = {}
+
+    @property
+    def activity(self) -> Activity:
+        """What the worker does besides tracing pings, first of all compiling kernels."""
+        reported = self._compilation
+        if reported is None:
+            return self._activity
+        compilation = reported.by_now
+        return Activity(compilation.sentence, compilation.done)
+
+    def ask(self, request: PingRequest) -> None:
+        """Trace these pings next, instead of a request that still waits."""
+        self._lane.put("pings", lambda: self._serve(request), lambda _: None, rank=2)
+
+    def prepare(self, scene: Scene, modelling: Modelling, receive: Callable[[Any], None]) -> None:
+        """Prepare a scene without tracing it, and pass its `Simulation` or a `SceneError` to the main thread."""
+        self.send(lambda: self._prepared(scene, modelling, fine=True)[0], receive)
+
+    def simulate_beside(self, scene: Scene, modelling: Modelling) -> SimulatedScene:
+        """Prepare another scene on the calling thread, to be traced there."""
+        # lazy: loaded on the worker; the window opens before Numba is loaded
+        from insonify.display.normalisation import LevelBed
+
+        simulation = self._prepare(scene, tolerance=modelling.tolerance, forced=dict(modelling.forced))
+        return SimulatedScene(simulation, LevelBed(simulation))
+
+    def send(self, work: Work, receive: Receive) -> None:
+        """Run work on the simulator's thread, before any request, and pass its result to the main thread.
+
+        An exception is passed on as a `SceneError`.
+        """
+        self._lane.put(object(), lambda: _result(work), receive, rank=0)
+
+    def send_patiently(self, key: str, work: Work, receive: Receive) -> None:
+        """Run work like `send` once no request came for a moment; it replaces work of its key that still waits."""
+        self._lane.put(key, lambda: _result(work), receive, rank=3, patient=True)
+
+    def trace_beside(self, scene: Scene, modelling: Modelling, pings: NDArray[np.int64]) -> NDArray[np.float32]:
+        """Trace pings of another scene on the calling thread alone, beside the worker."""
+        # lazy: loaded beside the worker; the window opens before Numba is loaded
+        from insonify.display.normalisation import LevelBed
+        from insonify.parallel import limited_threads
+
+        with limited_threads(1):
+            simulation = self._prepare(scene, tolerance=modelling.tolerance, forced={})
+            return LevelBed(simulation).amplitudes(pings)
+
+    def close(self, patience: float | None = None) -> None:
+        """End all threads, and wait for each at most for a time in seconds: it may be compiling."""
+        self._watching.close()
+        self._lane.close(patience)
+        self.executor.close(patience)
+
+    def _serve(self, request: PingRequest) -> None:
+        refuse = partial(self.refused.emit, request.number)
+        try:
+            for answer in self._trace(request):
+                if not answer.fine:
+                    self._coarse = answer.number
+                self.executor.call_later(self._deliver, answer)
+                if self._lane.is_interrupted_by("pings"):
+                    return
+        except Exception as error:  # an exception that ends the thread would freeze the picture silently
+            self.executor.call_later(refuse, describe_error(error, "the simulation of this scene"))
+
+    def _trace(self, request: PingRequest) -> Iterator[TracedPings]:
+        modelling = request.modelling if request.fine else request.modelling.coarse
+        known = self._last.get(True)
+        scene = request.scene if request.fine else thin_new_ground(request.scene, known and known[0])
+        pings, beneath, begun = request.pings, None if scene is request.scene else request.pings, time.perf_counter()
+        simulation, level = self._prepared(scene, modelling, fine=request.fine, number=request.number, beneath=beneath)
+        if request.fine:
+            simulation.expect(pings)  # a slider that moves next traces them all together
+        stride = 1 if request.fine else self._stride(len(pings), time.perf_counter() - begun)
+        size = simulation.pings_within(BLOCK_TIME)
+        start = 0
+        while start < len(pings):
+            begun = time.perf_counter()
+            if request.fine:
+                traced = level.amplitudes(pings[start : start + size])
+            else:
+                traced = self._trace_coarsely(level, pings[start::stride])
+            seconds = time.perf_counter() - begun
+            if not request.fine:
+                self._cost = seconds / len(traced)
+            block = pings[start : start + stride * len(traced)]
+            start += len(block)
+            amplitude = traced if stride == 1 else np.repeat(traced, stride, axis=0)[: len(block)]
+            reach = None if request.fine else _reach(simulation)
+            yield TracedPings(
+                request.number,
+                request.fine,
+                block,
+                amplitude,
+                level,
+                simulation,
+                seconds,
+                stride,
+                find_altitude(simulation, block),
+                reach,
+            )
+
+    def _trace_coarsely(self, level: LevelBed, pings: NDArray[np.int64]) -> NDArray[np.float32]:
+        """Amplitudes of the first pings: of all, unless it takes long and something newer waits."""
+        parts: list[NDArray[np.float32]] = []
+        done, size, begun = 0, FIRST_COARSE, time.perf_counter()
+        while done < len(pings):
+            parts.append(level.amplitudes(pings[done : done + size]))
+            done += len(parts[-1])
+            passed = time.perf_counter() - begun
+            if passed > LONGEST and self._lane.is_interrupted_by("pings"):
+                break
+            # Of what takes little time there is one more part; one that takes long is looked after.
+            size = max(1, int(LONGEST * done / passed))
+        return np.concatenate(parts)
+
+    def _stride(self, pings: int, passed: float) -> int:
+        """Stride over the pings by which a coarse trace of them takes about `COARSE_TIME`, or half of what has passed.
+
+        A picture for which ground was made comes late in any case, and hardly later with more of its pings.
+        """
+        stride, allowed = 1, max(COARSE_TIME, 0.5 * passed)
+        while stride < MAX_STRIDE and pings * self._cost > allowed * stride:
+            stride *= 2
+        return stride
+
+    def _prepared(
+        self,
+        scene: Scene,
+        modelling: Modelling,
+        *,
+        fine: bool,
+        number: int = 0,
+        beneath: NDArray[np.int64] | None = None,
+    ) -> tuple[Simulation, LevelBed]:
+        """Prepare a scene, of its ground no more than lies beneath some pings, if they are given.
+
+        The last simulation is used again if the scene is the same.
+        """
+        # lazy: loaded on the worker; the window opens before Numba is loaded
+        from insonify.display.normalisation import LevelBed
+
+        last = self._last.get(fine)
+        if last is None or last[:2] != (scene, modelling) or beneath is not None:
+            # While a slider moves nothing is measured: the last plan serves as far as the scene admits it.
+            known = self._last.get(True)
+            kept: dict[str, Any] = {} if fine or known is None else {"plan": known[2].plan}
+            with self._doing("building the bed"):
+                kept |= self._packed(scene, number, beneath, tell=fine)
+            with self._doing("choosing the methods by a few pings"):
+                simulation = self._prepare(scene, tolerance=modelling.tolerance, forced=dict(modelling.forced), **kept)
+                last = self._last[fine] = (scene, modelling, simulation, LevelBed(simulation))
+        return last[2:]
+
+    def _packed(
+        self, scene: Scene, number: int, beneath: NDArray[np.int64] | None, *, tell: bool
+    ) -> dict[str, PackedScene]:
+        """Build the bed of a scene and tell of it, so that it is shown while kernels are compiled."""
+        if self._pack is None:
+            return {}
+        packed = self._pack(scene) if beneath is None else pack_beneath(scene, beneath)
+        known = self._last.get(True)
+        if tell and (known is None or not is_same_ground(known[2].ground, packed.ground)):
+            self.executor.call_later(partial(self.laid.emit, number), packed)
+        return {"packed": packed}
+
+    @contextmanager
+    def _doing(self, what: str) -> Iterator[None]:
+        """Tell what the worker does meanwhile."""
+        self._activity = Activity(what)
+        try:
+            yield
+        finally:
+            self._activity = Activity()
+
+    def _deliver(self, answer: TracedPings) -> None:
+        """Pass an answer on, unless it is a coarse picture and that of a later edit waits behind it."""
+        if answer.fine or answer.number >= self._coarse:
+            self.answered.emit(answer)
+
+
+def _pack(scene: Scene) -> PackedScene:
+    # lazy: loaded on the worker; the window opens before Numba is loaded
+    from insonify.packing.packed_scene import pack
+
+    return pack(scene)
+
+
+def _prepare(scene: Scene, **how: Any) -> Simulation:
+    # lazy: loaded on the worker; the window opens before Numba is loaded
+    from insonify.simulation import prepare
+
+    return prepare(scene, **how)
+
+
+def _reach(simulation: Simulation) -> NDArray[np.float64] | None:
+    """Count the pings that the beam covers, by range bin; None if averaging would also blur speckle or noise."""
+    # lazy: loaded on the worker; the window opens before Numba is loaded
+    from insonify.acoustics.resolution_cell import bin_centres, coherence_angle
+
+    scene, arrays = simulation.scene, simulation.arrays
+    if arrays.half_width <= 0.0 or not scene.receiver.steady:
+        return None
+    step = scene.track.speed / scene.sonar.ping_rate
+    return coherence_angle(arrays) * bin_centres(arrays) / step
+
+
+def _result(work: Work) -> Any:
+    try:
+        return work()
+    except SceneError as error:
+        return error
+    except Exception as error:
+        refusal = SceneError(f"this cannot be shown ({type(error).__name__}: {error}); open another scene")
+        refusal.__cause__ = error
+        return refusal
+
+
+def thin_new_ground(scene: Scene, known: Scene | None) -> Scene:
+    """Scene on fewer nodes, where its ground is endless and not that of another scene whose tiles are known.
+
+    Endless ground shares all but its finest waves with the same ground at a multiple of the spacing, and the time that
+    a window takes falls with the square of it.
+    """
+    if not scene.seabed.endless or (known is not None and _ground_of(scene) == _ground_of(known)):
+        return scene
+    for times in THINNINGS:
+        try:
+            return edit(scene, {"seabed.spacing": times * scene.seabed.spacing})
+        except SceneError:  # waves of the relief are too short for it
+            continue
+    return scene
+
+
+def pack_beneath(scene: Scene, pings: NDArray[np.int64]) -> PackedScene:
+    """Pack a scene over endless ground, of which no more is made than some pings hear."""
+    # lazy: loaded on the worker; the window opens before Numba is loaded
+    from insonify.packing.packed_scene import pack
+    from insonify.terrain import build_excerpt
+    from insonify.tow.line import tow_line_at
+
+    line, margin = tow_line_at(scene, pings), MARGIN * scene.sonar.range
+    low, high = (line.x.min() - margin, line.y.min() - margin), (line.x.max() + margin, line.y.max() + margin)
+    sides = np.subtract(high, low) / scene.seabed.spacing
+    return pack(scene, build_excerpt(scene, low, high) if sides.prod() <= MOST_NODES else None)
+
+
+def _ground_of(scene: Scene) -> tuple[object, ...]:
+    """Return what decides the tiles beneath the pings of a scene."""
+    return scene.seabed, scene.seed, scene.track.start, scene.track.heading

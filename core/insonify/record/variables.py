@@ -1,0 +1,86 @@
+"""Variables, coordinates and attributes of a simulated record."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from functools import cache
+from importlib.metadata import version
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from insonify.acoustics.water import recording_speed
+from insonify.io.georeference import find_georeference
+from insonify.io.record_block import RecordBlock, make_record_block
+from insonify.io.record_schema import coordinates, echo_variable, label_variables, platform, target_variables
+from insonify.kernels.common.types import Poses
+from insonify.planning import Plan
+from insonify.record.blocks import Columns
+from insonify.record.target_truth import TargetTruth
+from insonify.scene import Scene, scene_to_toml
+from insonify.terrain import AnyGround
+from insonify.tow.poses import platform_columns
+from insonify.tracers.labels import PATHS
+
+_version = cache(version)  # reads a file
+
+
+def make_block(
+    scene: Scene,
+    ground: AnyGround,
+    pings: NDArray[np.int64],
+    poses: Poses,
+    columns: Columns,
+    truth: TargetTruth | None,
+    attributes: Mapping[str, Any],
+) -> RecordBlock:
+    """Make the block of a record that holds some pings."""
+    sonar = scene.sonar
+    slant_range = (np.arange(sonar.bins) + 0.5) * (sonar.range / sonar.bins)
+    variables = echo_variable(columns["intensity"])
+    variables |= platform(platform_columns(poses, ground), find_georeference(attributes))
+    if truth is not None:
+        targets = [f"{target.kind}_{number}" for number, target in enumerate(scene.targets)]
+        volumes = [f"{volume.kind}_{number}" for number, volume in enumerate(scene.volumes)]
+        materials = [*ground.names, *(target.material.name for target in scene.targets)]
+        variables |= label_variables(columns, targets, materials, PATHS, volumes)
+        variables |= target_variables(truth._asdict(), targets) if targets else {}
+    coords = coordinates(pings / sonar.ping_rate, slant_range, recording_speed(scene, ground.datum))
+    return make_record_block(variables, coords, attributes)
+
+
+def record_attributes(
+    scene: Scene, plan: Plan, method: str, tolerance: float, forced: Mapping[str, str] | None
+) -> dict[str, Any]:
+    """Attributes of a record: the scene, how it was simulated, and by which version."""
+    attributes: dict[str, Any] = {
+        "title": scene.title,
+        "scene": scene_to_toml(scene),
+        "plan": "\n".join(plan.lines()),
+        "method": method,
+        "tolerance": tolerance,
+        "version": _version("insonify"),
+    }
+    attributes |= _sonar_attributes(scene) | _place_attributes(scene)
+    if forced:
+        attributes["model"] = " ".join(f"{subject}={choice}" for subject, choice in forced.items())
+    return attributes
+
+
+def _sonar_attributes(scene: Scene) -> dict[str, float]:
+    """Frequency in Hz, and the one-way widths and the depression of the beams in degrees, as far as they have any."""
+    sonar = scene.sonar
+    told = {
+        "frequency": sonar.frequency,
+        "beam_width": getattr(sonar.beam, "width", None),
+        "vertical_beam_width": getattr(sonar.vertical, "width", None),
+        "vertical_beam_tilt": getattr(sonar.vertical, "tilt", None),
+    }
+    return {name: value for name, value in told.items() if value is not None}
+
+
+def _place_attributes(scene: Scene) -> dict[str, Any]:
+    """Where the scene lies on Earth, if it says so."""
+    place = scene.georeference
+    return {} if place is None else place.attributes()

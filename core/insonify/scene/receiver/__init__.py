@@ -1,0 +1,69 @@
+"""Receiver of the sonar: speckle, reverberation, noise and other waves, gain, recorder."""
+
+from __future__ import annotations
+
+from typing import Annotated
+
+from insonify.scene.base import Declaration, KindOf, parameter
+from insonify.scene.receiver.effects import (
+    FLUCTUATIONS,
+    INTERFERENCES,
+    NOISES,
+    RINGINGS,
+    AmbientNoise,
+    DecayingRinging,
+    Lognormal,
+    OtherSonar,
+)
+from insonify.scene.receiver.gains import GAINS, GainKind, NoTvg
+from insonify.scene.receiver.recorder import Recorder
+from insonify.scene.receiver.reverberations import REVERBERATIONS, NoReverberation, ReverberationKind
+from insonify.scene.receiver.speckles import SPECKLES, NoSpeckle, SpeckleKind
+
+
+class Receiver(Declaration):
+    """Effects between the echo and the record: speckle, reverberation, noise and other waves, gain, recorder."""
+
+    speckle: Annotated[SpeckleKind, KindOf(SPECKLES, default="none")] = parameter(
+        NoSpeckle(), description="interference of scatterers within a cell"
+    )
+    fluctuation: Annotated[Lognormal | None, KindOf(FLUCTUATIONS, optional=True)] = parameter(
+        None, description="variation of the level from ping to ping", rare=True
+    )
+    reverberation: Annotated[ReverberationKind, KindOf(REVERBERATIONS, default="none")] = parameter(
+        NoReverberation(), description="echoes of the water and its surface"
+    )
+    noise: Annotated[AmbientNoise | None, KindOf(NOISES, optional=True)] = parameter(
+        None, description="noise received besides the echoes"
+    )
+    interference: Annotated[OtherSonar | None, KindOf(INTERFERENCES, optional=True)] = parameter(
+        None, description="pings of another sonar", rare=True
+    )
+    ringing: Annotated[DecayingRinging | None, KindOf(RINGINGS, optional=True)] = parameter(
+        None, description="ringing of the transducer after transmission", rare=True
+    )
+    source_level: float = parameter(
+        0.0,
+        unit="dB",
+        description="level of the source at 1 m, dB re 1 µPa; at 0 the record is relative to the source",
+        ge=0.0,
+        le=300.0,
+        slider=(0.0, 240.0),
+    )
+    tvg: Annotated[GainKind, KindOf(GAINS, default="none")] = parameter(NoTvg(), description="time-varied gain")
+    crosstalk: float | None = parameter(
+        None,
+        unit="dB",
+        description="level at which each side receives the other's echoes (not at all when left out)",
+        ge=-200.0,
+        le=0.0,
+        slider=(-80.0, 0.0),
+        rare=True,
+    )
+    recorder: Recorder = parameter(Recorder(), description="amplifier and converter")
+
+    @property
+    def steady(self) -> bool:
+        """Whether all pings are received and recorded alike, without anything random or timed."""
+        varying = self.speckle.speckled or self.fluctuation or self.noise or self.interference
+        return not varying and self.recorder.dropped_pings == 0.0 and len(self.recorder.gain_steps) == 1

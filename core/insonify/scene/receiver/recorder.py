@@ -1,0 +1,64 @@
+"""Recorder: gain of the last amplifier, converter and losses on the way to the file."""
+
+from __future__ import annotations
+
+from itertools import pairwise
+from typing import Annotated, Literal
+
+from pydantic import Field, field_validator
+
+from insonify.scene.base import Declaration, parameter
+
+MOST_GAIN = 200.0  # dB, either way
+Seconds = Annotated[float, Field(ge=0.0, le=1e9)]
+Decibels = Annotated[float, Field(ge=-MOST_GAIN, le=MOST_GAIN)]
+Gain = Decibels | tuple[tuple[Seconds, Decibels], ...]
+
+
+class Recorder(Declaration):
+    """Amplifier and converter after detection; with the defaults the record is what the receiver detects."""
+
+    gain: Gain = parameter(
+        0.0,
+        unit="dB",
+        description="operator's gain: a number, or [[time in s, gain], ...], each kept until the next",
+        slider=(-20.0, 40.0),
+    )
+    side_gain: float = parameter(
+        0.0,
+        unit="dB",
+        description="gain of port over starboard",
+        ge=-MOST_GAIN,
+        le=MOST_GAIN,
+        slider=(-12.0, 12.0),
+    )
+    bits: Literal["float", 8, 16] = parameter(
+        "float", description="bits of the converter that records the amplitude; float: no rounding"
+    )
+    full_scale: float | None = parameter(
+        None,
+        unit="dB",
+        description="level at which the converter clips (when left out: the greatest level of a flat bed of albedo 1, "
+        "raised until a step of amplitude is a power of two; no clipping with float)",
+        ge=-400.0,
+        le=400.0,
+        slider=(-150.0, 200.0),
+    )
+    dropped_pings: float = parameter(
+        0.0, description="share of pings that are lost and recorded as 0", ge=0.0, le=1.0, slider=(0.0, 0.1)
+    )
+
+    @field_validator("gain")
+    @classmethod
+    def _steps_in_order(cls, gain: Gain) -> Gain:
+        if isinstance(gain, tuple):
+            if not gain:
+                raise ValueError("is empty; give a number or [[time, gain], ...]")
+            if any(after[0] <= before[0] for before, after in pairwise(gain)):
+                raise ValueError("must run in order of increasing time; sort the pairs and drop doubles")
+        return gain
+
+    @property
+    def gain_steps(self) -> tuple[tuple[float, float], ...]:
+        """Times (s) from which each gain (dB) applies; the first also applies before its time."""
+        return self.gain if isinstance(self.gain, tuple) else ((0.0, self.gain),)

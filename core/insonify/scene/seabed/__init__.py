@@ -1,0 +1,46 @@
+"""Seabed of a scene: mean depth, relief and material."""
+
+from __future__ import annotations
+
+from typing import Annotated
+
+from pydantic import model_validator
+
+from insonify.scene.base import Declaration, KindOf, parameter
+from insonify.scene.seabed.materials import AnyMaterialMap, Material
+from insonify.scene.seabed.reliefs import RELIEFS, ReliefKind
+from insonify.scene.seabed.reliefs.flat import Flat
+from insonify.scene.seabed.reliefs.random_relief import RandomRelief
+
+
+class Seabed(Declaration):
+    """Mean depth, relief and material of the bed."""
+
+    depth: float = parameter(
+        30.0,
+        unit="m",
+        description="depth of the mean bed (a measured bed has its own)",
+        gt=0.0,
+        le=11000.0,
+        slider=(5.0, 200.0),
+    )
+    spacing: float = parameter(
+        0.1, unit="m", description="spacing of the relief grid", gt=0.0, le=1e4, slider=(0.05, 1.0), log=True
+    )
+    relief: Annotated[ReliefKind, KindOf(RELIEFS, default="flat")] = parameter(Flat(), description="shape of the bed")
+    material: AnyMaterialMap = parameter(Material(), description="material of the bed")
+
+    @model_validator(mode="after")
+    def _relief_fits_the_grid(self) -> Seabed:
+        self.relief.check(self.spacing, self.material)
+        return self
+
+    @property
+    def random_reliefs(self) -> tuple[RandomRelief, ...]:
+        """The random reliefs that add up to the bed; empty for a bed that is not random."""
+        return self.relief.parts
+
+    @property
+    def endless(self) -> bool:
+        """Whether the bed is endless, without a period."""
+        return any(part.endless for part in self.random_reliefs)

@@ -1,0 +1,139 @@
+"""Sand ripples."""
+
+from __future__ import annotations
+
+import math
+from typing import Literal
+
+import numpy as np
+
+from insonify.scene.base import angle, parameter
+from insonify.scene.seabed.materials import MaterialMap
+from insonify.scene.seabed.reliefs.random_relief import ExtendableRelief, density_waves
+from insonify.scene.seabed.reliefs.spectrum import (
+    LONGEST_WAVES,
+    Band,
+    Density,
+    Field,
+    PeriodicWaves,
+    Waves,
+    rotate_frequencies,
+    row_groups,
+)
+
+FEWEST_CELLS = 3  # of one ripple
+FADE = 0.3  # share of the rms amplitude below which crests fade: they end at singularities of the phase
+
+
+class Ripples(ExtendableRelief):
+    """Crests of equal height that bend, fork and end: shaped from the phase of a narrow band of waves."""
+
+    rank = 50
+    shaped = True
+    kind: Literal["ripples"] = "ripples"
+    wavelength: float = parameter(
+        0.8,
+        unit="m",
+        description="mean distance from crest to crest",
+        gt=0.0,
+        le=1e5,
+        slider=(0.3, 20.0),
+        log=True,
+    )
+    heading: float = angle("direction along the crests, counter-clockwise from +x", 30.0)
+    height: float = parameter(
+        0.08, unit="m", description="height from trough to crest", ge=0.0, le=1e4, slider=(0.005, 2.0), log=True
+    )
+    bandwidth: float = parameter(
+        0.1,
+        description="spread of the wave numbers across the crests over their mean; more makes crests less regular",
+        gt=0.0,
+        le=0.5,
+        slider=(0.01, 0.3),
+    )
+    bandwidth_along: float = parameter(
+        0.08,
+        description="spread of the wave numbers along the crests over their mean; more makes crests shorter",
+        gt=0.0,
+        le=0.5,
+        slider=(0.01, 0.3),
+    )
+    sharpness: float = parameter(
+        0.6,
+        description="0: crests as round as the troughs; 1: sharp crests between rounded troughs",
+        ge=0.0,
+        le=1.0,
+        slider=(0.0, 1.0),
+    )
+
+    @property
+    def wave(self) -> tuple[float, float]:
+        """Mean wave along x and y, cycles a metre, to the left of the crests' heading."""
+        angle = math.radians(self.heading)
+        return -math.sin(angle) / self.wavelength, math.cos(angle) / self.wavelength
+
+    def band(self, narrowest: float = 0.0) -> Density:
+        """Band of waves about zero for the ripples' phase; its level does not matter."""
+        spread_across = max(self.bandwidth / self.wavelength, narrowest)
+        spread_along = max(self.bandwidth_along / self.wavelength, narrowest)
+
+        def density(fx: Field, fy: Field) -> Field:
+            f_along, f_across = rotate_frequencies(fx, fy, self.heading)
+            return np.asarray(np.exp(-0.5 * ((f_across / spread_across) ** 2 + (f_along / spread_along) ** 2)))
+
+        return density
+
+    def heights(self, waves: PeriodicWaves, reference: PeriodicWaves) -> Field:
+        """Shape the phase of the analytic signal of a narrow band of waves."""
+        band, wave = self.band(LONGEST_WAVES / self.period), self.wave
+
+        def about_both(fx: Field, fy: Field) -> Field:
+            return band(fx - wave[0], fy - wave[1]) + band(fx + wave[0], fy + wave[1])
+
+        made = density_waves(about_both, self.period, waves)
+        level = math.sqrt(2.0 * waves.variance(made))
+        imaginary, heights = waves.field(self._quarter_on(made, *waves.frequencies())), waves.field(made)
+        for rows in row_groups(len(heights)):
+            heights[rows] = self.shape_waves(heights[rows], imaginary[rows], level)
+        return heights
+
+    def _quarter_on(self, made: Waves, fx: Field, fy: Field) -> Waves:
+        """Turn waves by a quarter of a cycle: the Hilbert transform across the crests."""
+        turned = np.empty_like(made)
+        for rows in row_groups(len(made)):
+            _, across = rotate_frequencies(fx, fy[rows], self.heading)
+            np.multiply(-1j * np.sign(across), made[rows], out=turned[rows])
+        return turned
+
+    def bands(self) -> tuple[Band, ...]:
+        """Return the band about the mean wave."""
+        narrow = min(self.bandwidth, self.bandwidth_along) / self.wavelength
+        return (Band(self.band(), narrow, self.wave),)
+
+    def shape_waves(self, real: Field, imaginary: Field, level: float) -> Field:
+        """Heights from a complex field, whose phase is 0 on crests.
+
+        A sharp profile has crests with a corner, 4 height/wavelength steep, over parabolic troughs; a round one is a
+        cosine.
+        """
+        phase = np.abs(np.arctan2(imaginary, real))
+        sharp = 2.0 * (1.0 - phase / math.pi) ** 2 - 2.0 / 3.0  # about its own mean
+        profile = np.cos(phase) + self.sharpness * (sharp - np.cos(phase))
+        amplitude = np.hypot(real, imaginary)
+        # A grid without waves has no crests.
+        whole = np.maximum(np.hypot(amplitude, FADE * level), np.finfo(np.float64).tiny)
+        return np.asarray(0.5 * self.height * profile * (amplitude / whole))
+
+    def check(self, spacing: float, material: MaterialMap) -> None:
+        """Check the wavelength against the spacing and the period."""
+        super().check(spacing, material)
+        if self.wavelength < FEWEST_CELLS * spacing * (1.0 - 1e-9):
+            raise ValueError(
+                f"relief.wavelength {self.wavelength:g} m spans fewer than {FEWEST_CELLS} cells of spacing "
+                f"{spacing:g} m; lengthen it or reduce the spacing"
+            )
+        if 2.0 * self.wavelength > self.period and not self.endless:
+            raise ValueError(
+                f"relief.wavelength {self.wavelength:g} m fits less than twice into period {self.period:g} m; "
+                "shorten it or lengthen the period"
+            )

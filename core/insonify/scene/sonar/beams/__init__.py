@@ -1,0 +1,123 @@
+"""Horizontal beams, one file a kind.
+
+Directions are given as s, the sine of their angle from the plane across the towfish; sensitivities are two-way
+energies, 1 on the axis in the far field.
+"""
+
+from __future__ import annotations
+
+import math
+from abc import abstractmethod
+from typing import ClassVar, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from insonify.scene.base import Family, Kind, parameter
+
+BEAMS = Family("beams", "insonify.scene.sonar.beams")
+COLUMNS = 2049  # of a table of sensitivities
+Values = NDArray[np.float64]
+
+
+class Sounding(NamedTuple):
+    """Conditions on which a beam depends besides its own fields."""
+
+    sound_speed: float  # m/s
+    frequency: float  # Hz
+    range: float  # slant range, m
+
+    @property
+    def wavelength(self) -> float:
+        """Wavelength of the sound, in metres."""
+        return self.sound_speed / self.frequency
+
+
+class BeamTable(NamedTuple):
+    """Sensitivity of a beam by slant range and direction."""
+
+    first_range: float  # slant range of the first row, in metres
+    extent: Values  # (rows,) half of the span of each row, as sine
+    energy: Values  # (rows, COLUMNS)
+    per_octave: float = 1.0  # rows per doubling of slant range
+
+
+class BeamKind(Kind):
+    """Sensitivity of the sonar along the track.
+
+    A kind declares the half width of its main lobe, its extent and its response. A beam that depends on range
+    overrides `tabulate` and `at_range`.
+
+    Attributes
+    ----------
+    top_hat : bool
+        Whether the sensitivity is uniform within the half width and zero beyond.
+    has_width : bool
+        Whether the beam is sensitive beside the plane across the towfish.
+    by_frequency : bool
+        Whether it depends on the frequency.
+    """
+
+    family = BEAMS
+    top_hat: ClassVar[bool] = False
+    has_width: ClassVar[bool] = True
+    by_frequency: ClassVar[bool] = False
+
+    @property
+    def words(self) -> str:
+        """Name of the beam for captions."""
+        return self.kind
+
+    @property
+    def axis(self) -> float:
+        """Angle of the beam's axis towards the bow, in degrees."""
+        return 0.0
+
+    @property
+    def passes(self) -> int:
+        """Number of passes of sound through the beam pattern: 2 two-way, 1 one-way."""
+        return 2
+
+    @abstractmethod
+    def half_width(self, sounding: Sounding) -> float:
+        """Half of the span of the main lobe, in radians."""
+
+    def extent(self, sounding: Sounding) -> float:
+        """Sine beyond which the sensitivity is 0."""
+        return max(math.sin(self.half_width(sounding)), 1e-9)  # a knife has no width, but a row must have a span
+
+    def response(self, s: Values, sounding: Sounding) -> Values:
+        """Sensitivity by direction about the axis."""
+        return np.ones(s.shape)
+
+    def tabulate(self, sounding: Sounding) -> BeamTable:
+        """Tabulate the sensitivity; a beam that is the same at every range has one row."""
+        extent = self.extent(sounding)
+        s = np.linspace(-extent, extent, COLUMNS)
+        return BeamTable(1.0, np.array([extent]), self.response(s, sounding)[None, :])
+
+    def at_range(self, sounding: Sounding) -> BeamTable:
+        """Tabulate the sensitivity at the range of the sounding alone, in one row."""
+        return self.tabulate(sounding)
+
+
+class AimedBeam(BeamKind):
+    """A beam that can be turned towards the bow."""
+
+    squint: float = parameter(
+        0.0,
+        unit="°",
+        description="angle by which the beam is turned towards the bow",
+        ge=-45.0,
+        le=45.0,
+        slider=(-10.0, 10.0),
+        rare=True,
+    )
+
+    @property
+    def axis(self) -> float:
+        """Angle of the beam's axis towards the bow, in degrees."""
+        return self.squint
+
+    def _named(self, name: str) -> str:
+        return f"{name}, squint {self.squint:g}°" if self.squint else name

@@ -1,0 +1,19 @@
+"""No vertical beam."""
+
+from __future__ import annotations
+
+from typing import Literal
+
+from insonify.scene.sonar.vertical_beams import VerticalBeamKind
+
+
+class UniformVerticalBeam(VerticalBeamKind):
+    """Equal sensitivity at every grazing angle."""
+
+    rank = 10
+    kind: Literal["uniform"] = "uniform"
+
+    @property
+    def words(self) -> str:
+        """Name of the beam for captions: empty, because it changes nothing."""
+        return ""

@@ -1,0 +1,75 @@
+"""Motions of the towfish, one file a kind."""
+
+from __future__ import annotations
+
+from abc import abstractmethod
+from typing import TYPE_CHECKING, ClassVar, Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+from insonify.scene.base import Family, Kind
+
+if TYPE_CHECKING:
+    from insonify.io.navigation import RecordedNavigation
+
+MOTIONS = Family("motions", "insonify.scene.track.motions")
+Axis = Literal["surge", "sway", "heave", "yaw", "pitch", "roll"]
+Turning = tuple[float, float, float]
+
+
+class MotionKind(Kind):
+    """Motion of the towfish about its line."""
+
+    family = MOTIONS
+
+    @property
+    @abstractmethod
+    def parts(self) -> tuple[SingleMotion, ...]:
+        """The motions of the towfish, one or several."""
+
+
+class SingleMotion(MotionKind):
+    """One motion, which can be combined with others.
+
+    Attributes
+    ----------
+    moves : bool
+        Whether the towfish leaves a straight, level line.
+    keeps_line : bool
+        Whether it stays within `greatest_sway` of the track's line.
+    tilts : bool
+        Whether it may pitch or roll.
+    """
+
+    moves: ClassVar[bool] = True
+    keeps_line: ClassVar[bool] = False
+    tilts: ClassVar[bool] = False
+
+    @property
+    def parts(self) -> tuple[SingleMotion, ...]:
+        """The motion alone."""
+        return (self,)
+
+    @property
+    def greatest_sway(self) -> float:
+        """Greatest distance from its place on the line, in metres, of a motion with `keeps_line`."""
+        return 0.0
+
+    @property
+    def greatest_heave(self) -> float:
+        """Greatest rise above and fall below the track's own height, in metres."""
+        return 0.0
+
+    def displacement(self, time: NDArray[np.float64]) -> dict[Axis, NDArray[np.float64]]:
+        """Displacement of the towfish at times (s) after the first ping: metres ahead, to port, up; degrees."""
+        return {}
+
+    @property
+    def turning(self) -> Turning | None:
+        """Begin and duration (s) of a bend of the line, and its rate of turn (°/s, to port)."""
+        return None
+
+    def recording(self) -> tuple[str, RecordedNavigation] | None:
+        """Read the motion of the towfish from a file, and return it with the file's path."""
+        return None

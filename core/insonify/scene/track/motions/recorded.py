@@ -1,0 +1,47 @@
+"""A recorded tow."""
+
+from __future__ import annotations
+
+from typing import Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+from insonify.files import kept_until_changed
+from insonify.io.navigation import RecordedNavigation, read_navigation
+from insonify.scene.base import FilePath, parameter
+from insonify.scene.track.motions import SingleMotion
+
+
+class Recorded(SingleMotion):
+    """Motion recorded in a file; quantities that the file lacks keep their declared values."""
+
+    rank = 80
+    tilts = True
+    kind: Literal["recorded"] = "recorded"
+    path: FilePath = parameter(
+        description="CSV with a column time (s) and any of x, y, depth, altitude (m), heading, pitch, roll, longitude, "
+        "latitude (°); a record (.nc), a recording (.xtf, .jsf) or a track (.gpx)",
+        min_length=1,
+    )
+
+    def recording(self) -> tuple[str, RecordedNavigation]:
+        """Read the file, and return it with its path."""
+        return self.path, _read_with_course(self.path)
+
+
+@kept_until_changed(maxsize=4)
+def _read_with_course(path: str) -> RecordedNavigation:
+    tow = read_navigation(path)
+    if "x" not in tow.columns or "heading" in tow.columns:
+        return tow
+    return RecordedNavigation(tow.time, {**tow.columns, "heading": _course(tow)}, tow.place)
+
+
+def _course(tow: RecordedNavigation) -> NDArray[np.float64]:
+    """Course in degrees from successive positions, for files without a heading."""
+    east, north = (np.gradient(tow.columns[name], tow.time) for name in ("x", "y"))
+    moving = (east != 0.0) | (north != 0.0)
+    # At rest the fish keeps its last course; before the first move it has the first one.
+    last = np.maximum.accumulate(np.where(moving, np.arange(moving.size), int(moving.argmax())))
+    return np.degrees(np.arctan2(north, east))[last]

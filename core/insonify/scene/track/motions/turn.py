@@ -1,0 +1,32 @@
+"""A line with a bend."""
+
+from __future__ import annotations
+
+from typing import Literal
+
+from insonify.scene.base import parameter
+from insonify.scene.track.motions import SingleMotion, Turning
+
+
+class Turn(SingleMotion):
+    """A turn: the line bends into an arc of a circle and then continues straight."""
+
+    rank = 70
+    kind: Literal["turn"] = "turn"
+    rate: float = parameter(
+        3.0, unit="°/s", description="rate of turn, to port if positive", ge=-90.0, le=90.0, slider=(-10.0, 10.0)
+    )
+    begin: float = parameter(
+        10.0,
+        unit="s",
+        description="time from the first ping to the beginning of the turn",
+        ge=0.0,
+        le=1e8,
+        slider=(0.0, 60.0),
+    )
+    duration: float = parameter(30.0, unit="s", description="duration of the turn", ge=0.0, le=1e8, slider=(0.0, 120.0))
+
+    @property
+    def turning(self) -> Turning:
+        """Begin and duration (s) of the bend, and its rate (°/s, to port)."""
+        return self.begin, self.duration, self.rate
