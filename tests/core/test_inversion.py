@@ -19,7 +19,7 @@ from insonify.inversion.roughness_fit import fit_roughness
 from insonify.inversion.segment_spectra import SEGMENT, AngleGroup, SegmentSpectra
 from insonify.inversion.speckle_statistics import choose_speckle, variance_of_looks, variance_of_speckle
 from insonify.io.records import read_record, write_record
-from insonify.receiver.reception import spread_echoes
+from insonify.receiver.stage import spread_echoes
 from insonify.scene import SceneError, edit, load_scene
 from known_beds import errors, make_bed
 

@@ -17,17 +17,6 @@ from insonify.scene import SceneError
 from insonify.simulation import Simulation
 
 NEGLIGIBLE = 1e-3  # dB, of a term of the tracer that is not listed
-DETAILS = {
-    "source level": "at 1 m",
-    "water column": "reverberation, schools and plumes",
-    "speckle": "interference in this pixel",
-    "crosstalk": "from the other side",
-    "fluctuation": "of this ping",
-    "noise": "ambient",
-    "other waves": "ringing and interference",
-    "time-varied gain": "of this bin",
-    "recorder": "gain, full scale and rounding",
-}
 
 
 @dataclass(frozen=True, eq=False)
@@ -131,7 +120,7 @@ def _with_receiver(terms: list[Term], stages: Sequence[ReceiverStage], side: int
     elif terms and levels[0] == SILENCE:
         budget = []
     for before, after, stage in zip(levels, levels[1:], stages[1:]):
-        term = _change(stage.name, before, after, DETAILS[stage.name])
+        term = _change(stage.name, before, after, stage.detail)
         if term is not None:
             budget.insert(0 if stage.name == "source level" else len(budget), term)
     return budget
@@ -146,8 +135,7 @@ def _change(name: str, before: float, after: float, detail: str) -> Term | None:
 
 def _unhidden(simulation: Simulation, parts: PixelParts, pixel: int) -> float:
     """Level of the mean echo if nothing hid anything, with source level and gain, dB."""
-    reception = simulation.reception
-    return decibels(float(parts.parts.value.sum()) * reception.source * float(reception.gain[pixel]))
+    return decibels(float(parts.parts.value.sum()) * float(simulation.reception.gain[pixel]))
 
 
 def _approximations(parts: PixelParts, contributions: Sequence[Contribution]) -> tuple[str, ...]:

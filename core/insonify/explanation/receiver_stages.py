@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -15,63 +15,23 @@ from insonify.tracers import sweep
 
 Record = NDArray[np.float32]
 
-# Fields of the receiver that each stage brings in, in the order in which it acts on an echo.
-STAGES: tuple[tuple[str, tuple[str, ...]], ...] = (
-    ("source level", ("source",)),
-    ("water column", ("reverberation", "volumes")),
-    ("speckle", ("speckle", "divided_by_shape", "coherent", "samples")),
-    ("crosstalk", ("crosstalk",)),
-    ("fluctuation", ("fluctuation",)),
-    ("noise", ("noise",)),
-    ("other waves", ("disturbances",)),
-    ("time-varied gain", ("gain",)),
-    ("recorder", ("recording",)),
-)
-
 
 class ReceiverStage(NamedTuple):
-    """The record of one ping once a stage of the receiver acts."""
+    """The record of one ping after a stage of the receiver."""
 
     name: str  # empty for the echo of the pulse alone
+    detail: str
     record: Record  # (2, bins) linear intensity
 
 
 def record_by_stages(simulation: Simulation, ping: int) -> list[ReceiverStage]:
-    """Record one ping stage by stage."""
-    whole, bare = simulation.reception, _without_stages(simulation.reception)
-    trace, stages, present = _Tracing(simulation, ping), [], bare
-    stages.append(ReceiverStage("", trace.record(bare)))
-    for name, fields in STAGES:
-        wanted = {field: getattr(whole, field) for field in fields}
-        if all(_same(getattr(bare, field), value) for field, value in wanted.items()):
-            continue
-        present = replace(present, **wanted)
-        stages.append(ReceiverStage(name, trace.record(present)))
-    return stages
-
-
-def _without_stages(reception: Reception) -> Reception:
-    """Receiver that does nothing but follow the pulse."""
-    nothing: dict[str, Any] = dict.fromkeys(
-        ("fluctuation", "speckle", "divided_by_shape", "volumes", "disturbances", "recording")
-    )
-    return replace(
-        reception,
-        **nothing,
-        reverberation=np.zeros_like(reception.reverberation),
-        coherent=False,
-        samples=1,
-        crosstalk=0.0,
-        source=1.0,
-        noise=0.0,
-        gain=np.ones_like(reception.gain),
-    )
-
-
-def _same(one: Any, other: Any) -> bool:
-    if isinstance(one, np.ndarray) and isinstance(other, np.ndarray):
-        return np.array_equal(one, other)
-    return bool(one is other or (isinstance(one, (int, float)) and one == other))
+    """Record one ping with none of the receiver's stages, with the first, with the first two, and so on."""
+    reception, trace = simulation.reception, _Tracing(simulation, ping)
+    records = [ReceiverStage("", "", trace.record(replace(reception, stages=())))]
+    for count, stage in enumerate(reception.stages, 1):
+        record = trace.record(replace(reception, stages=reception.stages[:count]))
+        records.append(ReceiverStage(stage.name, stage.detail, record))
+    return records
 
 
 class _Tracing:
