@@ -8,8 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from insonify.explanation.names import name_part
-from insonify.explanation.pixel_parts import arrays_at, settings_of
-from insonify.explanation.pixel_window import whole_window
+from insonify.explanation.pixel_parts import arrays_at, settings_of, whole_window
 from insonify.explanation.sound_paths import SonarPose, locate_sonar
 from insonify.packing.apparent_tables import make_apparent_tables
 from insonify.simulation import Simulation

@@ -8,8 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from insonify.explanation.pixel_parts import arrays_at
-from insonify.explanation.pixel_window import whole_window
+from insonify.explanation.pixel_parts import arrays_at, whole_window
 from insonify.explanation.sound_paths import SURFACE, locate_sonar, path_range
 from insonify.kernels.common.types import Poses, SceneArrays
 from insonify.kernels.labels.echo_parts import Window
