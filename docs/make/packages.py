@@ -141,7 +141,7 @@ def _bases() -> list[Any]:
     from pydantic import BaseModel
 
     from insonify.scene import Scene
-    from insonify.scene.kinds import Family
+    from insonify.scene.base import Family
     from insonify.surveys.datasets.specification import DatasetSpecification
 
     for whole in (Scene, DatasetSpecification):

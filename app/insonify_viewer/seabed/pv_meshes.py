@@ -11,7 +11,7 @@ import numpy as np
 import pyvista as pv
 from numpy.typing import NDArray
 
-from insonify.scene.rotation import rotation_matrix
+from insonify.scene.targets.shape import rotation_matrix
 from insonify_viewer.seabed.bed_shading import bed_image, sample_heights
 
 if TYPE_CHECKING:

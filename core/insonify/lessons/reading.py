@@ -81,6 +81,6 @@ def _declared(kind: type[Head], toml: str, where: str) -> Head:
         values: dict[str, Any] = tomllib.loads(toml)
         return kind.model_validate(values)
     except (tomllib.TOMLDecodeError, RecursionError) as error:
-        raise SceneError(f"{where}: its TOML is not valid ({error}); mend that line") from None
+        raise SceneError(f"{where}: its TOML is not valid ({error}); correct that line") from None
     except ValidationError as error:
         raise SceneError(f"{where}: {describe_fault(error, kind)}") from None

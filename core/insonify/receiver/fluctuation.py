@@ -33,15 +33,15 @@ class Fluctuation(Stage):
     @classmethod
     def prepare(cls, setup: ReceiverSetup) -> Fluctuation | None:
         """None where pings do not vary."""
-        scene, arrays, statistics = setup.scene, setup.arrays, setup.scene.receiver.fluctuation.statistics
-        if statistics is None:
+        scene, arrays, declared = setup.scene, setup.arrays, setup.scene.receiver.fluctuation
+        if declared is None:
             return None
-        pings = statistics.correlation_time * scene.sonar.ping_rate
+        pings = declared.correlation_time * scene.sonar.ping_rate
         return cls(
             seed=scene.seed,
             half_width=max(pings / CORRELATION_LAG, 0.5),
-            spread=statistics.level * math.log(10.0) / 10.0,
-            delay=0.5 * arrays.water.reference * statistics.travel_time / arrays.bin_length,
+            spread=declared.level * math.log(10.0) / 10.0,
+            delay=0.5 * arrays.water.reference * declared.travel_time / arrays.bin_length,
             samples=setup.samples,
         )
 

@@ -7,8 +7,7 @@ from contextlib import AbstractContextManager, nullcontext
 from pathlib import Path
 from typing import Any, Literal, Protocol
 
-from insonify.scene.base import Choice
-from insonify.scene.kinds import Family
+from insonify.scene.base import Family, Kind
 
 ANNOTATIONS = Family("annotations", "insonify.surveys.annotations")
 EXTENTS = ("echo", "shadow", "both")  # what of a target is annotated
@@ -29,7 +28,7 @@ class Idle:
         """Take one tile."""
 
 
-class AnnotationKind(Choice):
+class AnnotationKind(Kind):
     """Format of annotations: files of each tile, files of the whole data set, or both."""
 
     family = ANNOTATIONS

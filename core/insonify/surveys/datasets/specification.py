@@ -8,8 +8,7 @@ from pydantic import Field, model_validator
 
 from insonify.files import bundled_meshes
 from insonify.scene import DEFAULT_SCENE
-from insonify.scene.base import Declaration, FilePath, parameter
-from insonify.scene.kinds import KindOf
+from insonify.scene.base import Declaration, FilePath, KindOf, parameter
 from insonify.surveys.annotations import ANNOTATIONS, AnnotationKind
 from insonify.surveys.distributions import Drawn
 from insonify.surveys.distributions.uniform import Uniform

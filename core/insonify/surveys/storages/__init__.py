@@ -11,8 +11,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from insonify.scene.base import Choice, parameter
-from insonify.scene.kinds import Family
+from insonify.scene.base import Family, Kind, parameter
 
 STORAGES = Family("storages", "insonify.surveys.storages")
 IMAGES, MASKS = "images", "masks"
@@ -30,7 +29,7 @@ class Tile:
     labels: dict[str, tuple[str, bytes]] = field(default_factory=dict)
 
 
-class StorageKind(Choice):
+class StorageKind(Kind):
     """How the tiles of a job are stored."""
 
     family = STORAGES

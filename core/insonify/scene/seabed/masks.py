@@ -1,4 +1,4 @@
-"""Patches of relief."""
+"""Mask that limits a relief to parts of the bed."""
 
 from __future__ import annotations
 
@@ -7,15 +7,19 @@ from typing import Literal
 
 import numpy as np
 
-from insonify.scene.base import parameter
-from insonify.scene.seabed.masks import MaskKind
+from insonify.scene.base import Family, Kind, parameter
 from insonify.scene.seabed.reliefs.spectrum import Density, Field
 
+MASKS = Family("masks", "insonify.scene.seabed")
 
-class PatchMask(MaskKind):
-    """Smooth patches at random places, outside which the relief fades out."""
 
-    rank = 20
+class PatchMask(Kind):
+    """Smooth patches at random places, outside which the relief fades out and the bed is level.
+
+    They are cut at a threshold from a Gaussian field of unit variance.
+    """
+
+    family = MASKS
     kind: Literal["patches"] = "patches"
     share: float = parameter(
         0.5, description="share of the bed that the patches cover", gt=0.0, lt=1.0, slider=(0.05, 0.95)
@@ -32,23 +36,24 @@ class PatchMask(MaskKind):
     )
 
     @property
-    def coverage(self) -> float:
-        """Share of the bed that the patches cover."""
-        return self.share
-
-    @property
     def spread(self) -> float:
         """Spread of the field's spectrum along each axis, cycles a metre."""
         return 1.0 / (2.0 * math.sqrt(2.0) * self.size)
 
     def density(self, narrowest: float = 0.0) -> Density:
-        """Gaussian spectrum of unit variance whose rms frequency is that of waves two patches long."""
+        """Spectral density of the field: Gaussian, the rms frequency that of waves two patches long.
+
+        Parameters
+        ----------
+        narrowest : float
+            Least spread, in cycles a metre.
+        """
         spread = max(self.spread, narrowest)
         level = 1.0 / (2.0 * math.pi * spread**2)
         return lambda fx, fy: np.asarray(level * np.exp(-0.5 * (fx**2 + fy**2) / spread**2))
 
     def weigh(self, field: Field, threshold: float) -> Field:
-        """Weight of the relief, from 0 outside the patches to 1 inside."""
-        # The field's rms slope is π/size, so that a border so many sizes wide spans π times that of its values.
+        """Weight of the relief, from 0 outside the patches to 1 inside, from the field and its value on the borders."""
+        # The field's rms slope is π/size, so that a border of that width in sizes spans π times that of its values.
         share = np.clip((field - threshold) / (math.pi * self.softness) + 0.5, 0.0, 1.0)
         return np.asarray(share * share * (3.0 - 2.0 * share))

@@ -1,12 +1,61 @@
-"""Absorption of sea water by frequency."""
+"""Absorption of sound by sea water."""
 
 from __future__ import annotations
 
 import math
-from typing import Literal
+from typing import Any, ClassVar, Literal
 
-from insonify.scene.base import parameter
-from insonify.scene.water.absorptions import AbsorptionKind
+from pydantic import model_validator
+
+from insonify.scene.base import Family, Kind, parameter
+
+ABSORPTIONS = Family("absorptions", "insonify.scene.water")
+NEPER_PER_DB = math.log(10.0) / 20.0
+
+
+class AbsorptionKind(Kind):
+    """Absorption of sound by the water.
+
+    Attributes
+    ----------
+    by_frequency : bool
+        Whether it depends on the frequency.
+    """
+
+    family = ABSORPTIONS
+    by_frequency: ClassVar[bool] = True
+
+    def decibels_per_km(self, frequency: float, depth: float) -> float:
+        """Absorption one way, in dB/km, of sound of a frequency in Hz at a depth in metres."""
+        return 0.0
+
+
+class NoAbsorption(AbsorptionKind):
+    """Water without absorption."""
+
+    rank = 10
+    by_frequency = False
+    kind: Literal["none"] = "none"
+
+
+class ConstantAbsorption(AbsorptionKind):
+    """A given absorption; a bare number of dB/km stands for it."""
+
+    rank = 20
+    by_frequency = False
+    kind: Literal["constant"] = "constant"
+    coefficient: float = parameter(
+        30.0, unit="dB/km", description="absorption, one way", ge=0.0, le=1e5, slider=(0.0, 500.0)
+    )
+
+    @model_validator(mode="before")
+    @classmethod
+    def _name_alone(cls, value: Any) -> Any:
+        return {"coefficient": value} if isinstance(value, (int, float)) else value
+
+    def decibels_per_km(self, frequency: float, depth: float) -> float:
+        """Absorption one way, in dB/km, the same at every frequency and depth."""
+        return self.coefficient
 
 
 class FrancoisGarrison(AbsorptionKind):
