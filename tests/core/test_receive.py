@@ -202,17 +202,16 @@ def attenuator(monkeypatch):
         def act_on_energies(self, sound: Sound) -> None:
             sound.scale(np.float32(0.5))
 
-        def act_on_waves(self, sound: Sound) -> None:
-            for part in (sound.waves.real, sound.waves.imaginary):
-                part *= np.float32(math.sqrt(0.5))
+        act_on_waves = act_on_energies
 
     return Attenuator
 
 
 WAVES = {"receiver.speckle": "rayleigh", "receiver.crosstalk": -20.0}
+NOISE = {"receiver.noise": {"kind": "ambient", "level": 0.0}}
 
 
-@pytest.mark.parametrize("changes", [{}, {"receiver.speckle": "rayleigh"}, WAVES])
+@pytest.mark.parametrize("changes", [{}, {"receiver.speckle": "rayleigh"}, WAVES, NOISE, WAVES | NOISE])
 def test_a_stage_that_is_declared_acts_in_its_place(attenuator, changes):
     scene = edit(load_scene("default"), {"track.pings": 8, "receiver.tvg": "power", **changes})
     traced = np.random.default_rng(1).random((8, 2, 300), np.float32)

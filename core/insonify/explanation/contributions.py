@@ -17,7 +17,7 @@ from insonify.tracers.labels import PATHS
 
 Points = NDArray[np.float64]
 SHADOW = 0.5  # share of the echo that is hidden from which a pixel counts as shadow
-SPREAD = 0.95  # share of the echo of the first contributor up to which others are told of
+SPREAD = 0.95  # share of the echo of the first contributor up to which the next one is named
 
 
 @dataclass(frozen=True, eq=False)
@@ -47,12 +47,13 @@ class Contribution:
 
 def find_contributions(pixel: PixelParts) -> tuple[Contribution, ...]:
     """Find what returns the echo in a pixel."""
-    heard = pixel.parts.take((pixel.parts.state == HEARD) & (pixel.parts.value > 0.0))
-    if not heard.value.size:
+    echoing = pixel.parts.take((pixel.parts.state == HEARD) & (pixel.parts.value > 0.0))
+    if not echoing.value.size:
         return ()
-    keys, which = np.unique(np.column_stack([heard.path, heard.target, heard.material]), axis=0, return_inverse=True)
-    total = float(heard.value.sum())
-    found = [_contribution(pixel, heard.take(which.ravel() == k), total) for k in range(len(keys))]
+    kinds = np.column_stack([echoing.path, echoing.target, echoing.material])
+    keys, which = np.unique(kinds, axis=0, return_inverse=True)
+    total = float(echoing.value.sum())
+    found = [_contribution(pixel, echoing.take(which.ravel() == k), total) for k in range(len(keys))]
     return tuple(sorted(found, key=lambda each: -each.share))
 
 
@@ -122,35 +123,35 @@ def _obstruction(pixel: PixelParts, parts: EchoParts, who: int, whole: float) ->
 def summarise_pixel(
     pixel: PixelParts, contributions: Sequence[Contribution], obstructions: Sequence[Obstruction]
 ) -> str:
-    """Say what a pixel shows, or why it is dark."""
+    """Sentence on what a pixel shows, or why it is dark."""
     hiding = sum(each.share for each in obstructions)
     if obstructions and (hiding >= SHADOW or not contributions):
         return _shadow(obstructions[0], bool(contributions))
     if not contributions:
         return _silence(pixel)
     first = contributions[0]
-    told = f"{first.words} at {first.ground_range:.1f} m, incidence {first.incidence:.0f}°"
+    sentence = f"{first.words} at {first.ground_range:.1f} m, incidence {first.incidence:.0f}°"
     if first.share < SPREAD:
-        told = f"{100 * first.share:.0f} % {told}; then {contributions[1].words}"
-    return told
+        sentence = f"{100 * first.share:.0f} % {sentence}; then {contributions[1].words}"
+    return sentence
 
 
-def _shadow(greatest: Obstruction, heard: bool) -> str:
-    """Say what hides the bed there."""
+def _shadow(greatest: Obstruction, echoing: bool) -> str:
+    """Sentence on what hides the bed there."""
     if greatest.faces_away:
         return f"no echo: the slope behind the crest at {greatest.ground_range:.1f} m faces away from the sonar"
-    mostly = "mostly in the shadow" if heard else "in the shadow"
+    mostly = "mostly in the shadow" if echoing else "in the shadow"
     if greatest.target >= 0:
         return f"{mostly} of {greatest.hider}, which hides the bed at {greatest.ground_range:.1f} m"
     return f"{mostly} of a crest of the bed at {greatest.ground_range:.1f} m"
 
 
 def _silence(pixel: PixelParts) -> str:
-    """Say why nothing returns an echo although nothing is hidden."""
+    """Sentence on why nothing returns an echo although nothing is hidden."""
     if pixel.folded:
         return "no echo: no ray lands there"
-    heard = athwart_parts(pixel)
-    first = float(heard.near.min(initial=math.inf))
+    echoing = athwart_parts(pixel)
+    first = float(echoing.near.min(initial=math.inf))
     if pixel.window.far <= first:
         return f"water column: the first echo comes from {first:.1f} m" if math.isfinite(first) else "no bed in range"
     if pixel.parts.value.size == 0:
@@ -159,7 +160,7 @@ def _silence(pixel: PixelParts) -> str:
 
 
 def athwart_parts(pixel: PixelParts) -> EchoParts:
-    """Parts that are heard in all bins, in the plane along the axis of the beam."""
+    """Parts that echo in any bin, in the plane along the axis of the beam."""
     fans = lay_planes_of_images(pixel.arrays, pixel.pose, 1)
     if not fans:
         return pixel.parts.take(np.zeros(0, np.int64))

@@ -57,7 +57,7 @@ def cut_cross_section(simulation: Simulation, ping: int, side: int) -> CrossSect
 def _stretches(
     simulation: Simulation, parts: EchoParts
 ) -> tuple[Points, Points, tuple[tuple[str, Points], ...], Points]:
-    """Stretches heard and hidden, targets, and horizons behind crests."""
+    """Stretches seen and hidden, targets, and horizons behind crests."""
     ends = np.stack([parts.begin, parts.end], axis=1)
     of_bed = parts.target < 0
     seen, targets = parts.state == HEARD, simulation.scene.targets

@@ -46,7 +46,7 @@ class PixelExplanation:
     # infinity for silence.
     unhidden: float
     sonar: SonarPose  # the sonar at that ping
-    summary: str  # one sentence: what is heard, or why nothing is
+    summary: str  # one sentence: what echoes, or why nothing does
     approximations: tuple[str, ...]  # what is not exactly as the record has it; empty where everything is
 
     @property
@@ -149,17 +149,17 @@ def _unhidden(simulation: Simulation, parts: PixelParts, pixel: int) -> float:
 
 
 def _approximations(parts: PixelParts, contributions: Sequence[Contribution]) -> tuple[str, ...]:
-    """Tell what is not exactly as the record has it."""
-    simulation, said = parts.simulation, []
+    """List what is not exactly as in the record."""
+    simulation, notes = parts.simulation, []
     if simulation.plan.method != "sweep":
-        said.append("parts come from the sweep's planes, the record from single rays: the term 'tracing' is the rest")
+        notes.append("parts come from the sweep's planes, the record from single rays: the term 'tracing' is the rest")
     elif parts.folded:
-        said.append("refraction folds: parts are single rays, and bed that other bed hides is not listed")
+        notes.append("refraction folds: parts are single rays, and bed that other bed hides is not listed")
     if simulation.reception.coherent:
-        said.append("parts are mean echoes; the term 'speckle' holds the interference of single scatterers")
+        notes.append("parts are mean echoes; the term 'speckle' holds the interference of single scatterers")
     if any(each.path != "direct" for each in contributions):
-        said.append("an echo by way of the sea surface is placed where its plane returns most")
-    return tuple(said)
+        notes.append("an echo by way of the sea surface is placed where its plane returns most")
+    return tuple(notes)
 
 
 class ReceiverStage(NamedTuple):

@@ -35,7 +35,7 @@ class PixelWindow(NamedTuple):
 
 
 def pixel_window(arrays: SceneArrays, taps: Taps, pixel: int) -> PixelWindow:
-    """Range bins whose echoes the pulse brings into a pixel."""
+    """Range bins with echoes that the pulse brings into a pixel."""
     late = np.arange(taps.weights.size) - taps.before
     # Beyond the last bin the echo goes on at its last value, as in the receiver.
     source = np.minimum(pixel - late, arrays.bins - 1)

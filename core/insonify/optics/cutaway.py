@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 Vectors = NDArray[np.float64]
 MARGIN = 0.07  # of the longer side, around what must be shown
 SLENDER = 0.62  # shorter side over the longer one, at least
-SHADOW = 1.4  # times the distance of a target: as far as its shadow is shown
+SHADOW = 1.4  # times the distance of a target, to which its shadow is shown
 THICK = 0.035  # of the longer side, below the lowest bed
 ROOM = 0.02  # of it, above the highest thing
 SWATH = 0.9  # share of the ground range that is shown of a bed without targets

@@ -189,11 +189,11 @@ def _detect_waves(reception: Reception, sound: Sound) -> Record:
     record = np.zeros((sound.pings.size, 2, reception.bins), np.float32)
     background, traced = sound.background, sound.waves if reception.coherent else None
     for look in range(reception.looks):
-        waves = traced or no_waves(sound.pings.size, reception.bins)
-        sound.look, sound.background, sound.waves = look, background, waves
+        sound.look, sound.background = look, background
+        sound.waves = traced or no_waves(sound.pings.size, reception.bins)
         for stage in reception.stages:
             if PHASES <= stage.rank < DETECTION:
                 stage.act_on_waves(sound)
         sound.draw_background(reception.background_field)
-        waves.detect_into(record, 1.0 / reception.looks)
+        sound.waves.detect_into(record, 1.0 / reception.looks)
     return record

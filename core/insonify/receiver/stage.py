@@ -116,7 +116,7 @@ class Sound:
     look : int
         Number of the independent record that is summed.
     factors : list
-        Factors of energy, (n or 1, 1, 1) or numbers, that are still to be applied to ``energy``.
+        Factors, (n or 1, 1, 1) or numbers, that are still to be applied to ``energy`` and ``background``.
     """
 
     pings: NDArray[np.int64]
@@ -131,14 +131,20 @@ class Sound:
     factors: list[Record | np.float32] = field(default_factory=list)
 
     def scale(self, factor: Record | np.float32) -> None:
-        """Raise the energy of each ping by a factor, (n or 1, 1, 1) or a number, that stages may apply later."""
-        self.factors.append(factor)
+        """Raise the energy of each ping by a factor, (n or 1, 1, 1) or a number."""
+        if not self.waves.real.size:
+            self.factors.append(factor)
+            return
+        amplitude = np.sqrt(factor)
+        self.waves = Waves(amplitude * self.waves.real, amplitude * self.waves.imaginary)
+        self.background = None if self.background is None else self.background * factor
 
     def apply_factors(self) -> None:
-        """Apply all factors to the echoes."""
+        """Apply all factors to what is received so far."""
         # The latest first: float32 rounds in this order, and records do not change with the version.
         for factor in reversed(self.factors):
             self.energy = self.energy * factor
+            self.background = None if self.background is None else self.background * factor
         self.factors.clear()
 
     def take_level(self) -> Record | np.float32:
@@ -197,10 +203,6 @@ class Stage(ABC):
         Whether echoes have phases once it acts.
     coherent : bool
         Whether it stands for the interference of single scatterers, which are traced with pulse and phases.
-    gain : float or (bins,) float64
-        Factor by which it raises a mean echo.
-    added : float
-        Mean energy that it adds in every bin.
     """
 
     name: ClassVar[str]
@@ -259,7 +261,7 @@ class Stage(ABC):
         Parameters
         ----------
         sound : Sound
-            Change ``sound.waves`` in place, or call `Sound.add_background`.
+            Replace or change ``sound.waves``, or call `Sound.scale`, `Sound.add_background`.
         """
         raise NotImplementedError(f"{type(self).__name__} acts between speckle and detection, but not on waves")
 
