@@ -130,7 +130,7 @@ def _families() -> list[str]:
 
     rows, asked = [], []
     for base in sorted(_bases(), key=lambda base: str(base.family.name)):
-        name, package, kinds = base.family.name, base.family.package, base.family.models(BaseModel)
+        name, package, kinds = base.family.name, base.family.package or base.__module__, base.family.models(BaseModel)
         rows.append(f"| {name} | `{package}` | `insonify.{name}` | {', '.join(f'`{kind}`' for kind in kinds)} |\n")
         asked.append(f"| {name} | `{base.__name__}` | {_asked(base)} |\n")
     return [*rows, ASKED, *asked]

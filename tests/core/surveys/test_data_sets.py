@@ -22,7 +22,7 @@ from insonify.surveys.datasets.scenes import draw_scene, split_of
 from insonify.surveys.datasets.specification import DatasetSpecification
 from insonify.surveys.datasets.tiles import FIRST_CLASS, SHADOW, describe_region, starts
 from insonify.surveys.datasets.work import DatasetWork
-from insonify.surveys.engine.jobs import finish, read_flag
+from insonify.surveys.engine import finish, read_flag
 from insonify.surveys.specification import read_specification
 from small_sets import SET, contents, write_set
 
