@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from PySide6.QtCore import QObject, QTimer
 from PySide6.QtGui import QGuiApplication
 
-from insonify.display.picture import PALETTES
+from insonify.display.display_options import PALETTES
 from insonify.scene import Scene, SceneError, bundled_scenes, scene_to_toml
 from insonify_viewer.errors import Failure, describe_error
 from insonify_viewer.panels.panel import Workbench

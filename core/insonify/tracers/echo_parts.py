@@ -14,6 +14,7 @@ from insonify.kernels.common.contributors import ContributorTable, empty_contrib
 from insonify.kernels.common.range_bins import FIXED_POINT
 from insonify.kernels.common.types import BED, Poses, SceneArrays
 from insonify.kernels.labels import echo_parts as kernels
+from insonify.kernels.labels.bed_stretches import HEARD
 from insonify.kernels.labels.echo_parts import PartList, Window, list_echo_parts
 from insonify.kernels.labels.refracted_parts import list_refracted_parts
 from insonify.kernels.labels.shadows import NO_TARGET
@@ -32,7 +33,6 @@ from insonify.packing.packed_scene import without_targets
 from insonify.tracers.azimuth_fan import lay_planes_of_images
 from insonify.tracers.labels import NO_MATERIAL, contributor_materials, count_contributors
 
-HEARD, BEHIND_BED, BEHIND_TARGET = kernels.HEARD, kernels.BEHIND_BED, kernels.BEHIND_TARGET
 ROOM = 1024  # parts for which there is room at first
 
 Column = NDArray[np.float64]
