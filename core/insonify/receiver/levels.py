@@ -89,8 +89,7 @@ class Noise(Stage):
     def act_on_energies(self, sound: Sound) -> None:
         """Add waves to the background, with which they are drawn."""
         sound.apply_factors()
-        level = np.float32(self.level)
-        sound.add_background(np.full((1, 1, self.bins), level) if sound.background is None else level)
+        sound.add_background(np.full((1, 1, self.bins), self.level, np.float32))
 
     act_on_waves = act_on_energies
 

@@ -174,7 +174,7 @@ def receive(reception: Reception, traced: Traced, pings: NDArray[np.int64], divi
 def _take_in(reception: Reception, traced: Traced, pings: NDArray[np.int64], divided: Traced | None) -> Sound:
     """Sound of traced echoes after the pulse."""
     weighted = None if divided is None else spread_echoes(reception.taps, divided)
-    waves = traced if reception.coherent and reception.sums_waves else None
+    waves = np.asarray(traced, np.complex128) if reception.coherent and reception.sums_waves else None
     if waves is not None:
         energy = np.zeros((pings.size, 2, 0), np.float32)
     elif reception.coherent:

@@ -163,7 +163,7 @@ class Sound:
             self.waves = split_waves(self.traced * np.sqrt(self.take_level()))
             self.traced = None
 
-    def add_background(self, energy: Record | np.float32) -> None:
+    def add_background(self, energy: Record) -> None:
         """Add Gaussian waves of a mean energy, (n or 1, 1 or 2, bins), that are new in every ping."""
         self.background = energy if self.background is None else self.background + energy
 
