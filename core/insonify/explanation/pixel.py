@@ -207,7 +207,7 @@ class _Tracing:
     def _traced(self, arrays: SceneArrays, reception: Reception, waves: bool) -> Traced:
         simulation = self._simulation
         tracer, settings = simulation.tracer, simulation.plan.settings
-        trace = (tracer.trace_waves if waves else None) or tracer.trace
+        trace: Callable[..., Traced] = (tracer.trace_waves if waves else None) or tracer.trace
         if simulation.reception.coherent and not reception.coherent:
             trace = sweep.trace  # the mean energy of the scatterers
 
