@@ -13,7 +13,7 @@ from pydantic.fields import FieldInfo
 
 from insonify.files import bundled_meshes
 from insonify.scene import Scene
-from insonify.scene.kinds import KindOf, kind_name
+from insonify.scene.base import KindOf, kind_name
 from insonify.scene.seabed.materials import MATERIALS
 
 Draw = Callable[[st.SearchStrategy[Any]], Any]

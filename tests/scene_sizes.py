@@ -8,11 +8,10 @@ from insonify.io.meshes import read_mesh
 from insonify.parallel import count_threads
 from insonify.planning import Plan
 from insonify.scene import Scene
-from insonify.scene.receiver.speckles.coherent import Coherent
+from insonify.scene.receiver.speckles import Coherent
 from insonify.scene.seabed.materials import Material
 from insonify.scene.seabed.reliefs.random_relief import RandomRelief
-from insonify.scene.sonar.pulses.ideal import Ideal
-from insonify.scene.sonar.pulses.tone import Tone
+from insonify.scene.sonar.pulses import Ideal, Tone
 from insonify.scene.water.uniform import UniformWater
 
 ALWAYS = 64e6  # bytes: tables of beams and of water, and what Python needs

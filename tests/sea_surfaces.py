@@ -11,9 +11,7 @@ from beds import solids_of
 from brute_force import Material, Meeting, Response, dot, norm
 from insonify.acoustics.sea_surface import make_surface_multipath
 from insonify.kernels.common.types import LIGHT, SceneArrays, still_water
-from insonify.scene.water.surfaces import WAYS
-from insonify.scene.water.surfaces.flat import FlatSurface
-from insonify.scene.water.surfaces.rough import RoughSurface
+from insonify.scene.water.surfaces import WAYS, FlatSurface, RoughSurface
 from naive import gradients, heights
 
 REFLECTION = 0.4

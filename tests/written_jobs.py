@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import Any
 
 from insonify.errors import SceneError
-from insonify.surveys.engine.jobs import digest_of, name_job
+from insonify.surveys.engine import digest_of, name_job
 
 
 @dataclass(frozen=True)

@@ -7,6 +7,7 @@ import re
 from typing import Any
 
 from insonify.scene import Scene
+from insonify.scene.base import Nothing
 
 HEAD = """# Scene fields
 
@@ -20,6 +21,7 @@ from +x (east); z points up with the sea surface at 0, and *depth* points down.
 
 """
 TABLE = "| field | default | unit | bounds | meaning |\n|---|---|---|---|---|\n"
+NOT_GIVEN = "not given"
 
 
 def page() -> str:
@@ -70,15 +72,17 @@ class _Made:
             shown = _path(path, name) + ("[]" if field.get("type") == "array" else "")
             for reference in _references(field):
                 home, title = self.homes[reference]
-                if home == shown and reference not in self.printed:
+                if home == shown and reference not in self.printed and reference != Nothing.__name__:
                     self.printed.add(reference)
                     self.struct(title, shown, self.declarations[reference], min(level + 1, 5))
 
     def _row(self, path: str, name: str, field: dict[str, Any], required: bool) -> str:
+        references = _references(field)
         default = "required" if required else _default(field.get("default"))
+        if default == NOT_GIVEN and Nothing.__name__ in references:
+            default = _default("none")
         full = _path(path, name)
         shown = full + ("[]" if field.get("type") == "array" else "")
-        references = _references(field)
         kinds = [self._link(reference, shown) for reference in references]
         meaning = _escaped(_sentence(field.get("description", "")))
         if len(kinds) > 1:
@@ -91,7 +95,7 @@ class _Made:
         """Name a kind, linked where it stands under another path."""
         home, heading = self.homes[reference]
         name = f"`{_kind(self.declarations[reference])}`"
-        return name if home == shown else f"[{name}](#{_anchor(heading)})"
+        return name if home == shown or reference == Nothing.__name__ else f"[{name}](#{_anchor(heading)})"
 
 
 def _path(path: str, name: str) -> str:
@@ -117,7 +121,7 @@ def _kind(schema: dict[str, Any]) -> str:
 
 def _default(value: Any) -> str:
     if value is None:
-        return "not given"
+        return NOT_GIVEN
     if isinstance(value, dict):
         if "kind" not in value and "name" not in value:
             return "see below"

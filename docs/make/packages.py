@@ -127,7 +127,7 @@ def _families() -> list[str]:
 
     rows, asked = [], []
     for base in sorted(_bases(), key=lambda base: str(base.family.name)):
-        name, package, kinds = base.family.name, base.family.package, base.family.models(BaseModel)
+        name, package, kinds = base.family.name, base.family.package or base.__module__, base.family.models(BaseModel)
         rows.append(f"| {name} | `{package}` | `insonify.{name}` | {', '.join(f'`{kind}`' for kind in kinds)} |\n")
         asked.append(f"| {name} | `{base.__name__}` | {_asked(base)} |\n")
     return [*rows, ASKED, *asked]
@@ -138,7 +138,7 @@ def _bases() -> list[Any]:
     from pydantic import BaseModel
 
     from insonify.scene import Scene
-    from insonify.scene.kinds import Family
+    from insonify.scene.base import Family
     from insonify.surveys.datasets.specification import DatasetSpecification
 
     for whole in (Scene, DatasetSpecification):

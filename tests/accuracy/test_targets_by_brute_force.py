@@ -10,7 +10,7 @@ import pytest
 
 from beds import arrays_of, mesh_of, poses_of
 from brute_force import box, cylinder, sphere, target_record
-from insonify.scene.rotation import rotation_matrix
+from insonify.scene.targets.shape import rotation_matrix
 from insonify.tracers import ray_sheets, sweep
 
 NO_BED = np.full((4, 4), np.nan)

@@ -12,9 +12,9 @@ from insonify.array_cache import ARRAYS
 from insonify.scene import edit, load_scene
 from insonify.simulation import prepare
 from insonify.terrain import build
-from insonify.terrain.endless_excerpt import EndlessExcerpt
 from insonify.terrain.endless_field import Nodes
-from insonify.terrain.endless_relief import Heights
+from insonify.terrain.endless_ground import EndlessExcerpt
+from insonify.terrain.random_heights import Heights
 from insonify_viewer.state.inspection import Mark
 from insonify_viewer.work.simulator import pack_beneath, thin_new_ground
 
@@ -35,7 +35,7 @@ def summing(monkeypatch: pytest.MonkeyPatch) -> list[str]:
         return made
 
     monkeypatch.setattr(build, "endless_heights", watched)
-    for kept in (build._kept_relief, build._kept_tiles, build._kept_squares):
+    for kept in (build._kept_relief, build._kept_squares):
         kept.cache_clear()
     return names
 

@@ -3,7 +3,7 @@
 import pytest
 
 from insonify.scene import Scene, edit, load_scene
-from insonify.scene.kinds import kind_name, models_of
+from insonify.scene.base import kind_name, models_of
 from insonify.scene.seabed import Seabed
 from insonify.scene_edits import add_dependent_edits
 from insonify_viewer.panels.parameters.sections import sections_of

@@ -17,11 +17,10 @@ import psutil
 import pytest
 
 from insonify.scene import load_scene
+from insonify.surveys import schedulers as local
 from insonify.surveys.datasets.specification import DatasetSpecification
 from insonify.surveys.datasets.work import DatasetWork
-from insonify.surveys.engine.jobs import done_jobs
-from insonify.surveys.engine.run import run_jobs
-from insonify.surveys.schedulers import local
+from insonify.surveys.engine import done_jobs, run_jobs
 from small_sets import SET
 from written_jobs import WrittenJobs
 

@@ -92,9 +92,13 @@ def test_places_without_a_value_take_the_nearest(tmp_path):
         (
             {},
             {},
-            "has no place on the bed; give a raster with coordinates, and world.origin and world.crs or a measured",
+            "has no position on the bed; give a raster with coordinates, and world.origin and world.crs or a measured",
         ),
-        ({"origin": [EAST, NORTH]}, {"levels": [1.0]}, "levels has 1 values for 3 materials; give one less than those"),
+        (
+            {"origin": [EAST, NORTH]},
+            {"levels": [1.0]},
+            "levels has 1 values for 3 materials; give one value less than materials",
+        ),
         ({"origin": [EAST, NORTH]}, {"levels": [2.0, 1.0]}, "levels does not increase; sort it"),
         ({"origin": [EAST, NORTH]}, {"path": "nowhere.tif"}, "does not exist"),
     ],

@@ -70,7 +70,7 @@ def test_a_bed_of_lone_heights_in_oblong_pixels_is_refused(tmp_path):
     rows = np.full((4, 3), np.nan)
     rows[1, 1] = -5.0
     path = write_tiff(tmp_path / "bed.tif", rows, pixel=(1.5, 1.0), **UTM)
-    with pytest.raises(SceneError, match=r"only lone heights between gaps, in cells of 1\.5 by 1 m; fill its gaps"):
+    with pytest.raises(SceneError, match=r"only single heights between gaps, in cells of 1\.5 by 1 m; fill its gaps"):
         build_ground(scene(path))
 
 

@@ -189,7 +189,7 @@ WRONG = [
     ("cast.csv", "1,1500,1501\n2,1500,1501\n", ["2 columns that look like sound speed"]),
     ("cast.csv", "depth,speed\n1,1500\n", ["1 usable depths of 1 rows"]),
     ("cast.csv", "depth,speed\n1,1500\n1.1,1500\n1.2,nan\n", ["1 usable depths of 3 rows"]),
-    ("cast.csv", "depth,speed\n1,1500\n20,15\n", ["15 m/s at 20 m", "mend"]),
+    ("cast.csv", "depth,speed\n1,1500\n20,15\n", ["15 m/s at 20 m", "correct"]),
     ("cast.svp", "all headings\n", ["no rows of depth and sound speed"]),
     ("cast.cnv", "depth,speed\n1,1500\n", ["names no columns"]),
     ("cast.cnv", "# name 0 = depSM: Depth\n# name 1 = svCM: Velocity\n*END*\n  1 x\n", ["no numbers in line 4"]),

@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 
 from insonify.scene import Scene, SceneError, bundled_scenes, edit, load_scene, plain
-from insonify.scene.field_paths import is_field
+from insonify.scene.base import is_field
 from insonify.scene.links import Link, plain_words, split_description
 
 
@@ -41,8 +41,8 @@ def test_a_link_may_set_a_table() -> None:
 @pytest.mark.parametrize(
     ("changes", "sentence"),
     [
-        ({"controls": ["track.altitud"]}, "controls: 'track.altitud' is no field of a scene"),
-        ({"description": "[this](track.altitud=4)"}, "description: links to 'track.altitud', which is no field"),
+        ({"controls": ["track.altitud"]}, "controls: 'track.altitud' is not a field of a scene"),
+        ({"description": "[this](track.altitud=4)"}, "description: links to 'track.altitud', which is not a field"),
     ],
 )
 def test_a_mistyped_path_is_refused(changes: dict[str, object], sentence: str) -> None:

@@ -14,7 +14,7 @@ from insonify.packing import terrain_tiles
 from insonify.packing.packed_scene import pack
 from insonify.scene import build, edit
 from insonify.simulation import prepare, simulate_blocks
-from insonify.terrain import EndlessGround, Ground, HeldWindow, build_excerpt, build_ground, relief, relief_picture
+from insonify.terrain import EndlessGround, Ground, StoredWindow, build_excerpt, build_ground, relief, relief_picture
 from insonify.terrain.endless_field import PART, TILE, EndlessField, Nodes, gather_tiles
 from insonify.tow.line import tow_line_at
 from insonify.tracers import sweep
@@ -150,7 +150,7 @@ def test_a_window_holds_each_node_at_its_place_whatever_window_is_held(reach):
             nodes = gather_tiles(tiles, first, (side, side))
             stored = [(low + np.arange(side)) % side for low in first]
             np.testing.assert_array_equal(torus[np.ix_(*stored)], nodes)
-        held = HeldWindow(row, column, window.heights, window.materials)
+        held = StoredWindow(row, column, window.heights, window.materials)
 
 
 def test_beds_of_windows_are_bounded_by_their_bytes(monkeypatch):
@@ -202,7 +202,7 @@ def test_a_step_to_the_next_window_makes_its_new_tiles_alone():
     window = ground.window(0, 0, 100.0)
     assert sorted(asked) == [(row, column) for row in (-1, 0, 1) for column in (-1, 0, 1)]
     asked.clear()
-    ground.window(0, 1, 100.0, HeldWindow(0, 0, window.heights, window.materials))
+    ground.window(0, 1, 100.0, StoredWindow(0, 0, window.heights, window.materials))
     assert sorted(asked) == [(row, column) for row in (-1, 0, 1) for column in (1, 2)]
 
 
@@ -232,8 +232,11 @@ def test_an_excerpt_is_the_same_ground(excerpt):
     for x, y in (within, beyond):
         np.testing.assert_allclose(part.height_at(x, y), whole.height_at(x, y), atol=1e-6)
     assert np.isfinite(part.height_near(*beyond)).all(), "that of the nearest edge, for which no tile is made"
-    first = [round(low / part.spacing) for low in (part.held.y0, part.held.x0)]
-    assert np.mean(gather_tiles(whole.materials, first, part.held.materials.shape) == part.held.materials) > 0.999
+    first = [round(low / part.spacing) for low in (part.rectangle.y0, part.rectangle.x0)]
+    assert (
+        np.mean(gather_tiles(whole.materials, first, part.rectangle.materials.shape) == part.rectangle.materials)
+        > 0.999
+    )
 
 
 @pytest.mark.parametrize("every", [1, 4])
@@ -241,8 +244,8 @@ def test_a_window_of_an_excerpt_is_its_rectangle(excerpt, every):
     whole, part = (ground.thinned(every) for ground in excerpt)
     x, y = (SIDE + np.array([-37.0, 0.3, 28.0])[:, None] for _ in range(2))
     assert np.unique(part.cell(x[:, 0], y[:, 0]), axis=0).tolist() == [[0, 0]]
-    assert part.window(0, 0, 20.0) is part.around((SIDE, SIDE), 25.0) is part.held
-    np.testing.assert_allclose(part.held.height_at(x, y), whole.height_at(x, y), atol=1e-6)
+    assert part.window(0, 0, 20.0) is part.around((SIDE, SIDE), 25.0) is part.rectangle
+    np.testing.assert_allclose(part.rectangle.height_at(x, y), whole.height_at(x, y), atol=1e-6)
     wider = part.around((SIDE, SIDE), 100.0)
     assert isinstance(wider, Ground)
     assert not np.isnan(wider.height_at(np.array([SIDE - 100.0, SIDE + 100.0]), np.full(2, SIDE))).any()

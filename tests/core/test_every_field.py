@@ -14,7 +14,7 @@ from pydantic import BaseModel
 
 from field_changes import CHANGES, ELSEWHERE, WHY_NOT, WHY_NOT_OF_MATERIALS
 from insonify.scene import Scene, edit, scene_from_toml
-from insonify.scene.kinds import kind_name, models_of
+from insonify.scene.base import kind_name, models_of
 from insonify.simulation import simulate
 
 BASE = """

@@ -7,9 +7,8 @@ from typing import Literal
 
 import pytest
 
-from insonify.scene import Scene, SceneError, edit, kinds, load_scene, scene_to_toml
-from insonify.scene.base import Declaration, parameter
-from insonify.scene.kinds import Family, models_of
+from insonify.scene import Scene, SceneError, base, edit, load_scene, scene_to_toml
+from insonify.scene.base import Declaration, Family, models_of, parameter
 from insonify.scene.seabed.materials import MATERIAL_MAPS, MaterialMap
 from insonify.scene.targets import TARGETS, Posed, Target
 
@@ -32,7 +31,7 @@ def test_a_kind_that_is_declared_late_is_a_kind_like_others_and_can_be_forgotten
         with pytest.raises(SceneError, match=r"targets\.0\.width: -1\.0 is out of bounds"):
             edit(scene, {"targets.0.kind": "egg", "targets.0.width": -1.0})
     assert models_of(Scene, "targets") == before
-    with pytest.raises(SceneError, match="'egg' is not a kind known here"):
+    with pytest.raises(SceneError, match="'egg' is not a known kind"):
         edit(scene, {"targets.0.kind": "egg"})
 
 
@@ -48,7 +47,7 @@ def test_kinds_of_installed_packages_are_found_by_their_entry_points(monkeypatch
         family.add(Quail)
 
     entries = {"insonify.eggs": [SimpleNamespace(load=load)]}
-    monkeypatch.setattr(kinds, "announced", lambda group: entries[group])
+    monkeypatch.setattr(base, "announced", lambda group: entries[group])
     assert list(family.models(Declaration)) == ["quail"]
 
 

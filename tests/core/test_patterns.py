@@ -12,8 +12,7 @@ from insonify.scene.seabed.materials.image import ImageMap
 from insonify.scene.seabed.materials.pattern import GRADES, PatternMap
 from insonify.simulation import simulate
 from insonify.terrain import build_ground
-from insonify.terrain.lattice import Lattice
-from insonify.terrain.materials import material_indices
+from insonify.terrain.materials import Lattice, material_indices
 
 TWO = (Material(name="silt"), Material(name="rock"))
 THREE = (*TWO, Material(name="medium_sand"))
@@ -233,9 +232,9 @@ def test_pictures_that_cannot_be_are_refused(picture, tmp_path):
     for path, fault in {
         str(tmp_path / "none.png"): "does not exist; give",
         str(tmp_path / "text.png"): "is no picture in PNG or TIFF; save",
-        floats: "holds pixels of mode F; save",
-        picture([[0, 70000]], "long.tif", np.int32): "holds pixels of mode I; save",
-        many: "uses colour 2 of its palette; name a material for each, not only 2",
+        floats: "has pixels of mode F; save",
+        picture([[0, 70000]], "long.tif", np.int32): "has pixels of mode I; save",
+        many: "uses colour 2 of its palette; give a material for each colour, not only 2",
     }.items():
         with pytest.raises(SceneError, match=f"^seabed.material.path: .* {fault}"):
             ground_of({"kind": "image", "path": path, "of": ["silt", "rock"]})

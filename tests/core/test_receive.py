@@ -11,7 +11,7 @@ from beds import arrays_of
 from insonify.kernels.common.types import LIGHT, SONAR
 from insonify.receiver import make_reception, receive
 from insonify.scene import SceneError, edit, load_scene
-from insonify.scene.sonar.pulses.tone import tone_taps
+from insonify.scene.sonar.pulses import tone_taps
 
 FLAT = np.zeros((4, 4))
 BINS = 1000

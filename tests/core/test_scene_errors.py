@@ -135,7 +135,7 @@ def test_a_file_that_is_no_text_is_refused(tmp_path):
 def test_what_is_nested_too_deeply_is_told(tmp_path, text):
     path = tmp_path / "scene.toml"
     path.write_text(text)
-    with pytest.raises(SceneError, match=r"scene\.toml: is nested too deeply to be read; a scene is"):
+    with pytest.raises(SceneError, match=r"scene\.toml: is nested too deeply; a scene has"):
         load_scene(path)
 
 
@@ -153,7 +153,7 @@ def test_what_is_nested_too_deeply_is_told(tmp_path, text):
 def test_a_name_that_no_file_can_have_is_told(tmp_path, table):
     path = tmp_path / "scene.toml"
     path.write_text(f'{table}\npath = "a\\u0000b"\n')
-    with pytest.raises(SceneError, match=r"^scene\.toml: [\w.]+path: holds a NUL character, .*; leave it out$"):
+    with pytest.raises(SceneError, match=r"^scene\.toml: [\w.]+path: contains a NUL character, .*; remove it$"):
         load_scene(path)
 
 

@@ -10,9 +10,8 @@ from insonify.kernels.common.types import FRUSTUM, Mesh
 from insonify.kernels.geometry.bvh import build_mesh
 from insonify.kernels.geometry.cross_sections import HalfPlane, may_cut_solid, section_solid, solid_distance_bound
 from insonify.scene import SceneError, edit, load_scene, scene_from_toml
-from insonify.scene.rotation import rotation_matrix
 from insonify.scene.targets import TARGETS, Target
-from insonify.scene.targets.shape import block
+from insonify.scene.targets.shape import block, rotation_matrix
 from insonify.simulation import prepare, simulate
 from naive import NOTHING, body_depth, cast
 

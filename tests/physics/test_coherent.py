@@ -17,9 +17,7 @@ from insonify.kernels.receiver.pulse import convolve_pulse
 from insonify.kernels.speckle.scatterers import LOT, Scatterers
 from insonify.packing.surface_patches import make_surface_patches
 from insonify.scene import SceneError, edit, load_scene
-from insonify.scene.sonar.pulses.chirp import Chirp
-from insonify.scene.sonar.pulses.ideal import Ideal
-from insonify.scene.sonar.pulses.tone import Tone
+from insonify.scene.sonar.pulses import Chirp, Ideal, Tone
 from insonify.simulation import prepare
 from insonify.tow.poses import take_poses
 from insonify.tracers import rays, sweep

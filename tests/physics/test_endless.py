@@ -11,8 +11,8 @@ from insonify.scene.seabed.reliefs.fractal import Fractal, power_spectrum
 from insonify.scene.seabed.reliefs.von_karman import VonKarman
 from insonify.terrain import endless_field, relief
 from insonify.terrain.endless_field import TILE, Band, EndlessField, Nodes, gather_tiles
-from insonify.terrain.endless_relief import endless_heights
 from insonify.terrain.lattice_noise import lattice_noise
+from insonify.terrain.random_heights import endless_heights
 
 SOFT = {"extent": "endless", "clamp": "soft", "coefficients": "gaussian"}
 SPACING = 0.1

@@ -143,7 +143,7 @@ def dunes(**changes):
 @pytest.mark.parametrize(
     ("scene", "message"),
     [
-        (dunes(of={"of": ["silt", "rock"]}), r"seabed\.relief: of holds a material with a mirror lobe"),
+        (dunes(of={"of": ["silt", "rock"]}), r"seabed\.relief: of has a material with a mirror lobe"),
         (
             dunes(of={"of": [{"specular": 0.0}] * 2, "shape": "checks"}),
             r'seabed\.relief: of must lie along the track; give it shape = "stripes" or "waves" and heading = 0',
@@ -151,7 +151,7 @@ def dunes(**changes):
         (dunes(reach=1e4), r"seabed: relief\.reach 10000 m at spacing 0\.1 m makes 200000 cells across; shorten"),
         (
             {"seabed": {"relief": "mimic", "material": {"kind": "patches", "of": ["silt", "rock"]}}},
-            r'seabed: relief "mimic" passes for a map by its shape; give the seabed a single material',
+            r'seabed: relief "mimic" imitates a map by its shape; give the seabed a single material',
         ),
     ],
 )
@@ -162,6 +162,6 @@ def test_what_no_dunes_can_pass_for_is_refused(scene, message):
 
 def test_a_pattern_too_bright_for_any_slope_is_refused():
     bright = [{"diffuse": 0.1, "specular": 0.0}, {"diffuse": 0.9, "specular": 0.0}]
-    with pytest.raises(SceneError, match=r"reflects 1\.8 times the mean 0\.5, as no .*; keep it below 1\.4 times"):
+    with pytest.raises(SceneError, match=r"reflects 1\.8 times the mean 0\.5, more than .*; keep it below 1\.4 times"):
         build_ground(build(dunes(of={"of": bright})))
     build_ground(build(dunes(of={"of": bright}, law="sonar")))

@@ -11,9 +11,7 @@ from beds import arrays_of
 from insonify.acoustics.pulses import coherence, coherent_taps, envelope, pulse_taps
 from insonify.receiver import make_reception, receive
 from insonify.scene import edit, load_scene
-from insonify.scene.sonar.pulses.chirp import Chirp
-from insonify.scene.sonar.pulses.ideal import Ideal
-from insonify.scene.sonar.pulses.tone import Tone
+from insonify.scene.sonar.pulses import Chirp, Ideal, Tone
 
 SPEED = 1500.0
 BANDWIDTH = 30e3

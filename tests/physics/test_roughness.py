@@ -12,9 +12,9 @@ from insonify.scene.seabed import Seabed
 from insonify.scene.seabed.reliefs.power_law import PowerLaw
 from insonify.scene.seabed.reliefs.ripples import Ripples
 from insonify.scene.seabed.reliefs.von_karman import VonKarman
+from insonify.statistics.spectral_exponent import amplitude_exponent
 from insonify.terrain import relief
-from insonify.terrain.periodic_relief import periodic_heights
-from insonify.terrain.spectral_exponent import amplitude_exponent
+from insonify.terrain.random_heights import periodic_heights
 
 SIDE, PERIOD = 512, 51.2
 
@@ -242,7 +242,7 @@ def test_tabled_autocorrelation_has_the_transform_of_its_law():
 def test_autocorrelation_that_no_surface_has_is_refused():
     box = {"kind": "table", "points": [[0.0, 1.0], [2.0, 1.0], [2.1, 0.0]]}
     with pytest.raises(
-        SceneError, match=r"^seabed\.relief\.function: .* would be negative, as no surface has it; let it"
+        SceneError, match=r"^seabed\.relief\.function: .* would be negative, which no surface can have; let it"
     ):
         heights(kind="autocorrelation", function=box)
 

@@ -7,10 +7,10 @@ from insonify.kernels.common.streams import RELIEF
 from insonify.scene import SceneError
 from insonify.scene.seabed import Seabed
 from insonify.scene.seabed.reliefs.fractal import Fractal, power_spectrum
+from insonify.statistics.spectral_exponent import amplitude_exponent
 from insonify.terrain import relief
-from insonify.terrain.periodic_relief import unmasked_heights
 from insonify.terrain.periodic_waves import WaveGrid, frequencies
-from insonify.terrain.spectral_exponent import amplitude_exponent
+from insonify.terrain.random_heights import unmasked_heights
 
 FIGURE_6 = Fractal(beta=1.4, peaks=((8.0, 4.0),), period=25.6)
 SMALL = (64, 64)

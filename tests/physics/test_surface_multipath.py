@@ -10,7 +10,7 @@ import pytest
 from beds import arrays_of, gaussian_pattern, mesh_of, poses_of, rough
 from brute_force import gaussian
 from insonify.kernels.common.types import GAUSSIAN, LIGHT, SONAR
-from insonify.scene.water.surfaces.rough import rms_height, slope_variance
+from insonify.scene.water.surfaces import rms_height, slope_variance
 from insonify.statistics.record_errors import compare_records
 from insonify.tow.poses import take_poses
 from insonify.tracers import march, rays, sweep

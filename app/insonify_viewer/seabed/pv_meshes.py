@@ -12,7 +12,7 @@ import pyvista as pv
 from numpy.typing import NDArray
 
 from insonify.kernels.common.types import Mesh, Poses, SceneArrays, Solids
-from insonify.scene.rotation import rotation_matrix
+from insonify.scene.targets.shape import rotation_matrix
 from insonify_viewer.seabed.bed_shading import bed_image, sample_heights
 
 if TYPE_CHECKING:

@@ -6,7 +6,7 @@ import argparse
 from pathlib import Path
 from typing import Any
 
-from insonify.commands.options import add_scheduler, say
+from insonify.commands.options import add_specification, say
 from insonify.files import bundled_specifications
 
 EXAMPLES = "examples: insonify dataset mines -o mines --scheduler local:4; insonify dataset mines -o few --scenes 8"
@@ -21,11 +21,8 @@ def register(subparsers: Any) -> None:
         "done already is not done again: the same command goes on after an interruption, and more scenes are added.",
         epilog=EXAMPLES,
     )
-    names = ", ".join(bundled_specifications("datasets"))
-    parser.add_argument("specification", metavar="SPEC", help=f"a TOML file, or a bundled specification: {names}")
-    parser.add_argument("-o", "--output", required=True, metavar="DIR", help="folder of the data set")
+    add_specification(parser, "datasets", "data set")
     parser.add_argument("--scenes", metavar="N", help="number of scenes, instead of that of the specification")
-    add_scheduler(parser)
     parser.set_defaults(run=run)
 
 
@@ -36,7 +33,7 @@ def run(arguments: argparse.Namespace) -> int:
     from insonify.surveys.datasets.assembly import assemble
     from insonify.surveys.datasets.specification import DatasetSpecification
     from insonify.surveys.datasets.work import DatasetWork
-    from insonify.surveys.engine.console import INTERRUPTED, work_on
+    from insonify.surveys.engine import INTERRUPTED, work_on
     from insonify.surveys.specification import read_specification
 
     bundled = bundled_specifications("datasets")

@@ -7,7 +7,7 @@ from typing import Any
 
 from insonify.commands.options import add_frequency, add_output, chosen_output, metres, say
 from insonify.io.records import RECORDS, read_record
-from insonify.surveys.choices import ALTITUDES, OVERLAPS
+from insonify.surveys import ALTITUDES, OVERLAPS
 
 EXAMPLE = "example: insonify mosaic line1.xtf line2.xtf -o mosaic.tif --cell 0.25 --overlap nearest"
 
@@ -55,13 +55,12 @@ def run(arguments: argparse.Namespace) -> None:
     records = {name: read_record(name, arguments.frequency) for name in arguments.records}
     # lazy: the other commands need neither the display nor PROJ
     from insonify.io.geotiff import write_geotiff
-    from insonify.surveys.mosaic import make_mosaic
+    from insonify.surveys.mosaic import BAND, make_mosaic
     from insonify.surveys.swath import choose_map, lay_swath
 
     crs = choose_map(*next(iter(records.items())), arguments.crs)
     swaths = [lay_swath(name, record, crs, arguments.altitude) for name, record in records.items()]
     mosaic = make_mosaic(swaths, arguments.cell, arguments.overlap)
-    band = "echo relative to the median of the record at its range"
-    write_geotiff(path, mosaic.level, mosaic.corner, mosaic.cell, crs, band=band, unit="dB")
+    write_geotiff(path, mosaic.level, mosaic.corner, mosaic.cell, crs, band=BAND, unit="dB")
     rows, columns = mosaic.level.shape
     say(f"{path}: {columns} x {rows} cells of {mosaic.cell:g} m on {crs or 'no map'}")

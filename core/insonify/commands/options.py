@@ -9,6 +9,7 @@ from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import TypeVar
 
+from insonify.files import bundled_specifications
 from insonify.io.records import RECORDS
 from insonify.progress import report_progress, report_waiting
 from insonify.scene import DEFAULT_SCENE, Scene, SceneError, edit, load_scene, read_setting
@@ -79,8 +80,11 @@ def add_threads(parser: argparse.ArgumentParser) -> None:
     )
 
 
-def add_scheduler(parser: argparse.ArgumentParser) -> None:
-    """Add the option that says where jobs run."""
+def add_specification(parser: argparse.ArgumentParser, folder: str, what: str) -> None:
+    """Add the options of a command that does the jobs of a specification: file, folder and scheduler."""
+    names = ", ".join(bundled_specifications(folder))
+    parser.add_argument("specification", metavar="SPEC", help=f"a TOML file, or a bundled specification: {names}")
+    parser.add_argument("-o", "--output", required=True, metavar="DIR", help=f"folder of the {what}")
     parser.add_argument(
         "--scheduler",
         default="local",

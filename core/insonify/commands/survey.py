@@ -6,7 +6,7 @@ import argparse
 from pathlib import Path
 from typing import Any
 
-from insonify.commands.options import add_scheduler, say
+from insonify.commands.options import add_specification, say
 from insonify.files import bundled_specifications
 
 EXAMPLES = "examples: insonify survey harbour -o harbour; insonify survey my-survey.toml -o survey --scheduler local:4"
@@ -22,10 +22,7 @@ def register(subparsers: Any) -> None:
         "already is not done again: the same command goes on after an interruption.",
         epilog=EXAMPLES,
     )
-    names = ", ".join(bundled_specifications("surveys"))
-    parser.add_argument("specification", metavar="SPEC", help=f"a TOML file, or a bundled specification: {names}")
-    parser.add_argument("-o", "--output", required=True, metavar="DIR", help="folder of the survey")
-    add_scheduler(parser)
+    add_specification(parser, "surveys", "survey")
     parser.set_defaults(run=run)
 
 
@@ -33,7 +30,7 @@ def run(arguments: argparse.Namespace) -> int:
     """Simulate the lines that are missing, then write what concerns the whole survey."""
     # lazy: the other commands need none of it
     from insonify.scene import load_scene
-    from insonify.surveys.engine.console import INTERRUPTED, work_on
+    from insonify.surveys.engine import INTERRUPTED, work_on
     from insonify.surveys.lines.specification import SurveySpecification
     from insonify.surveys.lines.summary import PAGE, summarise
     from insonify.surveys.lines.work import SurveyWork

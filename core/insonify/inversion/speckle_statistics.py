@@ -5,10 +5,7 @@ from __future__ import annotations
 import math
 from functools import cache
 
-from insonify.scene.receiver.speckles import SpeckleKind
-from insonify.scene.receiver.speckles.k import K
-from insonify.scene.receiver.speckles.none import NoSpeckle
-from insonify.scene.receiver.speckles.rayleigh import Rayleigh
+from insonify.scene.receiver.speckles import K, NoSpeckle, Rayleigh, SpeckleKind
 
 MOST_LOOKS = 32
 SPIKY = 1.5  # times the variance of one look, beyond which the bed itself is spiky; steep relief adds nearly as much

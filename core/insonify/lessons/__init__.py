@@ -3,11 +3,9 @@
 from __future__ import annotations
 
 from insonify.files import bundled_lessons
-from insonify.lessons.checking import check_lesson, states_of
 from insonify.lessons.conditions import Condition, parse_condition
-from insonify.lessons.lesson import Lesson, Step
-from insonify.lessons.reading import load_lesson, load_lessons, parse_lesson
-from insonify.lessons.states import AUTOMATIC, SIDES, WINDOW_FIELDS, LessonState, split_move
+from insonify.lessons.lesson import Lesson, Step, load_lesson, load_lessons, parse_lesson
+from insonify.lessons.states import AUTOMATIC, SIDES, WINDOW_FIELDS, LessonState, check_lesson, split_move, states_of
 
 __all__ = [
     "AUTOMATIC",

@@ -18,18 +18,8 @@ _TOKEN = re.compile(
     r"""\s*(?:(?P<number>\d+\.?\d*(?:[eE][+-]?\d+)?)|(?P<text>"[^"]*"|'[^']*')"""
     r"""|(?P<name>[A-Za-z_]\w*(?:\.\w+)*)|(?P<sign>==|!=|<=|>=|[<>+\-*/()]))"""
 )
-_COMPARISONS: dict[str, Callable[[Value, Value], bool]] = {
-    "==": operator.eq,
-    "!=": operator.ne,
-    "<": operator.lt,
-    "<=": operator.le,
-    ">": operator.gt,
-    ">=": operator.ge,
-}
-_SUMS = {"+": operator.add, "-": operator.sub}
-_PRODUCTS = {"*": operator.mul, "/": operator.truediv}
 _CONSTANTS: dict[str, Value] = {"true": True, "false": False}
-_WORDS = ("and", "or", "not")
+_NOT, _COMPARISON, _SIGN = 3, 4, 7  # ranks of operators: those of a higher rank bind closer
 
 
 class _NoValue(Exception):
@@ -60,7 +50,7 @@ def parse_condition(text: str) -> Condition:
     if len(text) > LONGEST:
         raise _fault(text, f"has {len(text)} characters; write at most {LONGEST}")
     parser = _Parser(text)
-    term = parser.either()
+    term = parser.expression()
     if parser.token:
         raise _fault(text, f"{parser.token!r} does not belong there; join comparisons by and, or")
     if not parser.compares:
@@ -69,7 +59,7 @@ def parse_condition(text: str) -> Condition:
 
 
 class _Parser:
-    """Recursive descent over the tokens of a condition, from ``or`` down to single values."""
+    """Parser of a condition by the ranks of its operators."""
 
     def __init__(self, text: str) -> None:
         self.text, self.fields, self.compares = text, list[str](), False
@@ -81,82 +71,58 @@ class _Parser:
         """The token at the present place; empty at the end."""
         return self._tokens[self._place] if self._place < len(self._tokens) else ""
 
-    def either(self) -> Term:
-        """Terms joined by ``or``."""
-        terms = [self._both()]
-        while self._take("or"):
-            terms.append(self._both())
-        return terms[0] if len(terms) == 1 else lambda lookup: any(_truth(term(lookup)) for term in terms)
+    def expression(self, least: int = 0) -> Term:
+        """Values joined by operators of a least rank, from left to right; comparisons are not chained."""
+        left, most = self._operand(least), _SIGN
+        while least <= _OPERATORS.get(self.token, (-1,))[0] <= most:
+            rank, join = _OPERATORS[self._next()]
+            left = join(left, self.expression(rank + 1))
+            if rank == _COMPARISON:
+                self.compares, most = True, rank - 1
+        return left
 
-    def _both(self) -> Term:
-        terms = [self._negation()]
-        while self._take("and"):
-            terms.append(self._negation())
-        return terms[0] if len(terms) == 1 else lambda lookup: all(_truth(term(lookup)) for term in terms)
-
-    def _negation(self) -> Term:
-        if not self._take("not"):
-            return self._comparison()
-        term = self._deeper(self._negation)
-        return lambda lookup: not _truth(term(lookup))
-
-    def _comparison(self) -> Term:
-        left = self._chain(_SUMS, self._product)
-        sign = self._take(*_COMPARISONS)
-        if not sign:
-            return left
-        right, compare, self.compares = self._chain(_SUMS, self._product), _COMPARISONS[sign], True
-        return lambda lookup: compare(*_alike(left(lookup), right(lookup)))
-
-    def _product(self) -> Term:
-        return self._chain(_PRODUCTS, self._single)
-
-    def _chain(self, operators: dict[str, Callable[[float, float], float]], part: Callable[[], Term]) -> Term:
-        """Parts joined by operators of one rank, from left to right."""
-        term = part()
-        while sign := self._take(*operators):
-            term = _applied(operators[sign], term, part())
-        return term
-
-    def _single(self) -> Term:
-        if self._take("-"):
-            term = self._deeper(self._single)
-            return lambda lookup: -_number(term(lookup))
-        if self._take("("):
-            term = self._deeper(self.either)
-            if not self._take(")"):
-                raise _fault(self.text, "a bracket is not closed; add ')'")
-            return term
-        return self._value()
-
-    def _value(self) -> Term:
+    def _operand(self, least: int) -> Term:
+        """Parse a value, a negation, or an expression in brackets."""
         token = self.token
-        if not token or token in _WORDS or not (token[0].isalnum() or token[0] in "_\"'"):
+        if token == "not" and least <= _NOT:
+            term = self._deeper(_NOT)
+            return lambda lookup: not _truth(term(lookup))
+        if token == "-":
+            term = self._deeper(_SIGN)
+            return lambda lookup: -_number(term(lookup))
+        if token == "(":
+            term = self._deeper(0)
+            if self.token != ")":
+                raise _fault(self.text, "a bracket is not closed; add ')'")
+            self._next()
+            return term
+        if not token or token in _OPERATORS or token == "not" or not (token[0].isalnum() or token[0] in "_\"'"):
             raise _fault(self.text, f"a value is missing before {token or 'the end'!r}; add a field or a number")
-        self._place += 1
+        return self._value(self._next())
+
+    def _value(self, token: str) -> Term:
+        """Return a text, a number, a truth value or a field as a term."""
         if token[0] in "\"'":
             return lambda _: token[1:-1]
         if token[0].isdigit():
-            number = float(token)
-            return lambda _: number
+            return lambda _: float(token)
         if token in _CONSTANTS:
             return lambda _: _CONSTANTS[token]
         self.fields.append(token)
         return lambda lookup: _present(lookup(token))
 
-    def _take(self, *tokens: str) -> str:
-        """Step over one of these tokens, and return it; empty if none of them is next."""
-        token = self.token
-        if token not in tokens:
-            return ""
+    def _next(self) -> str:
+        """Step over a token, and return it."""
         self._place += 1
-        return token
+        return self._tokens[self._place - 1]
 
-    def _deeper(self, parse: Callable[[], Term]) -> Term:
+    def _deeper(self, least: int) -> Term:
+        """Step over a bracket or a sign, and parse the expression behind it."""
         self._depth += 1
         if self._depth > DEEPEST:
             raise _fault(self.text, f"is nested more than {DEEPEST} deep; write it with fewer brackets")
-        term = parse()
+        self._next()
+        term = self.expression(least)
         self._depth -= 1
         return term
 
@@ -176,10 +142,6 @@ def _tokens(text: str) -> list[str]:
 def _fault(text: str, fault: str) -> SceneError:
     shown = text if len(text) <= 60 else f"{text[:57]}..."
     return SceneError(f"condition {shown!r}: {fault}")
-
-
-def _applied(operation: Callable[[float, float], float], left: Term, right: Term) -> Term:
-    return lambda lookup: operation(_number(left(lookup)), _number(right(lookup)))
 
 
 def _present(value: Value | None) -> Value:
@@ -206,3 +168,30 @@ def _alike(left: Value, right: Value) -> tuple[Value, Value]:
     if len(kinds) > 1:
         raise _NoValue
     return left, right
+
+
+Join = Callable[[Term, Term], Term]
+
+
+def _compared(compare: Callable[[Value, Value], bool]) -> Join:
+    return lambda left, right: lambda lookup: compare(*_alike(left(lookup), right(lookup)))
+
+
+def _calculated(operation: Callable[[float, float], float]) -> Join:
+    return lambda left, right: lambda lookup: operation(_number(left(lookup)), _number(right(lookup)))
+
+
+_OPERATORS: dict[str, tuple[int, Join]] = {  # rank and meaning of each
+    "or": (1, lambda left, right: lambda lookup: _truth(left(lookup)) or _truth(right(lookup))),
+    "and": (2, lambda left, right: lambda lookup: _truth(left(lookup)) and _truth(right(lookup))),
+    "==": (_COMPARISON, _compared(operator.eq)),
+    "!=": (_COMPARISON, _compared(operator.ne)),
+    "<": (_COMPARISON, _compared(operator.lt)),
+    "<=": (_COMPARISON, _compared(operator.le)),
+    ">": (_COMPARISON, _compared(operator.gt)),
+    ">=": (_COMPARISON, _compared(operator.ge)),
+    "+": (5, _calculated(operator.add)),
+    "-": (5, _calculated(operator.sub)),
+    "*": (6, _calculated(operator.mul)),
+    "/": (6, _calculated(operator.truediv)),
+}

@@ -1,13 +1,29 @@
-"""A lesson and its steps."""
+"""Lessons read from Markdown files with TOML in front and in every step."""
 
 from __future__ import annotations
 
-from typing import Any
+import re
+import tomllib
+from functools import partial
+from pathlib import Path
+from typing import Any, TypeVar
 
-from pydantic import Field
+from pydantic import Field, ValidationError
 
+from insonify.errors import SceneError
+from insonify.files import bundled_lessons
+from insonify.io.file_access import MISSING, guarded, read_text
 from insonify.lessons.conditions import Condition, parse_condition
 from insonify.scene.base import Declaration
+from insonify.scene.faults import describe_fault
+
+LARGEST = 2**20  # bytes of a lesson
+PARTS = {"Look for": "look_for", "Question": "question", "Answer": "answer"}
+_FRONT = re.compile(r"\A\+\+\+[ \t]*\n(.*?)^\+\+\+[ \t]*$", re.DOTALL | re.MULTILINE)
+_STEP = re.compile(r"^## +(.+?)[ \t]*$", re.MULTILINE)
+_BLOCK = re.compile(r"^```toml[ \t]*\n(.*?)^```[ \t]*$", re.DOTALL | re.MULTILINE)
+_PART = re.compile(rf"^({'|'.join(PARTS)}):[ \t]*", re.MULTILINE)
+Head = TypeVar("Head", bound=Declaration)
 
 
 class LessonHead(Declaration):
@@ -20,7 +36,7 @@ class LessonHead(Declaration):
 
 
 class StepHead(Declaration):
-    """The machine-readable part of a step: the move that it asks for, and how that is noticed."""
+    """Machine-readable part of a step: the move to make, and the condition that it fulfils."""
 
     done: str = Field(min_length=1)
     move: dict[str, Any] = Field(min_length=1)
@@ -44,7 +60,7 @@ class Step(StepHead):
 
     @property
     def fields(self) -> tuple[str, ...]:
-        """Dotted paths that the step speaks of: those that it moves, then others of its condition."""
+        """Dotted paths of the step: those that it moves, then others of its condition."""
         return tuple(dict.fromkeys((*self.move, *self.condition.fields)))
 
 
@@ -54,3 +70,63 @@ class Lesson(LessonHead):
     name: str
     introduction: str
     steps: tuple[Step, ...]
+
+
+def load_lesson(name_or_path: str | Path) -> Lesson:
+    """Read a lesson."""
+    path = bundled_lessons().get(str(name_or_path)) or Path(name_or_path)
+    with guarded(partial(_unreadable, name_or_path), "give a readable Markdown file"):
+        text = read_text(path, largest=LARGEST)
+    return parse_lesson(text, path.stem)
+
+
+def load_lessons() -> tuple[Lesson, ...]:
+    """Read the bundled lessons, in their order."""
+    lessons = (load_lesson(name) for name in bundled_lessons())
+    return tuple(sorted(lessons, key=lambda lesson: (lesson.order, lesson.name)))
+
+
+def parse_lesson(text: str, name: str) -> Lesson:
+    """Parse the text of a lesson."""
+    front = _FRONT.match(text)
+    if front is None:
+        raise SceneError(f"lesson {name}: has no front matter; begin with title, scene and order between lines of +++")
+    head = _declared(LessonHead, front[1], f"lesson {name}")
+    introduction, *parts = _STEP.split(text[front.end() :])
+    steps = tuple(_step(title, body, f"lesson {name}, step {title!r}") for title, body in zip(parts[::2], parts[1::2]))
+    if not steps:
+        raise SceneError(f"lesson {name}: has no step; add a heading '## What to do' and what belongs below it")
+    return Lesson(name=name, introduction=introduction.strip(), steps=steps, **dict(head))
+
+
+def _unreadable(name_or_path: str | Path, fault: str, remedy: str) -> SceneError:
+    if fault == MISSING:
+        fault, remedy = "no such file", f"give a Markdown file or one of {', '.join(bundled_lessons())}"
+    return SceneError(f"lesson {str(name_or_path)!r}: {fault}; {remedy}")
+
+
+def _step(title: str, body: str, where: str) -> Step:
+    """Parse one step."""
+    blocks = _BLOCK.findall(body)
+    if len(blocks) != 1:
+        raise SceneError(f"{where}: has {len(blocks)} blocks of TOML; write one ```toml block with move and done")
+    head = _declared(StepHead, blocks[0], where)
+    text, *rest = _PART.split(_BLOCK.sub("", body))
+    parts = {PARTS[name]: paragraph.strip() for name, paragraph in zip(rest[::2], rest[1::2])}
+    for name, key in PARTS.items():
+        if not parts.get(key):
+            raise SceneError(f"{where}: has no paragraph '{name}: …'; add it")
+    if not text.strip():
+        raise SceneError(f"{where}: does not say what to move; begin with a sentence")
+    return Step(title=title, text=text.strip(), **parts, **dict(head))
+
+
+def _declared(kind: type[Head], toml: str, where: str) -> Head:
+    """Validate a block of TOML."""
+    try:
+        values: dict[str, Any] = tomllib.loads(toml)
+        return kind.model_validate(values)
+    except (tomllib.TOMLDecodeError, RecursionError) as error:
+        raise SceneError(f"{where}: its TOML is not valid ({error}); correct that line") from None
+    except ValidationError as error:
+        raise SceneError(f"{where}: {describe_fault(error, kind)}") from None

@@ -1,14 +1,16 @@
-"""What conditions of lessons read: the scene's fields, how it is modelled, and the point of the record marked."""
+"""States that a lesson passes through: the scene and the window's choices, and the check that each step can be done."""
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
 from dataclasses import dataclass, field, replace
 from typing import Any
 
 from insonify.errors import SceneError
 from insonify.files import bundled_scenes
 from insonify.lessons.conditions import Value
+from insonify.lessons.lesson import Lesson, Step
 from insonify.scene import Scene, edit, load_scene
 from insonify.scene.base import Declaration
 
@@ -56,7 +58,7 @@ def start_state(scene: str, changes: Mapping[str, Any]) -> LessonState:
 
 
 def is_window_field(path: str) -> bool:
-    """Whether a dotted path is of the window, not of the scene."""
+    """Whether a dotted path names a field of the window, not of the scene."""
     return path.partition(".")[0] in WINDOW_FIELDS
 
 
@@ -82,7 +84,7 @@ def field_value(scene: Scene, path: str) -> Value | None:
 
 
 def _check_window_value(path: str, value: Any, scene: Scene) -> None:
-    """Refuse a value that the window cannot have."""
+    """Reject a value that the window cannot have."""
     if path == "plan.tolerance":
         if isinstance(value, bool | str) or not 0.0 < value <= 1.0:
             raise SceneError(f"{path}: {value!r} is out of bounds; give a number above 0 and at most 1")
@@ -102,7 +104,7 @@ def _check_window_value(path: str, value: Any, scene: Scene) -> None:
 
 
 def _check_choice(scene: Scene, subject: str, choice: Any) -> None:
-    """Refuse a choice that no plan of the scene offers."""
+    """Reject a choice that no plan of the scene offers."""
     # lazy: loads Numba, and few lessons force a choice
     from insonify.planning.selection import check_request
 
@@ -110,3 +112,42 @@ def _check_choice(scene: Scene, subject: str, choice: Any) -> None:
         raise SceneError(f"plan.{subject}: {choice!r} is not a text; put it in quotes")
     if choice != AUTOMATIC:
         check_request(scene, USUAL_TOLERANCE, "auto", {subject: choice})
+
+
+def check_lesson(lesson: Lesson) -> None:
+    """Check that every step of a lesson can be done, one after the other."""
+    for step, start, end in states_of(lesson):
+        with _named(lesson, step):
+            _check_step(step, start, end)
+
+
+def states_of(lesson: Lesson) -> Iterator[tuple[Step, LessonState, LessonState]]:
+    """Yield every step of a lesson with the states before and after its move."""
+    with _named(lesson):
+        end = start_state(lesson.scene, lesson.set)
+    for step in lesson.steps:
+        with _named(lesson, step):
+            start = start_state(step.scene, step.set) if step.scene else end.moved(step.set)
+            end = start.moved(step.move)
+        yield step, start, end
+
+
+def _check_step(step: Step, start: LessonState, end: LessonState) -> None:
+    """Check that the condition of a step is false before its move and true after it."""
+    condition = step.condition
+    for path in step.fields:
+        if start.value(path) is None and end.value(path) is None:
+            raise SceneError(f"{path}: is no number, text or truth value of this scene; name one, such as sonar.range")
+    if condition.holds(start.value):
+        raise SceneError(f"done: {step.done!r} is true before the move; ask for a change")
+    if not condition.holds(end.value):
+        raise SceneError(f"done: {step.done!r} is not true after the move {step.move}; mend one of the two")
+
+
+@contextmanager
+def _named(lesson: Lesson, step: Step | None = None) -> Iterator[None]:
+    where = f"lesson {lesson.name}" + ("" if step is None else f", step {step.title!r}")
+    try:
+        yield
+    except SceneError as error:
+        raise SceneError(f"{where}: {error}") from None

@@ -33,9 +33,9 @@ def pack_scene(scene: Scene, ground: AnyGround) -> SceneArrays:
     sonar = scene.sonar
     bed = make_bed(ground.around(scene.track.start, 0.0))
     water = make_water(scene, ground.datum, -math.inf if isinstance(ground, EndlessGround) else bed.low)
-    sonar.refuse_haste(water.reference)
-    sonar.refuse_long_pulse(water.reference)
-    scene.refuse_long_slices(bed.spacing)
+    sonar.check_ping_rate(water.reference)
+    sonar.check_pulse_length(water.reference)
+    scene.check_slice_length(bed.spacing)
     half_width, pattern = make_pattern(scene, water.reference)
     bin_length = sonar.range / sonar.bins / (recording_speed(scene, ground.datum) / water.reference)
     centres = (np.arange(sonar.bins, dtype=np.float64) + 0.5) * np.float64(bin_length)

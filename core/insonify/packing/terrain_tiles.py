@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from insonify.kernels.common.types import Bed, Poses, SceneArrays
 from insonify.packing.scene_arrays import make_bed
-from insonify.terrain import AnyGround, EndlessGround, HeldWindow
+from insonify.terrain import AnyGround, EndlessGround, StoredWindow
 from insonify.tow.poses import take_poses
 
 Column = NDArray[Any]
@@ -103,12 +103,12 @@ class _WindowBeds:
                 del sizes[0]
             return sum(sizes)
 
-    def _nearest(self, row: int, column: int) -> HeldWindow | None:
+    def _nearest(self, row: int, column: int) -> StoredWindow | None:
         """Window that is held and shares the most ground with another, if any does."""
         places = min(self._beds, key=lambda place: abs(place[0] - row) + abs(place[1] - column), default=None)
         if places is None:
             return None
-        return HeldWindow(*places, self._beds[places].heights, self._beds[places].materials)
+        return StoredWindow(*places, self._beds[places].heights, self._beds[places].materials)
 
 
 def _beds_of(ground: EndlessGround, reach: float) -> _WindowBeds:

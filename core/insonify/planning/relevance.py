@@ -7,8 +7,7 @@ import math
 from insonify.errors import located
 from insonify.kernels.common.types import Bed
 from insonify.scene import Scene
-from insonify.scene.rotation import rotation_matrix
-from insonify.scene.targets.shape import Outline
+from insonify.scene.targets.shape import Outline, rotation_matrix
 from insonify.scene.water.surfaces import WAYS
 
 FARTHER = 1.1  # bound on how much farther refracted sound travels in the time of a slant range

@@ -40,12 +40,13 @@ class Disturbances:
 def make_disturbances(scene: Scene, arrays: SceneArrays, samples: int) -> Disturbances | None:
     """Ringing and interference that a scene declares, None where it declares neither."""
     bin_time, columns = 2.0 * arrays.bin_length / arrays.water.reference / samples, arrays.bins * samples
-    level = scene.receiver.ringing.decibels((np.arange(columns, dtype=np.float64) + 0.5) * np.float64(bin_time))
-    foreign = scene.receiver.interference.pings
-    if level is None and foreign is None:
+    declared, foreign, ringing = scene.receiver.ringing, scene.receiver.interference, None
+    if declared is None and foreign is None:
         return None
-    ringing = None if level is None else 10.0 ** ((level + scene.receiver.source_level) / 10.0)
-    interval, duration = (1.0, 0.0) if foreign is None else (1.0 / foreign.rate, foreign.duration)
+    if declared is not None:
+        level = declared.decibels((np.arange(columns, dtype=np.float64) + 0.5) * np.float64(bin_time))
+        ringing = 10.0 ** ((level + scene.receiver.source_level) / 10.0)
+    interval, duration = (1.0, 0.0) if foreign is None else (1.0 / foreign.ping_rate, foreign.duration)
     return Disturbances(
         seed=scene.seed,
         ringing=None if ringing is None else ringing.astype(np.float32)[None, None],

@@ -64,13 +64,13 @@ class Fluctuation:
 
 def make_fluctuation(scene: Scene, arrays: SceneArrays) -> Fluctuation | None:
     """Fluctuation that a scene declares, None where it declares none."""
-    statistics = scene.receiver.fluctuation.statistics
-    if statistics is None:
+    declared = scene.receiver.fluctuation
+    if declared is None:
         return None
-    pings = statistics.correlation_time * scene.sonar.ping_rate
+    pings = declared.correlation_time * scene.sonar.ping_rate
     return Fluctuation(
         seed=scene.seed,
         half_width=max(pings / CORRELATION_LAG, 0.5),
-        spread=statistics.level * math.log(10.0) / 10.0,
-        delay=0.5 * arrays.water.reference * statistics.travel_time / arrays.bin_length,
+        spread=declared.level * math.log(10.0) / 10.0,
+        delay=0.5 * arrays.water.reference * declared.travel_time / arrays.bin_length,
     )

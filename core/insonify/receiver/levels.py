@@ -34,8 +34,8 @@ def reverberation(declared: ReverberationKind, arrays: SceneArrays, altitude: fl
 
 def noise_level(scene: Scene) -> float:
     """Mean intensity of the ambient noise before the time-varied gain."""
-    level = scene.receiver.noise.mean_level
-    return 0.0 if level is None else power(level)
+    noise = scene.receiver.noise
+    return 0.0 if noise is None else power(noise.level)
 
 
 def crosstalk(scene: Scene) -> float:

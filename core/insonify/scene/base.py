@@ -1,67 +1,134 @@
-"""Base of all declarations: frozen, validated, with bounds, unit and description of each parameter in one place."""
+"""Base of all declarations: parameters with bounds, unit and description, and families of kinds.
+
+A declaration is a frozen, validated part of a scene. A field may hold one declaration of a family, picked by its
+``kind``. A family holds the kinds of its package, those that installed packages bring by an entry point of the group
+``insonify.<family>``, and those that are declared later.
+"""
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Annotated, Any, ClassVar
+from collections.abc import Iterator
+from contextlib import contextmanager
+from functools import cache
+from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Literal, TypeVar
 
-from pydantic import AfterValidator, BaseModel, ConfigDict, Field, model_validator
+from pydantic import AfterValidator, BaseModel, ConfigDict, Field, GetCoreSchemaHandler, model_validator
+from pydantic_core import CoreSchema, core_schema
 
-from insonify.scene.kinds import Family, declare
+from insonify.files import file_version
+from insonify.plugins import announced, modules_in
 
-# m, along x or y: no map reaches farther, and beyond it the resolution of numbers is coarser than relief.
-Place = Annotated[float, Field(ge=-1e8, le=1e8)]
+Model = TypeVar("Model", bound="Declaration")
+# m along x or y; beyond 1e8 m, float64 cannot resolve the relief.
+Coordinate = Annotated[float, Field(ge=-1e8, le=1e8)]
+_DECLARED: list[type[Declaration]] = []
 
 
 def _without_nul(path: str) -> str:
     if "\0" in path:
-        raise ValueError("holds a NUL character, which no name of a file can; leave it out")
+        raise ValueError("contains a NUL character, which file names cannot have; remove it")
     return path
 
 
 FilePath = Annotated[str, AfterValidator(_without_nul)]
 
 
+class Family:
+    """All kinds of one choice: those of a package, and those of the entry points ``insonify.<name>``."""
+
+    def __init__(self, name: str, package: str | None = None) -> None:
+        self.name, self.package = name, package
+        self._models: dict[str, type[Declaration]] = {}
+        self._discovered = False
+        self._used: set[type[Declaration]] = set()
+
+    def add(self, model: type[Declaration]) -> None:
+        """Add a kind. A declaration of this family is added when its class is created."""
+        kind = kind_name(model)
+        if kind is None:
+            return
+        self._models[kind] = model
+        if self._discovered and issubclass(model, tuple(self._used)):
+            rebuild_declarations()
+
+    @contextmanager
+    def without(self, *kinds: str) -> Iterator[None]:
+        """Forget kinds after the block, for tests that declare them."""
+        try:
+            yield
+        finally:
+            for kind in kinds:
+                self._models.pop(kind, None)
+            rebuild_declarations()
+
+    def models(self, base: type[Model]) -> dict[str, type[Model]]:
+        """Return the kinds that derive from a class, by name, sorted by rank."""
+        self._discover()
+        found = sorted(self._models.items(), key=lambda item: getattr(item[1], "rank", 0))
+        return {kind: model for kind, model in found if issubclass(model, base)}
+
+    def use(self, base: type[Declaration]) -> None:
+        """Record that a field accepts the kinds that derive from a class: a later one of these rebuilds the field."""
+        self._used.add(base)
+
+    def _discover(self) -> None:
+        """Import the package's modules and the entry points; classes add themselves."""
+        if self._discovered:
+            return
+        # A kind that contains others of its family needs them while its own module is being imported: the other
+        # modules are then imported first, and the outer loop has nothing left to do.
+        if self.package is not None:
+            modules_in(self.package)
+        for entry in announced(f"insonify.{self.name}"):
+            entry.load()
+        self._discovered = True
+
+
 class Declaration(BaseModel):
-    """A frozen part of a scene; unknown keys, NaN and values out of bounds are refused.
+    """A frozen part of a scene; unknown keys, NaN and values out of bounds are rejected.
 
     Attributes
     ----------
     family : Family or None
-        Kinds that this declaration and those derived from it belong to, as far as they have a ``kind``.
+        Family of this declaration and those derived from it that have a ``kind``.
     rank : int
-        Place of a kind in menus and messages; equal ranks stand in the order in which they were found, those without
-        one last.
+        Position of a kind in menus and messages. Kinds of equal rank stand in the order of discovery, kinds without a
+        rank last.
+    table : frozenset of str
+        Fields that are the columns of one table: on a change of kind all of them are kept or none.
     """
 
     model_config = ConfigDict(frozen=True, extra="forbid", allow_inf_nan=False, validate_default=True, defer_build=True)
     family: ClassVar[Family | None] = None
     rank: ClassVar[int] = 100
+    table: ClassVar[frozenset[str]] = frozenset()
 
     @classmethod
     def __pydantic_init_subclass__(cls, **options: Any) -> None:
         """Add a new kind to its family."""
-        declare(cls, cls.family)
+        _DECLARED.append(cls)
+        if cls.family is not None:
+            cls.family.add(cls)
 
     @property
     def idle_fields(self) -> frozenset[str]:
-        """Names of the fields without effect at the present values of the others; no slider is shown for them."""
+        """Names of the fields that have no effect at the present values of the others; they get no slider."""
         return frozenset()
 
+    @property
+    def version(self) -> tuple[int, int] | None:
+        """Version of the file at ``path``, None for a declaration without a file."""
+        path = getattr(self, "path", None)
+        return None if path is None else file_version(path)
+
     def value_in_force(self, field: str) -> float | None:
-        """Return the number that applies where a field is left open, None if the rest of the scene decides it."""
+        """Return the number that applies where a field is left out, None if it depends on the rest of the scene."""
         return None
 
 
-class Choice(Declaration):
-    """A declaration picked by its ``kind``; a bare name stands for ``{ kind = name }``.
+class Kind(Declaration):
+    """A declaration picked by its ``kind``; a bare name stands for ``{ kind = name }``."""
 
-    Attributes
-    ----------
-    table : frozenset of str
-        Fields that are the columns of one table: another kind takes over all of them or none.
-    """
-
-    table: ClassVar[frozenset[str]] = frozenset()
     if TYPE_CHECKING:
         kind: str
 
@@ -69,6 +136,59 @@ class Choice(Declaration):
     @classmethod
     def _name_alone(cls, value: Any) -> Any:
         return {"kind": value} if isinstance(value, str) else value
+
+
+class Nothing(Kind):
+    """Without this effect."""
+
+    kind: Literal["none"] = "none"
+
+
+class KindOf:
+    """Annotation of a field that holds one declaration of a family, of the kinds that derive from a base class."""
+
+    def __init__(
+        self,
+        family: Family,
+        base: type[Declaration] = Declaration,
+        *,
+        default: str | None = None,  # kind of a table without ``kind``
+        text: str | None = None,  # kind for which a bare text stands; the text itself is the kind when left out
+        number: str | None = None,  # kind for which a bare number stands
+        optional: bool = False,  # whether the field may be None, which is written as the kind ``none``
+    ) -> None:
+        self.family, self.base, self.text, self.number, self.optional = family, base, text, number, optional
+        self.default = default or ("none" if optional else "missing")
+
+    @property
+    def models(self) -> tuple[type[Declaration], ...]:
+        """The declarations that the field accepts."""
+        return (*((Nothing,) if self.optional else ()), *self.family.models(self.base).values())
+
+    def kind(self, value: Any) -> str:
+        """Read the kind of a raw or validated value."""
+        if isinstance(value, str):
+            return self.text or value
+        if self.number is not None and isinstance(value, (int, float)):
+            return self.number
+        if isinstance(value, dict):
+            return str(value.get("kind", self.default))
+        return str(getattr(value, "kind", self.default))
+
+    def __get_pydantic_core_schema__(self, source: Any, handler: GetCoreSchemaHandler) -> CoreSchema:
+        """Accept every kind of the family."""
+        choices = {str(kind_name(model)): handler.generate_schema(model) for model in self.models}
+        self.family.use(self.base)
+        schema = core_schema.tagged_union_schema(choices, discriminator=self.kind)
+        if not self.optional:
+            return schema
+        return core_schema.no_info_after_validator_function(
+            lambda value: None if isinstance(value, Nothing) else value,
+            core_schema.no_info_before_validator_function(lambda value: "none" if value is None else value, schema),
+            serialization=core_schema.wrap_serializer_function_ser_schema(
+                lambda value, serialize: {"kind": "none"} if value is None else serialize(value), schema=schema
+            ),
+        )
 
 
 def parameter(
@@ -81,7 +201,23 @@ def parameter(
     rare: bool = False,
     **bounds: Any,
 ) -> Any:
-    """Declare one scene parameter."""
+    """Declare one scene parameter.
+
+    Parameters
+    ----------
+    default : Any
+        Default value; the parameter is required when left out.
+    unit, description : str
+        Unit and meaning, as the viewer's tooltips and the reference show them.
+    slider : (float, float), optional
+        Ends of the viewer's slider.
+    log : bool
+        Whether the slider is logarithmic.
+    rare : bool
+        Whether the viewer folds the parameter away.
+    **bounds
+        Bounds of the value, as pydantic takes them.
+    """
     extra: dict[str, Any] = {"unit": unit, "log": log}
     if rare:
         extra["rare"] = True
@@ -90,10 +226,59 @@ def parameter(
     return Field(default, description=description, json_schema_extra=extra, **bounds)
 
 
-def kind_of(value: Any, default: str) -> str:
-    """Read the ``kind`` of a raw or validated choice, for pydantic's discriminators."""
-    if isinstance(value, str):
-        return value
-    if isinstance(value, dict):
-        return str(value.get("kind", default))
-    return str(getattr(value, "kind", default))
+def angle(description: str, default: float = 0.0, *, rare: bool = False) -> Any:
+    """Declare an angle of a whole turn."""
+    return parameter(default, unit="°", description=description, ge=-360.0, le=360.0, slider=(-180.0, 180.0), rare=rare)
+
+
+def kind_name(model: type[BaseModel]) -> str | None:
+    """Return the ``kind`` by which a declaration is picked, None for one that is not picked by kind."""
+    field = model.model_fields.get("kind")
+    return field.default if field is not None and isinstance(field.default, str) else None
+
+
+def rebuild_declarations() -> None:
+    """Update the fields of all declarations to the present kinds of their families."""
+    models_of.cache_clear()
+    # In the order of their creation: a declaration comes after all that it contains.
+    for model in _DECLARED:
+        model.model_rebuild(force=True)
+
+
+@cache
+def models_of(parent: type[BaseModel], field: str) -> tuple[type[Declaration], ...]:
+    """List the declarations that a field can hold, in order; empty for plain numbers and names."""
+    if field not in parent.model_fields:
+        return ()
+    info = parent.model_fields[field]
+    found: list[type[Declaration]] = []
+    pending: list[Any] = [*info.metadata, info.annotation]
+    if any(isinstance(entry, KindOf) for entry in info.metadata):
+        pending.remove(info.annotation)
+    while pending:
+        annotation = pending.pop(0)
+        kinds = [entry for entry in getattr(annotation, "__metadata__", ()) if isinstance(entry, KindOf)]
+        if isinstance(annotation, KindOf):
+            found.extend(annotation.models)
+        elif kinds:
+            pending.extend(kinds)
+        elif isinstance(annotation, type) and issubclass(annotation, Declaration):
+            found.append(annotation)
+        else:
+            pending.extend(getattr(annotation, "__args__", ()))
+    return tuple(found)
+
+
+def is_field(root: type[Declaration], path: str) -> bool:
+    """Whether a dotted path leads to a field of a declaration, for some choice of the kinds along it."""
+    models: tuple[type[Declaration], ...] = (root,)
+    known = False
+    for step in path.split("."):
+        if step.isdigit() and known:
+            continue
+        parents = tuple(model for model in models if step in model.model_fields)
+        known = bool(parents)
+        if not known:
+            return False
+        models = tuple(child for model in parents for child in models_of(model, step))
+    return known

@@ -8,9 +8,8 @@ from typing import Any
 from pydantic import BaseModel, ValidationError
 
 from insonify.errors import SceneError
-from insonify.scene.base import Choice
+from insonify.scene.base import Declaration, kind_name, models_of
 from insonify.scene.faults import describe_fault
-from insonify.scene.kinds import kind_name, models_of
 from insonify.scene.links import read_literal
 from insonify.scene.scene import Scene
 
@@ -24,8 +23,17 @@ def build(values: Mapping[str, Any]) -> Scene:
 
 
 def plain(scene: Scene) -> dict[str, Any]:
-    """Convert a scene to plain values for TOML, without fields that are None, because TOML has no null."""
-    return scene.model_dump(mode="json", exclude_none=True)
+    """Convert a scene to plain values for TOML, without None, because TOML has no null."""
+    values: dict[str, Any] = _without_none(scene.model_dump(mode="json"))
+    return values
+
+
+def _without_none(value: Any) -> Any:
+    if isinstance(value, list):
+        return [_without_none(item) for item in value]
+    if not isinstance(value, dict):
+        return value
+    return {key: _without_none(item) for key, item in value.items() if item is not None}
 
 
 def edit(scene: Scene, changes: Mapping[str, Any]) -> Scene:
@@ -44,7 +52,7 @@ def edit(scene: Scene, changes: Mapping[str, Any]) -> Scene:
 
 
 def read_setting(text: str, option: str = "--set") -> tuple[str, Any]:
-    """Split ``path.to.field=value``; a value that is not TOML stands for its own text."""
+    """Split ``path.to.field=value``; a value that is not TOML is taken as text."""
     path, equals, literal = text.partition("=")
     path = path.strip()
     if not equals or not path:
@@ -77,12 +85,12 @@ def _put(values: dict[str, Any], path: str, value: Any) -> None:
 
 
 class _Switched(str):
-    """Name of a changed kind with that of the previous kind, whose other fields are dropped."""
+    """Name of a new kind, with the name of the kind that it replaces."""
 
     before: str
 
     def __new__(cls, kind: str, before: str) -> _Switched:
-        """Return the name of a kind that also holds the name of the kind it replaces."""
+        """Return the name of a kind with that of the kind it replaces."""
         switched = super().__new__(cls, kind)
         switched.before = before
         return switched
@@ -97,7 +105,7 @@ def _child(place: Any, key: str, path: str) -> Any:
 
 
 def _expanded(walked: list[str], value: Any) -> dict[str, Any]:
-    """Replace a bare name along a path by the table that it stands for."""
+    """Return the table for which a bare name along a path stands."""
     if isinstance(value, str):
         return {"name" if walked[-1] == "material" else "kind": value}
     return {}
@@ -123,21 +131,16 @@ def _shared_fields(value: Any, parent: type[BaseModel], key: str) -> Any:
     return kept | {"kind": str(kind)} if isinstance(kind, _Switched) else kept
 
 
-def _foreign_fields(models: tuple[type[BaseModel], ...], model: type[BaseModel], kind: _Switched) -> frozenset[str]:
-    """Fields of the previous kind that the new one lacks, or that are columns of another table."""
+def _foreign_fields(models: tuple[type[Declaration], ...], model: type[Declaration], kind: _Switched) -> frozenset[str]:
+    """Fields of the previous kind that the new one lacks, or that are columns of a different table."""
     before = _model_of_kind(models, kind.before)
     if before is None:
         return frozenset()
     lacking = frozenset(before.model_fields.keys() - model.model_fields.keys())
-    old, new = _table(before), _table(model)
-    return lacking if old == new else lacking | old | new
+    return lacking if before.table == model.table else lacking | before.table | model.table
 
 
-def _table(model: type[BaseModel]) -> frozenset[str]:
-    return model.table if issubclass(model, Choice) else frozenset()
-
-
-def _model_of_kind(models: tuple[type[BaseModel], ...], kind: Any) -> type[BaseModel] | None:
+def _model_of_kind(models: tuple[type[Declaration], ...], kind: Any) -> type[Declaration] | None:
     return next((model for model in models if kind_name(model) == kind), None)
 
 

@@ -1,4 +1,4 @@
-"""Faults of declarations, each told in one sentence: field, value, remedy."""
+"""Faults of declarations, each described in one sentence: field, value, remedy."""
 
 from __future__ import annotations
 
@@ -8,14 +8,14 @@ from typing import Any
 
 from pydantic import BaseModel, ValidationError
 
-from insonify.scene.kinds import kind_name, models_of
+from insonify.scene.base import kind_name, models_of
 
 
 def describe_fault(error: ValidationError, root: type[BaseModel]) -> str:
     """Describe the first fault of a declaration in one sentence: field, value, remedy."""
     faults = error.errors()
     path = _path(faults[0]["loc"], root)
-    # Where a field accepts several types, the error of the closest type lies at the greatest depth.
+    # Where a field accepts several types, the error of the closest type has the longest path.
     fault = max((f for f in faults if _path(f["loc"], root).startswith(path)), key=lambda f: len(f["loc"]))
     where = _path(fault["loc"], root) or "scene"
     kind, value = fault["type"], fault["input"]
@@ -27,7 +27,7 @@ def describe_fault(error: ValidationError, root: type[BaseModel]) -> str:
     if kind.startswith("union_tag"):
         expected = str(context.get("expected_tags", "")).replace("'", "")
         given = value.get("kind", "nothing") if isinstance(value, dict) else value
-        return f"{where}.kind: {_shown(given)} is not a kind known here; choose one of {expected}"
+        return f"{where}.kind: {_shown(given)} is not a known kind; choose one of {expected}"
     if kind == "value_error":
         text = str(context["error"])
         if text.startswith(("is ", "must ")):
@@ -44,8 +44,8 @@ def describe_fault(error: ValidationError, root: type[BaseModel]) -> str:
         return f"{where}: {_shown(value)} has length {len(value)}; give at {bound}"
     if kind == "finite_number":
         return f"{where}: {_shown(value)} is not a finite number; give a plain number"
-    unsaid = ("what fits", fault["msg"])
-    wanted, remedy = next((said for start, said in _WANTED.items() if kind.startswith(start)), unsaid)
+    other = ("valid", fault["msg"])
+    wanted, remedy = next((words for start, words in _WANTED.items() if kind.startswith(start)), other)
     return f"{where}: {_shown(value)} is not {wanted}; {remedy}"
 
 
@@ -87,7 +87,7 @@ def _unit(location: tuple[int | str, ...], root: type[BaseModel]) -> str:
 
 
 def _steps(location: tuple[int | str, ...], root: type[BaseModel]) -> Iterator[tuple[int | str, list[type[BaseModel]]]]:
-    """Fields and positions along a path, each with the declarations that may hold it."""
+    """Fields and positions along a path, each with the declarations that may contain it."""
     models: list[type[BaseModel]] = [root]
     for depth, step in enumerate(location):
         if isinstance(step, str) and depth and not any(step in model.model_fields for model in models):
@@ -103,13 +103,8 @@ def _steps(location: tuple[int | str, ...], root: type[BaseModel]) -> Iterator[t
 
 
 def _nearest(location: tuple[int | str, ...], root: type[BaseModel]) -> str:
-    """Suggest the field a mistyped key was probably meant to be."""
-    models: list[type[BaseModel]] = [root]
-    for step in location[:-1]:
-        if isinstance(step, int):
-            continue
-        tagged = [m for m in models if kind_name(m) == step]
-        models = tagged or [child for m in models for child in models_of(m, step)]
+    """Suggest the most similar field for an unknown key."""
+    *_, (_, models) = _steps(location, root)
     names = [name for model in models for name in model.model_fields]
     close = difflib.get_close_matches(str(location[-1]), names, n=1)
     if close:

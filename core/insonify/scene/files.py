@@ -34,7 +34,7 @@ def load_scene(name_or_path: str | Path) -> Scene:
     Raises
     ------
     SceneError
-        One sentence with what is wrong and the remedy.
+        If the scene cannot be read or is invalid: one sentence with the fault and the remedy.
     """
     named = bundled_scenes().get(str(name_or_path))
     path = named or Path(name_or_path)
@@ -46,13 +46,13 @@ def load_scene(name_or_path: str | Path) -> Scene:
 
 
 def load_partner(scene: Scene) -> Scene | None:
-    """Read the scene that a scene is to be compared with; None if it names none."""
+    """Read the partner of a scene, to which it is compared; None if it has none."""
     if not scene.partner:
         return None
     named = [word for word in scene.partner if "=" not in word]
     if len(named) > 1:
         found = ", ".join(named)
-        raise SceneError(f"partner: names {len(named)} scenes, {found}; name one, and settings as path=value")
+        raise SceneError(f"partner: names {len(named)} scenes, {found}; give one scene, and settings as path=value")
     settings = [word for word in scene.partner if "=" in word]
     other = load_scene(named[0]) if named else scene
     return edit(other, dict(read_setting(word, "partner") for word in settings))
@@ -75,9 +75,9 @@ def scene_from_toml(text: str, *, source: Path | None = None) -> Scene:
                 values["partner"] = [_partner_beside(source, word) for word in partner]
         return build(values)
     except tomllib.TOMLDecodeError as error:
-        raise SceneError(f"{name}: is not valid TOML ({error}); mend that line") from None
+        raise SceneError(f"{name}: is not valid TOML ({error}); correct that line") from None
     except RecursionError:
-        raise SceneError(f"{name}: is nested too deeply to be read; a scene is but a few tables deep") from None
+        raise SceneError(f"{name}: is nested too deeply; a scene has only a few levels of tables") from None
     except SceneError as error:
         raise SceneError(str(error) if source is None else f"{source.name}: {error}") from None
 
@@ -88,7 +88,7 @@ def scene_to_toml(scene: Scene) -> str:
 
 
 def with_paths_beside(source: Path, value: Any) -> Any:
-    """Take every relative ``path`` of nested values from the folder of the file that they were read from."""
+    """Resolve every relative ``path`` of nested values against the folder of the file they were read from."""
     if isinstance(value, list):
         return [with_paths_beside(source, item) for item in value]
     if not isinstance(value, dict):
@@ -100,12 +100,12 @@ def with_paths_beside(source: Path, value: Any) -> Any:
 
 
 def scene_beside(source: Path, name: str) -> str:
-    """Return a scene that a file names: a bundled one's name, or a path from the folder of the file."""
+    """Return the name of a bundled scene as it is, and the path of another resolved against the folder of a file."""
     return name if name in bundled_scenes() or Path(name).is_absolute() else str((source.parent / name).resolve())
 
 
 def _partner_beside(source: Path, word: Any) -> Any:
-    """Return a word of a scene's ``partner``: a scene as `scene_beside` finds it, or a setting as it is."""
+    """Resolve a word of a scene's ``partner``: a scene by `scene_beside`; a setting stays as it is."""
     return scene_beside(source, word) if isinstance(word, str) and "=" not in word and "\0" not in word else word
 
 

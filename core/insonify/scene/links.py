@@ -1,4 +1,4 @@
-"""Links in descriptions, which name a field and a value to try: ``[lower the fish](track.altitude=5)``."""
+"""Links in descriptions to a field and a value to try: ``[lower the fish](track.altitude=5)``."""
 
 from __future__ import annotations
 
@@ -30,12 +30,12 @@ def split_description(text: str) -> tuple[str | Link, ...]:
 
 
 def plain_words(text: str) -> str:
-    """Return a description with the words of its links in place of the links, and single spaces."""
+    """Return a description without its links but with their words, with single spaces."""
     return "".join(part if isinstance(part, str) else part.words for part in split_description(text))
 
 
 def read_literal(literal: str) -> Any:
-    """Read a value that is written as in TOML; what is not TOML stands for its own text."""
+    """Read a value in TOML; anything else is taken as text."""
     try:
         return tomllib.loads(f"value = {literal}")["value"]
     except (tomllib.TOMLDecodeError, RecursionError):

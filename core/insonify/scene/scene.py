@@ -8,8 +8,7 @@ from pydantic import field_validator, model_validator
 
 from insonify.errors import SceneError
 from insonify.io.georeference import Georeference
-from insonify.scene.base import Declaration, Place, parameter
-from insonify.scene.field_paths import is_field
+from insonify.scene.base import Coordinate, Declaration, is_field, parameter
 from insonify.scene.links import Link, plain_words, split_description
 from insonify.scene.receiver import Receiver
 from insonify.scene.seabed import Seabed
@@ -22,17 +21,17 @@ from insonify.scene.water.uniform import UniformWater
 
 DEFAULT_ALTITUDE = 10.0
 SCHEMA = 1
-# Limits of bed cells along a range: a slice holds a dozen knots per cell, and endless ground is stored as a square.
+# Limits of bed cells along a range: a slice takes a dozen knots per cell, and endless ground is stored as a square.
 MOST_CELLS, MOST_ENDLESS_CELLS = 262_144, 4096
 
 
 class World(Declaration):
-    """Where the scene's own coordinates lie on Earth."""
+    """Place of the scene's own coordinates on Earth."""
 
-    origin: tuple[Place, Place] | None = parameter(
+    origin: tuple[Coordinate, Coordinate] | None = parameter(
         None, unit="m", description="map coordinates of the scene's (0, 0); a DEM's centre when left out"
     )
-    crs: str = parameter("", description="coordinate reference system of the origin, as written to files")
+    crs: str = parameter("", description="coordinate reference system of the origin, such as EPSG:32631")
 
 
 class Scene(Declaration):
@@ -42,14 +41,15 @@ class Scene(Declaration):
     title: str = parameter("Untitled", description="what the scene shows", max_length=200)
     description: str = parameter(
         "",
-        description="a paragraph: what it shows, what to move; [words](path.to.field=value) link to a value to try",
+        description="what the scene shows and what to change; [words](path.to.field=value) link to a value to try",
         max_length=5000,
     )
     controls: tuple[str, ...] = parameter(
-        (), description="fields that the scene is about, by dotted path; the viewer pins them on top", max_length=6
+        (), description="dotted paths of the main fields of the scene; the viewer pins them on top", max_length=6
     )
     partner: tuple[str, ...] | None = parameter(
-        None, description="a scene to compare with: its name or TOML file, this scene if left out, and settings of it"
+        None,
+        description="scene to compare with: name or TOML file (this scene when left out), then settings path=value",
     )
     seed: int = parameter(1, description="seed of all random numbers", ge=0, le=2**63 - 1)
     world: World = parameter(World(), description="place on Earth")
@@ -67,7 +67,7 @@ class Scene(Declaration):
         for path in controls:
             if not is_field(cls, path):
                 raise ValueError(
-                    f"{path[:40]!r} is no field of a scene; write its dotted path, such as 'track.altitude'"
+                    f"{path[:40]!r} is not a field of a scene; write its dotted path, such as 'track.altitude'"
                 )
         return controls
 
@@ -76,109 +76,90 @@ class Scene(Declaration):
     def _links_lead_to_fields(cls, description: str) -> str:
         for part in split_description(description):
             if isinstance(part, Link) and not is_field(cls, part.path):
-                raise ValueError(f"links to {part.path[:40]!r}, which is no field of a scene; write its dotted path")
+                raise ValueError(f"links to {part.path[:40]!r}, which is not a field of a scene; write its dotted path")
         return description
 
     @model_validator(mode="after")
     def _ping_rate_fits_the_range(self) -> Scene:
         # The speed of other waters is known only after they are built.
         if self.water.only_speed is not None:
-            self.sonar.refuse_haste(self.water.only_speed)
-            self.sonar.refuse_long_pulse(self.water.only_speed)
+            self.sonar.check_ping_rate(self.water.only_speed)
+            self.sonar.check_pulse_length(self.water.only_speed)
         return self
 
     @model_validator(mode="after")
-    def _slices_can_be_held(self) -> Scene:
+    def _slices_fit_in_memory(self) -> Scene:
         # The spacing of a DEM is known only after it is read.
         if not self.seabed.relief.measured:
-            self.refuse_long_slices(self.seabed.spacing)
+            self.check_slice_length(self.seabed.spacing)
         return self
 
     @model_validator(mode="after")
     def _sonar_is_in_the_water(self) -> Scene:
-        if self.track.depth is None and self.altitude > self.seabed.depth and not self.seabed.relief.measured:
+        altitude, depth, heave = self.altitude, self.seabed.depth, self.track.heave
+        if self.seabed.relief.measured:
+            return self
+        if self.track.depth is None and altitude > depth:
             raise ValueError(
-                f"track.altitude {self.altitude:g} m puts the sonar above the surface of water {self.seabed.depth:g} m "
-                "deep; lower it or deepen seabed.depth"
+                f"track.altitude {altitude:g} m puts the sonar above the surface of water {depth:g} m deep; "
+                "lower it or deepen seabed.depth"
             )
-        return self
-
-    @model_validator(mode="after")
-    def _heave_has_room(self) -> Scene:
-        room = min(self.altitude, self.seabed.depth - self.altitude)
-        if self.track.heave > 0.0 and self.track.heave >= room and not self.seabed.relief.measured:
+        room = min(altitude, depth - altitude)
+        if heave > 0.0 and heave >= room:
             raise ValueError(
-                f"track.motion: a heave of {self.track.heave:g} m takes the sonar at altitude {self.altitude:g} m out "
-                f"of the water, {self.seabed.depth:g} m deep; keep its amplitude below {room:g} m"
+                f"track.motion: a heave of {heave:g} m takes the sonar at altitude {altitude:g} m out of the water, "
+                f"{depth:g} m deep; keep its amplitude below {room:g} m"
             )
-        return self
-
-    @model_validator(mode="after")
-    def _sonar_is_above_the_bed(self) -> Scene:
-        if self.altitude <= 0.0 and not self.seabed.relief.measured:
+        if altitude <= 0.0:
             raise ValueError(
-                f"track.depth {self.track.depth:g} m puts the sonar into the bed at {self.seabed.depth:g} m; "
+                f"track.depth {self.track.depth:g} m puts the sonar into the bed at {depth:g} m; "
                 "reduce it or deepen seabed.depth"
             )
         return self
 
     @model_validator(mode="after")
-    def _reverberation_has_energy(self) -> Scene:
-        if self.sonar.law == "light" and self.receiver.reverberation.echoes:
+    def _law_models_the_effects(self) -> Scene:
+        if self.sonar.law != "light":
+            return self
+        if self.receiver.reverberation.echoes:
             raise ValueError(
                 f"receiver.reverberation {self.receiver.reverberation.kind!r} is scattered by water and surface, which "
-                "sonar.law 'light' does not model; take law 'sonar' or leave the reverberation out"
+                "sonar.law 'light' does not model; use law 'sonar' or remove the reverberation"
             )
-        return self
-
-    @model_validator(mode="after")
-    def _volumes_have_energy(self) -> Scene:
-        if self.sonar.law == "light" and self.volumes:
+        if self.volumes:
             raise ValueError(
                 f"volumes: a {self.volumes[0].kind} scatters sound throughout, which sonar.law 'light' does not model; "
-                "take law 'sonar' or leave the volumes out"
+                "use law 'sonar' or remove the volumes"
+            )
+        if self.receiver.speckle.interferes:
+            raise ValueError(
+                "receiver.speckle 'coherent' sums waves, which sonar.law 'light' does not model; "
+                "use law 'sonar' or another speckle"
             )
         return self
 
     @model_validator(mode="after")
-    def _scatterers_interfere(self) -> Scene:
-        if not self.receiver.speckle.interferes:
-            return self
-        if self.sonar.law == "light":
-            raise ValueError(
-                "receiver.speckle 'coherent' sums waves, which sonar.law 'light' does not model; "
-                "take law 'sonar' or another speckle"
-            )
-        if not self.sonar.beam.has_width:
+    def _interfering_scatterers_need_a_beam(self) -> Scene:
+        if self.receiver.speckle.interferes and not self.sonar.beam.has_width:
             raise ValueError(
                 "receiver.speckle 'coherent' sums the scatterers within the beam, and sonar.beam 'knife' has no width; "
-                "take a fan or another speckle"
+                "use a fan or another speckle"
             )
         return self
 
-    def refuse_long_slices(self, spacing: float) -> None:
-        """Refuse a range of more cells of the bed than a slice can hold.
-
-        Parameters
-        ----------
-        spacing : float
-            Metres between nodes of the bed.
-
-        Raises
-        ------
-        SceneError
-        """
-        most, of_what = (MOST_ENDLESS_CELLS, "endless ground") if self.seabed.endless else (MOST_CELLS, "the bed")
+    def check_slice_length(self, spacing: float) -> None:
+        """Raise SceneError if the range spans more cells (m) of the bed than a slice can have."""
+        most, bed = (MOST_ENDLESS_CELLS, "endless ground") if self.seabed.endless else (MOST_CELLS, "the bed")
         if self.sonar.range > most * spacing:
             raise SceneError(
                 f"sonar.range {self.sonar.range:g} m is {self.sonar.range / spacing:.3g} times the seabed.spacing of "
-                f"{spacing:g} m, and at most {most} cells of {of_what} are held; shorten the range to "
+                f"{spacing:g} m, and a slice has at most {most} cells of {bed}; shorten the range to "
                 f"{most * spacing:.4g} m or widen the spacing"
             )
 
     @property
     def about(self) -> str:
-        """The description as plain words, without its links."""
+        """The description without its links."""
         return plain_words(self.description)
 
     @property

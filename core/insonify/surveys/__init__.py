@@ -1,1 +1,4 @@
-"""Surveys: what is made of the records of several lines."""
+"""Surveys along many lines, labelled data sets, and the mosaic of several records."""
+
+OVERLAPS = ("mean", "last", "strongest", "nearest")  # which of several records in the same cell counts
+ALTITUDES = ("recorded", "bottom-track")

@@ -10,13 +10,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from insonify.scene import SceneError
-from insonify.surveys.choices import OVERLAPS
+from insonify.surveys import OVERLAPS
 from insonify.surveys.swath import Swath
 
 FARTHEST_GAP = 5.0  # median distances between pings over which the swath is still filled
 LARGEST_SIDE = 30_000  # cells
-FAINTEST = -40.0  # dB, of cells in which nothing is heard
+FAINTEST = -40.0  # dB, of cells without an echo
 ROUND = (1.0, 2.0, 5.0)  # leading digits of a cell's size
+BAND = "echo relative to the median of the record at its range"  # name of the levels in a GeoTIFF
 ALIKE = 0.01  # share by which pings may lie nearer than a cell: positions in files are rounded
 
 

@@ -35,7 +35,7 @@ def read_specification(name: str, model: type[Model], bundled: Mapping[str, Path
             values["base"] = scene_beside(path, base)
         return model.model_validate({**values, **changes})
     except tomllib.TOMLDecodeError as error:
-        raise SceneError(f"{path.name}: is not valid TOML ({error}); mend that line") from None
+        raise SceneError(f"{path.name}: is not valid TOML ({error}); correct that line") from None
     except RecursionError:
         raise SceneError(f"{path.name}: is nested too deeply to be read; write fewer tables in tables") from None
     except ValidationError as error:

@@ -14,7 +14,7 @@ from insonify.display.sheet import compute_median_curve
 from insonify.io.georeference import Georeference, find_georeference, project, utm_zone
 from insonify.io.records.bottom_track import BOTTOM_TRACK, find_altitude, track_bottom
 from insonify.scene import SceneError
-from insonify.surveys.choices import ALTITUDES
+from insonify.surveys import ALTITUDES
 
 if TYPE_CHECKING:
     import xarray as xr

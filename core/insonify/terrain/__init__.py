@@ -1,7 +1,7 @@
 """Terrain: heights and materials of the bed that a scene declares."""
 
 from insonify.terrain.build import build_excerpt, build_ground
-from insonify.terrain.endless_ground import AnyGround, EndlessGround, HeldWindow
+from insonify.terrain.endless_ground import AnyGround, EndlessGround, StoredWindow
 from insonify.terrain.ground import Ground
 from insonify.terrain.heights import relief, relief_picture
 
@@ -9,7 +9,7 @@ __all__ = [
     "AnyGround",
     "EndlessGround",
     "Ground",
-    "HeldWindow",
+    "StoredWindow",
     "build_excerpt",
     "build_ground",
     "relief",

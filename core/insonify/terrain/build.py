@@ -12,41 +12,36 @@ from insonify.errors import located
 from insonify.io.bathymetry.grid import LARGEST_SIDE
 from insonify.io.georeference import Georeference
 from insonify.scene import Scene, SceneError
-from insonify.scene.seabed import Seabed
-from insonify.scene.seabed.materials import MaterialMap
+from insonify.scene.seabed.materials import Map, MaterialMap
 from insonify.scene.seabed.reliefs import HeightGrid, ReliefKind
 from insonify.scene.seabed.reliefs.dem import refine
 from insonify.scene.seabed.reliefs.random_relief import RandomRelief
-from insonify.terrain.endless_excerpt import EndlessExcerpt
-from insonify.terrain.endless_field import Nodes
-from insonify.terrain.endless_ground import SQUARE, AnyGround, EndlessGround, Tiles
-from insonify.terrain.endless_relief import Heights as NodeHeights
-from insonify.terrain.endless_relief import endless_heights
+from insonify.terrain.endless_field import TILE, Nodes
+from insonify.terrain.endless_ground import SQUARE, AnyGround, EndlessExcerpt, EndlessGround, Tiles
 from insonify.terrain.ground import Ground
-from insonify.terrain.lattice import Lattice, Map
-from insonify.terrain.materials import endless_materials, material_indices
-from insonify.terrain.periodic_relief import periodic_heights
+from insonify.terrain.materials import Lattice, endless_materials, material_indices
+from insonify.terrain.random_heights import Heights, endless_heights, periodic_heights
 
 # A level bed has no period of its own: a few cells suffice unless a map of materials needs more.
 FLAT_CELLS = 4
 FLAT_CELLS_AT_MOST = 4096
-GROUNDS = 16  # endless grounds whose tiles are found again: a scene and its variants that lack an effect
-FEWEST_CELLS = 3  # of a period, so that it holds a wave below the Nyquist frequency
+GROUNDS = 16  # endless grounds with cached tiles: a scene and its variants without an effect
+FEWEST_CELLS = 3  # of a period, so that it contains a wave below the Nyquist frequency
 
 # Heights above the datum, their lattice, and the datum.
-Heights = tuple[NDArray[np.float32], Lattice, float]
-# A map of materials, the version of its file, the period of the relief, the spacing, the seed and the place on Earth.
+_GridHeights = tuple[NDArray[np.float32], Lattice, float]
+# A map of materials, the version of its file, the period of the relief, the spacing, the seed and the map coordinates.
 _EndlessMap = tuple[MaterialMap, tuple[int, int] | None, float, float, int, Georeference | None]
 
 
 def build_ground(scene: Scene) -> AnyGround:
     """Heights and materials of the bed of a scene.
 
-    Node (0, 0) of a synthetic bed lies at the local (0, 0), so that the landscape does not depend on the track. Grounds
-    share arrays that are kept for the next call and must not be written to.
+    Node (0, 0) of a synthetic bed is at the local (0, 0), so that the landscape does not depend on the track. Grounds
+    share cached arrays, which must not be written to.
     """
     if scene.seabed.endless:
-        return _endless_ground(scene, _kept_tiles(*_endless_relief(scene)))
+        return _endless_ground(scene, _kept_squares(*_endless_relief(scene), TILE))
     material = scene.seabed.material
     names, reflectivities = material.rows()
     place = scene.georeference if material.on_a_map else None
@@ -65,10 +60,10 @@ def build_ground(scene: Scene) -> AnyGround:
 
 
 def build_excerpt(scene: Scene, low: tuple[float, float], high: tuple[float, float]) -> EndlessExcerpt:
-    """Endless ground of a scene of which one rectangle is made at once, for pictures that are soon out of date."""
-    # Its fields are not kept, and those of tiles are made where a tile is asked for.
+    """Endless ground of a scene with one rectangle computed at once, for short-lived pictures."""
+    # The fields of the rectangle are not cached; those of tiles are computed when a tile is needed.
     heights = endless_heights(*_endless_relief(scene))
-    whole = _endless_ground(scene, lambda row, column: _kept_tiles(*_endless_relief(scene))(row, column))
+    whole = _endless_ground(scene, lambda row, column: _kept_squares(*_endless_relief(scene), TILE)(row, column))
     layout, _, period, spacing, seed, place = _endless_map(scene)
     materials = endless_materials(layout, period, spacing, seed, place)
 
@@ -89,13 +84,13 @@ def build_excerpt(scene: Scene, low: tuple[float, float], high: tuple[float, flo
 
 
 def _endless_ground(scene: Scene, heights: Tiles) -> EndlessGround:
-    """Endless ground with the heights of its tiles."""
+    """Endless ground with given tiles of heights."""
     seabed = scene.seabed
     names, reflectivities = seabed.material.rows()
     return EndlessGround(
         heights=heights,
         materials=_kept_map_tiles(*_endless_map(scene)),
-        squares=lambda row, column: _kept_squares(*_endless_relief(scene))(row, column),
+        squares=lambda row, column: _kept_squares(*_endless_relief(scene), SQUARE)(row, column),
         names=names,
         reflectivities=reflectivities,
         spacing=seabed.spacing,
@@ -104,12 +99,12 @@ def _endless_ground(scene: Scene, heights: Tiles) -> EndlessGround:
 
 
 def _endless_relief(scene: Scene) -> tuple[tuple[RandomRelief, ...], float, int]:
-    """Return what decides the heights of endless ground."""
+    """Return what the heights of endless ground depend on."""
     return scene.seabed.random_reliefs, scene.seabed.spacing, scene.seed
 
 
 def _endless_map(scene: Scene) -> _EndlessMap:
-    """Return what decides the materials of endless ground."""
+    """Return what the materials of endless ground depend on."""
     seabed, material = scene.seabed, scene.seabed.material
     place = scene.georeference if material.on_a_map else None
     return material.layout, material.version, seabed.random_reliefs[0].period, seabed.spacing, scene.seed, place
@@ -121,30 +116,26 @@ def cells_of_period(period: float, spacing: float) -> int:
     if cells < FEWEST_CELLS:
         raise SceneError(
             f"seabed.relief.period: {period:g} m spans {cells} cells of seabed.spacing {spacing:g} m and "
-            f"holds no wave; lengthen it to at least {FEWEST_CELLS} cells"
+            f"contains no wave; lengthen it to at least {FEWEST_CELLS} cells"
         )
     return cells
 
 
-def _heights(scene: Scene) -> Heights:
+def _heights(scene: Scene) -> _GridHeights:
     seabed = scene.seabed
     relief, mean = seabed.relief, -seabed.depth
     if relief.level:
-        return *_flat(seabed), mean
+        with located("seabed.material"):
+            shape = seabed.material.level_shape(seabed.spacing, FLAT_CELLS, FLAT_CELLS_AT_MOST)
+        return np.zeros(shape, dtype=np.float32), Lattice(shape, seabed.spacing), mean
     if seabed.random_reliefs:
-        return *_kept_made(seabed.random_reliefs, seabed.spacing, scene.seed), mean
+        return *_kept_period(seabed.random_reliefs, seabed.spacing, scene.seed), mean
     seed = scene.seed if relief.detail else 0
     return _kept_samples(relief, relief.version, seabed.spacing, scene.world.origin, mean, seed)
 
 
-def _flat(seabed: Seabed) -> tuple[NDArray[np.float32], Lattice]:
-    with located("seabed.material"):
-        shape = seabed.material.level_shape(seabed.spacing, FLAT_CELLS, FLAT_CELLS_AT_MOST)
-    return np.zeros(shape, dtype=np.float32), Lattice(shape, seabed.spacing)
-
-
 @keep_arrays
-def _kept_made(parts: tuple[RandomRelief, ...], spacing: float, seed: int) -> tuple[NDArray[np.float32], Lattice]:
+def _kept_period(parts: tuple[RandomRelief, ...], spacing: float, seed: int) -> tuple[NDArray[np.float32], Lattice]:
     period = parts[0].period
     cells = cells_of_period(period, spacing)
     shape = (cells, cells)
@@ -155,10 +146,10 @@ def _kept_made(parts: tuple[RandomRelief, ...], spacing: float, seed: int) -> tu
 def sample_heights(
     relief: ReliefKind, spacing: float, origin: tuple[float, float] | None = None, seed: int = 1
 ) -> HeightGrid:
-    """Sample a bed that is not random, with the random detail on top of a measured one.
+    """Sample a bed that is not random, with random detail on top of a measured one.
 
-    The measured heights are interpolated bilinearly, as between the nodes of any bed, to the grid of the detail, which
-    begins at the corner of the measured grid and repeats from there.
+    The measured heights are interpolated bilinearly to the grid of the detail, which begins at the corner of the
+    measured grid and repeats from there.
     """
     grid = relief.sample(spacing, origin)
     if not relief.detail:
@@ -187,8 +178,8 @@ def _kept_samples(
     origin: tuple[float, float] | None,
     mean: float,
     seed: int,
-) -> Heights:
-    del version  # part of the key alone: a changed file is read again
+) -> _GridHeights:
+    del version  # only part of the key: a changed file is read again
     grid = sample_heights(relief, spacing, origin, seed)
     ny, nx = grid.heights.shape
     lattice = Lattice((ny, nx), grid.spacing, grid.x0, grid.y0, periodic=not relief.measured)
@@ -202,29 +193,20 @@ def _kept_samples(
 def _kept_materials(
     layout: MaterialMap, version: tuple[int, int] | None, lattice: Lattice, seed: int, place: Georeference | None
 ) -> Map:
-    del version  # part of the key alone, as above
+    del version  # only part of the key, as above
     return material_indices(layout, lattice, seed, place)
 
 
 @lru_cache(maxsize=GROUNDS)
-def _kept_relief(parts: tuple[RandomRelief, ...], spacing: float, seed: int) -> NodeHeights:
+def _kept_relief(parts: tuple[RandomRelief, ...], spacing: float, seed: int) -> Heights:
     return endless_heights(parts, spacing, seed)
 
 
-@lru_cache(maxsize=GROUNDS)
-def _kept_tiles(parts: tuple[RandomRelief, ...], spacing: float, seed: int) -> Tiles:
+@lru_cache(maxsize=2 * GROUNDS)
+def _kept_squares(parts: tuple[RandomRelief, ...], spacing: float, seed: int, side: int) -> Tiles:
+    """Squares of some nodes a side: tiles, or the smaller squares of `EndlessGround`."""
     heights = _kept_relief(parts, spacing, seed)
-    return keep_arrays(lambda row, column: heights(Nodes.of_tile(row, column)).astype(np.float32))
-
-
-@lru_cache(maxsize=GROUNDS)
-def _kept_squares(parts: tuple[RandomRelief, ...], spacing: float, seed: int) -> Tiles:
-    heights = _kept_relief(parts, spacing, seed)
-
-    def square(row: int, column: int) -> NDArray[np.float32]:
-        return heights(Nodes(row * SQUARE, column * SQUARE, SQUARE, SQUARE)).astype(np.float32)
-
-    return keep_arrays(square)
+    return keep_arrays(lambda row, column: heights(Nodes(row * side, column * side, side, side)).astype(np.float32))
 
 
 @lru_cache(maxsize=GROUNDS)
@@ -236,6 +218,6 @@ def _kept_map_tiles(
     seed: int,
     place: Georeference | None,
 ) -> Tiles:
-    del version  # part of the key alone, as above
+    del version  # only part of the key, as above
     materials = endless_materials(layout, period, spacing, seed, place)
     return keep_arrays(lambda row, column: materials(Nodes.of_tile(row, column)))

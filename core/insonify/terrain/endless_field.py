@@ -1,4 +1,4 @@
-"""Endless Gaussian fields without period or seam, each tile a function of its place alone.
+"""Endless Gaussian fields without period or seam; each tile is a function of its position.
 
 A spectrum is split into octave bands that overlap over an octave as sin² and cos² of the logarithm of frequency. The
 waves of a band are hashed white noise on the coarsest lattice that samples the band, convolved with the square root of
@@ -32,13 +32,13 @@ Field = NDArray[np.float64]
 ComplexField = NDArray[np.complex128]
 
 TILE = 512  # nodes along a side of a tile, on every lattice
-PART = 128  # nodes along a side of the smallest part of a tile that is kept
-FAST = 32  # nodes of which a side of a block is a multiple: as many factors of 2 as transforms like
+PART = 128  # nodes along a side of the smallest cached part of a tile
+FAST = 32  # nodes of which the side of a block is a multiple, for fast transforms
 TAPS = 128  # along a side of the filter of a band
 HIGHEST = 0.75  # share of its Nyquist frequency that the waves of an interpolated lattice reach
 FEATURE = 6.0  # frequency steps of the coarsest filter across the finest feature of the density
-KEPT = np.float32  # precision of filters and lattices that are kept; heights have no more in the end
-FAINT = 1e-9  # share of the variance that may be neglected
+KEPT = np.float32  # precision of cached filters and lattices, that of heights in the end
+FAINT = 1e-9  # share of the variance that is neglected
 HALF_BAND = 12  # pairs of taps of the half-band filter
 KAISER = 9.0  # shape of its window: images are 90 dB down
 
@@ -75,18 +75,17 @@ class Nodes(NamedTuple):
 class EndlessField:
     """A Gaussian field of a given spectrum over the whole plane.
 
-    Of the lattices of a tile, parts are kept for its neighbours; any other rectangle is made by itself, with all that
-    it needs and no more.
+    Parts of the lattices of a tile are cached for its neighbours; any other rectangle is computed by itself.
     """
 
     def __init__(self, bands: tuple[Band, ...], spacing: float, seed: int, stream: int) -> None:
         nyquist = 0.5 / spacing
         room = min((nyquist - band.highest) / nyquist for band in bands)
-        # A pyramid reaches to 0.75 of the Nyquist frequency of its first lattice; moved, it stays within the finest's.
+        # A pyramid reaches 0.75 of the Nyquist frequency of its first lattice; modulated, it stays within the finest's.
         self._first = max(1, math.ceil(math.log2(HIGHEST / room)))
         self._spacing, self._bands = spacing, bands
         self._top = _Lattice(_Filter(self._above, spacing, TAPS << (self._first - 1)), seed, stream)
-        self._moved = [
+        self._modulated = [
             tuple(_Pyramid(filters, seed, stream + RELIEF_BAND * (2 * k + 1 + part)) for part in parts)
             for k, band in enumerate(bands)
             for filters in [_band_filters(band, spacing, self._first)]
@@ -96,7 +95,7 @@ class EndlessField:
     @cached_property
     def variance(self) -> float:
         """Expected variance of the field on its nodes."""
-        return self._top.variance + sum(pyramids[0].variance for pyramids in self._moved)
+        return self._top.variance + sum(pyramids[0].variance for pyramids in self._modulated)
 
     def values(self, nodes: Nodes) -> Field:
         """Values on some nodes."""
@@ -106,9 +105,9 @@ class EndlessField:
         return total
 
     def complex_values(self, nodes: Nodes) -> ComplexField:
-        """Analytic signal on some nodes (imaginary part: Hilbert transform), without the part of the finest lattice."""
+        """Analytic signal on some nodes (imaginary part: Hilbert transform), without the finest lattice."""
         total = np.zeros(nodes.shape, dtype=np.complex128)
-        for band, pyramids in zip(self._bands, self._moved):
+        for band, pyramids in zip(self._bands, self._modulated):
             if pyramids[0].variance <= FAINT * self.variance:
                 continue
             if band.wave is None:
@@ -123,7 +122,7 @@ class EndlessField:
         return np.asarray(np.exp(2j * math.pi * wave[1] * y)[:, np.newaxis] * np.exp(2j * math.pi * wave[0] * x))
 
     def _above(self, fx: Field, fy: Field) -> Field:
-        """Density of the part that is made on the finest lattice."""
+        """Density of the part on the finest lattice."""
         total = np.zeros(np.broadcast_shapes(fx.shape, fy.shape))
         for band in self._bands:
             for sign in (0.0,) if band.wave is None else (1.0, -1.0):
@@ -191,7 +190,7 @@ class _Filter:
         self.variance = float((self._kernel**2).sum())
 
     def transfer(self, shape: tuple[int, int]) -> NDArray[np.floating]:
-        """Transform of the filter over a block of some nodes and the taps about them; real, for the filter is even."""
+        """Transform of the filter over a block of nodes and the taps around them; real because the filter is even."""
         half = self.taps // 2
         block = np.zeros((shape[0] + self.taps, shape[1] + self.taps))
         block[: self.taps, : self.taps] = np.roll(self._kernel, (half, half), axis=(0, 1))
@@ -203,7 +202,7 @@ def _kept_transfer(kernel: _Filter) -> NDArray[np.floating]:
     return kernel.transfer((TILE, TILE))
 
 
-# Numbers of a block and its transform, which a thread uses again: to lay out fresh memory takes as long as the filter.
+# A block and its transform, which a thread reuses: allocating memory takes as long as the filter.
 _blocks = PerThread(
     lambda: lru_cache(maxsize=1)(lambda ny, nx: (np.empty((ny, nx)), np.empty((ny, nx // 2 + 1), np.complex128)))
 )
@@ -217,17 +216,17 @@ class _Lattice:
         self.variance = kernel.variance
 
     def values(self, nodes: Nodes) -> Field:
-        """Filter the noise of some nodes by overlap-save: the margin that wraps around is discarded."""
+        """Filter the noise of some nodes by overlap-save, without the margin that wraps around."""
         if nodes.is_tile:
             return self._filtered(nodes, _kept_transfer(self._filter))
-        # Blocks whose sides are fast to transform, from an even column on, as the noise is drawn.
+        # Blocks with sides that are fast to transform, from an even column on because noise is drawn in pairs.
         lead = nodes.column % 2
         rows, columns = (-(-count // FAST) * FAST for count in (nodes.rows, nodes.columns + lead))
         wider = Nodes(nodes.row, nodes.column - lead, rows, columns)
         return self._filtered(wider, self._filter.transfer(wider.shape))[: nodes.rows, lead : lead + nodes.columns]
 
     def part(self, side: int, row: int, column: int) -> NDArray[np.floating]:
-        """Square of some nodes a side, as many as divide a tile, as it is kept."""
+        """Square of some nodes a side (a divisor of `TILE`), in the precision of the cache."""
         (tile_row, j), (tile_column, i) = divmod(row * side, TILE), divmod(column * side, TILE)
         tile = self.values(Nodes.of_tile(tile_row, tile_column))
         return tile[j : j + side, i : i + side].astype(KEPT)
@@ -246,9 +245,9 @@ class _Lattice:
 
 
 def _band_filters(band: Band, spacing: float, first: int) -> dict[int, _Filter]:
-    """Make the filters of a band, by the level of their lattice; level 0 is the finest lattice of all."""
+    """Compute the filters of a band, by the level of their lattice; level 0 is the finest."""
     last = max(first, math.ceil(math.log2(FEATURE / (TAPS * spacing * band.feature))))
-    # Two fields make one modulated band; each holds half of the waves of either sign of frequency.
+    # A modulated band consists of two fields, each with half of the waves of either sign of frequency.
     share = 1.0 if band.wave is None else 2.0
 
     def density(level: int) -> Density:
@@ -259,9 +258,9 @@ def _band_filters(band: Band, spacing: float, first: int) -> dict[int, _Filter]:
 
 
 def _side_of_parts(coarser: int) -> int:
-    """Nodes along a side of the parts that are kept of a lattice, by the lattices of its pyramid that are finer.
+    """Nodes along a side of the cached parts of a lattice, by the number of finer lattices of its pyramid.
 
-    A window takes few nodes of a coarse lattice, about the corner of four tiles as a rule, but most of a fine one.
+    A window needs few nodes of a coarse lattice, usually around the corner of four tiles, but most of a fine one.
     """
     return max(min(TILE, 2 * TILE >> coarser), PART)
 
@@ -296,7 +295,7 @@ def _pieces(first: int, count: int, side: int) -> list[_Piece]:
 
 
 def _interpolate(coarse: Field) -> Field:
-    """Field of half the spacing along the first axis; `HALF_BAND` nodes at either end are used up."""
+    """Field of half the spacing along the first axis, without `HALF_BAND` nodes at either end."""
     count = len(coarse) - 2 * HALF_BAND
     fine = np.empty((2 * count, coarse.shape[1]))
     fine[0::2] = coarse[HALF_BAND : HALF_BAND + count]

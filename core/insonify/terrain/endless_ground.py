@@ -1,10 +1,10 @@
-"""Endless ground, whose tiles and windows are computed on demand."""
+"""Endless ground: tiles and windows computed on demand, or one rectangle at once."""
 
 from __future__ import annotations
 
 import math
 from collections.abc import Callable, Hashable
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, fields, replace
 from functools import lru_cache, partial
 from itertools import pairwise
 from typing import Any, NamedTuple
@@ -15,24 +15,25 @@ from numpy.typing import NDArray
 from insonify.array_cache import ARRAYS, keep_arrays
 from insonify.parallel import in_parallel
 from insonify.scene.seabed.materials import Reflectivity
-from insonify.terrain.endless_field import TILE
-from insonify.terrain.ground import Ground, bilinear, tell_cells_apart
+from insonify.terrain.endless_field import FAST, TILE, Nodes
+from insonify.terrain.ground import Ground, bilinear, resolves_cells
 
 Column = NDArray[np.float64]
+Corner = tuple[float, float]
 Tiles = Callable[[int, int], NDArray[Any]]
 _Places = NDArray[np.int64]
 
 FARTHEST = 2**31  # tiles along an axis, farther than any tow
-SQUARE = 64  # nodes along a side of a square, of which a tile holds a whole number
-KEPT_THINNED = 6  # heights, squares and materials of two grounds that are thinned
+SQUARE = 64  # nodes along a side of a square; a tile contains a whole number of squares
+KEPT_THINNED = 6  # heights, squares and materials of two thinned grounds
 
 
-class HeldWindow(NamedTuple):
-    """Heights and materials of a window of endless ground, which are not written to."""
+class StoredWindow(NamedTuple):
+    """Heights and materials of a window of endless ground that is already computed; they are not written to."""
 
     row: int  # as numbered by `EndlessGround.cell`
     column: int
-    heights: NDArray[np.float32]  # (n, n) as `EndlessGround.window` stores them, of one reach
+    heights: NDArray[np.float32]  # (n, n) as `EndlessGround.window` returns them for the same reach
     materials: NDArray[np.uint8]  # (n, n)
 
 
@@ -40,12 +41,12 @@ class HeldWindow(NamedTuple):
 class EndlessGround:
     """Heights and materials of a bed without period or end."""
 
-    # Functions of the row and column of a tile, which return (TILE, TILE) float32 and uint8. Node (0, 0) lies at
-    # the local origin.
+    # Functions of the row and column of a tile, which return (TILE, TILE) float32 and uint8. Node (0, 0) is at the
+    # local origin.
     heights: Tiles
     materials: Tiles
-    # Function of the row and column of a square, which returns (SQUARE, SQUARE) float32 heights, in a tenth of a
-    # tile's time. They differ from those of tiles by rounding.
+    # Function of the row and column of a square, which returns (SQUARE, SQUARE) float32 heights, in a tenth of the
+    # time of a tile. They differ from those of tiles by rounding.
     squares: Tiles
     names: tuple[str, ...]  # names of the materials
     reflectivities: tuple[Reflectivity, ...]  # scattering parameters of the materials
@@ -54,22 +55,25 @@ class EndlessGround:
 
     @property
     def same_windows(self) -> Hashable:
-        """What two grounds have in common if their windows hold the same bed."""
+        """Key that two grounds share if their windows have the same bed."""
         return self.heights, self.materials, self.spacing, len(self.reflectivities)
 
     def cell(self, x: Column, y: Column) -> NDArray[np.int64]:
-        """Row and column of the window that holds each place, (n, 2)."""
+        """Row and column of the window that contains each point, (n, 2)."""
         side = TILE * self.spacing
         return np.stack([np.floor(y / side), np.floor(x / side)], axis=-1).astype(np.int64)
 
-    def window(self, row: int, column: int, reach: float, held: HeldWindow | None = None) -> Ground:
-        """Ground of one window and its surroundings."""
+    def window(self, row: int, column: int, reach: float, stored: StoredWindow | None = None) -> Ground:
+        """Ground of one window and its surroundings up to a reach (m), with nodes copied from a stored window.
+
+        Its arrays are periodic: a node is at its own row and column modulo their side.
+        """
         margin = math.ceil(reach / self.spacing) + 2
         side = TILE + 2 * margin + 1
         square = _Square(row * TILE - margin, column * TILE - margin, side)
-        known = None if held is None else _Square(held.row * TILE - margin, held.column * TILE - margin, side)
-        heights = np.empty((side, side), np.float32) if held is None else held.heights.copy()
-        materials = np.empty((side, side), np.uint8) if held is None else held.materials.copy()
+        known = None if stored is None else _Square(stored.row * TILE - margin, stored.column * TILE - margin, side)
+        heights = np.empty((side, side), np.float32) if stored is None else stored.heights.copy()
+        materials = np.empty((side, side), np.uint8) if stored is None else stored.materials.copy()
         _complete(heights, self.heights, square, known)
         _complete(materials, self.materials, square, known)
         return Ground(
@@ -85,7 +89,7 @@ class EndlessGround:
         )
 
     def around(self, centre: tuple[float, float], half: float) -> Ground:
-        """Ground of a square around a place, stored as in `window`."""
+        """Ground of a square around a point, stored as in `window`."""
         (cell,) = self.cell(np.array(centre[:1]), np.array(centre[1:]))
         return self.window(int(cell[0]), int(cell[1]), half)
 
@@ -97,35 +101,98 @@ class EndlessGround:
         return replace(self, heights=heights, materials=materials, squares=squares, spacing=every * self.spacing)
 
     def height_at(self, x: Column, y: Column) -> Column:
-        """Bilinear height above the datum, NaN where a place is no number that tells cells apart."""
-        return self._interpolated(x, y, self._at)
+        """Bilinear height above the datum, NaN where float64 cannot resolve cells."""
+        return self._interpolated(x, y, lambda j, i: _gathered(j, i, TILE, lambda tile: self.heights(*tile)))
 
     def height_at_once(self, x: Column, y: Column) -> Column:
-        """Bilinear height as in `height_at`, from squares where the tile is not cached: a tile takes too long."""
+        """Bilinear height as in `height_at`, but from squares, which are faster, where the tile is not cached."""
         return self._interpolated(x, y, self._at_once)
 
     def height_near(self, x: Column, y: Column) -> Column:
-        """Bilinear height above the datum as in `height_at`, because there is ground everywhere."""
+        """Bilinear height above the datum, the same as `height_at` because there is ground everywhere."""
         return self.height_at(x, y)
 
     def _interpolated(self, x: Column, y: Column, at: Callable[[_Places, _Places], Column]) -> Column:
-        """Bilinear height between the nodes whose heights a function of their rows and columns returns."""
+        """Bilinear interpolation of the heights that a function of rows and columns of nodes returns."""
         u, v = np.asarray(x, dtype=np.float64) / self.spacing, np.asarray(y, dtype=np.float64) / self.spacing
-        known = tell_cells_apart(u, v)
-        u, v = np.where(known, u, 0.0), np.where(known, v, 0.0)
+        resolved = resolves_cells(u, v)
+        u, v = np.where(resolved, u, 0.0), np.where(resolved, v, 0.0)
         i, j = np.floor(u).astype(np.int64), np.floor(v).astype(np.int64)
-        return np.where(known, bilinear(lambda k, m: at(j + k, i + m), u - i, v - j), np.nan)
-
-    def _at(self, row: _Places, column: _Places) -> Column:
-        """Heights of nodes of the given rows and columns."""
-        return _gathered(row, column, TILE, lambda here: self.heights(*here))
+        return np.where(resolved, bilinear(lambda k, m: at(j + k, i + m), u - i, v - j), np.nan)
 
     def _at_once(self, row: _Places, column: _Places) -> Column:
-        """Heights of nodes, of squares where the tile is not kept."""
-        heights = _gathered(row, column, TILE, lambda here: ARRAYS.find(self.heights, *here))
+        """Heights of nodes, from squares where the tile is not cached."""
+        heights = _gathered(row, column, TILE, lambda tile: ARRAYS.find(self.heights, *tile))
         missing = np.isnan(heights)
-        heights[missing] = _gathered(row[missing], column[missing], SQUARE, lambda here: self.squares(*here))
+        heights[missing] = _gathered(row[missing], column[missing], SQUARE, lambda square: self.squares(*square))
         return heights
+
+
+@dataclass(frozen=True, eq=False)
+class EndlessExcerpt(EndlessGround):
+    """Endless ground with one rectangle computed at once instead of tile by tile.
+
+    A window of tiles has several times the nodes that a few hundred pings need, which pays only for a longer tow.
+    """
+
+    make: Callable[[Nodes], Ground]  # function of some nodes that returns their ground, without ground outside
+    rectangle: Ground  # over which all pings are traced, whatever their window
+
+    @classmethod
+    def of(cls, whole: EndlessGround, make: Callable[[Nodes], Ground], low: Corner, high: Corner) -> EndlessExcerpt:
+        """Return an excerpt with the rectangle between two corners, x and y in local metres."""
+        shared = {field.name: getattr(whole, field.name) for field in fields(whole)}
+        return cls(**shared, make=make, rectangle=make(_nodes_between(low, high, whole.spacing)))
+
+    @property
+    def same_windows(self) -> Hashable:
+        """Key of the bed: the rectangle."""
+        return self.rectangle
+
+    def cell(self, x: Column, y: Column) -> NDArray[np.int64]:
+        """Row and column of the only window, (n, 2)."""
+        return np.zeros((np.size(x), 2), np.int64)
+
+    def window(self, row: int, column: int, reach: float, stored: StoredWindow | None = None) -> Ground:
+        """Return the rectangle for any window."""
+        return self.rectangle
+
+    def around(self, centre: Corner, half: float) -> Ground:
+        """Ground of a square around a point: the rectangle, or another one if that does not contain the square."""
+        low, high = ((centre[0] + sign * half, centre[1] + sign * half) for sign in (-1.0, 1.0))
+        corners = (np.array(axis) for axis in zip(low, high))
+        if np.isnan(self.rectangle.height_at(*corners)).any():
+            return self.make(_nodes_between(low, high, self.spacing))
+        return self.rectangle
+
+    def thinned(self, every: int) -> EndlessExcerpt:
+        """Return the bed thinned to every n-th node along each axis, with node (0, 0)."""
+        thin = super().thinned(every)
+        assert isinstance(thin, EndlessExcerpt)
+
+        def make(nodes: Nodes) -> Ground:
+            return self.make(Nodes(*(every * number for number in nodes))).thinned(every)
+
+        return replace(thin, make=make, rectangle=self.rectangle.thinned(every))
+
+    def height_at(self, x: Column, y: Column) -> Column:
+        """Bilinear height above the datum; from tiles outside the rectangle."""
+        return self._completed(x, y, super().height_at)
+
+    def height_at_once(self, x: Column, y: Column) -> Column:
+        """Bilinear height as in `height_at`; from squares outside the rectangle."""
+        return self._completed(x, y, super().height_at_once)
+
+    def _completed(self, x: Column, y: Column, outside: Callable[[Column, Column], Column]) -> Column:
+        heights = self.rectangle.height_at(x, y)
+        missing = np.isnan(heights)
+        if missing.any():
+            heights[missing] = outside(np.asarray(x)[missing], np.asarray(y)[missing])
+        return heights
+
+    def height_near(self, x: Column, y: Column) -> Column:
+        """Bilinear height above the datum; that of the nearest edge outside the rectangle."""
+        return self.rectangle.height_near(x, y)
 
 
 AnyGround = Ground | EndlessGround
@@ -134,10 +201,10 @@ AnyGround = Ground | EndlessGround
 def _gathered(
     row: _Places, column: _Places, side: int, make: Callable[[tuple[int, int]], NDArray[Any] | None]
 ) -> Column:
-    """Values of nodes from the squares of some nodes a side that hold them; NaN where there is no square."""
+    """Values of nodes from squares of some nodes a side; NaN where there is no square."""
     values = np.full(row.shape, np.nan)
     down, across = row // side, column // side
-    # One number a square, because rows of two are sorted ten times as slowly.
+    # One number a square: sorting rows of two takes ten times as long.
     number = down * FARTHEST + across
     for each in np.unique(number):
         here = number == each
@@ -169,11 +236,11 @@ class _Square(NamedTuple):
     side: int  # nodes along a side
 
     def part(self, row: int, column: int) -> tuple[range, range]:
-        """Rows and columns of the nodes of a tile that are within the square."""
+        """Rows and columns of the nodes of a tile within the square."""
         return _within(row, self.row, self.side), _within(column, self.column, self.side)
 
-    def holds(self, rows: range, columns: range) -> bool:
-        """Whether some nodes are all within the square."""
+    def contains(self, rows: range, columns: range) -> bool:
+        """Whether all of some nodes are within the square."""
         return all(
             low <= nodes.start and nodes.stop <= low + self.side
             for low, nodes in ((self.row, rows), (self.column, columns))
@@ -181,17 +248,17 @@ class _Square(NamedTuple):
 
 
 def _complete(torus: NDArray[Any], tiles: Tiles, square: _Square, known: _Square | None) -> None:
-    """Put the values of a square into an array that stores each node at its indices modulo the side of the square.
+    """Write the values of a square to an array in which each node is at its indices modulo the side of the square.
 
-    Nodes of a known square of the same side are in it already.
+    Nodes of a known square of the same side are already there.
     """
     missing = [
         (row, column)
         for row in _tiles_of(square.row, square.side)
         for column in _tiles_of(square.column, square.side)
-        if known is None or not known.holds(*square.part(row, column))
+        if known is None or not known.contains(*square.part(row, column))
     ]
-    # Neighbours together, because they share coarser lattices, and across the shorter side first.
+    # Neighbours together, because they share coarser lattices; lines along the shorter side first.
     outer = min((0, 1), key=lambda axis: len({tile[axis] for tile in missing}))
     for line in sorted({tile[outer] for tile in missing}):
         together = [tile for tile in missing if tile[outer] == line]
@@ -201,7 +268,7 @@ def _complete(torus: NDArray[Any], tiles: Tiles, square: _Square, known: _Square
 def _put_tiles(
     torus: NDArray[Any], tiles: Tiles, square: _Square, places: list[tuple[int, int]], first: int, last: int
 ) -> None:
-    """Put some of the tiles at given places into the array, as far as the square holds them."""
+    """Write some of the tiles at given rows and columns to the array, limited to the square."""
     for row, column in places[first:last]:
         tile, (rows, columns) = tiles(row, column), square.part(row, column)
         for j in _runs(rows, square.side):
@@ -215,7 +282,7 @@ def _tiles_of(low: int, count: int) -> range:
 
 
 def _within(tile: int, low: int, count: int) -> range:
-    """Nodes of a tile along one axis that are among some successive nodes."""
+    """Nodes of a tile along one axis, limited to some successive nodes."""
     return range(max(tile * TILE, low), min((tile + 1) * TILE, low + count))
 
 
@@ -226,5 +293,12 @@ def _runs(nodes: range, side: int) -> list[range]:
 
 
 def _modulo(nodes: range, side: int) -> slice:
-    """Places of a run of nodes modulo a side."""
+    """Return the indices of a run of nodes modulo a side."""
     return slice(nodes.start % side, nodes.start % side + len(nodes))
+
+
+def _nodes_between(low: Corner, high: Corner, spacing: float) -> Nodes:
+    """Nodes around a rectangle; the first are multiples of `FAST`, so that thinned nodes are among them."""
+    first = [math.floor(place / spacing / FAST) * FAST for place in low]
+    counts = [math.ceil(place / spacing / FAST) * FAST + FAST - begin for place, begin in zip(high, first)]
+    return Nodes(first[1], first[0], counts[1], counts[0])

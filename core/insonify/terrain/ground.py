@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from insonify.scene.seabed.materials import Reflectivity
 
-FARTHEST = 2.0**52  # cells; beyond, neighbouring integers are one number
+FARTHEST = 2.0**52  # cells; beyond, float64 cannot resolve integers
 
 
 @dataclass(frozen=True, eq=False)
@@ -31,8 +31,7 @@ class Ground:
     datum: float  # world height of the mean bed, in metres (negative under water)
 
     def around(self, centre: tuple[float, float], half: float) -> Ground:
-        """Ground of a square around a place: this ground itself, which is stored as a whole."""
-        del centre, half
+        """Ground of a square around a point: this ground itself, which is stored as a whole."""
         return self
 
     def thinned(self, every: int) -> Ground:
@@ -52,17 +51,17 @@ class Ground:
         return len(self.reflectivities) == 1 and bool((self.heights == self.heights[0, 0]).all())
 
     def height_at(self, x: NDArray[np.float64], y: NDArray[np.float64]) -> NDArray[np.float64]:
-        """Bilinear height above the datum, NaN where there is no bed, or no number that tells cells apart."""
+        """Bilinear height above the datum, NaN where there is no bed or float64 cannot resolve cells."""
         return self._interpolated(*self._in_cells(x, y))
 
     def _in_cells(self, x: NDArray[np.float64], y: NDArray[np.float64]) -> tuple[NDArray[np.float64], ...]:
-        """Places in cells from the first node."""
+        """Coordinates in cells from the first node."""
         u = (np.asarray(x, dtype=np.float64) - self.x0) / self.spacing
         return u, (np.asarray(y, dtype=np.float64) - self.y0) / self.spacing
 
     def _interpolated(self, u: NDArray[np.float64], v: NDArray[np.float64]) -> NDArray[np.float64]:
         ny, nx = self.heights.shape
-        inside = tell_cells_apart(u, v)
+        inside = resolves_cells(u, v)
         if not self.periodic:
             inside &= (u >= 0) & (u <= nx - 1) & (v >= 0) & (v <= ny - 1)
         u, v = np.where(inside, u, 0.0), np.where(inside, v, 0.0)
@@ -77,14 +76,14 @@ class Ground:
         return np.where(inside, bilinear(lambda k, m: z[rows[k], columns[m]], u - i, v - j), np.nan)
 
     def height_at_once(self, x: NDArray[np.float64], y: NDArray[np.float64]) -> NDArray[np.float64]:
-        """Bilinear height as in `height_at`: the whole bed is there."""
+        """Bilinear height, the same as `height_at` because the whole bed is stored."""
         return self.height_at(x, y)
 
     def height_near(self, x: NDArray[np.float64], y: NDArray[np.float64]) -> NDArray[np.float64]:
-        """Bilinear height above the datum, continued outside the bed by the height of the nearest bed."""
+        """Bilinear height above the datum; outside the bed that of the nearest bed."""
         u, v = self._in_cells(x, y)
         if not self.periodic:
-            # In cells: the last node's place in metres may be rounded to beyond it.
+            # In cells: rounding may put a coordinate in metres beyond the last node.
             ny, nx = self.heights.shape
             u, v = np.clip(u, 0.0, nx - 1.0), np.clip(v, 0.0, ny - 1.0)
         return self._whole._interpolated(u, v)
@@ -101,8 +100,8 @@ class Ground:
         return replace(self, heights=self.heights[rows, columns])
 
 
-def tell_cells_apart(u: NDArray[np.float64], v: NDArray[np.float64]) -> NDArray[np.bool_]:
-    """Whether places, in cells from the first node, are numbers of which neighbouring integers differ."""
+def resolves_cells(u: NDArray[np.float64], v: NDArray[np.float64]) -> NDArray[np.bool_]:
+    """Whether float64 resolves cells at coordinates in cells from the first node."""
     return (np.abs(u) < FARTHEST) & (np.abs(v) < FARTHEST)
 
 

@@ -1,4 +1,4 @@
-"""White noise on an endless lattice, each value of which is a hash of its position."""
+"""White noise on an endless lattice; each value is a hash of its position."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ HALF = np.uint64(32)
 LOW = np.uint64(0xFFFFFFFF)
 UNIT = np.float32(2.0**-32)
 TINY = np.float32(2.0**-33)  # keeps a logarithm finite
-STRIP = 64  # rows at a time, whose numbers stay in the processor's cache
+STRIP = 64  # rows at a time, which stay in the processor's cache
 
 
 def lattice_noise(

@@ -1,4 +1,4 @@
-"""Maps of the materials of a bed, one index per cell, and the random fields from which they are thresholded."""
+"""Cells of a bed and the materials of them, by index, with the random fields from which maps are thresholded."""
 
 from __future__ import annotations
 
@@ -9,43 +9,62 @@ from functools import lru_cache
 from statistics import NormalDist
 
 import numpy as np
+from numpy.typing import NDArray
 
 from insonify.errors import located
 from insonify.io.georeference import Georeference
 from insonify.kernels.bed.voronoi import voronoi_materials
 from insonify.kernels.common.streams import MATERIAL_BANDS, MATERIAL_PATCHES
-from insonify.scene.seabed.materials import MaterialMap
+from insonify.scene.seabed.materials import Map, MaterialMap
 from insonify.scene.seabed.reliefs.fractal import Fractal
 from insonify.terrain.endless_field import EndlessField, Nodes
-from insonify.terrain.lattice import Lattice, Map
-from insonify.terrain.periodic_relief import unmasked_heights
+from insonify.terrain.random_heights import unmasked_heights
 
-Cuts = tuple[float, ...]
 NO_NODES = Nodes(0, 0, 0, 0)
 
 
 @dataclass(frozen=True)
-class BedCells(Lattice):
-    """Cells of a bed, and the random fields over them from which maps of materials are made.
+class Lattice:
+    """Number, spacing and position of the cells of a bed."""
 
-    The material of a place depends on the seed and the place, not on the grid; only the borders of bands move slightly,
+    shape: tuple[int, int]  # cells along y and x
+    spacing: float  # metres between nodes
+    x0: float = 0.0  # local coordinates of node (0, 0), in metres
+    y0: float = 0.0
+    periodic: bool = True  # whether the bed repeats
+
+    @property
+    def size(self) -> tuple[float, float]:
+        """Extent along x and y in metres, the periods of a periodic bed."""
+        return self.shape[1] * self.spacing, self.shape[0] * self.spacing
+
+    def centres(self) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+        """Local x and y of the centres of the cells, (nx,) and (ny,), in metres."""
+        ny, nx = self.shape
+        x = self.x0 + (np.arange(nx, dtype=np.float64) + 0.5) * self.spacing
+        y = self.y0 + (np.arange(ny, dtype=np.float64) + 0.5) * self.spacing
+        return x, y
+
+
+@dataclass(frozen=True)
+class BedCells(Lattice):
+    """Cells of a bed, and random fields over them for maps of materials.
+
+    The material at a point depends on the seed and the point, not on the grid; only the borders of bands move slightly,
     because a finer grid has finer waves.
     """
 
     seed: int = 0  # seed of the random fields
-    place: Georeference | None = None  # place of the local (0, 0) on Earth
+    place: Georeference | None = None  # map coordinates of the local (0, 0)
 
     def patches(self, size: float, count: int) -> Map:
-        """Assign every cell to the nearest of hashed points, one per square; squares divide the period of a bed."""
-        ny, nx = self.shape
+        """Assign every cell to the nearest of random points, one per square; squares divide the period of a bed."""
         repeat = 0
         if self.periodic:
-            period = nx * self.spacing
-            repeat = max(1, round(period / size))
-            size = period / repeat
-        u = (self.x0 + (np.arange(nx) + 0.5) * self.spacing) / size
-        v = (self.y0 + (np.arange(ny) + 0.5) * self.spacing) / size
-        indices: Map = voronoi_materials(self.seed, MATERIAL_PATCHES, u, v, repeat, count)
+            repeat = max(1, round(self.size[0] / size))
+            size = self.size[0] / repeat
+        x, y = self.centres()
+        indices: Map = voronoi_materials(self.seed, MATERIAL_PATCHES, x / size, y / size, repeat, count)
         return indices
 
     def bands(self, beta: float, count: int) -> Map:
@@ -60,10 +79,10 @@ class BedCells(Lattice):
 
 @dataclass(frozen=True)
 class EndlessCells(BedCells):
-    """Cells of some nodes of endless ground, and the random fields over them."""
+    """Cells of some nodes of endless ground, and random fields over them."""
 
     nodes: Nodes = NO_NODES  # the nodes
-    period: float = 0.0  # metres beyond which a fractal field is smooth
+    period: float = 0.0  # metres, longest waves of a fractal field
 
     def bands(self, beta: float, count: int) -> Map:
         """Split a fractal field by height into bands of equal expected area."""
@@ -73,10 +92,7 @@ class EndlessCells(BedCells):
 
 
 def material_indices(material: MaterialMap, lattice: Lattice, seed: int, place: Georeference | None = None) -> Map:
-    """Row of the table of materials for each cell, (ny, nx) uint8, for the cell whose low corner is that node.
-
-    A map repeats with its bed.
-    """
+    """Row of the table of materials for each cell, (ny, nx) uint8; the low corner of a cell is its node."""
     cells = BedCells(lattice.shape, lattice.spacing, lattice.x0, lattice.y0, lattice.periodic, seed, place)
     with located("seabed.material"):
         return material.indices(cells)
@@ -85,7 +101,7 @@ def material_indices(material: MaterialMap, lattice: Lattice, seed: int, place: 
 def endless_materials(
     material: MaterialMap, period: float, spacing: float, seed: int, place: Georeference | None = None
 ) -> Callable[[Nodes], Map]:
-    """Return a function of some nodes, which maps their materials; fractal fields are smooth beyond a period."""
+    """Return a function of nodes, which maps their materials; fractal fields have no waves longer than a period."""
 
     def indices(nodes: Nodes) -> Map:
         x0, y0 = nodes.column * spacing, nodes.row * spacing

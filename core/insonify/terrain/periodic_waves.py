@@ -18,9 +18,9 @@ from insonify.scene.seabed.reliefs.spectrum import ROWS, Density, Field, Waves
 
 Shape = tuple[int, int]
 
-# Largest noise that is kept for the next call: 2048 squared takes 34 MB.
+# Largest noise that is cached: 2048 squared takes 34 MB.
 KEPT_CELLS = 2048**2
-MOST_THREADS = 2  # more do not shorten a transform that memory limits
+MOST_THREADS = 2  # more do not speed up a transform that is limited by memory
 
 
 class WaveGrid:
@@ -30,7 +30,7 @@ class WaveGrid:
         self.shape, self._seed, self._stream = shape, seed, stream
 
     def noise(self, *, gaussian: bool = True) -> Waves:
-        """Coefficients of unit variance, (ny, nx // 2 + 1), kept so that a new spectrum costs only the filter."""
+        """Coefficients of unit variance, (ny, nx // 2 + 1), cached so that a new spectrum costs only the filter."""
         return wave_coefficients(self._seed, self._stream, self.shape, gaussian=gaussian)
 
     def filtered(self, amplitude: Density, *, gaussian: bool = True) -> Waves:
@@ -85,7 +85,7 @@ def frequencies(shape: Shape) -> tuple[Field, Field]:
 
 
 def wave_coefficients(seed: int, stream: int, shape: Shape, *, gaussian: bool) -> Waves:
-    """Coefficients before the filter, kept so that a new spectrum costs only the filter."""
+    """Coefficients before the filter, cached so that a new spectrum costs only the filter."""
     make = _kept_noise if shape[0] * shape[1] <= KEPT_CELLS else wave_noise
     return make(seed, stream, *shape, gaussian)
 

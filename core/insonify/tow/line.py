@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from insonify.io.georeference import Georeference, convergence, project
 from insonify.io.navigation import RecordedNavigation
 from insonify.scene import Scene, SceneError
-from insonify.scene.rotation import exact_cos
+from insonify.scene.targets.shape import exact_cos
 from insonify.scene.track import Track
 
 Column = NDArray[np.float64]

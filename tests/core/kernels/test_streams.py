@@ -1,7 +1,7 @@
 """Streams of random numbers: no two purposes share one."""
 
 from insonify.kernels.common import streams
-from insonify.scene.receiver.speckles.rayleigh import Rayleigh
+from insonify.scene.receiver.speckles import Rayleigh
 from insonify.scene.seabed.reliefs.fractal import Fractal
 
 STEPS = ("RELIEF_PART", "RELIEF_BAND")

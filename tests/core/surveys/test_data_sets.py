@@ -22,7 +22,7 @@ from insonify.surveys.datasets.scenes import draw_scene, split_of
 from insonify.surveys.datasets.specification import DatasetSpecification
 from insonify.surveys.datasets.tiles import FIRST_CLASS, SHADOW, describe_region, starts
 from insonify.surveys.datasets.work import DatasetWork
-from insonify.surveys.engine.jobs import finish, read_flag
+from insonify.surveys.engine import finish, read_flag
 from insonify.surveys.specification import read_specification
 from small_sets import SET, contents, write_set
 
@@ -258,9 +258,9 @@ def test_grey_levels_are_decibels_about_the_median(tmp_path):
         ({"scenes": "0"}, "set.toml: scenes: 0 is out of bounds; give a value of at least 1"),
         ({"negatives": "2.0"}, "set.toml: negatives: 2.0 is out of bounds; give a value of at most 1"),
         ({"base": '"no-such"'}, "no such file; give a TOML file or one of"),
-        ({"storage": '"tape"'}, "storage.kind: 'tape' is not a kind known here; choose one of files, webdataset, zarr"),
+        ({"storage": '"tape"'}, "storage.kind: 'tape' is not a known kind; choose one of files, webdataset, zarr"),
         ({"storage": '"zarr"'}, "scenes: 8 is no multiple of storage.scenes 16, which are stored together; give 16"),
-        ({"annotations": '["voc"]'}, "annotations.0.kind: 'voc' is not a kind known here; choose one of coco, yolo"),
+        ({"annotations": '["voc"]'}, "annotations.0.kind: 'voc' is not a known kind; choose one of coco, yolo"),
         ({"splits": '{ train = -1.0 }'}, "splits.train: -1.0 is out of bounds"),
         ({"colour": "1"}, "set.toml: colour: unknown key; remove it, or use one of title"),
     ],

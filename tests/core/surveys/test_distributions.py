@@ -10,8 +10,8 @@ import pytest
 from pydantic import TypeAdapter, ValidationError
 from scipy import stats
 
+from insonify.surveys.datasets.scenes import Draws, hash_share
 from insonify.surveys.distributions import DISTRIBUTIONS, DistributionKind, Drawn
-from insonify.surveys.draws import Draws, hash_share
 
 SHARES = (np.arange(10_000) + 0.5) / 10_000
 

@@ -9,10 +9,17 @@ import pytest
 
 from insonify.errors import SceneError
 from insonify.io.unfinished import temporary_path
-from insonify.surveys.engine.jobs import done_jobs, finish, flag_of, name_job, prepare_folder, read_flag
-from insonify.surveys.engine.run import run_jobs, tell_failures
-from insonify.surveys.schedulers import choose_scheduler, find_schedulers
-from insonify.surveys.schedulers.local import share_cores
+from insonify.surveys.engine import (
+    Ended,
+    done_jobs,
+    finish,
+    flag_of,
+    name_job,
+    prepare_folder,
+    read_flag,
+    run_jobs,
+)
+from insonify.surveys.schedulers import choose_scheduler, find_schedulers, share_cores
 from small_sets import contents
 from written_jobs import WrittenJobs
 
@@ -33,7 +40,10 @@ def scheduler():
 
 
 def run(work, scheduler):
-    return run_jobs(work, prepare_folder(work.folder, work.names(), "test"), scheduler, lambda ended: None)
+    """Do the jobs that are missing; return how many were done, what they made, and those that failed."""
+    outcomes = []
+    failures = run_jobs(work, prepare_folder(work.folder, work.names(), "test"), scheduler, outcomes.append)
+    return len(outcomes) - len(failures), sum(outcome.made for outcome in outcomes), failures
 
 
 def undisturbed(tmp_path, count):
@@ -62,25 +72,24 @@ def test_a_done_job_is_not_done_again(tmp_path):
 
 def test_jobs_on_workers_write_what_they_write_here(tmp_path, scheduler):
     work = WrittenJobs(tmp_path / "work", 25)
-    tally = run(work, scheduler)
-    assert (tally.done, tally.made, tally.failures) == (25, 50, ())
+    assert run(work, scheduler) == (25, 50, ())
     assert contents(work.folder) == undisturbed(tmp_path, 25)
-    assert run(WrittenJobs(work.folder, 30), scheduler).done == 5
+    assert run(WrittenJobs(work.folder, 30), scheduler)[0] == 5
 
 
 def test_workers_that_are_killed_leave_no_trace(tmp_path, scheduler):
     work = WrittenJobs(tmp_path / "work", 12, kills=frozenset({2, 7}))
-    assert run(work, scheduler).done == 12
+    assert run(work, scheduler)[0] == 12
     assert contents(work.folder) == undisturbed(tmp_path, 12)
     assert len(list((tmp_path / "killed").iterdir())) == 2
 
 
 def test_a_job_that_fails_stops_no_other(tmp_path, scheduler):
-    tally = run(WrittenJobs(tmp_path / "work", 9, fails=frozenset({3, 5})), scheduler)
-    assert tally.done == 7
-    assert tell_failures(tally.failures, 9) == (
-        "2 of 9 jobs could not be done, the others are done; job 3: scene 3: is not to be done; leave it"
-    )
+    done, _, failures = run(WrittenJobs(tmp_path / "work", 9, fails=frozenset({3, 5})), scheduler)
+    assert done == 7
+    sentence = "2 of 9 jobs could not be done, the others are done; job 3: scene 3: is not to be done; leave it"
+    with pytest.raises(SceneError, match=sentence):
+        Ended([""] * done, failures).refuse_failures()
 
 
 def test_a_folder_of_something_else_is_left_alone(tmp_path):
@@ -114,7 +123,7 @@ def test_schedulers_are_found_by_their_prefix():
 
 
 def test_workers_times_threads_are_the_cores(monkeypatch):
-    monkeypatch.setattr("insonify.surveys.schedulers.local.most_threads", lambda: 8)
+    monkeypatch.setattr("insonify.surveys.schedulers.most_threads", lambda: 8)
     assert [share_cores(text) for text in ("", "2", "8", "3")] == [(8, 1), (2, 4), (8, 1), (3, 2)]
     for text in ("0", "x", "9"):
         with pytest.raises(SceneError, match=f"--scheduler local:{text}: "):
@@ -124,7 +133,7 @@ def test_workers_times_threads_are_the_cores(monkeypatch):
 def test_a_scheduler_without_workers_is_told(tmp_path, monkeypatch):
     from distributed import LocalCluster
 
-    monkeypatch.setattr("insonify.surveys.engine.run.PATIENCE", 0.2)
+    monkeypatch.setattr("insonify.surveys.engine.PATIENCE", 0.2)
     with LocalCluster(n_workers=0, dashboard_address="localhost:0", silence_logs=50) as cluster:
         address = cluster.scheduler_address
         with pytest.raises(SceneError, match=f"--scheduler {address}: no worker has come within 0.2 s; start some"):

@@ -15,7 +15,7 @@ from pathlib import Path
 import pytest
 
 from insonify import cli
-from insonify.surveys.engine.jobs import done_jobs, read_flag
+from insonify.surveys.engine import done_jobs, read_flag
 from small_sets import contents, write_set
 
 SCENES = "12"

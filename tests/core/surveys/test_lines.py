@@ -16,9 +16,9 @@ from insonify.files import bundled_specifications
 from insonify.io.records import read_record
 from insonify.scene import load_scene
 from insonify.simulation import prepare
-from insonify.surveys.engine.jobs import done_jobs, finish
-from insonify.surveys.lines.coverage import measure_coverage
+from insonify.surveys.engine import done_jobs, finish
 from insonify.surveys.lines.specification import Area, SurveySpecification
+from insonify.surveys.lines.summary import measure_coverage
 from insonify.surveys.lines.track import SurveyLine, join_lines, lay_lawnmower
 from insonify.surveys.lines.work import SurveyWork
 from insonify.surveys.mosaic import Mosaic

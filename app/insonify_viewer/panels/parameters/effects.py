@@ -51,7 +51,8 @@ class Effect:
 
     def is_on(self, scene: Scene) -> bool:
         """Whether a scene has the effect."""
-        return bool(part_at(scene, self.path).kind != self.off)
+        part = part_at(scene, self.path)
+        return part is not None and bool(part.kind != self.off)
 
     def settings(self, scene: Scene) -> Changes:
         """Plain values of the part."""

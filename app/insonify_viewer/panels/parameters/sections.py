@@ -15,10 +15,9 @@ from pydantic.fields import FieldInfo
 from insonify.acoustics.absorption import absorption_coefficient
 from insonify.acoustics.water import speed_at_sonar
 from insonify.scene import Scene, SceneError
-from insonify.scene.base import Declaration
+from insonify.scene.base import Declaration, kind_name, models_of
 from insonify.scene.edit import part_at
-from insonify.scene.kinds import kind_name, models_of
-from insonify.scene.receiver.gains.power import PowerTvg
+from insonify.scene.receiver.gains import PowerTvg
 from insonify.scene.seabed.materials import MATERIALS, Material
 from insonify.scene.seabed.materials.pattern import PatternMap
 from insonify.scene.seabed.reliefs.random_relief import RandomRelief
@@ -148,7 +147,7 @@ def _rows(scene: Scene, part: BaseModel, name: str, path: str, indent: int) -> I
     path = f"{path}.{name}" if path else name
     label = name.replace("_", " ")
     tooltip = field.description or ""
-    if isinstance(value, BaseModel):
+    if isinstance(value, BaseModel) or (value is None and models_of(type(part), name)):
         yield from _of_declaration(scene, part, name, path, indent)
     elif isinstance(part, Material) and name == "name":
         yield ChoiceField(path, label if indent else "material", tooltip, indent, value, tuple(MATERIALS))
@@ -171,16 +170,17 @@ def _rows(scene: Scene, part: BaseModel, name: str, path: str, indent: int) -> I
 
 def _of_declaration(scene: Scene, part: BaseModel, name: str, path: str, indent: int) -> Iterator[Parameter]:
     """Rows of a nested declaration, after its kind if there are several."""
-    value: BaseModel = getattr(part, name)
+    value: BaseModel | None = getattr(part, name)
     models = [model for model in models_of(type(part), name) if kind_name(model)]
     kinds = tuple(kind_name(model) or "" for model in models)
     label = name.replace("_", " ")
     if len(kinds) > 1:
         tooltip = type(part).model_fields[name].description or ""
         meanings = tuple(map(_meaning, models))
-        picked = kind_name(type(value)) or ""
+        picked = "none" if value is None else kind_name(type(value)) or ""
         yield ChoiceField(f"{path}.kind", label, tooltip, indent, picked, kinds, meanings=meanings)
-    yield from _inside(scene, value, path, indent + 1 if len(kinds) > 1 else indent)
+    if value is not None:
+        yield from _inside(scene, value, path, indent + 1 if len(kinds) > 1 else indent)
 
 
 @cache
@@ -296,7 +296,7 @@ def _idle(scene: Scene, path: str) -> str:
 def _idle_source_level(scene: Scene) -> str:
     """Reason why the source level changes nothing that is seen: pictures are relative to the echo of a level bed."""
     receiver = scene.receiver
-    if {receiver.noise.kind, receiver.interference.kind, receiver.tvg.kind} != {"none"}:
+    if receiver.noise is not None or receiver.interference is not None or receiver.tvg.kind != "none":
         return ""
     return "has no effect without noise, interference or time-varied gain"
 

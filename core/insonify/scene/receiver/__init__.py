@@ -4,23 +4,21 @@ from __future__ import annotations
 
 from typing import Annotated
 
-from insonify.scene.base import Declaration, parameter
-from insonify.scene.kinds import KindOf
-from insonify.scene.receiver.fluctuations import FLUCTUATIONS, FluctuationKind
-from insonify.scene.receiver.fluctuations.none import NoFluctuation
-from insonify.scene.receiver.gains import GAINS, GainKind
-from insonify.scene.receiver.gains.none import NoTvg
-from insonify.scene.receiver.interferences import INTERFERENCES, InterferenceKind
-from insonify.scene.receiver.interferences.none import NoInterference
-from insonify.scene.receiver.noises import NOISES, NoiseKind
-from insonify.scene.receiver.noises.none import NoNoise
+from insonify.scene.base import Declaration, KindOf, parameter
+from insonify.scene.receiver.effects import (
+    FLUCTUATIONS,
+    INTERFERENCES,
+    NOISES,
+    RINGINGS,
+    AmbientNoise,
+    DecayingRinging,
+    Lognormal,
+    OtherSonar,
+)
+from insonify.scene.receiver.gains import GAINS, GainKind, NoTvg
 from insonify.scene.receiver.recorder import Recorder
-from insonify.scene.receiver.reverberations import REVERBERATIONS, ReverberationKind
-from insonify.scene.receiver.reverberations.none import NoReverberation
-from insonify.scene.receiver.ringings import RINGINGS, RingingKind
-from insonify.scene.receiver.ringings.none import NoRinging
-from insonify.scene.receiver.speckles import SPECKLES, SpeckleKind
-from insonify.scene.receiver.speckles.none import NoSpeckle
+from insonify.scene.receiver.reverberations import REVERBERATIONS, NoReverberation, ReverberationKind
+from insonify.scene.receiver.speckles import SPECKLES, NoSpeckle, SpeckleKind
 
 
 class Receiver(Declaration):
@@ -29,20 +27,20 @@ class Receiver(Declaration):
     speckle: Annotated[SpeckleKind, KindOf(SPECKLES, default="none")] = parameter(
         NoSpeckle(), description="interference of scatterers within a cell"
     )
-    fluctuation: Annotated[FluctuationKind, KindOf(FLUCTUATIONS, default="none")] = parameter(
-        NoFluctuation(), description="variation of the level from ping to ping", rare=True
+    fluctuation: Annotated[Lognormal | None, KindOf(FLUCTUATIONS, optional=True)] = parameter(
+        None, description="variation of the level from ping to ping", rare=True
     )
     reverberation: Annotated[ReverberationKind, KindOf(REVERBERATIONS, default="none")] = parameter(
         NoReverberation(), description="echoes of the water and its surface"
     )
-    noise: Annotated[NoiseKind, KindOf(NOISES, default="none")] = parameter(
-        NoNoise(), description="noise received besides the echoes"
+    noise: Annotated[AmbientNoise | None, KindOf(NOISES, optional=True)] = parameter(
+        None, description="noise received besides the echoes"
     )
-    interference: Annotated[InterferenceKind, KindOf(INTERFERENCES, default="none")] = parameter(
-        NoInterference(), description="pings of another sonar", rare=True
+    interference: Annotated[OtherSonar | None, KindOf(INTERFERENCES, optional=True)] = parameter(
+        None, description="pings of another sonar", rare=True
     )
-    ringing: Annotated[RingingKind, KindOf(RINGINGS, default="none")] = parameter(
-        NoRinging(), description="ringing of the transducer after transmission", rare=True
+    ringing: Annotated[DecayingRinging | None, KindOf(RINGINGS, optional=True)] = parameter(
+        None, description="ringing of the transducer after transmission", rare=True
     )
     source_level: float = parameter(
         0.0,
@@ -67,5 +65,5 @@ class Receiver(Declaration):
     @property
     def steady(self) -> bool:
         """Whether all pings are received and recorded alike, without anything random or timed."""
-        kinds = {part.kind for part in (self.speckle, self.fluctuation, self.noise, self.interference)}
-        return kinds == {"none"} and self.recorder.dropped_pings == 0.0 and len(self.recorder.gain_steps) == 1
+        varying = self.speckle.speckled or self.fluctuation or self.noise or self.interference
+        return not varying and self.recorder.dropped_pings == 0.0 and len(self.recorder.gain_steps) == 1

@@ -16,12 +16,12 @@ Gain = Decibels | tuple[tuple[Seconds, Decibels], ...]
 
 
 class Recorder(Declaration):
-    """Amplifier and converter after detection; as declared by default the record is what the receiver detects."""
+    """Amplifier and converter after detection; with the defaults the record is what the receiver detects."""
 
     gain: Gain = parameter(
         0.0,
         unit="dB",
-        description="gain set by the operator: a number, or [[time in s, gain], ...], each kept until the next",
+        description="operator's gain: a number, or [[time in s, gain], ...], each kept until the next",
         slider=(-20.0, 40.0),
     )
     side_gain: float = parameter(
@@ -33,19 +33,19 @@ class Recorder(Declaration):
         slider=(-12.0, 12.0),
     )
     bits: Literal["float", 8, 16] = parameter(
-        "float", description="bits of the converter that records the amplitude; float rounds nothing"
+        "float", description="bits of the converter that records the amplitude; float: no rounding"
     )
     full_scale: float | None = parameter(
         None,
         unit="dB",
-        description="level at which the converter clips (left out: that of a level bed of albedo 1 at its loudest, "
-        "raised until a step of amplitude is a power of two; none with float)",
+        description="level at which the converter clips (when left out: the greatest level of a flat bed of albedo 1, "
+        "raised until a step of amplitude is a power of two; no clipping with float)",
         ge=-400.0,
         le=400.0,
         slider=(-150.0, 200.0),
     )
     dropped_pings: float = parameter(
-        0.0, description="share of the pings that are lost and recorded as 0", ge=0.0, le=1.0, slider=(0.0, 0.1)
+        0.0, description="share of pings that are lost and recorded as 0", ge=0.0, le=1.0, slider=(0.0, 0.1)
     )
 
     @field_validator("gain")
@@ -60,5 +60,5 @@ class Recorder(Declaration):
 
     @property
     def gain_steps(self) -> tuple[tuple[float, float], ...]:
-        """Times (s) from which each gain (dB) holds; the first holds before its time as well."""
+        """Times (s) from which each gain (dB) applies; the first also applies before its time."""
         return self.gain if isinstance(self.gain, tuple) else ((0.0, self.gain),)

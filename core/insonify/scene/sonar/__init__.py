@@ -5,12 +5,10 @@ from __future__ import annotations
 from typing import Annotated, Literal
 
 from insonify.errors import SceneError
-from insonify.scene.base import Declaration, parameter
-from insonify.scene.kinds import KindOf
+from insonify.scene.base import Declaration, KindOf, parameter
 from insonify.scene.sonar.beams import BEAMS, BeamKind
 from insonify.scene.sonar.beams.fan import FanBeam
-from insonify.scene.sonar.pulses import PULSES, PulseKind
-from insonify.scene.sonar.pulses.tone import Tone
+from insonify.scene.sonar.pulses import PULSES, PulseKind, Tone
 from insonify.scene.sonar.vertical_beams import VERTICAL_BEAMS, VerticalBeamKind
 from insonify.scene.sonar.vertical_beams.uniform import UniformVerticalBeam
 
@@ -42,7 +40,7 @@ class Sonar(Declaration):
         log=True,
     )
     law: Literal["sonar", "light"] = parameter(
-        "sonar", description="energy of the insonified area, or the paper's radiance per ray"
+        "sonar", description="backscatter of the insonified area (sonar), or the paper's radiance per ray (light)"
     )
     bounces: int = parameter(
         0,
@@ -53,8 +51,8 @@ class Sonar(Declaration):
         rare=True,
     )
 
-    def refuse_haste(self, sound_speed: float) -> None:
-        """Raise an error if a ping follows before the echoes from the whole range have returned."""
+    def check_ping_rate(self, sound_speed: float) -> None:
+        """Raise SceneError if a ping follows before the echoes from the whole range have returned."""
         fastest = sound_speed / (2.0 * self.range)
         if self.ping_rate > fastest:
             raise SceneError(
@@ -62,8 +60,8 @@ class Sonar(Declaration):
                 f"lower it to {fastest:.4g} Hz or shorten sonar.range"
             )
 
-    def refuse_long_pulse(self, sound_speed: float) -> None:
-        """Raise an error if a pulse lasts more bins than a record may have."""
+    def check_pulse_length(self, sound_speed: float) -> None:
+        """Raise SceneError if a pulse lasts more bins than a record may have."""
         bin_length = self.range / self.bins
         longest = MOST_BINS * bin_length / (0.5 * sound_speed)
         if self.pulse.length > longest:

@@ -1,5 +1,176 @@
-"""Targets on, in or over the bed: one file a shape, with its fields and geometry."""
+"""Targets on, in or over the bed: their base classes; one file a shape, with its fields and geometry."""
 
-from insonify.scene.targets.base import TARGETS, AnyTarget, BedSurface, Body, Posed, Target
+from __future__ import annotations
 
-__all__ = ["TARGETS", "AnyTarget", "BedSurface", "Body", "Posed", "Target"]
+import math
+from functools import lru_cache
+from typing import Annotated, Any, Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+from pydantic import Field, model_validator
+
+from insonify.errors import SceneError
+from insonify.scene.base import Coordinate, Declaration, Family, KindOf, angle, parameter
+from insonify.scene.seabed.materials import Material
+from insonify.scene.targets.shape import Outline, Shape, rotation_matrix
+
+Height = Annotated[float, Field(ge=-2e4, le=2e4)]
+Position = tuple[Coordinate, Coordinate] | tuple[Coordinate, Coordinate, Height]
+TARGETS = Family("targets", "insonify.scene.targets")
+LEAST = 0.001  # m, of a target's dimensions
+LOWEST_GAP, HIGHEST_GAP = -100.0, 1000.0
+
+
+class BedSurface(Protocol):
+    """Bed on which a target is placed."""
+
+    @property
+    def spacing(self) -> float:
+        """Metres between nodes."""
+
+    @property
+    def datum(self) -> float:
+        """Height of the zero of heights in the world, in metres."""
+
+    def height_at(self, x: NDArray[np.float64], y: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Heights above the datum at places, NaN where there is no bed."""
+
+
+class Target(Declaration):
+    """A target on, in or over the bed: a position, a material and a shape.
+
+    A kind derives from `Body` or `Posed` and declares its ``kind``, its dimensions and its `shape`; the other methods
+    have defaults for any shape.
+    """
+
+    family = TARGETS
+    kind: str = parameter(description="shape of the target")
+    position: Position = parameter(
+        unit="m",
+        description="[x, y] of the centre for a target on the bed, or [x, y, z] with z up from the sea surface",
+    )
+    material: Material = parameter(Material(name="steel"), description="material of the target")
+    locked: bool = parameter(False, description="whether the viewer protects it against changes", rare=True)
+
+    @model_validator(mode="after")
+    def _one_height(self) -> Target:
+        if len(self.position) == 3 and getattr(self, "gap", 0.0) != 0.0:
+            raise ValueError(
+                "position with z sets the height of the centre, and gap that of the underside; give one of the two"
+            )
+        return self
+
+    def shape(self) -> Shape:
+        """Shape about the target's own centre: bow towards +x, port side towards +y.
+
+        Raises
+        ------
+        SceneError
+            If a file cannot be read; the message begins with the name of the field.
+        """
+        raise NotImplementedError(f"the target {self.kind!r} declares no shape")
+
+    @property
+    def attitude(self) -> tuple[float, float, float]:
+        """Heading, pitch and roll, in degrees."""
+        return 0.0, 0.0, 0.0
+
+    @property
+    def underside(self) -> float:
+        """Mean height of the lowest point above the bed, in metres."""
+        return 0.0
+
+    def placed(self, bed: BedSurface) -> Shape:
+        """Shape where it lies on a bed.
+
+        Raises
+        ------
+        SceneError
+            If there is no bed under it; the message begins with the name of the field.
+        """
+        shape = self.shape().turned(rotation_matrix(*self.attitude))
+        x, y = self.position[:2]
+        if len(self.position) == 3:
+            return shape.moved(np.array([x, y, self.position[2] - bed.datum]))
+        height = float(self.heights_of(bed, np.array([x]), np.array([y]))[0])
+        return shape.moved(np.array([x, y, height + self.underside - shape.lowest]))
+
+    def heights_of(self, bed: BedSurface, x: NDArray[np.float64], y: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Heights of the bed under the target.
+
+        Raises
+        ------
+        SceneError
+            If there is no bed at one of the places.
+        """
+        heights = bed.height_at(x, y)
+        if math.isnan(float(heights.sum())):
+            raise SceneError(
+                f"position: {list(self.position)} lies where there is no bed; "
+                "move the target onto the grid or give its height as [x, y, z]"
+            )
+        return heights
+
+    @property
+    def outline(self) -> Outline:
+        """Measures of the shape."""
+        return _kept_outline(self, self.version)
+
+    @classmethod
+    def suited_to(cls, reach: float, path: str) -> dict[str, Any]:
+        """Fields of a new target that set a size in proportion to the range.
+
+        Parameters
+        ----------
+        reach : float
+            Slant range that the sonar records, in metres.
+        path : str
+            File of a kind that has one.
+        """
+        return {}
+
+    @property
+    def idle_fields(self) -> frozenset[str]:
+        """The gap, if z is given."""
+        return frozenset({"gap"} if len(self.position) == 3 else ())
+
+
+class Body(Target):
+    """A rigid target."""
+
+    gap: float = parameter(
+        0.0,
+        unit="m",
+        description="height of the lowest point above the bed at the position; negative buries it",
+        ge=LOWEST_GAP,
+        le=HIGHEST_GAP,
+        slider=(-1.0, 5.0),
+    )
+
+    @property
+    def underside(self) -> float:
+        """Height of the lowest point above the bed, in metres."""
+        return self.gap
+
+
+class Posed(Body):
+    """A target that can be turned: first by heading, then by pitch, then by roll, about its centre."""
+
+    heading: float = angle("direction of the bow, counter-clockwise from +x")
+    pitch: float = angle("angle of the bow upwards", rare=True)
+    roll: float = angle("angle of the port side upwards", rare=True)
+
+    @property
+    def attitude(self) -> tuple[float, float, float]:
+        """Heading, pitch and roll, in degrees."""
+        return self.heading, self.pitch, self.roll
+
+
+AnyTarget = Annotated[Target, KindOf(TARGETS)]
+
+
+@lru_cache(maxsize=256)
+def _kept_outline(target: Target, version: tuple[int, int] | None) -> Outline:
+    del version  # only part of the key: a changed file is measured again
+    return target.shape().outline

@@ -7,7 +7,7 @@ from typing import Annotated, Literal
 from pydantic import Field
 
 from insonify.scene.base import parameter
-from insonify.scene.targets.base import LEAST, Posed
+from insonify.scene.targets import LEAST, Posed
 from insonify.scene.targets.shape import Shape, block
 
 Edge = Annotated[float, Field(ge=LEAST, le=1000.0)]

@@ -7,7 +7,7 @@ from typing import Literal
 import numpy as np
 
 from insonify.scene.base import parameter
-from insonify.scene.targets.base import LEAST, Posed
+from insonify.scene.targets import LEAST, Posed
 from insonify.scene.targets.shape import Shape, frustum
 
 
@@ -24,6 +24,6 @@ class Cone(Posed):
     )
 
     def shape(self) -> Shape:
-        """One frustum that ends in a point."""
+        """Return a frustum that ends in a point."""
         up = np.array([0.0, 0.0, self.height / 2.0])
         return Shape((frustum(-up, up, self.radius, 0.0),))

@@ -11,12 +11,12 @@ from insonify.errors import SceneError
 from insonify.io.file_cache import kept_until_changed
 from insonify.io.meshes import read_mesh
 from insonify.scene.base import FilePath, parameter
-from insonify.scene.targets.base import Posed
+from insonify.scene.targets import Posed
 from insonify.scene.targets.shape import Outline, Shape, Vector
 
 
 class MeshFile(Posed):
-    """A shape from a file of triangles; its centre is that of the shape's bounding box, unturned."""
+    """A shape from a file of triangles; its centre is that of the bounding box before it is turned."""
 
     rank = 5
     kind: Literal["mesh"] = "mesh"
@@ -36,14 +36,14 @@ class MeshFile(Posed):
 
     @property
     def outline(self) -> Outline:
-        """Measures of the shape; the file is measured once for each version of it."""
+        """Measures of the shape; each version of the file is measured once."""
         size, count = _measured(self.path)
         half = (0.5 * self.scale * size).tolist()
         return Outline(half=tuple(half), triangles=count)
 
     @classmethod
     def suited_to(cls, reach: float, path: str) -> dict[str, Any]:
-        """Choose the file, and the metres per unit: a power of ten by which it is no larger than the slant range."""
+        """Choose the file, and a power of ten as scale so that the mesh is no larger than the slant range."""
         extent = float(np.ptp(_read(path), axis=(0, 1)).max())
         return {"path": path, "scale": 10.0 ** min(0, math.floor(math.log10(reach / extent)))}
 

@@ -8,18 +8,17 @@ from typing import Any, Literal
 import numpy as np
 from pydantic import field_validator, model_validator
 
-from insonify.scene.base import parameter
-from insonify.scene.rotation import exact_cos
-from insonify.scene.targets.base import HIGHEST_GAP, LEAST, LOWEST_GAP, BedSurface, Target, angle
-from insonify.scene.targets.shape import Shape, Vector, ball, frustum
+from insonify.scene.base import angle, parameter
+from insonify.scene.targets import HIGHEST_GAP, LEAST, LOWEST_GAP, BedSurface, Target
+from insonify.scene.targets.shape import Shape, Vector, ball, exact_cos, frustum
 
 Gap = float | tuple[tuple[float, float], ...]
-MOST_SAMPLES = 2048  # of the bed beneath a pipe
-LONG = 0.4  # slant ranges, of a new pipe
+MOST_SAMPLES = 2048  # heights of the bed beneath a pipe
+LONG = 0.4  # length of a new pipe over the slant range
 
 
 class Pipe(Target):
-    """A straight pipe that may rest on the bed here and span above it there, and looks alike at any roll."""
+    """A pipe that rests on the bed in some places and spans above it in others."""
 
     rank = 1
     kind: Literal["pipe"] = "pipe"
@@ -39,11 +38,12 @@ class Pipe(Target):
         slider=(-90.0, 90.0),
         rare=True,
     )
-    roll: float = angle("port side up")
+    roll: float = angle("angle of the port side upwards")
     gap: Gap = parameter(
         0.0,
         unit="m",
-        description="underside above the bed, negative to sink it: a number, or [[along, gap], ...] from its centre",
+        description="height of the underside above the bed, negative if buried: a number, or [[along, gap], ...] with "
+        "the distance along the pipe from its centre",
         slider=(-1.0, 5.0),
     )
 
@@ -66,13 +66,13 @@ class Pipe(Target):
         return self
 
     def shape(self) -> Shape:
-        """One cylinder along the x axis."""
+        """Return a cylinder along the x axis."""
         ahead = np.array([self.length / 2.0, 0.0, 0.0])
         return Shape((frustum(-ahead, ahead, self.radius, self.radius),))
 
     @property
     def attitude(self) -> tuple[float, float, float]:
-        """Heading, pitch and roll, in degrees; level where the bed decides the pitch."""
+        """Heading, pitch and roll, in degrees; pitch 0 where it follows the bed."""
         return self.heading, self.pitch or 0.0, self.roll
 
     @property
@@ -81,7 +81,7 @@ class Pipe(Target):
         return sum(height for _, height in self._stations) / len(self._stations)
 
     def placed(self, bed: BedSurface) -> Shape:
-        """Pipe along the bed: straight between joints, with a ball in every elbow to close the wedge there."""
+        """Pipe along the bed: straight between joints, with a ball at each joint to close its wedge."""
         if self.pitch is not None or len(self.position) == 3:
             return super().placed(bed)
         joints = self._joints(bed)
@@ -91,8 +91,8 @@ class Pipe(Target):
     def _joints(self, bed: BedSurface) -> list[Vector]:
         """Points on the axis between which the pipe is straight.
 
-        Laid on a rough bed, a stiff pipe follows the straight line that fits the heights under it; the gap counts from
-        that line.
+        On a rough bed a stiff pipe follows the straight line fitted to the heights under it; the gap is above that
+        line.
         """
         (x, y), half = self.position[:2], self.length / 2.0
         direction = np.array([exact_cos(self.heading), exact_cos(self.heading - 90.0)])
@@ -116,9 +116,9 @@ class Pipe(Target):
 
     @property
     def idle_fields(self) -> frozenset[str]:
-        """The roll, the gap where z is given, and the pitch where the gap is a table."""
+        """The roll, the gap if z is given, and the pitch if the gap is a table."""
         return super().idle_fields | {"roll"} | ({"pitch"} if isinstance(self.gap, tuple) else set())
 
     def value_in_force(self, field: str) -> float | None:
-        """Return 0 for a pitch that is left open."""
+        """Return 0 for a pitch that is left out."""
         return 0.0 if field == "pitch" else None

@@ -1,4 +1,4 @@
-"""Shapes of targets: balls, frustums and triangles, how they are turned, moved and measured."""
+"""Shapes of targets: balls, frustums and triangles, which can be turned, moved and measured."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ class Solid(NamedTuple):
     start: Vector  # (3,) centre of the ball, middle of the frustum's first end
     axis: Vector  # (3,) unit vector towards the last end, 0 for a ball
     length: float  # along the axis, 0 for a ball
-    radius: float  # of the ball, of the frustum's first end
+    radius: float  # of the ball or of the frustum's first end
     taper: float = 0.0  # growth of the radius per metre along the axis
 
     @property
@@ -40,7 +40,7 @@ class Solid(NamedTuple):
             yield self.start + self.length * self.axis, self.radius + self.taper * self.length
 
     def across(self, direction: Vector) -> float:
-        """Extent of a rim along a unit vector over its radius: the sine of the angle between vector and axis."""
+        """Extent of a rim of radius 1 along a unit vector: the sine of the angle between vector and axis."""
         return math.sqrt(max(1.0 - float(self.axis @ direction) ** 2, 0.0))
 
     @property
@@ -54,12 +54,12 @@ class Outline(NamedTuple):
     """Bounding box and number of triangles of a shape."""
 
     solids: tuple[Solid, ...] = ()
-    half: Triple = (0.0, 0.0, 0.0)  # m, half the sides of a box about the origin that holds the triangles
+    half: Triple = (0.0, 0.0, 0.0)  # m, half the sides of the box about the origin that contains the triangles
     triangles: int = 0  # their number
 
     @property
     def radius(self) -> float:
-        """Radius of a ball about the origin that holds the shape."""
+        """Radius of a ball about the origin that contains the shape."""
         ends = ((solid, middle, radius) for solid in self.solids for middle, radius in solid.ends())
         return max(math.hypot(*self.half), *(_farthest(*end) for end in ends), 0.0)
 
@@ -100,6 +100,21 @@ class Shape(NamedTuple):
     def moved(self, by: Vector) -> Shape:
         """Move the shape."""
         return Shape(tuple(s._replace(start=s.start + by) for s in self.solids), self.triangles + by)
+
+
+def exact_cos(degrees: float) -> float:
+    """Cosine that is exactly 0 or ±1 on the axes, so that bodies aligned with the grid remain aligned."""
+    quarter = degrees / 90.0
+    return (1.0, 0.0, -1.0, 0.0)[int(quarter) % 4] if quarter == int(quarter) else math.cos(math.radians(degrees))
+
+
+def rotation_matrix(heading: float, pitch: float, roll: float) -> NDArray[np.float64]:
+    """Matrix (3, 3) of a turn by heading about z, then by pitch and roll, each in degrees about the turned axes."""
+    (ch, sh), (cp, sp), (cr, sr) = ((exact_cos(a), exact_cos(a - 90.0)) for a in (heading, pitch, roll))
+    about_z = np.array([[ch, -sh, 0.0], [sh, ch, 0.0], [0.0, 0.0, 1.0]])
+    bow_up = np.array([[cp, 0.0, -sp], [0.0, 1.0, 0.0], [sp, 0.0, cp]])
+    port_up = np.array([[1.0, 0.0, 0.0], [0.0, cr, -sr], [0.0, sr, cr]])
+    return about_z @ bow_up @ port_up
 
 
 def ball(radius: float, centre: Vector | None = None) -> Solid:

@@ -5,12 +5,12 @@ from __future__ import annotations
 from typing import Literal
 
 from insonify.scene.base import parameter
-from insonify.scene.targets.base import LEAST, Posed
+from insonify.scene.targets import LEAST, Posed
 from insonify.scene.targets.shape import Shape, ball
 
 
 class Sphere(Posed):
-    """A ball; it takes the attitude that all targets take, and looks alike in any."""
+    """A sphere, which looks the same at any attitude."""
 
     rank = 2
     kind: Literal["sphere"] = "sphere"
@@ -24,5 +24,5 @@ class Sphere(Posed):
 
     @property
     def idle_fields(self) -> frozenset[str]:
-        """Heading, pitch and roll, and the gap where z is given."""
+        """Heading, pitch and roll, and the gap if z is given."""
         return super().idle_fields | {"heading", "pitch", "roll"}

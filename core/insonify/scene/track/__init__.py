@@ -6,8 +6,7 @@ from typing import Annotated
 
 from pydantic import model_validator
 
-from insonify.scene.base import Declaration, Place, parameter
-from insonify.scene.kinds import KindOf
+from insonify.scene.base import Coordinate, Declaration, KindOf, angle, parameter
 from insonify.scene.track.motions import MOTIONS, MotionKind, SingleMotion
 from insonify.scene.track.motions.straight import Straight
 
@@ -15,15 +14,10 @@ from insonify.scene.track.motions.straight import Straight
 class Track(Declaration):
     """Straight track at constant speed, and the motion of the towfish about it."""
 
-    start: tuple[Place, Place] = parameter((0.0, 0.0), unit="m", description="position of the first ping", rare=True)
-    heading: float = parameter(
-        0.0,
-        unit="°",
-        description="direction of travel, counter-clockwise from +x",
-        ge=-360.0,
-        le=360.0,
-        slider=(-180.0, 180.0),
+    start: tuple[Coordinate, Coordinate] = parameter(
+        (0.0, 0.0), unit="m", description="position of the first ping", rare=True
     )
+    heading: float = angle("direction of travel, counter-clockwise from +x")
     altitude: float | None = parameter(
         None,
         unit="m",
@@ -46,7 +40,7 @@ class Track(Declaration):
     )
     terrain_following: bool = parameter(
         False,
-        description="count the altitude from the bed beneath, smoothed over one altitude to either side",
+        description="keep the altitude above the bed beneath, smoothed over one altitude to either side",
         rare=True,
     )
     motion: Annotated[MotionKind, KindOf(MOTIONS, default="straight")] = parameter(
@@ -57,10 +51,6 @@ class Track(Declaration):
     def _one_height(self) -> Track:
         if self.altitude is not None and self.depth is not None:
             raise ValueError("altitude and depth both fix the sonar's height; give one of the two")
-        return self
-
-    @model_validator(mode="after")
-    def _altitude_to_follow_the_terrain(self) -> Track:
         if self.terrain_following and self.depth is not None:
             raise ValueError("terrain_following keeps an altitude, but depth fixes the height; give altitude instead")
         return self
@@ -72,7 +62,7 @@ class Track(Declaration):
 
     @property
     def kinds(self) -> tuple[str, ...]:
-        """Kinds of motion of the towfish, each once; none for a straight track."""
+        """Kinds of motion of the towfish, each once; empty for a straight track."""
         return tuple(dict.fromkeys(motion.kind for motion in self.motions if motion.moves))
 
     @property

@@ -1,16 +1,16 @@
-"""Volumes of the water column that echo: schools of fish, plumes of bubbles; one file a kind."""
+"""Volumes of the water column that echo: schools of fish, plumes of bubbles."""
 
 from __future__ import annotations
 
 import math
-from typing import Annotated, Any, NamedTuple
+from typing import Annotated, Any, Literal, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
-from insonify.scene.base import Choice, Place, parameter
-from insonify.scene.kinds import Family, KindOf
+from insonify.scene.base import Coordinate, Family, Kind, KindOf, angle, parameter
 
+Points = NDArray[np.float64]
 VOLUMES = Family("volumes", "insonify.scene.volumes")
 SPACING = 0.15  # m, between the points by which a volume is sampled
 FEWEST, MOST = 1000, 200_000  # points of a volume
@@ -21,16 +21,18 @@ STEPS = 1.2207440846057596 ** -np.arange(1.0, 4.0)
 class VolumeSamples(NamedTuple):
     """Points spread evenly over a volume, (n, 3) in metres with the sea surface at 0, and the m³ of each."""
 
-    points: NDArray[np.float64]
+    points: Points
     each: float
 
 
-class Volume(Choice):
+class Volume(Kind):
     """A part of the water column that echoes."""
 
     family = VOLUMES
 
-    position: tuple[Place, Place, Place] = parameter(unit="m", description="[x, y, z], z up from the sea surface")
+    position: tuple[Coordinate, Coordinate, Coordinate] = parameter(
+        unit="m", description="[x, y, z], z up from the sea surface"
+    )
     strength: float = parameter(
         -25.0,
         unit="dB",
@@ -39,16 +41,14 @@ class Volume(Choice):
         le=20.0,
         slider=(-60.0, 0.0),
     )
-    heading: float = parameter(
-        0.0, unit="°", description="counter-clockwise from +x", ge=-360.0, le=360.0, slider=(-180.0, 180.0)
-    )
+    heading: float = angle("heading, counter-clockwise from +x")
 
     @property
     def cubic_metres(self) -> float:
         """Volume, in m³."""
         raise NotImplementedError
 
-    def place(self, unit: NDArray[np.float64]) -> NDArray[np.float64]:
+    def place(self, unit: Points) -> Points:
         """Map points that fill the unit cube evenly, (n, 3), to the volume, its heading along +x, from `position`."""
         raise NotImplementedError
 
@@ -61,9 +61,54 @@ class Volume(Choice):
         return VolumeSamples(turned + np.array(self.position), self.cubic_metres / count)
 
 
-def measure(default: float, description: str, slider: tuple[float, float]) -> Any:
-    """Declare a measure of a volume, in metres."""
+def _extent(default: float, description: str, slider: tuple[float, float]) -> Any:
     return parameter(default, unit="m", description=description, gt=0.0, le=1e4, slider=slider, log=True)
+
+
+class School(Volume):
+    """A school of fish: an ellipsoid about its position; -25 dB are thirty fish of -40 dB in a cubic metre."""
+
+    rank = 10
+    kind: Literal["school"] = "school"
+    length: float = _extent(10.0, "extent along its heading", (1.0, 100.0))
+    width: float = _extent(5.0, "extent across its heading", (1.0, 100.0))
+    height: float = _extent(3.0, "from its underside to its top", (0.5, 30.0))
+
+    @property
+    def cubic_metres(self) -> float:
+        """Volume, in m³."""
+        return math.pi / 6.0 * self.length * self.width * self.height
+
+    def place(self, unit: Points) -> Points:
+        """Map points of the unit cube to the ellipsoid: r³, the cosine to the vertical and the azimuth are even."""
+        rho, up, azimuth = np.cbrt(unit[:, 0]), 2.0 * unit[:, 1] - 1.0, 2.0 * math.pi * unit[:, 2]
+        level = np.sqrt(1.0 - up**2)
+        ball = rho[:, None] * np.stack([level * np.cos(azimuth), level * np.sin(azimuth), up], axis=1)
+        return ball * (0.5 * np.array([self.length, self.width, self.height]))
+
+
+class Plume(Volume):
+    """A plume of bubbles that rises from its position, widens evenly and drifts along its heading."""
+
+    rank = 20
+    kind: Literal["plume"] = "plume"
+    height: float = _extent(15.0, "from the vent to its top", (1.0, 100.0))
+    radius: float = _extent(1.0, "radius at its top", (0.1, 10.0))
+    drift: float = parameter(
+        0.0, unit="m", description="drift of its top along the heading", ge=0.0, le=1e4, slider=(0.0, 50.0)
+    )
+
+    @property
+    def cubic_metres(self) -> float:
+        """Volume, in m³."""
+        return math.pi / 3.0 * self.radius**2 * self.height
+
+    def place(self, unit: Points) -> Points:
+        """Map points of the unit cube to the cone: the cubed height, the squared radius and the azimuth are even."""
+        up, azimuth = np.cbrt(unit[:, 0]), 2.0 * math.pi * unit[:, 2]
+        rho = self.radius * up * np.sqrt(unit[:, 1])
+        x = rho * np.cos(azimuth) + self.drift * up
+        return np.stack([x, rho * np.sin(azimuth), self.height * up], axis=1)
 
 
 AnyVolume = Annotated[Volume, KindOf(VOLUMES)]

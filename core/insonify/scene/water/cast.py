@@ -7,18 +7,14 @@ from typing import Literal
 import numpy as np
 
 from insonify.errors import SceneError
-from insonify.files import file_version
 from insonify.io.sound_speed_casts import Cast, read_cast
 from insonify.scene.base import FilePath, parameter
 from insonify.scene.water import SoundSpeeds, Values, WaterKind, speeds_by_depth
-from insonify.scene.water.layered import (
-    Equation,
-    Interpolation,
-)
+from insonify.scene.water.layered import Equation, Interpolation, interpolation
 from insonify.scene.water.polyline import approximate_pchip, thin_polyline
 from insonify.scene.water.sound_speed import EQUATIONS
 
-CAST_TOLERANCE = 0.02  # m/s, greatest error of straight pieces: the accuracy of a measured speed
+CAST_TOLERANCE = 0.02  # m/s, greatest error of the segments: the accuracy of a measured speed
 
 
 class CastWater(WaterKind):
@@ -27,23 +23,16 @@ class CastWater(WaterKind):
     rank = 40
     kind: Literal["cast"] = "cast"
     path: FilePath = parameter(description="measured cast: Sea-Bird .cnv, .asvp, .svp or CSV", min_length=1)
-    interpolation: Interpolation = parameter(
-        "linear", description="between the depths: straight, or a smooth curve that never overshoots", rare=True
-    )
+    interpolation: Interpolation = interpolation()
     equation: Equation | None = parameter(
         None,
-        description="how the speed follows from temperature and salinity (when left out, the cast's own speed if it "
+        description="equation of sound speed from temperature and salinity (when left out, the cast's own speed if it "
         "has one, otherwise teos10)",
         rare=True,
     )
 
-    @property
-    def version(self) -> tuple[int, int]:
-        """Version of the file."""
-        return file_version(self.path)
-
     def sound_speeds(self) -> SoundSpeeds:
-        """Measured speed, thinned to few points."""
+        """Measured speed, reduced to few points."""
         cast = read_cast(self.path)
         speed = self._speeds_of(cast)
         if self.interpolation == "pchip" and cast.depth.size > 1:
@@ -52,20 +41,20 @@ class CastWater(WaterKind):
         return speeds_by_depth(cast.depth[kept], speed[kept])
 
     def _speeds_of(self, cast: Cast) -> Values:
-        """Speed that a cast holds, or an equation's from its temperature and salinity."""
+        """Sound speed of a cast, or by an equation from its temperature and salinity."""
         if cast.sound_speed is not None and self.equation is None:
             speed = cast.sound_speed
         elif cast.temperature is None or cast.salinity is None:
             raise SceneError(
-                f"water.equation: {self.equation!r} needs temperature and salinity, which {self.path!r} does not "
-                "hold; leave it out to take the cast's own speed"
+                f"water.equation: {self.equation!r} needs temperature and salinity, which {self.path!r} lacks; "
+                "leave it out to take the cast's own speed"
             )
         else:
             speed = EQUATIONS[self.equation or "teos10"](cast.temperature, cast.salinity, cast.depth)
         wrong = np.flatnonzero(~((speed >= 1300.0) & (speed <= 1700.0)))
         if wrong.size:
             raise SceneError(
-                f"water.path: {self.path!r} makes {speed[wrong[0]]:.6g} m/s at {cast.depth[wrong[0]]:.4g} m, no speed "
-                "of sound in water (1300 to 1700 m/s); mend or leave out that row"
+                f"water.path: {self.path!r} gives {speed[wrong[0]]:.6g} m/s at {cast.depth[wrong[0]]:.4g} m, no "
+                "possible speed of sound in water (1300 to 1700 m/s); correct or remove that row"
             )
         return np.asarray(speed)

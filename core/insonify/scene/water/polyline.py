@@ -9,16 +9,16 @@ import numpy as np
 from numpy.typing import NDArray
 
 Values = NDArray[np.float64]
-# m/s by which straight pieces may miss a curve: two thirds of it, the mean miss of a chord, is 6e-8 s in 100 m.
+# m/s, greatest error of the segments; their mean error, two thirds of it, is 6e-8 s over 100 m.
 CURVE_TOLERANCE = 0.002
-FINER = 0.1  # share of the tolerance to which a curve is sampled before it is thinned
-MOST_PARTS = 4096  # of one interval between knots
+FINER = 0.1  # share of the tolerance that the sampling of a curve takes
+MOST_PARTS = 4096  # samples of one interval between knots
 
 
 def approximate_by_segments(
     curve: Callable[[Values], Values], knots: Values, tolerance: float
 ) -> tuple[Values, Values]:
-    """Approximate a curve by straight pieces."""
+    """Approximate a curve by straight segments; returns their ends."""
     parts = [_sampled(curve, low, high, FINER * tolerance) for low, high in itertools.pairwise(knots)]
     places = np.concatenate([*(part[:-1] for part in parts), knots[-1:]])
     values = curve(places)
@@ -27,7 +27,7 @@ def approximate_by_segments(
 
 
 def _sampled(curve: Callable[[Values], Values], low: float, high: float, tolerance: float) -> Values:
-    """Cut an interval into as many equal parts as keep chords within the tolerance."""
+    """Divide an interval into equal parts whose chords stay within the tolerance."""
     parts = 1
     while True:
         ends = np.linspace(low, high, parts + 1)
@@ -40,7 +40,7 @@ def _sampled(curve: Callable[[Values], Values], low: float, high: float, toleran
 
 
 def thin_polyline(places: Values, values: Values, tolerance: float) -> NDArray[np.int64]:
-    """Choose points whose straight connections pass all others within the tolerance."""
+    """Choose points whose connecting segments pass all others within the tolerance (Douglas and Peucker 1973)."""
     kept = np.zeros(places.size, dtype=bool)
     kept[[0, -1]] = True
     pending = [(0, places.size - 1)]
@@ -57,7 +57,7 @@ def thin_polyline(places: Values, values: Values, tolerance: float) -> NDArray[n
 
 
 def approximate_pchip(places: Values, values: Values, tolerance: float) -> tuple[Values, Values]:
-    """Approximate the PCHIP curve through points, which a spline would overshoot, by straight pieces."""
-    from scipy.interpolate import PchipInterpolator  # lazy: takes longer to import than a scene to read
+    """Approximate the PCHIP curve through points, which does not overshoot as a spline does, by straight segments."""
+    from scipy.interpolate import PchipInterpolator  # lazy: SciPy takes longer to import than a scene to read
 
     return approximate_by_segments(PchipInterpolator(places, values), places, tolerance)

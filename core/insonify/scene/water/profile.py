@@ -9,13 +9,7 @@ from pydantic import model_validator
 
 from insonify.scene.base import parameter
 from insonify.scene.water import SoundSpeeds, speeds_by_depth
-from insonify.scene.water.layered import (
-    SPEEDS,
-    Interpolation,
-    LayeredWater,
-    Speed,
-    check_length,
-)
+from insonify.scene.water.layered import SPEEDS, Interpolation, LayeredWater, Speed, check_length, interpolation
 from insonify.scene.water.polyline import CURVE_TOLERANCE, approximate_pchip
 
 
@@ -28,17 +22,15 @@ class ProfileWater(LayeredWater):
     sound_speed: tuple[Speed, ...] = parameter(
         SPEEDS, unit="m/s", description="speed of sound at those depths", slider=(1400.0, 1600.0)
     )
-    interpolation: Interpolation = parameter(
-        "linear", description="between the depths: straight, or a smooth curve that never overshoots", rare=True
-    )
+    interpolation: Interpolation = interpolation()
 
     @model_validator(mode="after")
-    def _one_speed_each(self) -> ProfileWater:
+    def _one_speed_a_depth(self) -> ProfileWater:
         check_length("sound_speed", len(self.sound_speed), self.depth)
         return self
 
     def sound_speeds(self) -> SoundSpeeds:
-        """Speed between the depths, straight or along a curve."""
+        """Speed between the depths, linear or along a curve."""
         if self.interpolation == "linear":
             return speeds_by_depth(self.depth, self.sound_speed)
         return speeds_by_depth(*approximate_pchip(np.array(self.depth), np.array(self.sound_speed), CURVE_TOLERANCE))

@@ -1,4 +1,4 @@
-"""Water that differs from place to place."""
+"""Water that varies horizontally."""
 
 from __future__ import annotations
 
@@ -8,19 +8,13 @@ from typing import Annotated, ClassVar, Literal
 import numpy as np
 from pydantic import Field, field_validator, model_validator
 
-from insonify.scene.base import parameter
+from insonify.scene.base import angle, parameter
 from insonify.scene.water import SoundSpeeds
-from insonify.scene.water.layered import (
-    SPEEDS,
-    LayeredWater,
-    Speed,
-    check_length,
-    check_order,
-)
+from insonify.scene.water.layered import SPEEDS, LayeredWater, Speed, check_length, check_order
 
 
 class SectionWater(LayeredWater):
-    """Water that differs from place to place: profiles along a level line through the scene's (0, 0)."""
+    """Water that varies horizontally: sound speed profiles along a line through the scene's (0, 0)."""
 
     table: ClassVar[frozenset[str]] = frozenset({"distance", "depth", "sound_speed"})
     rank = 50
@@ -32,26 +26,19 @@ class SectionWater(LayeredWater):
     sound_speed: tuple[tuple[Speed, ...], ...] = parameter(
         (SPEEDS, (1520.0, 1520.0, 1515.0, 1500.0)),
         unit="m/s",
-        description="speed of sound at every distance, one list of the depths each",
+        description="speed of sound: for every distance, a list over the depths",
         slider=(1400.0, 1600.0),
     )
-    heading: float = parameter(
-        0.0,
-        unit="°",
-        description="direction of the line, counter-clockwise from +x",
-        ge=-360.0,
-        le=360.0,
-        slider=(-180.0, 180.0),
-    )
+    heading: float = angle("direction of the line, counter-clockwise from +x")
 
     @field_validator("distance")
     @classmethod
     def _goes_onwards(cls, distance: tuple[float, ...]) -> tuple[float, ...]:
-        check_order("distance", distance, "water that is the same everywhere is kind 'profile'")
+        check_order("distance", distance, "for horizontally uniform water use kind 'profile'")
         return distance
 
     @model_validator(mode="after")
-    def _a_profile_each(self) -> SectionWater:
+    def _one_profile_a_distance(self) -> SectionWater:
         if len(self.sound_speed) != len(self.distance):
             raise ValueError(
                 f"sound_speed has {len(self.sound_speed)} profiles for {len(self.distance)} distances; give one each"

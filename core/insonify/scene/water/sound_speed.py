@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 Values = NDArray[np.float64]
-# A scene has no place on Earth: pressure is taken at middle latitudes, the composition of salt from the open ocean.
+# A scene has no place on Earth: pressure is that at middle latitudes, salt composition that of the open ocean.
 LATITUDE = 45.0
 
 
@@ -21,14 +21,14 @@ def paper(temperature: ArrayLike, salinity: ArrayLike, depth: ArrayLike) -> Valu
 def mackenzie(temperature: ArrayLike, salinity: ArrayLike, depth: ArrayLike) -> Values:
     """Sound speed by Mackenzie, J. Acoust. Soc. Am. 70 (1981), 807; arguments as in `paper`."""
     t, s, d = _floats(temperature, salinity, depth)
-    of_temperature = 1448.96 + 4.591 * t - 5.304e-2 * t**2 + 2.374e-4 * t**3
-    of_depth = 1.630e-2 * d + 1.675e-7 * d**2 - 7.139e-13 * t * d**3
-    return np.asarray(of_temperature + of_depth + (1.340 - 1.025e-2 * t) * (s - 35.0))
+    by_temperature = 1448.96 + 4.591 * t - 5.304e-2 * t**2 + 2.374e-4 * t**3
+    by_depth = 1.630e-2 * d + 1.675e-7 * d**2 - 7.139e-13 * t * d**3
+    return np.asarray(by_temperature + by_depth + (1.340 - 1.025e-2 * t) * (s - 35.0))
 
 
 def teos10(temperature: ArrayLike, salinity: ArrayLike, depth: ArrayLike) -> Values:
     """Sound speed by TEOS-10, the equation of state of sea water, exact form; arguments as in `paper`."""
-    import gsw  # a fifth of a second, which scenes without hydrography need not wait for
+    import gsw  # lazy: takes 0.2 s, which only scenes with hydrography need
 
     t, s, d = _floats(temperature, salinity, depth)
     pressure = gsw.p_from_z(-d, LATITUDE)

@@ -23,5 +23,5 @@ class UniformWater(WaterKind):
         return self.sound_speed
 
     def sound_speeds(self) -> SoundSpeeds:
-        """One speed at every depth."""
+        """Return one speed for every depth."""
         return speeds_by_depth([0.0], [self.sound_speed])

@@ -11,14 +11,45 @@ import numpy as np
 
 from insonify.scene import Scene, SceneError, edit, scene_to_toml
 from insonify.surveys.datasets.specification import DatasetSpecification, TargetGroup
+from insonify.surveys.distributions import DistributionKind
 from insonify.surveys.distributions.uniform import Uniform
-from insonify.surveys.draws import Draws
 from insonify.tow.line import tow_line_at
 
+SEED_BITS = 53  # of a drawn seed: every reader of JSON keeps it exactly
 GOLDEN = 0.5 * (math.sqrt(5.0) - 1.0)
 FARTHEST = 0.85  # of the ground range of the last bin, up to which targets lie
 ATTEMPTS = 200  # to find a place clear of the other targets
 DIGITS = 3  # of places, in metres
+
+
+def hash_share(seed: int, number: int, path: str) -> float:
+    """Hash a seed, a number and a path to a uniform number inside (0, 1)."""
+    digest = hashlib.blake2b(f"{seed}\n{number}\n{path}".encode(), digest_size=8).digest()
+    return ((int.from_bytes(digest, "big") >> 12) + 0.5) * 2.0**-52
+
+
+class Draws:
+    """Values of one scene, and a record of them."""
+
+    def __init__(self, seed: int, number: int) -> None:
+        self._seed, self._number = seed, number
+        self.drawn: dict[str, Any] = {}
+
+    def share(self, path: str) -> float:
+        """Draw a number inside (0, 1) that is not recorded."""
+        return hash_share(self._seed, self._number, path)
+
+    def value(self, path: str, declared: Any) -> Any:
+        """Draw a value from a distribution; return any other value as it is."""
+        if not isinstance(declared, DistributionKind):
+            return declared
+        self.drawn[path] = declared.quantile(self.share(path))
+        return self.drawn[path]
+
+    def seed(self, path: str) -> int:
+        """Draw the seed of a scene's random numbers."""
+        self.drawn[path] = int(self.share(path) * 2**SEED_BITS)
+        return int(self.drawn[path])
 
 
 class DrawnScene(NamedTuple):
@@ -37,7 +68,7 @@ class DrawnScene(NamedTuple):
 
 
 def split_of(splits: Mapping[str, float], number: int) -> str:
-    """Return the split of a job by its number: any row of numbers has nearly the shares asked for."""
+    """Return the split of a job by its number: any run of numbers has nearly the specified shares."""
     place = ((number + 1) * GOLDEN) % 1.0 * sum(splits.values())
     for name, share in splits.items():
         place -= share
@@ -78,7 +109,9 @@ def _put_targets(scene: Scene, groups: Sequence[TargetGroup], draws: Draws) -> t
     first = len(scene.targets)
     bare = [{**one.shape, "position": [0.0, 0.0]} for one in wanted]
     changes: dict[str, Any] = {
-        f"targets.{first + n}.{path}": value for n, one in enumerate(wanted) for path, value in _fields(one, draws)
+        f"targets.{first + n}.{path}": draws.value(f"{one.path}.{path}", declared)
+        for n, one in enumerate(wanted)
+        for path, declared in one.group.set.items()
     }
     own = [target.model_dump(mode="json", exclude_none=True) for target in scene.targets]
     scene = edit(scene, {"targets": own + bare, **changes})
@@ -98,11 +131,6 @@ def _wanted(group: TargetGroup, draws: Draws) -> Iterator[_Wanted]:
         shape = group.of[int(draws.share(f"{path}.of") * len(group.of))]
         draws.drawn[f"{path}.of"] = shape
         yield _Wanted(group, path, {"kind": "mesh", "path": shape} if isinstance(shape, str) else dict(shape))
-
-
-def _fields(wanted: _Wanted, draws: Draws) -> Iterator[tuple[str, Any]]:
-    for path, declared in wanted.group.set.items():
-        yield path, draws.value(f"{wanted.path}.{path}", declared)
 
 
 def _places(scene: Scene, wanted: Sequence[_Wanted], radii: Sequence[float], draws: Draws) -> list[list[float]]:

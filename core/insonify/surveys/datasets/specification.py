@@ -8,13 +8,11 @@ from pydantic import Field, model_validator
 
 from insonify.files import bundled_meshes
 from insonify.scene import DEFAULT_SCENE
-from insonify.scene.base import Declaration, FilePath, parameter
-from insonify.scene.kinds import KindOf
+from insonify.scene.base import Declaration, FilePath, KindOf, parameter
 from insonify.surveys.annotations import ANNOTATIONS, AnnotationKind
 from insonify.surveys.distributions import Drawn
 from insonify.surveys.distributions.uniform import Uniform
-from insonify.surveys.storages import STORAGES, StorageKind
-from insonify.surveys.storages.files import Files
+from insonify.surveys.storages import STORAGES, Files, StorageKind
 
 Name = Annotated[str, Field(pattern=r"^[A-Za-z0-9][\w-]*$", max_length=60)]
 

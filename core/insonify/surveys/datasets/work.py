@@ -10,11 +10,10 @@ from typing import Any
 
 from insonify.scene import Scene, edit, scene_to_toml
 from insonify.simulation import simulate
-from insonify.surveys.datasets.scenes import DrawnScene, draw_scene
+from insonify.surveys.datasets.scenes import DrawnScene, draw_scene, hash_share
 from insonify.surveys.datasets.specification import DatasetSpecification
 from insonify.surveys.datasets.tiles import cut_tiles
-from insonify.surveys.draws import hash_share
-from insonify.surveys.engine.jobs import digest_of, name_job, shelf_of
+from insonify.surveys.engine import digest_of, job_number, name_job, shelf_of
 from insonify.surveys.specification import contents_of
 from insonify.surveys.storages import Tile
 
@@ -38,18 +37,19 @@ class DatasetWork:
 
     def names(self) -> list[str]:
         """Names of all jobs."""
-        return [name_job(number, self.digest) for number in range(self.specification.scenes // self._together)]
+        jobs = self.specification.scenes // self.specification.storage.scenes
+        return [name_job(number, self.digest) for number in range(jobs)]
 
     def make(self, name: str, beside: Path) -> dict[str, Any]:
-        """Simulate the scenes of a job, store their tiles below a folder, and tell of them."""
-        job = int(name.partition("-")[0])
+        """Simulate the scenes of a job, store their tiles below a folder, and describe both."""
+        job, together = job_number(name), self.specification.storage.scenes
         tiles: list[Tile] = []
         scenes = []
-        for number in range(job * self._together, (job + 1) * self._together):
+        for number in range(job * together, (job + 1) * together):
             drawn = draw_scene(self.specification, self.base, number)
             tiles += self._tiles_of(drawn)
-            told = {"scene": number, "hash": drawn.digest, "drawn": drawn.drawn}
-            scenes.append(told | {"toml": scene_to_toml(drawn.scene)})
+            toml = scene_to_toml(drawn.scene)
+            scenes.append({"scene": number, "hash": drawn.digest, "drawn": drawn.drawn, "toml": toml})
         self.specification.storage.write(beside, f"{job:07d}", shelf_of(job), tiles)
         return {"made": len(tiles), "scenes": scenes, "tiles": [tile.told for tile in tiles]}
 
@@ -61,10 +61,6 @@ class DatasetWork:
         """Simulate a few pings of the first scene."""
         scene = draw_scene(self.specification, self.base, 0).scene
         simulate(edit(scene, {"track.pings": min(WARMING, scene.track.pings)}), truth=True)
-
-    @property
-    def _together(self) -> int:
-        return self.specification.storage.scenes
 
     def _tiles_of(self, drawn: DrawnScene) -> Iterator[Tile]:
         """Tiles of one scene that are kept, annotated."""
@@ -78,5 +74,6 @@ class DatasetWork:
             yield tile
 
     def _is_kept(self, told: Mapping[str, Any]) -> bool:
+        """Whether a tile is stored: with targets always, without at random."""
         wanted = self.specification
         return bool(told["targets"]) or hash_share(wanted.seed, told["scene"], told["name"]) < wanted.tiles.empty

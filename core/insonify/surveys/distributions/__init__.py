@@ -7,15 +7,14 @@ from typing import Annotated, Any
 
 from pydantic import BeforeValidator, TypeAdapter, ValidationError
 
-from insonify.scene.base import Choice
+from insonify.scene.base import Family, Kind, KindOf
 from insonify.scene.faults import describe_fault
-from insonify.scene.kinds import Family, KindOf
 
 DISTRIBUTIONS = Family("distributions", "insonify.surveys.distributions")
 MARK = "draw"  # key of a table that makes it a distribution; many scene fields have kinds of the same names
 
 
-class DistributionKind(Choice):
+class DistributionKind(Kind):
     """Distribution of a value of a scene."""
 
     family = DISTRIBUTIONS

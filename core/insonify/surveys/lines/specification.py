@@ -9,10 +9,10 @@ from pydantic import Field, model_validator
 
 from insonify.io.records import RECORDS
 from insonify.scene import DEFAULT_SCENE
-from insonify.scene.base import Declaration, FilePath, Place, parameter
-from insonify.surveys.choices import OVERLAPS
+from insonify.scene.base import Coordinate, Declaration, FilePath, parameter
+from insonify.surveys import OVERLAPS
 
-Point = tuple[Place, Place]
+Point = tuple[Coordinate, Coordinate]
 SHORTEST = 0.01  # m, of a line
 
 

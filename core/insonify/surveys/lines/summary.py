@@ -1,4 +1,4 @@
-"""Summary of a survey: mosaic and coverage as files and pictures, and one page that holds all of it."""
+"""Summary of a survey: mosaic and coverage as files and pictures, and one page that contains all of it."""
 
 from __future__ import annotations
 
@@ -6,20 +6,23 @@ import base64
 import html
 import io
 import math
-from collections.abc import Callable, Iterable, Mapping, Sequence
+import os
+from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from insonify.display.picture import load_palette
 from insonify.io.atomic import replacing
+from insonify.io.georeference import find_georeference
 from insonify.io.geotiff import write_geotiff
-from insonify.surveys.engine.jobs import read_flag
-from insonify.surveys.lines.coverage import Coverage, StoredSwaths, measure_coverage
+from insonify.io.records import read_record
+from insonify.surveys.engine import read_flag
 from insonify.surveys.lines.work import SurveyWork
-from insonify.surveys.mosaic import Mosaic, make_mosaic
+from insonify.surveys.mosaic import BAND, Mosaic, make_mosaic
+from insonify.surveys.swath import Swath, choose_map, lay_swath, put_on_map
 
 PAGE = "index.html"
 DARKEST, BRIGHTEST = 1.0, 99.0  # percentiles of levels in the mosaic's picture
@@ -32,27 +35,84 @@ td, th { padding: .2em .8em; text-align: right; border-bottom: 1px solid #e8ecf0
 pre { background: #f4f6f8; padding: 1em; overflow-x: auto; font-size: 12px }"""
 
 
+class Coverage(NamedTuple):
+    """Area that a survey covers."""
+
+    area: float  # m², as specified; the covered area where none is specified
+    once: float  # shares of it that at least one line, and at least two lines, cover
+    twice: float
+
+
+class StoredSwaths(Collection[Swath]):
+    """Swaths of records, read in every pass, so that only one is in memory at a time."""
+
+    def __init__(self, folder: Path, files: Sequence[str]) -> None:
+        self._paths = [str(folder / file) for file in files]
+        first = read_record(self._paths[0])
+        self.place = find_georeference(first.attrs)
+        self.crs = choose_map(self._paths[0], first, None)
+
+    def __len__(self) -> int:
+        return len(self._paths)
+
+    def __contains__(self, item: object) -> bool:
+        return False
+
+    def __iter__(self) -> Iterator[Swath]:
+        return (lay_swath(os.path.basename(path), read_record(path), self.crs) for path in self._paths)
+
+    def on_map(self, points: Sequence[tuple[float, float]]) -> NDArray[np.float64]:
+        """Map points of the scene to the map of the swaths, (n, 2)."""
+        x, y = np.array(points, dtype=np.float64).T
+        return put_on_map(self._paths[0], self.place, self.crs, x, y)
+
+
+def measure_coverage(mosaic: Mosaic, corners: NDArray[np.float64] | None) -> Coverage:
+    """Measure the share of an area that the lines of a survey cover."""
+    square = mosaic.cell**2
+    if corners is None:
+        area = float((mosaic.count > 0).sum()) * square
+        count = mosaic.count
+    else:
+        x, y = corners.T
+        area = 0.5 * abs(float(x @ np.roll(y, 1) - y @ np.roll(x, 1)))
+        count = mosaic.count[_cells_within(mosaic, corners)]
+    shares = [min(float((count >= lines).sum()) * square / area, 1.0) for lines in (1, 2)]
+    return Coverage(area, *shares)
+
+
+def _cells_within(mosaic: Mosaic, corners: NDArray[np.float64]) -> NDArray[np.bool_]:
+    """Mask of the cells of a mosaic with their centres within an area, (rows, columns)."""
+    # lazy: slow to import
+    from skimage.draw import polygon2mask
+
+    left, top = mosaic.corner
+    rows = (top - corners[:, 1]) / mosaic.cell - 0.5
+    columns = (corners[:, 0] - left) / mosaic.cell - 0.5
+    outline = np.stack([rows, columns], axis=1)
+    return np.asarray(polygon2mask(mosaic.count.shape, outline))  # type: ignore[no-untyped-call]  # of scikit-image
+
+
 def summarise(work: SurveyWork, names: Iterable[str]) -> Coverage:
     """Write the mosaic, the coverage and the page of a survey."""
-    told = [read_flag(work.folder, name) for name in names]
-    swaths = StoredSwaths(work.folder, [line["file"] for line in told])
+    lines = [read_flag(work.folder, name) for name in names]
+    swaths = StoredSwaths(work.folder, [line["file"] for line in lines])
     wanted, area = work.specification.mosaic, work.specification.area
     mosaic = make_mosaic(swaths, wanted.cell, wanted.overlap)
     corners = None if area is None else swaths.on_map(area.corners)
     coverage = measure_coverage(mosaic, corners)
     _write_maps(work.folder, mosaic, swaths.crs)
-    tracks = [swaths.on_map([line["start"], line["end"]]) for line in told]
+    tracks = [swaths.on_map([line["start"], line["end"]]) for line in lines]
     pictures = [_draw(mosaic, tracks, corners, paint) for paint in (_paint_mosaic, _paint_coverage)]
     with replacing(work.folder / PAGE) as beside:
-        beside.write_text(_page(work, told, coverage, mosaic, pictures), encoding="utf-8")
+        beside.write_text(_page(work, lines, coverage, mosaic, pictures), encoding="utf-8")
     return coverage
 
 
 def _write_maps(folder: Path, mosaic: Mosaic, crs: str) -> None:
     """Write the mosaic and the number of lines of each cell as GeoTIFF."""
     place = (mosaic.corner, mosaic.cell, crs)
-    band = "echo relative to the median of the record at its range"
-    write_geotiff(folder / "mosaic.tif", mosaic.level, *place, band=band, unit="dB")
+    write_geotiff(folder / "mosaic.tif", mosaic.level, *place, band=BAND, unit="dB")
     count = mosaic.count.astype(np.float32)
     write_geotiff(folder / "coverage.tif", count, *place, band="lines that show the cell", unit="1")
 
@@ -65,13 +125,11 @@ def _draw(
 ) -> bytes:
     """Draw the mosaic or the coverage, with the lines and the area, as PNG."""
     # lazy: slow to import
-    from matplotlib.backends.backend_agg import FigureCanvasAgg
-    from matplotlib.figure import Figure
+    from insonify.display.style import make_figure
 
     rows, columns = mosaic.level.shape
     left, top = mosaic.corner
-    figure = Figure(figsize=(WIDTH, min(max(WIDTH * rows / columns, 3.0), HIGHEST)), layout="constrained")
-    FigureCanvasAgg(figure)
+    figure = make_figure(WIDTH, min(max(WIDTH * rows / columns, 3.0), HIGHEST), layout="constrained")
     axes = figure.subplots()
     paint(axes, mosaic, (left, left + columns * mosaic.cell, top - rows * mosaic.cell, top))
     for track in tracks:
@@ -107,20 +165,19 @@ def _paint_coverage(axes: Any, mosaic: Mosaic, extent: tuple[float, ...]) -> Non
 
 
 def _page(
-    work: SurveyWork,
-    told: Sequence[Mapping[str, Any]],
-    coverage: Coverage,
-    mosaic: Mosaic,
-    pictures: Sequence[bytes],
+    work: SurveyWork, lines: Sequence[Mapping[str, Any]], coverage: Coverage, mosaic: Mosaic, pictures: Sequence[bytes]
 ) -> str:
     """Return a page that needs no other file."""
+    import tomli_w
+
+    declared = tomli_w.dumps(work.specification.model_dump(mode="json", exclude_unset=True))
     images = [f'<img alt="" src="data:image/png;base64,{base64.b64encode(picture).decode()}">' for picture in pictures]
     title, about = (html.escape(text) for text in (work.specification.title, work.specification.description))
     rate, speed = work.scene.sonar.ping_rate, work.scene.track.speed
-    pings = sum(line["pings"] for line in told)
-    track = sum(line["length"] + math.pi * abs(line["turn"]) for line in told)
+    pings = sum(line["pings"] for line in lines)
+    track = sum(line["length"] + math.pi * abs(line["turn"]) for line in lines)
     facts = (
-        f"{len(told)} of {len(work.lines)} lines, {track / 1000.0:.3g} km, {pings} pings, {pings / rate / 60.0:.3g} "
+        f"{len(lines)} of {len(work.lines)} lines, {track / 1000.0:.3g} km, {pings} pings, {pings / rate / 60.0:.3g} "
         f"minutes at {speed:g} m/s. {100.0 * coverage.once:.1f} % of {coverage.area:.6g} m² are shown at least once, "
         f"{100.0 * coverage.twice:.1f} % at least twice, in cells of {mosaic.cell:g} m."
     )
@@ -129,13 +186,13 @@ def _page(
         [
             f"{head}</head><body>\n<h1>{title}</h1>\n<p>{about}</p>\n<p>{facts}</p>",
             f"<h2>Mosaic</h2>\n{images[0]}\n<h2>Coverage</h2>\n{images[1]}",
-            f"<h2>Lines</h2>\n{_table(told)}",
-            f"<h2>Specification</h2>\n<pre>{html.escape(_declared(work))}</pre>\n</body></html>\n",
+            f"<h2>Lines</h2>\n{_table(lines)}",
+            f"<h2>Specification</h2>\n<pre>{html.escape(declared)}</pre>\n</body></html>\n",
         ]
     )
 
 
-def _table(told: Sequence[Mapping[str, Any]]) -> str:
+def _table(lines: Sequence[Mapping[str, Any]]) -> str:
     """Return a table with a row for each line."""
     heads = ("record", "start (m)", "end (m)", "heading (°)", "length (m)", "pings")
     rows = [
@@ -146,14 +203,7 @@ def _table(told: Sequence[Mapping[str, Any]]) -> str:
             f"{line['length']:.6g}",
             f"{line['pings']}",
         )
-        for line in told
+        for line in lines
     ]
     body = [f"<tr>{''.join(f'<td>{cell}</td>' for cell in row)}</tr>" for row in rows]
     return "\n".join(["<table>", f"<tr>{''.join(f'<th>{head}</th>' for head in heads)}</tr>", *body, "</table>"])
-
-
-def _declared(work: SurveyWork) -> str:
-    """Return the specification of the survey as TOML."""
-    import tomli_w
-
-    return tomli_w.dumps(work.specification.model_dump(mode="json", exclude_unset=True))

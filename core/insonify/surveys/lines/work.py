@@ -19,7 +19,7 @@ from insonify.record.blocks import trace_blocks
 from insonify.record.variables import make_block, record_attributes
 from insonify.scene import Scene, edit
 from insonify.simulation import prepare
-from insonify.surveys.engine.jobs import FLAGS, digest_of, name_job
+from insonify.surveys.engine import FLAGS, digest_of, job_number, name_job
 from insonify.surveys.lines.specification import SurveySpecification
 from insonify.surveys.lines.track import SurveyLine, SurveyTrack, join_lines, lay_lines
 from insonify.surveys.specification import contents_of
@@ -35,9 +35,9 @@ class SurveyWork:
     """The jobs of a survey."""
 
     specification: SurveySpecification
-    base: Scene  # the scene; its track is replaced
-    folder: Path  # of the survey
-    plan: Plan | None = None  # of the whole survey, which the workers are handed
+    base: Scene  # scene; its track is replaced
+    folder: Path  # folder of the survey
+    plan: Plan | None = None  # plan of the whole survey, which is sent to the workers
 
     @cached_property
     def lines(self) -> list[SurveyLine]:
@@ -57,7 +57,7 @@ class SurveyWork:
 
     @cached_property
     def scene(self) -> Scene:
-        """The scene with the track of the whole survey, whose fixes are in a file of the survey's folder."""
+        """The scene with the track of the whole survey; the fixes are in a file of the survey's folder."""
         surveyed = edit(self.base, self.specification.set)
         recorded = {"kind": "recorded", "path": str(self.folder / FLAGS / TRACK)}
         others = [motion.model_dump(mode="json") for motion in surveyed.track.motions if motion.moves]
@@ -85,9 +85,9 @@ class SurveyWork:
         return replace(self, plan=plan(self.scene, TOLERANCE))
 
     def make(self, name: str, beside: Path) -> dict[str, Any]:
-        """Simulate the record of a line below a folder, and tell of it."""
-        number = int(name.partition("-")[0])
-        file = record_name(number, self.specification.suffix)
+        """Simulate the record of a line below a folder, and describe it."""
+        number = job_number(name)
+        file = f"{RECORDS}/line-{number + 1:04d}{self.specification.suffix}"
         (beside / file).parent.mkdir()
         pings = self.track.pings[number]
         write_record(beside / file, self._blocks(pings))
@@ -115,8 +115,3 @@ class SurveyWork:
         attributes = record_attributes(self.scene, simulation.plan, "auto", TOLERANCE, None)
         for block in trace_blocks(simulation, pings=pings):
             yield make_block(self.scene, simulation.ground, *block, None, attributes)
-
-
-def record_name(number: int, suffix: str) -> str:
-    """Return the path of a line's record below the folder of the survey."""
-    return f"{RECORDS}/line-{number + 1:04d}{suffix}"

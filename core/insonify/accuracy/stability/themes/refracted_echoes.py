@@ -107,8 +107,11 @@ def _double() -> Measured:
     single, exact = (rays.trace(arrays, pose, rays=count)[0, 0, TWICE] for count in (RAYS, MANY_RAYS))
     sheet = ray_sheets.trace(arrays, pose, sheets=1, rays=RAYS)[0, 0, TWICE]
     r = bin_centres(arrays)[TWICE]
-    norm = float(np.linalg.norm(exact))
-    return Measured.by(lambda one: 100.0 * float(np.linalg.norm(one - exact)) / norm, single, sheet, panel(
+
+    def error(record: Values) -> float:
+        return float(100.0 * np.linalg.norm(record - exact) / np.linalg.norm(exact))
+
+    return Measured.by(error, single, sheet, panel(
         common(r, single / exact, "rays binned one by one", ".", markersize=3),
         ours(r, sheet / exact, "spread between neighbours", ".", markersize=3),
         inked(None, 1.0, linewidth=0.6),

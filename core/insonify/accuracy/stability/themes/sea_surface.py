@@ -13,9 +13,7 @@ from insonify.accuracy.stability.level_scenes import arrays_over, ball_at, level
 from insonify.acoustics.resolution_cell import bin_centres
 from insonify.acoustics.sea_surface import make_surface_multipath
 from insonify.kernels.common.types import LIGHT, SceneArrays, still_water
-from insonify.scene.water.surfaces import WAYS
-from insonify.scene.water.surfaces.flat import FlatSurface
-from insonify.scene.water.surfaces.rough import RoughSurface
+from insonify.scene.water.surfaces import WAYS, FlatSurface, RoughSurface
 
 THEME = StabilityTheme("Paths by the sea surface", 13)
 Values = NDArray[np.float64]

@@ -11,8 +11,8 @@ from insonify.accuracy.stability.case import Approach, Measured, StabilityTheme
 from insonify.accuracy.stability.drawing import common, faint, ours, panel, side_by_side, table
 from insonify.accuracy.stability.level_scenes import error_message, make_level_scene
 from insonify.scene import Scene, load_scene
+from insonify.statistics.spectral_exponent import amplitude_exponent
 from insonify.terrain import relief, relief_picture
-from insonify.terrain.spectral_exponent import amplitude_exponent
 
 THEME = StabilityTheme("Generated reliefs", 9)
 Field = NDArray[np.float64]

@@ -7,14 +7,13 @@ from abc import abstractmethod
 
 import numpy as np
 
-from insonify.scene.base import Choice
-from insonify.scene.kinds import Family
+from insonify.scene.base import Family, Kind, parameter
 from insonify.scene.seabed.reliefs.spectrum import Density, Field
 
 AUTOCORRELATIONS = Family("autocorrelations", "insonify.scene.seabed.autocorrelations")
 
 
-class AutocorrelationKind(Choice):
+class AutocorrelationKind(Kind):
     """Autocorrelation of heights over the lag."""
 
     family = AUTOCORRELATIONS
@@ -22,7 +21,7 @@ class AutocorrelationKind(Choice):
     @property
     @abstractmethod
     def feature(self) -> float:
-        """Width of the finest feature of the spectrum, in cycles per metre."""
+        """Width of the narrowest feature of the spectrum, in cycles per metre."""
 
     @abstractmethod
     def density(self, variance: float) -> Density:
@@ -31,10 +30,28 @@ class AutocorrelationKind(Choice):
         Raises
         ------
         SceneError
-            If no surface has that autocorrelation, or its file cannot be read.
+            If no surface can have that autocorrelation, or its file cannot be read.
         """
 
 
-def squared_phase(fx: Field, fy: Field, length: float) -> Field:
-    """Squared product (k length)² of wave number and length, for waves in cycles per metre."""
-    return np.asarray((2.0 * math.pi * length) ** 2 * (fx**2 + fy**2))
+class LengthAutocorrelation(AutocorrelationKind):
+    """Autocorrelation given by its correlation length."""
+
+    length: float = parameter(
+        1.0,
+        unit="m",
+        description="lag at which the autocorrelation is 1/e",
+        gt=0.0,
+        le=1e5,
+        slider=(0.2, 20.0),
+        log=True,
+    )
+
+    @property
+    def feature(self) -> float:
+        """Width of the narrowest feature of the spectrum, in cycles per metre."""
+        return 1.0 / (2.0 * math.pi * self.length)
+
+    def squared_phase(self, fx: Field, fy: Field) -> Field:
+        """Squared product (k length)² of wave number and length, for waves in cycles per metre."""
+        return np.asarray((2.0 * math.pi * self.length) ** 2 * (fx**2 + fy**2))

@@ -11,31 +11,19 @@ from insonify.errors import SceneError
 from insonify.io.file_access import guarded, read_text
 from insonify.io.file_cache import kept_until_changed
 from insonify.scene.base import FilePath, parameter
-from insonify.scene.seabed.autocorrelations import AutocorrelationKind
-from insonify.scene.seabed.autocorrelations.table import (
-    Points,
-    TabledAutocorrelation,
-    density_of_points,
-    feature_of_points,
-)
-from insonify.scene.seabed.reliefs.spectrum import Density
+from insonify.scene.seabed.autocorrelations.table import LinearAutocorrelation, Points, TabledAutocorrelation
 
 
-class AutocorrelationFile(AutocorrelationKind):
-    """Autocorrelation by straight lines between the points of a file, 0 beyond the last."""
+class AutocorrelationFile(LinearAutocorrelation):
+    """Autocorrelation interpolated linearly between the points of a file, 0 beyond the last."""
 
     rank = 40
     kind: Literal["file"] = "file"
     path: FilePath = parameter(description="CSV with a column lag (m) and one autocorrelation, from 0, 1", min_length=1)
 
-    @property
-    def feature(self) -> float:
-        """Frequency over which the spectrum changes, from how far the autocorrelation reaches."""
-        return feature_of_points(read_autocorrelation(self.path))
-
-    def density(self, variance: float) -> Density:
-        """Spectral density of straight lines between the points of the file."""
-        return density_of_points(read_autocorrelation(self.path), variance)
+    def tabulated(self) -> Points:
+        """Read the points of the file."""
+        return read_autocorrelation(self.path)
 
 
 @kept_until_changed(maxsize=4)
@@ -43,14 +31,14 @@ def read_autocorrelation(path: str) -> Points:
     """Read the points of an autocorrelation from a CSV file."""
     with guarded(lambda fault, remedy: _refusal(path, fault), ""):
         rows = np.genfromtxt(read_text(path).splitlines(), delimiter=",", comments="#", dtype=np.float64, ndmin=2)
-    # A line of names comes out as NaN.
+    # genfromtxt reads a line of names as NaN.
     rows = rows[1:] if len(rows) and np.isnan(rows[0]).all() else rows
     if rows.shape[1] != 2 or not np.isfinite(rows).all():
         raise _refusal(path, "is not two columns of numbers")
     try:
         return TabledAutocorrelation(points=tuple((float(lag), float(value)) for lag, value in rows)).points
     except ValidationError:
-        raise _refusal(path, "does not begin at 0, 1 and go on to larger lags") from None
+        raise _refusal(path, "does not begin at 0, 1 and continue to larger lags") from None
 
 
 def _refusal(path: str, fault: str) -> SceneError:

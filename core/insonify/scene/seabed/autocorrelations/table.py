@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from abc import abstractmethod
 from functools import lru_cache
 from itertools import pairwise
 from typing import Literal
@@ -16,21 +17,37 @@ from insonify.scene.seabed.autocorrelations import AutocorrelationKind
 from insonify.scene.seabed.reliefs.spectrum import Density, Field
 
 TABLED = 4096  # wave numbers at which a tabulated autocorrelation is transformed
-NEGATIVE = 0.1  # share of the power that no surface could have and that is left out
+NEGATIVE = 0.1  # greatest share of negative power, which no surface can have and which is set to 0
 Points = tuple[tuple[float, float], ...]
 
 
-def _check_table(points: tuple[tuple[float, float], ...]) -> tuple[tuple[float, float], ...]:
-    lags = [lag for lag, _ in points]
-    if lags[0] != 0.0 or points[0][1] != 1.0:
-        raise ValueError(f"must start at [0, 1], for heights correlate fully with themselves, not at {list(points[0])}")
-    if any(after <= before for before, after in pairwise(lags)):
-        raise ValueError("must have lags that grow from point to point; sort them")
-    return points
+class LinearAutocorrelation(AutocorrelationKind):
+    """Autocorrelation interpolated linearly between points, 0 beyond the last."""
+
+    @abstractmethod
+    def tabulated(self) -> Points:
+        """Points of lag (m) and autocorrelation."""
+
+    @property
+    def feature(self) -> float:
+        """Width of the narrowest feature of the spectrum, in cycles per metre, from the last lag."""
+        return 0.5 / self.tabulated()[-1][0]
+
+    def density(self, variance: float) -> Density:
+        """Spectral density of heights of that variance (m²), by the transform of the points."""
+        wave, power = tabulate_spectrum(self.tabulated())
+
+        def density(fx: Field, fy: Field) -> Field:
+            # Beyond the table it falls as k⁻³, the mean trend of a function with corners.
+            k = 2.0 * math.pi * np.hypot(fx, fy)
+            beyond = np.maximum(k / wave[-1], 1.0)
+            return np.asarray(variance * np.interp(k, wave, power) * beyond**-3.0)
+
+        return density
 
 
-class TabledAutocorrelation(AutocorrelationKind):
-    """Autocorrelation by straight lines between given points, 0 beyond the last."""
+class TabledAutocorrelation(LinearAutocorrelation):
+    """Autocorrelation interpolated linearly between given points, 0 beyond the last."""
 
     rank = 30
     kind: Literal["table"] = "table"
@@ -43,41 +60,22 @@ class TabledAutocorrelation(AutocorrelationKind):
 
     @field_validator("points")
     @classmethod
-    def _ordered(cls, points: tuple[tuple[float, float], ...]) -> tuple[tuple[float, float], ...]:
-        return _check_table(points)
+    def _ordered(cls, points: Points) -> Points:
+        if points[0] != (0.0, 1.0):
+            raise ValueError(f"must start at [0, 1], full correlation at lag 0, not at {list(points[0])}")
+        if any(after[0] <= before[0] for before, after in pairwise(points)):
+            raise ValueError("must have increasing lags; sort the points")
+        return points
 
-    @property
-    def feature(self) -> float:
-        """Frequency over which the spectrum changes, from how far the autocorrelation reaches."""
-        return feature_of_points(self.points)
-
-    def density(self, variance: float) -> Density:
-        """Spectral density of straight lines between the points."""
-        return density_of_points(self.points, variance)
-
-
-def feature_of_points(points: Points) -> float:
-    """Frequency over which the spectrum of a tabulated autocorrelation changes, cycles a metre."""
-    return 0.5 / points[-1][0]
-
-
-def density_of_points(points: Points, variance: float) -> Density:
-    """Spectral density of straight lines between points of an autocorrelation."""
-    wave, power = tabulate_spectrum(points)
-
-    def density(fx: Field, fy: Field) -> Field:
-        # Beyond the table it goes on as k⁻³, as that of anything with corners does on the average.
-        k = 2.0 * math.pi * np.hypot(fx, fy)
-        beyond = np.maximum(k / wave[-1], 1.0)
-        return np.asarray(variance * np.interp(k, wave, power) * beyond**-3.0)
-
-    return density
+    def tabulated(self) -> Points:
+        """Return the declared points."""
+        return self.points
 
 
 @lru_cache(maxsize=4)
 def tabulate_spectrum(points: Points) -> tuple[Field, Field]:
-    """Wave numbers, and the transform there of straight lines between points of an autocorrelation."""
-    from scipy.special import itj0y0, j0, j1
+    """Wave numbers, and the spectrum there of an autocorrelation that is linear between points."""
+    from scipy.special import itj0y0, j0, j1  # lazy: SciPy takes longer to import than a scene to read
 
     lag, value = np.array(points).T
     slope = np.diff(value) / np.diff(lag)
@@ -86,14 +84,14 @@ def tabulate_spectrum(points: Points) -> tuple[Field, Field]:
     kr = wave[:, np.newaxis] * lag
     part = (itj0y0(kr)[0] / wave[:, np.newaxis] - lag * j0(kr)) / wave[:, np.newaxis]
     power = 2.0 * math.pi / wave * (value[-1] * lag[-1] * j1(kr[:, -1]) - np.diff(part, axis=1) @ slope)
-    # Where a wave is far longer than every lag, the terms cancel; there the power is level.
+    # For waves far longer than every lag the terms cancel; there the power is constant.
     level = wave * lag[-1] < 0.05
     power[level] = power[~level][0]
-    held = np.gradient(wave) * wave * power
-    lost = -held[held < 0.0].sum() / np.abs(held).sum()
+    variance = np.gradient(wave) * wave * power
+    lost = -variance[variance < 0.0].sum() / np.abs(variance).sum()
     if lost > NEGATIVE:
         raise SceneError(
-            f"seabed.relief.function: {100 * lost:.0f} % of the power of this autocorrelation would be negative, as no "
-            "surface has it; let it fall more smoothly, steepest at lag 0"
+            f"seabed.relief.function: {100 * lost:.0f} % of the power of this autocorrelation would be negative, which "
+            "no surface can have; let it fall more smoothly, steepest at lag 0"
         )
     return wave, np.maximum(power, 0.0)

@@ -1,10 +1,16 @@
-"""Materials of bed and targets: named ones, their scattering parameters, and one file a kind of map."""
+"""Maps of materials: their base classes and the map of a single material; one file a kind of map."""
 
-from insonify.scene.seabed.materials.base import MATERIAL_MAPS, AnyMaterialMap, Cells, MaterialMap
-from insonify.scene.seabed.materials.catalogue import MATERIALS, NamedMaterial
-from insonify.scene.seabed.materials.composite import CompositeMap
-from insonify.scene.seabed.materials.reflectivity import Reflectivity
-from insonify.scene.seabed.materials.uniform import Material
+from __future__ import annotations
+
+from typing import Annotated, Any, ClassVar, Literal, Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+from pydantic import field_validator, model_validator
+
+from insonify.io.georeference import Georeference
+from insonify.scene.base import Declaration, Family, KindOf, parameter
+from insonify.scene.seabed.materials.catalogue import MATERIALS, NamedMaterial, Reflectivity, check_albedo
 
 __all__ = [
     "MATERIALS",
@@ -12,8 +18,199 @@ __all__ = [
     "AnyMaterialMap",
     "Cells",
     "CompositeMap",
+    "Map",
     "Material",
     "MaterialMap",
     "NamedMaterial",
     "Reflectivity",
 ]
+
+MATERIAL_MAPS = Family("material_maps", "insonify.scene.seabed.materials")
+PERIOD = 102.4  # m, after which a level bed without a period of its own repeats
+Map = NDArray[np.uint8]
+
+
+class Cells(Protocol):
+    """Cells of a bed to which a map assigns materials, and random fields over them."""
+
+    @property
+    def shape(self) -> tuple[int, int]:
+        """Cells along y and x."""
+
+    @property
+    def size(self) -> tuple[float, float]:
+        """Extent along x and y, in metres."""
+
+    @property
+    def periodic(self) -> bool:
+        """Whether the bed repeats after its extent."""
+
+    @property
+    def place(self) -> Georeference | None:
+        """Map coordinates of the local (0, 0), for a map with coordinates of its own."""
+
+    def centres(self) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+        """Local x and y of the cells' middles, (nx,) and (ny,), in metres."""
+
+    def patches(self, size: float, count: int) -> Map:
+        """Index below ``count`` of the random patch, about ``size`` metres wide, that contains each cell."""
+
+    def bands(self, beta: float, count: int) -> Map:
+        """Index below ``count`` of bands of equal area of a fractal field of that exponent."""
+
+
+class MaterialMap(Declaration):
+    """Map of the materials of a bed; a kind declares its ``kind``, its fields, its `materials` and their `indices`."""
+
+    family = MATERIAL_MAPS
+    on_a_map: ClassVar[bool] = False  # whether it has map coordinates of its own
+    kind: str = parameter(description="kind of map")
+
+    @property
+    def materials(self) -> tuple[Material, ...]:
+        """The materials of the map."""
+        raise NotImplementedError(f"the map {self.kind!r} declares no materials")
+
+    def indices(self, cells: Cells) -> Map:
+        """Row of the table of materials for each cell, (ny, nx).
+
+        Raises
+        ------
+        SceneError
+            If a file cannot be read; the message begins with the name of the field.
+        """
+        raise NotImplementedError(f"the map {self.kind!r} declares no indices")
+
+    def rows(self) -> tuple[tuple[str, ...], tuple[Reflectivity, ...]]:
+        """Names and scattering parameters of the rows of its table of materials."""
+        materials = self.materials
+        return tuple(one.name for one in materials), tuple(one.reflectivity for one in materials)
+
+    def level_shape(self, spacing: float, fewest: int, most: int) -> tuple[int, int]:
+        """Cells along y and x after which a level bed with this map repeats.
+
+        Parameters
+        ----------
+        spacing : float
+            Metres between nodes.
+        fewest, most : int
+            Limits of the cells along a side.
+
+        Raises
+        ------
+        SceneError
+            If the map needs more cells; the message begins with the name of the field.
+        """
+        cells = int(np.clip(round(PERIOD / spacing), fewest, most))
+        return cells, cells
+
+    @property
+    def layout(self) -> MaterialMap:
+        """The map without the scattering parameters of its materials, on which no border depends."""
+        return self
+
+
+class Material(MaterialMap):
+    """One material: a name, and numbers that override those of the named material."""
+
+    rank = 1
+    kind: Literal["uniform"] = "uniform"
+    name: str = parameter("medium_sand", description="named material, of which the numbers apply where none are given")
+    diffuse: float | None = parameter(
+        None, description="share of energy scattered evenly (Lambert)", ge=0.0, le=1.0, slider=(0.0, 1.0)
+    )
+    specular: float | None = parameter(
+        None, description="share of energy in the mirror lobe (Phong)", ge=0.0, le=1.0, slider=(0.0, 1.0)
+    )
+    shininess: float | None = parameter(
+        None,
+        description="exponent n of the mirror lobe, that of facets with an rms slope of 1/(2√n)",
+        ge=1.0,
+        le=1000.0,
+        slider=(1.0, 200.0),
+        log=True,
+    )
+    reflection: float | None = parameter(
+        None,
+        description="share of the amplitude reflected specularly at normal incidence (R0)",
+        ge=0.0,
+        le=1.0,
+        slider=(0.0, 1.0),
+    )
+    speed_ratio: float | None = parameter(
+        None, description="speed of sound inside over that of water", ge=0.1, le=10.0, slider=(0.5, 5.0), log=True
+    )
+    speckle_shape: float | None = parameter(
+        None,
+        description="shape of K speckle on this material; fewer scatterers: smaller shape, spikier speckle",
+        ge=0.01,
+        le=1e4,
+        slider=(0.1, 100.0),
+        log=True,
+    )
+
+    @model_validator(mode="before")
+    @classmethod
+    def _name_alone(cls, value: Any) -> Any:
+        return {"name": value} if isinstance(value, str) else value
+
+    @field_validator("name")
+    @classmethod
+    def _known(cls, name: str) -> str:
+        if name not in MATERIALS:
+            raise ValueError(f"is not a known material; choose one of {', '.join(MATERIALS)}")
+        return name
+
+    @model_validator(mode="after")
+    def _albedo_within_1(self) -> Material:
+        check_albedo(*self.reflectivity[:2])
+        return self
+
+    @property
+    def reflectivity(self) -> Reflectivity:
+        """Scattering parameters in force: the given ones, else the named material's."""
+        given = {field: getattr(self, field) for field in Reflectivity._fields}
+        named = MATERIALS[self.name].reflectivity
+        return named._replace(**{field: number for field, number in given.items() if number is not None})
+
+    @property
+    def materials(self) -> tuple[Material, ...]:
+        """The material itself."""
+        return (self,)
+
+    def indices(self, cells: Cells) -> Map:
+        """Return row 0 for every cell."""
+        return np.zeros(cells.shape, dtype=np.uint8)
+
+    def level_shape(self, spacing: float, fewest: int, most: int) -> tuple[int, int]:
+        """Return the fewest cells."""
+        return fewest, fewest
+
+    @property
+    def layout(self) -> Material:
+        """Any material."""
+        return Material()
+
+    def value_in_force(self, field: str) -> float | None:
+        """Return the named material's number."""
+        number: float | None = getattr(self.reflectivity, field)
+        return number
+
+
+class CompositeMap(MaterialMap):
+    """A map of several materials; a kind declares its `indices`."""
+
+    of: tuple[Material, ...] = parameter(description="materials of the map", min_length=2, max_length=32)
+
+    @property
+    def materials(self) -> tuple[Material, ...]:
+        """The materials of the map."""
+        return self.of
+
+    @property
+    def layout(self) -> CompositeMap:
+        """The map without the scattering parameters of its materials, on which no border depends."""
+        return self.model_copy(update={"of": (Material(),) * len(self.of)})
+
+
+AnyMaterialMap = Annotated[MaterialMap, KindOf(MATERIAL_MAPS, default="uniform", text="uniform")]

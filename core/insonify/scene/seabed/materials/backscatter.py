@@ -1,4 +1,4 @@
-"""Backscatter measured on a map as a map of materials."""
+"""A measured map of backscatter as a map of materials."""
 
 from __future__ import annotations
 
@@ -10,21 +10,18 @@ from numpy.typing import NDArray
 from pydantic import model_validator
 
 from insonify.errors import SceneError
-from insonify.files import file_version
 from insonify.io.bathymetry.grid import Grid
 from insonify.io.bathymetry.rasters import read_raster
 from insonify.io.file_access import check_regular, guarded
 from insonify.io.file_cache import kept_until_changed
 from insonify.io.georeference import Georeference, project
 from insonify.scene.base import FilePath, parameter
-from insonify.scene.seabed.materials.base import Cells, Map
-from insonify.scene.seabed.materials.composite import CompositeMap
+from insonify.scene.seabed.materials import Cells, CompositeMap, Map, Material
 from insonify.scene.seabed.materials.image import LARGEST_SIDE
-from insonify.scene.seabed.materials.uniform import Material
 
 
 class BackscatterMap(CompositeMap):
-    """A raster of backscatter, laid on the bed by its own map; places without a value take the nearest one."""
+    """A raster of backscatter with map coordinates; pixels without a value take the nearest one."""
 
     rank = 6
     on_a_map = True
@@ -34,26 +31,26 @@ class BackscatterMap(CompositeMap):
         description="materials from the lowest to the highest values", min_length=2, max_length=32
     )
     levels: tuple[float, ...] = parameter(
-        (), description="values between one material and the next; equal shares of the raster when left out"
+        (), description="values that separate successive materials; equal shares of the raster when left out"
     )
 
     @model_validator(mode="after")
     def _levels_part_the_materials(self) -> BackscatterMap:
         if self.levels and len(self.levels) != len(self.of) - 1:
             raise ValueError(
-                f"levels has {len(self.levels)} values for {len(self.of)} materials; give one less than those"
+                f"levels has {len(self.levels)} values for {len(self.of)} materials; give one value less than materials"
             )
         if any(high <= low for low, high in zip(self.levels, self.levels[1:])):
             raise ValueError("levels does not increase; sort it")
         return self
 
     def indices(self, cells: Cells) -> Map:
-        """Material of the pixel over each cell; on a bed that repeats, the raster repeats after its own size."""
+        """Material of the pixel at each cell; on a periodic bed, the raster repeats after its own size."""
         grid, classes = _read(self.path, len(self.of), self.levels)
         if cells.place is None or grid.corner is None or grid.spacing is None:
             raise _refusal(
                 self.path,
-                "has no place on the bed",
+                "has no position on the bed",
                 "give a raster with coordinates, and world.origin and world.crs or a measured bed",
             )
         x, y = _on_its_map(grid, cells.place, *np.meshgrid(*cells.centres()))
@@ -73,21 +70,16 @@ class BackscatterMap(CompositeMap):
             raise _refusal(self.path, f"covers {nx} by {ny} cells of {spacing:g} m", "crop it or widen seabed.spacing")
         return ny, nx
 
-    @property
-    def version(self) -> tuple[int, int]:
-        """Version of the raster."""
-        return file_version(self.path)
-
 
 @kept_until_changed(maxsize=2)
 def _read(path: str, count: int, levels: tuple[float, ...]) -> tuple[Grid, Map]:
-    """Read a raster, and the material of each of its pixels, southernmost row first."""
+    """Read a raster, and the material of each pixel, southernmost row first."""
     with guarded(partial(_refusal, path), "give a GeoTIFF of one band"):
         check_regular(path)
         grid = read_raster(path)
     known = np.isfinite(grid.heights)
     if not known.any():
-        raise _refusal(path, "holds no value", "check its nodata value")
+        raise _refusal(path, "has no valid pixel", "check its nodata value")
     values = grid.heights
     if not known.all():
         from scipy.ndimage import distance_transform_edt  # lazy: the command starts without SciPy

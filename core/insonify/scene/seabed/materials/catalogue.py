@@ -1,4 +1,8 @@
-"""Named materials: tables of the TOML files in ``resources/materials`` and in the folders that packages announce."""
+"""Named materials and their scattering parameters.
+
+They are tables of the TOML files in ``resources/materials`` and in the folders of the entry points
+``insonify.materials``.
+"""
 
 from __future__ import annotations
 
@@ -6,7 +10,7 @@ import tomllib
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, NamedTuple
 
 from pydantic import Field, TypeAdapter, ValidationError, model_validator
 
@@ -14,10 +18,21 @@ from insonify.errors import SceneError
 from insonify.files import resources
 from insonify.plugins import announced
 from insonify.scene.base import Declaration, parameter
-from insonify.scene.seabed.materials.reflectivity import Reflectivity, refuse_excess
 
 Share = Annotated[float, Field(ge=0.0, le=1.0)]
-Density = Annotated[float, Field(gt=0.0, allow_inf_nan=True)]
+DensityRatio = Annotated[float, Field(gt=0.0, allow_inf_nan=True)]
+
+
+class Reflectivity(NamedTuple):
+    """Scattering parameters of a surface."""
+
+    # Shares of the energy that returns evenly (Lambert) and in a lobe about the mirror direction (Phong).
+    diffuse: float
+    specular: float
+    shininess: float  # exponent of that lobe
+    reflection: float = 0.0  # R0, share of the amplitude that a smooth surface reflects at normal incidence
+    speed_ratio: float = 1.0  # ν, speed of sound inside over that of water
+    speckle_shape: float | None = None  # shape of K speckle; the receiver's own where None
 
 
 class NamedMaterial(Declaration):
@@ -26,20 +41,20 @@ class NamedMaterial(Declaration):
     diffuse: Share = parameter(description="share of energy scattered evenly (Lambert)")
     specular: Share = parameter(description="share of energy in the mirror lobe (Phong)")
     shininess: float = parameter(description="exponent n of the mirror lobe", ge=1.0, le=1000.0)
-    density: Density = parameter(description="density over that of water; inf for what lets nothing in")
+    density: DensityRatio = parameter(description="density over that of water; inf for a perfect reflector")
     speed_ratio: float = parameter(description="speed of sound inside over that of water", ge=0.1, le=10.0)
     colour: tuple[Share, Share, Share] = parameter(description="red, green and blue in the viewer, as sRGB")
     source: str = parameter(description="where the numbers come from", min_length=1)
 
     @model_validator(mode="after")
-    def _no_more_than_arrives(self) -> NamedMaterial:
-        refuse_excess(self.diffuse, self.specular)
+    def _albedo_within_1(self) -> NamedMaterial:
+        check_albedo(self.diffuse, self.specular)
         return self
 
     @property
     def reflectivity(self) -> Reflectivity:
         """Scattering parameters of a surface of the material."""
-        # R0 = (ρν − 1) / (ρν + 1) of two fluids at normal incidence, so written that nothing overflows for a mirror.
+        # R0 = (ρν − 1) / (ρν + 1) of two fluids at normal incidence, written so that nothing overflows for a mirror.
         reflection = 1.0 - 2.0 / (self.density * self.speed_ratio + 1.0)
         return Reflectivity(self.diffuse, self.specular, self.shininess, reflection, self.speed_ratio)
 
@@ -78,6 +93,14 @@ class Catalogue(Mapping[str, NamedMaterial]):
         return self._kept
 
 
+def check_albedo(diffuse: float, specular: float) -> None:
+    """Raise ValueError for shares of energy that sum to more than 1."""
+    if diffuse + specular > 1.0 + 1e-9:
+        raise ValueError(
+            f"diffuse {diffuse:g} + specular {specular:g} reflect more than arrives; lower one until they sum to 1"
+        )
+
+
 def read_materials(folder: Path) -> dict[str, NamedMaterial]:
     """Read the named materials of a folder of TOML files."""
     found: dict[str, NamedMaterial] = {}
@@ -86,7 +109,7 @@ def read_materials(folder: Path) -> dict[str, NamedMaterial]:
             tables = tomllib.loads(file.read_text(encoding="utf-8"))
             found |= _TABLES.validate_python(tables)
         except tomllib.TOMLDecodeError as error:
-            raise SceneError(f"{file}: is not valid TOML ({error}); mend that line") from None
+            raise SceneError(f"{file}: is not valid TOML ({error}); correct that line") from None
         except ValidationError as error:
             fault = error.errors()[0]
             field = ".".join(map(str, fault["loc"]))

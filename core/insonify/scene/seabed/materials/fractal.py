@@ -5,13 +5,11 @@ from __future__ import annotations
 from typing import Literal
 
 from insonify.scene.base import parameter
-from insonify.scene.seabed.materials.base import Cells, Map
-from insonify.scene.seabed.materials.composite import CompositeMap
-from insonify.scene.seabed.materials.uniform import Material
+from insonify.scene.seabed.materials import Cells, CompositeMap, Map, Material
 
 
 class FractalMap(CompositeMap):
-    """Winding borders: a fractal field cut into bands of equal area, one band a material."""
+    """Bands of equal area between contours of a fractal field, one band a material."""
 
     rank = 3
     kind: Literal["fractal"] = "fractal"
@@ -21,5 +19,5 @@ class FractalMap(CompositeMap):
     )
 
     def indices(self, cells: Cells) -> Map:
-        """Material of the band that each cell lies in."""
+        """Material of the band that contains each cell."""
         return cells.bands(self.beta, len(self.of))

@@ -9,14 +9,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from insonify.errors import SceneError
-from insonify.files import file_version
 from insonify.io.file_access import guarded
 from insonify.io.file_cache import kept_until_changed
 from insonify.io.pictures import read_pixels
 from insonify.scene.base import FilePath, parameter
-from insonify.scene.seabed.materials.base import Cells, Map
-from insonify.scene.seabed.materials.composite import CompositeMap
-from insonify.scene.seabed.materials.uniform import Material
+from insonify.scene.seabed.materials import Cells, CompositeMap, Map, Material
 
 LARGEST_SIDE = 16384  # cells of a map
 # Grey levels of Pillow's modes.
@@ -24,7 +21,7 @@ LEVELS = {"1": 2, "L": 256, "I": 65536, "I;16": 65536, "I;16B": 65536, "I;16L": 
 
 
 class ImageMap(CompositeMap):
-    """A picture laid on the bed, north up, repeated from its lower left corner at (0, 0)."""
+    """A picture of the bed, north up, repeated from its lower left corner at (0, 0)."""
 
     rank = 5
     kind: Literal["image"] = "image"
@@ -35,7 +32,7 @@ class ImageMap(CompositeMap):
     width: float = parameter(
         102.4,
         unit="m",
-        description="width of the picture on the bed; whole pictures are fitted into a period of the relief",
+        description="width of the picture on the bed, adjusted so that whole pictures fill a period of the relief",
         gt=0.0,
         le=1e6,
         slider=(10.0, 500.0),
@@ -43,7 +40,7 @@ class ImageMap(CompositeMap):
     )
 
     def indices(self, cells: Cells) -> Map:
-        """Material of the pixel over each cell; on a bed that repeats, the width gives way to it."""
+        """Material of the pixel at each cell; on a periodic bed the width is adjusted to it."""
         pixels = read_picture(self.path, len(self.of))
         x, y = cells.centres()
         i = _pixels(x, self.width, pixels.shape[1], cells.size[0] if cells.periodic else None)
@@ -61,11 +58,6 @@ class ImageMap(CompositeMap):
             )
         return ny, nx
 
-    @property
-    def version(self) -> tuple[int, int]:
-        """Version of the picture."""
-        return file_version(self.path)
-
     def _height(self, pixels: Map) -> float:
         """Height of the picture on the bed, in metres."""
         return self.width * pixels.shape[0] / pixels.shape[1]
@@ -78,7 +70,9 @@ def read_picture(path: str, count: int) -> Map:
     if levels is None:
         if int(pixels.max()) >= count:
             raise _refusal(
-                path, f"uses colour {int(pixels.max())} of its palette", f"name a material for each, not only {count}"
+                path,
+                f"uses colour {int(pixels.max())} of its palette",
+                f"give a material for each colour, not only {count}",
             )
         bands = pixels
     else:
@@ -87,18 +81,18 @@ def read_picture(path: str, count: int) -> Map:
 
 
 def _read(path: str) -> tuple[NDArray[np.integer], int | None]:
-    """Pixels from the top row, and how many grey levels they tell apart; None for numbers of a palette."""
+    """Pixels from the top row, and their number of grey levels; None for pixels with a palette."""
     with guarded(partial(_refusal, path), "give a PNG or TIFF picture"):
         mode, pixels = read_pixels(path)
     if mode == "P":
         return pixels, None
     if mode not in LEVELS or not 0 <= int(pixels.min()) <= int(pixels.max()) < LEVELS[mode]:
-        raise _refusal(path, f"holds pixels of mode {mode}", "save it with 8 or 16 bits of grey or a palette")
+        raise _refusal(path, f"has pixels of mode {mode}", "save it with 8 or 16 bits of grey or a palette")
     return pixels, LEVELS[mode]
 
 
 def _pixels(place: NDArray[np.float64], size: float, count: int, period: float | None) -> NDArray[np.int64]:
-    """Pixel over each place; pictures that fill a period are stretched to it."""
+    """Pixel at each coordinate; whole pictures are stretched to fill a period."""
     if period is not None:
         size = period / max(1, round(period / size))
     return np.floor(place / size * count).astype(np.int64) % count

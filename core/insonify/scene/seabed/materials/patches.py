@@ -5,13 +5,11 @@ from __future__ import annotations
 from typing import Literal
 
 from insonify.scene.base import parameter
-from insonify.scene.seabed.materials.base import Cells, Map
-from insonify.scene.seabed.materials.composite import CompositeMap
-from insonify.scene.seabed.materials.uniform import Material
+from insonify.scene.seabed.materials import Cells, CompositeMap, Map, Material
 
 
 class Patches(CompositeMap):
-    """Patches with sharp borders: every patch takes one of the materials."""
+    """Random patches with sharp borders, each of one of the materials."""
 
     rank = 2
     kind: Literal["patches"] = "patches"
@@ -21,5 +19,5 @@ class Patches(CompositeMap):
     )
 
     def indices(self, cells: Cells) -> Map:
-        """Material of the patch that each cell lies in."""
+        """Material of the patch that contains each cell."""
         return cells.patches(self.size, len(self.of))

@@ -10,16 +10,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from insonify.errors import SceneError
-from insonify.scene.base import parameter
-from insonify.scene.seabed.materials.base import Cells, Map
-from insonify.scene.seabed.materials.composite import CompositeMap
-from insonify.scene.seabed.materials.reflectivity import Reflectivity
-from insonify.scene.seabed.materials.uniform import Material
+from insonify.scene.base import angle, parameter
+from insonify.scene.seabed.materials import Cells, CompositeMap, Map, Material, Reflectivity
 
-# Rows between the materials of waves: as many as an index of one byte can tell apart.
-GRADES = 256
-LIKE = 1e-12  # cycles a metre by which wave numbers may differ and count as one
-NEAR = 1e-3  # of a wave number that an oblique pattern gives way, so that its bed stays small
+GRADES = 256  # rows of waves from the first material to the last: the values of one byte
+LIKE = 1e-12  # cycles a metre, difference below which wave numbers are equal
+NEAR = 1e-3  # relative change of the wave numbers of an oblique pattern, so that its bed stays small
 
 Vector = tuple[float, float]
 
@@ -36,27 +32,20 @@ class PatternMap(CompositeMap):
     period: float = parameter(
         8.0,
         unit="m",
-        description="length after which it repeats; whole ones are fitted into a period of the relief",
+        description="length after which the pattern repeats, adjusted so that whole ones fill a period of the relief",
         gt=0.0,
         le=1e5,
         slider=(0.5, 50.0),
         log=True,
     )
-    heading: float = parameter(
-        0.0,
-        unit="°",
-        description="direction along the stripes, counter-clockwise from +x; they follow one another to its left",
-        ge=-360.0,
-        le=360.0,
-        slider=(-180.0, 180.0),
-    )
+    heading: float = angle("direction along the stripes, counter-clockwise from +x; their order is to its left")
 
     def rows(self) -> tuple[tuple[str, ...], tuple[Reflectivity, ...]]:
-        """Names and numbers of the rows of its table of materials; those of waves lie between the materials."""
+        """Names and scattering parameters of the rows; those of waves are mixtures of two materials."""
         return graded_rows(self.of) if self.shape == "waves" else super().rows()
 
     def indices(self, cells: Cells) -> Map:
-        """Row of each cell; on a bed that repeats, period and heading give way to it."""
+        """Row of each cell; on a periodic bed, period and heading are adjusted to it."""
         x, y = cells.centres()
         across, along = (_fitted(vector, cells) for vector in self._wave_vectors())
         return self.rows_at(
@@ -64,7 +53,7 @@ class PatternMap(CompositeMap):
         )
 
     def rows_at(self, across: NDArray[np.float64], along: NDArray[np.float64]) -> Map:
-        """Row of the table of materials at places given in periods."""
+        """Row of the table of materials at coordinates in periods."""
         if self.shape == "waves":
             return np.rint((0.5 - 0.5 * np.cos(2.0 * math.pi * across)) * (GRADES - 1)).astype(np.uint8)
         count = len(self.of)
@@ -74,7 +63,7 @@ class PatternMap(CompositeMap):
         return (steps % count).astype(np.uint8)
 
     def level_shape(self, spacing: float, fewest: int, most: int) -> tuple[int, int]:
-        """Cells along y and x after which a level bed repeats together with the pattern, as nearly as may be."""
+        """Cells along y and x after which a level bed repeats together with the pattern, as nearly as possible."""
         if self.period > most * spacing:
             raise SceneError(
                 f"period: {self.period:g} m spans more than {most} cells of seabed.spacing {spacing:g} m; "
@@ -87,22 +76,22 @@ class PatternMap(CompositeMap):
         return ny, nx
 
     def _wave_vectors(self) -> tuple[Vector, Vector]:
-        """Cycles per metre along x and y, of the pattern across its stripes and along them."""
+        """Cycles per metre along x and y, first across the stripes and then along them."""
         angle = math.radians(self.heading)
-        # Rounded, so that a heading along the grid's axes is along them.
+        # Rounded, so that stripes along an axis of the grid are exactly along it.
         cosine, sine = round(math.cos(angle), 12) / self.period, round(math.sin(angle), 12) / self.period
         return (-sine, cosine), (cosine, sine)
 
 
 def graded_rows(materials: Sequence[Material]) -> tuple[tuple[str, ...], tuple[Reflectivity, ...]]:
-    """Names and numbers of equal steps from the first material through the others to the last.
+    """Names and scattering parameters of equal steps from the first material through the others to the last.
 
-    A name tells the percentages of the two materials a row lies between: ``25.1_silt+74.9_rock``.
+    A name gives the percentages of the two materials of a mixture: ``25.1_silt+74.9_rock``.
     """
     levels, whole = np.linspace(0.0, len(materials) - 1.0, GRADES), np.arange(len(materials))
     given = [material.reflectivity for material in materials]
     columns = [np.interp(levels, whole, column) for column in zip(*(row[:5] for row in given))]
-    # Of speckle it is the variance 1/ν that mixes, where both have one.
+    # Mixtures of speckle are linear in its variance 1/ν, where both materials have one.
     spiky = [math.nan if row.speckle_shape is None else 1.0 / row.speckle_shape for row in given]
     rows = tuple(
         Reflectivity(*map(float, numbers))._replace(speckle_shape=None if math.isnan(mixed) else 1.0 / float(mixed))
@@ -112,7 +101,7 @@ def graded_rows(materials: Sequence[Material]) -> tuple[tuple[str, ...], tuple[R
 
 
 def _fitted(vector: Vector, cells: Cells) -> Vector:
-    """Turn and stretch a wave a little, so that whole cycles fill a bed that repeats."""
+    """Turn and stretch a wave slightly, so that whole cycles fill a periodic bed."""
     if not cells.periodic:
         return vector
     cycles = [round(size * wave) for size, wave in zip(cells.size, vector)]
@@ -123,7 +112,7 @@ def _fitted(vector: Vector, cells: Cells) -> Vector:
 
 
 def _cells(waves: Sequence[float], near: float, spacing: float, fewest: int, most: int) -> int:
-    """Fewest cells in which whole cycles of all the waves have their wave numbers, or nearly so if none can."""
+    """Fewest cells that contain whole cycles of all waves, or nearly whole ones if no number does."""
     length = np.arange(fewest, most + 1) * spacing
     errors = [np.abs(np.rint(length * wave) / length - wave) for wave in waves]
     worst = np.max(errors, axis=0)

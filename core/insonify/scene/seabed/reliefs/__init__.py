@@ -1,4 +1,4 @@
-"""Shapes of the bed, one file a kind."""
+"""Reliefs of the bed, one file a kind."""
 
 from __future__ import annotations
 
@@ -8,8 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from insonify.io.georeference import Georeference
-from insonify.scene.base import Choice
-from insonify.scene.kinds import Family
+from insonify.scene.base import Family, Kind
 
 if TYPE_CHECKING:
     from insonify.scene.seabed.materials import MaterialMap
@@ -28,8 +27,8 @@ class HeightGrid(NamedTuple):
     y0: float = 0.0
 
 
-class ReliefKind(Choice):
-    """Shape of the bed.
+class ReliefKind(Kind):
+    """Relief of the bed.
 
     A kind either has random `parts`, or it samples its heights.
 
@@ -38,7 +37,7 @@ class ReliefKind(Choice):
     level : bool
         Whether the bed has no relief.
     measured : bool
-        Whether its heights are above the sea surface and end somewhere, whatever depth is declared.
+        Whether its heights are relative to the sea surface, and limited in extent, whatever depth is declared.
     """
 
     family = RELIEFS
@@ -55,11 +54,6 @@ class ReliefKind(Choice):
         """Random reliefs that are added to a measured bed."""
         return ()
 
-    @property
-    def version(self) -> tuple[int, int] | None:
-        """Version of the file that it is read from, None if there is none."""
-        return None
-
     def sample(
         self, spacing: float, origin: tuple[float, float] | None = None, shape: tuple[int, int] | None = None
     ) -> HeightGrid:
@@ -72,35 +66,34 @@ class ReliefKind(Choice):
         origin : (float, float), optional
             Map coordinates of the local (0, 0).
         shape : (ny, nx), optional
-            Nodes of one period; as many as the spacing makes when left out.
+            Nodes of one period; as many as the spacing requires when left out.
 
         Raises
         ------
         SceneError
-            If the bed cannot be made.
+            If the bed cannot be computed or read.
         """
         raise NotImplementedError
 
     def georeference(self, origin: tuple[float, float] | None) -> Georeference | None:
-        """Place of the local (0, 0) on the map of a measured bed; None if the bed is on no map.
+        """Map coordinates of the local (0, 0); None for a bed without map coordinates.
 
         Parameters
         ----------
         origin : (float, float), optional
-            Its map coordinates, where the scene gives them.
+            Map coordinates that the scene gives.
         """
-        del origin
         return None
 
     def check(self, spacing: float, material: MaterialMap) -> None:
-        """Refuse a relief that a grid of that spacing (m), or a bed of that material, cannot have.
+        """Check the relief against the spacing of the grid (m) and the material of the bed.
 
         Raises
         ------
         ValueError
-            One sentence with the field, the value and the remedy.
+            If they do not fit: one sentence with the field, the value and the remedy.
         """
 
 
 class AddableRelief(ReliefKind):
-    """A relief that may be one of a sum."""
+    """A relief that may be part of a sum."""

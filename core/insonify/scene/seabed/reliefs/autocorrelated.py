@@ -4,8 +4,7 @@ from __future__ import annotations
 
 from typing import Annotated, Literal
 
-from insonify.scene.base import parameter
-from insonify.scene.kinds import KindOf
+from insonify.scene.base import KindOf, parameter
 from insonify.scene.seabed.autocorrelations import AUTOCORRELATIONS, AutocorrelationKind
 from insonify.scene.seabed.autocorrelations.exponential import ExponentialAutocorrelation
 from insonify.scene.seabed.reliefs.random_relief import ExtendableRelief, rms_height
@@ -13,7 +12,7 @@ from insonify.scene.seabed.reliefs.spectrum import Band, Density
 
 
 class Autocorrelated(ExtendableRelief):
-    """Roughness of a given autocorrelation, the same in every direction (Wiener–Khinchin)."""
+    """Isotropic roughness of a given autocorrelation (Wiener–Khinchin)."""
 
     rank = 70
     gaussian = False
@@ -28,5 +27,5 @@ class Autocorrelated(ExtendableRelief):
         return self.function.density(self.rms**2)
 
     def bands(self) -> tuple[Band, ...]:
-        """One band."""
+        """Return one band."""
         return (Band(self.density(), self.function.feature),)

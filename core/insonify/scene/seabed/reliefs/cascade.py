@@ -22,7 +22,7 @@ class Cascade(RandomRelief):
     kind: Literal["cascade"] = "cascade"
     rms: float = rms_height()
     intermittency: float = parameter(
-        0.15, description="codimension C₁ of the mean flux; 0 is no multifractal", ge=0.0, le=1.0, slider=(0.0, 0.5)
+        0.15, description="codimension C₁ of the mean flux; 0 is not multifractal", ge=0.0, le=1.0, slider=(0.0, 0.5)
     )
     hurst: float = parameter(
         0.7, description="order H of the fractional integration", gt=0.0, le=2.0, slider=(0.1, 1.0)

@@ -8,7 +8,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from insonify.errors import SceneError
-from insonify.files import file_version
 from insonify.io.bathymetry import BATHYMETRY, Grid, read_grid
 from insonify.io.bathymetry.grid import LARGEST_SIDE
 from insonify.io.file_cache import kept_until_changed
@@ -27,26 +26,23 @@ class Dem(AddableRelief):
     rank = 90
     measured = True
     kind: Literal["dem"] = "dem"
-    path: FilePath = parameter(description="GeoTIFF, BAG, .asc, .npy or .npz grid of heights or depths", min_length=1)
+    path: FilePath = parameter(description="grid of heights or depths: GeoTIFF, BAG, .asc, .npy or .npz", min_length=1)
     positive: Literal["auto", "up", "down"] = parameter(
         "auto",
-        description="whether the numbers of the file are heights (up), depths (down), or what it says itself",
+        description="sign of the numbers of the file: heights (up), depths (down), or as the file states (auto)",
         rare=True,
     )
-    datum: float = parameter(0.0, unit="m", description="added to every height of the file", ge=-2e4, le=2e4)
-    scale: float = parameter(1.0, description="multiplies every height, before the datum is added", gt=0.0, le=1e3)
-
-    @property
-    def version(self) -> tuple[int, int]:
-        """Version of the file."""
-        return file_version(self.path)
+    datum: float = parameter(
+        0.0, unit="m", description="height that is added to every height of the file", ge=-2e4, le=2e4
+    )
+    scale: float = parameter(1.0, description="factor of every height, before the datum is added", gt=0.0, le=1e3)
 
     def sample(
         self, spacing: float, origin: tuple[float, float] | None = None, shape: tuple[int, int] | None = None
     ) -> HeightGrid:
-        """Read the bed and place it, its centre at the local (0, 0) unless the file and the scene say where it lies."""
+        """Read the bed; its centre is at the local (0, 0) unless file and scene give map coordinates."""
         if shape is not None:
-            raise SceneError(f"shape: {shape} cannot be given to a measured bed, which has its own grid; leave it out")
+            raise SceneError(f"shape: {shape} cannot be set for a measured bed, which has its own grid; leave it out")
         grid = _squared(self.path, _read_grid(self.path), spacing)
         step = spacing if grid.spacing is None else grid.spacing[0]
         ny, nx = grid.heights.shape
@@ -54,17 +50,17 @@ class Dem(AddableRelief):
         if origin is not None and grid.corner is not None:
             # Map coordinates reach millions of metres: subtract before anything becomes float32.
             x0, y0 = grid.corner[0] - origin[0], grid.corner[1] - origin[1]
-        # Some call their band depth although it is negative.
+        # Some files name their band depth although it is negative.
         down = (
             grid.depths and float(np.nanmin(grid.heights)) >= 0.0
             if self.positive == "auto"
             else self.positive == "down"
         )
         factor = -self.scale if down else self.scale
-        return HeightGrid(_on_earth(self, grid.heights * factor + self.datum), step, x0, y0)
+        return HeightGrid(_checked(self, grid.heights * factor + self.datum), step, x0, y0)
 
     def georeference(self, origin: tuple[float, float] | None) -> Georeference | None:
-        """Place of the local (0, 0) on the map of the file; None if it has no coordinates."""
+        """Map coordinates of the local (0, 0); None if the file has no coordinates."""
         grid = _read_grid(self.path)
         if grid.corner is None or grid.spacing is None:
             return None
@@ -73,8 +69,8 @@ class Dem(AddableRelief):
         return Georeference(grid.crs, centre if origin is None else origin)
 
 
-def _on_earth(dem: Dem, heights: NDArray[np.float64]) -> NDArray[np.float64]:
-    """World heights, refused where no bed can lie: an undeclared nodata value, or another unit."""
+def _checked(dem: Dem, heights: NDArray[np.float64]) -> NDArray[np.float64]:
+    """World heights, checked for undeclared nodata values, other units and depths read as heights."""
     low, high = float(np.nanmin(heights)), float(np.nanmax(heights))
     if not -HIGHEST <= low <= high <= HIGHEST:
         raise BATHYMETRY.refusal(
@@ -103,9 +99,9 @@ def _squared(path: str, grid: Grid, spacing: float) -> Grid:
             path, f"has cells of {dx:g} by {dy:g} m", f"resample it to square ones, at most {LARGEST_SIDE} a side"
         )
     heights = refine(refine(grid.heights, dx / fine).T, dy / fine).T
-    if not np.isfinite(heights).any():  # between two nodes there is a height only where both have one
+    if not np.isfinite(heights).any():  # a height between two nodes needs both
         raise BATHYMETRY.refusal(
-            path, f"has only lone heights between gaps, in cells of {dx:g} by {dy:g} m", "fill its gaps"
+            path, f"has only single heights between gaps, in cells of {dx:g} by {dy:g} m", "fill its gaps"
         )
     return Grid(np.ascontiguousarray(heights), (fine, fine), grid.corner, grid.crs, grid.depths)
 

@@ -18,7 +18,7 @@ from insonify.scene.seabed.reliefs.random_relief import ExtendableRelief, rms_he
 from insonify.scene.seabed.reliefs.spectrum import Band, Field, PeriodicWaves, Waves
 
 Peak = tuple[float, float]
-HIGHEST_PEAK = 0.9  # of the Nyquist frequency, on endless ground
+HIGHEST_PEAK = 0.9  # share of the Nyquist frequency, on endless ground
 
 
 class Fractal(ExtendableRelief):
@@ -50,7 +50,7 @@ class Fractal(ExtendableRelief):
     )
     rms: float = rms_height()
     quadrants: Literal[1, 4] = parameter(
-        1, description="put each peak in one quadrant, or mirror it into all four", rare=True
+        1, description="quadrants of each peak: one, or mirrored into all four", rare=True
     )
     combine: Literal["rms", "max"] = parameter("rms", description="how overlapping peaks combine", rare=True)
     decay: Literal["isotropic", "separable", "rotated", "elliptic"] = parameter(
@@ -62,7 +62,7 @@ class Fractal(ExtendableRelief):
         "hard", description="how the spectrum levels off at its peaks", rare=True
     )
     coefficients: Literal["phase", "gaussian"] = parameter(
-        "phase", description="random phases alone (exact spectrum), or Gaussian coefficients", rare=True
+        "phase", description="random phases only (exact spectrum), or Gaussian coefficients", rare=True
     )
 
     @field_validator("peaks", mode="before")
@@ -84,7 +84,7 @@ class Fractal(ExtendableRelief):
         return self
 
     @model_validator(mode="after")
-    def _endless_ground_can_be_strewn(self) -> Fractal:
+    def _endless_spectrum_is_smooth(self) -> Fractal:
         if not self.endless:
             return self
         if self.clamp != "soft" or self.coefficients != "gaussian":
@@ -109,22 +109,25 @@ class Fractal(ExtendableRelief):
 
     @property
     def idle_fields(self) -> frozenset[str]:
-        """Fields without effect: the exponents of the other decays."""
+        """Names of the fields without effect: the exponents of the other decays."""
         return super().idle_fields | ({"beta_x", "beta_y"} if self.decay == "isotropic" else {"beta"})
 
     def value_in_force(self, field: str) -> float | None:
-        """Exponent that applies where it is left open."""
+        """Exponent that applies where it is left out."""
         return self.exponents[1 if field == "beta_y" else 0]
 
-    def places(self) -> list[tuple[float, float]]:
-        """Where the peaks stand, cycles per period, but for their mirror images through zero frequency."""
-        return [place for peak in self.peaks for place in half_plane(peak, self.quadrants)]
+    @property
+    def half_plane_peaks(self) -> list[Peak]:
+        """Peaks in cycles per period, without their images through zero frequency."""
+        if self.quadrants == 1:
+            return list(self.peaks)
+        return [place for x, y in self.peaks for place in ((x, y), (x, -y))]
 
     def heights(self, waves: PeriodicWaves, reference: PeriodicWaves) -> Field:
-        """Heights of filtered noise; every grid is scaled by the one factor of the reference.
+        """Heights of filtered noise; every grid is scaled by the factor of the reference.
 
-        Grids of different shape thus agree in the waves they share; one finer than the reference has a little more
-        rms, a coarser one less.
+        Grids of different shape thus agree in the waves they share; one finer than the reference has a slightly higher
+        rms, a coarser one a lower one.
         """
         made = self.filtered_noise(waves)
         power = reference.variance(made if reference is waves else self.filtered_noise(reference))
@@ -140,8 +143,8 @@ class Fractal(ExtendableRelief):
         )
 
     def bands(self) -> tuple[Band, ...]:
-        """One band a peak and its mirror image."""
-        return tuple(self._band_about(peak) for peak in self.places())
+        """Return one band for each peak and its mirror image."""
+        return tuple(self._band_about(peak) for peak in self.half_plane_peaks)
 
     def _band_about(self, peak: tuple[float, float]) -> Band:
         period = self.period
@@ -149,12 +152,12 @@ class Fractal(ExtendableRelief):
         def density(fx: Field, fy: Field) -> Field:
             return decay_about(self, fx * period + peak[0], fy * period + peak[1], peak)
 
-        if peak == (0.0, 0.0):  # which is its own image
+        if peak == (0.0, 0.0):  # its own image
             return Band(lambda fx, fy: 2.0 * density(fx, fy), 1.0 / period)
         return Band(density, 1.0 / period, (peak[0] / period, peak[1] / period))
 
     def check(self, spacing: float, material: MaterialMap) -> None:
-        """Refuse peaks that the grid cannot hold."""
+        """Check that the grid resolves the peaks."""
         super().check(spacing, material)
         cells = self.period / spacing
         nyquist = HIGHEST_PEAK * cells / 2 if self.endless else round(cells) / 2
@@ -169,8 +172,8 @@ class Fractal(ExtendableRelief):
 def power_spectrum(fractal: Fractal, fx: Field, fy: Field) -> Field:
     """Squared amplitude A² of the relief's waves, up to one factor."""
     # A real field has the same power at −f as at f, so that every peak has an image at −(fx, fy). Peaks and images that
-    # coincide, as at zero frequency, count as often as they occur.
-    places = Counter(place for peak in fractal.peaks for place in _places(peak, fractal.quadrants))
+    # coincide, as at zero frequency, count as often as they occur. Adding 0 turns −0 into 0.
+    places = Counter((sign * x + 0.0, sign * y + 0.0) for x, y in fractal.half_plane_peaks for sign in (1.0, -1.0))
     power: Field = np.zeros(np.broadcast_shapes(fx.shape, fy.shape))
     for place, times in places.items():
         decay = decay_about(fractal, fx, fy, place)
@@ -179,17 +182,6 @@ def power_spectrum(fractal: Fractal, fx: Field, fy: Field) -> Field:
         else:
             power += decay if times == 1 else times * decay
     return power
-
-
-def half_plane(peak: tuple[float, float], quadrants: int) -> list[tuple[float, float]]:
-    """Places of a declared peak without its images through zero frequency."""
-    x, y = peak
-    return [(x, y)] if quadrants == 1 else [(x, y), (x, -y)]
-
-
-def _places(peak: tuple[float, float], quadrants: int) -> list[tuple[float, float]]:
-    """Places of a declared peak and its images in the whole plane."""
-    return [(sign * x + 0.0, sign * y + 0.0) for x, y in half_plane(peak, quadrants) for sign in (1.0, -1.0)]
 
 
 def decay_about(fractal: Fractal, fx: Field, fy: Field, peak: tuple[float, float]) -> Field:
@@ -208,12 +200,12 @@ def decay_about(fractal: Fractal, fx: Field, fy: Field, peak: tuple[float, float
 
 
 def _level(squared: Field, hard: bool) -> Field:
-    """Squared distance in cycles per period, kept at least 1 (hard) or increased by 1 (soft)."""
+    """Squared distance in cycles per period, limited to at least 1 (hard) or increased by 1 (soft)."""
     return np.maximum(squared, 1.0) if hard else 1.0 + squared
 
 
 def _along_peak(dx: Field, dy: Field, peak: tuple[float, float]) -> tuple[Field, Field]:
-    """Distances along the direction of a peak as seen from zero frequency, and across it."""
+    """Distances along and across the direction of a peak from zero frequency."""
     length = math.hypot(*peak)
     cosine, sine = (peak[0] / length, peak[1] / length) if length > 0.0 else (1.0, 0.0)
     return cosine * dx + sine * dy, cosine * dy - sine * dx

@@ -33,15 +33,15 @@ from insonify.scene.seabed.reliefs.random_relief import MOST_CELLS
 
 Curve = NDArray[np.float64]
 
-FROM = 1.4  # slant range over altitude from which the records agree
+FROM = 1.4  # slant range over altitude beyond which the records agree
 STEPS_A_CELL = 8
 FEWEST_CELLS = 4
-MEAN_OF = 1 << 14  # samples
-WIDTH = 4  # nodes along the track, over which the dunes are even
+MEAN_OF = 1 << 14  # samples of a mean
+WIDTH = 4  # nodes along the track, along which the dunes are uniform
 
 
 class Mimic(ReliefKind):
-    """Dunes of one material that record as a level bed of stripes or waves does, from one line and one height.
+    """Dunes of one material with the same record as a level bed of stripes or waves, from one line and one height.
 
     The line is the x axis, the dunes lie along it, and the material is the seabed's own: its diffuse share must be
     the mean of the pattern's for the records to be equal.
@@ -53,12 +53,12 @@ class Mimic(ReliefKind):
         PatternMap(
             of=(Material(diffuse=0.3, specular=0.0), Material(diffuse=0.5, specular=0.0)), shape="waves", period=16.0
         ),
-        description="pattern that the dunes pass for; its materials scatter evenly, without a mirror lobe",
+        description="pattern that the dunes imitate; its materials have no mirror lobe",
     )
     altitude: float = parameter(
         15.0,
         unit="m",
-        description="height above the mean bed from which nothing tells them apart",
+        description="height above the mean bed from which the records are equal",
         gt=0.0,
         le=1e4,
         slider=(5.0, 50.0),
@@ -66,33 +66,34 @@ class Mimic(ReliefKind):
     reach: float = parameter(
         51.2,
         unit="m",
-        description="distance to either side up to which they pass; twice that on, the bed repeats",
+        description="distance to either side up to which the records are equal; the bed repeats after twice that",
         gt=0.0,
         le=1e5,
         slider=(10.0, 200.0),
         log=True,
     )
-    law: Literal["light", "sonar"] = parameter("light", description="law under which they pass; that of sonar.law")
+    law: Literal["light", "sonar"] = parameter(
+        "light", description="law under which the records are equal; that of sonar.law"
+    )
 
     @model_validator(mode="after")
     def _one_dimension(self) -> Mimic:
         if self.of.shape == "checks" or self.of.heading != 0.0:
             raise ValueError('of must lie along the track; give it shape = "stripes" or "waves" and heading = 0')
         if any(material.reflectivity.specular > 0.0 for material in self.of.of):
-            raise ValueError("of holds a material with a mirror lobe, which no slope can imitate; set its specular = 0")
+            raise ValueError("of has a material with a mirror lobe, which no slope can imitate; set its specular = 0")
         return self
 
     def sample(
         self, spacing: float, origin: tuple[float, float] | None = None, shape: tuple[int, int] | None = None
     ) -> HeightGrid:
-        """Sample one period of the dunes, even along the track, which they lie about."""
-        del origin
+        """Sample one period of the dunes, uniform along the track."""
         cells, width = shape or (max(FEWEST_CELLS, round(2.0 * self.reach / spacing)), WIDTH)
         heights = self.dunes(cells)
         return HeightGrid(np.tile(heights[:, np.newaxis], (1, width)), 2.0 * self.reach / cells)
 
     def dunes(self, cells: int) -> Curve:
-        """Heights of dunes with the record of a pattern."""
+        """Heights of dunes with the record of the pattern."""
         y = np.arange(cells, dtype=np.float64) * (2.0 * self.reach / cells)
         port = y <= self.reach
         heights = np.empty(cells)
@@ -101,7 +102,7 @@ class Mimic(ReliefKind):
         return heights
 
     def check(self, spacing: float, material: MaterialMap) -> None:
-        """Refuse dunes of more cells than can be held, and a bed of more than their one material."""
+        """Check the number of cells, and that the bed has a single material."""
         cells = 2.0 * self.reach / spacing
         if cells > MOST_CELLS:
             raise ValueError(
@@ -109,11 +110,11 @@ class Mimic(ReliefKind):
                 f"shorten the reach or widen the spacing to stay within {MOST_CELLS}"
             )
         if len(material.materials) > 1:
-            raise ValueError('relief "mimic" passes for a map by its shape; give the seabed a single material')
+            raise ValueError('relief "mimic" imitates a map by its shape; give the seabed a single material')
 
 
 def mean_diffuse(pattern: PatternMap) -> float:
-    """Mean diffuse share of a pattern, which is that of its dunes."""
+    """Mean diffuse share of a pattern, which its dunes must have."""
     return float(_diffuse(pattern, (np.arange(MEAN_OF) + 0.5) / MEAN_OF).mean())
 
 
@@ -141,9 +142,9 @@ def _cotangent(ratio: Curve, sine: Curve, cosine: Curve, law: str) -> Curve:
         bright = ratio * cosine
         # 1 − κ² cos² α, without cancelling near nadir.
         return np.asarray(bright / np.sqrt(sine**2 + cosine**2 * (1.0 - ratio) * (1.0 + ratio)))
-    loud = ratio * cosine**2 / sine
-    dark = 2.0 / (loud + np.sqrt(loud**2 + 4.0))  # sin β, of (1 − s²) / s = loud
-    return np.asarray(np.sqrt((1.0 - dark) * (1.0 + dark)) / dark)
+    level = ratio * cosine**2 / sine
+    sin_beta = 2.0 / (level + np.sqrt(level**2 + 4.0))  # the root s of (1 − s²) / s = level
+    return np.asarray(np.sqrt((1.0 - sin_beta) * (1.0 + sin_beta)) / sin_beta)
 
 
 def _one_side(mimic: Mimic, y: Curve, side: float, cells: int) -> Curve:
@@ -158,18 +159,18 @@ def _one_side(mimic: Mimic, y: Curve, side: float, cells: int) -> Curve:
 
 
 def _ratio(mimic: Mimic, y: Curve) -> Curve:
-    """Diffuse share of the pattern at places across the track, over its mean."""
+    """Diffuse share of the pattern across the track, over its mean."""
     mean = mean_diffuse(mimic.of)
     ratio = _diffuse(mimic.of, y / mimic.of.period) / max(mean, 1e-300)
     if mimic.law == "light" and ratio.max() >= FROM:
         raise SceneError(
-            f"seabed.relief.of.of: the brightest reflects {ratio.max():.3g} times the mean {mean:.3g}, as no slope of "
-            f"the mean material can; keep it below {FROM:g} times"
+            f"seabed.relief.of.of: the brightest reflects {ratio.max():.3g} times the mean {mean:.3g}, more than a "
+            f"slope of the mean material can; keep it below {FROM:g} times"
         )
     return np.asarray(ratio)
 
 
 def _diffuse(pattern: PatternMap, across: Curve) -> Curve:
-    """Diffuse share at places given in periods across the stripes."""
+    """Diffuse share at coordinates in periods across the stripes."""
     table = np.array([row.diffuse for row in pattern.rows()[1]])
     return np.asarray(table[pattern.rows_at(across, np.zeros_like(across))])

@@ -32,18 +32,18 @@ class PowerLaw(ExtendableRelief):
     exponent: float = parameter(3.25, description="spectral exponent γ₂", gt=2.0, lt=4.0, slider=(2.4, 3.9))
 
     def density(self, outer: float | None = None) -> Density:
-        """W(K) = w₂ (h₀K)^−γ₂; it levels off at waves as long as the outer scale (m), where one is given."""
+        """W(K) = w₂ (h₀K)^−γ₂; it levels off at waves as long as the outer scale (m) if one is given."""
         strength = self.strength * REFERENCE_LENGTH**4
         clamp = 0.0 if outer is None else (2.0 * math.pi / outer) ** 2
 
         def density(fx: Field, fy: Field) -> Field:
             squared = (2.0 * math.pi) ** 2 * (fx**2 + fy**2) + clamp
-            # A mean height has no roughness.
+            # The mean height is no roughness.
             scaled = np.where(squared > 0.0, squared * REFERENCE_LENGTH**2, np.inf)
             return np.asarray(4.0 * math.pi**2 * strength * scaled ** (-0.5 * self.exponent))
 
         return density
 
     def bands(self) -> tuple[Band, ...]:
-        """One band, level at waves longer than the period."""
+        """Return one band, constant at waves longer than the period."""
         return (Band(self.density(self.period), 1.0 / self.period),)

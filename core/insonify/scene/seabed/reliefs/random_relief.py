@@ -1,36 +1,34 @@
-"""Base of all reliefs made from random numbers."""
+"""Base of all random reliefs."""
 
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING, Annotated, ClassVar, Literal
+from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Literal
 
 import numpy as np
 
-from insonify.scene.base import parameter
-from insonify.scene.kinds import KindOf
-from insonify.scene.seabed.masks import MASKS, MaskKind
-from insonify.scene.seabed.masks.none import NoMask
+from insonify.scene.base import KindOf, parameter
+from insonify.scene.seabed.masks import MASKS, PatchMask
 from insonify.scene.seabed.reliefs import AddableRelief
 from insonify.scene.seabed.reliefs.spectrum import Band, Density, Field, PeriodicWaves, Waves
 
 if TYPE_CHECKING:
     from insonify.scene.seabed.materials import MaterialMap
 
-MOST_CELLS = 16384  # a side, of a bed that is made
+MOST_CELLS = 16384  # along a side of a computed bed
 
 
 class RandomRelief(AddableRelief):
     """Periodic random relief, with an optional mask.
 
-    A kind says its spectral density, or makes its heights from random waves in another way.
+    A kind declares its spectral density, or computes its heights from random waves in another way.
 
     Attributes
     ----------
     gaussian : bool
-        Whether its waves are Gaussian, or of random phase alone, so that the spectrum is exact.
+        Whether its waves have Gaussian amplitudes, or only random phases, so that the spectrum is exact.
     instead_of_a_period : str
-        What else to do about a period that is too long.
+        Further remedy in the message about a period that is too long.
     """
 
     gaussian: ClassVar[bool] = True
@@ -45,13 +43,13 @@ class RandomRelief(AddableRelief):
         slider=(12.8, 409.6),
         log=True,
     )
-    mask: Annotated[MaskKind, KindOf(MASKS, default="patches")] = parameter(
-        NoMask(), description="where the relief is, of a bed that is level elsewhere", rare=True
+    mask: Annotated[PatchMask | None, KindOf(MASKS, default="patches", optional=True)] = parameter(
+        None, description="parts of the bed that have the relief; the bed is level elsewhere", rare=True
     )
 
     @property
     def parts(self) -> tuple[RandomRelief, ...]:
-        """The relief alone."""
+        """The relief itself."""
         return (self,)
 
     @property
@@ -61,18 +59,15 @@ class RandomRelief(AddableRelief):
 
     @property
     def given_rms(self) -> float | None:
-        """Rms that the heights are brought to, in metres; None where the density has its own level."""
+        """Rms to which the heights are scaled, in metres; None where the density has its own level."""
         return getattr(self, "rms", None)
 
     def density(self) -> Density:
-        """Spectral density of the heights, in m² per (cycle a metre)²; without its level if an rms is given."""
+        """Spectral density of the heights, in m² per (cycle a metre)²; up to a factor if an rms is given."""
         raise NotImplementedError
 
     def unscaled(self, waves: PeriodicWaves) -> Field:
-        """Heights of one period before they are brought to their rms: waves of the spectral density.
-
-        Each wave holds what lies within half a cycle per period of it.
-        """
+        """Heights of one period before they are scaled to their rms: waves of the spectral density."""
         return waves.field(density_waves(self.density(), self.period, waves, gaussian=self.gaussian))
 
     def heights(self, waves: PeriodicWaves, reference: PeriodicWaves) -> Field:
@@ -81,9 +76,9 @@ class RandomRelief(AddableRelief):
         Parameters
         ----------
         waves : PeriodicWaves
-            On the grid of the heights.
+            Waves on the grid of the heights.
         reference : PeriodicWaves
-            On the grid on which the rms holds exactly; the same object if that is the same.
+            Waves on the grid on which the rms is exact; the same object if the grids are the same.
 
         Returns
         -------
@@ -98,8 +93,7 @@ class RandomRelief(AddableRelief):
         return heights * (self.given_rms / math.sqrt(power)) if power > 0.0 else heights
 
     def check(self, spacing: float, material: MaterialMap) -> None:
-        """Refuse a period of more cells than can be held."""
-        del material
+        """Check the number of cells of a period."""
         cells = self.period / spacing
         if cells > MOST_CELLS and not self.endless:
             raise ValueError(
@@ -111,12 +105,12 @@ class RandomRelief(AddableRelief):
 class ExtendableRelief(RandomRelief):
     """Random relief that can also be endless, without a period.
 
-    A kind adds the bands of its spectrum, and how it shapes waves where heights are no Gaussian field.
+    A kind adds the bands of its spectrum, and `shape_waves` if its heights are not a Gaussian field.
 
     Attributes
     ----------
     shaped : bool
-        Whether heights are shaped from complex waves.
+        Whether `shape_waves` computes the heights from complex waves.
     levels_off : bool
         Whether the spectrum of endless ground levels off at waves as long as the period.
     """
@@ -127,7 +121,7 @@ class ExtendableRelief(RandomRelief):
 
     extent: Literal["periodic", "endless"] = parameter(
         "periodic",
-        description="whether the bed repeats after its period, or never; it is then smooth at waves longer than that",
+        description="whether the bed repeats after its period or is endless, without waves longer than the period",
         rare=True,
     )
 
@@ -138,46 +132,32 @@ class ExtendableRelief(RandomRelief):
 
     @property
     def idle_fields(self) -> frozenset[str]:
-        """Fields without effect: the period of endless ground, unless the spectrum levels off there."""
+        """Names of the fields without effect: the period of endless ground, unless the spectrum levels off there."""
         without_period = self.endless and not self.levels_off
         return super().idle_fields | ({"period"} if without_period else frozenset())
 
     def bands(self) -> tuple[Band, ...]:
-        """Bands of the spectrum of endless ground, or of the waves that it is made of."""
+        """Bands of the spectrum of endless ground, or of the waves that `shape_waves` takes."""
         raise NotImplementedError
 
     def shape_waves(self, real: Field, imaginary: Field, level: float) -> Field:
-        """Shape heights from a field, the same a quarter of a wave on, and their rms amplitude."""
+        """Heights from a field, its Hilbert transform (a quarter of a wave on), and their rms amplitude."""
         raise NotImplementedError
 
 
 def density_waves(density: Density, period: float, waves: PeriodicWaves, *, gaussian: bool = True) -> Waves:
-    """Waves of a spectral density: each holds what lies within half a cycle per period of it."""
+    """Waves of a spectral density; each has the variance within half a cycle per period of it."""
     return waves.filtered(lambda fx, fy: np.sqrt(density(fx / period, fy / period)) / period, gaussian=gaussian)
 
 
-def rms_height(default: float = 0.05) -> float:
+def rms_height(default: float = 0.05) -> Any:
     """Declare the rms of a relief's heights."""
-    height: float = parameter(
+    return parameter(
         default,
         unit="m",
-        description="rms height over a period, before any mask; that expected of endless ground",
+        description="rms height over a period (expected rms of endless ground), before any mask",
         ge=0.0,
         le=1e4,
         slider=(0.001, 1.0),
         log=True,
     )
-    return height
-
-
-def crest_heading(default: float = 0.0) -> float:
-    """Declare the direction along which crests lie."""
-    heading: float = parameter(
-        default,
-        unit="°",
-        description="direction along the crests, counter-clockwise from +x",
-        ge=-360.0,
-        le=360.0,
-        slider=(-180.0, 180.0),
-    )
-    return heading

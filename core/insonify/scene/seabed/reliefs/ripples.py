@@ -7,9 +7,9 @@ from typing import Literal
 
 import numpy as np
 
-from insonify.scene.base import parameter
+from insonify.scene.base import angle, parameter
 from insonify.scene.seabed.materials import MaterialMap
-from insonify.scene.seabed.reliefs.random_relief import ExtendableRelief, crest_heading, density_waves
+from insonify.scene.seabed.reliefs.random_relief import ExtendableRelief, density_waves
 from insonify.scene.seabed.reliefs.spectrum import (
     LONGEST_WAVES,
     Band,
@@ -22,11 +22,11 @@ from insonify.scene.seabed.reliefs.spectrum import (
 )
 
 FEWEST_CELLS = 3  # of one ripple
-FADE = 0.3  # of the rms amplitude, below which crests die down: they end where the phase goes round a point
+FADE = 0.3  # share of the rms amplitude below which crests fade: they end at singularities of the phase
 
 
 class Ripples(ExtendableRelief):
-    """Crests of one height that wander, fork and end: the phase of a narrow band of waves, shaped."""
+    """Crests of equal height that bend, fork and end: shaped from the phase of a narrow band of waves."""
 
     rank = 50
     shaped = True
@@ -34,33 +34,33 @@ class Ripples(ExtendableRelief):
     wavelength: float = parameter(
         0.8,
         unit="m",
-        description="distance from crest to crest, in the mean",
+        description="mean distance from crest to crest",
         gt=0.0,
         le=1e5,
         slider=(0.3, 20.0),
         log=True,
     )
-    heading: float = crest_heading(30.0)
+    heading: float = angle("direction along the crests, counter-clockwise from +x", 30.0)
     height: float = parameter(
-        0.08, unit="m", description="from trough to crest", ge=0.0, le=1e4, slider=(0.005, 2.0), log=True
+        0.08, unit="m", description="height from trough to crest", ge=0.0, le=1e4, slider=(0.005, 2.0), log=True
     )
     bandwidth: float = parameter(
         0.1,
-        description="spread of the wave numbers across the crests over their mean; more makes the crests less even",
+        description="spread of the wave numbers across the crests over their mean; more makes crests less regular",
         gt=0.0,
         le=0.5,
         slider=(0.01, 0.3),
     )
     bandwidth_along: float = parameter(
         0.08,
-        description="spread of the wave numbers along the crests; more makes them shorter, with more forks and ends",
+        description="spread of the wave numbers along the crests over their mean; more makes crests shorter",
         gt=0.0,
         le=0.5,
         slider=(0.01, 0.3),
     )
     sharpness: float = parameter(
         0.6,
-        description="0 for crests as round as the troughs, 1 for sharp ones over troughs like bowls",
+        description="0: crests as round as the troughs; 1: sharp crests between rounded troughs",
         ge=0.0,
         le=1.0,
         slider=(0.0, 1.0),
@@ -68,12 +68,12 @@ class Ripples(ExtendableRelief):
 
     @property
     def wave(self) -> tuple[float, float]:
-        """Mean wave along x and y, cycles a metre, towards the left of the crests' heading."""
+        """Mean wave along x and y, cycles a metre, to the left of the crests' heading."""
         angle = math.radians(self.heading)
         return -math.sin(angle) / self.wavelength, math.cos(angle) / self.wavelength
 
     def band(self, narrowest: float = 0.0) -> Density:
-        """Band of waves about zero from which the ripples' phase is made; its level does not matter."""
+        """Band of waves about zero for the ripples' phase; its level does not matter."""
         spread_across = max(self.bandwidth / self.wavelength, narrowest)
         spread_along = max(self.bandwidth_along / self.wavelength, narrowest)
 
@@ -85,7 +85,6 @@ class Ripples(ExtendableRelief):
 
     def heights(self, waves: PeriodicWaves, reference: PeriodicWaves) -> Field:
         """Shape the phase of the analytic signal of a narrow band of waves."""
-        del reference
         band, wave = self.band(LONGEST_WAVES / self.period), self.wave
 
         def about_both(fx: Field, fy: Field) -> Field:
@@ -99,7 +98,7 @@ class Ripples(ExtendableRelief):
         return heights
 
     def _quarter_on(self, made: Waves, fx: Field, fy: Field) -> Waves:
-        """Turn waves by a quarter: the Hilbert transform in the direction in which the ripples follow one another."""
+        """Turn waves by a quarter of a cycle: the Hilbert transform across the crests."""
         turned = np.empty_like(made)
         for rows in row_groups(len(made)):
             _, across = rotate_frequencies(fx, fy[rows], self.heading)
@@ -107,7 +106,7 @@ class Ripples(ExtendableRelief):
         return turned
 
     def bands(self) -> tuple[Band, ...]:
-        """Band about the mean wave."""
+        """Return the band about the mean wave."""
         narrow = min(self.bandwidth, self.bandwidth_along) / self.wavelength
         return (Band(self.band(), narrow, self.wave),)
 
@@ -121,12 +120,12 @@ class Ripples(ExtendableRelief):
         sharp = 2.0 * (1.0 - phase / math.pi) ** 2 - 2.0 / 3.0  # about its own mean
         profile = np.cos(phase) + self.sharpness * (sharp - np.cos(phase))
         amplitude = np.hypot(real, imaginary)
-        # A grid of no wave has no crests.
+        # A grid without waves has no crests.
         whole = np.maximum(np.hypot(amplitude, FADE * level), np.finfo(np.float64).tiny)
         return np.asarray(0.5 * self.height * profile * (amplitude / whole))
 
     def check(self, spacing: float, material: MaterialMap) -> None:
-        """Refuse ripples that the grid or the period cannot hold."""
+        """Check the wavelength against the spacing and the period."""
         super().check(spacing, material)
         if self.wavelength < FEWEST_CELLS * spacing * (1.0 - 1e-9):
             raise ValueError(

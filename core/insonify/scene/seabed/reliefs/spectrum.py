@@ -17,8 +17,8 @@ from numpy.typing import NDArray
 Field = NDArray[np.float64]
 Waves = NDArray[np.complex128]
 Density = Callable[[Field, Field], Field]
-ROWS = 64  # worked on together, so that what is made of them stays in the processor cache: half the time, little memory
-LONGEST_WAVES = 0.35  # cycles per period that a band spreads at least, so that some wave lies in it
+ROWS = 64  # rows of a group, which stay in the processor cache: half the time, little memory
+LONGEST_WAVES = 0.35  # cycles per period, least spread of a band, so that it contains a wave
 
 
 def row_groups(rows: int) -> Iterator[slice]:
@@ -30,10 +30,9 @@ def row_groups(rows: int) -> Iterator[slice]:
 class Band:
     """Part of a spectrum around one wave."""
 
-    density: Density  # spectral density S about zero, of both signs
+    density: Density  # spectral density S about zero, for both signs of the frequency
     feature: float  # frequency over which the density varies at its finest, cycles a metre
-    # (float, float) cycles a metre along x and y by which the band is shifted: the spectrum is S(f − wave) + S(f
-    # + wave), and S(f) without a wave.
+    # Shift of the band in cycles a metre along x and y: the spectrum is S(f − wave) + S(f + wave), or S(f) if None.
     wave: tuple[float, float] | None = None
 
     @property
@@ -50,7 +49,7 @@ class PeriodicWaves(Protocol):
         """Samples per period along y and x."""
 
     def noise(self, *, gaussian: bool = True) -> Waves:
-        """Random coefficients of unit variance, (ny, nx // 2 + 1): Gaussian, or of random phase alone."""
+        """Random coefficients of unit variance, (ny, nx // 2 + 1): Gaussian, or of random phase only."""
 
     def filtered(self, amplitude: Density, *, gaussian: bool = True) -> Waves:
         """Multiply the noise by an amplitude of the frequencies fx (1, nx // 2 + 1) and fy (rows, 1)."""
@@ -59,10 +58,10 @@ class PeriodicWaves(Protocol):
         """Cycles per period of the coefficients: fx (1, nx // 2 + 1) and fy (ny, 1)."""
 
     def variance(self, waves: Waves) -> float:
-        """Variance of the field that waves make."""
+        """Variance of the sum of waves."""
 
     def field(self, waves: Waves) -> Field:
-        """Field that waves make, (ny, nx); the waves are used up."""
+        """Sum of waves, (ny, nx); the array of waves is overwritten."""
 
     def transform(self, field: Field) -> Waves:
         """Waves of a field."""

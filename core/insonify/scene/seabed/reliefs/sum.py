@@ -7,8 +7,7 @@ from typing import Annotated, Literal
 from pydantic import model_validator
 
 from insonify.io.georeference import Georeference
-from insonify.scene.base import parameter
-from insonify.scene.kinds import KindOf
+from insonify.scene.base import KindOf, parameter
 from insonify.scene.seabed.materials import MaterialMap
 from insonify.scene.seabed.reliefs import RELIEFS, AddableRelief, HeightGrid, ReliefKind
 from insonify.scene.seabed.reliefs.random_relief import RandomRelief
@@ -20,7 +19,7 @@ class SumOfReliefs(ReliefKind):
     rank = 80
     kind: Literal["sum"] = "sum"
     of: tuple[Annotated[AddableRelief, KindOf(RELIEFS, AddableRelief, default="fractal")], ...] = parameter(
-        description="the reliefs; all repeat after the same period, or none does; one may be a dem",
+        description="the reliefs: all of the same period, or all endless; one may be a dem",
         min_length=1,
         max_length=16,
     )
@@ -44,7 +43,7 @@ class SumOfReliefs(ReliefKind):
         if count > 1:
             raise ValueError(f"of has {count} measured beds; keep one")
         if count and any(part.endless for part in self._random):
-            raise ValueError("of is endless in one part and measured in another; leave extent out of the endless one")
+            raise ValueError("of is endless in one part and measured in another; remove extent from the endless one")
         return self
 
     @property
@@ -56,7 +55,7 @@ class SumOfReliefs(ReliefKind):
         return next((part for part in self.of if part.measured), None)
 
     @property
-    def measured(self) -> bool:  # type: ignore[override]  # known once the parts are
+    def measured(self) -> bool:  # type: ignore[override]  # depends on the parts
         """Whether one of the parts is measured."""
         return self._measured is not None
 
@@ -84,10 +83,10 @@ class SumOfReliefs(ReliefKind):
         return self._measured.sample(spacing, origin, shape)
 
     def georeference(self, origin: tuple[float, float] | None) -> Georeference | None:
-        """Place of the local (0, 0) on the map of the measured part."""
+        """Map coordinates of the local (0, 0) of the measured part."""
         return None if self._measured is None else self._measured.georeference(origin)
 
     def check(self, spacing: float, material: MaterialMap) -> None:
-        """Refuse what any of the reliefs refuses."""
+        """Check every relief of the sum."""
         for part in self.of:
             part.check(spacing, material)

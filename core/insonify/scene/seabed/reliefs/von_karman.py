@@ -7,8 +7,8 @@ from typing import Literal
 
 import numpy as np
 
-from insonify.scene.base import parameter
-from insonify.scene.seabed.reliefs.random_relief import ExtendableRelief, crest_heading, rms_height
+from insonify.scene.base import angle, parameter
+from insonify.scene.seabed.reliefs.random_relief import ExtendableRelief, rms_height
 from insonify.scene.seabed.reliefs.spectrum import Band, Density, Field, rotate_frequencies
 
 
@@ -30,13 +30,13 @@ class VonKarman(ExtendableRelief):
     along: float = parameter(
         15.0,
         unit="m",
-        description="wavelength along the crests beyond which it levels off, 2π/k_s",
+        description="wavelength along the crests beyond which the spectrum levels off, 2π/k_s",
         gt=0.0,
         le=1e6,
         slider=(0.5, 100.0),
         log=True,
     )
-    heading: float = crest_heading()
+    heading: float = angle("direction along the crests, counter-clockwise from +x")
     hurst: float = parameter(
         0.8, description="exponent ν; the fractal dimension is 3 − ν", gt=0.0, le=3.0, slider=(0.1, 1.0)
     )
@@ -54,5 +54,5 @@ class VonKarman(ExtendableRelief):
         return density
 
     def bands(self) -> tuple[Band, ...]:
-        """One band, which changes over the frequency at which it levels off."""
+        """Return one band; its finest feature is the frequency at which it levels off."""
         return (Band(self.density(), 1.0 / max(self.across, self.along)),)

@@ -13,8 +13,7 @@ from typing import ClassVar, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from insonify.scene.base import Choice
-from insonify.scene.kinds import Family
+from insonify.scene.base import Family, Kind, parameter
 
 BEAMS = Family("beams", "insonify.scene.sonar.beams")
 COLUMNS = 2049  # of a table of sensitivities
@@ -22,15 +21,15 @@ Values = NDArray[np.float64]
 
 
 class Sounding(NamedTuple):
-    """Speed of sound (m/s), frequency (Hz) and slant range (m), on which a beam depends besides its own fields."""
+    """Conditions on which a beam depends besides its own fields."""
 
-    sound_speed: float
-    frequency: float
-    range: float
+    sound_speed: float  # m/s
+    frequency: float  # Hz
+    range: float  # slant range, m
 
     @property
     def wavelength(self) -> float:
-        """Metres."""
+        """Wavelength of the sound, in metres."""
         return self.sound_speed / self.frequency
 
 
@@ -43,10 +42,10 @@ class BeamTable(NamedTuple):
     per_octave: float = 1.0  # rows per doubling of slant range
 
 
-class BeamKind(Choice):
+class BeamKind(Kind):
     """Sensitivity of the sonar along the track.
 
-    A kind declares the half width of its main lobe, its extent and its response. A beam that changes with range
+    A kind declares the half width of its main lobe, its extent and its response. A beam that depends on range
     overrides `tabulate` and `at_range`.
 
     Attributes
@@ -56,7 +55,7 @@ class BeamKind(Choice):
     has_width : bool
         Whether the beam is sensitive beside the plane across the towfish.
     by_frequency : bool
-        Whether the frequency changes it.
+        Whether it depends on the frequency.
     """
 
     family = BEAMS
@@ -76,7 +75,7 @@ class BeamKind(Choice):
 
     @property
     def passes(self) -> int:
-        """Number of passes of sound through the beam pattern: two-way or one-way."""
+        """Number of passes of sound through the beam pattern: 2 two-way, 1 one-way."""
         return 2
 
     @abstractmethod
@@ -89,15 +88,36 @@ class BeamKind(Choice):
 
     def response(self, s: Values, sounding: Sounding) -> Values:
         """Sensitivity by direction about the axis."""
-        del sounding
         return np.ones(s.shape)
 
     def tabulate(self, sounding: Sounding) -> BeamTable:
-        """Tabulate the sensitivity: one row, where it is the same at every range."""
+        """Tabulate the sensitivity; a beam that is the same at every range has one row."""
         extent = self.extent(sounding)
         s = np.linspace(-extent, extent, COLUMNS)
         return BeamTable(1.0, np.array([extent]), self.response(s, sounding)[None, :])
 
     def at_range(self, sounding: Sounding) -> BeamTable:
-        """Tabulate the sensitivity at the range of the sounding alone: a single row."""
+        """Tabulate the sensitivity at the range of the sounding alone, in one row."""
         return self.tabulate(sounding)
+
+
+class AimedBeam(BeamKind):
+    """A beam that can be turned towards the bow."""
+
+    squint: float = parameter(
+        0.0,
+        unit="°",
+        description="angle by which the beam is turned towards the bow",
+        ge=-45.0,
+        le=45.0,
+        slider=(-10.0, 10.0),
+        rare=True,
+    )
+
+    @property
+    def axis(self) -> float:
+        """Angle of the beam's axis towards the bow, in degrees."""
+        return self.squint
+
+    def _named(self, name: str) -> str:
+        return f"{name}, squint {self.squint:g}°" if self.squint else name

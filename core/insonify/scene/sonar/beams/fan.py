@@ -6,8 +6,7 @@ import math
 from typing import Literal
 
 from insonify.scene.base import parameter
-from insonify.scene.sonar.beams import Sounding
-from insonify.scene.sonar.beams.aimed import AimedBeam
+from insonify.scene.sonar.beams import AimedBeam, Sounding
 
 
 class FanBeam(AimedBeam):
@@ -27,5 +26,4 @@ class FanBeam(AimedBeam):
 
     def half_width(self, sounding: Sounding) -> float:
         """Half of the one-way full width, in radians."""
-        del sounding
         return math.radians(self.width) / 2.0

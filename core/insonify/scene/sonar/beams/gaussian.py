@@ -8,11 +8,10 @@ from typing import Literal
 import numpy as np
 
 from insonify.scene.base import parameter
-from insonify.scene.sonar.beams import Sounding, Values
-from insonify.scene.sonar.beams.aimed import AimedBeam
+from insonify.scene.sonar.beams import AimedBeam, Sounding, Values
 
 FAINT = 1e-6  # sensitivity at which the beam ends
-EDGE = 0.02  # sensitivity at which its main lobe does
+EDGE = 0.02  # sensitivity at which its main lobe ends
 
 
 class GaussianBeam(AimedBeam):
@@ -24,7 +23,7 @@ class GaussianBeam(AimedBeam):
         1.0, unit="°", description="one-way full beamwidth to -3 dB", ge=1e-3, le=60.0, slider=(0.1, 10.0), log=True
     )
     two_way: bool = parameter(
-        True, description="whether the pattern applies to transmission and reception, or once", rare=True
+        True, description="whether the pattern applies to transmission and reception, or only once", rare=True
     )
 
     @property
@@ -34,7 +33,7 @@ class GaussianBeam(AimedBeam):
 
     @property
     def passes(self) -> int:
-        """How often sound passes the beam."""
+        """Number of passes of sound through the beam pattern."""
         return 2 if self.two_way else 1
 
     @property
@@ -42,17 +41,14 @@ class GaussianBeam(AimedBeam):
         return math.sin(math.radians(self.width) / 2.0)
 
     def half_width(self, sounding: Sounding) -> float:
-        """Angle at which the sensitivity is down to `EDGE`, in radians."""
-        del sounding
+        """Angle at which the sensitivity is `EDGE`, in radians."""
         times = math.sqrt(math.log2(1.0 / EDGE) / self.passes)
         return math.asin(min(self._s_three_decibels * times, 1.0))
 
     def extent(self, sounding: Sounding) -> float:
-        """Sine at which the sensitivity is down to `FAINT`."""
-        del sounding
+        """Sine of the angle at which the sensitivity is `FAINT`."""
         return min(self._s_three_decibels * math.sqrt(math.log2(1.0 / FAINT) / self.passes), 1.0)
 
     def response(self, s: Values, sounding: Sounding) -> Values:
         """Sensitivity b = 2^(−(2φ/w)²) each way, which falls to a half at half the width."""
-        del sounding
         return np.exp2(-self.passes * (s / self._s_three_decibels) ** 2)

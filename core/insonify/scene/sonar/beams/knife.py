@@ -8,7 +8,7 @@ from insonify.scene.sonar.beams import BeamKind, Sounding
 
 
 class KnifeBeam(BeamKind):
-    """A beam without width: one upright plane across the track at any pitch of the fish, 1 m wide by definition."""
+    """A beam without width: a vertical plane across the track at any pitch of the fish, 1 m wide by definition."""
 
     rank = 10
     top_hat = True
@@ -21,6 +21,5 @@ class KnifeBeam(BeamKind):
         return "knife-edge beam"
 
     def half_width(self, sounding: Sounding) -> float:
-        """Nothing but the plane athwart the fish."""
-        del sounding
+        """Zero: the beam is a plane."""
         return 0.0

@@ -7,30 +7,27 @@ from typing import ClassVar, Literal, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from insonify.scene.base import Choice
-from insonify.scene.kinds import Family
+from insonify.scene.base import Family, Kind, parameter
 
 VERTICAL_BEAMS = Family("vertical_beams", "insonify.scene.sonar.vertical_beams")
 
 
 class VerticalResponse(NamedTuple):
-    """Sensitivity by grazing angle: its shape, the depression of its axis and its one-way full width in degrees.
+    """Sensitivity by grazing angle."""
 
-    A kind of the shape ``table`` declares the sensitivity by `VerticalBeamKind.sensitivity`.
-    """
-
+    # That of a ``table`` is tabulated by `VerticalBeamKind.sensitivity`.
     shape: Literal["every_grazing", "top_hat", "gaussian", "table"]
-    tilt: float = 0.0
-    width: float = 180.0
+    tilt: float = 0.0  # degrees, depression of the axis
+    width: float = 180.0  # degrees, one-way full width
 
 
-class VerticalBeamKind(Choice):
+class VerticalBeamKind(Kind):
     """Sensitivity of the sonar by grazing angle.
 
     Attributes
     ----------
     by_frequency : bool
-        Whether the frequency changes it.
+        Whether it depends on the frequency.
     """
 
     family = VERTICAL_BEAMS
@@ -57,7 +54,27 @@ class VerticalBeamKind(Choice):
         Parameters
         ----------
         wavelength : float
-            Metres.
+            Wavelength of the sound, in metres.
         """
-        del wavelength
         return np.ones(2)
+
+
+class TiltedBeam(VerticalBeamKind):
+    """A vertical beam with an axis."""
+
+    tilt: float = parameter(
+        30.0, unit="°", description="depression of the axis below the level fish", ge=-90.0, le=90.0, slider=(0.0, 60.0)
+    )
+
+
+class LobeBeam(TiltedBeam):
+    """A vertical beam of a single lobe of given width."""
+
+    width: float = parameter(
+        50.0, unit="°", description="one-way full width; to -3 dB of a gaussian", ge=1e-3, le=170.0, slider=(5.0, 90.0)
+    )
+
+    @property
+    def words(self) -> str:
+        """Name of the beam for captions."""
+        return f"vertical {self.kind} {self.width:g}° tilted {self.tilt:g}°"

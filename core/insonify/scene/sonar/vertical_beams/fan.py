@@ -4,20 +4,14 @@ from __future__ import annotations
 
 from typing import Literal
 
-from insonify.scene.sonar.vertical_beams import VerticalResponse
-from insonify.scene.sonar.vertical_beams.tilted import LobeBeam
+from insonify.scene.sonar.vertical_beams import LobeBeam, VerticalResponse
 
 
 class VerticalFan(LobeBeam):
-    """A vertical top-hat: all within its width, nothing beyond."""
+    """A vertical top-hat: full sensitivity within its width, none beyond."""
 
     rank = 20
     kind: Literal["fan"] = "fan"
-
-    @property
-    def words(self) -> str:
-        """Name of the beam for captions."""
-        return self._named("fan")
 
     @property
     def response(self) -> VerticalResponse:

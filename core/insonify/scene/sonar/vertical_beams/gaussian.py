@@ -4,8 +4,7 @@ from __future__ import annotations
 
 from typing import Literal
 
-from insonify.scene.sonar.vertical_beams import VerticalResponse
-from insonify.scene.sonar.vertical_beams.tilted import LobeBeam
+from insonify.scene.sonar.vertical_beams import LobeBeam, VerticalResponse
 
 
 class VerticalGaussian(LobeBeam):
@@ -13,11 +12,6 @@ class VerticalGaussian(LobeBeam):
 
     rank = 30
     kind: Literal["gaussian"] = "gaussian"
-
-    @property
-    def words(self) -> str:
-        """Name of the beam for captions."""
-        return self._named("gaussian")
 
     @property
     def response(self) -> VerticalResponse:

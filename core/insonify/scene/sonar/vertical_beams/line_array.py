@@ -10,14 +10,13 @@ from numpy.typing import NDArray
 
 from insonify.scene.base import parameter
 from insonify.scene.sonar.beams.line_array import ELEMENTS, taper_weights
-from insonify.scene.sonar.vertical_beams import VerticalResponse
-from insonify.scene.sonar.vertical_beams.tilted import TiltedBeam
+from insonify.scene.sonar.vertical_beams import TiltedBeam, VerticalResponse
 
 FEWEST_COLUMNS, PER_LOBE = 1025, 32  # of the table of sensitivities
 
 
 class VerticalArray(TiltedBeam):
-    """The vertical beam of a transducer of some height, with its sidelobes."""
+    """The vertical beam of a transducer of given height, with its sidelobes."""
 
     rank = 40
     by_frequency = True
@@ -41,10 +40,9 @@ class VerticalArray(TiltedBeam):
 
     def sensitivity(self, wavelength: float) -> NDArray[np.float64]:
         """Tabulate |∫ w(u) exp(−iku s) du|² over sines s (Urick 1983, ch. 3): sin²(x)/x², x = πhs/λ, if uniform."""
-        from scipy.signal import czt  # takes longer to import than a preview takes to trace
+        from scipy.signal import czt  # lazy: takes longer to import than a preview takes to trace
 
-        weights = taper_weights(self.taper)
         columns = max(FEWEST_COLUMNS, 2 * math.ceil(PER_LOBE * self.height / wavelength) + 1)
-        phase = 2.0 * math.pi / wavelength * self.height / ELEMENTS  # of neighbouring elements, per unit of sine
+        phase = 2.0 * math.pi / wavelength * self.height / ELEMENTS  # between neighbouring elements, per unit of sine
         step = np.exp(-2j * phase / (columns - 1))
-        return np.asarray(np.abs(czt(weights / weights.sum(), columns, step, np.exp(-1j * phase))) ** 2)
+        return np.asarray(np.abs(czt(taper_weights(self.taper), columns, step, np.exp(-1j * phase))) ** 2)

@@ -10,8 +10,7 @@ from numpy.typing import NDArray
 from pydantic import Field, field_validator
 
 from insonify.scene.base import parameter
-from insonify.scene.sonar.vertical_beams import VerticalResponse
-from insonify.scene.sonar.vertical_beams.tilted import TiltedBeam
+from insonify.scene.sonar.vertical_beams import TiltedBeam, VerticalResponse
 
 COLUMNS = 4097  # of the table of sensitivities
 Angle = Annotated[float, Field(ge=-90.0, le=90.0)]
@@ -19,14 +18,14 @@ Level = Annotated[float, Field(ge=-200.0, le=100.0)]
 
 
 class MeasuredVerticalBeam(TiltedBeam):
-    """A vertical beam by measured levels, with straight lines between them."""
+    """A vertical beam of measured levels, interpolated linearly."""
 
     rank = 50
     kind: Literal["table"] = "table"
     levels: tuple[tuple[Angle, Level], ...] = parameter(
         ((-60.0, -30.0), (-25.0, -3.0), (0.0, 0.0), (25.0, -3.0), (60.0, -30.0)),
         unit="dB",
-        description="pairs [angle below the axis in degrees, one-way level], ascending; the outermost hold beyond",
+        description="pairs [angle below the axis in degrees, one-way level], ascending; the outermost apply beyond",
         slider=(-60.0, 0.0),
         min_length=1,
         max_length=4096,
@@ -51,7 +50,6 @@ class MeasuredVerticalBeam(TiltedBeam):
 
     def sensitivity(self, wavelength: float) -> NDArray[np.float64]:
         """Tabulate the measured levels as energies."""
-        del wavelength
         below, decibels = np.array(self.levels).T
         angles = -np.degrees(np.arcsin(np.linspace(-1.0, 1.0, COLUMNS)))
         return np.asarray(10.0 ** (np.interp(angles, below, decibels) / 10.0))

@@ -15,5 +15,5 @@ class UniformVerticalBeam(VerticalBeamKind):
 
     @property
     def words(self) -> str:
-        """Name of the beam for captions: empty, because it covers all grazing angles."""
+        """Name of the beam for captions: empty, because it changes nothing."""
         return ""

@@ -8,8 +8,7 @@ from typing import TYPE_CHECKING, ClassVar, Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from insonify.scene.base import Choice
-from insonify.scene.kinds import Family
+from insonify.scene.base import Family, Kind
 
 if TYPE_CHECKING:
     from insonify.io.navigation import RecordedNavigation
@@ -19,7 +18,7 @@ Axis = Literal["surge", "sway", "heave", "yaw", "pitch", "roll"]
 Turning = tuple[float, float, float]
 
 
-class MotionKind(Choice):
+class MotionKind(Kind):
     """Motion of the towfish about its line."""
 
     family = MOTIONS
@@ -40,7 +39,7 @@ class SingleMotion(MotionKind):
     keeps_line : bool
         Whether it stays within `greatest_sway` of the track's line.
     tilts : bool
-        Whether it may not stay level.
+        Whether it may pitch or roll.
     """
 
     moves: ClassVar[bool] = True
@@ -54,7 +53,7 @@ class SingleMotion(MotionKind):
 
     @property
     def greatest_sway(self) -> float:
-        """Greatest distance from its place on the line, in metres, of a motion that keeps to it."""
+        """Greatest distance from its place on the line, in metres, of a motion with `keeps_line`."""
         return 0.0
 
     @property
@@ -64,12 +63,11 @@ class SingleMotion(MotionKind):
 
     def displacement(self, time: NDArray[np.float64]) -> dict[Axis, NDArray[np.float64]]:
         """Displacement of the towfish at times (s) after the first ping: metres ahead, to port, up; degrees."""
-        del time
         return {}
 
     @property
     def turning(self) -> Turning | None:
-        """Begin and duration (s) of a bend of the line, and its rate (°/s, to port)."""
+        """Begin and duration (s) of a bend of the line, and its rate of turn (°/s, to port)."""
         return None
 
     def recording(self) -> tuple[str, RecordedNavigation] | None:

@@ -8,12 +8,12 @@ from typing import ClassVar, Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from insonify.scene.base import parameter
+from insonify.scene.base import angle, parameter
 from insonify.scene.track.motions import Axis, SingleMotion
 
 
 class Oscillation(SingleMotion):
-    """A sinusoidal motion: amplitude · sin(2π t / period + phase), with t from the first ping on."""
+    """A sinusoidal motion: amplitude · sin(2π t / period + phase), t seconds after the first ping."""
 
     keeps_line = True
     axis: ClassVar[Axis]
@@ -21,25 +21,17 @@ class Oscillation(SingleMotion):
     period: float = parameter(
         8.0, unit="s", description="period of the motion", ge=0.1, le=1e5, slider=(1.0, 60.0), log=True
     )
-    phase: float = parameter(
-        0.0,
-        unit="°",
-        description="phase of the motion at the first ping",
-        ge=-360.0,
-        le=360.0,
-        slider=(-180.0, 180.0),
-        rare=True,
-    )
+    phase: float = angle("phase of the motion at the first ping", rare=True)
 
     def displacement(self, time: NDArray[np.float64]) -> dict[Axis, NDArray[np.float64]]:
         """Displacement of the towfish along or about its axis at times after the first ping."""
-        # Whole periods go first, so that the sine is as exact far along the tow.
+        # Whole periods are subtracted first, so that the sine is as exact far along the tow.
         turns = np.remainder(time / self.period, 1.0) + self.phase / 360.0
         return {self.axis: self.amplitude * np.sin(2.0 * math.pi * turns)}
 
 
-class HorizontalOscillation(Oscillation):
-    """A sinusoidal motion of the fish over the ground, along or across its line."""
+class _HorizontalOscillation(Oscillation):
+    """A sinusoidal motion along or across the line."""
 
     @property
     def greatest_sway(self) -> float:
@@ -47,18 +39,23 @@ class HorizontalOscillation(Oscillation):
         return self.amplitude
 
 
-class Surge(HorizontalOscillation):
-    """Surge: the fish gains and loses way along its line, so that pings crowd together and thin out."""
+class Surge(_HorizontalOscillation):
+    """Surge: the fish speeds up and slows down along its line, so that pings lie closer together or farther apart."""
 
     rank = 15
     axis = "surge"
     kind: Literal["surge"] = "surge"
     amplitude: float = parameter(
-        0.5, unit="m", description="greatest distance ahead of an even tow", ge=0.0, le=100.0, slider=(0.0, 5.0)
+        0.5,
+        unit="m",
+        description="greatest distance ahead of a tow at constant speed",
+        ge=0.0,
+        le=100.0,
+        slider=(0.0, 5.0),
     )
 
 
-class Sway(HorizontalOscillation):
+class Sway(_HorizontalOscillation):
     """Sway to port and starboard of the line; the fish keeps its heading and crabs."""
 
     rank = 20

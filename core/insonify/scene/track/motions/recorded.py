@@ -39,9 +39,9 @@ def _read_with_course(path: str) -> RecordedNavigation:
 
 
 def _course(tow: RecordedNavigation) -> NDArray[np.float64]:
-    """Direction from place to place in degrees, for files that do not say where the fish heads."""
+    """Course in degrees from successive positions, for files without a heading."""
     east, north = (np.gradient(tow.columns[name], tow.time) for name in ("x", "y"))
     moving = (east != 0.0) | (north != 0.0)
-    # At rest it heads where it last went, or will go first.
+    # At rest the fish keeps its last course; before the first move it has the first one.
     last = np.maximum.accumulate(np.where(moving, np.arange(moving.size), int(moving.argmax())))
     return np.degrees(np.arctan2(north, east))[last]

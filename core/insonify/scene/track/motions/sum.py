@@ -4,8 +4,7 @@ from __future__ import annotations
 
 from typing import Annotated, Literal
 
-from insonify.scene.base import parameter
-from insonify.scene.kinds import KindOf
+from insonify.scene.base import KindOf, parameter
 from insonify.scene.track.motions import MOTIONS, MotionKind, SingleMotion
 
 
@@ -20,5 +19,5 @@ class SumOfMotions(MotionKind):
 
     @property
     def parts(self) -> tuple[SingleMotion, ...]:
-        """The motions, in the order in which they are declared."""
+        """The motions in declared order."""
         return self.of

@@ -9,7 +9,7 @@ from insonify.scene.track.motions import SingleMotion, Turning
 
 
 class Turn(SingleMotion):
-    """A turn: the line bends into an arc of a circle and goes on straight."""
+    """A turn: the line bends into an arc of a circle and then continues straight."""
 
     rank = 70
     kind: Literal["turn"] = "turn"
@@ -19,12 +19,12 @@ class Turn(SingleMotion):
     begin: float = parameter(
         10.0,
         unit="s",
-        description="time of the first ping to the beginning of the turn",
+        description="time from the first ping to the beginning of the turn",
         ge=0.0,
         le=1e8,
         slider=(0.0, 60.0),
     )
-    duration: float = parameter(30.0, unit="s", description="how long it turns", ge=0.0, le=1e8, slider=(0.0, 120.0))
+    duration: float = parameter(30.0, unit="s", description="duration of the turn", ge=0.0, le=1e8, slider=(0.0, 120.0))
 
     @property
     def turning(self) -> Turning:

@@ -1,0 +1,107 @@
+"""Effects that a receiver has or lacks, one kind each: fluctuation, noise, interference and ringing."""
+
+from __future__ import annotations
+
+import math
+from typing import Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+from insonify.scene.base import Family, Kind, parameter
+
+FLUCTUATIONS = Family("fluctuations", "insonify.scene.receiver")
+NOISES = Family("noises", "insonify.scene.receiver")
+INTERFERENCES = Family("interferences", "insonify.scene.receiver")
+RINGINGS = Family("ringings", "insonify.scene.receiver")
+
+
+class Lognormal(Kind):
+    """Levels of pings that fluctuate slowly, lognormal about the same mean intensity."""
+
+    family = FLUCTUATIONS
+    kind: Literal["lognormal"] = "lognormal"
+    level: float = parameter(
+        1.5, unit="dB", description="standard deviation of the level", ge=0.0, le=20.0, slider=(0.0, 6.0)
+    )
+    correlation_time: float = parameter(
+        1.0,
+        unit="s",
+        description="time after which the correlation is 1/e",
+        gt=0.0,
+        le=1e6,
+        slider=(0.05, 100.0),
+        log=True,
+    )
+    travel_time: float = parameter(
+        0.0,
+        unit="s",
+        description="rms time shift of a ping's echoes by the water",
+        ge=0.0,
+        le=0.01,
+        slider=(0.0, 1e-3),
+    )
+
+
+class AmbientNoise(Kind):
+    """Noise of the sea and the receiver: a Gaussian wave, of exponential intensity where there is no echo."""
+
+    family = NOISES
+    kind: Literal["ambient"] = "ambient"
+    level: float = parameter(
+        -110.0,
+        unit="dB",
+        description="mean level in the receiver's band, dB re the source at 1 m, or re 1 µPa with a source level",
+        ge=-300.0,
+        le=200.0,
+        slider=(-150.0, 120.0),
+    )
+
+
+class OtherSonar(Kind):
+    """Another sonar with its own ping rate: its pings cross the record as slanting rows of dashes."""
+
+    family = INTERFERENCES
+    kind: Literal["sonar"] = "sonar"
+    level: float = parameter(
+        -60.0,
+        unit="dB",
+        description="received level of its pings, dB re the source at 1 m, or re 1 µPa with a source level",
+        ge=-300.0,
+        le=250.0,
+        slider=(-120.0, 180.0),
+    )
+    ping_rate: float = parameter(
+        7.3, unit="Hz", description="its pings per second", ge=1e-3, le=1e4, slider=(0.5, 50.0), log=True
+    )
+    duration: float = parameter(
+        1e-3, unit="s", description="duration of each of its pings", gt=0.0, le=10.0, slider=(1e-5, 1e-2), log=True
+    )
+
+
+class DecayingRinging(Kind):
+    """Ringing of the transducer whose energy decays exponentially after transmission."""
+
+    family = RINGINGS
+    kind: Literal["decay"] = "decay"
+    level: float = parameter(
+        -40.0,
+        unit="dB",
+        description="level at the end of the transmission, dB re the source at 1 m",
+        ge=-300.0,
+        le=0.0,
+        slider=(-100.0, 0.0),
+    )
+    time: float = parameter(
+        5e-4,
+        unit="s",
+        description="time in which its energy falls to 1/e",
+        gt=0.0,
+        le=1.0,
+        slider=(1e-5, 1e-2),
+        log=True,
+    )
+
+    def decibels(self, time: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Level in dB re the source at 1 m at times (s) after transmission."""
+        return self.level - 10.0 / math.log(10.0) * time / self.time

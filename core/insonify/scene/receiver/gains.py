@@ -1,0 +1,114 @@
+"""Time-varied gains."""
+
+from __future__ import annotations
+
+from itertools import pairwise
+from typing import Annotated, ClassVar, Literal, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+from pydantic import Field, field_validator
+
+from insonify.scene.base import Family, Kind, parameter
+from insonify.scene.water.absorptions import NEPER_PER_DB
+
+GAINS = Family("gains", "insonify.scene.receiver")
+TimeOrBin = Annotated[float, Field(ge=0.0, le=1e6)]
+Gain = Annotated[float, Field(ge=-300.0, le=300.0)]
+
+
+class RangeBins(NamedTuple):
+    """Range bins to be amplified."""
+
+    number: NDArray[np.float64]  # from 0
+    slant_range: NDArray[np.float64]  # m, of the centres
+    travel_time: NDArray[np.float64]  # s, to the centres and back
+
+
+class GainKind(Kind):
+    """Time-varied gain.
+
+    Attributes
+    ----------
+    stops_at_noise : bool
+        Whether the gain stays constant beyond the last bin in which a level bed of albedo 1 exceeds the noise.
+    """
+
+    family = GAINS
+    stops_at_noise: ClassVar[bool] = True
+
+    def decibels(self, bins: RangeBins, absorption: float) -> NDArray[np.float64]:
+        """Gain in dB of range bins, in water of that absorption (Np/m)."""
+        return np.zeros(bins.number.shape)
+
+
+class NoTvg(GainKind):
+    """No gain: echoes as loud as they arrive."""
+
+    rank = 10
+    kind: Literal["none"] = "none"
+
+
+class PowerTvg(GainKind):
+    """Time-varied gain by a power of range and by absorption: spreading · log r + 2αr, clipped at the noise floor."""
+
+    rank = 20
+    kind: Literal["power"] = "power"
+    spreading: float = parameter(
+        30.0,
+        unit="dB",
+        description="gain per tenfold slant range: 40 for points, 30 for beds, 20 for volumes",
+        ge=0.0,
+        le=80.0,
+        slider=(0.0, 60.0),
+    )
+    absorption: float | None = parameter(
+        None,
+        unit="dB/km",
+        description="absorption to compensate on the way there and back (the water's own when left out)",
+        ge=0.0,
+        le=1e4,
+        slider=(0.0, 400.0),
+    )
+
+    def decibels(self, bins: RangeBins, absorption: float) -> NDArray[np.float64]:
+        """Gain in dB, spreading · log₁₀ r + 2αr with α in dB/m."""
+        loss = absorption if self.absorption is None else self.absorption * NEPER_PER_DB / 1e3
+        return self.spreading * np.log10(bins.slant_range) + 2.0 * loss / NEPER_PER_DB * bins.slant_range
+
+
+class TableTvg(GainKind):
+    """Time-varied gain by a table, as in a recorder's file or of a gain curve; it also amplifies noise."""
+
+    rank = 30
+    kind: Literal["table"] = "table"
+    stops_at_noise = False
+    by: Literal["time", "bin"] = parameter(
+        "time", description="first column of the table: seconds after transmission, or bins from 0"
+    )
+    gains: tuple[tuple[TimeOrBin, Gain], ...] = parameter(
+        ((0.0, 0.0), (0.02, 30.0), (0.06, 50.0)),
+        unit="dB",
+        slider=(-20.0, 80.0),
+        description="pairs [time or bin, gain], ascending; the first and last gains apply beyond",
+        min_length=1,
+        max_length=100_000,
+    )
+    interpolation: Literal["linear", "steps"] = parameter(
+        "linear", description="straight lines between those gains, or each gain kept until the next"
+    )
+
+    @field_validator("gains")
+    @classmethod
+    def _ascending(cls, gains: tuple[tuple[float, float], ...]) -> tuple[tuple[float, float], ...]:
+        if any(after[0] <= before[0] for before, after in pairwise(gains)):
+            raise ValueError("must run in order of increasing time or bin; sort the pairs and drop doubles")
+        return gains
+
+    def decibels(self, bins: RangeBins, absorption: float) -> NDArray[np.float64]:
+        """Gain in dB of the table."""
+        at = bins.travel_time if self.by == "time" else bins.number
+        places, gains = np.array(self.gains).T
+        if self.interpolation == "linear":
+            return np.interp(at, places, gains)
+        return np.asarray(gains[np.maximum(np.searchsorted(places, at, side="right") - 1, 0)])

@@ -1,0 +1,130 @@
+"""Speckle models."""
+
+from __future__ import annotations
+
+from typing import Any, ClassVar, Literal, NamedTuple
+
+from insonify.scene.base import Family, Kind, parameter
+
+SPECKLES = Family("speckles", "insonify.scene.receiver")
+
+
+class Texture(NamedTuple):
+    """Gamma-distributed strength of the bed about its mean."""
+
+    shape: float  # shape ν of the distribution
+    cell: float | None  # area in m² that ν refers to; None for the same ν in every cell
+
+
+class SpeckleKind(Kind):
+    """Interference of scatterers within a cell.
+
+    Attributes
+    ----------
+    speckled : bool
+        Whether there is any.
+    interferes : bool
+        Whether the sweep traces scatterers one by one; otherwise speckle is drawn bin by bin.
+    """
+
+    family = SPECKLES
+    speckled: ClassVar[bool] = True
+    interferes: ClassVar[bool] = False
+
+    @property
+    def independent_records(self) -> int:
+        """Number of independent records that are averaged."""
+        return 1
+
+    @property
+    def texture(self) -> Texture | None:
+        """Gamma-distributed strength of the bed; None where it is even."""
+        return None
+
+    @property
+    def scatterer_density(self) -> float | None:
+        """Scatterers per square metre, of speckle that interferes; None to let the tracer choose."""
+        return None
+
+
+class NoSpeckle(SpeckleKind):
+    """No speckle: the mean echo."""
+
+    rank = 10
+    speckled = False
+    kind: Literal["none"] = "none"
+
+
+def _looks() -> Any:
+    return parameter(1, description="independent records averaged", ge=1, le=64, slider=(1, 16), log=True)
+
+
+class Rayleigh(SpeckleKind):
+    """Fully developed speckle: the intensity of every bin is exponential about its mean."""
+
+    rank = 20
+    kind: Literal["rayleigh"] = "rayleigh"
+    looks: int = _looks()
+
+    @property
+    def independent_records(self) -> int:
+        """Number of independent records that are averaged."""
+        return self.looks
+
+
+class K(SpeckleKind):
+    """Speckle of few scatterers: Rayleigh speckle of a bed with gamma-distributed strength."""
+
+    rank = 30
+    kind: Literal["k"] = "k"
+    shape: float = parameter(
+        2.0,
+        description="shape of the gamma distribution; fewer scatterers make it smaller and the speckle spikier",
+        ge=0.01,
+        le=1e4,
+        slider=(0.1, 100.0),
+        log=True,
+    )
+    looks: int = _looks()
+    cell: float | None = parameter(
+        None,
+        unit="m²",
+        description="area that the shape refers to: the shape grows with the cell, hence with range and pulse; "
+        "the same shape everywhere when left out",
+        gt=0.0,
+        le=1e6,
+        slider=(1e-3, 10.0),
+        log=True,
+    )
+
+    @property
+    def independent_records(self) -> int:
+        """Number of independent records that are averaged."""
+        return self.looks
+
+    @property
+    def texture(self) -> Texture:
+        """Gamma-distributed strength of the bed."""
+        return Texture(self.shape, self.cell)
+
+
+class Coherent(SpeckleKind):
+    """Scatterers on bed and targets whose echoes are traced one by one and interfere; slow, by the sweep alone."""
+
+    rank = 40
+    interferes = True
+    kind: Literal["coherent"] = "coherent"
+    density: float | None = parameter(
+        None,
+        unit="1/m²",
+        description="mean number of scatterers per area; 32 in a cell at half the range when left out",
+        gt=0.0,
+        le=1e6,
+        slider=(1.0, 1e4),
+        log=True,
+    )
+
+    @property
+    def scatterer_density(self) -> float | None:
+        """Scatterers per square metre."""
+        return self.density

@@ -1,0 +1,165 @@
+"""Transmitted pulses."""
+
+from __future__ import annotations
+
+import math
+from typing import ClassVar, Literal
+
+import numpy as np
+from numpy.typing import NDArray
+from pydantic import model_validator
+
+from insonify.scene.base import Family, Kind, parameter
+
+PULSES = Family("pulses", "insonify.scene.sonar")
+# The spectrum of a windowed chirp is a + b cos(2πf/B) over its band.
+WINDOWS = {"uniform": (1.0, 0.0), "hamming": (0.54, 0.46), "hann": (0.5, 0.5)}
+
+
+class PulseKind(Kind):
+    """A transmitted pulse: its envelope after the receiver's filter, and its length.
+
+    The receiver sums and correlates the envelope numerically unless a kind returns the results in closed form.
+
+    Attributes
+    ----------
+    two_sided : bool
+        Whether the response also precedes the echo's own range, as that of a matched filter does.
+    """
+
+    family = PULSES
+    two_sided: ClassVar[bool] = False
+
+    @property
+    def length(self) -> float:
+        """Length of the pulse in seconds; 0 for one shorter than any bin."""
+        return 0.0
+
+    @property
+    def resolution(self) -> float:
+        """Time between two echoes that can be resolved, in seconds."""
+        return self.length
+
+    def cell(self, sound_speed: float) -> float:
+        """Slant range between two echoes that can be resolved, in metres."""
+        return 0.5 * sound_speed * self.resolution
+
+    def envelope(self, time: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Amplitude of a point's echo at times (s) after its own, 1 at its peak."""
+        raise NotImplementedError
+
+    def taps(self, length: float) -> NDArray[np.float64] | None:
+        """Shares of a bin's energy that the pulse puts into that bin and the following ones, in closed form.
+
+        Parameters
+        ----------
+        length : float
+            Length of the pulse in bins.
+
+        Returns
+        -------
+        (n,) float64 or None
+            None where there is no closed form.
+        """
+        return None
+
+    def coherence(self, length: float) -> NDArray[np.float64] | None:
+        """Correlation between amplitudes at 0 to n - 1 bins apart, in closed form; argument and result as of `taps`."""
+        return None
+
+
+class Ideal(PulseKind):
+    """A pulse shorter than any bin."""
+
+    rank = 10
+    kind: Literal["ideal"] = "ideal"
+
+    def taps(self, length: float) -> NDArray[np.float64]:
+        """All of a bin's energy stays in it."""
+        return np.ones(1)
+
+    def coherence(self, length: float) -> NDArray[np.float64]:
+        """Bins are independent."""
+        return np.ones(1)
+
+
+class Tone(PulseKind):
+    """A gated tone: every echo lasts as long as the pulse."""
+
+    rank = 20
+    kind: Literal["tone"] = "tone"
+    duration: float = parameter(
+        1e-4, unit="s", description="length of the pulse", gt=0.0, le=0.1, slider=(1e-5, 1e-3), log=True
+    )
+
+    @property
+    def length(self) -> float:
+        """Length of the pulse in seconds."""
+        return self.duration
+
+    def envelope(self, time: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Amplitude of a point's echo: the envelope of the transmitted pulse."""
+        return np.where((time >= 0.0) & (time < self.duration), 1.0, 0.0)
+
+    def taps(self, length: float) -> NDArray[np.float64]:
+        """Shares of a bin's energy that the tone puts into that bin and the following ones."""
+        return tone_taps(length)
+
+    def coherence(self, length: float) -> NDArray[np.float64]:
+        """Correlation of two bins: the share of the tone within both, 1 − Δ/(cτ/2)."""
+        return 1.0 - np.arange(max(math.ceil(length), 1)) / length
+
+
+class Chirp(PulseKind):
+    """A sweep of frequencies, compressed by a matched filter: an echo is as short as the bandwidth allows."""
+
+    rank = 30
+    two_sided = True
+    kind: Literal["chirp"] = "chirp"
+    duration: float = parameter(
+        1e-3, unit="s", description="length of the pulse", gt=0.0, le=0.1, slider=(1e-4, 1e-2), log=True
+    )
+    bandwidth: float = parameter(
+        30e3, unit="Hz", description="frequencies swept", gt=0.0, le=1e6, slider=(5e3, 2e5), log=True
+    )
+    window: Literal["uniform", "hamming", "hann"] = parameter(
+        "hamming", description="weight of the frequencies; a tapered one has lower sidelobes and resolves less"
+    )
+
+    @model_validator(mode="after")
+    def _long_enough(self) -> Chirp:
+        if self.duration * self.bandwidth < 1.0:
+            raise ValueError(
+                f"bandwidth {self.bandwidth:g} Hz is less than that of an unswept pulse of {self.duration:g} s; "
+                f"raise it to {1.0 / self.duration:.4g} Hz or more, or lengthen the pulse"
+            )
+        return self
+
+    @property
+    def length(self) -> float:
+        """Length of the pulse in seconds, and of its response before and after the echo's own time."""
+        return self.duration
+
+    @property
+    def resolution(self) -> float:
+        """Time between two echoes that can be resolved, in seconds."""
+        return 1.0 / self.bandwidth
+
+    def cell(self, sound_speed: float) -> float:
+        """Slant range between two echoes that can be resolved, in metres, c/2B."""
+        return 0.5 * sound_speed / self.bandwidth
+
+    def envelope(self, time: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Response of the matched filter: the transform of the spectrum's window, sinc Bt for a uniform one."""
+        a, b = WINDOWS[self.window]
+        x = self.bandwidth * time
+        value = np.sinc(x) + (0.5 * b / a) * (np.sinc(x - 1.0) + np.sinc(x + 1.0))
+        return np.where(np.abs(time) <= self.duration, value, 0.0)
+
+
+def tone_taps(length: float) -> NDArray[np.float64]:
+    """Shares of a bin's energy that a gated tone puts into that bin and the following ones."""
+    edges = np.arange(math.ceil(length) + 2, dtype=np.float64)
+    corners = (edges, edges - 1.0, edges - length, edges - 1.0 - length)
+    ramps = [0.5 * np.maximum(corner, 0.0) ** 2 for corner in corners]
+    return np.diff(ramps[0] - ramps[1] - ramps[2] + ramps[3])

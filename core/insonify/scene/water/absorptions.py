@@ -1,0 +1,100 @@
+"""Absorption of sound by sea water."""
+
+from __future__ import annotations
+
+import math
+from typing import Any, ClassVar, Literal
+
+from pydantic import model_validator
+
+from insonify.scene.base import Family, Kind, parameter
+
+ABSORPTIONS = Family("absorptions", "insonify.scene.water")
+NEPER_PER_DB = math.log(10.0) / 20.0
+
+
+class AbsorptionKind(Kind):
+    """Absorption of sound by the water.
+
+    Attributes
+    ----------
+    by_frequency : bool
+        Whether it depends on the frequency.
+    """
+
+    family = ABSORPTIONS
+    by_frequency: ClassVar[bool] = True
+
+    def decibels_per_km(self, frequency: float, depth: float) -> float:
+        """Absorption one way, in dB/km, of sound of a frequency in Hz at a depth in metres."""
+        return 0.0
+
+
+class NoAbsorption(AbsorptionKind):
+    """Water without absorption."""
+
+    rank = 10
+    by_frequency = False
+    kind: Literal["none"] = "none"
+
+
+class ConstantAbsorption(AbsorptionKind):
+    """A given absorption; a bare number of dB/km stands for it."""
+
+    rank = 20
+    by_frequency = False
+    kind: Literal["constant"] = "constant"
+    coefficient: float = parameter(
+        30.0, unit="dB/km", description="absorption, one way", ge=0.0, le=1e5, slider=(0.0, 500.0)
+    )
+
+    @model_validator(mode="before")
+    @classmethod
+    def _name_alone(cls, value: Any) -> Any:
+        return {"coefficient": value} if isinstance(value, (int, float)) else value
+
+    def decibels_per_km(self, frequency: float, depth: float) -> float:
+        """Absorption one way, in dB/km, the same at every frequency and depth."""
+        return self.coefficient
+
+
+class FrancoisGarrison(AbsorptionKind):
+    """Absorption of sea water by frequency, after Francois and Garrison (1982)."""
+
+    rank = 30
+    kind: Literal["francois_garrison"] = "francois_garrison"
+    temperature: float = parameter(
+        10.0, unit="°C", description="temperature of the water", ge=-2.0, le=40.0, slider=(0.0, 30.0)
+    )
+    salinity: float = parameter(
+        35.0, unit="g/kg", description="salinity of the water", ge=0.0, le=45.0, slider=(0.0, 40.0)
+    )
+    acidity: float = parameter(8.0, unit="pH", description="acidity of the water", ge=7.0, le=9.0, slider=(7.5, 8.5))
+
+    def decibels_per_km(self, frequency: float, depth: float) -> float:
+        """Absorption one way, in dB/km, of sea water of this temperature, salinity and acidity."""
+        return francois_garrison(frequency, self.temperature, self.salinity, depth, self.acidity)
+
+
+def francois_garrison(
+    frequency: float, temperature: float, salinity: float = 35.0, depth: float = 0.0, acidity: float = 8.0
+) -> float:
+    """Absorption of sea water in dB/km."""
+    f, t = frequency / 1e3, temperature
+    c = 1412.0 + 3.21 * t + 1.19 * salinity + 0.0167 * depth
+    kelvin = t + 273.0
+    # Boric acid.
+    a1 = 8.86 / c * 10.0 ** (0.78 * acidity - 5.0)
+    f1 = 2.8 * math.sqrt(salinity / 35.0) * 10.0 ** (4.0 - 1245.0 / kelvin)
+    # Magnesium sulphate.
+    a2 = 21.44 * salinity / c * (1.0 + 0.025 * t)
+    p2 = 1.0 - 1.37e-4 * depth + 6.2e-9 * depth**2
+    f2 = 8.17 * 10.0 ** (8.0 - 1990.0 / kelvin) / (1.0 + 0.0018 * (salinity - 35.0))
+    # Pure water.
+    if t <= 20.0:
+        a3 = 4.937e-4 - 2.59e-5 * t + 9.11e-7 * t**2 - 1.50e-8 * t**3
+    else:
+        a3 = 3.964e-4 - 1.146e-5 * t + 1.45e-7 * t**2 - 6.5e-10 * t**3
+    p3 = 1.0 - 3.83e-5 * depth + 4.9e-10 * depth**2
+    boric = a1 * f1 * f**2 / (f**2 + f1**2) if f1 > 0.0 else 0.0
+    return boric + a2 * p2 * f2 * f**2 / (f**2 + f2**2) + a3 * p3 * f**2

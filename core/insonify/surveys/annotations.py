@@ -1,0 +1,172 @@
+"""Formats of annotations: COCO, with boxes and masks of every target, and YOLO, with a text of boxes per image."""
+
+from __future__ import annotations
+
+import json
+import shutil
+import tempfile
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import AbstractContextManager, ExitStack, contextmanager, nullcontext
+from pathlib import Path
+from typing import IO, Any, Literal, NamedTuple, Protocol
+
+from insonify.io.atomic import replacing
+from insonify.scene.base import Family, Kind, parameter
+
+ANNOTATIONS = Family("annotations")
+EXTENTS = ("echo", "shadow", "both")  # annotated parts of a target
+Extent = Literal["echo", "shadow", "both"]
+
+
+class Collector(Protocol):
+    """Takes the description of every tile in order."""
+
+    def add(self, tile: Mapping[str, Any]) -> None:
+        """Take one tile: `insonify.surveys.storages.Tile.told`."""
+
+
+class Idle:
+    """Takes tiles and does nothing with them."""
+
+    def add(self, tile: Mapping[str, Any]) -> None:
+        """Take one tile."""
+
+
+class AnnotationKind(Kind):
+    """Format of annotations: files of each tile, files of the whole data set, or both."""
+
+    family = ANNOTATIONS
+
+    def of_tile(self, tile: Mapping[str, Any], classes: Sequence[str]) -> dict[str, tuple[str, bytes]]:
+        """Suffix and content of files of one tile, by the folder beside that of the images."""
+        del tile, classes
+        return {}
+
+    def collect(self, folder: Path, splits: Sequence[str], classes: Sequence[str]) -> AbstractContextManager[Collector]:
+        """Open the files of the whole data set; they appear when the context ends without an error.
+
+        Parameters
+        ----------
+        folder : Path
+            Of the data set.
+        splits, classes : sequence of str
+        """
+        del folder, splits, classes
+        return nullcontext(Idle())
+
+
+class Coco(AnnotationKind):
+    """COCO: ``coco-echo.json``, ``coco-shadow.json`` and ``coco-both.json`` in the folder of each split.
+
+    Boxes are [x, y, width, height] in pixels. Masks are run lengths by columns, uncompressed, which pycocotools reads.
+    """
+
+    rank = 10
+    kind: Literal["coco"] = "coco"
+    of: tuple[Extent, ...] = parameter(EXTENTS, description="what of a target is annotated, a file each", min_length=1)
+
+    @contextmanager
+    def collect(self, folder: Path, splits: Sequence[str], classes: Sequence[str]) -> Iterator[Collector]:
+        """Write the files as tiles come: memory does not grow with their number."""
+        with ExitStack() as stack:
+            yield _CocoFiles(
+                [
+                    (split, stack.enter_context(_open_coco(folder / split / f"coco-{extent}.json", extent, classes)))
+                    for split in splits
+                    for extent in self.of
+                ]
+            )
+
+
+class _CocoFile:
+    """A file while it is written: images go into it, annotations into another that is appended in the end."""
+
+    def __init__(self, images: IO[str], annotations: IO[str], extent: Extent, classes: Sequence[str]) -> None:
+        self._images, self._annotations, self._extent = images, annotations, extent
+        self._numbers = {name: number for number, name in enumerate(classes, 1)}
+        self._image = self._annotation = 0
+
+    def add(self, tile: Mapping[str, Any]) -> None:
+        """Add an image and the annotations of its targets."""
+        height, width = tile["shape"]
+        self._image += 1
+        image = {"id": self._image, "file_name": tile["file"], "width": width, "height": height}
+        _append(self._images, image, self._image)
+        for found in tile["targets"]:
+            region = found[self._extent]
+            if region is None:
+                continue
+            self._annotation += 1
+            annotation = {
+                "id": self._annotation,
+                "image_id": self._image,
+                "category_id": self._numbers[found["class"]],
+                "bbox": region["box"],
+                "area": region["area"],
+                "segmentation": region["segmentation"],
+                "iscrowd": 0,
+            }
+            _append(self._annotations, annotation, self._annotation)
+
+
+class _CocoFiles(NamedTuple):
+    """Passes tiles on to the files of their split."""
+
+    files: Sequence[tuple[str, _CocoFile]]
+
+    def add(self, tile: Mapping[str, Any]) -> None:
+        for split, file in self.files:
+            if split == tile["split"]:
+                file.add(tile)
+
+
+def _append(file: IO[str], entry: Mapping[str, Any], number: int) -> None:
+    file.write(("" if number == 1 else ",\n") + json.dumps(entry))
+
+
+@contextmanager
+def _open_coco(path: Path, extent: Extent, classes: Sequence[str]) -> Iterator[_CocoFile]:
+    """Open a file that appears when it is whole."""
+    categories = [{"id": number, "name": name} for number, name in enumerate(classes, 1)]
+    path.parent.mkdir(parents=True, exist_ok=True)
+    with (
+        replacing(path) as beside,
+        open(beside, "w", encoding="utf-8") as images,
+        tempfile.TemporaryFile("w+", encoding="utf-8", dir=path.parent) as annotations,
+    ):
+        images.write(f'{{"categories": {json.dumps(categories)},\n"images": [\n')
+        yield _CocoFile(images, annotations, extent, classes)
+        images.write('],\n"annotations": [\n')
+        annotations.seek(0)
+        shutil.copyfileobj(annotations, images)
+        images.write("]}\n")
+
+
+class Yolo(AnnotationKind):
+    """YOLO: ``labels`` beside ``images``, with a line for each target: class from 0, then centre and size as shares."""
+
+    rank = 20
+    kind: Literal["yolo"] = "yolo"
+    of: Extent = parameter("both", description="what of a target the box holds")
+
+    def of_tile(self, tile: Mapping[str, Any], classes: Sequence[str]) -> dict[str, tuple[str, bytes]]:
+        """Text of boxes; empty for an image without targets."""
+        found = [one for one in tile["targets"] if one[self.of] is not None]
+        lines = [_yolo_line(classes.index(one["class"]), one[self.of]["box"], tile["shape"]) for one in found]
+        return {"labels": (".txt", "".join(lines).encode())}
+
+    @contextmanager
+    def collect(self, folder: Path, splits: Sequence[str], classes: Sequence[str]) -> Iterator[Collector]:
+        """Write ``data.yaml``."""
+        yield Idle()
+        roles = {"validation": "val"}
+        lines = ["path: .", *(f"{roles.get(split, split)}: {split}/images" for split in splits), "names:"]
+        lines += [f"  {number}: {json.dumps(name)}" for number, name in enumerate(classes)]
+        with replacing(folder / "data.yaml") as beside:
+            beside.write_text("\n".join(lines) + "\n", encoding="utf-8")
+
+
+def _yolo_line(number: int, box: Sequence[int], shape: Sequence[int]) -> str:
+    (x, y, width, height), (rows, columns) = box, shape
+    centre = (x + 0.5 * width) / columns, (y + 0.5 * height) / rows
+    return " ".join([str(number), *(f"{share:.6f}" for share in (*centre, width / columns, height / rows))]) + "\n"

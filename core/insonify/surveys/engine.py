@@ -1,0 +1,275 @@
+"""Jobs of a survey or a data set: each is done once, by any worker of a scheduler, and leaves whole files.
+
+A job is named by the content of what it depends on. Its files appear first, then the flag that marks it as done.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import json
+import math
+import os
+import sys
+import time
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from contextlib import contextmanager
+from pathlib import Path
+from typing import Any, NamedTuple, Protocol
+
+from insonify.errors import SceneError
+from insonify.io.atomic import replacing
+from insonify.io.unfinished import clear_ended, clear_leftovers, remove, temporary_path
+from insonify.progress import open_progress
+from insonify.surveys.schedulers import connected
+
+FLAGS = "jobs"  # folder of the flags below that of a survey or a data set
+SHELF = 1000  # jobs whose flags share a folder
+DIGITS = 7  # of a job's number
+DIGEST = 12  # hexadecimal digits
+AHEAD = 3  # jobs in flight for each thread of a worker, which hides the latency of the driver
+PATIENCE = 60.0  # s, until there is a worker
+RECOUNT = 5.0  # s, after which the workers are counted again
+INTERRUPTED = 130
+
+
+class Work(Protocol):
+    """Work that is divided into jobs; it is pickled and sent to the workers."""
+
+    @property
+    def folder(self) -> Path:
+        """Folder of all files."""
+
+    def names(self) -> Sequence[str]:
+        """Names of all jobs, from `name_job`, in order."""
+
+    def make(self, name: str, beside: Path) -> Mapping[str, Any]:
+        """Do one job: write its files below a folder as they stand below `folder`, and return its report.
+
+        The same name gives the same files on every machine. The report is kept as JSON; ``made`` of it counts what was
+        made, and is sent back to the driver.
+        """
+
+    def begun(self) -> Work:
+        """Return the work with what its jobs share, made once before any of them is done."""
+
+    def warm_up(self) -> None:
+        """Compile the kernels that the jobs need."""
+
+
+class Outcome(NamedTuple):
+    """Job that has ended."""
+
+    name: str
+    made: int = 0  # images or records
+    failure: str = ""  # reason why it could not be done
+
+
+def digest_of(*parts: Any) -> str:
+    """Hash what a job depends on, as JSON, to a short text."""
+    text = json.dumps(parts, sort_keys=True, ensure_ascii=False, default=str)
+    return hashlib.sha256(text.encode()).hexdigest()[:DIGEST]
+
+
+def name_job(number: int, digest: str) -> str:
+    """Return the name of a job, which begins with its number."""
+    return f"{number:0{DIGITS}d}-{digest}"
+
+
+def job_number(name: str) -> int:
+    """Return the number of a job by its name."""
+    return int(name.partition("-")[0])
+
+
+def shelf_of(number: int) -> str:
+    """Return the folder that a job shares with others of nearby numbers."""
+    return f"{number // SHELF:0{DIGITS - 3}d}"
+
+
+def flag_of(folder: Path, name: str) -> Path:
+    """Return the path of the flag that marks a job as done; it contains the report of the job."""
+    return folder / FLAGS / shelf_of(job_number(name)) / f"{name}.json"
+
+
+def done_jobs(folder: Path) -> set[str]:
+    """Return the names of all jobs that are done."""
+    return {path.stem for path in (folder / FLAGS).glob("*/*.json") if not path.name.startswith(".")}
+
+
+def read_flag(folder: Path, name: str) -> dict[str, Any]:
+    """Read the report of a job that is done."""
+    report: dict[str, Any] = json.loads(flag_of(folder, name).read_text(encoding="utf-8"))
+    return report
+
+
+def finish(work: Work, name: str) -> Outcome:
+    """Do a job that is not done yet: its files appear one by one, each whole, and its flag after them."""
+    flag = flag_of(work.folder, name)
+    try:
+        if not flag.exists():
+            flag.parent.mkdir(parents=True, exist_ok=True)
+            clear_leftovers(flag)
+            with _staging(flag) as beside:
+                report = work.make(name, beside)
+                _put_below(beside, work.folder)
+            with replacing(flag) as written:
+                written.write_text(json.dumps(report, ensure_ascii=False), encoding="utf-8")
+        return Outcome(name, int(read_flag(work.folder, name).get("made", 0)))
+    except OSError as error:
+        raise OSError(error.errno, error.strerror or str(error), str(work.folder)) from None
+
+
+@contextmanager
+def _staging(flag: Path) -> Iterator[Path]:
+    """Yield a folder beside a flag for the files of its job, and remove it afterwards."""
+    beside = temporary_path(flag)
+    beside.mkdir()
+    try:
+        yield beside
+    finally:
+        remove(beside)
+
+
+def _put_below(beside: Path, folder: Path) -> None:
+    """Move every file below one folder to its place below another; each replaces one of the same name."""
+    for place, _, names in os.walk(beside):
+        final = folder / Path(place).relative_to(beside)
+        if names:
+            final.mkdir(parents=True, exist_ok=True)
+        for name in sorted(names):
+            os.replace(Path(place) / name, final / name)
+
+
+def prepare_folder(folder: Path, names: Iterable[str], what: str) -> list[str]:
+    """Make the folder of a work, or resume one that contains a part of it; return the jobs that are missing."""
+    wanted = list(names)
+    if folder.exists() and not (folder / FLAGS).is_dir() and (not folder.is_dir() or any(folder.iterdir())):
+        raise SceneError(f"-o {folder}: holds other files; give a new folder, or one that this command has begun")
+    done = done_jobs(folder)
+    foreign = sorted(done.difference(wanted))
+    if foreign:
+        raise SceneError(
+            f"-o {folder}: holds {len(foreign)} jobs of another {what}, or of another version of insonify, such as "
+            f"{foreign[0]}; give a new folder, or the specification that it was begun with"
+        )
+    _clear_unfinished(folder)
+    return [name for name in wanted if name not in done]
+
+
+def _clear_unfinished(folder: Path) -> None:
+    """Remove what ended workers left of unfinished jobs."""
+    for shelf in (folder / FLAGS).glob("*/"):
+        clear_ended(shelf)
+
+
+def run_jobs(
+    work: Work, names: Sequence[str], scheduler: str, progress: Callable[[Outcome], object]
+) -> tuple[Outcome, ...]:
+    """Do jobs on a scheduler's workers; return those that could not be done.
+
+    A job whose worker ends is done by another one, up to three times. A job that cannot be done stops no other; a file
+    that cannot be written stops them all.
+    """
+    failures = []
+    try:
+        with connected(scheduler) as client:
+            _warm_up(client, work, scheduler)
+            for outcome in _outcomes(client, work, iter(names)):
+                progress(outcome)
+                if outcome.failure:
+                    failures.append(outcome)
+    finally:
+        _clear_unfinished(work.folder)
+    return tuple(failures)
+
+
+def _warm_up(client: Any, work: Work, scheduler: str) -> None:
+    """Let one worker of each machine compile the kernels; the others read them from the machine's cache."""
+    try:
+        client.wait_for_workers(1, timeout=PATIENCE)
+    except TimeoutError:
+        raise SceneError(
+            f"--scheduler {scheduler}: no worker has come within {PATIENCE:g} s; start some, with 'dask worker'"
+        ) from None
+    machines = {address.rpartition(":")[0]: address for address in client.nthreads()}
+    warm = [client.submit(work.warm_up, workers=[one], pure=False) for one in machines.values()]
+    client.gather(warm, errors="skip")  # a scene that cannot be made is reported by its job
+
+
+def _outcomes(client: Any, work: Work, names: Iterator[str]) -> Iterator[Outcome]:
+    """Outcomes of jobs as they end; as many are in flight as keep the workers busy."""
+    from distributed import as_completed
+
+    waiting, counted, most = as_completed(loop=client.loop), -math.inf, 0
+    named: dict[str, str] = {}
+    while True:
+        if time.monotonic() - counted > RECOUNT:
+            counted, most = time.monotonic(), AHEAD * max(sum(client.nthreads().values()), 1)
+        while len(named) < most and (name := next(names, None)) is not None:
+            future = client.submit(finish, work, name, pure=False)
+            named[future.key] = name
+            waiting.add(future)
+        if not named:
+            return
+        ended = next(waiting)
+        yield _outcome(ended, named.pop(ended.key))
+
+
+def _outcome(future: Any, name: str) -> Outcome:
+    """Outcome of a job that has ended; raises what stops all jobs."""
+    error = future.exception()
+    if error is None:
+        outcome: Outcome = future.result()
+        return outcome
+    if isinstance(error, SceneError):
+        return Outcome(name, failure=str(error))
+    if isinstance(error, ImportError) or "deserializ" in str(error):
+        raise SceneError(
+            f"--scheduler: a worker cannot read its jobs ({type(error).__name__}); install the same versions of "
+            "insonify, Python and dask there as here"
+        )
+    if isinstance(error, (OSError, MemoryError)) or type(error).__name__ != "KilledWorker":
+        raise error
+    return Outcome(name, failure="its worker ended four times in a row, perhaps for want of memory; give fewer workers")
+
+
+class Ended(NamedTuple):
+    """Work whose jobs have all been tried."""
+
+    done: list[str]  # jobs that are done, in order
+    failures: tuple[Outcome, ...]  # those that could not be done
+
+    def refuse_failures(self) -> None:
+        """Raise an error of one sentence if some jobs could not be done."""
+        if self.failures:
+            first, total = min(self.failures), len(self.done) + len(self.failures)
+            raise SceneError(
+                f"{len(self.failures)} of {total} jobs could not be done, the others are done; "
+                f"job {job_number(first.name)}: {first.failure}"
+            )
+
+
+def work_on(work: Work, what: str, scheduler: str, unit: str = "job") -> Ended | None:
+    """Do the jobs of a work that are not done yet, and show their progress; None after an interruption."""
+    names = list(work.names())
+    missing = prepare_folder(work.folder, names, what)
+    if not missing:
+        return Ended(names, ())
+    done = len(names) - len(missing)
+    progress = open_progress("", len(names), unit, done=done)
+
+    def advance(outcome: Outcome) -> None:
+        nonlocal done
+        done += not outcome.failure
+        progress.advance(1)
+
+    try:
+        failures = run_jobs(work.begun(), missing, scheduler, advance)
+    except KeyboardInterrupt:
+        progress.close()
+        sentence = f"interrupted; {done} of {len(names)} {unit}s are done and stay; the same command goes on"
+        sys.stderr.write(f"insonify: {sentence}\n")
+        return None
+    finally:
+        progress.close()
+    failed = {failure.name for failure in failures}
+    return Ended([name for name in names if name not in failed], failures)

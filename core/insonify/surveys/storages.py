@@ -1,0 +1,170 @@
+"""Storage of images and masks: pictures in folders, archives of WebDataset, Zarr stores."""
+
+from __future__ import annotations
+
+import io
+import json
+import tarfile
+from abc import abstractmethod
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any, Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+from insonify.scene.base import Family, Kind, parameter
+
+STORAGES = Family("storages")
+IMAGES, MASKS = "images", "masks"
+MARK = "#"  # in the name of an image, between an archive or store and the place in it
+Pixels = NDArray[np.unsignedinteger]
+
+
+@dataclass(frozen=True, eq=False)
+class Tile:
+    """A tile of a record, ready to be stored."""
+
+    image: Pixels  # (pings, bins) grey levels
+    mask: NDArray[np.uint8]  # (pings, bins) class of every bin
+    # Description: ``name``, ``split``, ``shape``, ``targets`` and more; `StorageKind.write` adds ``file``.
+    told: dict[str, Any]
+    # Suffix and content of files of annotations, by their folder beside that of the images.
+    labels: dict[str, tuple[str, bytes]] = field(default_factory=dict)
+
+
+class StorageKind(Kind):
+    """How the tiles of a job are stored."""
+
+    family = STORAGES
+    scenes: int = parameter(1, description="scenes of a job, whose tiles are stored together", ge=1, le=10_000)
+
+    @abstractmethod
+    def write(self, folder: Path, job: str, shelf: str, tiles: Sequence[Tile]) -> None:
+        """Write the tiles of one job, all of one split, and note where each image is: ``told["file"]``.
+
+        Parameters
+        ----------
+        folder : Path
+            Stands for that of the data set.
+        job : str
+            Number of the job.
+        shelf : str
+            Folder that jobs of nearby numbers share.
+        tiles : sequence of Tile
+        """
+
+    @abstractmethod
+    def read_image(self, folder: Path, file: str) -> Pixels:
+        """Read an image by the name that `write` noted."""
+
+
+class Files(StorageKind):
+    """PNG pictures, a file for each image and each mask."""
+
+    rank = 10
+    kind: Literal["files"] = "files"
+
+    def write(self, folder: Path, job: str, shelf: str, tiles: Sequence[Tile]) -> None:
+        """Write ``SPLIT/images/SHELF/NAME.png``, the same below ``masks``, and annotations beside."""
+        del job
+        for tile in tiles:
+            place = folder / tile.told["split"]
+            for beside, (suffix, content) in _members(tile).items():
+                path = place / beside / shelf / f"{tile.told['name']}{suffix}"
+                path.parent.mkdir(parents=True, exist_ok=True)
+                path.write_bytes(content)
+            tile.told["file"] = f"{tile.told['split']}/{IMAGES}/{shelf}/{tile.told['name']}.png"
+
+    def read_image(self, folder: Path, file: str) -> Pixels:
+        """Read a picture."""
+        return _decode(folder / file)
+
+
+class WebDataset(StorageKind):
+    """Archives as WebDataset reads them: ``NAME.png``, ``NAME.mask.png``, ``NAME.json`` and annotations."""
+
+    rank = 20
+    kind: Literal["webdataset"] = "webdataset"
+    scenes: int = parameter(16, description="scenes of a job, whose tiles are stored together", ge=1, le=10_000)
+
+    def write(self, folder: Path, job: str, shelf: str, tiles: Sequence[Tile]) -> None:
+        """Write ``SPLIT/SHELF/JOB.tar``; without a time, so that the same tiles give the same bytes."""
+        if not tiles:
+            return
+        path = folder / tiles[0].told["split"] / shelf / f"{job}.tar"
+        path.parent.mkdir(parents=True, exist_ok=True)
+        with tarfile.open(path, "w", format=tarfile.USTAR_FORMAT) as archive:
+            for tile in tiles:
+                tile.told["file"] = f"{path.relative_to(folder).as_posix()}{MARK}{tile.told['name']}.png"
+                for name, content in _archived(tile):
+                    entry = tarfile.TarInfo(name)
+                    entry.size, entry.mode = len(content), 0o644
+                    archive.addfile(entry, io.BytesIO(content))
+
+    def read_image(self, folder: Path, file: str) -> Pixels:
+        """Read a picture from its archive."""
+        path, _, name = file.partition(MARK)
+        with tarfile.open(folder / path) as archive:
+            return _decode(archive.extractfile(name))
+
+
+class ZarrStore(StorageKind):
+    """Zarr stores with the arrays ``images`` and ``masks``, (tiles, pings, bins), and the names of the tiles."""
+
+    rank = 30
+    kind: Literal["zarr"] = "zarr"
+    scenes: int = parameter(16, description="scenes of a job, whose tiles are stored together", ge=1, le=10_000)
+
+    def write(self, folder: Path, job: str, shelf: str, tiles: Sequence[Tile]) -> None:
+        """Write ``SPLIT/SHELF/JOB.zarr``: a chunk for each tile, all chunks of an array in one file."""
+        if not tiles:
+            return
+        import zarr
+
+        path = folder / tiles[0].told["split"] / shelf / f"{job}.zarr"
+        group = zarr.create_group(path, attributes={"names": [tile.told["name"] for tile in tiles]})
+        for name, pixels in ((IMAGES, [tile.image for tile in tiles]), (MASKS, [tile.mask for tile in tiles])):
+            array = np.stack(pixels)
+            group.create_array(name, data=array, chunks=(1, *array.shape[1:]), shards=array.shape)
+        for place, tile in enumerate(tiles):
+            tile.told["file"] = f"{path.relative_to(folder).as_posix()}{MARK}{place}"
+
+    def read_image(self, folder: Path, file: str) -> Pixels:
+        """Read an image from its store."""
+        import zarr
+
+        path, _, place = file.partition(MARK)
+        return np.asarray(zarr.open_array(folder / path / IMAGES, mode="r")[int(place)])
+
+
+def _members(tile: Tile) -> dict[str, tuple[str, bytes]]:
+    """Suffix and content of all files of a tile, by folder: image, mask, annotations."""
+    pictures = {IMAGES: tile.image, MASKS: tile.mask}
+    return {beside: (".png", _encode(pixels)) for beside, pixels in pictures.items()} | tile.labels
+
+
+def _archived(tile: Tile) -> Iterator[tuple[str, bytes]]:
+    """Names and contents of the members of an archive for a tile; WebDataset groups them up to the first dot."""
+    endings = {IMAGES: "", MASKS: ".mask"}
+    for folder, (suffix, content) in _members(tile).items():
+        yield f"{tile.told['name']}{endings.get(folder, '')}{suffix}", content
+    yield f"{tile.told['name']}.json", json.dumps(tile.told).encode()
+
+
+def _encode(pixels: Pixels) -> bytes:
+    """Encode grey levels of 8 or 16 bits as PNG."""
+    from PIL import Image
+
+    buffer = io.BytesIO()
+    Image.fromarray(pixels).save(buffer, "png", compress_level=4)
+    return buffer.getvalue()
+
+
+def _decode(source: Any) -> Pixels:
+    """Read a PNG picture from a path or an open file."""
+    from PIL import Image
+
+    with Image.open(source) as picture:
+        return np.asarray(picture)
