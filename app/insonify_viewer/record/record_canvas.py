@@ -124,13 +124,13 @@ class RecordCanvas(QWidget):
         """Update rows that the record has just received."""
         if not self._projection.axis.shows_water or self._look.ground_range or not self._look.water_column:
             axis = choose_axis(self._look, self._record, self._range)
-            if axis != self._projection.axis:  # a lower ping hears farther
+            if axis != self._projection.axis:  # a ping from lower altitude reaches farther on the bed
                 self._fit()
         self._image.put(rows, self._projection, self._tone_map, alike, reach)
         self.update()
 
     def show_top(self, ping: int) -> None:
-        """Put a ping on top; blank the rows whose ping is missing or lies above it."""
+        """Put a ping on top; blank rows of missing pings and of pings above it."""
         if ping == self._top:
             return
         before, self._top = self._top, ping

@@ -53,7 +53,7 @@ class RecordImage:
         self._put_colours(rows, painted, projection)
 
     def paint(self, rows: Rows, projection: Projection, tone_map: ToneMap) -> None:
-        """Colour rows that hold a ping anew; blank those whose ping is not in the picture."""
+        """Colour rows that hold a ping anew; blank rows of pings outside the picture."""
         rows = rows[self._record.ping[rows] >= 0]
         self._put_colours(rows, _coloured(self._columns[rows], projection, tone_map), projection)
 

@@ -234,7 +234,7 @@ class SeabedController:
         self._executor.submit("fan", lambda: fan_sheet(simulation, ping), show)
 
     def _pull(self, begin: Vector, end: Vector) -> None:
-        """Tell of the place of the bed under the mouse that holds a handle."""
+        """Signal the place of the bed under the mouse while it drags a handle."""
         if self._latest is not None:
             bed = self._latest[0].arrays.bed
             place = meet_bed(self._latest[0].ground, begin, end, (bed.low, bed.high))
@@ -242,7 +242,7 @@ class SeabedController:
                 self.pulled.emit(place)
 
     def _pick(self, begin: Vector, end: Vector, target: Vector | None) -> None:
-        """Tell of the nearest place of a target or of the bed along a line of sight."""
+        """Signal the nearest place of a target or of the bed along a line of sight."""
         if self._latest is None:
             return
         bed = self._latest[0].arrays.bed

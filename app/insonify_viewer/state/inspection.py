@@ -25,7 +25,7 @@ class Mark:
 class SoundDrawing:
     """The sound of one pixel in three dimensions, in local coordinates, m."""
 
-    rays: tuple[Points, ...]  # ways of the sound that is heard, and of the sound that something keeps from the bed
+    rays: tuple[Points, ...]  # rays of the sound that returns, and of the sound that something keeps from the bed
     blocked: tuple[Points, ...]
     heard: Points  # (n, 2, 3) stretches of bed and targets that echo in the pixel, and of bed that is hidden
     hidden: Points

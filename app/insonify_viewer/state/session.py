@@ -120,7 +120,7 @@ class Session:
         """Put other contacts in place of the present ones, as one step of undo of a name; a drag goes on."""
         before = self._history.present
         self._history.turn_to(replace(before, contacts=tuple(contacts), edit=name))
-        self._tell_contacts(before)
+        self._announce_contacts(before)
 
     @property
     def unsaved(self) -> bool:
@@ -171,12 +171,12 @@ class Session:
             self.marked.emit(mark)
 
     def _step(self, move: Callable[[int], bool], steps: int) -> None:
-        """Move through the history, and tell what differs there."""
+        """Move through the history, and announce what differs there."""
         before = self._history.present
         if not move(steps):
             return
         self.said.emit("")
-        self._tell_contacts(before)
+        self._announce_contacts(before)
         now = self._history.present
         if now.display != before.display:
             self.displayed.emit(now.display)
@@ -192,7 +192,7 @@ class Session:
         self._scene = self._history.present.scene
         self.changed.emit(self._scene, True)
 
-    def _tell_contacts(self, before: State) -> None:
+    def _announce_contacts(self, before: State) -> None:
         if self._history.present.contacts != before.contacts:
             self.contacts_changed.emit()
 

@@ -78,7 +78,7 @@ class BackgroundJob(ABC):
 
     @property
     def seconds_left(self) -> float | None:
-        """Seconds that the stage will take at the rate so far; None while nobody can tell."""
+        """Seconds that the stage will take at the rate so far; None while it is unknown."""
         stage, lately = self.stage, self.stage.done - self.stage.first
         if stage.share is None or lately <= 0.0 or lately < FEW * stage.total or not self.running:
             return None
@@ -213,7 +213,7 @@ def _stage_of(line: str) -> Stage | None:
 
 
 class ThreadJob(BackgroundJob):
-    """Work whose result is an object that the window goes on with."""
+    """Work that results in an object for the window."""
 
     def __init__(self, title: str, work: Callable[[Progress], Any], call_later: CallLater) -> None:
         super().__init__(title, None, call_later)
@@ -268,7 +268,7 @@ class JobList:
         return job
 
     def begin_work(self, title: str, work: Callable[[Progress], Any]) -> ThreadJob:
-        """Start work whose result the window goes on with; arguments as of `ThreadJob`."""
+        """Start work that results in an object for the window; arguments as of `ThreadJob`."""
         job = ThreadJob(title, work, self._call_later)
         self._begin(job)
         return job

@@ -28,7 +28,7 @@ if TYPE_CHECKING:
 BLOCK_TIME = 0.04  # s, predicted for a block of pings: it is shown, and a newer request takes over
 COARSE_TIME = 0.01  # s, time to trace all pings on screen while a slider moves
 MAX_STRIDE = 16
-FIRST_COARSE = 4  # pings of a coarse picture by which the time of the others is told
+FIRST_COARSE = 4  # pings of a coarse picture from which the time of the others is estimated
 LONGEST = 0.3  # s, after which a coarse picture that a newer request waits for is shown as far as it is traced
 THINNINGS = (4, 2)  # times the spacing; the first that resolves the waves of the relief is taken
 MOST_NODES = 2**22  # of ground that is made at once, some 100 MB while it is made; beyond, tiles take less
@@ -219,7 +219,7 @@ class Simulator:
     def _packed(
         self, scene: Scene, number: int, beneath: NDArray[np.int64] | None, *, tell: bool
     ) -> dict[str, PackedScene]:
-        """Build the bed of a scene and tell of it, so that it is shown while kernels are compiled."""
+        """Build the bed of a scene and announce it, so that it is shown while kernels are compiled."""
         if self._pack is None:
             return {}
         packed = self._pack(scene) if beneath is None else pack_beneath(scene, beneath)
@@ -230,7 +230,7 @@ class Simulator:
 
     @contextmanager
     def _doing(self, what: str) -> Iterator[None]:
-        """Tell what the worker does meanwhile."""
+        """Note the worker's activity until the block ends."""
         self._activity = Activity(what)
         try:
             yield
@@ -297,7 +297,7 @@ def thin_new_ground(scene: Scene, known: Scene | None) -> Scene:
 
 
 def pack_beneath(scene: Scene, pings: NDArray[np.int64]) -> PackedScene:
-    """Pack a scene over endless ground, of which no more is made than some pings hear."""
+    """Pack a scene over endless ground, limited to what some pings reach."""
     # lazy: loaded on the worker; the window opens before Numba is loaded
     from insonify.packing.packed_scene import pack
     from insonify.terrain import build_excerpt

@@ -36,7 +36,7 @@ FEWEST = 48  # pings
 SECONDS = 0.1  # predicted, for the pings of one effect by the present plan
 GRAIN = "receiver.speckle"  # drawn anew by most edits, which changes almost every bin and nothing that is seen
 GRAIN_APART = " Speckle is left out of these figures: its grain is drawn anew, which changes single bins and no shape."
-AUDIBLE = 0.05  # dB, the least change of the mean level that is told
+AUDIBLE = 0.05  # dB, the least change of the mean level that is shown
 
 
 @dataclass(frozen=True)

@@ -96,7 +96,7 @@ def pinned_section(scene: Scene, sections: tuple[FieldSection, ...]) -> FieldSec
 
 
 def found_section(scene: Scene, sections: tuple[FieldSection, ...], words: str) -> FieldSection:
-    """Section of the fields whose name or description holds all of some words; the words in the name come first."""
+    """Section of the fields that match a search; fields with the words in their names come first."""
     wanted = words.lower().split()
     found = []
     for parameter in (each for section in sections if not section.locked for each in section.parameters):

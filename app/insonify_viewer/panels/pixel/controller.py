@@ -20,7 +20,7 @@ if TYPE_CHECKING:
     from insonify.explanation.pixel import PixelExplanation
     from insonify.simulation import Simulation
 
-AROUND = 600  # pings to either side of the ping on top in which a place may be heard
+AROUND = 600  # pings to either side of the ping on top that may receive echoes of a place
 
 
 @dataclass(frozen=True, eq=False)

@@ -53,7 +53,7 @@ class ComparisonActions(QObject):
 
 
 class HeldKey(QObject):
-    """Tells when a key without modifiers is pressed in a window and when it is let go.
+    """Signals when a key without modifiers is pressed in a window and when it is released.
 
     Lists and combo boxes would look for an entry with that letter, so the key is taken before the widget that has the
     keyboard receives it.

@@ -135,7 +135,7 @@ class ComparisonOverlay(QWidget):
         return True
 
     def take(self, place: QPoint) -> bool:
-        """Tell the record that is drawn at a place that it is pointed at; return whether that is A."""
+        """Move the cursor of the record that is drawn at a place; return whether that is A."""
         if not self.isVisible():
             return False
         over = self.covers(place)
@@ -278,7 +278,7 @@ class ComparisonOverlay(QWidget):
             self._pass_on(event)
 
     def mouseMoveEvent(self, event: QMouseEvent) -> None:
-        """Drag the split line, or tell what is under the mouse."""
+        """Drag the split line, or point at what is under the mouse."""
         place = event.position().toPoint()
         if self._dragged:
             plot = self._b.plot_area

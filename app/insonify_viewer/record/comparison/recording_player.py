@@ -89,7 +89,7 @@ class RecordingPlayer:
         if not path:
             return
         self._pause()
-        self._window.say("")  # what the file lacks is told while it is read
+        self._window.say("")  # warnings about the file appear while it is read
         self._asked += 1
         self._reading.add(self._asked)
         self.reading.emit()

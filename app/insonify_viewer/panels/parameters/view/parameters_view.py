@@ -94,7 +94,7 @@ class ParametersView(SidePanel):
         self.drop_glide()
 
     def show_about(self, parts: Sequence[str | Link], tried: Sequence[bool]) -> None:
-        """Show the description of the scene; links whose value is tried at present lead back."""
+        """Show the description of the scene; links that are tried at present lead back."""
         self._about.say(parts, tried)
 
     def show_effects(self, rows: tuple[EffectRow, ...]) -> None:
@@ -318,7 +318,7 @@ class AboutBox(FoldingBox):
         return "".join(part if isinstance(part, str) else part.words for part in self._shown[0])
 
     def say(self, parts: Sequence[str | Link], tried: Sequence[bool]) -> None:
-        """Show a description; links whose value is tried at present lead back. Without one, hide the heading too."""
+        """Show a description; links that are tried at present lead back. Without one, hide the heading too."""
         self._shown = (parts, tried)
         text, number = "", 0
         for part in parts:

@@ -80,7 +80,7 @@ class CurvesPicture(SettingPicture):
         super().__init__(CURVE_HEIGHT)
         self._applies, self._draws = applies, draws
         self.curves: tuple[Curve, ...] = ()
-        self._drawn: Scene | None = None  # whose curves these are
+        self._drawn: Scene | None = None  # the scene of these curves
         self._making = False
         self._made.connect(self._take)
 
@@ -299,7 +299,7 @@ def _image(spectrum: ReliefSpectrum) -> QImage:
 
 
 def pictures_of_settings() -> dict[str, SettingPicture]:
-    """Make the pictures, by the dotted path of the setting below whose rows they stand."""
+    """Make the pictures, by the dotted path of the setting that they belong to."""
     return {
         "sonar.beam": CurvesPicture(lambda scene: scene.sonar.beam.has_width, (beam_curve,)),
         "sonar.vertical": CurvesPicture(lambda scene: scene.sonar.vertical.shades, (vertical_beam_curve,)),
