@@ -245,7 +245,7 @@ def plot_at_true_scale(room: QRect, along: float, across: float, *, always: bool
 
 
 def name_scale(plot: QRect, along: float, across: float) -> str:
-    """Say whether a plot is at true scale, and by how much the track is drawn out or compressed else."""
+    """State whether a plot is at true scale, and by how much the track is drawn out or compressed else."""
     ratio = (plot.height() / along) / max(plot.width() / across, 1e-9)
     if abs(ratio - 1.0) < ALIKE:
         return "1 : 1"

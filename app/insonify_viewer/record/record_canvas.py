@@ -228,7 +228,7 @@ class RecordCanvas(QWidget):
         return self._image.picture(self._record.rows(self._record.shown(self._top)))
 
     def shown_columns(self) -> tuple[NDArray[np.float32], NDArray[np.bool_]]:
-        """Return the display columns of the rows on screen, newest first, and which of them are held."""
+        """Return the display columns of the rows on screen, newest first, and which of them are stored."""
         pings = self._record.shown(self._top)
         rows = self._record.rows(pings)
         return self._image.columns(rows), self._record.ping[rows] == pings

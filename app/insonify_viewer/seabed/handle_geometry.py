@@ -37,7 +37,7 @@ Vector = NDArray[np.float64]
 
 @dataclass(frozen=True)
 class Handle:
-    """A place by which a target is held."""
+    """A place by which a target is dragged."""
 
     target: int  # position of the target in the scene
     # What a drag does: ``move``, ``turn``, ``resize``, ``thicken`` across the heading alone, or ``raise`` in

@@ -52,7 +52,7 @@ class InteractiveCanvas:
             self.plotter.iren.interactor.AddObserver(event, lambda *_: turned(), -1.0)
 
     def on_hold(self, held: Callable[[bool], None]) -> None:
-        """Call a function with True when the person takes hold of the view, and with False when it is let go."""
+        """Call a function with True when the person takes hold of the view, and with False when it is released."""
         style = self.plotter.iren.interactor.GetInteractorStyle()
         style.AddObserver("StartInteractionEvent", lambda *_: held(True))
         style.AddObserver("EndInteractionEvent", lambda *_: held(False))

@@ -202,7 +202,7 @@ def _choices(menu: QMenu, entries: list[tuple[str, object]], chosen: object) -> 
 
 
 class GainSlider(QSlider):
-    """Slider that asks for little room and takes what there is."""
+    """Slider with a small minimum width that takes all free width."""
 
     def __init__(self) -> None:
         super().__init__(Qt.Orientation.Horizontal)

@@ -31,7 +31,7 @@ MOST_PICTURES = 4_000_000  # bytes, of the last contacts; the contacts before th
 
 
 class Lock(Protocol):
-    """Says that the process which holds it runs."""
+    """Shows that the process which locks it runs."""
 
     def tryLock(self, timeout: int, /) -> bool:
         """Take it, also from a process that has ended; return whether it was taken."""

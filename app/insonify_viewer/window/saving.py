@@ -101,7 +101,7 @@ class Saving:
         return answer is Answer.DISCARD or (answer is Answer.SAVE and all(save() for save in unsaved.values()))
 
     def _try(self, save: Callable[[], None], path: Path) -> bool:
-        """Write a file and say so, or why it was not written."""
+        """Write a file, and show that it was written or why it was not."""
         self._folder = str(path.parent)
         try:
             save()

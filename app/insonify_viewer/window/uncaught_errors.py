@@ -1,4 +1,4 @@
-"""Errors of slots that nothing caught: the window says so and goes on."""
+"""Errors that no slot caught, and warnings about files: the window shows them and continues."""
 
 from __future__ import annotations
 

@@ -89,7 +89,7 @@ class BackgroundJob(ABC):
         """Begin."""
 
     def stop(self) -> None:
-        """Ask the job to end; it leaves nothing half-written."""
+        """Stop the job; it leaves nothing half-written."""
         if self.state is State.RUNNING:
             self.state = State.STOPPING
             self._ask_to_end()
@@ -112,7 +112,7 @@ class BackgroundJob(ABC):
         self.changed.emit(self)
 
     def _finish(self, state: State, sentence: str, trace: str = "") -> None:
-        """Take over how the work ended; whatever ends a job that was asked to end has stopped it."""
+        """Take over how the work ended; a job that was being stopped counts as stopped, however it ends."""
         if state is State.FAILED and self.state is State.STOPPING:
             state, sentence, trace = State.STOPPED, f"{self.title}: stopped", ""
         self.state, self.sentence, self.trace = state, sentence, trace

@@ -206,7 +206,7 @@ class Simulator:
 
         last = self._last.get(fine)
         if last is None or last[:2] != (scene, modelling) or beneath is not None:
-            # While a slider moves nothing is measured: the last plan serves as far as the scene admits it.
+            # While a slider moves nothing is measured: the last plan is kept where the scene allows it.
             known = self._last.get(True)
             kept: dict[str, Any] = {} if fine or known is None else {"plan": known[2].plan}
             with self._doing("building the bed"):

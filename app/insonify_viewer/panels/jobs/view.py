@@ -123,7 +123,7 @@ def _show_folder(result: Path | None) -> None:
 
 
 def _words(job: BackgroundJob) -> str:
-    """Say what the job does now, how much of it is done, and the time left."""
+    """State what the job does now, how much of it is done, and the time left."""
     if job.state is State.STOPPING:
         return "stopping"
     stage, left = job.stage, job.seconds_left

@@ -41,7 +41,7 @@ AUDIBLE = 0.05  # dB, the least change of the mean level that is shown
 
 @dataclass(frozen=True)
 class Effect:
-    """A part of the scene with a kind that stands for its absence."""
+    """A part of the scene with a kind for its absence."""
 
     name: str  # texts to show
     meaning: str
@@ -123,7 +123,7 @@ class EffectMeter:
         self._turn = 0  # counts what is measured; what was begun before is dropped
 
     def differences(self, scene: Scene, modelling: Modelling) -> Mapping[str, RecordDifference | None]:
-        """Differences by name of the effect, as far as they are known; None for one that cannot be measured."""
+        """Known differences by name of the effect; None for one that cannot be measured."""
         found = self._find(scene, modelling)
         return {} if found is None else found.differences
 
@@ -258,14 +258,14 @@ class EffectTicks:
 
 
 def say_difference(difference: RecordDifference) -> str:
-    """Say how much of the picture something changes visibly: "changes 12 %"."""
+    """State how much of the picture something changes visibly: "changes 12 %"."""
     if difference.visible >= NOTHING_SEEN:
         return f"changes {say_percent(difference.visible)}"
     return "changes nothing visible" if difference.share or difference.visible else "changes nothing"
 
 
 def explain_difference(difference: RecordDifference, on: bool) -> str:
-    """Say in sentences what an effect changes, by the eye's measure and by that of the plan."""
+    """State in sentences what an effect changes, by the eye's measure and by that of the plan."""
     level = ""
     if abs(difference.decibels) >= AUDIBLE:
         level = f", the mean level by {difference.decibels:+.1f} dB".replace("-", "−")

@@ -135,7 +135,7 @@ class PixelPanel(Panel):
 
 
 def _words(direct: int, ghosts: int) -> str:
-    """Say how many pixels hear a place."""
+    """Sentence with the number of pixels that receive echoes of a place."""
     if not direct + ghosts:
         return "no pixel of the record hears this place: it is hidden or outside the beam"
     told = f"{direct} {'pixel hears' if direct == 1 else 'pixels hear'} this place"

@@ -66,7 +66,7 @@ class PlanPanel(Panel):
         return not same or last is None or abs(int(record.ping.max()) - int(last.record.ping.max())) >= MOVED
 
     def _compare(self, record: Record) -> None:
-        """Say what another modelling of the same scene changes."""
+        """State what another modelling of the same scene changes."""
         before = self._snapshot
         # The median leaves out the block during which a kernel was compiled.
         seconds = statistics.median(self._seconds)

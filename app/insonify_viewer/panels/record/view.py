@@ -114,7 +114,7 @@ class RecordView(SidePanel):
         self.show_measured("")
 
     def show_display(self, look: DisplayOptions) -> None:
-        """Show display options; those without effect stand aside."""
+        """Show display options; those without effect are disabled."""
         self._look = look
         for name, tick in self.ticks.items():
             tick.blockSignals(True)
@@ -135,7 +135,7 @@ class RecordView(SidePanel):
         self.changed.emit(DisplayOptions()._asdict())
 
     def _settle(self, path: str, value: Any) -> None:
-        """Signal an option that a row changes; a slider that is let go has none, a number may be no number."""
+        """Signal an option that a row changes; a released slider has none, and a typed number may be invalid."""
         if not path:
             return
         name, _, place = path.partition(".")
@@ -376,7 +376,7 @@ class HistogramView(QWidget):
 
     @guard_override(QSize())
     def sizeHint(self) -> QSize:
-        """Size that is asked for."""
+        """Preferred size."""
         return QSize(260, 112)
 
     @property
@@ -385,7 +385,7 @@ class HistogramView(QWidget):
         return self._ends
 
     def show_levels(self, find: Callable[[], NDArray[np.floating]]) -> None:
-        """Count levels in dB re level bed, which are asked for when they are next painted: behind a tab, never."""
+        """Count levels in dB re level bed when they are next painted: behind a tab, never."""
         self._due = find
         self.update()
 

@@ -158,7 +158,7 @@ class RecordingPlayer:
         self.opened.emit(recording)
 
     def _refuse(self, number: int, failure: Failure) -> None:
-        """Say why a file could not be read, and show what was shown before."""
+        """Show why a file could not be read, and show what was shown before."""
         if not self._finish(number):
             return
         self.failure = failure.sentence

@@ -343,7 +343,7 @@ class AboutBox(FoldingBox):
         super().changeEvent(event)
 
     def _explain(self, number: str) -> None:
-        """Say in the tooltip what the link under the mouse does."""
+        """State in the tooltip what the link under the mouse does."""
         links = [part for part in self._shown[0] if isinstance(part, Link)]
         if not number:
             self.label.setToolTip("")
