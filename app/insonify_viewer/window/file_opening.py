@@ -150,7 +150,7 @@ class FileOpening:
         self._recordings.open(path)
 
     def _use(self, path: str, part: Cast | RecordedNavigation | SceneError) -> None:
-        """Make a cast the water of the scene, or navigation its motion, with a message; or show why it cannot be read."""
+        """Make a cast the water of the scene, or navigation its motion, with a message, or show the error."""
         if isinstance(part, SceneError):
             self._window.complain(part)
             return
