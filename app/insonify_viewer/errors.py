@@ -1,4 +1,4 @@
-"""An error as one sentence, with the traceback where it is a fault of the program."""
+"""Errors as one sentence, with traceback and details for faults of the program, and guards of Qt's overrides."""
 
 from __future__ import annotations
 

@@ -17,8 +17,7 @@ from PySide6.QtGui import QGuiApplication
 from insonify.display.picture import PALETTES
 from insonify.scene import Scene, SceneError, bundled_scenes, scene_to_toml
 from insonify_viewer.errors import Failure, describe_error
-from insonify_viewer.panels.panel import Workbench
-from insonify_viewer.panels.panel_set import PanelSet
+from insonify_viewer.panels.panel import PanelSet, Workbench
 from insonify_viewer.record.comparison.comparison import Comparison
 from insonify_viewer.record.comparison.recording_player import RecordingPlayer
 from insonify_viewer.record.marked_point import MarkController, MarkedPoint
@@ -26,9 +25,8 @@ from insonify_viewer.record.projection import compile_picture
 from insonify_viewer.record.record import Record, RecordGrowth, pings_held
 from insonify_viewer.record.waterfall_view import Contrast
 from insonify_viewer.seabed.controller import SeabedController, silence
-from insonify_viewer.state.contact_list import ContactList
 from insonify_viewer.state.inspection import Inspection, Mark
-from insonify_viewer.state.session import Session
+from insonify_viewer.state.session import ContactList, Session
 from insonify_viewer.state.tow_clock import TowClock, next_pause
 from insonify_viewer.window.file_opening import FileOpening
 from insonify_viewer.window.main_window import MainWindow

@@ -1,4 +1,4 @@
-"""A point of the record: its ranges, the bed there, and the intensity."""
+"""The marked point of the record: ranges, bed, intensity and label, and their look-up."""
 
 from __future__ import annotations
 

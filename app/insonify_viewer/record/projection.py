@@ -1,4 +1,4 @@
-"""Where the bins of a record lie in a plot: the one way from a place to a ping and a range bin, and back."""
+"""Layout and projection of a record: from a place in the plot to a ping and a range bin, and back."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Picture of a record in a ring of coloured rows; a row is coloured once, when it arrives."""
+"""Picture of a record in a ring of coloured rows; a row is blurred and coloured once, when it arrives."""
 
 from __future__ import annotations
 

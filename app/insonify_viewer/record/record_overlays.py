@@ -1,4 +1,4 @@
-"""What is painted over a record: lines of range and of the bed, the cross, measured lines, contacts, scroll bars."""
+"""Paint over and beside a record: rulers, range lines, marks, contacts, progress bar, scroll handle."""
 
 from __future__ import annotations
 

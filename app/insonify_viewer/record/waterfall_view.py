@@ -1,4 +1,4 @@
-"""Scrolling record that is pointed at, scrubbed, moved, zoomed and measured with the mouse, or by keys."""
+"""Scrolling record, pointed at, moved, zoomed and measured by mouse or keys, and its contrast."""
 
 from __future__ import annotations
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import sys
 from collections.abc import Callable, Sequence
+from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -17,7 +18,6 @@ from insonify_viewer.record.drape import RecordStrip, drape_record
 from insonify_viewer.seabed.fan_sheet import fan_sheet
 from insonify_viewer.seabed.handle_geometry import meet_bed
 from insonify_viewer.state.inspection import SoundDrawing
-from insonify_viewer.widgets.qt_modules import load_qt_modules
 from insonify_viewer.work.gc_policy import leave_out_libraries
 from insonify_viewer.work.ping_request import LaidScene, is_same_ground
 from insonify_viewer.work.simulator import Simulator
@@ -34,6 +34,9 @@ if TYPE_CHECKING:
     from insonify_viewer.seabed.seabed_view import SeabedView
 
 VIEW = "insonify_viewer.seabed.seabed_view"
+# pyvistaqt imports these, and they every class of PySide6. On another thread that races with the main thread, which
+# looks up the classes of the events that it handles, and ends the program.
+QT_MODULES = ("qtpy.QtCore", "qtpy.QtGui", "qtpy.QtWidgets", "qtpy.QtOpenGLWidgets")
 
 
 class SeabedController:
@@ -308,3 +311,9 @@ def _same(first: _Bodies | None, second: _Bodies) -> bool:
 def silence(simulation: Simulation | LaidScene) -> NDArray[np.float32]:
     """Tones of a scan line without echoes."""
     return np.zeros(2 * simulation.arrays.bins, dtype=np.float32)
+
+
+def load_qt_modules() -> None:
+    """Import the modules; to be called on the main thread, before pyvistaqt is imported on another."""
+    for name in QT_MODULES:
+        import_module(name)

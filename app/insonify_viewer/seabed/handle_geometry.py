@@ -1,4 +1,4 @@
-"""Handles of targets: where they are in the scene and in the record, and what a drag of one changes."""
+"""Handles of targets in scene and record, what a drag changes, and where a line of sight ends."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What the three-dimensional view is drawn on: an OpenGL widget, or a picture in memory."""
+"""Canvas of the three-dimensional view: an OpenGL widget or a picture in memory, and its keys."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Pixels of a record: display columns, colours, and round values for rulers."""
+"""Colour tables, polylines, marks and round values for rulers."""
 
 from __future__ import annotations
 

@@ -23,9 +23,8 @@ from insonify.scene import Scene, SceneError, bundled_meshes, bundled_scenes, ed
 from insonify_viewer.errors import Failure
 from insonify_viewer.record.comparison.recording import is_recording
 from insonify_viewer.record.comparison.recording_player import RecordingPlayer
-from insonify_viewer.state.contact_list import ContactList
 from insonify_viewer.state.contacts import is_contacts, read_contacts
-from insonify_viewer.state.session import Session
+from insonify_viewer.state.session import ContactList, Session
 from insonify_viewer.window.main_window import MainWindow
 from insonify_viewer.window.saving import Saving
 from insonify_viewer.work.simulator import Simulator

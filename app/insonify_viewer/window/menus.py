@@ -1,4 +1,4 @@
-"""Menu bar of the window: every command, by what it is about."""
+"""Menu bar, menus of undo, recent files, saving and appearance, and widgets of the tool bar."""
 
 from __future__ import annotations
 

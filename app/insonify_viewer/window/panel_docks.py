@@ -1,4 +1,4 @@
-"""Panels around scene and record, each in a dock without a title bar."""
+"""Panels around scene and record, each in a dock without a title bar, and the room that they share."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Keeps unsaved scene and contacts in files, so that a crash loses seconds of work at most."""
+"""Recovery after a crash: unsaved scene and contacts are kept in files every few seconds."""
 
 from __future__ import annotations
 
@@ -17,9 +17,8 @@ from PySide6.QtWidgets import QMessageBox
 from insonify.io.atomic import replacing
 from insonify.scene import Scene, SceneError, load_scene, scene_to_toml
 from insonify_viewer.errors import Failure, format_trace
-from insonify_viewer.state.contact_list import ContactList
 from insonify_viewer.state.contacts import GEOJSON, Contact, describe_contacts, read_contacts, write_contacts
-from insonify_viewer.state.session import Session
+from insonify_viewer.state.session import ContactList, Session
 from insonify_viewer.window.main_window import MainWindow
 
 Work = TypeVar("Work")

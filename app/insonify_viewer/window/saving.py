@@ -8,9 +8,8 @@ from pathlib import Path
 
 from insonify.io.atomic import replacing
 from insonify.scene import Scene, scene_to_toml
-from insonify_viewer.state.contact_list import ContactList
 from insonify_viewer.state.contacts import FORMATS, GEOJSON, describe_contacts, write_contacts
-from insonify_viewer.state.session import Session
+from insonify_viewer.state.session import ContactList, Session
 from insonify_viewer.widgets.save_dialogs import (
     PICTURE,
     Answer,

@@ -1,4 +1,4 @@
-"""Sentences at the bottom of the window: what happened, and errors with details to copy."""
+"""Status bar: what happened, errors with details to copy, and the progress of jobs."""
 
 from __future__ import annotations
 

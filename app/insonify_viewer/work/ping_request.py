@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from insonify.kernels.common.types import Poses, SceneArrays
 from insonify.scene import Scene
-from insonify_viewer.state.modelling import Modelling
+from insonify_viewer.state.history import Modelling
 
 if TYPE_CHECKING:
     from insonify.display.normalisation import LevelBed

@@ -1,4 +1,4 @@
-"""Worker thread between the window and the core; requests are numbered, and the newest wins."""
+"""Simulator thread between the window and the core: the newest request is prepared and traced."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from psygnal import Signal
 from insonify.compiler.progress import Compilation, watch_compilation
 from insonify.scene import Scene, SceneError, edit
 from insonify_viewer.errors import describe_error
-from insonify_viewer.state.modelling import Modelling
+from insonify_viewer.state.history import Modelling
 from insonify_viewer.work.executor import Executor, Lane, Receive, Work
 from insonify_viewer.work.ping_request import PingRequest, SimulatedScene, TracedPings, find_altitude, is_same_ground
 from insonify_viewer.work.waiting import Activity

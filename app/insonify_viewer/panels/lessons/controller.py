@@ -12,8 +12,8 @@ from insonify_viewer.panels.lessons.view import LessonsView
 from insonify_viewer.panels.panel import Button, Panel, Place, Workbench
 from insonify_viewer.record.marked_point import MarkedPoint
 from insonify_viewer.record.record import RecordGrowth
+from insonify_viewer.state.history import Modelling
 from insonify_viewer.state.inspection import Mark
-from insonify_viewer.state.modelling import Modelling
 
 
 class LessonsPanel(Panel):

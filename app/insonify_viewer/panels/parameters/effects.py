@@ -1,4 +1,4 @@
-"""The effects that can be taken out of a scene: beam, pulse, bending, ghosts, speckle, noise, TVG."""
+"""Effects that can be taken out of a scene, such as speckle, and what each changes of the record."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ from insonify_viewer.record.comparison.record_difference import (
     say_percent,
 )
 from insonify_viewer.record.record import Record
-from insonify_viewer.state.modelling import Modelling
+from insonify_viewer.state.history import Modelling
 from insonify_viewer.work.simulator import Simulator
 
 if TYPE_CHECKING:

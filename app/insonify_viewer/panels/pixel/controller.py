@@ -1,4 +1,4 @@
-"""Explains the pinned pixel on a thread of its own, and finds the pixels that hear a picked place."""
+"""Explains the pinned pixel on another thread, and finds the pixels with echoes of a picked place."""
 
 from __future__ import annotations
 

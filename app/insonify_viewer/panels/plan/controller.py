@@ -9,7 +9,7 @@ from insonify_viewer.panels.panel import Panel, Place, Workbench
 from insonify_viewer.panels.plan.view import PlanView
 from insonify_viewer.record.comparison.record_difference import RecordDifference, RecordSnapshot, compare_records
 from insonify_viewer.record.record import Record, RecordGrowth
-from insonify_viewer.state.modelling import Modelling
+from insonify_viewer.state.history import Modelling
 
 if TYPE_CHECKING:
     from insonify.planning import Plan

@@ -16,7 +16,7 @@ from insonify_viewer.record.comparison.record_difference import RecordSnapshot, 
 from insonify_viewer.record.comparison.recording import Recording
 from insonify_viewer.record.comparison.recording_player import RecordingPlayer, RecordWindow
 from insonify_viewer.record.record import Record, RecordGrowth
-from insonify_viewer.state.modelling import Modelling
+from insonify_viewer.state.history import Modelling
 from insonify_viewer.state.session import Session
 from insonify_viewer.work.ping_request import SimulatedScene, TracedPings
 from insonify_viewer.work.simulator import Simulator

@@ -1,4 +1,4 @@
-"""Keys of the window that compare two records."""
+"""Commands that compare two records, and the key that shows record A while it is pressed."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Record A: beside the live record, or laid over it, pixel for pixel."""
+"""View of record A: beside the live record, or laid over it, pixel for pixel."""
 
 from __future__ import annotations
 

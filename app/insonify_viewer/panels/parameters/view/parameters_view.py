@@ -1,4 +1,4 @@
-"""Sections of sliders, combo boxes and files, one for each part of the scene."""
+"""Search, description, effects, and a section of rows for each part of the scene."""
 
 from __future__ import annotations
 
