@@ -33,16 +33,12 @@ class Session:
     contacts_changed = Signal()
 
     def __init__(self, scene: Scene) -> None:
-        self._scene, self._history = scene, History(State(scene, Modelling(), scene))
+        self.scene = scene  # the current scene, provisional edits included
+        self._history = History(State(scene, Modelling(), scene))
         self._dragged = ""
-        self._mark: Mark | None = None
+        self.mark: Mark | None = None  # the marked point of the record
         self._saved = {"": scene}
         self.file = ""
-
-    @property
-    def scene(self) -> Scene:
-        """The current scene, provisional edits included."""
-        return self._scene
 
     @property
     def modelling(self) -> Modelling:
@@ -53,11 +49,6 @@ class Session:
     def contacts(self) -> tuple[Contact, ...]:
         """Contacts, in the order in which they were marked."""
         return self._history.present.contacts
-
-    @property
-    def mark(self) -> Mark | None:
-        """The marked point of the record."""
-        return self._mark
 
     @property
     def display(self) -> DisplayOptions:
@@ -99,18 +90,18 @@ class Session:
         scene = self._edited(changes)
         if scene is None:
             return False
-        if scene != self._scene:
+        if scene != self.scene:
             self._dragged = name_edit(scene, changes)
-            self._scene = scene
+            self.scene = scene
             self.changed.emit(scene, False)
         return True
 
     def settle(self, changes: Mapping[str, Any] | None = None, name: str = "", said: str = "") -> bool:
         """Apply changes finally, or those of the drag under way; return whether they are valid."""
-        scene = self._scene if changes is None else self._edited(changes, said)
+        scene = self.scene if changes is None else self._edited(changes, said)
         if scene is None:
             # The widget that asked must return to the valid value.
-            self.changed.emit(self._scene, True)
+            self.changed.emit(self.scene, True)
             return False
         name = name or (self._dragged if changes is None else name_edit(scene, changes))
         self._turn_to(scene=scene, edit=name)
@@ -125,13 +116,13 @@ class Session:
     @property
     def unsaved(self) -> bool:
         """Whether the scene differs from every one that was opened or saved, as it is in its file now."""
-        return self._scene not in self._saved.values()
+        return self.scene not in self._saved.values()
 
     def mark_saved(self, file: str) -> None:
         """Note that the scene is in a file as it is."""
-        self._saved[file] = self._scene
+        self._saved[file] = self.scene
         self.file = file
-        self.changed.emit(self._scene, True)
+        self.changed.emit(self.scene, True)
 
     def open(self, scene: Scene, file: str = "", *, bundled: bool = False) -> None:
         """Replace the scene, with no choice forced, as one step of undo."""
@@ -160,14 +151,14 @@ class Session:
 
     def take_back(self) -> None:
         """Return from a scene that cannot be simulated, without a step to redo."""
-        if self._scene == self._history.present.scene:
+        if self.scene == self._history.present.scene:
             self._history.take_back()
         self._show_scene()
 
     def point_at(self, mark: Mark | None) -> None:
         """Mark a point of the record."""
-        if mark != self._mark:
-            self._mark = mark
+        if mark != self.mark:
+            self.mark = mark
             self.marked.emit(mark)
 
     def _step(self, move: Callable[[int], bool], steps: int) -> None:
@@ -180,7 +171,7 @@ class Session:
         now = self._history.present
         if now.display != before.display:
             self.displayed.emit(now.display)
-        if now.scene is not self._scene or (now.modelling, now.opened) != (before.modelling, before.opened):
+        if now.scene is not self.scene or (now.modelling, now.opened) != (before.modelling, before.opened):
             self._show_scene()
 
     def _turn_to(self, **changes: Any) -> None:
@@ -189,8 +180,8 @@ class Session:
         self._show_scene()
 
     def _show_scene(self) -> None:
-        self._scene = self._history.present.scene
-        self.changed.emit(self._scene, True)
+        self.scene = self._history.present.scene
+        self.changed.emit(self.scene, True)
 
     def _announce_contacts(self, before: State) -> None:
         if self._history.present.contacts != before.contacts:
