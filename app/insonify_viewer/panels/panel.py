@@ -53,14 +53,6 @@ class Button(NamedTuple):
     menu: str = "View"  # title of its menu: File, Edit, View, Record, Tools or Help
 
 
-class SceneOpener(Protocol):
-    """Opens a scene in place of another."""
-
-    def __call__(self, scene: Scene, file: str, *, ask: bool) -> bool:
-        """Open it; return whether the person agreed."""
-        ...
-
-
 @dataclass(frozen=True)
 class Workbench:
     """What the viewer offers to its panels."""
@@ -91,9 +83,9 @@ class Workbench:
     contacts: ContactList  # contacts of the session
     open_contacts: Callable[[], None]  # reads contacts from a file that the person names, in place of the present ones
     save_contacts: Callable[[], bool]  # writes the contacts to a file that the person names
-    # Opens (scene, file) at the start of its track; its argument ``ask`` says whether the person is asked first
-    # what becomes of unsaved changes. Returns whether the scene was opened.
-    open_scene: SceneOpener
+    # Opens (scene, file) at the start of its track; with ``ask=True`` the person is asked first what becomes of
+    # unsaved changes. Returns whether the scene was opened.
+    open_scene: Callable[..., bool]
     # Lights the fields at some dotted paths wherever they are shown, and no others.
     light_fields: Callable[[tuple[str, ...]], None]
     project: Callable[[bool], None]  # switches the view for a projector, full screen and in large type, on or off

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 
 import numpy as np
 from numpy.typing import NDArray
-from PySide6.QtCore import QPoint, QRect, QSize, Qt, Signal
+from PySide6.QtCore import QPoint, QRect, Qt, Signal
 from PySide6.QtGui import QColor, QPainter, QPaintEvent, QResizeEvent
 from PySide6.QtWidgets import QWidget
 
@@ -77,10 +77,6 @@ class RecordCanvas(QWidget):
     def step(self) -> float:
         """Distance between pings in metres."""
         return max(self._step, 1e-6)
-
-    @property
-    def _pixels(self) -> NDArray[np.uint32]:
-        return self._image.pixels
 
     def show_record(self, record: Record, slant_range: float, ping_step: float) -> None:
         """Show another record, given its last slant range and the distance between pings in metres."""
@@ -292,11 +288,6 @@ class RecordCanvas(QWidget):
     def _paint_rows(self, rows: Rows) -> None:
         self._image.paint(rows, self.projection, self.tone_map)
         self.update()
-
-    def draw_for(self, size: QSize) -> None:
-        """Compute the picture for a size while the view is hidden."""
-        self.resize(size)
-        self._fit()
 
     @guard_override(None)
     def resizeEvent(self, event: QResizeEvent) -> None:
