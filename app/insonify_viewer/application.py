@@ -19,7 +19,7 @@ from PySide6.QtCore import QEventLoop, QTimer
 from PySide6.QtGui import QGuiApplication, QOpenGLContext
 from PySide6.QtWidgets import QApplication
 
-from insonify.compiler.compiling_process import compiled_elsewhere
+from insonify.compiler.processes import compiled_elsewhere
 from insonify.compiler.progress import watch_compilation
 from insonify.lessons import Lesson
 from insonify.scene import Scene, SceneError

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from PySide6.QtCore import QObject, QTimer
 from PySide6.QtGui import QGuiApplication
 
-from insonify.display.picture import PALETTES
+from insonify.display.display_options import PALETTES
 from insonify.scene import Scene, SceneError, bundled_scenes, scene_to_toml
 from insonify_viewer.errors import Failure, describe_error
 from insonify_viewer.panels.panel import PanelSet, Workbench
@@ -34,7 +34,7 @@ from insonify_viewer.window.saving import Saving
 from insonify_viewer.window.target_editor import TargetEditor
 from insonify_viewer.work.gc_policy import forget_ground, return_free_memory
 from insonify_viewer.work.jobs import JobList
-from insonify_viewer.work.ping_request import LaidScene, PingRequest, TracedPings
+from insonify_viewer.work.ping_request import PingRequest, TracedPings
 from insonify_viewer.work.simulator import Simulator
 from insonify_viewer.work.waiting import WaitingWatch
 
@@ -76,7 +76,7 @@ class Viewer(QObject):
         self._number, self._fine, self._refused = 0, True, -1
         self._traced = (scene, self.session.modelling)
         self._answer: TracedPings | None = None  # the last one that fits the record
-        self._laid: LaidScene | None = None  # a scene that is shown before its first pings
+        self._laid: PackedScene | None = None  # a scene that is shown before its first pings
         self._waiting = WaitingWatch()
         self._freeing = False  # whether memory of the scene before is still to be returned
         self._prepared = self._started = self._stopped = False
@@ -115,7 +115,7 @@ class Viewer(QObject):
     def _show_laid(self, number: int, packed: PackedScene) -> None:
         """Show a new bed before its first pings are traced."""
         if number == self._number:
-            self._laid = LaidScene(packed)
+            self._laid = packed
             self._show_sonar()
 
     def find_levels(self) -> None:

@@ -7,8 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     from insonify.accuracy.charts.kinds.accuracy import chart
-    from insonify.acoustics.caustics import caustics
-    from insonify.acoustics.paths import eigenrays, ray_paths, shadow_zones
+    from insonify.acoustics.paths import caustics, eigenrays, ray_paths, shadow_zones
     from insonify.explanation.pixel import explain_pixel
     from insonify.inversion.learning import learn
     from insonify.planning import plan
@@ -38,7 +37,7 @@ __all__ = [
 _MODULES = {
     "Scene": "scene",
     "SceneError": "scene",
-    "caustics": "acoustics.caustics",
+    "caustics": "acoustics.paths",
     "chart": "accuracy.charts.kinds.accuracy",
     "eigenrays": "acoustics.paths",
     "explain_pixel": "explanation.pixel",

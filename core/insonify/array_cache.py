@@ -25,7 +25,7 @@ class ArrayCache:
         self._results: OrderedDict[Hashable, tuple[Any, int]] = OrderedDict()  # with their bytes
         self._bytes = 0
         self._lock = Lock()
-        self._making: dict[Hashable, Lock] = {}  # held by the thread that makes a result; others wait for it
+        self._making: dict[Hashable, Lock] = {}  # locked by the thread that makes a result; others wait for it
         self._tokens: weakref.WeakKeyDictionary[Callable[..., Any], object] = weakref.WeakKeyDictionary()
         self._dead: deque[object] = deque()  # tokens of functions that are gone
 
@@ -65,7 +65,7 @@ class ArrayCache:
             return self._newest(key) if key in self._results else None
 
     def clear(self) -> None:
-        """Drop all results; they are made again when they are asked for."""
+        """Drop all results; they are made again when needed."""
         with self._lock:
             self._results.clear()
             self._bytes = 0

@@ -24,7 +24,7 @@ _limit: ContextVar[int | None] = ContextVar("threads", default=None)
 
 
 class PerThread(threading.local, Generic[Made]):
-    """One object for each thread that asks for it, such as the work space of a kernel."""
+    """One object for each thread that uses it, such as the work space of a kernel."""
 
     def __init__(self, make: Callable[[], Made]) -> None:
         # A `threading.local` is initialised anew in every thread that touches it.
@@ -45,8 +45,8 @@ def limited_threads(threads: int | None) -> Iterator[None]:
 
 def count_threads(threads: int | None = None) -> int:
     """Return the number of threads that work at a time, which the argument, `limited_threads` and the process limit."""
-    asked = [number for number in (threads, _limit.get()) if number is not None]
-    return min(*asked, most_threads()) if asked else default_threads()
+    limits = [number for number in (threads, _limit.get()) if number is not None]
+    return min(*limits, most_threads()) if limits else default_threads()
 
 
 def in_parallel(

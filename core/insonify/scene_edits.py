@@ -8,8 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from insonify.acoustics.layers import make_sound_speed_field
-from insonify.acoustics.water import speed_at_sonar
+from insonify.acoustics.water import make_sound_speed_field, speed_at_sonar
 from insonify.scene import Scene, SceneError, edit
 from insonify.scene.edit import part_at
 from insonify.scene.seabed.materials import MATERIAL_MAPS, MATERIALS, Material, MaterialMap, Reflectivity

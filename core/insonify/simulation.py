@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -17,50 +17,47 @@ from insonify.parallel import count_threads, limited_threads
 from insonify.planning import Plan
 from insonify.planning.selection import check_request, choose_model, keep_plan
 from insonify.receiver import Reception, Traced, prepare_reception, record_echoes
-from insonify.record.blocks import trace_blocks, trace_whole
+from insonify.receiver.levels import Crosstalk
+from insonify.receiver.water_column import WaterColumn
 from insonify.record.target_truth import TargetTruth, find_target_truth, join_target_truth
-from insonify.record.variables import make_block, record_attributes
+from insonify.record.variables import Columns, make_block, record_attributes
 from insonify.scene import Scene, SceneError
-from insonify.terrain import AnyGround
-from insonify.tow.line import TowLine, tow_line_at
-from insonify.tow.poses import bed_beneath, make_poses, refuse_track_off_bed
+from insonify.tow.poses import refuse_track_off_bed, take_poses
+from insonify.tracers.base import PreparedTracer, prepare_tracer
 from insonify.tracers.labels import RecordLabels, trace_labels
-from insonify.tracers.registry import Tracer
 
 if TYPE_CHECKING:
     import xarray as xr
 
-UNKNOWN_COST = 1e-4  # s, of a ping, where the plan tells none
+UNKNOWN_COST = 1e-4  # s, of a ping, where a kept plan has none
+BLOCK_TIME = 0.25  # s, predicted for a block
+BLOCK_BYTES = 16e6  # of a block; a stream that is written holds three
+ECHO_BYTES, LABEL_BYTES = 4, 64  # of one bin with all copies
 
 Echoes = NDArray[np.float32]
 
 
-@dataclass(frozen=True, eq=False)
-class Simulation:
-    """A scene made ready to trace any of its pings."""
+class PingBlock(NamedTuple):
+    """Successive pings of a record."""
 
-    scene: Scene  # the declaration
-    plan: Plan  # methods and settings of the tracing
-    ground: AnyGround  # the bed
-    # The whole scene as tracers take it; of endless ground only the piece at the start of the track.
-    arrays: SceneArrays
-    reduced: SceneArrays  # the scene without the effects that the plan omits; this one is traced
+    pings: NDArray[np.int64]  # (n,) their numbers
+    poses: Poses  # their poses
+    columns: Columns  # ``intensity``, and labels by their names if requested, (n, 2, bins) each
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Simulation(PackedScene):
+    """A packed scene with its plan, ready to trace and receive any of its pings.
+
+    Its `arrays` are those of the whole scene, in water without refraction if the plan leaves that out.
+    """
+
+    plan: Plan  # method and settings of the tracing
+    reduced: SceneArrays  # the scene without the effects that the plan leaves out, which is traced
     tiles: TerrainTiles  # the ground about each ping, with as many nodes as the plan keeps
-    tracer: Tracer  # the method that finds echoes
+    tracer: PreparedTracer  # the method that finds echoes
     reception: Reception  # the receiver, which turns echoes into the record
-    threads: int | None = None  # greatest number of threads that work on it
-
-    def poses(self, pings: NDArray[np.int64]) -> Poses:
-        """Return position and attitude of the sonar at the given pings; beyond the track's last the tow goes on."""
-        return make_poses(self.scene, self.ground, pings)
-
-    def line(self, pings: NDArray[np.int64]) -> TowLine:
-        """Return positions and headings along the line of the tow, without the motion of the fish about it."""
-        return tow_line_at(self.scene, pings)
-
-    def altitude(self, pings: NDArray[np.int64]) -> NDArray[np.float64]:
-        """Return the altitude of the sonar above the bed, in metres, with the bed smoothed as a fish follows it."""
-        return self.poses(pings).z - bed_beneath(self.scene, self.ground, pings)
+    threads: int | None = None  # greatest number of threads
 
     def intensity(self, pings: NDArray[np.int64]) -> NDArray[np.float32]:
         """Trace and receive pings, any numbers in any order.
@@ -105,14 +102,15 @@ class Simulation:
     def trace(self, poses: Poses, arrays: SceneArrays | None = None) -> Traced:
         """Trace echoes of an ideal pulse: their mean energy, or their waves where the receiver adds others to them."""
         trace_pings = (self.reception.sums_waves and self.tracer.trace_waves) or self.tracer.trace
-
-        def trace_tile(tile: SceneArrays, some: Poses) -> tuple[Traced]:
-            return (trace_pings(tile, some, **self.plan.settings),)
-
-        return self.tiles.map(trace_tile, self.reduced if arrays is None else arrays, poses)[0]
+        echoes: Traced = self.tiles.map(
+            lambda tile, some: trace_pings(tile, some, **self.plan.settings),
+            self.reduced if arrays is None else arrays,
+            poses,
+        )
+        return echoes
 
     def expect(self, pings: NDArray[np.int64]) -> None:
-        """Keep the ground beneath pings, (n,) numbers, that are traced again in whatever blocks, as far as it fits."""
+        """Keep the ground beneath pings, (n,) numbers, that are traced again in any blocks, if memory allows."""
         self.tiles.expect(self.poses(np.asarray(pings, dtype=np.int64)))
 
     def truth(self, pings: NDArray[np.int64]) -> RecordLabels:
@@ -134,11 +132,13 @@ class Simulation:
 
     def labels(self, poses: Poses) -> RecordLabels:
         """Label every range bin of pings whose poses are known, as `truth` does."""
-        settings = {name: number for name, number in self.plan.settings.items() if name in ("planes", "rays")}
+        settings = self.plan.label_settings
+        water, crosstalk = self.reception.find(WaterColumn), self.reception.find(Crosstalk)
+        share = 0.0 if crosstalk is None else crosstalk.share
 
         def label_tile(tile: SceneArrays, some: Poses) -> RecordLabels:
-            volumes = self.reception.volumes.energies(some) if self.reception.volumes is not None else None
-            return trace_labels(tile, some, crosstalk=self.reception.crosstalk, volumes=volumes, **settings)
+            volumes = water.volumes.energies(some) if water is not None and water.volumes is not None else None
+            return trace_labels(tile, some, crosstalk=share, volumes=volumes, **settings)
 
         with limited_threads(self.threads):
             return RecordLabels(*self.tiles.map(label_tile, self.reduced, poses))
@@ -147,6 +147,47 @@ class Simulation:
         """Return the number of pings that take about so long by the plan's cost, at least 1."""
         with limited_threads(self.threads):
             return max(1, int(seconds * count_threads() / (self.plan.cost or UNKNOWN_COST)))
+
+    def record_blocks(
+        self, truth: bool = False, block: int | None = None, pings: range | None = None
+    ) -> Iterator[PingBlock]:
+        """Trace and receive successive pings, or all, as many at a time as take some time and memory."""
+        size = self._block_size(truth, streamed=True) if block is None else block
+        wanted = range(self.scene.track.pings) if pings is None else pings
+        for first in range(wanted.start, wanted.stop, size):
+            some = np.arange(first, min(first + size, wanted.stop), dtype=np.int64)
+            poses = self.poses(some)
+            yield PingBlock(some, poses, self._columns(some, poses, truth))
+
+    def record_whole(self, truth: bool, progress: Callable[[int, int], None] | None) -> PingBlock:
+        """Trace and receive all pings, block by block into arrays of the record's length."""
+        pings = np.arange(self.scene.track.pings, dtype=np.int64)
+        size, poses, whole = self._block_size(truth, streamed=False), self.poses(pings), Columns()
+        for first in range(0, pings.size, size):
+            part = slice(first, min(first + size, pings.size))
+            out = whole["intensity"][part] if whole else None
+            for name, column in self._columns(pings[part], take_poses(poses, part), truth, out).items():
+                if size >= pings.size:
+                    whole[name] = column
+                    continue
+                if name not in whole:
+                    whole[name] = np.empty((pings.size, *column.shape[1:]), column.dtype)
+                if column is not out:
+                    whole[name][part] = column
+            if progress is not None:
+                progress(part.stop, pings.size)
+        return PingBlock(pings, poses, whole)
+
+    def _columns(self, pings: NDArray[np.int64], poses: Poses, truth: bool, out: Echoes | None = None) -> Columns:
+        """Intensity of some pings, and their labels if requested."""
+        labels = self.labels(poses)._asdict() if truth else {}
+        return {"intensity": self.record(pings, poses, out)} | labels
+
+    def _block_size(self, truth: bool, *, streamed: bool) -> int:
+        """Return the number of pings to trace at a time, by time and by the memory that a block takes."""
+        bytes_a_ping = 2 * self.scene.sonar.bins * (ECHO_BYTES + LABEL_BYTES * truth)
+        fitting = int(BLOCK_BYTES / bytes_a_ping) if streamed or truth else self.scene.track.pings
+        return max(1, min(fitting, self.pings_within(BLOCK_TIME)))
 
 
 def prepare(
@@ -166,10 +207,10 @@ def prepare(
     scene, method, tolerance, forced, threads
         As in `simulate`.
     plan : Plan, optional
-        A plan of this scene or of one like it, which is kept as far as the geometry of the scene admits it; nothing is
+        A plan of this scene or of one like it, which is kept where the geometry of the scene admits it; nothing is
         measured then.
     packed : PackedScene, optional
-        The scene's ground and arrays, if they are made already, as by `insonify.packing.packed_scene.pack`.
+        The scene's ground and arrays, if they exist already, made by `insonify.packing.packed_scene.pack`.
 
     Returns
     -------
@@ -192,16 +233,16 @@ def prepare(
 
 def _prepare(packed: PackedScene, plan: Plan, threads: int | None) -> Simulation:
     """Make a planned scene ready to be traced."""
-    reduced = packed.reduced(plan.model)
+    arrays, tracer = packed.straighten(plan.model), prepare_tracer(packed, plan.model)
     return Simulation(
-        scene=packed.scene,
+        packed.scene,
+        packed.ground,
+        arrays,
         plan=plan,
-        ground=packed.ground,
-        arrays=reduced.whole,
-        reduced=reduced.arrays,
-        tiles=reduced.tiles,
-        tracer=reduced.tracer,
-        reception=prepare_reception(packed.scene, packed.ground, reduced.whole),
+        reduced=packed.reduce(plan.model),
+        tiles=packed.ground_tiles(plan.every, tracer.bins_beyond),
+        tracer=tracer,
+        reception=prepare_reception(packed.scene, packed.ground, arrays),
         threads=threads,
     )
 
@@ -247,14 +288,12 @@ def simulate(
     SceneError
         One sentence with what is wrong and the remedy.
     """
-    asked: dict[str, Any] = {"method": method, "tolerance": tolerance, "forced": forced}
-    simulation = prepare(scene, **asked, threads=threads)
-    pings = np.arange(scene.track.pings, dtype=np.int64)
-    poses = simulation.poses(pings)
-    columns = trace_whole(simulation, pings, poses, truth, progress)
-    found = find_target_truth(scene, columns, 0) if truth else None
-    attributes = record_attributes(scene, simulation.plan, **asked)
-    return make_block(scene, simulation.ground, pings, poses, columns, found, attributes).to_dataset()
+    request: dict[str, Any] = {"method": method, "tolerance": tolerance, "forced": forced}
+    simulation = prepare(scene, **request, threads=threads)
+    whole = simulation.record_whole(truth, progress)
+    found = find_target_truth(scene, whole.columns, 0) if truth else None
+    attributes = record_attributes(scene, simulation.plan, **request)
+    return make_block(scene, simulation.ground, *whole, found, attributes).to_dataset()
 
 
 def simulate_blocks(
@@ -275,23 +314,23 @@ def simulate_blocks(
     scene, method, tolerance, forced, truth, threads
         As in `simulate`.
     block : int, optional
-        Pings at a time, on which the record does not depend; else as many as take a quarter of a second and 16 MB.
+        Pings at a time; the record does not depend on it. By default as many as take a quarter of a second and 16 MB.
     pings : range, optional
         Successive pings, such as those that a record still lacks; all of the track when left out.
 
     Yields
     ------
     Dataset
-        Successive pings. What ``truth`` tells of each target is that of all pings so far; the last block tells that of
-        the whole record.
+        Successive pings. Labels of a whole target describe all pings so far; those of the last block describe the
+        whole record.
 
     Raises
     ------
     SceneError
         One sentence with what is wrong and the remedy.
     """
-    asked: dict[str, Any] = {"method": method, "tolerance": tolerance, "forced": forced, "threads": threads}
-    for simulated in simulate_record_blocks(scene, **asked, truth=truth, block=block, pings=pings):
+    request: dict[str, Any] = {"method": method, "tolerance": tolerance, "forced": forced, "threads": threads}
+    for simulated in simulate_record_blocks(scene, **request, truth=truth, block=block, pings=pings):
         yield simulated.to_dataset()
 
 
@@ -306,16 +345,16 @@ def simulate_record_blocks(
     pings: range | None = None,
     threads: int | None = None,
 ) -> Iterator[RecordBlock]:
-    """Simulate a scene's record as `simulate_blocks` does, whose parameters these are, without Datasets."""
+    """Simulate a scene's record with the parameters of `simulate_blocks`, as blocks of plain arrays."""
     if block is not None and block < 1:
-        raise SceneError(f"block: {block} pings at a time are none; give at least 1")
-    asked: dict[str, Any] = {"method": method, "tolerance": tolerance, "forced": forced}
+        raise SceneError(f"block: {block} is too few pings; give at least 1")
+    request: dict[str, Any] = {"method": method, "tolerance": tolerance, "forced": forced}
     if pings is not None and not (pings.step == 1 and 0 <= pings.start <= pings.stop <= scene.track.pings):
-        raise SceneError(f"pings: {pings} is not of the track; give successive ones of its {scene.track.pings}")
-    simulation = prepare(scene, **asked, threads=threads)
-    attributes = record_attributes(scene, simulation.plan, **asked)
+        raise SceneError(f"pings: {pings} is not part of the track; give successive ones of its {scene.track.pings}")
+    simulation = prepare(scene, **request, threads=threads)
+    attributes = record_attributes(scene, simulation.plan, **request)
     so_far: list[TargetTruth] = []
-    for traced in trace_blocks(simulation, truth, block, pings):
+    for traced in simulation.record_blocks(truth, block, pings):
         if truth:
             so_far = [join_target_truth(*so_far, find_target_truth(scene, traced.columns, int(traced.pings[0])))]
         yield make_block(scene, simulation.ground, *traced, so_far[0] if truth else None, attributes)

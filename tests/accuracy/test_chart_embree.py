@@ -9,8 +9,7 @@ import pytest
 
 from beds import NO_MESH, arrays_of, mesh_of, poses_of, rough, solids_of
 from insonify.accuracy.charts.embree import TriangulatedScene, explain_omission
-from insonify.kernels.rays.cell_walk import RayBundle
-from insonify.kernels.rays.first_echoes import cast_straight_rays, empty_hits
+from insonify.kernels.rays.cell_walk import RayBundle, empty_hits, find_first_hits
 from insonify.scene import SceneError
 from insonify.statistics.record_errors import compare_records
 from insonify.tracers import rays
@@ -64,8 +63,9 @@ def test_a_bed_with_an_edge_and_a_hole_is_silent_there():
 
 
 def exact_hits(arrays, bundle):
-    hits = empty_hits(bundle.x.size)
-    cast_straight_rays(arrays, bundle, arrays.bins * arrays.bin_length, hits)
+    hits, bodies = empty_hits(bundle.x.size), np.arange(arrays.solids.shape.size)
+    reach = arrays.bins * arrays.bin_length
+    find_first_hits(arrays.bed, arrays.solids, bodies, bodies.size, arrays.mesh, bundle, reach, hits)
     return hits
 
 

@@ -13,6 +13,7 @@ import math
 import sys
 import time
 from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
 
 import numpy as np
@@ -23,6 +24,7 @@ from insonify.packing.packed_scene import Model, PackedScene, pack
 from insonify.parallel import limited_threads
 from insonify.planning import MOST_PLANES, Plan
 from insonify.planning.choices.base import Case
+from insonify.planning.probe import trace_model, work_of
 from insonify.planning.selection import choose_model
 from insonify.scene import SceneError
 from insonify.statistics.record_errors import compare_records
@@ -86,11 +88,11 @@ def judge(seed: int, folder: Path, *, timed: bool) -> Verdict:
     seconds = time.thread_time() - began
     finest = finest_of(packed)
     groups = [make_poses(scene, packed.ground, pings) for pings in (over, across) if pings.size]
-    right = [trace(packed, finest, poses) for poses in groups]
+    right = [trace_model(packed, finest, poses) for poses in groups]
 
     def error(model: Model) -> float:
         """Greater of the errors over the track and across targets, as a plan measures it."""
-        records = [trace(packed, model, poses) for poses in groups]
+        records = [trace_model(packed, model, poses) for poses in groups]
         return max(
             compare_records(packed.arrays, poses, record, true).beyond
             for poses, record, true in zip(groups, records, right)
@@ -122,14 +124,7 @@ def charted(packed: PackedScene, finest: Model) -> list[Model]:
     bent = (False, True) if finest.bent else (False,)
     settings = itertools.product(planes, every, bent, SHARES)
     models = [finest._replace(planes=k, every=n, bent=b, misplaced=m, rays=4000 if b else 0) for k, n, b, m in settings]
-    return sorted(models, key=packed.work)
-
-
-def trace(packed: PackedScene, model: Model, poses: Poses) -> np.ndarray:
-    reduced = packed.reduced(model)
-    return reduced.tiles.map(
-        lambda tile, some: (reduced.tracer.trace(tile, some, threads=1, **model.settings),), reduced.arrays, poses
-    )[0]
+    return sorted(models, key=partial(work_of, packed))
 
 
 def seconds_of(packed: PackedScene, model: Model, poses: Poses) -> float:
@@ -137,7 +132,7 @@ def seconds_of(packed: PackedScene, model: Model, poses: Poses) -> float:
     taken = []
     for _ in range(3):
         began = time.thread_time()
-        trace(packed, model, poses)
+        trace_model(packed, model, poses)
         taken.append(time.thread_time() - began)
     return min(taken) / poses.x.size
 

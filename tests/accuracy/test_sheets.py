@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 
 from beds import arrays_of, bed_of, gaussian_pattern, poses_of, rough
+from insonify.accuracy.charts.method_settings import pack_for_chart
 from insonify.accuracy.charts.reference import name_rays, trace_exact_rays
-from insonify.accuracy.charts.scene_setup import pack_for_chart
 from insonify.acoustics.flat_bed import flat_bed_curve
 from insonify.kernels.common.types import LIGHT, SONAR, Water, no_surface_multipath
 from insonify.scene import SceneError, edit, load_scene

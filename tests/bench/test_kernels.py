@@ -20,8 +20,8 @@ from floor import floor_call
 from insonify.accuracy.charts.embree import TriangulatedScene
 from insonify.accuracy.timing import time_calls
 from insonify.kernels.common.types import no_surface_multipath
-from insonify.kernels.rays.first_echoes import empty_bundle, empty_launch
-from insonify.kernels.rays.launch import aim_rays, orient_beam, rotate_to_world
+from insonify.kernels.rays.cell_walk import empty_bundle
+from insonify.kernels.rays.launch import aim_rays, empty_launch, orient_beam, rotate_to_world
 from insonify.scene import edit, load_scene
 from insonify.simulation import prepare
 from insonify.statistics.record_errors import compare_records

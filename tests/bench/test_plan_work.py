@@ -14,10 +14,11 @@ import numpy as np
 import pytest
 
 from insonify.accuracy.timing import time_calls
-from insonify.packing import packed_scene as models
 from insonify.packing.packed_scene import Model, pack
+from insonify.planning import Plan
 from insonify.scene import edit, load_scene
-from insonify.tow.poses import make_poses
+from insonify.tracers import sweep
+from insonify.tracers.base import prepare_tracer
 
 pytestmark = pytest.mark.bench
 STRIDES = 1, 2, 4, 8, 16, 32
@@ -45,8 +46,9 @@ def call_of(scene, model, pings=PINGS):
     """Call that traces a scene's pings by a model with all targets."""
     packed = pack(scene)
     model = model._replace(targets=tuple(range(len(scene.targets))))
-    reduced, poses = packed.reduced(model), make_poses(scene, packed.ground, pings[pings < scene.track.pings])
-    return lambda: reduced.tracer.trace(reduced.arrays, poses, threads=1, **model.settings), poses.x.size
+    poses = packed.poses(pings[pings < scene.track.pings])
+    tracer, arrays, settings = prepare_tracer(packed, model), packed.reduce(model), Plan(model).settings
+    return lambda: tracer.trace(arrays, poses, threads=1, **settings), poses.x.size
 
 
 def medians(calls):
@@ -68,31 +70,31 @@ def say(capsys, name, constant, measured):
 def test_knots_planes_and_targets(capsys):
     bare = edit(DEFAULT, BARE | KNIFE)
     calls = {every: call_of(bare, Model(every=every), MANY) for every in STRIDES}
-    calls |= {share: call_of(bare, Model(misplaced=share), MANY) for share in models.KNOTS if share < math.inf}
+    calls |= {share: call_of(bare, Model(misplaced=share), MANY) for share in sweep.KNOTS if share < math.inf}
     calls["targets"] = call_of(edit(DEFAULT, KNIFE), Model(), MANY)
     calls["bent"] = call_of(edit(DEFAULT, BARE | KNIFE | BENT), Model(bent=True), MANY)
     times = medians(calls)
     knot = time_a_knot(times)
     plane = times[1] / knot - KNOTS
-    say(capsys, "PLANE, knots of a knife", models.PLANE, plane)
+    say(capsys, "PLANE, knots of a knife", sweep.PLANE, plane)
     segments, parts, beyond = zip(
-        *(models.divide_profile(REACH, every * SPACING, DEFAULT.altitude) for every in STRIDES)
+        *(sweep.divide_profile(REACH, every * SPACING, DEFAULT.altitude) for every in STRIDES)
     )
     left = np.array([times[every] for every in STRIDES]) / knot - plane - np.array(beyond)
     cut, part = np.linalg.lstsq(np.column_stack([segments, parts])[2:], left[2:])[0]
-    say(capsys, "CUT_SEGMENT, knots", models.CUT_SEGMENT, cut)
-    say(capsys, "PART, knots", models.PART, part)
-    say(capsys, "TARGET, knots", models.TARGET, (times["targets"] - times[1]) / knot / len(DEFAULT.targets))
-    say(capsys, "REFRACTED, knots of a knot", models.REFRACTED, (times["bent"] / knot - plane) / KNOTS)
-    for share, constant in models.KNOTS.items():
+    say(capsys, "CUT_SEGMENT, knots", sweep.CUT_SEGMENT, cut)
+    say(capsys, "PART, knots", sweep.PART, part)
+    say(capsys, "TARGET, knots", sweep.TARGET, (times["targets"] - times[1]) / knot / len(DEFAULT.targets))
+    say(capsys, "REFRACTED, knots of a knot", sweep.REFRACTED, (times["bent"] / knot - plane) / KNOTS)
+    for share, constant in sweep.KNOTS.items():
         if share < math.inf:
             say(capsys, f"KNOTS[{share}]", constant, (times[share] / knot - plane) / KNOTS)
 
 
 def test_planes_of_the_near_field(capsys):
     for name, changes, constant in (
-        ("NEAR_PLANES", BARE, models.NEAR_PLANES),
-        ("NEAR_PLANES_OF_PATTERN", BARE | ARRAY, models.NEAR_PLANES_OF_PATTERN),
+        ("NEAR_PLANES", BARE, sweep.NEAR_PLANES),
+        ("NEAR_PLANES_OF_PATTERN", BARE | ARRAY, sweep.NEAR_PLANES_OF_PATTERN),
     ):
         scene = edit(DEFAULT, changes)
         times = medians({planes: call_of(scene, Model(planes=planes), MANY) for planes in (1, 8)})
@@ -105,7 +107,7 @@ def test_surface_paths(capsys):
         calls = {ways: call_of(below, Model(planes=planes, ways=ways)) for ways in (frozenset(), PATHS)}
         times = medians(calls)
         ratio = (times[PATHS] / times[frozenset()] - 1.0) / len(PATHS)
-        say(capsys, f"a path by the surface, {name}", models.weigh_path(pack(below).arrays), ratio)
+        say(capsys, f"a path by the surface, {name}", sweep.weigh_path(pack(below).arrays), ratio)
 
 
 def test_single_rays(capsys):
@@ -116,6 +118,6 @@ def test_single_rays(capsys):
     calls["march"] = call_of(bare, Model("march", rays=rays, step=0.1), few)
     times, steps = medians(calls), REACH / 0.1
     knot = time_a_knot(times)
-    say(capsys, "RAY, knots", models.RAY, times["rays"] / knot / rays)
-    say(capsys, "REFRACTED_RAY, knots", models.REFRACTED_RAY, times["bent"] / knot / rays)
-    say(capsys, "STEP, knots", models.STEP, (times["march"] / knot / rays - models.RAY) / steps)
+    say(capsys, "RAY, knots", rays.RAY, times["rays"] / knot / rays)
+    say(capsys, "REFRACTED_RAY, knots", rays.REFRACTED_RAY, times["bent"] / knot / rays)
+    say(capsys, "STEP, knots", sweep.STEP, (times["march"] / knot / rays - rays.RAY) / steps)

@@ -6,7 +6,7 @@ import gsw
 import numpy as np
 import pytest
 
-from insonify.acoustics.layers import make_sound_speed_field
+from insonify.acoustics.water import make_sound_speed_field
 from insonify.io.sound_speed_casts import read_cast
 from insonify.scene import SceneError, edit, load_scene
 from insonify.scene.water.cast import CastWater

@@ -9,8 +9,7 @@ import pytest
 
 from beds import arrays_of, poses_of, rough
 from insonify.kernels.common.types import BED, LIGHT, SONAR
-from insonify.kernels.rays.cell_walk import RayBundle
-from insonify.kernels.rays.first_echoes import empty_hits
+from insonify.kernels.rays.cell_walk import RayBundle, empty_hits
 from insonify.kernels.rays.march import march_hits
 from insonify.scene import SceneError
 from insonify.statistics.record_errors import compare_records

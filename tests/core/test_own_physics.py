@@ -10,9 +10,9 @@ import pytest
 import xarray as xr
 
 import insonify
-from insonify.acoustics.absorption import absorption_coefficient
 from insonify.acoustics.beam_patterns import make_pattern
 from insonify.acoustics.pulses import coherence, coherent_taps, pulse_taps
+from insonify.acoustics.water import absorption_coefficient
 from insonify.cli import main
 from insonify.scene import Scene, SceneError, edit, load_scene, scene_from_toml, scene_to_toml
 from insonify.terrain import build_ground, relief

@@ -8,8 +8,8 @@ import re
 import numpy as np
 import pytest
 
-from insonify.acoustics.straightness import estimate_refraction
-from insonify.packing.packed_scene import Model, PackedScene, pack
+from insonify.acoustics.water import estimate_refraction
+from insonify.packing.packed_scene import Model, pack
 from insonify.planning import MOST_PLANES, plan, probe
 from insonify.planning.choices import CHOICES
 from insonify.planning.choices.base import Case
@@ -138,11 +138,11 @@ def test_models_of_any_fineness_are_judged_by_little_work(method, tolerance, mon
     traced = []
 
     def trace(packed, model, poses):
-        traced.append(poses.x.size * packed.work(model))
+        traced.append(poses.x.size * probe.work_of(packed, model))
         return whole(packed, model, poses)
 
-    whole = PackedScene.trace
-    monkeypatch.setattr(PackedScene, "trace", trace)
+    whole = probe.trace_model
+    monkeypatch.setattr(probe, "trace_model", trace)
     plan(DEFAULT, tolerance, method=method)
     assert max(traced) <= MOST
     assert sum(traced) <= 2.5 * MOST  # each finer model takes twice the work
@@ -155,7 +155,7 @@ def test_errors_predicted_beyond_those_measured_are_near_them(method, field, ste
     start = Model(method, rays=200 if method == "march" else 8000, step=0.1 * (method == "march"))
     fine = start._replace(**{field: getattr(start, field) * 2**steps})
     measured = choice.error(case, fine)
-    monkeypatch.setattr(probe, "MOST", FEW * case.packed.work(start._replace(rays=2 * start.rays)) * 2.0)
+    monkeypatch.setattr(probe, "MOST", FEW * case.work(start._replace(rays=2 * start.rays)) * 2.0)
     assert choice.error(case, fine) == pytest.approx(measured, rel=0.5)
     assert choice.error(case, fine) != measured
 

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from insonify.packing.packed_scene import pack
-from insonify.planning.loud_pings import add_loud_pings
+from insonify.planning.probe import add_loud_pings
 from insonify.planning.probe_pings import SPREAD, choose_probe_pings
 from insonify.scene import edit, load_scene
 from insonify.terrain import build_ground

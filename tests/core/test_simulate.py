@@ -9,8 +9,8 @@ import numpy as np
 import pytest
 import xarray as xr
 
+import insonify.simulation as module
 from insonify.planning import plan
-from insonify.record import blocks as module
 from insonify.scene import SceneError, edit, load_scene, scene_from_toml
 from insonify.simulation import prepare, simulate, simulate_blocks
 
@@ -129,7 +129,7 @@ def test_far_along_the_tow_the_pings_are_as_exact():
 
 def test_progress_runs_to_the_end(monkeypatch):
     seen = []
-    monkeypatch.setattr(module, "_block_size", lambda *_, **__: 64)
+    monkeypatch.setattr(module.Simulation, "_block_size", lambda *_, **__: 64)
     simulate(small(2 * 64 + 3), progress=lambda done, total: seen.append((done, total)))
     assert seen == [(64, 2 * 64 + 3), (2 * 64, 2 * 64 + 3), (2 * 64 + 3, 2 * 64 + 3)]
 

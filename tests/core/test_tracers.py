@@ -1,25 +1,36 @@
-"""The registry of tracers: each traces a scene's pings, and coherent speckle has a tracer of its own."""
+"""Each tracer traces pings by themselves, and a tracer of somebody else's is planned, traced and received."""
 
 from __future__ import annotations
+
+import re
+from pathlib import Path
 
 import numpy as np
 import pytest
 
-from insonify.scene import edit, load_scene
+import insonify
+from insonify.cli import main
+from insonify.packing.packed_scene import Model
+from insonify.scene import SceneError, edit, load_scene
 from insonify.simulation import prepare
-from insonify.tracers.registry import TRACERS, make_tracer
+from insonify.tracers.base import find_tracer, list_methods, without_tracers
 from insonify.tracers.scatterers import ScattererTracer
 
 SCENE = edit(load_scene("default"), {"sonar.bins": 100, "sonar.beam": "knife", "track.pings": 4})
 COHERENT = edit(
     SCENE, {"receiver.speckle": {"kind": "coherent", "density": 1.0}, "sonar.beam": {"kind": "fan", "width": 2.0}}
 )
+EXTEND = (Path(__file__).parents[2] / "docs" / "architecture" / "extend.md").read_text()
 
 
-@pytest.mark.parametrize("name", TRACERS)
+def test_the_methods_are_listed_by_rank():
+    assert list_methods() == ("auto", "sweep", "march", "rays")
+
+
+@pytest.mark.parametrize("name", [*list_methods()[1:], "scatterers"])
 def test_every_tracer_traces_pings_by_themselves(name):
     simulation = prepare(COHERENT if name == "scatterers" else SCENE)
-    tracer = TRACERS[name](simulation.scene, simulation.arrays)
+    tracer = simulation.tracer if name == "scatterers" else find_tracer(name)
     poses = simulation.poses(np.arange(3))
     record = tracer.trace(simulation.reduced, poses)
     assert record.shape == (3, 2, 100)
@@ -29,8 +40,71 @@ def test_every_tracer_traces_pings_by_themselves(name):
     np.testing.assert_array_equal(alone[0], record[1])
 
 
-def test_coherent_speckle_is_traced_scatterer_by_scatterer_whatever_the_method():
+def test_coherent_speckle_is_traced_scatterer_by_scatterer():
     arrays = prepare(COHERENT).arrays
-    for method in ("sweep", "rays"):
-        assert isinstance(make_tracer(method, COHERENT, arrays), ScattererTracer)
-        assert make_tracer(method, SCENE, arrays).bins_beyond == 0
+    sweep = find_tracer("sweep")
+    assert isinstance(sweep.prepare(COHERENT, arrays), ScattererTracer)
+    assert sweep.prepare(SCENE, arrays) is sweep
+    assert sweep.bins_beyond == 0
+
+
+@pytest.mark.parametrize("name", list_methods()[1:])
+def test_finer_models_are_more_work(name):
+    arrays = prepare(SCENE).arrays
+    tracer, coarse = find_tracer(name), Model(name, planes=4, rays=4000, step=0.1)
+    finer = {"planes": 8, "rays": 8000, "step": 0.05}[tracer.fineness[0]]
+    fine = coarse._replace(**{tracer.fineness[0]: finer})
+    assert 0.0 < tracer.work(SCENE, arrays, coarse) < tracer.work(SCENE, arrays, fine)
+    assert set(tracer.settings(fine)) <= {"planes", "rays", "step"}
+
+
+@pytest.fixture(scope="module")
+def strips():
+    """The tracer that the documentation shows."""
+    section = re.search(r"## A tracer\n.*?(?=\n## )", EXTEND, flags=re.DOTALL).group(0)
+    declaration = re.search(r"```python\n(.*?)```", section, flags=re.DOTALL).group(1)
+    with without_tracers("strips"):
+        exec(declaration, {})
+        yield find_tracer("strips")
+
+
+def test_a_tracer_of_somebody_elses_is_a_method(strips):
+    assert list_methods()[1:] == ("sweep", "march", "rays", "strips")
+    assert find_tracer("strips") is strips
+
+
+def test_it_is_planned_by_its_ladder(strips):
+    coarse, fine = (insonify.plan(SCENE, tolerance, method="strips") for tolerance in (0.5, 0.1))
+    assert coarse.method == fine.method == "strips"
+    assert coarse.model.fineness < fine.model.fineness
+    entry = fine.entry("fineness")
+    assert entry.choice == f"{fine.model.fineness} strips per side"
+    assert entry.error < 0.1 < coarse.entry("fineness").error < 0.5
+    assert insonify.plan(SCENE, method="strips", forced={"fineness": "64"}).settings == {"strips": 64}
+    assert insonify.plan(SCENE).method == "sweep"  # chosen by those alone that ask for it
+
+
+def test_it_is_simulated_with_receiver_and_labels(strips, tmp_path):
+    record = insonify.simulate(SCENE, method="strips", truth=True)
+    assert np.isfinite(record.intensity).all()
+    assert record.intensity.values.any()
+    swept = insonify.simulate(edit(SCENE, {"targets": [], "seabed.relief": "flat"}))
+    level = insonify.simulate(edit(SCENE, {"targets": [], "seabed.relief": "flat"}), method="strips")
+    heard = swept.intensity.values[..., 60:]
+    np.testing.assert_allclose(level.intensity.values[..., 60:], heard, rtol=0.05)
+    words = ["render", "default", "--method", "strips", "--set", "track.pings=2", "-o", str(tmp_path / "record.png")]
+    assert main(words) == 0
+
+
+def test_what_it_cannot_do_is_refused(strips):
+    with pytest.raises(SceneError, match=r"^sonar\.bounces: 'strips' does not follow bounces, here 2; .* use rays$"):
+        insonify.plan(edit(SCENE, {"sonar.bounces": 2}), method="strips")
+    with pytest.raises(SceneError, match=r"^receiver\.speckle: 'coherent' is part of the sweep, not of the method"):
+        insonify.plan(COHERENT, method="strips")
+    with pytest.raises(SceneError, match=r"^water\.surface: strips have no multipath; take the surface 'none'$"):
+        insonify.plan(edit(SCENE, {"water.surface": "flat"}), method="strips")
+
+
+def test_an_unknown_tracer_is_refused():
+    with pytest.raises(SceneError, match=r"^method: 'magic' is not known; choose one of auto, sweep, march, rays"):
+        find_tracer("magic")

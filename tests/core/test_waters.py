@@ -4,8 +4,7 @@ import numpy as np
 import pytest
 from scipy.interpolate import PchipInterpolator
 
-from insonify.acoustics.layers import make_sound_speed_field
-from insonify.acoustics.water import make_water, recording_speed, speed_at_sonar
+from insonify.acoustics.water import make_sound_speed_field, make_water, recording_speed, speed_at_sonar
 from insonify.scene import SceneError, build, edit, load_scene, scene_from_toml, scene_to_toml
 from insonify.scene.water.hydrography import HydrographyWater
 from insonify.scene.water.polyline import approximate_by_segments, thin_polyline

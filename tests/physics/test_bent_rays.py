@@ -10,9 +10,8 @@ import pytest
 import naive
 from beds import arrays_of, icosphere, mesh_of, poses_of, rough
 from insonify.kernels.common.types import BED, LIGHT, SONAR, Water, still_water
-from insonify.kernels.rays.cell_walk import RayBundle
-from insonify.kernels.rays.first_echoes import empty_hits
-from insonify.kernels.refracted_rays.hits import empty_arrivals, find_refracted_hits
+from insonify.kernels.rays.cell_walk import RayBundle, empty_hits
+from insonify.kernels.rays.refracted_hits import empty_arrivals, find_refracted_hits
 from insonify.scene import SceneError
 from insonify.scene.seabed.materials import Reflectivity
 from insonify.tracers import march, rays

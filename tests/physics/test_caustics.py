@@ -10,7 +10,7 @@ from pydantic import TypeAdapter
 from scipy.special import airy
 
 import insonify
-from insonify.acoustics.caustics import airy_pressure
+from insonify.acoustics.paths import airy_pressure
 from insonify.kernels.refraction.arcs import HIGH, LOW
 from insonify.scene.water import AnyWater
 from water import layers, shot

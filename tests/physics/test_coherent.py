@@ -21,7 +21,7 @@ from insonify.scene.sonar.pulses import Chirp, Ideal, Tone
 from insonify.simulation import prepare
 from insonify.tow.poses import take_poses
 from insonify.tracers import rays, sweep
-from insonify.tracers.scatterers import ScattererTracer, heard_at_once
+from insonify.tracers.scatterers import ScattererTracer, sample_pulse
 
 SPEED, FREQUENCY = 1500.0, 400e3
 WAVELENGTH = SPEED / FREQUENCY
@@ -39,7 +39,7 @@ def even(**changes):
 
 def interference(arrays, *, density=1000.0, pulse=TONE, seed=1):
     scatterers = Scatterers(seed, density, 2.0 / WAVELENGTH, make_surface_patches(arrays.solids, arrays.mesh))
-    return ScattererTracer(scatterers, heard_at_once(pulse, SPEED, arrays.bin_length))
+    return ScattererTracer(scatterers, sample_pulse(pulse, SPEED, arrays.bin_length))
 
 
 def record(arrays, poses, *, planes=8, **settings):

@@ -14,12 +14,11 @@ from insonify.kernels.common.types import LIGHT, SONAR, Water
 from insonify.kernels.labels.refracted_labels import label_refracted_pings
 from insonify.kernels.labels.shadows import empty_shadow_table
 from insonify.kernels.labels.sweep_labels import empty_labels
-from insonify.kernels.rays.cell_walk import RayBundle
-from insonify.kernels.rays.first_echoes import empty_hits
-from insonify.kernels.refracted_rays.hits import empty_arrivals, find_refracted_hits
+from insonify.kernels.rays.cell_walk import RayBundle, empty_hits
+from insonify.kernels.rays.refracted_hits import empty_arrivals, find_refracted_hits
 from insonify.kernels.refraction.eigenray_search import TIME
 from insonify.kernels.targets.angular_zbuffer import NO_PRIMITIVE
-from insonify.packing.reduced_scene import without_targets
+from insonify.packing.packed_scene import without_targets
 from insonify.tracers import ray_sheets, rays, sweep
 from insonify.tracers.labels import trace_labels
 

@@ -9,7 +9,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from insonify.acoustics.layers import SoundSpeedField
+from insonify.acoustics.water import SoundSpeedField
 from insonify.compiler.jit import kernel
 from insonify.kernels.refraction.ray_paths import ON_BED, RayLimits, RayPoints, trace_ray_paths
 from insonify.kernels.refraction.section_arcs import SectionPlane, speed_in_section

@@ -16,7 +16,7 @@ from insonify.kernels.common.types import LIGHT, SONAR
 from insonify.kernels.labels.refracted_labels import label_refracted_pings
 from insonify.kernels.labels.shadows import empty_shadow_table
 from insonify.kernels.labels.sweep_labels import empty_labels
-from insonify.packing.reduced_scene import without_targets
+from insonify.packing.packed_scene import without_targets
 from insonify.scene import edit, load_scene
 from insonify.simulation import simulate
 from insonify.tracers import rays, sweep

@@ -5,7 +5,7 @@ from __future__ import annotations
 import sys
 from collections.abc import Callable, Sequence
 from importlib import import_module
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, cast
 
 import numpy as np
 from numpy.typing import NDArray
@@ -19,10 +19,11 @@ from insonify_viewer.seabed.fan_sheet import fan_sheet
 from insonify_viewer.seabed.handle_geometry import meet_bed
 from insonify_viewer.state.inspection import SoundDrawing
 from insonify_viewer.work.gc_policy import leave_out_libraries
-from insonify_viewer.work.ping_request import LaidScene, is_same_ground
+from insonify_viewer.work.ping_request import is_same_ground
 from insonify_viewer.work.simulator import Simulator
 
 if TYPE_CHECKING:
+    from insonify.packing.packed_scene import PackedScene
     from insonify.simulation import Simulation
     from insonify.terrain import AnyGround
     from insonify_viewer.seabed.pv_meshes import BedPatch, ScanLine
@@ -50,8 +51,8 @@ class SeabedController:
 
     def __init__(self, simulator: Simulator, *, accelerated: bool) -> None:
         self._simulator, self._accelerated = simulator, accelerated
-        self.view: SeabedView | None = None
-        self._latest: tuple[Simulation | LaidScene, int, NDArray[np.float32], bool] | None = None
+        self.view: SeabedView | None = None  # None until it is loaded
+        self._latest: tuple[PackedScene, int, NDArray[np.float32], bool] | None = None
         self._bed: _Bed | None = None
         self._bodies: _Bodies | None = None
         self._asked = self._shown = 0  # numbers of the newest bed that is made, and of the one on screen
@@ -77,7 +78,7 @@ class SeabedController:
         self._simulator.send(self._import, lambda _: self._build(put))
 
     def show_sonar(
-        self, simulation: Simulation | LaidScene, ping: int, tones: NDArray[np.float32], *, at_once: bool = False
+        self, simulation: PackedScene, ping: int, tones: NDArray[np.float32], *, at_once: bool = False
     ) -> None:
         """Move the sonar to a ping; update bed and targets if they have changed."""
         self._latest = (simulation, ping, tones, at_once)
@@ -218,9 +219,9 @@ class SeabedController:
         else:
             show(scan_line(ground, arrays, pose))
 
-    def _cut_fan(self, simulation: Simulation | LaidScene, ping: int) -> None:
+    def _cut_fan(self, simulation: PackedScene, ping: int) -> None:
         """Cut the fan by what shades it, on a thread of its own."""
-        if isinstance(simulation, LaidScene):
+        if not hasattr(simulation, "plan"):  # shown before it is planned
             return
         latest = self._latest
 
@@ -229,7 +230,7 @@ class SeabedController:
             if self.view is not None and sheet is not None and self._latest is latest:
                 self.view.show_sheet(sheet)
 
-        self._executor.submit("fan", lambda: fan_sheet(simulation, ping), show)
+        self._executor.submit("fan", lambda: fan_sheet(cast("Simulation", simulation), ping), show)
 
     def _pull(self, begin: Vector, end: Vector) -> None:
         """Signal the place of the bed under the mouse while it drags a handle."""
@@ -303,7 +304,7 @@ def _same(first: _Bodies | None, second: _Bodies) -> bool:
     return np.array_equal(first[2], second[2]) and all(np.array_equal(a, b) for a, b in bodies)
 
 
-def silence(simulation: Simulation | LaidScene) -> NDArray[np.float32]:
+def silence(simulation: PackedScene) -> NDArray[np.float32]:
     """Tones of a scan line without echoes."""
     return np.zeros(2 * simulation.arrays.bins, dtype=np.float32)
 

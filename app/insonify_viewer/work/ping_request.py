@@ -8,18 +8,13 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from insonify.kernels.common.types import Poses, SceneArrays
 from insonify.scene import Scene
 from insonify_viewer.state.history import Modelling
 
 if TYPE_CHECKING:
     from insonify.display.normalisation import LevelBed
-    from insonify.packing.packed_scene import PackedScene
     from insonify.simulation import Simulation
     from insonify.terrain import AnyGround
-    from insonify.tow.line import TowLine
-
-    Pings = NDArray[np.int64]
 
 
 @dataclass(frozen=True)
@@ -63,42 +58,6 @@ def find_altitude(simulation: Simulation, pings: NDArray[np.int64]) -> NDArray[n
     """Height of the sonar above the bed at pings, in metres; NaN where there is no bed."""
     poses = simulation.poses(pings)
     return np.asarray(poses.z - simulation.ground.height_at(poses.x, poses.y))
-
-
-@dataclass(frozen=True, eq=False)
-class LaidScene:
-    """A scene with its ground and arrays; it can be shown, but not yet traced."""
-
-    packed: PackedScene  # the scene, its ground and its arrays
-
-    @property
-    def scene(self) -> Scene:
-        """The declaration."""
-        return self.packed.scene
-
-    @property
-    def ground(self) -> AnyGround:
-        """The bed."""
-        return self.packed.ground
-
-    @property
-    def arrays(self) -> SceneArrays:
-        """The scene as tracers take it."""
-        return self.packed.arrays
-
-    def poses(self, pings: Pings) -> Poses:
-        """Position and attitude of the sonar at the given pings."""
-        # lazy: loaded on the worker; the window opens before Numba is loaded
-        from insonify.tow.poses import make_poses
-
-        return make_poses(self.scene, self.ground, pings)
-
-    def line(self, pings: Pings) -> TowLine:
-        """Positions and headings along the line of the tow."""
-        # lazy: loaded on the worker; the window opens before Numba is loaded
-        from insonify.tow.line import tow_line_at
-
-        return tow_line_at(self.scene, pings)
 
 
 def is_same_ground(one: AnyGround, other: AnyGround) -> bool:

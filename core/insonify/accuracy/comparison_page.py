@@ -11,7 +11,7 @@ from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
 from insonify.display.display_options import DisplayOptions
-from insonify.display.page import caption_record
+from insonify.display.page import PageCaption, caption_record
 from insonify.display.picture import choose_contrast, colour_amplitudes
 from insonify.display.sheet import RecordSheet, gather_record_sheet
 from insonify.display.style import BLUE, FAINT, INK, ORANGE, label_axes, make_figure, style_axes
@@ -22,7 +22,7 @@ HUES = (BLUE, ORANGE)
 WIDTH, DPI = 15.0, 110  # inches
 MARGIN, GAP, GRAPHS = 0.6, 0.75, 2.7  # inches; the last is the height of the graphs
 TALLEST = 11.0  # inches, of the pictures
-MOST = 1e200  # of a logarithmic axis, whose ticks overflow beyond
+MOST = 1e200  # of a logarithmic axis; its ticks overflow beyond
 
 
 def write_comparison(
@@ -51,7 +51,8 @@ def draw_comparison(
         left, base = MARGIN + number * (column + GAP), GRAPHS + 1.55
         axes = figure.add_axes((left / WIDTH, base / height, column / WIDTH, tall / height))
         _picture(axes, sheet, colour_amplitudes(sheet.amplitude, look, levels))
-        _headings(figure, (left / WIDTH, (base + tall) / height, 1.0 / height), record, sheet, found, HUES[number])
+        place = left / WIDTH, (base + tall) / height, 1.0 / height
+        _headings(figure, place, caption_record(record, sheet.along, DisplayOptions()), found, HUES[number])
     _graphs(figure, height, measured)
     return figure
 
@@ -65,16 +66,10 @@ def _picture(axes: Any, sheet: RecordSheet, pixels: NDArray[np.uint8]) -> None:
 
 
 def _headings(
-    figure: Figure,
-    place: tuple[float, float, float],
-    record: xr.Dataset,
-    sheet: RecordSheet,
-    found: RecordStatistics,
-    hue: str,
+    figure: Figure, place: tuple[float, float, float], caption: PageCaption, found: RecordStatistics, hue: str
 ) -> None:
     """Write title, caption and statistics above a picture."""
     left, base, inch = place
-    caption = caption_record(record, sheet.along, DisplayOptions())
     title = caption.title if len(caption.title) <= 60 else f"{caption.title[:59]}…"
     middle, deep, slopes = found.lines()
     rows = (

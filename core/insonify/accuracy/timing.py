@@ -1,15 +1,20 @@
-"""Timing of several calls side by side."""
+"""Timing of several calls side by side, and the machine on which it depends."""
 
 from __future__ import annotations
 
 import math
+import platform
 from collections.abc import Callable, Hashable, Mapping
 from dataclasses import dataclass
+from importlib.metadata import version
+from pathlib import Path
 from time import perf_counter
 from typing import TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
+
+from insonify.cores import usable_cores
 
 Key = TypeVar("Key", bound=Hashable)
 
@@ -50,3 +55,26 @@ def time_calls(
 def _timing(times: NDArray[np.float64]) -> Timing:
     low, median, high = np.percentile(times, [25, 50, 75])
     return Timing(float(median), float(0.5 * (high - low) / median))
+
+
+def describe_machine() -> str:
+    """Describe the processor, its cores and the versions of the software."""
+    parts = (
+        _processor(),
+        f"{usable_cores()} cores, one thread used",
+        platform.system(),
+        f"Python {platform.python_version()}",
+        f"Numba {version('numba')}",
+        f"insonify {version('insonify')}",
+    )
+    return ", ".join(parts)
+
+
+def _processor() -> str:
+    """Name of the processor by the operating system."""
+    try:
+        lines = Path("/proc/cpuinfo").read_text(encoding="utf-8", errors="replace").splitlines()
+    except OSError:
+        lines = []
+    names = [line.partition(":")[2].strip() for line in lines if line.startswith("model name")]
+    return names[0] if names else platform.processor() or platform.machine()

@@ -1,4 +1,4 @@
-"""Rays through a declared water, in degrees below the horizontal, depths and ground ranges."""
+"""Rays and caustics of a declared water, in degrees below the horizontal, depths and ground ranges."""
 
 from __future__ import annotations
 
@@ -8,11 +8,11 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from insonify.acoustics.layers import make_sound_speed_field
-from insonify.acoustics.rays import find_shadows, follow_paths, join_points
+from insonify.acoustics.rays import ALONG_STATIONS, find_shadows, follow_paths, join_points
+from insonify.acoustics.water import make_sound_speed_field
 from insonify.kernels.common.types import Water as LaidWater
 from insonify.kernels.refraction.eigenray_search import ANGLE, BOTTOMS, COSINE, GRAZED, SINE, TIME, TOPS, TUBE, TURNS
-from insonify.kernels.refraction.ray_paths import ON_BED, RayLimits, RayPoints
+from insonify.kernels.refraction.ray_paths import CAUSTIC_COLUMNS, ON_BED, RayLimits, RayPoints, trace_caustics
 from insonify.scene import SceneError
 from insonify.scene.water import WaterKind
 
@@ -22,6 +22,7 @@ if TYPE_CHECKING:
 Values = NDArray[np.float64]
 ENDS = ("range", "bottom", "surface", "nowhere", "trapped")  # by the codes of `kernels.refraction.ray_paths`
 POINTS = 201  # points of a path when no ranges are given
+CAUSTICS = 256  # initial capacity for caustics
 
 
 def ray_paths(
@@ -65,7 +66,7 @@ def ray_paths(
     SceneError
         If a number makes no sense or a cast cannot be read.
     """
-    laid, launch, limits = prepare_paths(water, source_depth, angles, max_range, bottom)
+    laid, launch, limits = _prepare_paths(water, source_depth, angles, max_range, bottom)
     wanted = _ranges(ranges, max_range)
     points, ends = follow_paths(laid, -float(source_depth), -np.radians(launch), wanted, limits)
     return _as_paths(launch, points, ends)
@@ -157,7 +158,65 @@ def shadow_zones(
     return find_shadows(laid, -float(source_depth), -float(depth), _height_of(bottom), 0.0, max_range)
 
 
-def prepare_paths(
+def caustics(
+    water: WaterKind, source_depth: float, angles: ArrayLike, *, max_range: float, bottom: float | None = None
+) -> xr.Dataset:
+    """Find the points at which rays touch caustics, where the ray tube has no width.
+
+    Parameters
+    ----------
+    water, source_depth, angles, max_range, bottom
+        As in `ray_paths`.
+
+    Returns
+    -------
+    xarray.Dataset
+        Dimension ``caustic``, by the order of the angles: ``angle`` of launch in degrees below the horizontal,
+        ``range`` and ``depth`` in metres, ``time`` in seconds. In a profile of many fine layers rays that turn touch
+        many: its kinks focus them as a smooth profile would not.
+
+    Raises
+    ------
+    SceneError
+        If a number makes no sense or a cast cannot be read.
+    """
+    import xarray as xr
+
+    laid, launch, limits = _prepare_paths(water, source_depth, angles, max_range, bottom)
+    room = CAUSTICS
+    while True:
+        found = np.empty((room, CAUSTIC_COLUMNS))
+        count = trace_caustics(laid, ALONG_STATIONS, -float(source_depth), -np.radians(launch), limits, found)
+        if count < room:
+            break
+        room *= 2
+    found = found[:count]
+    return xr.Dataset(
+        {
+            "angle": ("caustic", launch[found[:, 0].astype(np.int64)], {"units": "degree"}),
+            "range": ("caustic", found[:, 1], {"units": "m"}),
+            "depth": ("caustic", 0.0 - found[:, 2], {"units": "m"}),
+            "time": ("caustic", found[:, 3], {"units": "s"}),
+        }
+    )
+
+
+def airy_pressure(
+    frequency: float, times: tuple[ArrayLike, ArrayLike], amplitudes: tuple[ArrayLike, ArrayLike]
+) -> NDArray[np.float64]:
+    """Sound pressure near a caustic from the ray that has touched it and the one that has not; finite on it."""
+    from scipy.special import airy
+
+    first, second = np.asarray(amplitudes[0], dtype=np.float64), np.asarray(amplitudes[1], dtype=np.float64)
+    apart = 2.0 * np.pi * frequency * (np.asarray(times[1], dtype=np.float64) - np.asarray(times[0], dtype=np.float64))
+    rho = np.cbrt(0.75 * apart) ** 2
+    value, slope, _, _ = airy(-rho)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        together, against = (first + second) * rho**0.25 * value, (first - second) * rho**-0.25 * slope
+    return np.asarray(np.sqrt(np.pi) * np.hypot(together, against))
+
+
+def _prepare_paths(
     water: WaterKind, source_depth: float, angles: ArrayLike, max_range: float, bottom: float | None
 ) -> tuple[LaidWater, Values, RayLimits]:
     """Check parameters of `ray_paths` and return the packed water, the launch angles and the limits of rays."""

@@ -94,8 +94,8 @@ def _join_across(water: Water, span: EndPoints) -> Values:
         np.concatenate([first[between], first[hidden], extremum]),
         np.concatenate([last[between], extremum, last[hidden]]),
     )
-    held = _opposite_signs(_miss(span, a), _miss(span, b))
-    found = _bisect(water, span, a[held], b[held], _miss)
+    bracketed = _opposite_signs(_miss(span, a), _miss(span, b))
+    found = _bisect(water, span, a[bracketed], b[bracketed], _miss)
     few = found[:, TOPS] + found[:, BOTTOMS] <= span.reflections
     found = found[few & (np.abs(_miss(span, found)) < CLOSE)]
     found[:, X] = span.x
@@ -108,7 +108,7 @@ def _opposite_signs(a: Values, b: Values) -> NDArray[np.bool_]:
 
 
 def _arrive(water: Water, span: EndPoints, angles: Values) -> Values:
-    """Rays at the range of a point; column X holds their height there, NaN for rays that do not reach it."""
+    """Rays at the range of a point; column X is their height there, NaN for rays that do not reach it."""
     # A point on a reflecting boundary lies between rays that are reflected before it and beyond it.
     most = span.reflections + (span.z_to in (span.low, span.high))
     limits = RayLimits(span.x, span.low, span.high, most > 0, most > 0)

@@ -1,14 +1,81 @@
-"""Sound speed at the sonar, and the water of a scene packed for the kernels."""
+"""Declared water: absorption, sound speed over depth or along a line, its packing for the kernels, and refraction."""
 
 from __future__ import annotations
 
 import math
+from dataclasses import dataclass
+from functools import lru_cache
+from typing import NamedTuple
 
 import numpy as np
+from numpy.typing import ArrayLike, NDArray
 
-from insonify.acoustics.layers import SoundSpeedField, make_sound_speed_field
 from insonify.kernels.common.types import Water, still_water
 from insonify.scene import Scene
+from insonify.scene.water import WaterKind
+from insonify.scene.water.absorptions import NEPER_PER_DB, AbsorptionKind
+
+Values = NDArray[np.float64]
+DEPTHS = 64  # at which the sound speed between sonar and bed is sampled
+
+
+def absorption_coefficient(absorption: AbsorptionKind, frequency: float, depth: float) -> float:
+    """Amplitude absorption coefficient in Np/m at ``frequency`` (Hz) and ``depth`` (m)."""
+    return absorption.decibels_per_km(frequency, depth) * NEPER_PER_DB / 1e3
+
+
+@dataclass(frozen=True, eq=False)
+class SoundSpeedField:
+    """Speed of sound, linear between its points (in a section over triangles) and constant beyond them."""
+
+    depth: Values  # (n,) metres, increasing
+    # (m,) metres along a level line through the scene's (0, 0), increasing; one for water that is everywhere the
+    # same.
+    distance: Values
+    speed: Values  # (m, n) m/s
+    heading: float = 0.0  # heading of that line, radians counter-clockwise from +x
+
+    @property
+    def axis(self) -> tuple[float, float]:
+        """Level unit vector along the line."""
+        return math.cos(self.heading), math.sin(self.heading)
+
+    def speed_at(self, x: ArrayLike, y: ArrayLike, depth: ArrayLike) -> Values:
+        """Speed of sound at places of the scene, in m/s."""
+        cos, sin = self.axis
+        along, below = np.broadcast_arrays(np.asarray(x) * cos + np.asarray(y) * sin, np.asarray(depth))
+        if self.distance.size == 1:
+            return np.asarray(np.interp(below, self.depth, self.speed[0]))
+        if self.depth.size == 1:
+            return np.asarray(np.interp(along, self.distance, self.speed[:, 0]))
+        i, onwards = _within(self.distance, along)
+        j, downwards = _within(self.depth, below)
+        # As in the ray tracer: each cell is two triangles, split along the diagonal with the smaller change of speed.
+        top, bottom, top_next, bottom_next = (self.speed[i + m, j + k] for m, k in ((0, 0), (0, 1), (1, 0), (1, 1)))
+        rising = np.abs(top_next - bottom) <= np.abs(bottom_next - top)
+        upper = downwards < np.where(rising, 1.0 - onwards, onwards)
+        over = np.where(upper, top_next - top, bottom_next - bottom)
+        down = np.where(upper == rising, bottom - top, bottom_next - top_next)
+        corner = np.where(upper, top + over * onwards, bottom + over * onwards)
+        return np.asarray(corner + down * np.where(upper, downwards, downwards - 1.0))
+
+
+def _within(places: Values, wanted: Values) -> tuple[NDArray[np.int64], Values]:
+    """Find the interval that holds each value and the fraction of it below the value, 0 or 1 outside all intervals."""
+    piece = np.clip(np.searchsorted(places, wanted, side="right") - 1, 0, places.size - 2)
+    return piece, np.clip((wanted - places[piece]) / (places[piece + 1] - places[piece]), 0.0, 1.0)
+
+
+def make_sound_speed_field(water: WaterKind) -> SoundSpeedField:
+    """Sound speed of a declared water."""
+    return _kept_field(water, water.version)
+
+
+@lru_cache(maxsize=16)
+def _kept_field(water: WaterKind, version: tuple[int, int] | None) -> SoundSpeedField:
+    del version  # only part of the key: a changed file is read again
+    depth, speed, distance, heading = water.sound_speeds()
+    return SoundSpeedField(depth, distance, speed, heading)
 
 
 def speed_at_sonar(scene: Scene, datum: float | None = None) -> float:
@@ -51,3 +118,33 @@ def _cut(layers: SoundSpeedField, top: float, bottom: float) -> SoundSpeedField:
         depth = layers.depth[:1] if bottom < layers.depth[0] else layers.depth[-1:]
     speed = np.stack([np.interp(depth, layers.depth, profile) for profile in layers.speed])
     return SoundSpeedField(depth, layers.distance, speed, layers.heading)
+
+
+class RefractionEffect(NamedTuple):
+    """Effect of refraction on the farthest echo of the bed."""
+
+    shift: float  # displacement in slant range from a straight ray at the sound speed of the sonar, in metres
+    level: float  # greatest relative change of its level
+    # Bound: the greater of shift in bins and level if all water differed from that at the sonar by the maximum.
+    most: float
+
+
+def estimate_refraction(scene: Scene) -> RefractionEffect:
+    """Estimate the effect of refraction on a scene's farthest echo, in closed form."""
+    layers, reference = make_sound_speed_field(scene.water), speed_at_sonar(scene)
+    if (layers.speed == layers.speed[0, 0]).all():
+        return RefractionEffect(0.0, 0.0, 0.0)
+    bed, reach = scene.seabed.depth, scene.sonar.range
+    sonar = bed - scene.altitude if scene.track.depth is None else scene.track.depth
+    way = layers.speed_at(*scene.track.start, np.linspace(sonar, bed, DEPTHS))
+    sine = min(abs(bed - sonar) / reach, 1.0)
+    per_speed = 4.0 * (1.0 - sine**2) / max(sine, 1e-3) ** 2 / reference
+    # A measured bed may lie at any depth.
+    within = layers.depth < (math.inf if scene.seabed.relief.measured else bed)
+    unlike = max(abs(layers.speed[:, within] - reference).max(initial=0.0), abs(way - reference).max())
+    bin_length = reach / scene.sonar.bins
+    return RefractionEffect(
+        shift=reach * abs(reference * float((1.0 / way).mean()) - 1.0),
+        level=per_speed * abs(float(way[-1]) - reference),
+        most=float(unlike) * max(reach / reference / bin_length, per_speed),
+    )

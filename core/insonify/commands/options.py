@@ -99,9 +99,9 @@ class _Methods:
 
     def __iter__(self) -> Iterator[str]:
         # lazy: not every command plans
-        from insonify.planning import METHODS
+        from insonify.tracers.base import list_methods
 
-        return iter(METHODS)
+        return iter(list_methods())
 
 
 def chosen_model(arguments: argparse.Namespace) -> dict[str, str]:

@@ -4,15 +4,16 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, replace
+from functools import cache
 from statistics import NormalDist
 from typing import Any, NamedTuple
 
 import numpy as np
 from scipy.fft import next_fast_len
 
-from insonify.inversion.speckle_statistics import choose_speckle
 from insonify.scene import Scene
 from insonify.scene.edit import edit, plain
+from insonify.scene.receiver.speckles import K, NoSpeckle, Rayleigh, SpeckleKind
 from insonify.scene.seabed.materials.catalogue import MATERIALS
 from insonify.scene.seabed.reliefs.fractal import Fractal, power_spectrum
 
@@ -21,6 +22,9 @@ LONGEST_PERIOD = 2.0  # swaths of both sides after which the bed repeats, at lea
 BANDS = 12  # of patches of material
 SEDIMENTS = ("silt", "fine_sand", "medium_sand", "coarse_sand", "sandy_gravel")
 USUAL_SPEED = 1500.0  # m/s, where the water has several
+MOST_LOOKS = 32
+SPIKY = 1.5  # times the variance of one look, beyond which the bed itself is spiky; steep relief adds nearly as much
+SPIKIEST, SMOOTHEST = 0.05, 100.0  # shapes of K speckle
 LEAST_RMS = 1e-6  # m
 
 
@@ -42,7 +46,7 @@ class BedParameters:
     mirrors: bool  # whether the material has the mirror lobe of the sediment that is nearest in level, rather than none
 
     def scaled(self, decibels: float) -> BedParameters:
-        """Material louder by a number of decibels, as far as it returns no more than arrives."""
+        """Material with its backscatter scaled by a gain, limited so that the albedo stays at most 1."""
         return replace(self, diffuse=min(self.diffuse * 10.0 ** (decibels / 10.0), 1.0))
 
 
@@ -128,5 +132,30 @@ def _at_level(bed: BedParameters, decibels: float) -> dict[str, Any]:
 
 
 def _rounded(value: float) -> float:
-    """Round to five digits, more than a record tells, so that the last bits of sums do not matter."""
+    """Round to five digits, more than a record determines, so that the last bits of sums have no effect."""
     return float(f"{value:.5g}")
+
+
+@cache
+def variance_of_looks(looks: float) -> float:
+    """Variance of amplitude over squared mean, of the mean intensity of independent looks: n Γ(n)² / Γ(n + ½)² − 1."""
+    return looks * math.exp(2.0 * (math.lgamma(looks) - math.lgamma(looks + 0.5))) - 1.0
+
+
+def choose_speckle(variance: float) -> SpeckleKind:
+    """Speckle with a given variance of its relative amplitude.
+
+    Below half the variance of 32 looks there is none; up to 1.5 times that of one look it is Rayleigh speckle of some
+    looks; beyond, K speckle of one look.
+    """
+    if variance < 0.5 * variance_of_looks(MOST_LOOKS):
+        return NoSpeckle()
+    if variance <= SPIKY * variance_of_looks(1):
+        looks = min(range(1, MOST_LOOKS + 1), key=lambda count: abs(math.log(variance_of_looks(count) / variance)))
+        return Rayleigh(looks=looks)
+    texture = (1.0 + variance) / (1.0 + variance_of_looks(1)) - 1.0
+    low, high = math.log(SPIKIEST), math.log(SMOOTHEST)
+    for _ in range(50):  # the variance falls as the shape grows
+        middle = 0.5 * (low + high)
+        low, high = (middle, high) if variance_of_looks(math.exp(middle)) > texture else (low, middle)
+    return K(shape=round(math.exp(low), 3))

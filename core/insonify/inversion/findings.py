@@ -1,4 +1,4 @@
-"""What a learned scene has in common with the record it was learned from, and what the record does not tell."""
+"""Comparison of a learned scene with the record it was learned from, and what the record does not show."""
 
 from __future__ import annotations
 
@@ -10,8 +10,7 @@ import xarray as xr
 
 from insonify.inversion.bed_parameters import slope_above
 from insonify.inversion.footprint import footprint_of
-from insonify.inversion.level_matching import level_difference
-from insonify.inversion.matching import UNDETERMINED, speed_of_sound
+from insonify.inversion.matching import UNDETERMINED, level_difference, speed_of_sound
 from insonify.inversion.recorded_sonar import RecordedSonar
 from insonify.inversion.roughness_fit import FINEST, RoughnessFit, fit_roughness
 from insonify.inversion.segment_spectra import measure_segment_spectra, sound_bed
@@ -66,12 +65,12 @@ def _sonar(sonar: RecordedSonar, scene: Scene) -> Iterator[Finding]:
     """Beam, pulse and frequency: declared, estimated or assumed."""
     pulse = scene.sonar.pulse
     lasts = f" of {1e6 * pulse.length:.3g} µs" if pulse.length > 0.0 else ""
-    told = {
+    declared = {
         "frequency": (f"{scene.sonar.frequency / 1e3:.4g} kHz", UNKNOWN),
         "beam": (scene.sonar.beam.words, ESTIMATED),
         "pulse": (f"{pulse.kind}{lasts}", ESTIMATED),
     }
-    for name, (text, otherwise) in told.items():
+    for name, (text, otherwise) in declared.items():
         verdict = otherwise if f"sonar.{name}" in sonar.assumed else TAKEN
         yield Finding(name, text if verdict == TAKEN else "", text, verdict)
 
@@ -119,9 +118,9 @@ def _statistics(one: RecordStatistics, other: RecordStatistics) -> Iterator[Find
     yield _compare("spectral slope along track", one.along.slope(), other.along.slope(), 0.15, ".2f")
     yield _compare("spectral slope across", one.across.slope(), other.across.slope(), 0.15, ".2f")
     depths = [one.shadow_depth, other.shadow_depth]
-    told = tuple("none" if np.isnan(depth) else f"{depth:.0f} dB" for depth in depths)
+    shown = tuple("none" if np.isnan(depth) else f"{depth:.0f} dB" for depth in depths)
     alike = np.isnan(depths).all() or abs(depths[0] - depths[1]) <= 3.0
-    yield Finding("shadows", told[0], told[1], MATCHED if alike else DIFFERS)
+    yield Finding("shadows", shown[0], shown[1], MATCHED if alike else DIFFERS)
 
 
 def _compare(quantity: str, one: float, other: float, tolerance: float, form: str) -> Finding:

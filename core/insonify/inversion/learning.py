@@ -2,20 +2,24 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+import tempfile
+from collections.abc import Callable, Iterator, Mapping
+from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import xarray as xr
+from numpy.typing import NDArray
 
 from insonify.inversion.findings import DIFFERS, Finding, format_table, report_findings
 from insonify.inversion.matching import Matching, speed_of_sound
 from insonify.inversion.recorded_sonar import RecordedSonar, declare_sonar
+from insonify.inversion.roughness_fit import estimate_beam, estimate_pulse
 from insonify.inversion.segment_spectra import SegmentSpectra, SoundedBed, measure_segment_spectra, sound_bed
-from insonify.inversion.sonar_estimates import estimate_beam, estimate_pulse
-from insonify.inversion.track_file import staged_track, write_learned
-from insonify.scene import Scene
+from insonify.io.atomic import replacing
+from insonify.scene import Scene, scene_to_toml
 from insonify.scene.edit import edit
 from insonify.simulation import simulate
 
@@ -27,7 +31,7 @@ class Learned:
     """A scene learned from a record, and how its own record compares."""
 
     scene: Scene  # on a straight, level track
-    findings: tuple[Finding, ...]  # what matched, what did not, and what the record does not tell
+    findings: tuple[Finding, ...]  # what matched, what did not, and what the record does not show
     # Time, x, y, altitude and heading of a track that is not straight and level.
     navigation: Mapping[str, Any] | None = None
 
@@ -36,7 +40,7 @@ class Learned:
         return format_table(self.findings)
 
     def summarise(self) -> str:
-        """Say in one clause how the record of the scene compares with that which it is learned from."""
+        """Summarise in one clause how the record of the scene compares with the recording."""
         differing = [found.quantity for found in self.findings if found.verdict == DIFFERS]
         return f"differs from the recording in: {', '.join(differing)}" if differing else "matches the recording"
 
@@ -62,7 +66,7 @@ def learn(
     record : Dataset
         From ``records.read_record`` or `simulate`.
     changes : mapping of str to object, optional
-        Fields of the scene by dotted path that the record does not tell, such as ``{"sonar.beam.width": 0.5}``.
+        Fields of the scene by dotted path that the record does not contain, such as ``{"sonar.beam.width": 0.5}``.
     progress : callable, optional
         Called now and then with the share done, from 0 to 1; may raise to stop.
 
@@ -81,14 +85,10 @@ def learn(
     spectra = measure_segment_spectra(bed)
     sonar = _estimate_sonar(sonar, bed, spectra)
     with staged_track(sonar.scene, sonar.navigation) as scene:
-        candidate, fit = Matching(scene, sonar, bed, spectra, progress or _ignore).match()
+        candidate, fit = Matching(scene, sonar, bed, spectra, progress or (lambda share: None)).match()
         own = simulate(candidate.set_on(scene))
     learned = edit(candidate.set_on(sonar.scene), _title(record))
     return Learned(learned, report_findings(record, own, sonar, learned, fit), sonar.navigation)
-
-
-def _ignore(share: float) -> None:
-    """Take no notice of progress."""
 
 
 def _middle(record: xr.Dataset) -> xr.Dataset:
@@ -117,3 +117,40 @@ def _title(record: xr.Dataset) -> dict[str, str]:
         "description": "Relief, material and speckle are learned from a record. The landscape is another one of the "
         "same statistics, and targets are left out: place your own. Change the seed for another bed of this kind.",
     }
+
+
+@contextmanager
+def staged_track(scene: Scene, navigation: Mapping[str, NDArray[np.float64]] | None) -> Iterator[Scene]:
+    """Yield a scene on a recorded track, from a temporary file that is removed after the block."""
+    if navigation is None:
+        yield scene
+        return
+    with tempfile.TemporaryDirectory() as folder:
+        path = Path(folder) / "track.csv"
+        _write_columns(path, navigation)
+        yield _on_track(scene, str(path))
+
+
+def write_learned(path: str | Path, scene: Scene, navigation: Mapping[str, NDArray[np.float64]] | None) -> list[Path]:
+    """Write a scene as TOML, and its track as CSV beside it."""
+    path, written = Path(path), []
+    if navigation is not None:
+        beside = path.with_name(f"{path.stem}-track.csv")
+        with replacing(beside) as unfinished:
+            _write_columns(unfinished, navigation)
+        scene = _on_track(scene, beside.name)
+        written.append(beside)
+    with replacing(path) as unfinished:
+        unfinished.write_text(scene_to_toml(scene), encoding="utf-8")
+    return [path, *written]
+
+
+def _on_track(scene: Scene, path: str) -> Scene:
+    """Scene that is towed along the track in a file."""
+    return edit(scene, {"track.motion": {"kind": "recorded", "path": path}})
+
+
+def _write_columns(path: Path, navigation: Mapping[str, NDArray[np.float64]]) -> None:
+    """Write columns as CSV."""
+    table = np.column_stack(list(navigation.values()))
+    np.savetxt(path, table, fmt="%.6g", delimiter=",", header=",".join(navigation), comments="")

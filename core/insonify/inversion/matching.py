@@ -8,18 +8,23 @@ from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
-from insonify.inversion.bed_parameters import BedParameters, PowerLaw, set_bed
+from insonify.inversion.bed_parameters import BedParameters, PowerLaw, set_bed, variance_of_looks
 from insonify.inversion.footprint import footprint_of
-from insonify.inversion.level_matching import Pairs, correct_beam, correct_gains, level_difference
 from insonify.inversion.recorded_sonar import RecordedSonar
 from insonify.inversion.roughness_fit import PowerLawFit, RoughnessFit, fit_roughness
 from insonify.inversion.segment_spectra import SegmentSpectra, SoundedBed, measure_segment_spectra, sound_bed
-from insonify.inversion.speckle_statistics import variance_of_looks
 from insonify.scene import Scene
 from insonify.scene.edit import edit
 from insonify.simulation import simulate
 
+Pairs = tuple[tuple[float, float], ...]
+# Altitudes between which the level counts: no mirror lobe reaches as far, and long slopes of the bed, which change the
+# level by cot θ times their slope, have little effect.
+FROM, TO = 1.5, 2.2
+GAIN_KNOTS = 24  # of a table of gains
+MOST_GAIN = 190.0  # dB, of a gain or the level of a beam
 # Share of the difference by which each simulation corrects the parameters: first those of an even bed, then once more
 # if patches of material are added; the last steps average over simulations.
 FIRST_STEPS, STEPS = (1.0, 1.0), (1.0, 1.0 / 2.0, 1.0 / 3.0, 1.0 / 4.0)
@@ -39,8 +44,8 @@ class Candidate:
     """Bed, speckle, gains and vertical beam of a scene that is tried."""
 
     bed: BedParameters
-    gains: Pairs | None  # time-varied gain of a sonar whose own is not known
-    # Vertical beam of a sonar whose own is not known and whose altitude changes enough to show it.
+    gains: Pairs | None  # time-varied gain, where that of the sonar is unknown
+    # Vertical beam, where that of the sonar is unknown and its altitude changes enough to show it.
     vertical: Pairs | None
 
     def set_on(self, scene: Scene) -> Scene:
@@ -163,3 +168,36 @@ def _moved(law: PowerLaw, target: PowerLawFit, found: PowerLawFit, step: float) 
     change = float(np.clip(target.log_level - found.log_level, -LARGEST_STEP, LARGEST_STEP))
     exponent = law.exponent + step * (target.exponent - found.exponent)
     return PowerLaw(law.log_level + step * change, float(np.clip(exponent, *EXPONENTS)))
+
+
+def level_difference(recorded: SoundedBed, simulated: SoundedBed) -> float:
+    """Level of a recorded bed over a simulated one, in dB: the median from 1.5 to 2.2 altitudes of slant range."""
+    altitude, r = float(recorded.altitude.mean()), recorded.slant_range
+    near = (r >= min(FROM * altitude, 0.9 * float(r[-1]))) & (r <= TO * altitude)
+    return float(np.median(_ratio(recorded, simulated)[near]))
+
+
+def correct_gains(gains: Pairs, recorded: SoundedBed, simulated: SoundedBed) -> Pairs:
+    """Gains in dB by bin, changed until a simulated record has the level of a recorded one at every slant range."""
+    ratio = _ratio(recorded, simulated)
+    first = int(np.searchsorted(recorded.slant_range, recorded.altitude.min()))
+    places = np.unique(np.linspace(min(first, ratio.size - 1), ratio.size - 1, GAIN_KNOTS).astype(np.int64))
+    return _added(gains, places.astype(np.float64), ratio[places])
+
+
+def correct_beam(levels: Pairs, recorded: SoundedBed, simulated: SoundedBed, passes: int) -> Pairs:
+    """One-way levels in dB of a vertical beam by the angle below the horizontal, changed likewise."""
+    angles = recorded.level.angles
+    own = np.interp(angles, simulated.level.angles, simulated.level.by_angle)
+    return _added(levels, angles, (recorded.level.by_angle - own) / passes)
+
+
+def _added(pairs: Pairs, places: NDArray[np.float64], more: NDArray[np.float64]) -> Pairs:
+    """Piecewise linear table plus values at places."""
+    levels = np.clip(more + np.interp(places, *np.array(pairs).T), -MOST_GAIN, MOST_GAIN)
+    return tuple((round(float(place), 4), round(float(level), 3)) for place, level in zip(places, levels))
+
+
+def _ratio(recorded: SoundedBed, simulated: SoundedBed) -> NDArray[np.float64]:
+    """Return the recorded over the simulated level at every slant range, in dB."""
+    return recorded.level.by_range - simulated.level.by_range

@@ -40,7 +40,7 @@ class RecordedSonar(NamedTuple):
 
 def declare_sonar(record: xr.Dataset, changes: Mapping[str, Any]) -> RecordedSonar:
     """Take sonar and track from a record."""
-    _refuse_learned(changes)
+    _reject_learned(changes)
     altitude = _altitude(record)
     carried = _carried_scene(record)
     pings = record.sizes["ping_time"]
@@ -53,8 +53,8 @@ def declare_sonar(record: xr.Dataset, changes: Mapping[str, Any]) -> RecordedSon
     return RecordedSonar(scene, altitude, _navigation(record, altitude, scene), False, missing)
 
 
-def _refuse_learned(changes: Mapping[str, Any]) -> None:
-    """Refuse settings of what is learned from the record."""
+def _reject_learned(changes: Mapping[str, Any]) -> None:
+    """Reject settings of fields that are learned from the record."""
     for path in changes:
         if any(path == field or path.startswith(f"{field}.") for field in LEARNED):
             raise SceneError(f"{path}: is learned from the record; leave it out, or edit the scene afterwards")
@@ -119,10 +119,10 @@ def _advance(record: xr.Dataset, fastest: float) -> tuple[float, float, list[str
     x, y = record["platform_x"].values, record["platform_y"].values
     length, lasts = float(np.hypot(np.diff(x), np.diff(y)).sum()), float(times[-1] - times[0])
     count = len(times) - 1
-    told = lasts > 0.0
-    rate = min(count / lasts if told else ASSUMED_RATE, fastest * (1.0 - 1e-9))
+    timed = lasts > 0.0
+    rate = min(count / lasts if timed else ASSUMED_RATE, fastest * (1.0 - 1e-9))
     speed = float(np.clip(length / max(count, 1) * rate, 1e-3, 50.0))
-    return rate, speed, [] if told else ["sonar.ping_rate"]
+    return rate, speed, [] if timed else ["sonar.ping_rate"]
 
 
 def _course(record: xr.Dataset) -> float:
@@ -132,7 +132,7 @@ def _course(record: xr.Dataset) -> float:
 
 
 def _depth(record: xr.Dataset, altitude: Column) -> float:
-    """Depth of the water, in metres; deep enough for the altitude where the record does not tell."""
+    """Depth of the water, in metres; deep enough for the altitude where the record has none."""
     below = record["platform_depth"].values if "platform_depth" in record else np.full(altitude.shape, np.nan)
     depth = float(np.mean(below + altitude))
     least = 1.05 * float(altitude.max()) + 1.0

@@ -1,4 +1,4 @@
-"""Fit of relief, patches of material and speckle to the spectra of a record, by Whittle's likelihood.
+"""Fit of relief, patches of material and speckle, and of an undeclared pulse and beam, to the spectra of a record.
 
 Theory: docs/theory/inversion.md.
 """
@@ -11,8 +11,10 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.optimize import minimize
 
-from insonify.inversion.footprint import Footprint
+from insonify.inversion.footprint import Footprint, footprint_of
 from insonify.inversion.segment_spectra import EFFICIENCY, SEGMENT, AngleGroup, SegmentSpectra
+from insonify.scene import Scene
+from insonify.scene.edit import edit
 
 Field = NDArray[np.float64]
 FINEST = 8.0  # resolution cells of the shortest wave that is fitted; a bed's own grid shapes shorter ones
@@ -21,6 +23,9 @@ COARSEST = 2  # cycles per segment that a wave needs, along or across; fewer are
 STARTS = (0.8, 1.4, 2.0, 2.6)  # exponents from which the fit starts
 LEVELS, EXPONENTS = (-60.0, 20.0), (0.0, 4.0)
 SILENT = 1e-3  # speckle over the mean power of the record, at least: leakage and aliases rule fainter waves
+WIDTHS = (0.2, 0.3, 0.4, 0.55, 0.75, 1.0, 1.4, 2.0)  # degrees, of beams that are tried
+LEAST_CORRELATION = 0.01  # of neighbouring bins, below which they are independent
+SHORTEST_WAVES = 0.75  # of the highest frequency along the track, from which waves hold speckle alone
 
 
 class PowerLawFit(NamedTuple):
@@ -147,3 +152,30 @@ def _start(models: list[_GroupModel], noise: Field, exponent: float) -> Field:
         waves = np.exp(-exponent * model.log_squared) * transfer
         parameters += [float(np.log(model.power.mean() / waves.sum(axis=0).mean())), exponent]
     return np.array([*parameters, *noise])
+
+
+def estimate_pulse(spectra: SegmentSpectra, bin_length: float, sound_speed: float) -> dict[str, float | str]:
+    """Pulse as plain values, by the correlation of speckle in neighbouring bins.
+
+    Waves along the track that are hardly longer than the distance between pings hold speckle and little bed, least of
+    all at steep angles. Two bins one bin length Δ apart share the part 1 − Δ/L of a tone with the resolution L = cτ/2,
+    and their energies, and nearly their amplitudes, correlate as the square of it.
+    """
+    shortest = np.abs(spectra.along) >= SHORTEST_WAVES * np.abs(spectra.along).max()
+    lines = spectra.groups[-1].power[shortest].mean(axis=0)
+    both = np.concatenate([lines, lines[-2:0:-1]])  # of both signs of the frequency
+    correlation = float(np.fft.ifft(both)[1].real / np.fft.ifft(both)[0].real)
+    if correlation < LEAST_CORRELATION:
+        return {"kind": "ideal"}
+    length = bin_length / (1.0 - min(np.sqrt(correlation), 0.95))
+    return {"kind": "tone", "duration": float(f"{2.0 * length / sound_speed:.2g}")}
+
+
+def estimate_beam(spectra: SegmentSpectra, scene: Scene, sound_speed: float) -> float:
+    """Width of a Gaussian beam in degrees that best explains how a record averages its bed along the track."""
+    costs, near = [], None
+    for width in WIDTHS:
+        trial = edit(scene, {"sonar.beam.kind": "gaussian", "sonar.beam.width": width})
+        near = fit_roughness(spectra, footprint_of(trial, sound_speed), near=near)
+        costs.append(near.cost)
+    return WIDTHS[int(np.argmin(costs))]

@@ -69,17 +69,21 @@ def split_move(move: Mapping[str, Any]) -> tuple[dict[str, Any], dict[str, Any]]
 
 
 def field_value(scene: Scene, path: str) -> Value | None:
-    """Value of a field of the scene."""
+    """Value of a field of the scene; ``none`` is the kind of an effect that is off."""
     place: Any = scene
-    owner, step = place, ""
+    fields: list[tuple[Any, str]] = []  # owner and name of every field on the way
     for step in path.split("."):
-        owner = place
+        fields.append((place, step))
         if isinstance(place, tuple):
             place = place[int(step)] if step.isdecimal() and int(step) < len(place) else None
         else:
             place = getattr(place, step, None) if step in getattr(type(place), "model_fields", {}) else None
-    if place is None and isinstance(owner, Declaration) and step in type(owner).model_fields:
+    declared = [isinstance(owner, Declaration) and step in type(owner).model_fields for owner, step in fields]
+    if place is None and declared[-1]:
+        owner, step = fields[-1]
         place = owner.value_in_force(step)
+    elif fields[-1] == (None, "kind") and declared[-2]:
+        place = "none"
     return place if isinstance(place, float | int | str) else None
 
 

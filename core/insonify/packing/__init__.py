@@ -1,1 +1,1 @@
-"""Packing of a scene into the arrays that kernels take: bed, targets, navigation and tables."""
+"""Packing of a scene into the arrays that kernels take: bed, targets and tables."""

@@ -10,10 +10,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from insonify.acoustics.absorption import absorption_coefficient
 from insonify.acoustics.beam_patterns import make_pattern
 from insonify.acoustics.sea_surface import make_surface_multipath
-from insonify.acoustics.water import make_water, recording_speed
+from insonify.acoustics.water import absorption_coefficient, make_water, recording_speed
 from insonify.kernels.common.types import EVERY_GRAZING, LIGHT, SONAR, BeamPattern, Bed, SceneArrays, SegmentLimits
 from insonify.packing.targets import make_bodies
 from insonify.scene import Scene

@@ -36,7 +36,7 @@ class TerrainTiles:
         self._beds = _beds_of(ground, reach) if isinstance(ground, EndlessGround) else None
 
     def expect(self, poses: Poses) -> None:
-        """Keep the beds of all windows beneath some poses, as far as `MOST_BEDS` allows, once they are made.
+        """Keep the beds of all windows beneath some poses, up to `MOST_BEDS`, once they are made.
 
         Calls over one window after another otherwise drop the first beds, which a later call over all of them needs.
         """
@@ -44,12 +44,15 @@ class TerrainTiles:
             assert isinstance(self._ground, EndlessGround)
             self._beds.make_room(len(np.unique(self._ground.cell(poses.x, poses.y), axis=0)))
 
-    def map(
-        self, trace: Callable[[SceneArrays, Poses], tuple[Column, ...]], arrays: SceneArrays, poses: Poses
-    ) -> tuple[Column, ...]:
-        """Trace pings tile by tile."""
-        parts = ((some, trace(tile, take_poses(poses, some))) for some, tile in self.split(arrays, poses))
-        places, found = zip(*parts)
+    def map(self, trace: Callable[[SceneArrays, Poses], Any], arrays: SceneArrays, poses: Poses) -> Any:
+        """Trace pings tile by tile: an array of the pings, or a tuple of such arrays."""
+        parts = [(some, trace(tile, take_poses(poses, some))) for some, tile in self.split(arrays, poses)]
+        if len(parts) == 1:
+            return parts[0][1]
+        places = np.concatenate([np.asarray(some) for some, _ in parts])
+        found = [columns for _, columns in parts]
+        if not isinstance(found[0], tuple):
+            return _join(places, found)
         return tuple(_join(places, columns) for columns in zip(*found))
 
     def split(self, arrays: SceneArrays, poses: Poses) -> Iterator[tuple[NDArray[np.int64] | slice, SceneArrays]]:
@@ -72,7 +75,7 @@ class _WindowBeds:
         self._beds: OrderedDict[tuple[int, int], Bed] = OrderedDict()
         self._room = KEPT_BEDS
         self._lock = Lock()
-        self.used = 0  # turn in which a bed was last asked for
+        self.used = 0  # turn in which a bed was last used
 
     def make_room(self, windows: int) -> None:
         """Keep as many beds as are needed together, within `MOST_BEDS`."""
@@ -85,10 +88,10 @@ class _WindowBeds:
             if (row, column) in self._beds:
                 self._beds.move_to_end((row, column))
                 return self._beds[row, column]
-            held = self._nearest(row, column)
+            near = self._nearest(row, column)
             while len(self._beds) >= self._room:  # before the new one takes memory
                 self._beds.popitem(last=False)
-        made = make_bed(self._ground.window(row, column, MARGIN * self._reach, held))
+        made = make_bed(self._ground.window(row, column, MARGIN * self._reach, near))
         with self._lock:
             self._beds[row, column] = made
         _keep_within(LARGEST, self)
@@ -104,7 +107,7 @@ class _WindowBeds:
             return sum(sizes)
 
     def _nearest(self, row: int, column: int) -> StoredWindow | None:
-        """Window that is held and shares the most ground with another, if any does."""
+        """Kept window that shares the most ground with another, if there is one."""
         places = min(self._beds, key=lambda place: abs(place[0] - row) + abs(place[1] - column), default=None)
         if places is None:
             return None
@@ -137,11 +140,9 @@ def _keep_within(limit: int, newest: _WindowBeds) -> None:
         limit -= beds.shrink(limit, least=1 if beds is newest else 0)
 
 
-def _join(places: Sequence[NDArray[np.int64] | slice], columns: Sequence[Column]) -> Column:
+def _join(places: NDArray[np.int64], columns: Sequence[Column]) -> Column:
     """Join the columns of several tiles in the order of the pings."""
-    if len(columns) == 1:
-        return columns[0]
     joined = np.concatenate(columns)
     ordered = np.empty_like(joined)
-    ordered[np.concatenate([np.asarray(place) for place in places])] = joined
+    ordered[places] = joined
     return ordered

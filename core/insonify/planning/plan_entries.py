@@ -8,6 +8,7 @@ from dataclasses import dataclass, field
 from typing import Any
 
 from insonify.packing.packed_scene import Model
+from insonify.tracers.base import find_tracer
 
 WIDEST, NARROWEST = 120, 60  # characters of a table
 ERROR, COST = 8, 10  # characters of the last two columns
@@ -42,13 +43,18 @@ class Plan:
 
     @property
     def method(self) -> str:
-        """Name of the tracer: sweep, march or rays."""
+        """Name of the tracer."""
         return self.model.method
 
     @property
     def settings(self) -> dict[str, Any]:
         """Arguments of the tracer."""
-        return self.model.settings
+        return find_tracer(self.method).settings(self.model)
+
+    @property
+    def label_settings(self) -> dict[str, Any]:
+        """Planes and rays by which bins are labelled, which is done by the sweep whatever the tracer."""
+        return {name: number for name, number in self.settings.items() if name in ("planes", "rays")}
 
     @property
     def bent(self) -> bool:

@@ -1,4 +1,4 @@
-"""Probe of a scene: a few pings traced by several models, whose differences are the errors of the coarser ones."""
+"""Probe of a scene: a few pings traced by several models; their differences are the errors of the coarser ones."""
 
 from __future__ import annotations
 
@@ -14,9 +14,10 @@ from insonify.acoustics.flat_bed import compute_flat_bed_curves
 from insonify.kernels.common.types import Poses, SceneArrays
 from insonify.packing.packed_scene import SURFACE_ECHO, Model, PackedScene
 from insonify.parallel import in_parallel
-from insonify.planning.probe_pings import ProbePings
+from insonify.planning.probe_pings import ProbePings, spread_over_track
 from insonify.scene import SceneError
 from insonify.tow.poses import make_poses, take_poses
+from insonify.tracers.base import find_tracer, prepare_tracer
 
 Record = NDArray[np.float32]
 FEW = 12  # pings on which models of much work are compared
@@ -24,6 +25,8 @@ LITTLE = 1e6  # work of some milliseconds, up to which models are compared on al
 MOST = 1e8  # work of half a second, up to which finer and finer models are traced to judge coarser ones
 OF_A_THREAD = 4  # pings worth handing to a thread
 RAYS_OF_A_THREAD = 4000  # rays per side of a single ping that is worth handing to a thread
+SEARCHED, FOUND = 48, 2  # pings over the track that are searched, and the most of them that are added
+LOUD = 3.0  # times the mean energy of those searched
 _LOADED: set[tuple[str, bool, bool]] = set()  # kernels that a probe of this process has called: method, bent, paths
 
 
@@ -33,6 +36,20 @@ class Traced(NamedTuple):
     record: Record  # (pings, 2, bins from the first return), over the flat-bed curve
     pings: int  # the first of them, in an order in which few are spread like all
     seconds: float  # of a ping, both sides, one thread
+
+
+def trace_model(packed: PackedScene, model: Model, poses: Poses) -> Record:
+    """Trace pings of a scene by a model on one thread, (n, 2, bins)."""
+    tracer, settings = prepare_tracer(packed, model), find_tracer(model.method).settings(model)
+    found: Record = packed.ground_tiles(model.every, tracer.bins_beyond).map(
+        lambda tile, some: tracer.trace(tile, some, threads=1, **settings), packed.reduce(model), poses
+    )
+    return found
+
+
+def work_of(packed: PackedScene, model: Model) -> float:
+    """Work of a ping by a model, both sides: a count, the same on every machine."""
+    return find_tracer(model.method).work(packed.scene, packed.arrays, model)
 
 
 class Probe:
@@ -61,19 +78,23 @@ class Probe:
 
     def _is_clear(self, model: Model, ping: int) -> bool:
         try:
-            self._packed.trace(model, take_poses(self._poses, slice(ping, ping + 1)))
+            trace_model(self._packed, model, take_poses(self._poses, slice(ping, ping + 1)))
         except SceneError:
             return False
         return True
 
+    def work(self, model: Model) -> float:
+        """Return the work of a ping by a model."""
+        return work_of(self._packed, model)
+
     def count(self, model: Model) -> int:
         """Return the number of pings on which a model is compared with a coarser one."""
         every = self._is_across.size
-        return every if every * self._packed.work(model) <= LITTLE else min(every, FEW)
+        return every if every * self.work(model) <= LITTLE else min(every, FEW)
 
     def affords(self, model: Model) -> bool:
         """Whether a model may be traced to judge a coarser one; errors of more work are predicted from its order."""
-        return self.count(model) * self._packed.work(model) <= MOST
+        return self.count(model) * self.work(model) <= MOST
 
     def difference(
         self, coarse: Model, fine: Model, *, nearer: float = 0.0, cautious: bool = False, most: int | None = None
@@ -84,7 +105,7 @@ class Probe:
             return 0.0
         key = coarse, fine, nearer, cautious, most
         if key not in self._differences:
-            count = self.count(max(coarse, fine, key=self._packed.work))
+            count = self.count(max(coarse, fine, key=self.work))
             count = count if most is None else min(count, most)
             one, other = (self._trace(model, count).record[:count] for model in (coarse, fine))
             missed, whole = (np.square(part).sum(axis=1, dtype=np.float64) for part in (one - other, other))
@@ -121,26 +142,26 @@ class Probe:
         """Seconds of a ping by a model, in proportion to its work from the most similar model traced."""
         if all(other.method != model.method for other in self._traced):
             self._trace(model._replace(planes=1), FEW)
-        work = self._packed.work(model)
+        work = self.work(model)
 
         def unlike(other: Model) -> tuple[int, float, float]:
             kernels = (model.method != other.method) + (model.bent != other.bent)
             # Refracted pings that the sweep leaves to rays take as long as their rays, which its work does not count.
             rays = abs(math.log((1 + other.rays) / (1 + model.rays))) if model.bent else 0.0
-            return kernels, rays, abs(math.log(self._packed.work(other) / work))
+            return kernels, rays, abs(math.log(self.work(other) / work))
 
         nearest = min(self._traced, key=unlike)
-        return self._traced[nearest].seconds * work / self._packed.work(nearest)
+        return self._traced[nearest].seconds * work / self.work(nearest)
 
     def seconds_of_first(self, packed: PackedScene, model: Model) -> float:
         """Seconds of the first ping by a model of another scene with the same track."""
         first = take_poses(self._poses, slice(0, 1))
         kernels = (f"{model.method} of waves", model.bent, bool(model.ways))
         if kernels not in _LOADED:  # the first call takes longer, for it loads them
-            packed.trace(model, first)
+            trace_model(packed, model, first)
             _LOADED.add(kernels)
         began = time.thread_time()
-        packed.trace(model, first)
+        trace_model(packed, model, first)
         return time.thread_time() - began
 
     def _trace(self, model: Model, count: int) -> Traced:
@@ -152,7 +173,7 @@ class Probe:
     def _made(self, model: Model, count: int) -> Traced:
         def block(first: int, last: int) -> tuple[Record, float]:
             began = time.thread_time()
-            record = self._packed.trace(model, take_poses(self._poses, slice(first, last)))
+            record = trace_model(self._packed, model, take_poses(self._poses, slice(first, last)))
             return record, (time.thread_time() - began) / (last - first)
 
         kernels = (model.method, model.bent, bool(model.ways))
@@ -174,14 +195,14 @@ def _without_surface_echo(*models: Model) -> tuple[Model, ...]:
 def scale_to_flat_bed(arrays: SceneArrays, poses: Poses, first: int) -> Record:
     """Return the factors by which a record is divided by its flat-bed curve, from a bin on; 0 where that is none."""
     curve = compute_flat_bed_curves(arrays, poses)[:, :, first:]
-    heard = curve > np.finfo(np.float32).tiny
-    return np.divide(1.0, curve, out=np.zeros_like(curve), where=heard).astype(np.float32)
+    echoes = curve > np.finfo(np.float32).tiny
+    return np.divide(1.0, curve, out=np.zeros_like(curve), where=echoes).astype(np.float32)
 
 
 def _ratio(missed: NDArray[np.float64], whole: NDArray[np.float64]) -> NDArray[np.float64]:
     """Root of the ratio of energies; 1 where the finer model returns nothing and the coarser one something."""
-    heard = whole > 0.0
-    return np.sqrt(np.where(heard, missed / np.where(heard, whole, 1.0), missed > 0.0))
+    echoes = whole > 0.0
+    return np.sqrt(np.where(echoes, missed / np.where(echoes, whole, 1.0), missed > 0.0))
 
 
 def _standard_error(missed: NDArray[np.float64], whole: NDArray[np.float64]) -> float:
@@ -190,3 +211,17 @@ def _standard_error(missed: NDArray[np.float64], whole: NDArray[np.float64]) -> 
         return 0.0
     without = _ratio(np.maximum(missed.sum() - missed, 0.0), np.maximum(whole.sum() - whole, 0.0))
     return math.sqrt((missed.size - 1) * float(without.var()))
+
+
+def add_loud_pings(packed: PackedScene, pings: ProbePings) -> ProbePings:
+    """Add those pings over the track that are much louder than others, by one plane over the bed alone."""
+    if packed.scene.seabed.relief.level:
+        return pings
+    searched = spread_over_track(packed.scene, SEARCHED)
+    poses = make_poses(packed.scene, packed.ground, searched)
+    first = find_first_bin(ERROR_ALTITUDES, packed.arrays, poses)
+    record = trace_model(packed, Model(), poses)[:, :, first:] * scale_to_flat_bed(packed.arrays, poses, first)
+    energy = np.square(record, dtype=np.float64).sum(axis=(1, 2))
+    loudest = np.argsort(-energy, kind="stable")[:FOUND]
+    loud = loudest[energy[loudest] > LOUD * energy.mean()]
+    return pings._replace(spread=np.union1d(pings.spread, searched[loud]))

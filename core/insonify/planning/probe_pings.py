@@ -84,7 +84,7 @@ def _spread_over_bed(scene: Scene, ground: AnyGround, pings: int) -> Pings:
     first, last = 0, pings - 1
     for _ in range(2):  # the second time from the first to the last of them, where they are few
         many = first + _spread(last - first + 1, EXCURSIONS)
-        over = many[_hears_bed(scene, ground, many)]
+        over = many[_is_over_bed(scene, ground, many)]
         if not 0 < over.size < many.size:
             break
         first, last = int(over[0]), int(over[-1])
@@ -93,7 +93,7 @@ def _spread_over_bed(scene: Scene, ground: AnyGround, pings: int) -> Pings:
     return first + _spread(last - first + 1, SPREAD)
 
 
-def _hears_bed(scene: Scene, ground: AnyGround, pings: Pings) -> NDArray[np.bool_]:
+def _is_over_bed(scene: Scene, ground: AnyGround, pings: Pings) -> NDArray[np.bool_]:
     """Whether a measured bed, which may end or have holes, lies within reach to either side of each ping."""
     line = tow_line_at(scene, pings[:, None])
     away = np.linspace(-scene.sonar.range, scene.sonar.range, ACROSS_SWATH)
@@ -124,7 +124,7 @@ def _across(scene: Scene, targets: tuple[int, ...], half_width: float) -> Pings:
 
 
 def _nearest_ping(scene: Scene, number: int) -> tuple[float, int]:
-    """Distance in metres of a target from the ping whose beam axis passes nearest to it, and that ping."""
+    """Distance in metres of a target from the ping with the beam axis nearest to it, and that ping."""
     last = scene.track.pings - 1
     stride = -(-scene.track.pings // COARSE_TRACK)
     pings = np.arange(0, last + 1, stride)

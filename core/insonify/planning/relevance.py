@@ -64,7 +64,7 @@ def find_multipaths_in_reach(scene: Scene) -> dict[str, float]:
 
 
 def find_audible_multipaths(scene: Scene, bed: Bed) -> frozenset[str]:
-    """Return the multipaths by the sea surface whose echoes may arrive within the range."""
+    """Return the multipaths by the sea surface with echoes that may arrive within the range."""
     waves = HIGHEST * scene.water.surface.rms_height
     # A measured bed may lie at any depth.
     rise = (

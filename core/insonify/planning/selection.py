@@ -13,13 +13,14 @@ from insonify.packing.packed_scene import Model, PackedScene, pack
 from insonify.planning.checks import check_method
 from insonify.planning.choices import CHOICES
 from insonify.planning.choices.base import FINENESS, Case, Choice, percent
-from insonify.planning.choices.fineness import METHODS, measure_together
+from insonify.planning.choices.fineness import measure_together
 from insonify.planning.plan_entries import Plan, PlanEntry
 from insonify.scene import Scene, SceneError
+from insonify.tracers.base import AUTO, find_tracer
 
 # Pings other than those probed may err more than these vary: measured over random scenes, see docs/theory/error.md.
 SAFETY = 1.25
-MORE_TOGETHER = 1.2  # times the sum of the errors, beyond which a plan says what they are together
+MORE_TOGETHER = 1.2  # times the sum of the errors, beyond which a plan reports the joint error
 STAGED = sorted(CHOICES, key=lambda choice: choice.stage)
 COARSE = [choice for choice in STAGED if choice.stage < FINENESS]
 FINE = [choice for choice in STAGED if choice.stage == FINENESS]
@@ -63,18 +64,18 @@ def check_request(scene: Scene, tolerance: float, method: str, forced: Mapping[s
     """Raise an error if a plan cannot be made, before the scene is built."""
     if not (math.isfinite(tolerance) and tolerance > 0.0):
         raise SceneError(f"tolerance: {tolerance!r} is not above 0; give a share such as 0.03")
-    if method not in METHODS:
-        raise SceneError(f"method: {method!r} is not known; choose one of {', '.join(METHODS)}")
+    if method != AUTO:
+        find_tracer(method)
     for subject, text in forced.items():
         if subject not in BY_SUBJECT:
             raise SceneError(f"model: {subject!r} is no choice of a plan; choose one of {', '.join(BY_SUBJECT)}")
         BY_SUBJECT[subject].parse(text)
-    check_method(scene, _asked(method, forced), 0 if forced.get("bounces") == "off" else scene.sonar.bounces)
+    check_method(scene, _requested(method, forced), 0 if forced.get("bounces") == "off" else scene.sonar.bounces)
 
 
 def choose_model(packed: PackedScene, tolerance: float, method: str, forced: Mapping[str, str]) -> Plan:
-    """Choose the model of a packed scene as `plan` does, whose parameters these are."""
-    return choose_for_case(Case(packed, _asked(method, forced), forced), tolerance)
+    """Choose the model of a packed scene, with the parameters of `plan`."""
+    return choose_for_case(Case(packed, _requested(method, forced), forced), tolerance)
 
 
 def choose_for_case(case: Case, tolerance: float) -> Plan:
@@ -88,30 +89,30 @@ def choose_for_case(case: Case, tolerance: float) -> Plan:
     if together > MORE_TOGETHER * error:
         entries = (*entries, _more_together(case, model, error, together))
         error = together
-    return Plan(model, entries, error, case.packed.work(model), case.seconds(model))
+    return Plan(model, entries, error, case.work(model), case.seconds(model))
 
 
 def _more_together(case: Case, model: Model, apart: float, together: float) -> PlanEntry:
-    """Entry of what the choices err together beyond what each errs by itself."""
+    """Interaction error: joint error of all choices without the sum of their separate errors."""
     reason = f"on {case.pings(model)} {percent(together)}, which is more than each by itself"
     return PlanEntry("together", "all choices together", reason, error=math.sqrt(together**2 - apart**2))
 
 
 def keep_plan(packed: PackedScene, last: Plan, method: str, forced: Mapping[str, str]) -> Plan:
-    """Keep the plan of a similar scene as far as the geometry of this one admits it, without measuring anything."""
-    case, model = Case(packed, _asked(method, forced), forced), Model()
+    """Keep the plan of a similar scene where the geometry of this one admits it, without measuring anything."""
+    case, model = Case(packed, _requested(method, forced), forced), Model()
     for choice in STAGED:
         model = model._replace(**{choice.field: choice.kept(case, model, last.model)})
         choice.require(case, model)
     return last if model == last.model else Plan(model)
 
 
-def _asked(method: str, forced: Mapping[str, str]) -> str:
-    return forced.get("method", "auto") if method == "auto" else method
+def _requested(method: str, forced: Mapping[str, str]) -> str:
+    return forced.get("method", AUTO) if method == AUTO else method
 
 
 class _Errors:
-    """Errors of the settings of all choices, each asked for once; none of a setting with nothing finer."""
+    """Errors of the settings of all choices, each computed once; 0 for the finest setting."""
 
     def __init__(self, case: Case) -> None:
         self._case = case
@@ -132,16 +133,16 @@ class _Errors:
 
 
 def _cheapest(case: Case, tolerance: float) -> Model:
-    """Model of the least work whose errors keep to the tolerance, except those of settings with nothing finer.
+    """Model of the least work with errors within the tolerance; errors of the finest settings do not count.
 
     Errors as measured and counts of work do not depend on the tolerance, and no model of less work is passed over: more
-    tolerance never means more work. Errors of fineness take longest and are measured last, as far as they are needed.
+    tolerance never means more work. Errors of fineness take longest and are measured last, only where they are needed.
     """
     errors, order = _Errors(case), itertools.count()
     queue: list[tuple[float, int, int, int, float, Model]] = []
 
     def add(model: Model, square: float) -> None:
-        heappush(queue, (case.packed.work(model), model.rays, -model.every, next(order), square, model))
+        heappush(queue, (case.work(model), model.rays, -model.every, next(order), square, model))
 
     models = [Model()]
     for choice in COARSE:
@@ -162,7 +163,7 @@ def _cheapest(case: Case, tolerance: float) -> Model:
 
 
 def _viable(case: Case, choice: Choice, model: Model, tolerance: float, errors: _Errors) -> list[Model]:
-    """Models with the settings of one choice, as far as they can be simulated and their own error keeps a tolerance."""
+    """Models with those settings of one choice that can be simulated and have an error within the tolerance."""
     made = [model._replace(**{choice.field: value}) for value in reversed(choice.settings(case, model))]
     made = made[:1] + list(takewhile(lambda one: errors.of(choice, one) <= tolerance, made[1:]))
     able = [one for one in made if _can_be_simulated(case, choice, one)]

@@ -6,7 +6,7 @@ Everything follows from the labels of the bins. The target strength is
 
 summed over the bins of the target's direct echo, with I the echo, less absorption, of a source that gives 1 at 1 m. So
 I r⁴ is the backscattering cross-section in m² and TS is in dB re 1 m². The response of the beam, 1 on its axis, is left
-in: a target counts as far as the beam takes it in, and a knife takes in 1 m along the track.
+in: only the part of a target within the beam counts, and a knife is 1 m wide along the track.
 """
 
 from __future__ import annotations
@@ -38,7 +38,7 @@ class TargetTruth(NamedTuple):
     # (targets, 2) slant range in metres from the first bin of the shadow to its last, both included, of the ping
     # in which it is longest; 0 without a shadow.
     shadow_length: NDArray[np.float64]
-    # (targets,) in dB re 1 m², of the ping and side in which most is heard of it; NaN where nothing is, and by
+    # (targets,) in dB re 1 m², of the ping and side with its strongest echo; NaN without an echo, and by
     # law `light`, which has no areas.
     target_strength: NDArray[np.float64]
 
@@ -48,13 +48,13 @@ def find_target_truth(scene: Scene, labels: Mapping[str, NDArray[Any]], first_pi
     targets, sonar = len(scene.targets), scene.sonar
     direct, dark = labels["path"] == PATHS.index("direct"), labels["shadow"] >= DARK
     echo = _find_boxes(np.where(direct, labels["target_id"], NOTHING), targets, first_ping)
-    whose = np.where(dark, labels["shadow_id"], NOTHING)
-    shadow = _find_boxes(whose, targets, first_ping)
+    owner = np.where(dark, labels["shadow_id"], NOTHING)
+    shadow = _find_boxes(owner, targets, first_ping)
     return TargetTruth(
         echo_box=echo,
         shadow_box=shadow,
         target_box=_join_boxes(echo, shadow),
-        shadow_length=sonar.range / sonar.bins * _longest_rows(whose, shadow, first_ping),
+        shadow_length=sonar.range / sonar.bins * _longest_rows(owner, shadow, first_ping),
         target_strength=_target_strength(labels["target_echo"] * (sonar.law == "sonar"), targets),
     )
 
@@ -74,14 +74,14 @@ def join_target_truth(*parts: TargetTruth) -> TargetTruth:
     return reduce(join, parts)
 
 
-def _find_boxes(whose: NDArray[np.int16], targets: int, first_ping: int) -> NDArray[np.int32]:
+def _find_boxes(owner: NDArray[np.int16], targets: int, first_ping: int) -> NDArray[np.int32]:
     """Bounding boxes, (targets, 2, 4), of the bins of each target, (n, 2, bins)."""
     # lazy: only labels need it
     from scipy.ndimage import find_objects
 
     boxes = np.full((targets, 2, 4), NONE, np.int32)
     for side in range(2):
-        numbered = np.maximum(whose[:, side].astype(np.int32) + 1, 0)
+        numbered = np.maximum(owner[:, side].astype(np.int32) + 1, 0)
         for target, found in enumerate(find_objects(numbered, targets)):
             if found is not None:
                 pings, bins = found
@@ -94,19 +94,19 @@ def _join_boxes(one: NDArray[np.int32], other: NDArray[np.int32]) -> NDArray[np.
     """Bounding boxes of two sets of bounding boxes, (..., 4) each."""
     joined = np.maximum(one, other)
     first = np.minimum(one, other)
-    held = first != NONE
-    joined[..., ::2] = np.where(held, first, joined)[..., ::2]
+    present = first != NONE
+    joined[..., ::2] = np.where(present, first, joined)[..., ::2]
     return joined
 
 
-def _longest_rows(whose: NDArray[np.int16], boxes: NDArray[np.int32], first_ping: int) -> NDArray[np.float64]:
+def _longest_rows(owner: NDArray[np.int16], boxes: NDArray[np.int32], first_ping: int) -> NDArray[np.float64]:
     """Bins from the first to the last of each target in the ping in which that is most, (targets, 2)."""
     longest = np.zeros(boxes.shape[:2])
     for target, side in np.argwhere(boxes[..., 0] != NONE):
         first, last, near, far = boxes[target, side]
-        held = whose[first - first_ping : last - first_ping + 1, side, near : far + 1] == target
-        spans = held.shape[1] - held.argmax(axis=1) - held[:, ::-1].argmax(axis=1)
-        longest[target, side] = spans[held.any(axis=1)].max()
+        present = owner[first - first_ping : last - first_ping + 1, side, near : far + 1] == target
+        spans = present.shape[1] - present.argmax(axis=1) - present[:, ::-1].argmax(axis=1)
+        longest[target, side] = spans[present.any(axis=1)].max()
     return longest
 
 

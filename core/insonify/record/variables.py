@@ -16,13 +16,13 @@ from insonify.io.record_block import RecordBlock, make_record_block
 from insonify.io.record_schema import coordinates, echo_variable, label_variables, platform, target_variables
 from insonify.kernels.common.types import Poses
 from insonify.planning import Plan
-from insonify.record.blocks import Columns
 from insonify.record.target_truth import TargetTruth
 from insonify.scene import Scene, scene_to_toml
 from insonify.terrain import AnyGround
 from insonify.tow.poses import platform_columns
 from insonify.tracers.labels import PATHS
 
+Columns = dict[str, NDArray[Any]]
 _version = cache(version)  # reads a file
 
 
@@ -69,18 +69,18 @@ def record_attributes(
 
 
 def _sonar_attributes(scene: Scene) -> dict[str, float]:
-    """Frequency in Hz, and the one-way widths and the depression of the beams in degrees, as far as they have any."""
+    """Frequency in Hz, and the one-way widths and the depression of the beams in degrees, where they have one."""
     sonar = scene.sonar
-    told = {
+    values = {
         "frequency": sonar.frequency,
         "beam_width": getattr(sonar.beam, "width", None),
         "vertical_beam_width": getattr(sonar.vertical, "width", None),
         "vertical_beam_tilt": getattr(sonar.vertical, "tilt", None),
     }
-    return {name: value for name, value in told.items() if value is not None}
+    return {name: value for name, value in values.items() if value is not None}
 
 
 def _place_attributes(scene: Scene) -> dict[str, Any]:
-    """Where the scene lies on Earth, if it says so."""
+    """Where the scene lies on Earth, if it is declared."""
     place = scene.georeference
     return {} if place is None else place.attributes()

@@ -1,4 +1,4 @@
-"""Errors of a record against its reference, as used by tolerances and charts.
+"""Errors of a record against its reference, as used by tolerances and charts, and similarity as pictures.
 
 Both records are divided by the flat-bed curve of the scene, so that the strong echoes of near bins do not dominate.
 
@@ -16,6 +16,8 @@ from numpy.typing import NDArray
 from insonify.acoustics.error_range import ERROR_ALTITUDES, find_first_bin
 from insonify.acoustics.flat_bed import compute_flat_bed_curves
 from insonify.kernels.common.types import Poses, SceneArrays
+
+SSIM_COLUMNS = 7
 
 
 @dataclass(frozen=True)
@@ -69,3 +71,18 @@ def _ratio(part: float, whole: float) -> float:
     if whole > 0.0:
         return part / whole
     return 0.0 if part == 0.0 else math.copysign(math.inf, part)
+
+
+def measure_similarity(a: NDArray[np.floating], b: NDArray[np.floating]) -> float:
+    """Structural similarity (SSIM) of two pictures of records along the range; 1 for equal pictures."""
+    # lazy: slow to import
+    from skimage.metrics import structural_similarity
+
+    from insonify.display.picture import choose_contrast, map_tones
+
+    levels = choose_contrast(np.asarray(b, dtype=np.float32))
+    one, other = (map_tones(np.asarray(each, dtype=np.float32), levels).reshape(-1, np.shape(b)[-1]) for each in (a, b))
+    if one.shape[-1] < SSIM_COLUMNS:
+        return float((one == other).all())
+    compared = structural_similarity(one, other, win_size=SSIM_COLUMNS, channel_axis=0, data_range=255)  # type: ignore[no-untyped-call]  # of scikit-image
+    return float(compared)

@@ -112,7 +112,7 @@ def measure_statistics(record: xr.Dataset) -> RecordStatistics:
 
 
 def _even_patches(amplitude: NDArray[np.float32], bed: NDArray[np.bool_]) -> NDArray[np.float64]:
-    """Choose the patches whose four quarters differ least in their means: without targets, shadows or slopes."""
+    """Choose the most even patches by the means of their quarters: without targets, shadows or slopes."""
     patches, whole = _tiles(amplitude, (PATCH, PATCH)), _tiles(bed, (PATCH, PATCH)).all(axis=(1, 2))
     patches = patches[whole & (patches.mean(axis=(1, 2)) > 0.0)].astype(np.float64)
     half = PATCH // 2
@@ -153,7 +153,7 @@ def _periodograms(segments: NDArray[np.float64], step: float) -> NDArray[np.floa
 
 
 def _amplitude_step(intensity: NDArray[np.float32]) -> float:
-    """Step of the amplitudes of a record in bits, whose multiples they all are; 0 for any other record."""
+    """Step of the amplitudes of a record in bits, all multiples of it; 0 for any other record."""
     amplitude = np.sqrt(intensity[intensity > 0.0].astype(np.float64))
     if amplitude.size == 0:
         return 0.0
@@ -179,7 +179,7 @@ def _measure_shadows(
     """
     whole = _tiles(bed, BLOCK).all(axis=(1, 2))
     level = (_tiles(amplitude, BLOCK)[whole].astype(np.float64) ** 2).mean(axis=(1, 2))
-    if not np.median(level) > 0.0:  # most of the record is silent: it has no level of which shadows fall short
+    if not np.median(level) > 0.0:  # most of the record is silent: it has no level to compare shadows with
         return float("nan"), False
     least = np.maximum(_tiles(limit, BLOCK)[whole].mean(axis=(1, 2)), 10.0 ** (SILENCE / 10.0) * np.median(level))
     decibels = 10.0 * np.log10(np.maximum(level, least) / np.median(level))

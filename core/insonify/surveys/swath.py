@@ -98,7 +98,7 @@ def _altitudes(name: str, record: xr.Dataset, altitude: str) -> NDArray[np.float
 
 
 def _headings(record: xr.Dataset) -> NDArray[np.float64]:
-    """Headings in degrees counter-clockwise from +x; the course over ground where no compass tells them."""
+    """Headings in degrees counter-clockwise from +x; the course over ground without a compass."""
     heading = record["platform_heading"].values
     if np.isfinite(heading).all():
         return heading

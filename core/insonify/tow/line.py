@@ -103,7 +103,7 @@ def recorded_at(scene: Scene, pings: NDArray[np.floating] | NDArray[np.int64]) -
         if both:
             raise SceneError(f"track.motion.of: {path!r} gives {both[0]} a second time; leave it out of one file")
         known |= _at(tow, time, track.speed)
-    _refuse_a_second_say(track, known)
+    _reject_conflicting_settings(track, known)
     return known
 
 
@@ -130,12 +130,12 @@ def _at(tow: RecordedNavigation, time: Column, speed: float) -> dict[str, Column
     return known
 
 
-def _refuse_a_second_say(track: Track, known: dict[str, Column]) -> None:
+def _reject_conflicting_settings(track: Track, known: dict[str, Column]) -> None:
     if "x" in known and any(motion.turning is not None for motion in track.motions):
         raise SceneError(
-            "track.motion.of: a turn has no say where a recorded file gives x and y; leave one of them out"
+            "track.motion.of: a turn has no effect when the recorded track gives x and y; leave one of them out"
         )
     if track.terrain_following and ("depth" in known or "altitude" in known):
         raise SceneError(
-            "track.terrain_following: has no say where a recorded file gives the depth; leave one of them out"
+            "track.terrain_following: has no effect when the recorded track gives the depth; leave one of them out"
         )

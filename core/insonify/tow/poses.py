@@ -17,7 +17,7 @@ from insonify.tow.line import TowLine, recorded_at, tow_line_at
 SAMPLES = 64  # samples of the bed to either side of the fish
 KNOTS = 8  # of the smoothed bed, to an altitude along the track
 STRETCH = 16  # knots that are computed together, two altitudes
-TOGETHER = 2048  # pings whose samples are held at once
+TOGETHER = 2048  # pings with samples in memory at a time
 
 
 def sonar_height(scene: Scene, ground: AnyGround) -> float:

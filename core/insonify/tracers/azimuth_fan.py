@@ -82,14 +82,14 @@ def lay_planes_of_images(
     laid = lay_planes(arrays, poses, planes)
     if not arrays.multipath.enabled:
         return [(places, beam, beam) for places, beam in laid]
-    lifted = poses._replace(z=2.0 * arrays.water.surface - poses.z, pitch=-poses.pitch, roll=-poses.roll)
+    image = poses._replace(z=2.0 * arrays.water.surface - poses.z, pitch=-poses.pitch, roll=-poses.roll)
     return [
         (places[within], beam, of_image)
         for places, beam in laid
         if places.size > 0
         for within, of_image in lay_planes(
             arrays,
-            take_poses(lifted, places),
+            take_poses(image, places),
             planes,
             2.0 ** float(_octave_steps(arrays, poses.z[places[:1]])[0] / HEIGHTS_PER_OCTAVE),
         )
@@ -184,11 +184,11 @@ def _lay(outline: _Outline, planes: int, height: float, pitches: tuple[float, ..
     edges = [*reversed(_edges(cone, start, -1.0, planes)), start, *_edges(cone, start, 1.0, planes)]
     azimuths = np.array(edges)
     low, high = azimuths[:-1], azimuths[1:]
-    heard = reaches = np.array([cone.heard_to(a, b) for a, b in zip(low, high)])
+    laid = reaches = np.array([cone.reach_between(a, b) for a, b in zip(low, high)])
     if height != laid_at:
         own = _Cone(outline, height, np.array(pitches), NEAREST_OF_IMAGE)
-        reaches = np.array([own.heard_to(a, b) for a, b in zip(low, high)])
-    kept = np.append(np.flatnonzero(heard > 0.0), np.flatnonzero((heard == 0.0) & (reaches > 0.0)))
+        reaches = np.array([own.reach_between(a, b) for a, b in zip(low, high)])
+    kept = np.append(np.flatnonzero(laid > 0.0), np.flatnonzero((laid == 0.0) & (reaches > 0.0)))
     low, high, reaches = low[kept], high[kept], reaches[kept]
     return AzimuthFan(
         azimuth=0.5 * (low + high),
@@ -241,19 +241,19 @@ class _Cone:
         off = np.abs(math.sin(azimuth) - self.centre)
         cosine = max(math.cos(azimuth), 0.05)
         taken = np.flatnonzero((off <= self.main_half * 1.001).any(axis=0))
-        heard = np.flatnonzero((off <= self.half).any(axis=0))
-        if not heard.size:
+        covered = np.flatnonzero((off <= self.half).any(axis=0))
+        if not covered.size:
             # Azimuths outside the beam at every range are skipped, up to the nearest one inside.
             return float(max((off - self.half).min(), SIDELOBE_STEP * 2.0 * self.main / planes) / cosine)
         if not taken.size and not self.targets:
             growth = SIDELOBE_GROWTH * (off - self.main_half).min()
             return float(max(SIDELOBE_STEP * 2.0 * self.main / planes, growth) / cosine)
         if not taken.size:
-            return SIDELOBE_STEP * self._main_step(heard[-1], planes) / cosine
+            return SIDELOBE_STEP * self._main_step(covered[-1], planes) / cosine
         step = self._main_step(taken[-1], planes)
         if self.targets:
             # Sidelobes receive from farther out than the main lobe takes in this azimuth; a target there may be small.
-            step = min(step, SIDELOBE_STEP * self._main_step(heard[-1], planes))
+            step = min(step, SIDELOBE_STEP * self._main_step(covered[-1], planes))
         return step / cosine
 
     def _main_step(self, at: int, planes: int) -> float:
@@ -261,11 +261,11 @@ class _Cone:
         coarser = min(max(2.0 * self.height / self.x[at], 1.0), max(COARSER * planes, 1.0))
         return float(2.0 * self.main_half[:, at].min() / planes * coarser)
 
-    def heard_to(self, low: float, high: float) -> float:
+    def reach_between(self, low: float, high: float) -> float:
         """Greatest ground range at which any of an azimuth sector is in the beam, m; 0 if it is nowhere."""
         sine_low, sine_high = math.sin(low), math.sin(high)
-        heard = ((sine_high >= self.centre - self.half) & (sine_low <= self.centre + self.half)).any(axis=0)
-        places = np.flatnonzero(heard)
+        covered = ((sine_high >= self.centre - self.half) & (sine_low <= self.centre + self.half)).any(axis=0)
+        places = np.flatnonzero(covered)
         if places.size == 0:
             return 0.0
         last = int(places[-1])

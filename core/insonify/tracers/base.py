@@ -1,24 +1,216 @@
-"""Pings shared among threads in blocks, each traced by a kernel whose status reports a sonar inside a target."""
+"""The base of all tracers, the tracers there are, and what they share: records, and pings in blocks."""
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from abc import ABC, abstractmethod
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from functools import cache
+from typing import Any, ClassVar, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from insonify.kernels.common.types import Poses, SceneArrays
 from insonify.packing.containment import refuse_sonar_in_mesh, refuse_sonar_in_solid
+from insonify.packing.packed_scene import Model, PackedScene
 from insonify.parallel import in_parallel
+from insonify.plugins import announced, modules_in
+from insonify.scene import Scene, SceneError
 from insonify.tow.poses import take_poses
 
 Record = NDArray[np.float32]
+Waves = NDArray[np.complex128]
+AUTO = "auto"  # the method of a plan that chooses the tracer itself
+_DECLARED: dict[str, type[Tracer]] = {}
+
+
+class Ladder(NamedTuple):
+    """Numbers by which a tracer is made finer: from the first by doublings to the last."""
+
+    counted: str  # what is counted, as in "64 cones per side"
+    first: int
+    last: int
+
+
+class PreparedTracer(ABC):
+    """A tracer that is ready for a scene.
+
+    Attributes
+    ----------
+    trace_waves : callable or None
+        As `trace`, but returns complex amplitudes of every bin's samples, (n, 2, bins × samples) complex128. None for a
+        tracer that sums energies.
+    """
+
+    trace_waves: Callable[..., Waves] | None = None
+
+    @abstractmethod
+    def trace(self, arrays: SceneArrays, poses: Poses, *, threads: int | None = None, **settings: Any) -> Record:
+        """Trace pings.
+
+        Parameters
+        ----------
+        arrays : SceneArrays
+            The scene, without what the plan leaves out.
+        poses : Poses
+            Poses of the sonar, (n,).
+        threads : int, optional
+            Greatest number of threads.
+        **settings
+            As `Tracer.settings` returns them.
+
+        Returns
+        -------
+        (n, 2, bins) float32
+            Mean intensity of an ideal pulse's echoes in each bin, port first. That of a ping depends on its own pose
+            alone, not on the other pings nor on the number of threads.
+
+        Raises
+        ------
+        SceneError
+            If the sonar is inside a target.
+        """
+
+    @property
+    def bins_beyond(self) -> int:
+        """Bins beyond the record's last with echoes that are summed into the record."""
+        return 0
+
+
+class Tracer(PreparedTracer):
+    """A method of tracing: from a scene's arrays and poses of the sonar to the echoes in every range bin.
+
+    A subclass with a `name` is a method that ``--method`` and `insonify.plan` accept. It is found by standing in
+    `insonify.tracers`, by an entry point of the group ``insonify.tracers``, or by being declared anywhere. One object
+    of it serves all scenes.
+
+    Attributes
+    ----------
+    name : str
+        Name of the method.
+    rank : int
+        Place among the methods.
+    automatic : bool
+        Whether a plan may choose it by itself; the first one by rank that can trace a scene is taken.
+    fineness : tuple of str
+        Fields of the `Model` that set how finely it traces, the main one first: ``planes``, ``rays``, ``step``,
+        ``misplaced`` (division of the bed's segments), ``every`` (stride of the bed's nodes), or ``fineness``, the
+        number that a tracer counts for which the model has no other field.
+    ladder : Ladder or None
+        Numbers of the main field. A plan doubles it until what that changes keeps to the tolerance.
+    follows_bounces : bool
+        Whether it follows specular reflections and passages after the first echo (``SceneArrays.bounces``).
+    sums_waves : bool
+        Whether it can trace the interfering waves of single scatterers, as coherent speckle asks.
+    refracts_along : bool
+        Whether it refracts sound in water that varies along the range.
+    refraction : str
+        How it refracts sound, in words for a plan.
+    rounding : float
+        Relative error of its numbers if they have 32 bits; 0 if all have 64.
+    """
+
+    name: ClassVar[str]
+    rank: ClassVar[int] = 100
+    automatic: ClassVar[bool] = False
+    fineness: ClassVar[tuple[str, ...]] = ("fineness",)
+    ladder: ClassVar[Ladder | None] = None
+    follows_bounces: ClassVar[bool] = False
+    sums_waves: ClassVar[bool] = False
+    refracts_along: ClassVar[bool] = True
+    refraction: ClassVar[str] = "rays follow circular arcs"
+    rounding: ClassVar[float] = 0.0
+
+    def __init_subclass__(cls, **others: Any) -> None:
+        """Note a tracer that has a name of its own."""
+        super().__init_subclass__(**others)
+        if "name" in vars(cls):
+            _DECLARED[cls.name] = cls
+
+    @abstractmethod
+    def settings(self, model: Model) -> dict[str, Any]:
+        """Return the keyword arguments of `trace` by which a model is traced."""
+
+    @abstractmethod
+    def work(self, scene: Scene, arrays: SceneArrays, model: Model) -> float:
+        """Return the work of a ping by a model, both sides; a plan prefers less.
+
+        Parameters
+        ----------
+        scene, arrays
+            The whole scene, as declared and as packed.
+        model : Model
+            The model.
+
+        Returns
+        -------
+        float
+            A count, the same on every machine: of knots of one plane over uniform water, some 7 ns each.
+        """
+
+    def prepare(self, scene: Scene, arrays: SceneArrays) -> PreparedTracer:
+        """Return the tracer for one scene: itself, or an object with what it keeps from ping to ping."""
+        del scene, arrays
+        return self
+
+    def refuse(self, scene: Scene) -> None:
+        """Raise a SceneError if it cannot trace what a scene declares, beside what the attributes exclude."""
+        del scene
+
+
+def list_methods() -> tuple[str, ...]:
+    """Return the methods that can be requested: "auto", then the tracers by their ranks."""
+    _discover()
+    return (AUTO, *sorted(_DECLARED, key=lambda name: _DECLARED[name].rank))
+
+
+def find_tracer(name: str) -> Tracer:
+    """Return the tracer of a name.
+
+    Raises
+    ------
+    SceneError
+        If there is none.
+    """
+    _discover()
+    if name not in _DECLARED:
+        raise SceneError(f"method: {name!r} is not known; choose one of {', '.join(list_methods())}")
+    return _made(_DECLARED[name])
+
+
+def prepare_tracer(packed: PackedScene, model: Model) -> PreparedTracer:
+    """Return the tracer of a model, ready for a packed scene."""
+    return find_tracer(model.method).prepare(packed.scene, packed.straighten(model))
+
+
+@contextmanager
+def without_tracers(*names: str) -> Iterator[None]:
+    """Forget tracers after the block, for tests that declare them."""
+    try:
+        yield
+    finally:
+        for name in names:
+            _DECLARED.pop(name, None)
+
+
+@cache
+def _discover() -> None:
+    """Import the modules of this package and what installed packages announce; their tracers declare themselves."""
+    modules_in("insonify.tracers")
+    for entry in announced("insonify.tracers"):
+        entry.load()
+
+
+@cache
+def _made(tracer: type[Tracer]) -> Tracer:
+    return tracer()
 
 
 def trace_blocks(
     arrays: SceneArrays, poses: Poses, trace: Callable[[Poses, int, int], int], threads: int | None, least: int = 1
 ) -> None:
-    """Trace pings block by block, on several threads."""
+    """Share pings among threads, block by block, and raise if a block's status reports a sonar inside a target."""
 
     def block(first: int, last: int) -> int:
         return int(trace(take_poses(poses, slice(first, last)), first, last))

@@ -3,11 +3,35 @@
 from __future__ import annotations
 
 import math
+from typing import Any
 
 from insonify.kernels.common.types import Poses, SceneArrays
+from insonify.packing.packed_scene import Model
 from insonify.scene import SceneError
 from insonify.tracers.base import Record
-from insonify.tracers.rays import trace_rays
+from insonify.tracers.rays import Rays, trace_rays
+
+STEP = 0.6  # work of a step, in knots of the sweep
+
+
+class March(Rays):
+    """Rays in steps of fixed length."""
+
+    name, rank, automatic = "march", 1, False
+    fineness, ladder = ("step", "rays"), None
+    follows_bounces = False
+
+    def settings(self, model: Model) -> dict[str, Any]:
+        """Length of a step, and rays per side."""
+        return {"step": model.step, "rays": model.rays}
+
+    def work_of_ray(self, arrays: SceneArrays, model: Model) -> float:
+        """Work of a ray and of its steps over the range."""
+        return super().work_of_ray(arrays, model) + STEP * (arrays.bins * arrays.bin_length) / model.step
+
+    def trace(self, arrays: SceneArrays, poses: Poses, **settings: Any) -> Record:
+        """Trace pings as `trace` does."""
+        return trace(arrays, poses, **settings)
 
 
 def trace(

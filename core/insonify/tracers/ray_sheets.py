@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from insonify.kernels.common.types import Poses, SceneArrays
-from insonify.kernels.refracted_rays.ray_sheets import trace_ray_sheets
+from insonify.kernels.rays.ray_sheets import trace_ray_sheets
 from insonify.scene import SceneError
 from insonify.tracers.base import Record, empty_record, trace_blocks
 

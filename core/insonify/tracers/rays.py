@@ -3,25 +3,53 @@
 from __future__ import annotations
 
 import math
-from typing import NamedTuple
+from typing import Any, ClassVar, NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from insonify.kernels.common.types import BED, Poses, SceneArrays
 from insonify.kernels.multipath.multipath_rays import trace_multipath
-from insonify.kernels.rays.cell_walk import NOTHING, RayBundle
-from insonify.kernels.rays.first_echoes import cast_straight_rays, empty_hits, trace_straight_pings
+from insonify.kernels.rays.cell_walk import NOTHING, RayBundle, empty_hits, find_first_hits
+from insonify.kernels.rays.pings import trace_refracted_pings, trace_straight_pings
+from insonify.kernels.rays.refracted_hits import empty_arrivals, find_refracted_hits
 from insonify.kernels.rays.specular_paths import follow_specular_paths
-from insonify.kernels.refracted_rays.echoes import trace_refracted_pings
-from insonify.kernels.refracted_rays.hits import empty_arrivals, find_refracted_hits
+from insonify.packing.packed_scene import SURFACE_ECHO, Model
 from insonify.parallel import count_threads
-from insonify.scene import SceneError
-from insonify.tracers.base import Record, empty_record, trace_blocks
+from insonify.scene import Scene, SceneError
+from insonify.tracers.base import Ladder, Record, Tracer, empty_record, trace_blocks
 
 WALK = 0.0  # step that stands for an exact walk
 STRAIGHT, REFRACTED = 64, 256  # bytes that a thread holds of every ray of both sides
 MEMORY = 2**29  # bytes that all threads may hold; one thread holds what it needs
+RAY, REFRACTED_RAY = 20.0, 300.0  # work of a ray, in knots of the sweep
+
+
+class Rays(Tracer):
+    """Exact rays, one by one."""
+
+    name, rank, automatic = "rays", 2, True
+    fineness: ClassVar[tuple[str, ...]] = ("rays",)
+    ladder: ClassVar[Ladder | None] = Ladder("rays per side", 1000, 1000 << 12)
+    follows_bounces = True
+
+    def settings(self, model: Model) -> dict[str, Any]:
+        """Rays per side."""
+        return {"rays": model.rays}
+
+    def work(self, scene: Scene, arrays: SceneArrays, model: Model) -> float:
+        """Work of all rays by all paths and bounces."""
+        paths = len(model.ways - {SURFACE_ECHO})
+        return 2.0 * model.rays * self.work_of_ray(arrays, model) * (1.0 + paths) * (1.0 + model.bounces)
+
+    def work_of_ray(self, arrays: SceneArrays, model: Model) -> float:
+        """Work of one ray up to its first hit."""
+        del arrays
+        return REFRACTED_RAY if model.bent else RAY
+
+    def trace(self, arrays: SceneArrays, poses: Poses, **settings: Any) -> Record:
+        """Trace pings as `trace` does."""
+        return trace(arrays, poses, **settings)
 
 
 def trace(arrays: SceneArrays, poses: Poses, *, rays: int = 4000, threads: int | None = None) -> Record:
@@ -52,7 +80,8 @@ def cast(
     if arrays.water.bent:
         find_refracted_hits(arrays, bundle, farthest, WALK, hits, empty_arrivals(bundle.x.size))
     else:
-        cast_straight_rays(arrays, bundle, farthest, hits)
+        bodies = np.arange(arrays.solids.shape.size)
+        find_first_hits(arrays.bed, arrays.solids, bodies, bodies.size, arrays.mesh, bundle, farthest, hits)
     return hits.distance, _targets(arrays)[hits.body], np.column_stack([hits.nx, hits.ny, hits.nz])
 
 
@@ -79,7 +108,7 @@ def follow(
 
 
 def _bundle(origins: ArrayLike, directions: ArrayLike) -> RayBundle:
-    """Bundle of rays whose origins and directions broadcast together; directions are of any length."""
+    """Bundle of rays; origins and directions broadcast together, directions are of any length."""
     starts, ways = np.broadcast_arrays(
         np.atleast_2d(np.asarray(origins, dtype=np.float64)), np.atleast_2d(np.asarray(directions, dtype=np.float64))
     )

@@ -1,4 +1,4 @@
-"""Coherent speckle: interfering waves of single scatterers, whose visibility the sweep decides.
+"""Coherent speckle: interfering waves of single scatterers, which the sweep finds visible.
 
 Derived in docs/theory/speckle.md.
 """
@@ -24,9 +24,8 @@ from insonify.scene import Scene, SceneError
 from insonify.scene.sonar.pulses import PulseKind as DeclaredPulse
 from insonify.tow.poses import take_poses
 from insonify.tracers.azimuth_fan import lay_planes
-from insonify.tracers.base import Record, empty_record, trace_blocks
+from insonify.tracers.base import PreparedTracer, Record, Waves, empty_record, trace_blocks
 
-Waves = NDArray[np.complex128]
 IN_A_CELL = 32.0  # scatterers, where the scene does not say how many
 MOST = 1e7  # scatterers of one ping
 MOST_KNOTS = 1 << 26  # of all planes of a beam: half a gigabyte
@@ -36,7 +35,7 @@ RESOLVED = 8  # least cells of the line per resolution cell of the pulse
 
 
 @dataclass(frozen=True, eq=False)
-class ScattererTracer:
+class ScattererTracer(PreparedTracer):
     """Tracer that sums the waves of single scatterers."""
 
     scatterers: Scatterers  # their density and positions
@@ -44,14 +43,13 @@ class ScattererTracer:
 
     @property
     def bins_beyond(self) -> int:
-        """Bins beyond the record's last whose scatterers the pulse still reaches within it."""
+        """Bins beyond the record's last with scatterers that the pulse still covers."""
         return math.ceil((self.pulse.taps.size - self.pulse.before) / (self.pulse.samples * self.pulse.cells))
 
-    def trace(self, arrays: SceneArrays, poses: Poses, *, planes: int = 16, threads: int | None = None) -> Record:
-        """Intensity of the sum of all scatterers' waves after the pulse, (n, 2, bins) float32, port first.
-
-        Parameters and errors as of `trace_waves`.
-        """
+    def trace(  # type: ignore[override]
+        self, arrays: SceneArrays, poses: Poses, *, planes: int = 16, threads: int | None = None
+    ) -> Record:
+        """Intensity of the sum of all scatterers' waves after the pulse."""
         out = empty_record(arrays, poses)
         detect_samples(self.trace_waves(arrays, poses, planes=planes, threads=threads), self.pulse.samples, out)
         return out
@@ -95,11 +93,11 @@ def make_tracer(scene: Scene, arrays: SceneArrays) -> ScattererTracer:
     _refuse_large_meshes(arrays.mesh.corners)
     patches = make_surface_patches(arrays.solids, arrays.mesh)
     return ScattererTracer(
-        Scatterers(scene.seed, density, per_wave, patches), heard_at_once(pulse, speed, arrays.bin_length, arrays.bins)
+        Scatterers(scene.seed, density, per_wave, patches), sample_pulse(pulse, speed, arrays.bin_length, arrays.bins)
     )
 
 
-def heard_at_once(pulse: DeclaredPulse, sound_speed: float, bin_length: float, bins: int = 1) -> PulseTaps:
+def sample_pulse(pulse: DeclaredPulse, sound_speed: float, bin_length: float, bins: int = 1) -> PulseTaps:
     """Sample a pulse along the line on which waves are summed."""
     resolution = 0.5 * sound_speed * pulse.resolution or bin_length
     samples = samples_per_bin(pulse, sound_speed, bin_length)
@@ -147,13 +145,13 @@ def _refuse_large_meshes(corners: NDArray[np.float64]) -> None:
 
 
 def _extend_range(arrays: SceneArrays, bins: int) -> SceneArrays:
-    """Scene whose range goes on beyond its last bin, with the range factor that holds there."""
+    """Scene with a range extended by some bins, with the range factor of its last bin."""
     factor = np.concatenate([arrays.range_factor, np.repeat(arrays.range_factor[-1:], bins)])
     return arrays._replace(bins=arrays.bins + bins, range_factor=factor)
 
 
 def _narrowed(arrays: SceneArrays, patches: SurfacePatches, poses: Poses) -> SceneArrays:
-    """Scene whose beam pattern leaves out directions of many scatterers and negligible sensitivity.
+    """Scene with a beam pattern without directions of many scatterers and negligible sensitivity.
 
     Of every row of its table the outermost columns go, and rows nearer than anything lies become no wider than others.
     """

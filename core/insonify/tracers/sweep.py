@@ -7,6 +7,7 @@ Derived in docs/theory/sweep.md.
 from __future__ import annotations
 
 import math
+from typing import Any
 
 import numpy as np
 
@@ -14,17 +15,77 @@ from insonify.kernels.common.contributors import empty_contributor_table
 from insonify.kernels.common.types import Poses, SceneArrays
 from insonify.kernels.multipath.surface_multipath import empty_multipath_workspace, sweep_multipath
 from insonify.kernels.refraction.apparent_positions import ApparentTables
+from insonify.kernels.sweep.partial_segments import FINE
 from insonify.kernels.sweep.sweep import AzimuthFan, empty_sweep_workspace, sweep_pings
 from insonify.packing.apparent_tables import make_apparent_tables
+from insonify.packing.packed_scene import SURFACE_ECHO, Model
 from insonify.parallel import PerThread
+from insonify.scene import Scene
 from insonify.tow.poses import take_poses
 from insonify.tracers import ray_sheets
 from insonify.tracers.azimuth_fan import lay_planes_of_images
-from insonify.tracers.base import Record, new_record, trace_blocks
+from insonify.tracers.base import PreparedTracer, Record, Tracer, new_record, trace_blocks
 from insonify.tracers.rays import trace as trace_rays
+from insonify.tracers.scatterers import make_tracer
 
 RAYS_A_SHEET = 8.0  # of a fan where refraction folds, per root of all its rays: both parts of the error are about equal
 PLANES_A_THREAD = 64  # planes of both sides worth handing to a thread, some 0.4 ms
+
+SINGLE = 1e-6  # greatest relative error of 32-bit numbers with 64-bit sums, ten roundings of 2⁻²⁴ each
+
+# Work of a ping in knots of one plane over uniform water: of a plane besides its knots, of a target in a plane, and the
+# factor of refraction.
+PLANE, TARGET, REFRACTED = 300.0, 100.0, 1.5
+# Of a path by a calm sea over that of the direct one, and what each facet of a rough sea adds.
+SURFACE_PATH, FACET = 1.0, 0.25
+# Of a segment too long against its range for one density, taken by itself, and of each of its parts.
+CUT_SEGMENT, PART = 7.0, 2.5
+NEAR_PLANES, NEAR_PLANES_OF_PATTERN = 4.0, 12.0  # planes of the near field that several planes need
+# Work of a profile with segments divided until they misplace a share of a bin's echo, over that of a whole one.
+KNOTS = {math.inf: 1.0, 0.03: 2.5, 0.01: 3.0, 0.003: 4.5}
+
+
+class Sweep(Tracer):
+    """The sweep; for coherent speckle, a tracer of scatterers that are visible to it."""
+
+    name, rank, automatic = "sweep", 0, True
+    fineness = ("planes", "rays", "misplaced", "every")
+    sums_waves, refracts_along = True, False
+    refraction, rounding = "tables of apparent positions", SINGLE
+
+    def prepare(self, scene: Scene, arrays: SceneArrays) -> PreparedTracer:
+        """Return the tracer of scatterers for coherent speckle."""
+        return make_tracer(scene, arrays) if scene.receiver.speckle.interferes else self
+
+    def settings(self, model: Model) -> dict[str, Any]:
+        """Planes, and with refraction the rays of pings that are traced ray by ray."""
+        return {"planes": model.planes} | ({"rays": model.rays} if model.bent else {})
+
+    def work(self, scene: Scene, arrays: SceneArrays, model: Model) -> float:
+        """Knots of all planes, of the direct path and of those by the sea surface."""
+        heading = math.radians(scene.track.heading)
+        across = abs(math.cos(heading)) + abs(math.sin(heading))  # a plane crosses both families of grid lines
+        spacing = arrays.bed.spacing * model.every / across
+        segments, parts, beyond = _divide_profile(arrays.bins * arrays.bin_length, spacing, scene.altitude)
+        knots = (CUT_SEGMENT * segments + PART * parts + beyond) * KNOTS[model.misplaced]
+        profile = PLANE + knots * (REFRACTED if model.bent else 1.0) + TARGET * len(model.targets)
+        near = NEAR_PLANES_OF_PATTERN if arrays.pattern.tabulated else NEAR_PLANES
+        planes = 1.0 if model.planes == 1 else model.planes + near
+        facets = arrays.multipath.facets.shape[1]
+        path = SURFACE_PATH + (FACET * facets if facets > 1 else 0.0)
+        return 2.0 * planes * profile * (1.0 + path * len(model.ways - {SURFACE_ECHO}))
+
+    def trace(self, arrays: SceneArrays, poses: Poses, **settings: Any) -> Record:
+        """Trace pings as `trace` does."""
+        return trace(arrays, poses, **settings)
+
+
+def _divide_profile(reach: float, spacing: float, height: float) -> tuple[float, float, float]:
+    """Numbers of segments of a profile too long for one density of echo, of their parts, and of other segments."""
+    height = max(height, spacing)
+    nearer = min(math.sqrt(max((spacing / FINE) ** 2 - height**2, 0.0)), reach)
+    segments = nearer / spacing
+    return segments, math.asinh(nearer / height) / FINE + 0.5 * segments, (reach - nearer) / spacing
 
 
 def trace(
@@ -42,11 +103,11 @@ def trace(
     if folded.any():
         out[folded] = _trace_folded(arrays, take_poses(poses, np.flatnonzero(folded)), rays, threads)
     clear = np.flatnonzero(~folded)
-    for among, beam, lifted in lay_planes_of_images(arrays, take_poses(poses, clear), planes):
+    for among, beam, image_beam in lay_planes_of_images(arrays, take_poses(poses, clear), planes):
         places = clear[among]
         some = take_poses(poses, places)
         traced = out if places.size == poses.x.size else new_record(arrays, some)
-        _trace_alike(arrays, some, (beam, lifted), apparent, double, threads, traced)
+        _trace_alike(arrays, some, (beam, image_beam), apparent, double, threads, traced)
         if traced is not out:
             out[places] = traced
     return out
@@ -71,7 +132,7 @@ def _trace_alike(
 ) -> None:
     """Trace pings that share their planes, those of the sonar and those of its image in the sea surface."""
     real = np.float64 if double else np.float32
-    beam, lifted = beams
+    beam, image_beam = beams
     rooms = PerThread(lambda: empty_sweep_workspace(arrays, apparent, real))
 
     def block(part: Poses, first: int, last: int) -> int:
@@ -79,7 +140,7 @@ def _trace_alike(
         status = sweep_pings(arrays, part, beam, apparent, room, out[first:last])
         if arrays.multipath.enabled and status == 0:
             images = empty_multipath_workspace(arrays, real)
-            sweep_multipath(arrays, part, beam, lifted, images, empty_contributor_table(0, 0), out[first:last])
+            sweep_multipath(arrays, part, beam, image_beam, images, empty_contributor_table(0, 0), out[first:last])
         return int(status)
 
     trace_blocks(arrays, poses, block, threads, pings_a_thread(beam))

@@ -6,6 +6,7 @@ from pathlib import Path
 
 import pytest
 
+from commands import refused
 from insonify.cli import main
 from insonify.errors import SceneError
 from insonify.lessons import (
@@ -102,17 +103,15 @@ def test_a_fault_is_one_sentence_that_names_lesson_and_remedy(
     assert old in LESSON
     file = tmp_path / "width.md"
     file.write_text(LESSON.replace(old, new, 1), encoding="utf-8")
-    assert main(["lesson", "check", str(file)]) == 2
-    error = capsys.readouterr().err
-    assert "lesson width" in error
-    assert told in error
-    assert error.count("\n") == 1
-    assert "; " in error
+    complaint = refused(capsys, "lesson", "check", str(file))
+    assert "lesson width" in complaint
+    assert told in complaint
+    assert "; " in complaint
 
 
 def test_a_lesson_that_is_not_there_is_told(capsys: pytest.CaptureFixture[str]) -> None:
-    assert main(["lesson", "check", "nowhere.md"]) == 2
-    assert "lesson 'nowhere.md': no such file; give a Markdown file" in capsys.readouterr().err
+    complaint = refused(capsys, "lesson", "check", "nowhere.md")
+    assert "lesson 'nowhere.md': no such file; give a Markdown file" in complaint
 
 
 def test_a_file_is_checked(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:

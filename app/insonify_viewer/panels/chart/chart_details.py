@@ -12,8 +12,7 @@ from numpy.typing import NDArray
 from insonify_viewer.state.quantities import format_duration
 
 if TYPE_CHECKING:
-    from insonify.accuracy.charts.kinds.accuracy import AccuracyChart
-    from insonify.accuracy.charts.measurement import AccuracyRow
+    from insonify.accuracy.charts.accuracy_chart import AccuracyChart, AccuracyRow
 
 DPI = 150.0
 
@@ -38,7 +37,7 @@ class ChartPicture:
 def draw_chart(chart: AccuracyChart) -> ChartPicture:
     """Draw a chart as it is saved to a file, with the positions of its points."""
     # lazy: the window opens before Matplotlib is loaded
-    from insonify.accuracy.charts.accuracy_figure import draw_accuracy
+    from insonify.accuracy.charts.accuracy_chart import draw_accuracy
 
     figure, marks = draw_accuracy(chart)
     figure.set_dpi(DPI)
@@ -77,7 +76,7 @@ class RowDetails:
 def row_details(chart: AccuracyChart, row: AccuracyRow) -> RowDetails:
     """Trace the record of a row and its reference, and compare them."""
     # lazy: the window opens before Matplotlib is loaded
-    from insonify.statistics.similarity import measure_similarity
+    from insonify.statistics.record_errors import measure_similarity
 
     record, reference = chart.normalise_row(row)
     scene = chart.scenes[row.targets]

@@ -192,12 +192,11 @@ def measure_simulation(simulation: Simulation) -> Measured:
     """Measure the statistics of the whole record of a simulation."""
     # lazy: loads xarray on a thread of its own; the window opens before
     from insonify.io.record_schema import join_blocks
-    from insonify.record.blocks import trace_blocks
     from insonify.record.variables import make_block
 
     title = {"title": simulation.scene.title}
     blocks = [
         make_block(simulation.scene, simulation.ground, *traced, None, title).to_dataset()
-        for traced in trace_blocks(simulation)
+        for traced in simulation.record_blocks()
     ]
     return measure_record(join_blocks(blocks))

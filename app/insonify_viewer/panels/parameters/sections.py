@@ -12,8 +12,7 @@ from typing import Any, Literal, get_args, get_origin
 from pydantic import BaseModel
 from pydantic.fields import FieldInfo
 
-from insonify.acoustics.absorption import absorption_coefficient
-from insonify.acoustics.water import speed_at_sonar
+from insonify.acoustics.water import absorption_coefficient, speed_at_sonar
 from insonify.scene import Scene, SceneError
 from insonify.scene.base import Declaration, kind_name, models_of
 from insonify.scene.edit import part_at

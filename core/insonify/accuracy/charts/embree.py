@@ -3,26 +3,24 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Iterator
 from importlib.util import find_spec
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from insonify.accuracy.charts.tessellation import tessellate_solids
-from insonify.kernels.common.types import BED, PORT, Bed, Poses, SceneArrays
-from insonify.kernels.rays.cell_walk import NOTHING, Hits, RayBundle
-from insonify.kernels.rays.first_echoes import deposit_hits, empty_bundle, empty_hits, empty_launch
-from insonify.kernels.rays.launch import (
-    SideBeam,
-    aim_rays,
-    highest_elevation,
-    list_solids_in_beam,
-    rotate_to_world,
-)
+from insonify.kernels.common.types import BED, PORT, SPHERE, Bed, Poses, SceneArrays, Solids
+from insonify.kernels.rays.cast import add_ray_echoes, aim_straight, arrive_straight, unaimed
+from insonify.kernels.rays.cell_walk import NOTHING, Hits, RayBundle, empty_bundle, empty_hits
+from insonify.kernels.rays.launch import SideBeam, rotate_to_world
 from insonify.scene import SceneError
 
 MOST_TRIANGLES = 8_000_000
+# Chords of a circle of radius R then lie up to 3e-4 R beneath it, and their normals are up to 1.4 degrees off.
+FACETS_AROUND = 128
+# An icosahedron divided five times has edges of up to 2.3 degrees: 20,480 triangles, as fine as those chords.
+DIVISIONS_OF_SPHERE = 5
 
 Record = NDArray[np.float32]
 
@@ -86,20 +84,15 @@ class TriangulatedScene:
         """Trace pings ray by ray."""
         arrays = self._arrays
         out = np.zeros((poses.x.size, 2, arrays.bins), dtype=np.float32)
-        launch, bundle, sums = empty_launch(rays), empty_bundle(rays), np.empty(arrays.bins)
-        fan, near = arrays.half_width > 0.0, np.empty(arrays.solids.shape.size, np.int64)
-        aimed_at = math.nan, math.nan
-        for ping, z in enumerate(poses.z):
+        aim, bundle, sums = unaimed(rays), empty_bundle(rays), np.empty(arrays.bins)
+        near = np.empty(arrays.solids.shape.size, np.int64)
+        for ping in range(poses.x.size):
             for side in range(2):
                 beam = _beam(arrays, poses, ping, side)
-                _, highest = list_solids_in_beam(arrays.solids, arrays.mesh, beam, near)
-                top = max(highest, highest_elevation(arrays.bed.high - z, 0.0, beam.reach))
-                if aimed_at != (z, top):
-                    aim_rays(launch, z, top, beam.reach, arrays.half_width, arrays.law, False)
-                    aimed_at = z, top
-                rotate_to_world(launch, beam, bundle)
-                hits = self.cast(bundle)
-                deposit_hits(bundle, hits, launch.weight, arrays.reflectivity, arrays.law, fan, arrays.bin_length, sums)
+                _, aim = aim_straight(arrays, beam, 0.0, near, aim)
+                rotate_to_world(aim.launch, beam, bundle)
+                sums[:] = 0.0
+                add_ray_echoes(arrays, arrive_straight(arrays, bundle, self.cast(bundle)), aim.launch.weight, sums)
                 out[ping, side] = sums * arrays.range_factor
         return out
 
@@ -146,3 +139,26 @@ def _beam(arrays: SceneArrays, poses: Poses, ping: int, side: int) -> SideBeam:
         x, y, z, ahead_x, ahead_y, side_x, side_y, ahead_x, ahead_y, 0.0, -s, s,
         side_x, side_y, 0.0, 0.0, 0.0, 1.0, arrays.bins * arrays.bin_length,
     )  # fmt: skip
+
+
+def tessellate_solids(solids: Solids) -> tuple[NDArray[np.float64], NDArray[np.int64]]:
+    """Triangles inscribed in spheres, cylinders and cones."""
+    parts = [np.empty((0, 3, 3)), *_each_body(solids)]
+    body = np.repeat(np.arange(-1, len(parts) - 1), [len(part) for part in parts])
+    return np.concatenate(parts), body
+
+
+def _each_body(solids: Solids) -> Iterator[NDArray[np.float64]]:
+    """Triangles of every body, (m, 3, 3) each."""
+    import trimesh.creation  # slow to import, and needed only with Embree
+
+    ball = trimesh.creation.icosphere(subdivisions=DIVISIONS_OF_SPHERE).triangles
+    for k, start in enumerate(solids.start):
+        radius = float(solids.radius[k])
+        if solids.shape[k] == SPHERE:
+            yield start + radius * ball
+            continue
+        length = float(solids.length[k])
+        outline = np.array([[0.0, 0.0], [radius, 0.0], [radius + solids.taper[k] * length, length], [0.0, length]])
+        turn = trimesh.geometry.align_vectors([0.0, 0.0, 1.0], solids.axis[k])[:3, :3]  # type: ignore[no-untyped-call]
+        yield start + trimesh.creation.revolve(outline, sections=FACETS_AROUND).triangles @ turn.T

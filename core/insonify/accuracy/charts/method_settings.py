@@ -1,4 +1,4 @@
-"""Methods of a chart with their settings."""
+"""A scene packed for charts, and the methods that trace it with their settings."""
 
 from __future__ import annotations
 
@@ -12,6 +12,12 @@ from numpy.typing import NDArray
 
 from insonify.accuracy.charts.embree import TriangulatedScene, explain_omission
 from insonify.kernels.common.types import Bed, Poses, SceneArrays, still_water
+from insonify.packing.scene_arrays import pack_scene
+from insonify.packing.terrain_tiles import TerrainTiles
+from insonify.scene import Scene
+from insonify.simulation import prepare
+from insonify.terrain import build_ground
+from insonify.tow.poses import make_poses, take_poses
 from insonify.tracers import march, rays, sweep
 
 STEPS = (16.0, 4.0, 1.0, 0.5)  # step of a march, in cells of the bed
@@ -28,6 +34,19 @@ SWEEPS = ("sweep", *(f"sweep, {division}" for division in DIVISIONS))  # of the 
 EMBREE, EMBREE_OWN = "embree", "embree, against its own triangles"
 
 Record = NDArray[np.float32]
+
+
+def pack_for_chart(scene: Scene, pings: int) -> tuple[SceneArrays, Poses]:
+    """Arrays and poses of some pings of a scene, with refraction wherever the water has a gradient."""
+    ground = build_ground(scene)
+    arrays = pack_scene(scene, ground)
+    # These effects exclude refraction; the plan decides which of both is modelled.
+    if arrays.water.bent and (arrays.multipath.enabled or arrays.bounces) and not prepare(scene).plan.bent:
+        arrays = arrays._replace(water=still_water(arrays.water.reference, arrays.water.surface))
+    poses = make_poses(scene, ground, np.unique(np.linspace(0, scene.track.pings - 1, pings).astype(np.int64)))
+    tiles = TerrainTiles(ground, arrays.bins * arrays.bin_length).split(arrays, poses)
+    places, arrays = max(tiles, key=lambda tile: poses.x[tile[0]].size)
+    return arrays, take_poses(poses, places)
 
 
 class SettingKey(NamedTuple):

@@ -20,7 +20,7 @@ from insonify.tracers import ray_sheets, rays
 RESOLVED = 10.0  # ratio of an error to the change of the reference that resolves it
 FIRST_RAYS = 1 << 16
 MOST_IN_SHEETS, MOST_SINGLE = 1 << 24, 1 << 22  # rays per side
-HELD = 1 << 30  # bytes of single rays that all cores together hold in memory
+MEMORY = 1 << 30  # bytes of single rays of all cores together
 SINGLE, BY_SURFACE = 128, 32  # bytes of a single ray, and of one by way of the sea surface
 RAYS_A_SHEET = 16  # rays per sheet of a fan at which both parts of the error are about equal
 # Order of the error in the number of rays, from which the next number is predicted.
@@ -57,13 +57,13 @@ def refine_reference(
     began, count = process_time(), FIRST_RAYS
     order, most = (SHEET_ORDER, MOST_IN_SHEETS) if ray_sheets.can_trace(arrays) else (RAY_ORDER, MOST_SINGLE)
 
-    def told() -> None:
+    def report() -> None:
         progress(min((process_time() - began) / seconds, 1.0))
 
-    record = trace_exact_rays(arrays, poses, count, told)
+    record = trace_exact_rays(arrays, poses, count, report)
     while True:
         start = process_time()
-        finer = trace_exact_rays(arrays, poses, 2 * count, told)
+        finer = trace_exact_rays(arrays, poses, 2 * count, report)
         per_ray = (process_time() - start) / (2 * count)
         by = compare_records(arrays, poses, record, finer)
         moved = by.beyond
@@ -74,7 +74,7 @@ def refine_reference(
         if moved * RESOLVED <= smallest or doublings < 1:
             return Reference(finer, moved, 2 * count, by.all_bins, name_rays(arrays))
         count <<= doublings
-        record = finer if doublings == 1 else trace_exact_rays(arrays, poses, count, told)
+        record = finer if doublings == 1 else trace_exact_rays(arrays, poses, count, report)
 
 
 def name_rays(arrays: SceneArrays) -> str:
@@ -84,11 +84,13 @@ def name_rays(arrays: SceneArrays) -> str:
     return "rays in sheets, surface paths by single rays" if arrays.multipath.enabled else "rays in sheets"
 
 
-def trace_exact_rays(arrays: SceneArrays, poses: Poses, count: int, told: Callable[[], None] = lambda: None) -> Record:
+def trace_exact_rays(
+    arrays: SceneArrays, poses: Poses, count: int, report: Callable[[], None] = lambda: None
+) -> Record:
     """Trace with a number of exact rays per side, pings in parallel.
 
     First echoes are traced in ray sheets, echoes by way of the sea surface ray by ray, and a scene with bounces ray by
-    ray altogether. ``told`` is called after every ping and may raise to stop.
+    ray altogether. ``report`` is called after every ping and may raise to stop.
     """
     first = arrays._replace(multipath=no_surface_multipath())
 
@@ -101,13 +103,13 @@ def trace_exact_rays(arrays: SceneArrays, poses: Poses, count: int, told: Callab
         return record + rays.trace_surface_paths(arrays, pose, rays=count, threads=1)
 
     records = []
-    held = SINGLE if arrays.bounces else BY_SURFACE if arrays.multipath.enabled else 1
-    workers = min(count_threads(), max(HELD // (held * count), 1))
+    ray_bytes = SINGLE if arrays.bounces else BY_SURFACE if arrays.multipath.enabled else 1
+    workers = min(count_threads(), max(MEMORY // (ray_bytes * count), 1))
     with ThreadPoolExecutor(workers) as pool:
         try:
             for record in pool.map(single, (take_poses(poses, slice(k, k + 1)) for k in range(poses.x.size))):
                 records.append(record)
-                told()
+                report()
         except BaseException:
             pool.shutdown(wait=False, cancel_futures=True)
             raise

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from insonify.acoustics.layers import SoundSpeedField
+from insonify.acoustics.water import SoundSpeedField
 
 Values = NDArray[np.float64]
 # Colours from slow to fast water: red, green and blue.

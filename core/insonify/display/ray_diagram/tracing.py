@@ -7,9 +7,8 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
-from insonify.acoustics.layers import make_sound_speed_field
 from insonify.acoustics.rays import follow_paths, join_points
-from insonify.acoustics.water import make_water
+from insonify.acoustics.water import make_sound_speed_field, make_water
 from insonify.display.ray_diagram.diagram import DiagramEigenray, DiagramRay, RayDiagram
 from insonify.display.ray_diagram.ray_fan import RayFan, trace_fan
 from insonify.kernels.common.types import Water

@@ -4,18 +4,15 @@ from __future__ import annotations
 
 import math
 
-import numpy as np
-
 from insonify.compiler.jit import inlined, kernel
 from insonify.kernels.common.scattering import backscatter_strength
 from insonify.kernels.common.types import BED
+from insonify.kernels.labels.bed_stretches import BEHIND_TARGET, HEARD
 from insonify.kernels.labels.echo_parts import (
     AZIMUTH,
-    BEHIND_TARGET,
     COSINE,
     ECHO,
     FAR,
-    HEARD,
     HIDER,
     LAUNCH,
     MATERIAL,
@@ -29,11 +26,8 @@ from insonify.kernels.labels.echo_parts import (
     Z_TO,
 )
 from insonify.kernels.labels.shadows import NO_TARGET, target_of_body
-from insonify.kernels.rays.first_echoes import empty_bundle, empty_hits, empty_launch, weigh_by_pattern
-from insonify.kernels.rays.launch import orient_beam, rotate_to_world
-from insonify.kernels.refracted_rays.echoes import aim_side, make_waveguide, refracted_echo
-from insonify.kernels.refracted_rays.hits import LandedRays, empty_arrivals, find_refracted_hits
-from insonify.kernels.refracted_rays.mixed_paths import find_mixed_echoes
+from insonify.kernels.rays.cast import aim_refracted, cast_refracted, count_echoes, side_echo, unaimed
+from insonify.kernels.rays.launch import orient_beam
 
 
 @kernel
@@ -55,46 +49,21 @@ def list_refracted_parts(arrays, bare, poses, ping, side, rays, window, rows):
     int
         Parts there are, of which as many are listed as there is room for.
     """
-    launch, bundle, hits, arrivals = empty_launch(rays), empty_bundle(rays), empty_hits(rays), empty_arrivals(rays)
-    z, n = poses.z[ping], 0
-    beam = orient_beam(arrays, poses, ping, side)
+    beam, n = orient_beam(arrays, poses, ping, side), 0
     ahead = math.cos(poses.heading[ping]), math.sin(poses.heading[ping])
-    waveguide = make_waveguide(arrays, beam)
-    landings = aim_side(arrays, waveguide, z, poses.pitch[ping], launch)
-    rotate_to_world(launch, beam, bundle)
-    find_refracted_hits(arrays, bundle, waveguide.reach, 0.0, hits, arrivals)
-    weight, weighed = launch.weight, np.empty(rays)
-    if arrays.pattern.tabulated:
-        weight = weigh_by_pattern(arrays, beam, bundle, hits, launch.weight, weighed)
-    landed = LandedRays(bundle, hits, arrivals)
-    for k in range(rays):
-        b, value, cosine = refracted_echo(arrays, hits, arrivals, weight, k)
-        n = _list_ray(arrays, landed, ahead, k, b, value, cosine, HEARD, NO_TARGET, window, rows, n)
-    if landings.fold < math.inf:
-        mixed = find_mixed_echoes(arrays, beam, waveguide, z, landings, launch.weight, landed)
-        for m in range(mixed.ray.size):
-            k = mixed.ray[m]
-            _, _, cosine = refracted_echo(arrays, hits, arrivals, weight, k)
-            n = _list_ray(arrays, landed, ahead, k, mixed.bin[m], mixed.value[m], cosine, HEARD, NO_TARGET, window,
-                          rows, n)  # fmt: skip
+    waveguide, aim = aim_refracted(arrays, beam, poses.pitch[ping], unaimed(rays))
+    cast = cast_refracted(arrays, beam, waveguide, aim, 0.0)
+    for m in range(count_echoes(cast)):
+        k, b, value, cosine = side_echo(arrays, cast, m)
+        n = _list_ray(arrays, cast.rays, ahead, k, b, value, cosine, HEARD, NO_TARGET, window, rows, n)
     if arrays.solids.shape.size + arrays.mesh.target.size > 0:
-        n = _list_hidden(arrays, bare, landed, beam, waveguide, launch.weight, ahead, window, rows, n)
-    return n
-
-
-@kernel
-def _list_hidden(arrays, bare, met, beam, waveguide, weight, ahead, window, rows, n):
-    """List the bed's echoes of the rays that meet a target first."""
-    count = weight.size
-    landed = LandedRays(met.bundle, empty_hits(count), empty_arrivals(count))
-    find_refracted_hits(bare, landed.bundle, waveguide.reach, 0.0, landed.hits, landed.arrivals)
-    if bare.pattern.tabulated:
-        weight = weigh_by_pattern(bare, beam, landed.bundle, landed.hits, weight, np.empty(count))
-    for k in range(count):
-        if met.hits.body[k] >= 0:
-            b, value, cosine = refracted_echo(bare, landed.hits, landed.arrivals, weight, k)
-            hider = target_of_body(arrays.solids, arrays.mesh, met.hits.body[k])
-            n = _list_ray(arrays, landed, ahead, k, b, value, cosine, BEHIND_TARGET, hider, window, rows, n)
+        # The bed's echoes of the rays that meet a target first.
+        hidden, body = cast_refracted(bare, beam, waveguide, aim, 0.0), cast.rays.hits.body
+        for m in range(rays):
+            if body[m] >= 0:
+                k, b, value, cosine = side_echo(bare, hidden, m)
+                hider = target_of_body(arrays.solids, arrays.mesh, body[m])
+                n = _list_ray(arrays, hidden.rays, ahead, k, b, value, cosine, BEHIND_TARGET, hider, window, rows, n)
     return n
 
 

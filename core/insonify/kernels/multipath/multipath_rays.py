@@ -16,19 +16,11 @@ from insonify.kernels.beam.pattern import two_way_response
 from insonify.kernels.common.scattering import backscatter_strength
 from insonify.kernels.common.types import LIGHT, SONAR
 from insonify.kernels.multipath.image_sources import bottom_image, height_delay, surface_image, tilt_delay, wave_advance
-from insonify.kernels.rays.cell_walk import NOTHING, find_first_hits
-from insonify.kernels.rays.first_echoes import TOGETHER, empty_bundle, empty_hits, empty_launch, take_rays, take_room
-from insonify.kernels.rays.launch import (
-    SideBeam,
-    aim_rays,
-    cone_azimuth,
-    highest_elevation,
-    list_solids_in_beam,
-    orient_beam,
-    rotate_to_world,
-    spread_over_pattern,
-)
+from insonify.kernels.rays.cast import aim_straight, cast_straight, unaimed
+from insonify.kernels.rays.cell_walk import NOTHING
+from insonify.kernels.rays.launch import SideBeam, cone_azimuth, orient_beam
 from insonify.kernels.rays.path_tracing import Intersection, advance_to, meet_scene, start_path
+from insonify.kernels.rays.pings import TOGETHER, take_rays
 from insonify.kernels.rays.specular_paths import mixed_echo
 
 MOST_PASSES = 2  # of the sea surface
@@ -52,7 +44,7 @@ def trace_multipath(arrays, poses, rays, out):
     """
     multipath, sums = arrays.multipath, np.empty(arrays.bins)
     near = np.empty(arrays.solids.shape.size, np.int64)
-    launch, bundle, hits = empty_launch(rays), empty_bundle(TOGETHER), empty_hits(TOGETHER)
+    aim = unaimed(rays)
     for ping in range(poses.x.size):
         x, y, z, pitch = poses.x[ping], poses.y[ping], poses.z[ping], poses.pitch[ping]
         surface, bottom = surface_image(arrays, z), bottom_image(arrays, x, y, z)
@@ -60,9 +52,9 @@ def trace_multipath(arrays, poses, rays, out):
             beam = orient_beam(arrays, poses, ping, side)
             sums[:] = 0.0
             if multipath.surface_bottom or multipath.surface_bottom_surface:
-                _add_image(arrays, beam, surface, pitch, near, launch, bundle, hits, sums)
+                _add_image(arrays, beam, surface, pitch, near, aim, sums)
             if multipath.second_bottom and bottom.share > 0.0:
-                _add_image(arrays, beam, bottom, pitch, near, launch, bundle, hits, sums)
+                _add_image(arrays, beam, bottom, pitch, near, aim, sums)
             if multipath.surface_echo:
                 _add_surface_echo(arrays, beam, surface, sums)
             for k in range(arrays.bins):
@@ -70,25 +62,18 @@ def trace_multipath(arrays, poses, rays, out):
 
 
 @kernel
-def _add_image(arrays, beam, image, pitch, near, launch, bundle, hits, sums):
+def _add_image(arrays, beam, image, pitch, near, aim, sums):
     """Sum the echoes that one image of the sonar brings."""
-    fan, multipath = arrays.half_width > 0.0, arrays.multipath
+    multipath = arrays.multipath
     seen_from = _beam_of_image(arrays, beam, image)
     if image.mirrored:
         pitch = -pitch
-    count, top = list_solids_in_beam(arrays.solids, arrays.mesh, seen_from, near)
-    top = max(top, highest_elevation(arrays.bed.high - seen_from.z, 0.0, seen_from.reach))
-    spreads = fan and arrays.pattern.tabulated
     farthest = arrays.bins * arrays.bin_length + wave_advance(multipath, 1)
-    aim_rays(launch, seen_from.z, top, seen_from.reach, arrays.half_width, arrays.law, spreads)
-    if spreads:
-        spread_over_pattern(launch, arrays.pattern, seen_from.z, seen_from.reach, pitch)
-    for first in range(0, launch.weight.size, TOGETHER):
-        some = take_rays(launch, first, min(first + TOGETHER, launch.weight.size))
-        these, met = take_room(bundle, hits, some.weight.size)
-        rotate_to_world(some, seen_from, these)
-        find_first_hits(arrays.bed, arrays.solids, near, count, arrays.mesh, these, seen_from.reach, met)
-        _add_hits(arrays, beam, image, seen_from, farthest, some, these, met, sums)
+    count, aim = aim_straight(arrays, seen_from, pitch, near, aim)
+    for first in range(0, aim.launch.weight.size, TOGETHER):
+        some = take_rays(aim.launch, first, min(first + TOGETHER, aim.launch.weight.size))
+        landed = cast_straight(arrays, seen_from, near, count, some, 0.0)
+        _add_hits(arrays, beam, image, seen_from, farthest, some, landed.bundle, landed.hits, sums)
 
 
 @kernel

@@ -1,1 +1,1 @@
-"""Single rays along straight lines: cell walk, fixed-step march, specular paths, ray differentials."""
+"""Single rays, straight or along arcs: launch, hits on bed and targets, echoes, specular and mixed paths, sheets."""

@@ -71,6 +71,18 @@ class BilinearCell(NamedTuple):
 
 
 @kernel
+def empty_bundle(n):
+    """Room for n rays."""
+    return RayBundle(np.empty(n), np.empty(n), np.empty(n), np.empty(n), np.empty(n), np.empty(n))
+
+
+@kernel
+def empty_hits(n):
+    """Room for n hits."""
+    return Hits(np.empty(n), np.empty(n, np.int64), np.empty(n, np.int64), np.empty(n), np.empty(n), np.empty(n))
+
+
+@kernel
 def find_first_hits(bed, solids, near, count, mesh, bundle, reach, hits):
     """First hit of each ray on the bed, a mesh or a solid."""
     _meet_solids(solids, near, count, bundle, reach, hits)

@@ -57,6 +57,12 @@ class RayLaunch(NamedTuple):
     weight: NDArray[np.float64]  # (n,) rad (knife, top-hat of law `light`), sr (law `sonar`), rad² (a pattern's light)
 
 
+@kernel
+def empty_launch(n):
+    """Room for the directions of n rays."""
+    return RayLaunch(np.empty(n), np.empty(n), np.empty(n), np.empty(n))
+
+
 @inlined
 def orient_beam(arrays, poses, ping, side):
     """Axes of the beam of one side of one ping, after heading, pitch (bow up), then roll (port up)."""
@@ -87,24 +93,9 @@ def orient_beam(arrays, poses, ping, side):
 
 @kernel
 def aim_rays(launch, height, top, reach, half_width, law, spreads):
-    """Aim all rays of a side: equal steps of slant range on a level bed, then the elevations above it.
+    """Aim all rays of a side: equal steps of slant range on a level bed, then elevations up to ``top``, rad.
 
-    Parameters
-    ----------
-    launch : RayLaunch of ndarrays, shape (n,)
-        Filled.
-    height : float
-        Of the sonar above the mean bed, m.
-    top : float
-        Highest elevation of anything to be met, rad, up positive.
-    reach : float
-        Slant range at which rays end, m.
-    half_width : float
-        Of the beam, rad; 0 for a knife edge.
-    law : int
-        LIGHT or SONAR.
-    spreads : bool
-        Whether a pattern spreads the rays over azimuths later: they are aimed athwart.
+    A beam pattern that spreads the rays over azimuths does so afterwards: then they are aimed athwart.
     """
     n = launch.up.size
     level = height > 0.0 and height < reach
@@ -181,15 +172,7 @@ def cone_azimuth(cos_elevation, half_width):
 
 @kernel
 def rotate_to_world(launch, beam, bundle):
-    """Turn the rays of a side from the sonar's axes to the world's.
-
-    Parameters
-    ----------
-    launch : RayLaunch of ndarrays, shape (n,)
-    beam : SideBeam
-    bundle : RayBundle of ndarrays, shape (n,)
-        Filled.
-    """
+    """Fill a bundle with the rays of a side, turned from the sonar's axes to the world's."""
     for k in range(launch.up.size):
         bundle.x[k], bundle.y[k], bundle.z[k] = beam.x, beam.y, beam.z
         bundle.dx[k] = launch.ahead[k] * beam.ahead_x + launch.abeam[k] * beam.side_x
@@ -199,22 +182,7 @@ def rotate_to_world(launch, beam, bundle):
 
 @kernel
 def list_solids_in_beam(solids, mesh, beam, near):
-    """Solids that a beam can touch, and the highest elevation of anything to be met.
-
-    Parameters
-    ----------
-    solids, mesh : Solids, Mesh
-    beam : SideBeam
-    near : ndarray of int64, shape (solids,)
-        Filled from its beginning with the rows of the solids.
-
-    Returns
-    -------
-    count : int
-        Of the solids.
-    top : float
-        rad, up positive, rounded up so that one aim serves many pings.
-    """
+    """List the solids that a beam can touch; return their number, and the highest elevation of a target, rad."""
     count, top = 0, -0.5 * math.pi
     for k in range(solids.shape.size):
         middle, radius, cx, cy, cz = ball_about(solids, k)
@@ -242,6 +210,14 @@ def ball_about(solids, k):
 
 
 @inlined
+def box_about(mesh, node):
+    """Half the lengths of the edges of a node's box, and its middle."""
+    low, high = mesh.low[node], mesh.high[node]
+    wx, wy, wz = 0.5 * (high[0] - low[0]), 0.5 * (high[1] - low[1]), 0.5 * (high[2] - low[2])
+    return wx, wy, wz, low[0] + wx, low[1] + wy, low[2] + wz
+
+
+@inlined
 def beam_touches_ball(beam, cx, cy, cz, distance, bound):
     """Whether a beam can touch a ball."""
     along = cx * beam.axis_x + cy * beam.axis_y + cz * beam.axis_z
@@ -257,11 +233,8 @@ def _highest_of_mesh(mesh, beam, top):
     """Greatest elevation of the mesh's boxes in a beam, or ``top`` if that is more, rad."""
     node = 0
     while node < mesh.skip.size:
-        wx = 0.5 * (mesh.high[node, 0] - mesh.low[node, 0])
-        wy = 0.5 * (mesh.high[node, 1] - mesh.low[node, 1])
-        wz = 0.5 * (mesh.high[node, 2] - mesh.low[node, 2])
-        cx, cy = mesh.low[node, 0] + wx - beam.x, mesh.low[node, 1] + wy - beam.y
-        cz = mesh.low[node, 2] + wz - beam.z
+        wx, wy, wz, cx, cy, cz = box_about(mesh, node)
+        cx, cy, cz = cx - beam.x, cy - beam.y, cz - beam.z
         bound, distance = math.sqrt(wx * wx + wy * wy + wz * wz), math.sqrt(cx * cx + cy * cy + cz * cz)
         highest = top
         if beam_touches_ball(beam, cx, cy, cz, distance, bound):
@@ -278,20 +251,7 @@ def _highest_of_mesh(mesh, beam, top):
 
 @kernel
 def highest_elevation(summit, nearest, farthest):
-    """Greatest elevation of anything no higher than a summit and between two distances.
-
-    Parameters
-    ----------
-    summit : float
-        Height above the sonar, m.
-    nearest, farthest : float
-        Distances from the sonar, m.
-
-    Returns
-    -------
-    float
-        rad, up positive.
-    """
+    """Greatest elevation of anything no higher above the sonar than ``summit`` and between two distances, rad."""
     if summit < 0.0:
         return math.asin(max(summit / farthest, -1.0))
     return math.asin(summit / nearest) if summit < nearest else 0.5 * math.pi

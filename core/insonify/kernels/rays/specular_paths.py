@@ -40,8 +40,8 @@ from insonify.kernels.rays.path_tracing import (
     offset_from_surface,
     split_path,
     start_path,
+    tube_area,
 )
-from insonify.kernels.rays.ray_differentials import tube_area
 
 CAUSTIC = 0.01  # least area of a tube, as a share of its area where nothing focuses it
 KNIFE = 0.5  # m, half the along-track width of a knife

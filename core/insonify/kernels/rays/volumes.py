@@ -16,7 +16,7 @@ from insonify.kernels.beam.pattern import two_way_response
 from insonify.kernels.common.types import SONAR
 from insonify.kernels.rays.launch import beam_touches_ball, orient_beam
 
-KNIFE = 0.5  # m, half the thickness of the slab that a knife hears
+KNIFE = 0.5  # m, half the thickness of the slab from which a knife receives echoes
 
 
 class EchoPoints(NamedTuple):
@@ -65,7 +65,7 @@ def _add_points(arrays, beam, place, strength, begin, end, out):
 
 @inlined
 def _response(arrays, beam, dx, dy, dz, r):
-    """Two-way response in a direction; a knife hears a slab of water 1 m thick."""
+    """Two-way response in a direction; a knife receives from a slab of water 1 m thick."""
     fan = arrays.half_width > 0.0
     if fan and not beam.s_low <= dx * beam.axis_x + dy * beam.axis_y + dz * beam.axis_z <= beam.s_high:
         return 0.0

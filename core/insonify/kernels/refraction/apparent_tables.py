@@ -11,9 +11,8 @@ import numpy as np
 
 from insonify.compiler.jit import kernel
 from insonify.kernels.refraction.apparent_positions import LEVEL, RISE, TUBE, TURN
-from insonify.kernels.refraction.arcs import RANGE, launch_in_layers
+from insonify.kernels.refraction.arcs import RANGE, launch_in_layers, speed_at
 from insonify.kernels.refraction.eigenrays import FOUND, find_direct_ray, follow_to_range
-from insonify.kernels.refraction.layers import speed_at
 
 NEAR = 1e-3  # ground range of the first column, in columns: straight below the sonar x'/x is undefined
 FANNED = 256  # rays that are compared to see whether any two cross

@@ -19,10 +19,10 @@ import math
 from typing import NamedTuple
 
 from insonify.compiler.jit import inlined
-from insonify.kernels.refraction.layers import SNAP, gradient_above, node_below, speed_at
 
 # How a step ends: at a node of the water, at the given range or height, or never.
 NODE, RANGE, LOW, HIGH, ENDLESS = 0, 1, 2, 3, 4
+SNAP = 1e-9  # a ray within this of a node is on it, m
 GRAZING = 1e-7  # least sine of the angle at which a ray counts as meeting a jump of the gradient
 
 
@@ -38,6 +38,36 @@ class RayState(NamedTuple):
     p: float  # slowness across the ray by which q grows, s/m
     q: float  # distance across the ray per launch angle, m/rad
     grazed: bool  # whether it met a jump of the gradient below GRAZING, so that p and q are capped
+
+
+@inlined
+def node_below(height, z):
+    """Highest node of the water at or below a height."""
+    low, high = 0, height.size
+    while low < high:
+        middle = (low + high) // 2
+        if height[middle] <= z + SNAP:
+            low = middle + 1
+        else:
+            high = middle
+    return low - 1
+
+
+@inlined
+def gradient_above(height, speed, k):
+    """Gradient dc/dz between nodes k and k + 1."""
+    if k < 0 or k >= height.size - 1:
+        return 0.0
+    return (speed[k + 1] - speed[k]) / (height[k + 1] - height[k])
+
+
+@inlined
+def speed_at(height, speed, z):
+    """Speed of sound at a height."""
+    k = node_below(height, z)
+    if k < 0:
+        return speed[0]
+    return speed[k] + gradient_above(height, speed, k) * max(z - height[k], 0.0)
 
 
 @inlined
@@ -148,7 +178,7 @@ def follow_arc(ray, gx, gz, tangents):
 
 @inlined
 def _follow_to_level(ray, g, tangents, level, sine):
-    """Ray at the other end of an arc of layered water whose height and direction there are known."""
+    """Ray at the other end of an arc of layered water, from its height and direction there."""
     speed = ray.speed + g * (level - ray.z)
     cosine = ray.cosine / ray.speed * speed
     time, q = _add_time_and_spread(ray, g * g, 0.5 * tangents * g * ray.cosine / ray.speed, tangents, speed)
@@ -209,7 +239,7 @@ def _bend_tube_at_level(ray, fall):
 
 @inlined
 def bend_tube(ray, strength, flat):
-    """Ray whose tube a jump of the gradient has bent."""
+    """Ray with its tube bent by a jump of the gradient."""
     p = ray.p + ray.q * strength / (ray.speed * ray.speed)
     grazed = ray.grazed or (flat and ray.q * strength != 0.0)
     return RayState(ray.x, ray.z, ray.cosine, ray.sine, ray.speed, ray.time, p, ray.q, grazed)

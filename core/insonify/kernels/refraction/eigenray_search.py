@@ -2,8 +2,8 @@
 
 A launch angle at which a ray grazes a node, or an end of the water, is *critical*. Between two critical angles rays
 pass the same layers in the same order, and the range at which they come to a height for the n-th time is a smooth
-function of the launch angle: rays are sent at some angles in between, and every root and every extremum that the
-ranges and their exact derivatives show is followed up.
+function of the launch angle: rays are launched at some angles in between, and every root and extremum that
+the ranges and their exact derivatives reveal is refined.
 
 Theory: docs/theory/refraction.md.
 """
@@ -19,22 +19,25 @@ from insonify.compiler.jit import inlined, kernel
 from insonify.kernels.refraction.arcs import (
     ENDLESS,
     NODE,
+    SNAP,
     advance_in_layers,
     enter_layer,
     find_layer,
+    gradient_above,
     gradient_behind,
     launch_in_layers,
+    node_below,
     reflect_at_level,
+    speed_at,
 )
-from insonify.kernels.refraction.layers import SNAP, gradient_above, node_below, speed_at
 
 STEPS = 10_000  # layers that a ray may pass
-ORDERS = 64  # most times that one ray comes to the height asked for; along the axis of a duct they are unbounded
+ORDERS = 64  # most passages of one ray through the target height; along the axis of a duct they are unbounded
 SAMPLES = 13  # rays between two critical angles
 HALVINGS = 200  # of a bracket
-BEYOND = 2.0  # times the range asked for, beyond which a ray is given up
+BEYOND = 2.0  # times the target range, beyond which a ray ends
 CLOSE = 1e-12  # accepted miss, as a share of the lengths involved
-# Columns of a ray where it comes to the height asked for; q is signed as by `arcs.reflect_at_level`.
+# Columns of a ray where it comes to the target height; q is signed as by `arcs.reflect_at_level`.
 ANGLE, X, TIME, COSINE, SINE, TUBE, TURNS, TOPS, BOTTOMS, GRAZED = 0, 1, 2, 3, 4, 5, 6, 7, 8, 9
 COLUMNS = 10
 
@@ -60,7 +63,7 @@ def find_eigenrays(height, speed, span, edges, found):
         Nodes of the water, ascending.
     span : EndPoints
     edges : ndarray
-        Critical angles, ascending, rad: 0 and right angles are among them, as far as rays can be launched there.
+        Critical angles, ascending, rad, with 0, and right angles where rays can be launched that way.
     found : ndarray, shape (m, COLUMNS)
         Filled from its beginning, in the order of launch angles.
 
@@ -88,7 +91,7 @@ def find_eigenrays(height, speed, span, edges, found):
         for order in range(ORDERS):
             count = _add_critical_ray(height, speed, span, before[order], rows[0, order], found, count)
             if order > 0:
-                # A ray that grazes the height asked for comes there twice at once.
+                # A ray that grazes the target height passes it twice at once.
                 a, b = rows[0, order - 1], rows[-1, order - 1]
                 count = _add_critical_ray(height, speed, span, a, rows[0, order], found, count)
                 count = _add_critical_ray(height, speed, span, b, rows[-1, order], found, count)
@@ -116,7 +119,7 @@ def _angle_uncertainty(edge):
 
 @kernel
 def _trace_crossings(height, speed, span, angle, rows):
-    """Follow a ray and write its state wherever it comes to the height asked for; x is infinite where it does not."""
+    """Follow a ray and write its state at each passage through the target height; x is infinite where there is none."""
     for row in rows:
         row[ANGLE], row[X] = angle, math.inf
     cosine = math.cos(angle) if abs(angle) < 0.5 * math.pi else 0.0
@@ -155,7 +158,7 @@ def _trace_crossings(height, speed, span, angle, rows):
 
 @inlined
 def _keep_crossing(row, ray, turns, tops, bottoms):
-    """Write the state of a ray where it comes to the height asked for."""
+    """Write the state of a ray at the target height."""
     row[X], row[TIME], row[TUBE] = ray.x, ray.time, ray.q
     row[COSINE], row[SINE] = ray.cosine, ray.sine
     row[TURNS], row[TOPS], row[BOTTOMS], row[GRAZED] = turns, tops, bottoms, 1.0 if ray.grazed else 0.0
@@ -170,20 +173,20 @@ def _copy_row(given, taken):
 
 @inlined
 def _brackets(span, a, b):
-    """Whether the range asked for lies between those of two rays."""
+    """Whether the target range lies between those of two rays."""
     return (a[X] > span.x) != (b[X] > span.x)
 
 
 @inlined
 def _range_rate(row):
-    """dx/dθ0 of the range at which a ray comes to the height asked for, m/rad."""
+    """dx/dθ0 of the range at which a ray comes to the target height, m/rad."""
     flipped = (row[TOPS] + row[BOTTOMS]) % 2.0 == 1.0
     return row[TUBE] / row[SINE] if flipped else -row[TUBE] / row[SINE]
 
 
 @inlined
 def _may_turn_back(span, a, b):
-    """Whether between two rays on one side of the range asked for an extremum may lie that reaches over to it."""
+    """Whether an extremum between two rays on one side of the target range may reach across it."""
     if math.isinf(a[X]) or math.isinf(b[X]):
         return False
     if a[X] > span.x:
@@ -193,7 +196,7 @@ def _may_turn_back(span, a, b):
 
 @kernel
 def _find_past_extremum(height, speed, span, order, a, b, row):
-    """Ray between two on the other side of the range asked for, or the one that comes nearest to it."""
+    """Ray between two on the other side of the target range, or the one that comes nearest to it."""
     first, last, falls = a[ANGLE], b[ANGLE], _range_rate(a) < 0.0
     for _ in range(HALVINGS):
         middle = 0.5 * (first + last)
@@ -209,7 +212,7 @@ def _find_past_extremum(height, speed, span, order, a, b, row):
 
 @kernel
 def _add_root(height, speed, span, order, a, b, row, found, count):
-    """Add the ray between two on either side of the range asked for: Newton's steps, halvings where they stray."""
+    """Add the ray between two on either side of the target range, by Newton's steps or by halving where those stray."""
     if count == found.shape[0]:
         return count
     first, last, beyond = a[ANGLE], b[ANGLE], a[X] > span.x
@@ -255,7 +258,7 @@ def _tolerated_miss(span):
 
 @inlined
 def _add_critical_ray(height, speed, span, a, b, found, count):
-    """Add the ray at a critical angle, if the range asked for lies between the nearly equal ones on its two sides."""
+    """Add the ray at a critical angle, if the target range lies between the nearly equal ones on its two sides."""
     if count < found.shape[0] and _brackets(span, a, b) and abs(a[X] - b[X]) < _tolerated_miss(span):
         _copy_row(a if abs(a[X] - span.x) < abs(b[X] - span.x) else b, found[count])
         _correct_time(height, speed, span, found[count])
@@ -305,7 +308,7 @@ def find_insonified_ranges(height, speed, span, edges, lit):
     height, speed : ndarray, shape (n,)
         Nodes of the water, ascending.
     span : EndPoints
-        Of any range: all are looked at.
+        Of any range.
     edges : ndarray, shape (m + 1,)
         As for `find_eigenrays`.
     lit : ndarray, shape (m, orders, 2)

@@ -6,12 +6,23 @@ import math
 from typing import NamedTuple
 
 from insonify.compiler.jit import inlined, kernel
-from insonify.kernels.refraction.arcs import ENDLESS, HIGH, LOW, NODE, RANGE, advance_in_layers, launch_in_layers
-from insonify.kernels.refraction.layers import SNAP, gradient_above, node_below, speed_at
+from insonify.kernels.refraction.arcs import (
+    ENDLESS,
+    HIGH,
+    LOW,
+    NODE,
+    RANGE,
+    SNAP,
+    advance_in_layers,
+    gradient_above,
+    launch_in_layers,
+    node_below,
+    speed_at,
+)
 
 FOUND, NONE = 0, 1
-STEPS = 10_000  # layers that a direct ray may pass; a trapped one is given up
-TRIES = 200  # rays sent before a root is given up: halvings of a bracket, at worst
+STEPS = 10_000  # layers that a direct ray may pass; a trapped one ends there
+TRIES = 200  # rays per root: halvings of a bracket, at worst
 CLOSE = 1e-12  # accepted miss, as a share of the lengths involved
 
 

@@ -1,4 +1,7 @@
-"""Whole rays through any water: points along them at given ground ranges, and how each ray ends."""
+"""Whole rays through any water: points at given ground ranges, how each ray ends, and the caustics that it touches.
+
+Theory: docs/theory/refraction.md.
+"""
 
 from __future__ import annotations
 
@@ -9,10 +12,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from insonify.compiler.jit import inlined, kernel
-from insonify.kernels.refraction.arcs import HIGH, LOW, NODE, RANGE
-from insonify.kernels.refraction.section_arcs import advance_ray, launch_ray, reflect_ray
+from insonify.kernels.refraction.arcs import ENDLESS, HIGH, LOW, NODE, RANGE, find_layer, follow_arc
+from insonify.kernels.refraction.section_arcs import advance_ray, find_triangle, launch_ray, reflect_ray
 
-STEPS = 100_000  # layers, triangles and reflections after which a ray is given up
+STEPS = 100_000  # layers, triangles and reflections after which a ray counts as trapped
+CAUSTIC_COLUMNS = 4  # of each caustic: number of the ray, range, height, time
 AT_RANGE, ON_BED, AT_SURFACE, NOWHERE, TRAPPED = 0, 1, 2, 3, 4
 
 
@@ -101,3 +105,58 @@ def _write_point(points, n, k, ray, turns, tops, bottoms):
     points.x[n, k], points.z[n, k], points.cosine[n, k], points.sine[n, k] = ray.x, ray.z, ray.cosine, ray.sine
     points.time[n, k], points.q[n, k], points.grazed[n, k] = ray.time, ray.q, ray.grazed
     points.turns[n, k], points.tops[n, k], points.bottoms[n, k] = turns, tops, bottoms
+
+
+@kernel
+def trace_caustics(water, plane, z0, angles, limits, found):
+    """Places at which rays from one height at ground range 0 touch caustics.
+
+    Parameters
+    ----------
+    water, plane, z0, angles, limits
+        As in `trace_ray_paths`.
+    found : ndarray, shape (m, CAUSTIC_COLUMNS)
+        Filled from its beginning.
+
+    Returns
+    -------
+    int
+        Caustics found; m if there may be more than there is room for.
+    """
+    height, speed, station = water.height, water.speed, water.station
+    count = 0
+    for n in range(angles.size):
+        steep = abs(angles[n]) >= 0.5 * math.pi
+        cosine, sine = 0.0 if steep else math.cos(angles[n]), math.sin(angles[n])
+        ray = launch_ray(height, speed, station, plane, z0, cosine, sine)
+        for _ in range(STEPS):
+            before = ray
+            status, ray = advance_ray(height, speed, station, plane, ray, limits.x, limits.low, limits.high)
+            if before.q * ray.q < 0.0:
+                if count == found.shape[0]:
+                    return count
+                there = _reach_caustic(height, speed, station, plane, before)
+                found[count, 0], found[count, 1], found[count, 2], found[count, 3] = n, there.x, there.z, there.time
+                count += 1
+            if (status == LOW and limits.from_bed) or (status == HIGH and limits.from_surface):
+                ray = reflect_ray(height, speed, station, plane, ray)
+            elif status == RANGE or status == ENDLESS or status == LOW or status == HIGH:
+                break
+    return count
+
+
+@inlined
+def _reach_caustic(height, speed, station, plane, ray):
+    """Ray where its q is 0, within the arc that begins here."""
+    if station.size == 1:
+        _, gz, _, _ = find_layer(height, speed[0], ray)
+        gx = 0.0
+    else:
+        _, _, piece = find_triangle(height, speed, station, plane, ray)
+        gx, gz = piece.along * plane.along, piece.up
+    # ∫c ds = -q/p from here, and in terms of the tangents (c + g·u T/2) T / (1 + κ²T²/4): a quadratic in T.
+    needed = -ray.q / ray.p
+    bend = (ray.cosine * gz - ray.sine * gx) / ray.speed
+    square = 0.5 * (ray.cosine * gx + ray.sine * gz) - 0.25 * needed * bend * bend
+    tangents = 2.0 * needed / (ray.speed + math.sqrt(ray.speed * ray.speed + 4.0 * needed * square))
+    return follow_arc(ray, gx, gz, tangents)

@@ -20,16 +20,18 @@ from insonify.kernels.refraction.arcs import (
     LOW,
     NODE,
     RANGE,
+    SNAP,
     RayState,
     advance_in_layers,
     bend_tube,
     follow_arc,
+    gradient_above,
     gradient_behind,
     launch_in_layers,
+    node_below,
     reach_line,
     reflect_at_level,
 )
-from insonify.kernels.refraction.layers import SNAP, gradient_above, node_below
 
 LEVEL = 1e-12  # cosine below which a plane lies across the stations; change of gradient that counts as none, 1/s
 
@@ -119,7 +121,7 @@ def _advance_in_section(height, speed, station, plane, ray, x_end, low, high):
 
 @inlined
 def _enter_triangle(ray, dgx, dgz):
-    """Ray that enters a triangle whose gradient differs by ``dgx`` and ``dgz`` from that of the last."""
+    """Ray that enters a triangle with a gradient that differs by ``dgx`` and ``dgz`` from that of the last."""
     size = math.sqrt(dgx * dgx + dgz * dgz)
     if size < LEVEL:
         return ray
@@ -161,7 +163,7 @@ def find_triangle(height, speed, station, plane, ray):
 
 @inlined
 def _cut_cell(height, speed, station, i, j, place, z, onwards, upwards):
-    """Triangle of cell (i, j) that holds a place, on the diagonal the one that a direction leads into."""
+    """Triangle of cell (i, j) that contains a place; on the diagonal, the one that a direction leads into."""
     last, top = station.size - 1, height.size - 1
     if i < 0 or i >= last:
         return SectionTriangle(0.0, gradient_above(height, speed[max(i, 0)], j), 0.0, 0.0, math.inf)
@@ -234,7 +236,7 @@ def speed_in_section(height, speed, station, place, z):
     """Speed of sound at a place of a section."""
     i, j = node_below(station, place), node_below(height, z)
     piece = _cut_cell(height, speed, station, i, j, place, z, 0.0, 0.0)
-    # Every triangle holds the lower corner before it or the upper corner behind it: its speed is known there.
+    # The speed is known at a corner: every triangle has the lower one before it or the upper one behind it.
     k, m = max(i, 0), max(j, 0)
     if piece.across_up < 0.0:
         k, m = k + 1, m + 1

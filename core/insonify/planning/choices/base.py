@@ -9,15 +9,15 @@ from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import Any, ClassVar
 
-from insonify.acoustics.straightness import estimate_refraction
+from insonify.acoustics.water import estimate_refraction
 from insonify.packing.packed_scene import Model, PackedScene
 from insonify.planning.checks import check_refraction
-from insonify.planning.loud_pings import add_loud_pings
 from insonify.planning.plan_entries import PlanEntry
-from insonify.planning.probe import Probe
+from insonify.planning.probe import Probe, add_loud_pings, work_of
 from insonify.planning.probe_pings import choose_probe_pings
 from insonify.planning.relevance import find_audible_multipaths, find_multipaths_in_reach, find_targets_in_reach
 from insonify.scene import Scene, SceneError, edit
+from insonify.tracers.base import find_tracer, list_methods
 
 SWITCH = ("on", "off")
 EFFECT, TRACER, GRID, FINENESS = range(4)  # stages in which choices are made
@@ -30,7 +30,7 @@ class Case:
     """A scene that is planned, with the requested method and the forced choices by their subjects."""
 
     packed: PackedScene
-    asked: str
+    requested: str
     forced: Mapping[str, str]
     swept: Model | None = None  # beside which errors of fineness are measured, once it is known
     _of_waves: dict[Model, float] = field(default_factory=dict, repr=False)
@@ -63,6 +63,10 @@ class Case:
             probe.leave_out_collisions(Model(targets=self.targets))
         return probe
 
+    def work(self, model: Model) -> float:
+        """Work of a ping by a model, both sides."""
+        return work_of(self.packed, model)
+
     def seconds(self, model: Model) -> float:
         """Seconds of a ping by a model, both sides, on one thread."""
         return self.probe.seconds(model) + self.seconds_of_waves(model)
@@ -88,16 +92,28 @@ class Case:
         if not (wanted and self.packed.arrays.water.bent):
             return False
         try:
-            check_refraction(self.scene, self.asked)
+            check_refraction(self.scene, self.requested)
         except SceneError:
             return False
         return True
 
     @cached_property
     def folds(self) -> bool:
-        """Whether the refracted sweep leaves some pings to single rays, whose number then changes the record."""
+        """Whether the refracted sweep leaves some pings to single rays, so that their number changes the record."""
         few, more = (Model(rays=n * FEWEST_RAYS, bent=True, targets=self.targets) for n in (1, 4))
         return self.probe.difference(few, more) > 0.0
+
+    def choose_tracer(self, model: Model) -> str:
+        """Name of the first tracer that a plan may choose by itself for a model's bounces and refraction."""
+        along = model.bent and self.scene.water.varies_along
+        tracers = ((name, find_tracer(name)) for name in list_methods()[1:])
+        return next(
+            name
+            for name, tracer in tracers
+            if tracer.automatic
+            and (tracer.follows_bounces or model.bounces == 0)
+            and (tracer.refracts_along or not along)
+        )
 
     @property
     def few_planes(self) -> int:
@@ -108,7 +124,7 @@ class Case:
     def least_planes(self) -> int:
         """Planes by which effects are compared that hardly depend on them: one, which is fastest.
 
-        Two for surface paths of a beam with a pattern, whose single plane is integrated over the beam at every knot.
+        Two for surface paths of a beam with a pattern: its single plane is integrated over the beam at every knot.
         """
         whole_beam = self.scene.sonar.beam.has_width and self.packed.arrays.pattern.tabulated
         return 2 if self.paths and whole_beam else 1
@@ -122,12 +138,12 @@ class Case:
     def paths(self) -> frozenset[str]:
         """Paths by the sea surface of the finest model."""
         return frozenset(
-            way for way in self.first_echoes if self.forced.get(way, "on" if way in self.heard else "off") == "on"
+            way for way in self.first_echoes if self.forced.get(way, "on" if way in self.audible else "off") == "on"
         )
 
     @cached_property
-    def heard(self) -> frozenset[str]:
-        """Paths by the sea surface whose echoes may arrive within the range."""
+    def audible(self) -> frozenset[str]:
+        """Paths by the sea surface with echoes that may arrive within the range."""
         return find_audible_multipaths(self.scene, self.packed.arrays.bed)
 
     def pings(self, model: Model) -> str:
@@ -192,7 +208,7 @@ class Choice(ABC):
 
     @abstractmethod
     def entries(self, case: Case, model: Model, error: float) -> Iterator[PlanEntry]:
-        """Entries of the plan about it; none where the scene leaves nothing to say."""
+        """Entries of the plan about it; none if it does not concern the scene."""
 
     def require(self, case: Case, model: Model) -> None:
         """Raise an error if a model with its setting cannot be simulated.
@@ -207,6 +223,10 @@ class Choice(ABC):
         """Value of another model where the scene admits it, otherwise the finest."""
         values, value = self.settings(case, model), getattr(last, self.field)
         return value if value in values else values[-1]
+
+    def applies(self, model: Model) -> bool:
+        """Whether the tracer of a model is made finer by this choice's field."""
+        return self.field in find_tracer(model.method).fineness
 
     def wish(self, case: Case) -> Any:
         """Return the forced setting, or None."""
@@ -248,20 +268,19 @@ class Number(Choice):
         return int(number) if self.whole else number
 
 
-class Ladder(Number):
-    """Fineness of a tracer in doublings, the error of each measured from the next.
-
-    Attributes
-    ----------
-    first : int
-        Coarsest rung.
-    method : str
-        Tracer that it belongs to.
-    """
+class Doublings(Number):
+    """Fineness of a tracer in doublings, the error of each measured from the next."""
 
     stage = FINENESS
-    first: ClassVar[int] = 1
-    method: ClassVar[str]
+
+    def leads(self, model: Model) -> bool:
+        """Whether the field is the main one of those that make a model's tracer finer."""
+        return find_tracer(model.method).fineness[0] == self.field
+
+    def first(self, model: Model) -> int:
+        """Coarsest rung of the tracer's ladder."""
+        ladder = find_tracer(model.method).ladder
+        return 1 if ladder is None else ladder.first
 
     def pair(self, case: Case, model: Model, rung: int) -> tuple[Model, Model]:
         """Models of a rung and of the finer one by which it is judged."""
@@ -272,16 +291,18 @@ class Ladder(Number):
     def rung(self, case: Case, model: Model) -> int:
         """Greatest rung that is not finer than a model, which is measured."""
         del case
-        return int(self.first * 2 ** math.floor(math.log2(max(getattr(model, self.field) / self.first, 1.0))))
+        first = self.first(model)
+        return int(first * 2 ** math.floor(math.log2(max(getattr(model, self.field) / first, 1.0))))
 
     def error(self, case: Case, model: Model, cautious: bool = True) -> float:
         """Error of the rung below; from there it falls with the power, of 0.5 to 1, with which it fell to that rung."""
-        if model.method != self.method:
+        number = getattr(model, self.field)
+        if not self.leads(model) or number == 0:
             return 0.0
         rung = self.rung(case, model)
         error = case.probe.difference(*self.pair(case, model, rung), cautious=cautious)
-        finer = max(getattr(model, self.field) / rung, 1.0)
-        if rung == self.first or error == 0.0:
+        finer = max(number / rung, 1.0)
+        if rung == self.first(model) or error == 0.0:
             return error * finer**-0.5
         coarser, pair = self.pair(case, model, rung // 2), self.pair(case, model, rung)
         error /= 1.0 - min(max(case.probe.trend(coarser[0], *pair), 0.0), 0.5)  # what finer ones add to the difference
@@ -292,10 +313,10 @@ class Ladder(Number):
         """Reason with what was measured."""
         rung = self.rung(case, model)
         coarse, fine = self.pair(case, model, rung)
-        said = f"on {case.pings(fine)} {rung} {words} are {percent(case.probe.difference(coarse, fine))} from "
-        said += f"{getattr(fine, self.field)}"
-        number = getattr(model, self.field)
-        return said if number <= rung else f"{said}, so {number} about {percent(error)} from more"
+        number, finer = getattr(model, self.field), getattr(fine, self.field)
+        difference = percent(case.probe.difference(coarse, fine))
+        reason = f"on {case.pings(fine)}, {rung} and {finer} {words} differ by {difference}"
+        return reason if number <= rung else f"{reason}; estimated error with {number}: {percent(error)}"
 
 
 def percent(error: float) -> str:

@@ -10,6 +10,7 @@ from insonify.planning.checks import check_refraction
 from insonify.planning.choices.base import FEWEST_RAYS, NEGLIGIBLE, Case, Choice, percent
 from insonify.planning.plan_entries import PlanEntry
 from insonify.scene.water.surfaces import WAYS
+from insonify.tracers.base import AUTO, find_tracer
 
 
 class Bending(Choice):
@@ -30,22 +31,22 @@ class Bending(Choice):
             return 0.0
         if case.straight_bound < NEGLIGIBLE:
             return case.straight_bound
-        method = "rays" if case.scene.water.varies_along else "sweep"
+        method = case.choose_tracer(Model(bent=True))
         bent = Model(method, case.few_planes, FEWEST_RAYS, bent=True, targets=case.targets)
-        straight = bent._replace(bent=False, rays=0 if method == "sweep" else FEWEST_RAYS)
+        straight = bent._replace(bent=False, rays=0 if "planes" in find_tracer(method).fineness else FEWEST_RAYS)
         return case.probe.difference(straight, bent, cautious=cautious)
 
     def require(self, case: Case, model: Model) -> None:
         """Raise an error if refraction is combined with an effect computed along straight rays only."""
         if model.bent:
-            check_refraction(case.scene, case.asked)
+            check_refraction(case.scene, case.requested)
 
     def entries(self, case: Case, model: Model, error: float) -> Iterator[PlanEntry]:
         """Entry of refraction; none in water of constant sound speed."""
         if not case.packed.arrays.water.bent:
             return
         missed = self.error(case, model._replace(bent=False), cautious=False)
-        by = "tables of apparent positions" if model.method == "sweep" else "rays follow circular arcs"
+        by = find_tracer(model.method).refraction
         reason = f"straight rays are {percent(missed)} from refracted ones"
         reason = f"{reason} at most" if missed < NEGLIGIBLE else f"on {case.pings(model)} {reason}"
         reason = f"{by}; {reason}" if model.bent else reason
@@ -58,33 +59,33 @@ class Bounces(Choice):
     subject, field, rank = "bounces", "bounces", 9
 
     def settings(self, case: Case, model: Model) -> tuple[int, ...]:
-        """None, as many as the scene asks for, or both; none over a level bed without targets."""
-        asked, wish = case.scene.sonar.bounces, self.wish(case)
-        if asked == 0 or (case.scene.seabed.relief.level and not case.scene.targets):
+        """None, as many as the scene declares, or both; none over a level bed without targets."""
+        declared, wish = case.scene.sonar.bounces, self.wish(case)
+        if declared == 0 or (case.scene.seabed.relief.level and not case.scene.targets):
             return (0,)
         if wish is not None:
-            return (asked if wish else 0,)
-        return (asked,) if case.asked in ("sweep", "march") else (0, asked)
+            return (declared if wish else 0,)
+        return (0, declared) if case.requested == AUTO or find_tracer(case.requested).follows_bounces else (declared,)
 
     def error(self, case: Case, model: Model, cautious: bool = True) -> float:
         """Share of the later echoes in the same pings by single rays."""
-        asked = case.scene.sonar.bounces
-        if self.settings(case, model) == (0,) or model.bounces == asked:
+        declared = case.scene.sonar.bounces
+        if self.settings(case, model) == (0,) or model.bounces == declared:
             return 0.0
-        plain = Model("rays", rays=FEWEST_RAYS, targets=case.targets)
-        return case.probe.difference(plain, plain._replace(bounces=asked), cautious=cautious)
+        plain = Model(case.choose_tracer(Model(bounces=declared)), rays=FEWEST_RAYS, targets=case.targets)
+        return case.probe.difference(plain, plain._replace(bounces=declared), cautious=cautious)
 
     def entries(self, case: Case, model: Model, error: float) -> Iterator[PlanEntry]:
-        """Entry of the bounces that a scene asks for."""
-        asked = case.scene.sonar.bounces
-        if asked == 0:
+        """Entry of the bounces that a scene declares."""
+        declared = case.scene.sonar.bounces
+        if declared == 0:
             return
         reason = "specular reflection and transmission after the first echo"
         if self.settings(case, model) == (0,) and self.wish(case) is None:
             reason = "later echoes add nothing on a level bed without targets"
         elif model.bounces == 0:
             reason = f"on {case.pings(model)} later echoes are {percent(error)} of the record"
-        yield self.switched(case, model, f"{asked} bounces", reason, 0, asked, error)
+        yield self.switched(case, model, f"{declared} bounces", reason, 0, declared, error)
 
 
 class Targets(Choice):
@@ -174,7 +175,7 @@ class SurfacePath(Choice):
             reason = f"its first echo arrives at {first:.3g} m, beyond the range of {reach:g} m"
             if self.subject in case.forced:
                 reason = "left out by the user"
-            elif self.subject in case.heard:
+            elif self.subject in case.audible:
                 reason = f"on {case.pings(model)} {percent(error)} of the record"
         choice = f"{surface.kind} sea, {self.subject.replace('_', '-')}"
         yield self.switched(case, model, choice, reason, model.ways - {self.subject}, on, error)

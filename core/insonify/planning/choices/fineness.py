@@ -1,4 +1,4 @@
-"""Choices of the tracer and its fineness: planes, rays and nodes of the relief."""
+"""Choices of the tracer and its fineness: planes, rays, steps, segments and nodes of the relief."""
 
 from __future__ import annotations
 
@@ -10,11 +10,12 @@ from insonify.packing.packed_scene import Model
 from insonify.planning.choices.base import (
     FEW_PLANES,
     FEWEST_RAYS,
+    FINENESS,
     GRID,
     TRACER,
     Case,
     Choice,
-    Ladder,
+    Doublings,
     Number,
     percent,
 )
@@ -23,8 +24,8 @@ from insonify.planning.plan_entries import PlanEntry
 from insonify.planning.probe import FEW
 from insonify.planning.relevance import find_narrowest_target
 from insonify.scene import SceneError
+from insonify.tracers.base import AUTO, Ladder, find_tracer, list_methods
 
-METHODS = ("auto", "sweep", "march", "rays")
 # Numbers of planes that a plan may choose.
 COUNTS = (*range(1, 9), *range(10, 17, 2), *range(20, 33, 4), *range(40, 65, 8), *range(80, 129, 16))
 MOST_PLANES = COUNTS[-1]
@@ -45,28 +46,30 @@ AT_NO_COST = 2e6  # work of the probe that takes some milliseconds
 class Method(Choice):
     """The tracer."""
 
-    subject, field, stage, rank, offered = "method", "method", TRACER, 0, METHODS[1:]
+    subject, field, stage, rank = "method", "method", TRACER, 0
+
+    @property
+    def offered(self) -> tuple[str, ...]:  # type: ignore[override]
+        """The tracers."""
+        return list_methods()[1:]
 
     def parse(self, text: str) -> str:
         """Read a forced method."""
-        if text not in METHODS:
-            raise SceneError(f"method: {text!r} is not known; choose one of {', '.join(METHODS)}")
+        if text != AUTO:
+            find_tracer(text)
         return text
 
     def settings(self, case: Case, model: Model) -> tuple[str, ...]:
-        """Return the requested method, otherwise the sweep wherever it can be used."""
-        if case.asked != "auto":
-            return (case.asked,)
-        single = model.bounces > 0 or (model.bent and case.scene.water.varies_along)
-        return ("rays" if single else "sweep",)
+        """Return the requested method, otherwise the first that can trace the scene."""
+        return (case.choose_tracer(model) if case.requested == AUTO else case.requested,)
 
     def entries(self, case: Case, model: Model, error: float) -> Iterator[PlanEntry]:
         """Entry of the tracer, with the time of its simplest use."""
-        if case.asked != "auto":
+        if case.requested != AUTO:
             reason = "as requested"
         elif model.bounces > 0:
             reason = f"{model.bounces} bounces require single rays"
-        elif model.method == "rays":
+        elif model.method != case.choose_tracer(Model()):
             reason = "the sound speed varies along the range, which requires single rays"
         else:
             reason = "a height field and first echoes do not require single rays"
@@ -76,15 +79,15 @@ class Method(Choice):
         yield self.entry(case, model.method, reason, error=error, cost=cost, options=options)
 
 
-class Planes(Ladder):
+class Planes(Doublings):
     """Planes across the beam."""
 
-    subject, field, method, rank, high = "planes", "planes", "sweep", 1, 512
+    subject, field, rank, high = "planes", "planes", 1, 512
     offered = ("2", "4", "8", "16", "32", "64")
 
     def settings(self, case: Case, model: Model) -> tuple[int, ...]:
         """Return the numbers of planes; one for a beam without width."""
-        if model.method != self.method or not case.scene.sonar.beam.has_width:
+        if not (self.applies(model) and case.scene.sonar.beam.has_width):
             return (1,)
         wish = self.wish(case)
         if wish is not None:
@@ -100,51 +103,51 @@ class Planes(Ladder):
         """Models of a rung and of so many planes that some meet every target, beside others that err by little."""
         plain = _finest(case, model)._replace(every=Spacing().common(case, model))
         coarse, fine = super().pair(case, plain, rung)
-        # One plane and two within the same cells of the bed are alike, which tells nothing of a wider fan.
+        # One plane and two within the same cells of the bed are alike, which does not predict a wider fan.
         return coarse, fine._replace(planes=max(fine.planes, FEW_PLANES, _planes_that_meet(case, plain)))
 
     def entries(self, case: Case, model: Model, error: float) -> Iterator[PlanEntry]:
         """Entry of the planes, with the time beyond that of one."""
-        if model.method != self.method:
+        if not self.applies(model):
             return
         if not case.scene.sonar.beam.has_width:
             yield self.entry(case, "1 plane", "a knife-edge beam has no width")
             return
-        reason = self.measured(case, model, "planes" if self.rung(case, model) > 1 else "plane", error)
+        reason = self.measured(case, model, "planes", error)
         cost = case.probe.seconds(model) - case.probe.seconds(model._replace(planes=1))
         choice = f"{model.planes} plane{'s' * (model.planes > 1)}"
         yield self.entry(case, choice, reason, error=error, cost=max(cost, 0.0), options=self.offered)
 
 
-class Rays(Ladder):
+class Rays(Doublings):
     """Single rays per side; of the sweep those of pings to which several eigenrays or none lead."""
 
-    subject, field, method, rank, high, first = "rays", "rays", "rays", 2, 1 << 22, FEWEST_RAYS
+    subject, field, rank, high = "rays", "rays", 2, 1 << 22
     offered = ("1000", "4000", "16000", "64000")
 
     def settings(self, case: Case, model: Model) -> tuple[int, ...]:
         """Numbers of rays by doublings; none for a tracer without."""
-        wish = self.wish(case)
-        if model.method == "sweep" and not model.bent:
+        wish, tracer = self.wish(case), find_tracer(model.method)
+        if not self.applies(model) or ("planes" in tracer.fineness and not model.bent):
             return (0,)
         if wish is not None:
             return (wish,)
-        if model.method == "march":
+        if "step" in tracer.fineness:
             return (case.scene.sonar.bins,)
-        if model.method == "rays":
-            return tuple(self.first << n for n in range(13))
+        if tracer.ladder is not None:
+            return count_by_doublings(tracer.ladder)
         return FOLDED_RAYS if case.folds else FOLDED_RAYS[:1]
 
     def rung(self, case: Case, model: Model) -> int:
         """Greatest rung not finer than a model, and not so fine that to judge it takes longer than the probe may."""
         rung = super().rung(case, model)
-        while rung > self.first and not case.probe.affords(self.pair(case, model, rung)[1]):
+        while rung > self.first(model) and not case.probe.affords(self.pair(case, model, rung)[1]):
             rung //= 2
         return rung
 
     def error(self, case: Case, model: Model, cautious: bool = True) -> float:
         """Error of single rays; with the sweep of those pings only that it leaves to rays."""
-        if model.method == "sweep" and model.bent:
+        if "planes" in find_tracer(model.method).fineness and model.bent:
             return self._folded(case, model, cautious)
         return super().error(case, model, cautious)
 
@@ -171,12 +174,92 @@ class Rays(Ladder):
 
     def entries(self, case: Case, model: Model, error: float) -> Iterator[PlanEntry]:
         """Entry of the rays."""
-        if model.method == self.method:
+        if self.leads(model):
             reason = self.measured(case, model, "rays per side", error)
             yield self.entry(case, f"{model.rays} rays", reason, error=error, options=self.offered)
         elif model.rays:
             reason = f"where several eigenrays or none reach a place, a ping is traced with {model.rays} rays per side"
             yield self.entry(case, f"{model.rays} rays", reason, error=error, options=self.offered)
+
+
+class Step(Number):
+    """Steps of the march, with rays as dense."""
+
+    subject, field, stage, rank, whole = "step", "step", FINENESS, 3, False
+    low, high = 1e-6, 1e4
+    offered = ("0.02", "0.05", "0.1", "0.2", "0.5", "1", "2")
+
+    def settings(self, case: Case, model: Model) -> tuple[float, ...]:
+        """Return steps of a cell, its half, a quarter and so on."""
+        if not self.applies(model):
+            return (0.0,)
+        wish, spacing = self.wish(case), case.packed.arrays.bed.spacing
+        return tuple(spacing / 2**n for n in range(7)) if wish is None else (wish,)
+
+    def pair(self, case: Case, model: Model, step: float) -> tuple[Model, Model]:
+        """March of a step, and that of half the step and twice the rays by which it is judged."""
+        plain = Model(model.method, bent=case.bent, bounces=model.bounces, targets=case.targets, ways=case.paths)
+        return plain._replace(step=step, rays=model.rays), plain._replace(step=0.5 * step, rays=2 * model.rays)
+
+    def measured_step(self, case: Case, model: Model) -> float:
+        """Step that is measured: a model's, doubled until the probe affords to judge it, no longer than the range."""
+        step, longest = model.step, case.scene.sonar.range
+        while 2.0 * step <= longest and not case.probe.affords(self.pair(case, model, step)[1]):
+            step *= 2.0
+        return step
+
+    def error(self, case: Case, model: Model, cautious: bool = True) -> float:
+        """Error measured from half the step; that of a shorter one falls with the power, of 0 to 1, last measured.
+
+        The power is 0 where the number of rays alone keeps the error from falling.
+        """
+        if not self.applies(model):
+            return 0.0
+        step = self.measured_step(case, model)
+        error = case.probe.difference(*self.pair(case, model, step), cautious=cautious)
+        if step == model.step or error == 0.0:
+            return error
+        before = case.probe.difference(*self.pair(case, model, 2.0 * step), cautious=cautious)
+        return float(error * (model.step / step) ** min(max(math.log2(max(before / error, 1.0)), 0.0), 1.0))
+
+    def entries(self, case: Case, model: Model, error: float) -> Iterator[PlanEntry]:
+        """Entry of the step."""
+        if self.applies(model):
+            step = self.measured_step(case, model)
+            difference = percent(case.probe.difference(*self.pair(case, model, step)))
+            reason = (
+                f"{model.rays} rays per side; on {case.pings(self.pair(case, model, step)[1])}, steps of {step:.3g} m"
+            )
+            reason += f" and of half that with twice the rays differ by {difference}"
+            reason += f"; estimated error with {model.step:.3g} m: {percent(error)}" if step > model.step else ""
+            reason += "; the march can step over anything thinner than a step"
+            yield self.entry(case, f"steps of {model.step:.3g} m", reason, error=error, options=self.offered)
+
+
+class Fineness(Doublings):
+    """What a tracer of its own counts."""
+
+    subject, field, rank, high = "fineness", "fineness", 3, 1 << 30
+    offered = ("16", "64", "256", "1024")
+
+    def settings(self, case: Case, model: Model) -> tuple[int, ...]:
+        """Numbers of the tracer's ladder; 0 for a tracer without."""
+        ladder, wish = find_tracer(model.method).ladder, self.wish(case)
+        if not self.applies(model) or ladder is None:
+            return (0,)
+        return count_by_doublings(ladder) if wish is None else (wish,)
+
+    def entries(self, case: Case, model: Model, error: float) -> Iterator[PlanEntry]:
+        """Entry of the number."""
+        ladder = find_tracer(model.method).ladder
+        if self.applies(model) and ladder is not None:
+            reason = self.measured(case, model, ladder.counted, error)
+            yield self.entry(case, f"{model.fineness} {ladder.counted}", reason, error=error, options=self.offered)
+
+
+def count_by_doublings(ladder: Ladder) -> tuple[int, ...]:
+    """Return the numbers of a ladder."""
+    return tuple(ladder.first << n for n in range((ladder.last // ladder.first).bit_length()))
 
 
 class Segments(Choice):
@@ -193,13 +276,13 @@ class Segments(Choice):
     def settings(self, case: Case, model: Model) -> tuple[float, ...]:
         """Return the shares offered; whole segments where none are swept."""
         wish = self.wish(case)
-        if model.method != "sweep":
+        if not self.applies(model):
             return (math.inf,)
         return tuple(self.parse(text) for text in self.offered) if wish is None else (wish,)
 
     def error(self, case: Case, model: Model, cautious: bool = True) -> float:
         """Error measured from the smallest share, by the least planes."""
-        if model.method != "sweep":
+        if not self.applies(model):
             return 0.0
         fine = _single(case, model)._replace(misplaced=float(self.offered[-1]))
         whole = fine._replace(misplaced=math.inf)
@@ -217,7 +300,7 @@ class Segments(Choice):
 
     def entries(self, case: Case, model: Model, error: float) -> Iterator[PlanEntry]:
         """Entry of the segments, with the time beyond that of whole ones."""
-        if model.method != "sweep":
+        if not self.applies(model):
             return
         whole = model._replace(misplaced=math.inf)
         share = percent(model.misplaced)
@@ -249,7 +332,7 @@ class Spacing(Number):
                 )
             return (wish,)
         # To make endless ground anew for each stride takes far longer than to trace all of its nodes.
-        if not (seabed.random_reliefs or seabed.relief.level) or seabed.endless or model.method != "sweep":
+        if not (seabed.random_reliefs or seabed.relief.level) or seabed.endless or not self.applies(model):
             return (1,)
         fitting = (n for n in STRIDES if n == 1 or all(c % n == 0 and c >= FEWEST_CELLS * n for c in cells))
         return tuple(sorted(fitting, reverse=True))
@@ -291,7 +374,7 @@ def measure_together(case: Case, model: Model, apart: float, cautious: bool = Tr
 
     By few planes the model is compared with the finest one; the error of its own planes is added.
     """
-    if model.method != "sweep" or (model.bent and case.folds):
+    if not Planes().applies(model) or (model.bent and case.folds):
         return apart
     planes, segments, fine = Planes(), Segments(), _finest(case, model)
     few = min(model.planes, max(SEVERAL, case.least_planes if fine.ways else case.few_planes))
@@ -310,11 +393,12 @@ def measure_together(case: Case, model: Model, apart: float, cautious: bool = Tr
 
 def _single(case: Case, model: Model) -> Model:
     """Model of the least planes, few rays and all nodes, and of all effects; swept, of those that err by no little."""
-    if model.method == "sweep":
+    if Planes().applies(model):
         return _swept(case)
     return Model(
         model.method,
         rays=FEWEST_RAYS,
+        fineness=model.fineness,
         bent=case.bent,
         bounces=model.bounces,
         targets=case.targets,
@@ -340,14 +424,14 @@ def _finest(case: Case, model: Model) -> Model:
 
 
 def _planes_that_meet(case: Case, model: Model) -> int:
-    """Planes of which at least one meets each target, a power of two, as far as they are traced in little time."""
+    """Planes of which at least one meets each target, a power of two; fewer where tracing those would take long."""
     if not model.targets:
         return 1
     needed = 2.0 * math.sin(case.packed.arrays.half_width) / find_narrowest_target(case.scene, model.targets)
     planes = 2 ** math.ceil(math.log2(max(needed, 1.0)))
-    while planes > 1 and FEW * case.packed.work(model._replace(planes=planes)) > AT_NO_COST:
+    while planes > 1 and FEW * case.work(model._replace(planes=planes)) > AT_NO_COST:
         planes //= 2
     return planes
 
 
-CHOICES: tuple[Choice, ...] = (Method(), Planes(), Rays(), Segments(), Spacing())
+CHOICES: tuple[Choice, ...] = (Method(), Planes(), Rays(), Step(), Fineness(), Segments(), Spacing())

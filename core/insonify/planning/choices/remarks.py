@@ -8,8 +8,7 @@ from collections.abc import Iterator
 from insonify.packing.packed_scene import Model
 from insonify.planning.choices.base import Case, Choice
 from insonify.planning.plan_entries import PlanEntry
-
-SINGLE = 1e-6  # greatest relative error of 32-bit numbers with 64-bit sums, ten roundings of 2⁻²⁴ each
+from insonify.tracers.base import find_tracer
 
 
 class Remark(Choice):
@@ -30,9 +29,10 @@ class Precision(Remark):
 
     def entries(self, case: Case, model: Model, error: float) -> Iterator[PlanEntry]:
         """Entry of the precision."""
-        if model.method == "sweep":
+        rounding = find_tracer(model.method).rounding
+        if rounding > 0.0:
             reason = "heights and strengths in 32 bits, times and sums in 64 bits"
-            yield self.entry(case, "32 and 64 bits", reason, error=SINGLE)
+            yield self.entry(case, "32 and 64 bits", reason, error=rounding)
         else:
             yield self.entry(case, "64 bits", "rays are traced in 64 bits")
 

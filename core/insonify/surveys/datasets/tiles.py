@@ -27,6 +27,15 @@ SILENT, BED, SHADOW, OTHER, FIRST_CLASS = range(5)  # classes of a mask; the cla
 Region = NDArray[np.bool_]
 
 
+class _Target(NamedTuple):
+    """A target of a class as one side of a record shows it."""
+
+    number: int  # index in the scene
+    box: tuple[int, int, int, int]  # pings and bins of its echo and shadow, ends exclusive
+    area: int  # bins of both
+    description: dict[str, Any]  # what every tile notes of it
+
+
 class _Side(NamedTuple):
     """One side of a record, (pings, bins) each."""
 
@@ -34,6 +43,7 @@ class _Side(NamedTuple):
     mask: NDArray[np.uint8]
     echo_id: NDArray[np.int16]
     shadow_id: NDArray[np.int16]
+    targets: list[_Target]
 
 
 def grey_levels(record: xr.Dataset, images: Images) -> NDArray[np.unsignedinteger]:
@@ -64,10 +74,9 @@ def cut_tiles(
     grey = grey_levels(record, images)
     for channel, side in enumerate(CHANNELS):
         whole = _take_side(drawn, record, grey[channel], channel, classes)
-        held = _Held(drawn, record, channel, whole)
         for ping in starts(pings, tiles.pings, tiles.overlap):
             for first in starts(bins, tiles.bins, tiles.overlap):
-                yield _cut(drawn, whole, held, (side, ping, first), tiles)
+                yield _cut(drawn, whole, (side, ping, first), tiles)
 
 
 def _take_side(
@@ -84,38 +93,34 @@ def _take_side(
     rows = [OTHER if name is None else FIRST_CLASS + classes.index(name) for name in numbers]
     echoes = echo_id >= 0
     mask[echoes] = np.array([*rows, 0], dtype=np.uint8)[echo_id[echoes]]
-    return _Side(grey, mask, echo_id.astype(np.int16), shadow_id.astype(np.int16))
+    side = _Side(grey, mask, echo_id.astype(np.int16), shadow_id.astype(np.int16), [])
+    side.targets.extend(_find_targets(drawn, record, channel, side))
+    return side
 
 
-class _Held:
-    """What one side of a record shows of each target of a class."""
-
-    def __init__(self, drawn: DrawnScene, record: xr.Dataset, channel: int, side: _Side) -> None:
-        self.targets: list[tuple[int, tuple[int, int, int, int], int]] = []
-        self.told: dict[int, dict[str, Any]] = {}
-        if not drawn.classes:
-            return
-        boxes, lengths = record["target_box"].values[:, channel], record["shadow_length"].values[:, channel]
-        strengths = record["target_strength"].values
-        for target, name in drawn.classes.items():
-            if boxes[target, 0] < 0:
-                continue
-            first, last, near, far = (int(edge) for edge in boxes[target])
-            box = first, last + 1, near, far + 1
-            window = np.s_[first : last + 1, near : far + 1]
-            area = int(((side.echo_id[window] == target) | (side.shadow_id[window] == target)).sum())
-            self.targets.append((target, box, area))
-            self.told[target] = {
-                "class": name,
-                "target": target,
-                "shape": getattr(drawn.scene.targets[target], "path", drawn.scene.targets[target].kind),
-                "shadow_length": round(float(lengths[target]), 4),
-                "target_strength": round(float(strengths[target]), 3) if np.isfinite(strengths[target]) else None,
-            }
+def _find_targets(drawn: DrawnScene, record: xr.Dataset, channel: int, side: _Side) -> Iterator[_Target]:
+    """Targets of a class on one side of a record."""
+    for target, name in drawn.classes.items():
+        box = record["target_box"].values[target, channel]
+        if box[0] < 0:
+            continue
+        first, last, near, far = (int(edge) for edge in box)
+        window = np.s_[first : last + 1, near : far + 1]
+        area = int(((side.echo_id[window] == target) | (side.shadow_id[window] == target)).sum())
+        length = float(record["shadow_length"].values[target, channel])
+        strength = float(record["target_strength"].values[target])
+        description = {
+            "class": name,
+            "target": target,
+            "shape": getattr(drawn.scene.targets[target], "path", drawn.scene.targets[target].kind),
+            "shadow_length": round(length, 4),
+            "target_strength": round(strength, 3) if np.isfinite(strength) else None,
+        }
+        yield _Target(target, (first, last + 1, near, far + 1), area, description)
 
 
-def _cut(drawn: DrawnScene, side: _Side, held: _Held, place: tuple[str, int, int], tiles: Tiles) -> Tile:
-    """Cut one tile, and tell of it."""
+def _cut(drawn: DrawnScene, side: _Side, place: tuple[str, int, int], tiles: Tiles) -> Tile:
+    """Cut one tile, and describe it."""
     channel, ping, first = place
     window = np.s_[ping : ping + tiles.pings, first : first + tiles.bins]
     told = {
@@ -126,23 +131,22 @@ def _cut(drawn: DrawnScene, side: _Side, held: _Held, place: tuple[str, int, int
         "first_ping": ping,
         "first_bin": first,
         "shape": [tiles.pings, tiles.bins],
-        "targets": list(_targets_within(side, held, (ping, first), tiles)),
+        "targets": list(_targets_within(side, ping, first, tiles)),
     }
     return Tile(side.image[window], side.mask[window], told)
 
 
-def _targets_within(side: _Side, held: _Held, corner: tuple[int, int], tiles: Tiles) -> Iterator[dict[str, Any]]:
-    """Annotate the targets of which a tile shows enough."""
-    ping, first = corner
-    for target, (top, bottom, left, right), area in held.targets:
+def _targets_within(side: _Side, ping: int, first: int, tiles: Tiles) -> Iterator[dict[str, Any]]:
+    """Annotate the targets that a tile shows well enough."""
+    window = np.s_[ping : ping + tiles.pings, first : first + tiles.bins]
+    for number, (top, bottom, left, right), area, description in side.targets:
         if bottom <= ping or top >= ping + tiles.pings or right <= first or left >= first + tiles.bins:
             continue
-        window = np.s_[ping : ping + tiles.pings, first : first + tiles.bins]
-        echo, shadow = side.echo_id[window] == target, side.shadow_id[window] == target
+        echo, shadow = side.echo_id[window] == number, side.shadow_id[window] == number
         shown = int((echo | shadow).sum())
         if shown and shown >= tiles.least * area:
             regions = dict(zip(EXTENTS, map(describe_region, (echo, shadow, echo | shadow))))
-            yield {**held.told[target], "shown": round(shown / area, 4), **regions}
+            yield {**description, "shown": round(shown / area, 4), **regions}
 
 
 def describe_region(region: Region) -> dict[str, Any] | None:

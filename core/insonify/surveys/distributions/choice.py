@@ -28,6 +28,6 @@ class OneOf(DistributionKind):
         return self
 
     def quantile(self, share: float) -> Any:
-        """Return the value whose weight, added to that of those before it, reaches a share of all."""
+        """Return the first value up to which the weights add up to a share of all."""
         reached = list(accumulate(self.weights or [1.0] * len(self.of)))
         return self.of[sum(weight <= share * reached[-1] for weight in reached)]

@@ -1,4 +1,4 @@
-"""Positive numbers whose logarithm is spread evenly between two bounds."""
+"""Positive numbers with a logarithm spread evenly between two bounds."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from insonify.surveys.distributions import DistributionKind
 
 
 class LogUniform(DistributionKind):
-    """Positive numbers whose logarithm is spread evenly between two bounds."""
+    """Positive numbers with a logarithm spread evenly between two bounds."""
 
     rank = 20
     kind: Literal["log_uniform"] = "log_uniform"

@@ -96,7 +96,7 @@ def _flush(spans: Sequence[tuple[float, float]]) -> list[tuple[float, float]]:
 
 
 def join_lines(lines: Sequence[SurveyLine], speed: float, ping_rate: float) -> SurveyTrack:
-    """Join the lines of a survey to one track, whose pings are counted through."""
+    """Join the lines of a survey to one track with consecutive pings."""
     rows: list[tuple[float, float, float, float]] = []
     pings: list[range] = []
     time = 0.0

@@ -15,7 +15,6 @@ from insonify.io.atomic import replacing
 from insonify.io.record_block import RecordBlock
 from insonify.io.records import write_record
 from insonify.planning import Plan, plan
-from insonify.record.blocks import trace_blocks
 from insonify.record.variables import make_block, record_attributes
 from insonify.scene import Scene, edit
 from insonify.simulation import prepare
@@ -113,5 +112,5 @@ class SurveyWork:
         """Record of some pings, block by block."""
         simulation = prepare(self.scene, plan=self.plan)
         attributes = record_attributes(self.scene, simulation.plan, "auto", TOLERANCE, None)
-        for block in trace_blocks(simulation, pings=pings):
+        for block in simulation.record_blocks(pings=pings):
             yield make_block(self.scene, simulation.ground, *block, None, attributes)

@@ -4,18 +4,13 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from dataclasses import dataclass
 from functools import partial
 from time import thread_time
 
 import numpy as np
-from matplotlib.figure import Figure
 
-from insonify.accuracy.charts.accuracy_figure import draw_accuracy
-from insonify.accuracy.charts.chart import Chart, ChartTable
+from insonify.accuracy.charts.accuracy_chart import AccuracyChart, AccuracyRow, TracedScene
 from insonify.accuracy.charts.embree import TriangulatedScene, explain_omission
-from insonify.accuracy.charts.machine import describe_machine
-from insonify.accuracy.charts.measurement import AccuracyMeasurement, AccuracyRow, TracedScene
 from insonify.accuracy.charts.method_settings import (
     EMBREE,
     EMBREE_OWN,
@@ -23,10 +18,10 @@ from insonify.accuracy.charts.method_settings import (
     Record,
     SettingKey,
     list_settings,
+    pack_for_chart,
 )
 from insonify.accuracy.charts.reference import Reference, refine_reference
-from insonify.accuracy.charts.scene_setup import pack_for_chart
-from insonify.accuracy.timing import time_calls
+from insonify.accuracy.timing import describe_machine, time_calls
 from insonify.kernels.common.types import Poses, SceneArrays
 from insonify.scene import Scene, SceneError, edit
 from insonify.statistics.displacement import measure_displacement
@@ -39,62 +34,6 @@ TIMING = 8.0  # s
 SHORTEST_CALL = 0.01  # s that a timed call takes at least; a quick method traces the pings again and again
 MOST_PINGS = 512  # pings of a timed call
 RAYS_OF_TRIANGLES = 1 << 20
-COLUMNS = (
-    "method",
-    "setting",
-    "targets",
-    "microseconds_per_ping",
-    "spread",
-    "error_beyond",
-    "error_all_bins",
-    "energy_bias",
-    "dark_leakage",
-    "shadow_edge_m",
-    "echo_position_m",
-    "echoes_lost",
-    "reference_moved",
-    "reference_moved_all_bins",
-    "resolved",
-    "best_for_its_time",
-)
-
-
-@dataclass(frozen=True)
-class AccuracyChart(AccuracyMeasurement, Chart):
-    """Error of every method against its time per ping."""
-
-    def tabulate(self) -> ChartTable:
-        """Lay the rows out with all errors, displacements and the resolution of the reference."""
-        best = {row.key for targets in self.scenes for row in self.find_front(targets)}
-        facts = {"title": self.title, "machine": self.machine, "pings": self.pings}
-        facts["notes"] = "; ".join(self.summarise())
-        return ChartTable(facts, COLUMNS, [self._cells(row, row.key in best) for row in self.rows])
-
-    def _cells(self, row: AccuracyRow, best: bool) -> tuple[object, ...]:
-        reference = self.scenes[row.targets].reference_of(row.method)
-        errors, moved = row.errors, row.displacement
-        return (
-            row.method,
-            row.setting,
-            "with" if row.targets else "without",
-            row.microseconds,
-            row.spread,
-            errors.beyond,
-            errors.all_bins,
-            errors.energy_bias,
-            errors.dark_leakage,
-            moved.shadow_edge,
-            moved.echo,
-            moved.lost,
-            reference.moved,
-            reference.moved_all,
-            "yes" if errors.beyond >= reference.floor else "no",
-            "yes" if best else "no",
-        )
-
-    def draw(self) -> Figure:
-        """Draw error against time per ping, with the Pareto front."""
-        return draw_accuracy(self).figure
 
 
 def measure_chart(

@@ -10,20 +10,27 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from insonify.accuracy.charts.chart import Chart, ChartTable
-from insonify.accuracy.charts.machine import describe_machine
 from insonify.accuracy.charts.method_settings import (
     MethodSetting,
     Record,
     coarsen_bed,
     march_settings,
+    pack_for_chart,
     ray_settings,
     sweep_settings,
 )
-from insonify.accuracy.charts.power_law import PowerLawFit, fit_power_law
 from insonify.accuracy.charts.reference import Reference, refine_reference
-from insonify.accuracy.charts.scene_setup import pack_for_chart
-from insonify.accuracy.charts.series_figure import draw_series, finish_panel, format_count, lay_out_panels
+from insonify.accuracy.charts.series import (
+    PowerLawFit,
+    draw_series,
+    finish_panel,
+    fit_power_law,
+    format_count,
+    group_by,
+    lay_out_panels,
+)
 from insonify.accuracy.charts.style import format_percent, get_colour, get_mark, scale_axes, write_headings
+from insonify.accuracy.timing import describe_machine
 from insonify.display.style import FAINT, label_axes
 from insonify.kernels.common.types import Poses, SceneArrays
 from insonify.scene import Scene
@@ -51,7 +58,7 @@ class ConvergencePoint(NamedTuple):
     series: str  # method and what is refined
     size: float  # step or spacing in metres, or count
     error: float  # share of the record beyond 1.4 times the altitude
-    resolved: bool  # whether the reference is fine enough to tell
+    resolved: bool  # whether the reference is fine enough to resolve the error
 
 
 @dataclass(frozen=True)
@@ -65,10 +72,7 @@ class ConvergenceChart(Chart):
 
     def group(self) -> dict[str, list[ConvergencePoint]]:
         """Points by series."""
-        groups: dict[str, list[ConvergencePoint]] = {}
-        for point in self.points:
-            groups.setdefault(point.series, []).append(point)
-        return groups
+        return group_by(self.points, lambda point: point.series)
 
     def fits(self) -> dict[str, PowerLawFit]:
         """Order of convergence of every series, fitted to the points that are resolved."""

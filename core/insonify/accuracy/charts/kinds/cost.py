@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import tracemalloc
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
 from functools import partial
 from time import thread_time
@@ -13,25 +13,29 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from insonify.accuracy.charts.chart import Chart, ChartTable
-from insonify.accuracy.charts.machine import describe_machine
-from insonify.accuracy.charts.method_settings import coarsen_bed
-from insonify.accuracy.charts.power_law import PowerLawFit, fit_power_law
-from insonify.accuracy.charts.scene_setup import pack_for_chart
-from insonify.accuracy.charts.series_figure import draw_series, finish_panel, format_count, lay_out_panels
+from insonify.accuracy.charts.method_settings import coarsen_bed, pack_for_chart
+from insonify.accuracy.charts.series import (
+    PowerLawFit,
+    draw_series,
+    finish_panel,
+    fit_power_law,
+    format_count,
+    group_by,
+    lay_out_panels,
+)
 from insonify.accuracy.charts.style import format_time, scale_axes, write_headings
-from insonify.accuracy.timing import time_calls
+from insonify.accuracy.timing import describe_machine, time_calls
 from insonify.display.style import FAINT, label_axes
 from insonify.kernels.common.types import Poses, SceneArrays
 from insonify.kernels.geometry.bvh import build_mesh
 from insonify.planning import plan
-from insonify.record.blocks import trace_blocks
 from insonify.scene import Scene, edit
 from insonify.simulation import Simulation, prepare
 from insonify.tracers import rays, sweep
 
 PINGS = (16, 32, 64, 128, 256, 512)
 STREAMED = (1000, 10_000, 100_000, 1_000_000)  # pings of a record that is traced block by block
-LONGEST = 10.0  # s, that such a record may take by its plan
+LONGEST = 10.0  # s, greatest cost of such a record by its plan
 NODES = (8, 4, 2, 1)  # one node of so many of the bed is kept
 SIDES = (1024, 2048, 4096, 8192)  # nodes of the bed
 BINS = (0.25, 0.5, 1.0, 2.0, 4.0, 8.0, 16.0)  # times the bins of the scene
@@ -43,8 +47,8 @@ SWEPT, CAST = 32, 4  # pings of a call of the sweep, and of rays
 CAST_RAYS = 2000  # rays per side where another size grows
 SECONDS = 15.0
 RADIUS = 0.5  # m, of the ball of triangles
-SMALL = 0.15  # m, radius of the targets, of which the most in one beam stand clear of one another
-WHOLE = ("pings", "pings of a streamed record")  # axes of which the time is that of all pings
+SMALL = 0.15  # m, radius of the targets; the greatest number of them in one beam do not touch
+WHOLE = ("pings", "pings of a streamed record")  # axes with the time of all pings
 COLUMNS = ("method", "axis", "size", "microseconds", "spread", "megabytes", "exponent", "exponent_spread")
 
 
@@ -69,10 +73,7 @@ class CostChart(Chart):
 
     def group(self) -> dict[tuple[str, str], list[CostRow]]:
         """Rows by axis and method."""
-        groups: dict[tuple[str, str], list[CostRow]] = {}
-        for row in self.rows:
-            groups.setdefault((row.axis, row.method), []).append(row)
-        return groups
+        return group_by(self.rows, lambda row: (row.axis, row.method))
 
     def fits(self) -> dict[tuple[str, str], PowerLawFit]:
         """Power law of the time for every axis and method."""
@@ -107,49 +108,63 @@ class CostChart(Chart):
         return figure
 
 
-Calls = dict[tuple[str, str, float], tuple[partial[Any], int]]
+class _Call(NamedTuple):
+    """Call to be timed."""
+
+    trace: partial[Any]  # traces some pings; its first argument holds the arrays of the scene
+    pings: int  # number of these pings
+
+
+Sizes = Iterator[tuple[float, SceneArrays, Poses]]  # sizes of a scene, each with its arrays and poses
 
 
 def measure_chart(scene: Scene, *, progress: Callable[[float], None] | None = None) -> CostChart:
     """Measure time and memory against the number of pings, nodes, cells, bins, targets, triangles, planes and rays."""
     planes = plan(scene).planes
     arrays, poses = pack_for_chart(scene, SWEPT)
-    calls = (
-        _of_pings(arrays, poses, planes)
-        | _of_streams(scene, arrays.bed.periodic)
-        | _of_cells(arrays, poses, planes)
-        | _of_bins(scene, planes)
-    )
-    calls |= _of_nodes(arrays, poses, planes) | _of_targets(scene, planes) | _of_triangles(scene, planes)
-    for count in PLANES if arrays.half_width > 0.0 else ():
-        calls["sweep", "planes", count] = _sweep(arrays, poses, count)
-    for count in RAYS:
-        calls["rays", "rays a side", count] = _rays(arrays, poses, count)
-    memory = {key: _memory_of(call) for key, (call, _) in calls.items()}
+    calls: dict[tuple[str, str, float], _Call] = {}
+    calls |= {("sweep", "pings", n): _sweep(arrays, _some(poses, n), planes) for n in PINGS}
+    calls |= {("rays", "pings", n): _rays(arrays, _some(poses, n)) for n in PINGS[:3]}
+    if arrays.bed.periodic:
+        calls |= {("sweep", WHOLE[1], n): call for n, call in _stream_records(scene)}
+    axes = {
+        "cells along a profile": _coarsen_beds(arrays, poses),
+        "bins a side": _change_bins(scene),
+        "nodes of the bed": _tile_beds(arrays, poses),
+        "targets in the beam": _add_targets(scene),
+        "triangles in the beam": _refine_ball(scene),
+    }
+    for axis, sizes in axes.items():
+        for size, changed, towed in sizes:
+            calls["sweep", axis, size] = _sweep(changed, towed, planes)
+            calls["rays", axis, size] = _rays(changed, _some(towed, CAST))
+    if arrays.half_width > 0.0:
+        calls |= {("sweep", "planes", count): _sweep(arrays, poses, count) for count in PLANES}
+    calls |= {("rays", "rays a side", count): _rays(arrays, _some(poses, CAST), count) for count in RAYS}
+    memory = {key: _memory_of(call.trace) for key, call in calls.items()}
     timings = time_calls(
-        {key: call for key, (call, _) in calls.items()},
+        {key: call.trace for key, call in calls.items()},
         seconds=SECONDS,
         clock=thread_time,
         progress=progress or (lambda _: None),
     )
     rows = [
-        CostRow(*key, 1e6 * timing.median / (1 if key[1] in WHOLE else calls[key][1]), timing.spread, memory[key])
+        CostRow(*key, 1e6 * timing.median / (1 if key[1] in WHOLE else calls[key].pings), timing.spread, memory[key])
         for key, timing in timings.items()
     ]
     return CostChart(scene.title, tuple(rows), describe_machine())
 
 
-def _sweep(arrays: SceneArrays, poses: Poses, planes: int) -> tuple[partial[Any], int]:
-    return partial(sweep.trace, arrays, poses, planes=planes, threads=1), poses.x.size
+def _sweep(arrays: SceneArrays, poses: Poses, planes: int) -> _Call:
+    return _Call(partial(sweep.trace, arrays, poses, planes=planes, threads=1), poses.x.size)
 
 
-def _rays(arrays: SceneArrays, poses: Poses, count: int = CAST_RAYS) -> tuple[partial[Any], int]:
-    some = _some(poses, CAST)
-    return partial(rays.trace, arrays, some, rays=count, threads=1), some.x.size
+def _rays(arrays: SceneArrays, poses: Poses, count: int = CAST_RAYS) -> _Call:
+    return _Call(partial(rays.trace, arrays, poses, rays=count, threads=1), poses.x.size)
 
 
 def _memory_of(call: partial[Any]) -> float:
-    """Megabytes of the arrays of a call's scene, and the most that the call holds besides."""
+    """Megabytes of the arrays of a call's scene, and the most that the call allocates besides."""
     tracemalloc.start()
     try:
         call()
@@ -167,52 +182,40 @@ def _bytes_of(value: Any) -> int:
 
 def _some(poses: Poses, count: int) -> Poses:
     """Pick a number of poses evenly, or repeat them if there are fewer."""
-    places = (
-        np.resize(np.arange(poses.x.size), count) if count > poses.x.size else np.linspace(0, poses.x.size - 1, count)
-    )
+    all_poses = poses.x.size
+    places = np.resize(np.arange(all_poses), count) if count > all_poses else np.linspace(0, all_poses - 1, count)
     return Poses(*(np.ascontiguousarray(column[places.astype(np.int64)]) for column in poses))
 
 
-def _both(axis: str, size: float, arrays: SceneArrays, poses: Poses, planes: int) -> Calls:
-    return {("sweep", axis, size): _sweep(arrays, poses, planes), ("rays", axis, size): _rays(arrays, poses)}
-
-
-def _of_pings(arrays: SceneArrays, poses: Poses, planes: int) -> Calls:
-    calls: Calls = {("sweep", "pings", n): _sweep(arrays, _some(poses, n), planes) for n in PINGS}
-    for n in PINGS[:3]:
-        some = _some(poses, n)
-        calls["rays", "pings", n] = partial(rays.trace, arrays, some, rays=CAST_RAYS, threads=1), n
-    return calls
-
-
-def _of_streams(scene: Scene, periodic: bool) -> Calls:
-    """Trace whole records block by block, as they are written, as far as that is a matter of seconds."""
-    calls: Calls = {}
-    for n in STREAMED if periodic else ():
+def _stream_records(scene: Scene) -> Iterator[tuple[int, _Call]]:
+    """Whole records traced block by block, as they are written, if that is a matter of seconds."""
+    for n in STREAMED:
         simulation = prepare(edit(scene, {"track.pings": n}), threads=1)
         if n * simulation.plan.cost <= LONGEST:
-            calls["sweep", WHOLE[1], n] = partial(_stream, simulation.reduced, simulation), n
-    return calls
+            yield n, _Call(partial(_stream, simulation.reduced, simulation), n)
 
 
 def _stream(_: SceneArrays, simulation: Simulation) -> None:
-    for _block in trace_blocks(simulation):
+    for _block in simulation.record_blocks():
         pass
 
 
-def _of_cells(arrays: SceneArrays, poses: Poses, planes: int) -> Calls:
-    """Trace the same bed with fewer nodes, by cells along a profile."""
-    calls: Calls = {}
+def _coarsen_beds(arrays: SceneArrays, poses: Poses) -> Sizes:
+    """Keep fewer nodes of the bed, by cells along a profile."""
     for every in NODES:
         if (bed := coarsen_bed(arrays.bed, every)) is not None:
-            cells = round(arrays.bins * arrays.bin_length / bed.spacing)
-            calls |= _both("cells along a profile", cells, arrays._replace(bed=bed), poses, planes)
-    return calls
+            yield round(arrays.bins * arrays.bin_length / bed.spacing), arrays._replace(bed=bed), poses
 
 
-def _of_nodes(arrays: SceneArrays, poses: Poses, planes: int) -> Calls:
-    """Trace a periodic bed laid side by side, with pings all over it, by nodes of the bed."""
-    calls: Calls = {}
+def _change_bins(scene: Scene) -> Sizes:
+    """Record the scene with fewer and with more bins."""
+    for times in BINS:
+        arrays, poses = pack_for_chart(edit(scene, {"sonar.bins": max(round(times * scene.sonar.bins), 1)}), SWEPT)
+        yield arrays.bins, arrays, poses
+
+
+def _tile_beds(arrays: SceneArrays, poses: Poses) -> Sizes:
+    """Lay a periodic bed side by side, with pings all over it, by nodes of the bed."""
     bed = arrays.bed
     for side in SIDES if bed.periodic else ():
         times = side // max(bed.heights.shape)
@@ -223,45 +226,32 @@ def _of_nodes(arrays: SceneArrays, poses: Poses, planes: int) -> Calls:
                 materials=np.tile(bed.materials, (times, times)),
             )
             away = np.arange(poses.x.size) % times * bed.spacing
-            moved = poses._replace(
-                x=poses.x + away * bed.heights.shape[1], y=poses.y + away[::-1] * bed.heights.shape[0]
-            )
-            calls |= _both("nodes of the bed", wide.heights.size, arrays._replace(bed=wide), moved, planes)
-    return calls
+            x, y = poses.x + away * bed.heights.shape[1], poses.y + away[::-1] * bed.heights.shape[0]
+            yield wide.heights.size, arrays._replace(bed=wide), poses._replace(x=x, y=y)
 
 
-def _of_bins(scene: Scene, planes: int) -> Calls:
-    calls: Calls = {}
-    for times in BINS:
-        arrays, poses = pack_for_chart(edit(scene, {"sonar.bins": max(round(times * scene.sonar.bins), 1)}), SWEPT)
-        calls |= _both("bins a side", arrays.bins, arrays, poses, planes)
-    return calls
+def _slow_down(scene: Scene, radius: float) -> dict[str, Any]:
+    """Slow the track down, so that all timed pings meet targets of a radius at its start."""
+    return {"track.speed": min(scene.track.speed, scene.sonar.ping_rate * radius / SWEPT), "track.pings": SWEPT}
 
 
-def _of_targets(scene: Scene, planes: int) -> Calls:
-    """Trace scenes with spheres on both sides of the timed pings, all of which meet them."""
-    calls: Calls = {}
-    near = {"track.speed": min(scene.track.speed, scene.sonar.ping_rate * SMALL / SWEPT), "track.pings": SWEPT}
+def _add_targets(scene: Scene) -> Sizes:
+    """Place spheres on both sides of the timed pings."""
     for count in TARGETS:
-        arrays, poses = pack_for_chart(edit(scene, {**near, "targets": _spheres(scene, count, SMALL)}), SWEPT)
-        calls |= _both("targets in the beam", count, arrays, poses, planes)
-    return calls
+        targets = {"targets": _spheres(scene, count, SMALL)}
+        yield count, *pack_for_chart(edit(scene, _slow_down(scene, SMALL) | targets), SWEPT)
 
 
-def _of_triangles(scene: Scene, planes: int) -> Calls:
-    """Trace a ball of more and more triangles, beneath the timed pings on the port side."""
+def _refine_ball(scene: Scene) -> Sizes:
+    """Place a ball of more and more triangles beneath the timed pings on the port side."""
     import trimesh.creation  # slow to import, and no other axis needs it
 
-    calls: Calls = {}
-    near = {"track.speed": min(scene.track.speed, scene.sonar.ping_rate * RADIUS / SWEPT), "track.pings": SWEPT}
     (ball,) = _spheres(scene, 1, RADIUS)
-    arrays, poses = pack_for_chart(edit(scene, {**near, "targets": []}), SWEPT)
+    arrays, poses = pack_for_chart(edit(scene, _slow_down(scene, RADIUS) | {"targets": []}), SWEPT)
     for divisions in DIVISIONS:
         corners = trimesh.creation.icosphere(subdivisions=divisions, radius=RADIUS).triangles + ball["position"]
         first = np.zeros(len(corners), np.int64)
-        meshed = arrays._replace(mesh=build_mesh(np.asarray(corners, float), first, first))
-        calls |= _both("triangles in the beam", len(corners), meshed, poses, planes)
-    return calls
+        yield len(corners), arrays._replace(mesh=build_mesh(np.asarray(corners, float), first, first)), poses
 
 
 def _spheres(scene: Scene, count: int, radius: float) -> list[Mapping[str, Any]]:

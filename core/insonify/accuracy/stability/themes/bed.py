@@ -72,7 +72,7 @@ def _steps() -> Measured:
 
 
 def _ray_through_a_crest(across: Record, bed: Record, height: float) -> tuple[Record, float, int]:
-    """Deepest ray through a crest none of whose samples lies in it: samples, slope, and number up to the bed."""
+    """Deepest ray through a crest with no sample inside it: samples, slope, and number up to the bed."""
     top = int(np.argmax(np.where((across > 15.0) & (across < 25.0), bed, -np.inf)))
     places = np.arange(0.0, 45.0, STEP)
     for below in np.arange(0.6, 0.0, -0.05):
@@ -127,7 +127,7 @@ def _smooth(spacing: float) -> SceneArrays:
 
 
 def _trace_points(arrays: SceneArrays, pose: Poses, spacing: float) -> NDArray[np.float32]:
-    """Record of a bed each of whose samples echoes as a point, with its own share of the area."""
+    """Record of a bed of point scatterers: one per sample, with its share of the area."""
     out = np.zeros((1, 2, arrays.bins), dtype=np.float32)
     bed, height = arrays.bed, float(pose.z[0])
     column = round((float(pose.x[0]) - bed.x0) / spacing)

@@ -12,8 +12,7 @@ from numpy.typing import NDArray
 from insonify.accuracy.stability.case import Approach, Measured, StabilityTheme
 from insonify.accuracy.stability.drawing import common, faint, inked, ours, panel
 from insonify.accuracy.stability.themes.water import profile
-from insonify.acoustics.caustics import airy_pressure
-from insonify.acoustics.paths import eigenrays, ray_paths, shadow_zones
+from insonify.acoustics.paths import airy_pressure, eigenrays, ray_paths, shadow_zones
 from insonify.display.style import FAINT
 from insonify.scene import load_scene
 

@@ -13,8 +13,8 @@ from numpy.typing import NDArray
 from insonify.accuracy.stability.case import Approach, Measured, StabilityTheme
 from insonify.accuracy.stability.drawing import common, faint, inked, ours, panel, table
 from insonify.accuracy.stability.level_scenes import error_message, make_level_scene
-from insonify.acoustics.layers import make_sound_speed_field
 from insonify.acoustics.paths import ray_paths
+from insonify.acoustics.water import make_sound_speed_field
 from insonify.scene import edit, load_scene
 from insonify.scene.water.profile import ProfileWater
 from insonify.scene.water.sound_speed import paper, teos10

@@ -1,0 +1,253 @@
+"""Cast of one side's rays, straight or along arcs: aim, launch, first hit, arrival and echo.
+
+A ray that stands for the solid angle dΩ lands on q x / cosθ0 · dΩ / cos α of a surface, q being the width of its tube
+in elevation and x / cosθ0 that across; one way its intensity is I = cosθ0 / (x |q|) of that at 1 m (Jensen et al.,
+Computational Ocean Acoustics, 3.3), and the way back is the way out. So it returns σ dA I² = σ dΩ I / cos α. A knife
+is 1 m wide along the track: σ q dθ I² / cos α. Law `light` spreads nothing: a ray stands for the step of slant range
+that its landing makes as its elevation grows. A straight ray is an arrival with q = x / cosθ0 = r.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from insonify.compiler.jit import inlined, kernel
+from insonify.kernels.beam.pattern import two_way_response
+from insonify.kernels.common.scattering import backscatter_strength
+from insonify.kernels.common.types import LIGHT
+from insonify.kernels.rays.cell_walk import NOTHING, empty_bundle, empty_hits, find_first_hits
+from insonify.kernels.rays.launch import (
+    RayLaunch,
+    aim_rays,
+    ball_about,
+    beam_touches_ball,
+    box_about,
+    empty_launch,
+    highest_elevation,
+    list_solids_in_beam,
+    rotate_to_world,
+    spread_over_pattern,
+)
+from insonify.kernels.rays.march import march_hits
+from insonify.kernels.rays.mixed_paths import MixedEchoes, empty_mixed_echoes, find_mixed_echoes
+from insonify.kernels.rays.probe_rays import Landings, Waveguide, aim_refracted_rays, empty_landings
+from insonify.kernels.rays.refracted_hits import (
+    Arrivals,
+    LandedRays,
+    VerticalPlane,
+    clear_of_nodes,
+    empty_arrivals,
+    find_refracted_hits,
+    lay_in_section,
+)
+
+SLACK = 0.1  # share of its distance by which a body insonified along arcs may lie outside a beam of straight rays
+
+
+class RayAim(NamedTuple):
+    """Launch directions of one side, and what they are aimed for: pings that agree in this share them."""
+
+    launch: RayLaunch
+    landings: Landings  # of probe rays; empty for straight rays
+    z: float  # height of the sonar, m
+    top: float  # highest elevation of anything in the beam, rad; its height, m, for refracted rays
+    pitch: float  # rad
+
+
+class SideCast(NamedTuple):
+    """Refracted rays of one side at their hits, and the echoes out by one of them and back by another."""
+
+    rays: LandedRays
+    weight: NDArray[np.float64]  # (n,) of each ray, by the two-way response of the beam
+    mixed: MixedEchoes
+
+
+@kernel
+def unaimed(rays):
+    """Room for the launch directions of one side, aimed for no ping yet."""
+    return RayAim(empty_launch(rays), empty_landings(), math.nan, math.nan, math.nan)
+
+
+@kernel
+def aim_straight(arrays, beam, pitch, near, aim):
+    """List the solids in a beam, and aim its straight rays unless they are; return the number of solids and the aim."""
+    count, top = list_solids_in_beam(arrays.solids, arrays.mesh, beam, near)
+    top = max(top, highest_elevation(arrays.bed.high - beam.z, 0.0, beam.reach))
+    if beam.z == aim.z and top == aim.top and pitch == aim.pitch:
+        return count, aim
+    spreads = arrays.half_width > 0.0 and arrays.pattern.tabulated
+    aim_rays(aim.launch, beam.z, top, beam.reach, arrays.half_width, arrays.law, spreads)
+    if spreads:
+        spread_over_pattern(aim.launch, arrays.pattern, beam.z, beam.reach, pitch)
+    return count, RayAim(aim.launch, aim.landings, beam.z, top, pitch)
+
+
+@kernel
+def cast_straight(arrays, beam, near, count, launch, step):
+    """Straight rays of one side at their first hits: exact ones, or by a march in steps if ``step`` is positive."""
+    n = launch.weight.size
+    bundle, hits = empty_bundle(n), empty_hits(n)
+    rotate_to_world(launch, beam, bundle)
+    if step > 0.0:
+        march_hits(arrays.bed, arrays.solids, near, count, arrays.mesh, bundle, beam.reach, step, hits)
+    else:
+        find_first_hits(arrays.bed, arrays.solids, near, count, arrays.mesh, bundle, beam.reach, hits)
+    return arrive_straight(arrays, bundle, hits)
+
+
+@kernel
+def arrive_straight(arrays, bundle, hits):
+    """Straight rays with their hits as arrivals: tube and spreading are the range."""
+    speed, no_place = np.full(hits.distance.size, arrays.water.reference), np.empty(0)
+    arrivals = Arrivals(bundle.dx, bundle.dy, bundle.dz, hits.distance, hits.distance, speed, no_place, no_place)
+    return LandedRays(bundle, hits, arrivals)
+
+
+@kernel
+def aim_refracted(arrays, beam, pitch, aim):
+    """Aim the refracted rays of one side unless they are; return the water before them and the aim."""
+    waveguide, water = make_waveguide(arrays, beam), arrays.water
+    if beam.z == aim.z and waveguide.ceiling == aim.top and pitch == aim.pitch and water.station.size == 1:
+        return waveguide, aim
+    spreads = arrays.half_width > 0.0 and arrays.pattern.tabulated
+    landings = aim_refracted_rays(aim.launch, waveguide, beam.z, arrays.half_width, arrays.law, spreads)
+    if spreads:
+        spread_over_pattern(aim.launch, arrays.pattern, beam.z, waveguide.reach, pitch)
+    return waveguide, RayAim(aim.launch, landings, beam.z, waveguide.ceiling, pitch)
+
+
+@kernel
+def cast_refracted(arrays, beam, waveguide, aim, step):
+    """Refracted rays of one side at their hits, in the scene of the aim or the same without targets.
+
+    Rays that march, in steps if ``step`` is positive, have no mixed echoes.
+    """
+    n = aim.launch.weight.size
+    rays = LandedRays(empty_bundle(n), empty_hits(n), empty_arrivals(n))
+    rotate_to_world(aim.launch, beam, rays.bundle)
+    find_refracted_hits(arrays, rays.bundle, waveguide.reach, step, rays.hits, rays.arrivals)
+    weight, mixed = weigh_by_pattern(arrays, beam, rays, aim.launch.weight), empty_mixed_echoes()
+    if aim.landings.fold < math.inf and step <= 0.0:
+        mixed = find_mixed_echoes(arrays, beam, waveguide, aim.landings, aim.launch.weight, rays)
+    return SideCast(rays, weight, mixed)
+
+
+@kernel
+def make_waveguide(arrays, beam):
+    """Water in the plane athwart one side of a ping, and how high there is anything to hit."""
+    water = arrays.water
+    plane = lay_in_section(water.axis_x, water.axis_y, VerticalPlane(beam.x, beam.y, beam.side_x, beam.side_y))
+    return Waveguide(water, plane, clear_of_nodes(water.height, _highest(arrays, beam)), beam.reach)
+
+
+@kernel
+def _highest(arrays, beam):
+    """Height of the highest thing that a beam may meet, m."""
+    solids, mesh, top = arrays.solids, arrays.mesh, arrays.bed.high
+    for k in range(solids.shape.size):
+        middle, radius, cx, cy, z = ball_about(solids, k)
+        if _may_touch(beam, cx - beam.x, cy - beam.y, z - beam.z, middle + radius):
+            top = max(top, z + middle * abs(solids.axis[k, 2]) + radius)
+    if mesh.skip.size > 0:
+        wx, wy, wz, cx, cy, cz = box_about(mesh, 0)
+        if _may_touch(beam, cx - beam.x, cy - beam.y, cz - beam.z, math.sqrt(wx * wx + wy * wy + wz * wz)):
+            top = max(top, mesh.high[0, 2])
+    return top
+
+
+@kernel
+def _may_touch(beam, cx, cy, cz, bound):
+    """Whether a beam of refracted rays may touch a ball, its centre counted from the sonar."""
+    distance = math.sqrt(cx * cx + cy * cy + cz * cz)
+    return beam_touches_ball(beam, cx, cy, cz, distance, bound + SLACK * distance)
+
+
+@kernel
+def weigh_by_pattern(arrays, beam, rays, weight):
+    """Weight of rays by the two-way response of the beam towards their hits; ``weight`` itself without a pattern."""
+    if not arrays.pattern.tabulated:
+        return weight
+    bundle, hits, fan, weighed = rays.bundle, rays.hits, arrays.half_width > 0.0, np.zeros(weight.size)
+    for k in range(weight.size):
+        if hits.body[k] != NOTHING:
+            dx, dy, dz = bundle.dx[k], bundle.dy[k], bundle.dz[k]
+            weighed[k] = weight[k] * two_way_response(
+                arrays.pattern, beam, fan, arrays.law, dx, dy, dz, hits.distance[k]
+            )
+    return weighed
+
+
+@kernel
+def add_ray_echoes(arrays, rays, weight, sums):
+    """Add the echoes of rays at their hits to range bins, before the factor that depends on range alone.
+
+    Parameters
+    ----------
+    arrays : SceneArrays
+    rays : LandedRays of ndarrays, shape (n,)
+    weight : ndarray, shape (n,)
+        What each ray stands for: rad or sr.
+    sums : ndarray, shape (bins,)
+        Added to.
+    """
+    for k in range(weight.size):
+        b, value, _, _ = ray_echo(arrays, rays, weight, k)
+        if b >= 0:
+            sums[b] += value
+
+
+@inlined
+def ray_echo(arrays, rays, weight, k):
+    """Bin, echo, cosine of incidence and growth of slant range per elevation of one ray; bin -1 without an echo."""
+    hits, arrivals, law = rays.hits, rays.arrivals, arrays.law
+    distance = hits.distance[k]
+    if hits.body[k] == NOTHING or distance >= arrays.bins * arrays.bin_length:
+        return -1, 0.0, 0.0, 0.0
+    b = int(distance / arrays.bin_length)
+    dx, dy, dz = arrivals.dx[k], arrivals.dy[k], arrivals.dz[k]
+    nx, ny, nz = hits.nx[k], hits.ny[k], hits.nz[k]
+    cosine = -(nx * dx + ny * dy + nz * dz)
+    # A surface exactly edge-on returns nothing.
+    if b >= arrays.bins or cosine <= 0.0:
+        return -1, 0.0, 0.0, 0.0
+    row, tube = arrays.reflectivity[hits.material[k]], arrivals.tube[k]
+    value = backscatter_strength(cosine, row[0], row[1], row[2], law) * weight[k] / cosine
+    growth = arrays.water.reference / arrivals.speed[k] * tube * _elevation_tilt(dx, dy, dz, nx, ny, nz)
+    if law == LIGHT:
+        return b, value * growth / arrays.bin_length, cosine, growth / cosine
+    # Over that in still water; Jensen et al., Computational Ocean Acoustics, 3.3: I = cosθ0 / (x |q|).
+    intensity = distance * distance / (tube * arrivals.spread[k])
+    if arrays.half_width > 0.0:
+        return b, value * distance * distance * intensity, cosine, growth / cosine
+    return b, value * tube * intensity * intensity, cosine, growth / cosine
+
+
+@inlined
+def _elevation_tilt(dx, dy, dz, nx, ny, nz):
+    """|n·e| of a surface's normal n and the direction e in which a growing elevation moves a ray."""
+    level = math.sqrt(dx * dx + dy * dy)
+    if level == 0.0:
+        return 0.0
+    return abs(nz * level - dz * (nx * dx + ny * dy) / level)
+
+
+@inlined
+def count_echoes(cast):
+    """Count the echoes of a side: of each ray by itself, then out by one ray and back by another."""
+    return cast.weight.size + cast.mixed.ray.size
+
+
+@inlined
+def side_echo(arrays, cast, n):
+    """Ray, bin, value and cosine of incidence of one echo of a side; bin -1 without an echo."""
+    if n < cast.weight.size:
+        b, value, cosine, _ = ray_echo(arrays, cast.rays, cast.weight, n)
+        return n, b, value, cosine
+    m = n - cast.weight.size
+    k = cast.mixed.ray[m]
+    _, _, cosine, _ = ray_echo(arrays, cast.rays, cast.weight, k)
+    return k, cast.mixed.bin[m], cast.mixed.value[m], cosine

@@ -1,0 +1,317 @@
+"""Sheets of rays, each integrated over elevation: more accurate than as many single rays.
+
+The rays of a sheet keep one place within the beam and follow one another in elevation. Where two neighbours land on one
+surface, as far apart as the growths of their ranges predict, the energy between them is spread over the range between
+them; their distance also locates a kink of the surface. Any other gap between neighbours, such as the edge of a shadow
+or of a target, is halved until it is a small share of a bin.
+
+Where refraction gives several paths to a place, echoes out by the rays of a sheet and back by another path are sheets
+of their own, one for each path back.
+
+Theory: docs/theory/error.md.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from insonify.compiler.jit import inlined, kernel
+from insonify.kernels.beam.pattern import widest_extent
+from insonify.kernels.common.types import LIGHT
+from insonify.kernels.rays.cast import arrive_straight, make_waveguide, ray_echo, weigh_by_pattern
+from insonify.kernels.rays.cell_walk import NOTHING, empty_bundle, empty_hits, find_first_hits
+from insonify.kernels.rays.launch import (
+    aim_rays,
+    cone_azimuth,
+    empty_launch,
+    find_enclosing_solid,
+    highest_elevation,
+    list_solids_in_beam,
+    orient_beam,
+    rotate_to_world,
+)
+from insonify.kernels.rays.mixed_paths import MOST_WAYS, find_mixed_echoes
+from insonify.kernels.rays.probe_rays import Landings, Waveguide, aim_refracted_rays, empty_landings
+from insonify.kernels.rays.refracted_hits import LandedRays, empty_arrivals, find_refracted_hits
+
+DIRECT = -1  # way of a first echo, back along the ray itself
+KINKED = 0.02  # share by which growths differ on both sides of a kink
+FINE = 1.0 / 64.0  # share of a bin by which neighbours may land apart without being halved
+FINEST = 1e-9  # rad, the least angle between neighbours
+ROUNDED = 0.03  # share by which the echoes of neighbours on a round body may differ without being halved
+FINEST_ROUNDED = 1e-6  # rad, the least angle between neighbours on one
+OF_NADIR = 4  # rays of a sheet per extra ray about nadir
+OF_THREE = 3  # rays of a gap: both ends and the middle
+REVERSED = 1 << 32  # marks surfaces with mixed echoes that count for both orders of their paths
+
+
+class SheetFan(NamedTuple):
+    """What the rays of all sheets of one side share."""
+
+    pitch: float  # rad
+    near: NDArray[np.int64]  # (bodies,) rows of the solids in the beam
+    waveguide: Waveguide
+    landings: Landings  # of probe rays; empty for straight rays
+
+
+class SheetEchoes(NamedTuple):
+    """Echoes of the rays of one sheet, by ascending elevation."""
+
+    angle: NDArray[np.float64]  # (n,) elevation, rad
+    distance: NDArray[np.float64]  # (n,) slant range, m, infinite where nothing is met
+    surface: NDArray[np.int64]  # (n,) what is met: a body, all triangles alike, BED or NOTHING
+    value: NDArray[np.float64]  # (n,) per radian of elevation
+    growth: NDArray[np.float64]  # (n,) of slant range, m per radian of elevation
+
+
+@kernel
+def trace_ray_sheets(arrays, poses, sheets, rays, out):
+    """Intensity per range bin of pings traced by sheets of rays.
+
+    Parameters
+    ----------
+    arrays : SceneArrays
+        Without multipath and bounces: sheets have first echoes alone.
+    poses : Poses of ndarrays, shape (n,)
+    sheets : int
+        Per side.
+    rays : int
+        Per sheet to begin with.
+    out : ndarray of float32, shape (n, 2, bins)
+        Filled.
+
+    Returns
+    -------
+    int
+        -1 - k if the sonar is inside solid k, else 0.
+    """
+    sums, near = np.empty(arrays.bins), np.empty(arrays.solids.shape.size, np.int64)
+    for ping in range(poses.x.size):
+        body = find_enclosing_solid(arrays.solids, poses.x[ping], poses.y[ping], poses.z[ping])
+        if body >= 0:
+            return -1 - body
+        for side in range(2):
+            beam = orient_beam(arrays, poses, ping, side)
+            sums[:] = 0.0
+            _add_sheets(arrays, beam, poses.pitch[ping], near, sheets, rays, sums)
+            for k in range(arrays.bins):
+                out[ping, side, k] = sums[k] * arrays.range_factor[k] / sheets
+    return 0
+
+
+@kernel
+def _add_sheets(arrays, beam, pitch, near, sheets, rays, sums):
+    """Sum the echoes of the sheets of one side."""
+    launch, waveguide = empty_launch(rays), make_waveguide(arrays, beam)
+    # Law `light` of a knife: weights are the angles that rays stand for.
+    if arrays.water.bent:
+        bodies, top = 0, 0.5 * math.pi
+        landings = aim_refracted_rays(launch, waveguide, beam.z, 0.0, LIGHT, True)
+    else:
+        bodies, top = list_solids_in_beam(arrays.solids, arrays.mesh, beam, near)
+        top = max(top, highest_elevation(arrays.bed.high - beam.z, 0.0, beam.reach))
+        landings = empty_landings()
+        aim_rays(launch, beam.z, top, beam.reach, 0.0, LIGHT, True)
+    fan, angle = SheetFan(pitch, near[:bodies], waveguide, landings), _elevations(launch.up, top)
+    for sheet in range(sheets):
+        place = (sheet + 0.5) / sheets
+        _add_sheet(arrays, beam, fan, angle, place, DIRECT, sums)
+        # The mixed echoes out along the rays of the sheet, one path back after the other.
+        way = 0
+        while landings.fold < math.inf and way < MOST_WAYS:
+            way = way + 1 if _add_sheet(arrays, beam, fan, angle, place, way, sums) else MOST_WAYS
+
+
+@kernel
+def _add_sheet(arrays, beam, fan, angle, place, way, sums):
+    """Sum the echoes of one sheet back by one path; return whether there are any."""
+    together, landed = angle.size, _trace_sheet(arrays, beam, fan, angle, place, way)
+    if way != DIRECT and not np.any(landed.value > 0.0):
+        return False
+    while landed.angle.size > 0:
+        gaps = _spread_or_split(landed, together, arrays.solids.shape.size, arrays.bin_length, sums)
+        middles = _trace_sheet(arrays, beam, fan, _middles(landed, gaps), place, way)
+        landed, together = _insert_middles(landed, gaps, middles), OF_THREE
+    return True
+
+
+@kernel
+def _elevations(up, top):
+    """Elevations at which a sheet begins, ascending: those aimed at, many about nadir, and both ends of all."""
+    n = up.size
+    few = max(n // OF_NADIR, 1)
+    angle = np.empty(n + few + 1)
+    angle[:n] = np.arcsin(up)
+    for k in range(few):
+        # Equal steps of slant range plus ground range; equal steps of slant range alone are too wide about nadir.
+        angle[n + k] = -2.0 * math.atan(1.0 / (1.0 + math.sqrt(2.0) * k / few))
+    angle[n + few] = top
+    return np.sort(angle)
+
+
+@kernel
+def _trace_sheet(arrays, beam, fan, angle, place, way):
+    """Echoes of rays of one place within the beam at given elevations, back along themselves or one other path."""
+    n, solids = angle.size, arrays.solids.shape.size
+    bundle, density = _send(arrays, beam, fan.pitch, angle, place)
+    landed = SheetEchoes(angle, np.full(n, math.inf), np.full(n, NOTHING), np.zeros(n), np.zeros(n))
+    if arrays.water.bent:
+        rays = LandedRays(bundle, empty_hits(n), empty_arrivals(n))
+        find_refracted_hits(arrays, bundle, beam.reach, 0.0, rays.hits, rays.arrivals)
+    else:
+        hits = empty_hits(n)
+        find_first_hits(arrays.bed, arrays.solids, fan.near, fan.near.size, arrays.mesh, bundle, beam.reach, hits)
+        rays = arrive_straight(arrays, bundle, hits)
+    hits = rays.hits
+    if way == DIRECT:
+        density = weigh_by_pattern(arrays, beam, rays, density)
+        for k in range(n):
+            landed.distance[k], landed.surface[k] = hits.distance[k], min(hits.body[k], solids)
+            _, landed.value[k], _, landed.growth[k] = ray_echo(arrays, rays, density, k)
+        return landed
+    mixed = find_mixed_echoes(arrays, beam, fan.waveguide, fan.landings, density, rays)
+    for m in range(mixed.ray.size):
+        if mixed.way[m] == way and mixed.bin[m] >= 0:
+            k = mixed.ray[m]
+            landed.distance[k], landed.surface[k] = mixed.distance[m], min(hits.body[k], solids)
+            if 2.0 * mixed.distance[m] - hits.distance[k] >= beam.reach:
+                landed.surface[k] += REVERSED  # it counts for its reverse as well
+            landed.value[k], landed.growth[k] = mixed.value[m], mixed.growth[m]
+    return landed
+
+
+@kernel
+def _send(arrays, beam, pitch, angle, place):
+    """Point rays to one place, in [0, 1), within the beam; return the weight of each per radian of elevation."""
+    n, fan, tabulated = angle.size, arrays.half_width > 0.0, arrays.pattern.tabulated
+    centre, extent = arrays.pattern.centre, widest_extent(arrays.pattern)
+    launch, bundle = empty_launch(n), empty_bundle(n)
+    for k in range(n):
+        c, s = math.cos(angle[k]), math.sin(angle[k])
+        azimuth, wide = 0.0, 1.0
+        if fan and tabulated:
+            level, tip = math.cos(pitch) * c, math.sin(pitch) * s
+            azimuth, wide = _azimuth(centre - tip, extent, math.sin(arrays.half_width), level, place)
+        elif fan:
+            wide = 2.0 * cone_azimuth(c, arrays.half_width)
+            azimuth = wide * (place - 0.5)
+            wide = 1.0 if arrays.law == LIGHT else wide  # law `light` averages over the beam
+        launch.ahead[k], launch.abeam[k], launch.up[k] = c * math.sin(azimuth), c * math.cos(azimuth), s
+        launch.weight[k] = wide * c if fan and arrays.law != LIGHT else wide
+    rotate_to_world(launch, beam, bundle)
+    return bundle, launch.weight
+
+
+@inlined
+def _azimuth(centre, extent, main, level, place):
+    """Azimuth of a place in [0, 1) within a beam with a pattern, and its derivative with respect to that place.
+
+    Half the places are in the main lobe, where that is less than half of the beam's extent; away from it they lie ever
+    farther apart. Over azimuths φ, level · sin φ runs from centre - extent to centre + extent.
+    """
+    low, high = max((centre - extent) / level, -1.0), min((centre + extent) / level, 1.0)
+    if not low < high:
+        return 0.0, 0.0
+    middle = math.asin(min(max(centre / level, low), high))
+    side = 2.0 * place - 1.0
+    whole = math.asin(high) - middle if side > 0.0 else middle - math.asin(low)
+    lobe = math.asin(min(main / level, 1.0)) / max(whole, 1e-300)
+    if lobe >= 0.5:
+        return middle + whole * side, 2.0 * whole
+    # sinh(k/2) / sinh(k) is the lobe's share.
+    k = 2.0 * math.acosh(0.5 / lobe)
+    return middle + whole * math.sinh(k * side) / math.sinh(k), 2.0 * whole * k * math.cosh(k * side) / math.sinh(k)
+
+
+@kernel
+def _spread_or_split(landed, together, solids, bin_length, sums):
+    """Spread the energy between neighbouring rays over the bins that it spans; list the gaps that must be halved.
+
+    Each run of ``together`` rays is a row of neighbours. Surfaces below ``solids`` are round bodies: the echo changes
+    between two neighbours even where their landings fit an even spread.
+    """
+    n = landed.angle.size
+    gaps, count = np.empty(n, np.int64), 0
+    for k in range(n - 1):
+        if (k + 1) % together == 0 or (landed.value[k] == 0.0 and landed.value[k + 1] == 0.0):
+            continue
+        angle = landed.angle[k + 1] - landed.angle[k]
+        one, other = landed.growth[k] * angle, landed.growth[k + 1] * angle
+        apart = abs(landed.distance[k + 1] - landed.distance[k])
+        alike = landed.surface[k] == landed.surface[k + 1] and landed.value[k] > 0.0 and landed.value[k + 1] > 0.0
+        is_round = landed.surface[k] >= 0 and landed.surface[k] < solids and angle > FINEST_ROUNDED
+        change = abs(landed.value[k] - landed.value[k + 1]) / max(landed.value[k], landed.value[k + 1])
+        # Ranges that differ by less than both growths lie on either side of the nearest point, where the echo peaks.
+        if alike and is_round and (change > ROUNDED or apart < 0.25 * (one + other)):
+            gaps[count] = k
+            count += 1
+        elif alike and abs(apart - 0.5 * (one + other)) <= 0.5 * max(one, other):
+            _spread_between(landed, k, angle, one, other, bin_length, sums)
+        elif max(one, other) > FINE * bin_length and angle > FINEST:
+            gaps[count] = k
+            count += 1
+        else:
+            for m in range(k, k + 2):
+                place = landed.distance[m]
+                _add_over_ranges(0.5 * angle * landed.value[m], place, place, bin_length, sums)
+    return gaps[:count]
+
+
+@inlined
+def _spread_between(landed, k, angle, one, other, bin_length, sums):
+    """Spread the energy between two neighbours over the range between them, on either side of its kink."""
+    near, far, share = landed.distance[k], landed.distance[k + 1], 0.5
+    if abs(one - other) > KINKED * max(one, other):
+        # The growth is one up to the kink and the other beyond: the distance between both landings gives its place.
+        share = min(max((abs(far - near) - other) / (one - other), 0.0), 1.0)
+    kink = near + math.copysign(min(share * one, abs(far - near)), far - near)
+    _add_over_ranges(share * angle * landed.value[k], near, kink, bin_length, sums)
+    _add_over_ranges((1.0 - share) * angle * landed.value[k + 1], kink, far, bin_length, sums)
+
+
+@kernel
+def _add_over_ranges(value, one, other, bin_length, sums):
+    """Spread a value evenly over the bins between two ranges."""
+    if value == 0.0:
+        return
+    near, far = min(one, other) / bin_length, max(one, other) / bin_length
+    first, last = int(near), int(far)
+    if first == last:
+        if first < sums.size:
+            sums[first] += value
+        return
+    density = value / (far - near)
+    for b in range(first, min(last + 1, sums.size)):
+        sums[b] += density * (min(far, b + 1.0) - max(near, b))
+
+
+@kernel
+def _middles(landed, gaps):
+    """Elevations halfway across gaps."""
+    return 0.5 * (landed.angle[gaps] + landed.angle[gaps + 1])
+
+
+@kernel
+def _insert_middles(landed, gaps, middles):
+    """Echoes of the rays halfway across gaps, between those that bound them."""
+    return SheetEchoes(
+        _insert_between(landed.angle, gaps, middles.angle),
+        _insert_between(landed.distance, gaps, middles.distance),
+        _insert_between(landed.surface, gaps, middles.surface),
+        _insert_between(landed.value, gaps, middles.value),
+        _insert_between(landed.growth, gaps, middles.growth),
+    )
+
+
+@kernel
+def _insert_between(column, gaps, middle):
+    """Values on both sides of gaps, with one between them: before, middle, after."""
+    row = np.empty(OF_THREE * gaps.size, column.dtype)
+    for m in range(gaps.size):
+        first = OF_THREE * m
+        row[first], row[first + 1], row[first + 2] = column[gaps[m]], middle[m], column[gaps[m] + 1]
+    return row

@@ -1,0 +1,31 @@
+"""The command in tests: run where it must be refused, and other programs in a Python of their own."""
+
+from __future__ import annotations
+
+import subprocess
+import sys
+from typing import Any
+
+import pytest
+
+from insonify.cli import main
+
+
+def refused(capsys: pytest.CaptureFixture[str], *words: str) -> str:
+    """Run a command that must be refused; return its one line."""
+    try:
+        code: object = main(words)
+    except SystemExit as leaving:
+        code = leaving.code
+    written = capsys.readouterr()
+    assert code == 2
+    assert written.out == ""
+    assert written.err.count("\n") == 1
+    assert written.err.startswith("insonify")
+    return written.err
+
+
+def run_python(*words: str, **options: Any) -> tuple[int, str, str]:
+    """Run Python in a process of its own; return its exit code and what it wrote to both streams."""
+    done = subprocess.run([sys.executable, *words], capture_output=True, text=True, check=False, **options)
+    return done.returncode, done.stdout, done.stderr

@@ -1,0 +1,211 @@
+"""Kernels compiled by another process: the same results, nothing compiled here, and no harm where it is missing."""
+
+from __future__ import annotations
+
+import sys
+import threading
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+import numba
+import numpy as np
+import pytest
+from numba.core import event, types
+from numba.core.errors import TypingError
+
+from insonify.compiler import digests, processes
+from insonify.compiler.jit import kernel, kernel_on_demand
+from insonify.compiler.processes import CompilationStoppedError, _Helper, compiled_elsewhere
+from insonify.compiler.progress import Compilation, watch_compilation
+from insonify.kernels.display.rows import relate_amplitudes
+
+pytestmark = pytest.mark.skipif(bool(numba.config.DISABLE_JIT), reason="nothing is compiled")
+VALUES = np.arange(5.0)
+
+
+@kernel
+def sum_squares(values):
+    total = 0.0
+    for value in values:
+        total += value * value
+    return total
+
+
+@kernel_on_demand(types.none)
+def negate(values):
+    for k in range(values.size):
+        values[k] = -values[k]
+
+
+@kernel
+def negate_all(values):
+    negate(values)
+
+
+class Compiled(event.Listener):
+    """Collects the names of functions that this process compiles."""
+
+    def __init__(self) -> None:
+        self.names: list[str] = []
+
+    def on_start(self, event: Any) -> None:
+        self.names.append(event.data["dispatcher"].py_func.__name__)
+
+    def on_end(self, event: Any) -> None:
+        pass
+
+
+@pytest.fixture
+def here(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[list[str]]:
+    """Functions that this process compiles, beginning with an empty cache and unknown kernels."""
+    monkeypatch.setenv("NUMBA_CACHE_DIR", str(tmp_path / "cache"))  # of the other process
+    monkeypatch.setattr(digests, "FOLDER", tmp_path / "cache" / "insonify" / "kernels")
+    for one in (sum_squares, negate, negate_all, relate_amplitudes):
+        for made in ("entry", "part", "machine_code", "_names"):
+            monkeypatch.delitem(vars(one), made, raising=False)
+    monkeypatch.setitem(vars(negate), "_names", {})
+    listener = Compiled()
+    with event.install_listener("numba:compile", listener):
+        yield listener.names
+    assert processes.elsewhere.process is None
+
+
+def test_a_kernel_is_compiled_by_the_other_process(here: list[str]) -> None:
+    with compiled_elsewhere():
+        assert sum_squares(VALUES) == 30.0
+        assert sum_squares(VALUES) == 30.0
+        assert sum_squares(VALUES.astype(np.float32)) == 30.0
+    assert here == []
+
+
+def test_modules_of_the_current_folder_are_not_imported(
+    here: list[str], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    for name in ("json", "pickle", "queue", "threading"):
+        (tmp_path / f"{name}.py").write_text("raise SystemExit")
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setenv("PYTHONPATH", ".")
+    monkeypatch.setattr(sys, "path", ["", str(tmp_path), *sys.path])
+    with compiled_elsewhere():
+        assert sum_squares(VALUES) == 30.0
+    assert here == []
+
+
+def test_its_progress_is_reported_here(here: list[str]) -> None:
+    told: list[Compilation | None] = []
+    record = np.full((1, 3), 4.0, dtype=np.float32)
+    with compiled_elsewhere(), watch_compilation(told.append):
+        relate_amplitudes(record, np.ones((1, 3)), np.zeros(1, dtype=np.int64))
+    np.testing.assert_array_equal(record, 2.0)
+    assert here == []
+    assert told[0] is not None
+    assert told[0].subject == "the picture"
+    assert told[-1] is None
+
+
+def test_so_is_a_kernel_that_another_one_calls_by_its_address(here: list[str]) -> None:
+    values = VALUES.copy()
+    with compiled_elsewhere():
+        negate_all(values)
+    np.testing.assert_array_equal(values, -VALUES)
+    assert here == []
+
+
+def test_what_is_on_disk_needs_no_process(here: list[str], monkeypatch: pytest.MonkeyPatch) -> None:
+    sum_squares(VALUES)
+    monkeypatch.delitem(vars(sum_squares), "entry")
+    with compiled_elsewhere():
+        assert sum_squares(VALUES) == 30.0
+        assert processes.elsewhere.process is None
+    assert here == ["sum_squares"]
+
+
+def test_without_a_folder_for_its_code_a_kernel_is_compiled_here(
+    here: list[str], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    (tmp_path / "file").touch()
+    monkeypatch.setattr(digests, "FOLDER", tmp_path / "file" / "kernels")
+    with compiled_elsewhere():
+        assert sum_squares(VALUES) == 30.0
+        assert processes.elsewhere.process is None
+    assert here == ["sum_squares"]
+
+
+@pytest.mark.parametrize("code", ["", "def main(): import sys; sys.stdin.buffer.read(1)", "raise RuntimeError"])
+def test_a_process_that_ends_early_is_done_without(
+    code: str, here: list[str], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    (tmp_path / "ending_worker.py").write_text(code)
+    monkeypatch.syspath_prepend(tmp_path)
+    monkeypatch.setattr(processes, "WORKER", "ending_worker")
+    with compiled_elsewhere():
+        assert sum_squares(VALUES) == 30.0
+    assert here == ["sum_squares"]
+
+
+def test_a_process_that_ended_for_want_of_work_is_started_again(here: list[str]) -> None:
+    with compiled_elsewhere():
+        sum_squares(VALUES)
+        first = processes.elsewhere.process
+        assert first is not None
+        first.stop()
+        sum_squares(VALUES.astype(np.float32))
+        assert processes.elsewhere.process is not first
+    assert here == []
+
+
+def test_what_cannot_be_compiled_fails_as_ever(here: list[str]) -> None:
+    with compiled_elsewhere(), pytest.raises(TypingError):
+        sum_squares(5)
+
+
+def test_a_thread_that_waits_is_told_when_the_block_ends(
+    here: list[str], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    (tmp_path / "sleeping_worker.py").write_text("def main(): import time; time.sleep(600)")
+    monkeypatch.syspath_prepend(tmp_path)
+    monkeypatch.setattr(processes, "WORKER", "sleeping_worker")
+    ends: list[type[BaseException]] = []
+
+    def call() -> None:
+        try:
+            sum_squares(VALUES)
+        except BaseException as error:
+            ends.append(type(error))
+
+    thread = threading.Thread(target=call)
+    with compiled_elsewhere():
+        thread.start()
+        while (process := processes.elsewhere.process) is None or not process.pending:
+            thread.join(0.01)
+    thread.join(60.0)
+    assert ends == [CompilationStoppedError]
+    assert here == []
+
+
+@pytest.fixture
+def helper(monkeypatch: pytest.MonkeyPatch) -> Iterator[_Helper]:
+    monkeypatch.setattr(processes, "default_threads", lambda: 2)
+    helper = _Helper()
+    yield helper
+    helper.finish()
+
+
+def test_a_process_that_still_compiles_for_nobody_is_stopped(helper: _Helper) -> None:
+    helper.start()
+    process = helper.process
+    assert process is not None
+    process.request(b"a kernel that takes long")
+    helper.finish()
+    with compiled_elsewhere():
+        pass
+    assert process.ended
+    assert not process._reader.is_alive()
+    assert not process.wait(b"a kernel that takes long")  # it is compiled here
+
+
+def test_one_core_is_left_to_one_process(helper: _Helper, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(processes, "default_threads", lambda: 1)
+    helper.start()
+    assert helper.process is None
