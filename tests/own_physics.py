@@ -14,7 +14,7 @@ from insonify.scene.receiver.speckles import SPECKLES, SpeckleKind, Texture
 from insonify.scene.seabed.reliefs import RELIEFS, HeightGrid, ReliefKind
 from insonify.scene.seabed.reliefs.random_relief import ExtendableRelief, rms_height
 from insonify.scene.seabed.reliefs.spectrum import Band, Density
-from insonify.scene.sonar.beams import BEAMS, BeamKind, Sounding
+from insonify.scene.sonar.beams import BEAMS, BeamConditions, BeamKind
 from insonify.scene.sonar.pulses import PULSES, PulseKind
 from insonify.scene.track.motions import MOTIONS, SingleMotion
 from insonify.scene.water import WATERS, SoundSpeeds, WaterKind, speeds_by_depth
@@ -83,14 +83,14 @@ def declare_sonar() -> None:
         kind: Literal["parabola"] = "parabola"
         width: float = parameter(2.0, unit="°", description="one-way full width", gt=0.0, slider=(0.5, 10.0))
 
-        def half_width(self, sounding: Sounding) -> float:
+        def half_width(self, conditions: BeamConditions) -> float:
             return math.radians(self.width) / 2.0
 
-        def half_power(self, sounding: Sounding) -> float:
-            return 0.54 * self.extent(sounding)
+        def half_power(self, conditions: BeamConditions) -> float:
+            return 0.54 * self.extent(conditions)
 
-        def response(self, s: np.ndarray, sounding: Sounding) -> np.ndarray:
-            return (1.0 - (s / self.extent(sounding)) ** 2) ** 2
+        def response(self, s: np.ndarray, conditions: BeamConditions) -> np.ndarray:
+            return (1.0 - (s / self.extent(conditions)) ** 2) ** 2
 
     class Decay(PulseKind):
         """A pulse that dies down."""

@@ -136,7 +136,7 @@ def _add_missing_view(subparsers: Any, error: ImportError) -> None:
 
 
 def _with_command(words: list[str], commands: list[str]) -> list[str]:
-    """Put ``view`` before a scene given without a command; refuse a mistyped command."""
+    """Put ``view`` before a scene given without a command; raise SceneError for a mistyped command."""
     first = words[0] if words else ""
     if first in commands or first in ("-h", "--help", "--version"):
         return words

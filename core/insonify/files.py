@@ -4,9 +4,13 @@ from __future__ import annotations
 
 import os
 import tomllib
-from functools import cache
+from collections.abc import Callable
+from functools import cache, lru_cache, wraps
 from importlib.util import find_spec
 from pathlib import Path
+from typing import Any, TypeVar, cast
+
+Reader = TypeVar("Reader", bound=Callable[..., Any])
 
 
 @cache
@@ -60,3 +64,21 @@ def file_version(path: str | Path) -> tuple[int, int]:
         return 0, 0
     status = os.stat(path)
     return status.st_mtime_ns, status.st_size
+
+
+def kept_until_changed(maxsize: int) -> Callable[[Reader], Reader]:
+    """Decorate a reader so that the contents of the last files are kept in memory until the files change."""
+
+    def decorate(read: Reader) -> Reader:
+        @lru_cache(maxsize)
+        def read_version(version: tuple[int, int], path: str, *options: Any) -> Any:
+            del version  # part of the key alone
+            return read(path, *options)
+
+        @wraps(read)
+        def reader(path: str, *options: Any) -> Any:
+            return read_version(file_version(path), path, *options)
+
+        return cast("Reader", reader)
+
+    return decorate

@@ -24,5 +24,5 @@ def announced(group: str) -> Iterable[EntryPoint]:
 
 @cache
 def _entry_points() -> Any:
-    """All entry points, looked up once: it takes 2 ms, and every family of kinds asks."""
+    """All entry points, looked up once: it takes 2 ms, and every family of kinds needs them."""
     return entry_points()

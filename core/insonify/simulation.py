@@ -17,6 +17,8 @@ from insonify.parallel import count_threads, limited_threads
 from insonify.planning import Plan
 from insonify.planning.selection import check_request, choose_model, keep_plan
 from insonify.receiver import Reception, Traced, prepare_reception, record_echoes
+from insonify.receiver.levels import Crosstalk
+from insonify.receiver.water_column import WaterColumn
 from insonify.record.target_truth import TargetTruth, find_target_truth, join_target_truth
 from insonify.record.variables import Columns, make_block, record_attributes
 from insonify.scene import Scene, SceneError
@@ -131,10 +133,12 @@ class Simulation(PackedScene):
     def labels(self, poses: Poses) -> RecordLabels:
         """Label every range bin of pings whose poses are known, as `truth` does."""
         settings = self.plan.label_settings
+        water, crosstalk = self.reception.find(WaterColumn), self.reception.find(Crosstalk)
+        share = 0.0 if crosstalk is None else crosstalk.share
 
         def label_tile(tile: SceneArrays, some: Poses) -> RecordLabels:
-            volumes = self.reception.volumes.energies(some) if self.reception.volumes is not None else None
-            return trace_labels(tile, some, crosstalk=self.reception.crosstalk, volumes=volumes, **settings)
+            volumes = water.volumes.energies(some) if water is not None and water.volumes is not None else None
+            return trace_labels(tile, some, crosstalk=share, volumes=volumes, **settings)
 
         with limited_threads(self.threads):
             return RecordLabels(*self.tiles.map(label_tile, self.reduced, poses))

@@ -15,7 +15,7 @@ import pytest
 from PIL import Image
 
 from insonify.cli import main
-from insonify.compiler.progress import tell_watchers
+from insonify.compiler.progress import report_progress
 from insonify.scene import Scene, SceneError, edit, load_scene
 from insonify_viewer import application, commands
 from insonify_viewer.state.inspection import Mark
@@ -86,7 +86,7 @@ def test_a_snapshot_waits_as_long_as_kernels_are_compiled(
         def complete(self) -> bool:
             self.clock += 100.0
             if compiling:
-                tell_watchers(None)
+                report_progress(None)
             return self.clock > 500.0
 
     viewer: Any = Slow(

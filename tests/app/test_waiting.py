@@ -14,11 +14,11 @@ from PySide6.QtGui import QGuiApplication
 from PySide6.QtTest import QTest
 from stand_in import StandIn
 
-from insonify.compiler.progress import Compilation, tell_watchers
+from insonify.compiler.progress import Compilation, report_progress
 from insonify.packing.packed_scene import pack
 from insonify.scene import Scene, edit
 from insonify_viewer.seabed import pv_meshes
-from insonify_viewer.state.modelling import Modelling
+from insonify_viewer.state.history import Modelling
 from insonify_viewer.widgets.painting import dimmed
 from insonify_viewer.work.ping_request import PingRequest
 from insonify_viewer.work.simulator import Simulator
@@ -177,13 +177,13 @@ def test_the_bar_tells_what_is_compiled(open_viewer: Any, small: Scene, qtbot: A
     viewer = open_viewer(small)
     viewer.simulator.ask = lambda request: None
     viewer.session.settle({"seed": 5})
-    tell_watchers(Compilation("bent rays", 0.4, 55.0))
+    report_progress(Compilation("bent rays", 0.4, 55.0))
     qtbot.waitUntil(lambda: viewer.window.waterfall.waiting is not None)
     assert viewer.window.waterfall.waiting == ("compiling bent rays, once, about a minute left", 0.4)
-    tell_watchers(None)
+    report_progress(None)
     qtbot.waitUntil(lambda: viewer.window.waterfall.waiting.what.startswith("tracing pings"))
     viewer.window.close()
-    tell_watchers(Compilation("bent rays", 0.5, 55.0))
+    report_progress(Compilation("bent rays", 0.5, 55.0))
     assert viewer.simulator.activity == Activity(), "a closed window does not watch"
 
 

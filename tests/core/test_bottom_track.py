@@ -90,7 +90,7 @@ def test_a_recording_without_altitude_is_drawn_by_its_bottom_track(tmp_path, cap
     record["intensity"] = 0.0 * record.intensity + 1.0
     write_record(tmp_path / "b.xtf", [record])
     assert main(["render", str(tmp_path / "b.xtf"), "-o", str(tmp_path / "b.png"), "--ground-range"]) == 2
-    assert "the record tells no altitude and shows no first echo of the bed; leave it out" in capsys.readouterr().err
+    assert "the record has no altitude and shows no first echo of the bed; leave it out" in capsys.readouterr().err
 
 
 @pytest.mark.skipif(not REAL.is_file(), reason="the recording is not here")

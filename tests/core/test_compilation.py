@@ -13,8 +13,8 @@ from pathlib import Path
 import pytest
 
 from insonify import compilation_bar
-from insonify.compiler.cache import SOURCES
 from insonify.compiler.compilation_events import WORDS, called_functions
+from insonify.compiler.digests import SOURCES
 from insonify.compiler.progress import Compilation
 from insonify.kernels.beam.knot_weights import weigh_knots
 from insonify.kernels.sweep.sweep import sweep_pings

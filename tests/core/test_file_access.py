@@ -114,7 +114,7 @@ def test_rasters_in_other_formats_are_refused_under_an_allowed_suffix(tmp_path):
 
 def test_no_driver_of_gdal_is_left_that_asks_a_server_or_runs_code():
     lines = (
-        "import os, rasterio; from insonify.io.isolated import SETTINGS; os.environ.update(SETTINGS)\n"
+        "import os, rasterio; from insonify.io.isolation import SETTINGS; os.environ.update(SETTINGS)\n"
         "with rasterio.Env() as environment: print(*environment.drivers())"
     )
     done = subprocess.run([sys.executable, "-c", lines], capture_output=True, text=True, check=True)

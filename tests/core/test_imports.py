@@ -10,7 +10,6 @@ from pathlib import Path
 import pytest
 
 ROOT = Path(__file__).parents[2]
-BELOW_KERNELS = {"insonify.cores"}  # which itself sees the standard library alone
 LAZY = "# lazy:"  # begins the comment above a function's imports, or behind one
 
 
@@ -112,10 +111,17 @@ def test_an_import_in_a_function_says_why(name):
     assert sorted(set(hidden_imports(tree_of(name), lines))) == []
 
 
-@pytest.mark.parametrize("name", [name for name in MODULES if name.startswith("insonify.kernels.")])
-def test_a_kernel_module_sees_the_standard_library_numpy_numba_and_other_kernels_alone(name):
-    allowed = {*sys.stdlib_module_names, "numpy", "numba", "llvmlite", "platformdirs"}
+# What a package sees beside the standard library and itself.
+SEEN = {
+    "insonify.kernels": ("numpy", "numba", "insonify.compiler"),
+    "insonify.compiler": ("numba", "llvmlite", "platformdirs", "insonify.child_process", "insonify.cores"),
+}
+
+
+@pytest.mark.parametrize("name", [name for name in MODULES if name.startswith(tuple(SEEN))])
+def test_kernels_and_their_compiler_see_nothing_of_other_packages(name):
+    package = ".".join(name.split(".")[:2])
     for node in executed_imports(tree_of(name)):
         for module in [node.module] if isinstance(node, ast.ImportFrom) else [alias.name for alias in node.names]:
-            own = module.startswith("insonify.kernels") or module in BELOW_KERNELS
-            assert own or module.partition(".")[0] in allowed, module
+            seen = module.startswith((package, *SEEN[package]))
+            assert seen or module.partition(".")[0] in sys.stdlib_module_names, module

@@ -26,7 +26,7 @@ from insonify.inversion.footprint import footprint_of
 from insonify.inversion.roughness_fit import fit_roughness
 from insonify.inversion.segment_spectra import SEGMENT, AngleGroup, SegmentSpectra, fit_level_curve
 from insonify.io.records import read_record, write_record
-from insonify.receiver.reception import spread_echoes
+from insonify.receiver.stage import spread_echoes
 from insonify.scene import SceneError, edit, load_scene
 from known_beds import errors, make_bed
 

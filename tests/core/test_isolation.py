@@ -10,11 +10,13 @@ import subprocess
 import sys
 import time
 from collections.abc import Callable
+from importlib import import_module
 from pathlib import Path
 
 import numpy as np
 import pytest
 
+from insonify import child_process
 from insonify.errors import SceneError
 from insonify.io import isolation
 from insonify.io.file_access import FileFault
@@ -23,6 +25,10 @@ from insonify.io.isolation import run_isolated
 
 def give(path: str) -> dict[str, object]:
     return {"path": path, "process": os.getpid(), "rows": np.arange(12.0).reshape(3, 4), "none": np.zeros((0, 2))}
+
+
+def import_common(path: str) -> list[str]:
+    return [str(import_module(name).__file__) for name in HOSTILE]
 
 
 def crash(path: str) -> None:
@@ -57,6 +63,9 @@ def fail(path: str) -> None:
     raise KeyError("a name")
 
 
+HOSTILE = ("json", "pickle", "queue", "threading")
+
+
 @pytest.fixture
 def file(tmp_path: Path) -> str:
     (tmp_path / "file").write_bytes(b"content")
@@ -71,6 +80,17 @@ def test_what_a_reader_returns_comes_back(file, monkeypatch):
     np.testing.assert_array_equal(found["rows"], np.arange(12.0).reshape(3, 4))
     assert found["none"].shape == (0, 2)
     found["rows"][0] = 1.0  # the caller's own
+
+
+def test_modules_of_the_current_folder_are_not_imported(file, monkeypatch):
+    folder = Path(file).parent
+    for name in HOSTILE:
+        (folder / f"{name}.py").write_text("raise SystemExit")
+    isolation.stop()
+    monkeypatch.chdir(folder)
+    monkeypatch.setenv("PYTHONPATH", ".")
+    monkeypatch.setattr(sys, "path", ["", str(folder), *sys.path])
+    assert not any(Path(found).is_relative_to(folder) for found in run_isolated(import_common, file))
 
 
 def test_the_process_is_kept(file):
@@ -89,7 +109,7 @@ def test_a_loop_is_ended(file, monkeypatch):
         patched.setattr(isolation, "LONGEST", 1.0)
         with pytest.raises(FileFault, match="takes longer than 1 s to read"):
             run_isolated(loop, file)
-    assert time.perf_counter() - began < 1.0 * isolation.STARVED + 4.0  # where others keep the processors busy
+    assert time.perf_counter() - began < 1.0 * child_process.STARVED + 4.0  # where others keep the processors busy
     assert run_isolated(chatter, file) == 3
 
 
@@ -108,10 +128,10 @@ def test_a_reader_that_waits_for_anything_is_ended(file, monkeypatch):
 def test_time_stands_still_while_a_reader_waits_for_a_processor(file, monkeypatch):
     assert run_isolated(chatter, file) == 3  # the process has started
     monkeypatch.setattr(isolation, "LONGEST", 0.5)
-    monkeypatch.setattr(isolation, "STARVED", 60.0)
-    monkeypatch.setattr(isolation, "_processor_time", lambda process: (7.0, True))
+    monkeypatch.setattr(child_process, "STARVED", 60.0)
+    monkeypatch.setattr(child_process, "_processor_time", lambda process: (7.0, True))
     assert run_isolated(doze, file) == 4
-    monkeypatch.setattr(isolation, "STARVED", 2.0)
+    monkeypatch.setattr(child_process, "STARVED", 2.0)
     with pytest.raises(FileFault, match="takes longer than"):
         run_isolated(doze, file)
 
@@ -127,7 +147,7 @@ def test_a_loop_ends_when_the_program_is_killed(file):
     lines = (
         "import sys; from insonify.io import isolation; from test_isolation import keep_busy\n"
         "isolation.LONGEST = -4.5 / isolation.STARVED  # less than no time, but for the grace\n"
-        "isolation._Process.ask = lambda self, request, seconds: self._answer(request)\n"
+        "isolation.ChildProcess.receive_within = lambda self, seconds: self.receive()\n"
         "isolation.run_isolated(keep_busy, sys.argv[1])"
     )
     environment = os.environ | {"PYTHONPATH": str(Path(__file__).parent)}
@@ -169,13 +189,13 @@ def test_errors_come_back_as_they_are(file):
 
 def test_an_interrupt_ends_the_process_and_the_next_file_is_read(file, monkeypatch):
     run_isolated(chatter, file)
-    process = isolation._kept
+    process = isolation._child
 
     def interrupted(*arguments: object) -> None:
         raise KeyboardInterrupt
 
     with monkeypatch.context() as patched:
-        patched.setattr(isolation, "_exactly", interrupted)
+        patched.setattr(child_process, "_exactly", interrupted)
         with pytest.raises(KeyboardInterrupt):
             run_isolated(give, file)
     assert process.process.poll() is not None
@@ -184,13 +204,13 @@ def test_an_interrupt_ends_the_process_and_the_next_file_is_read(file, monkeypat
 
 def test_a_process_that_has_ended_is_started_anew(file):
     run_isolated(chatter, file)
-    isolation._kept.process.kill()
-    isolation._kept.process.wait()
+    isolation._child.process.kill()
+    isolation._child.process.wait()
     assert run_isolated(chatter, file) == 3
 
 
 def test_an_idle_process_ends(file):
-    lines = "from insonify.io import isolated; isolated.IDLE = 0.2; isolated.serve()"
+    lines = "from insonify.io import isolation; isolation.IDLE = 0.2; isolation.main()"
     with subprocess.Popen([sys.executable, "-c", lines], stdin=subprocess.PIPE, stdout=subprocess.PIPE) as idle:
         assert idle.wait(timeout=120) == 0
 

@@ -13,8 +13,7 @@ import pytest
 from PIL import Image
 
 from insonify.cli import main
-from insonify.optics.camera import make_camera
-from insonify.optics.cutaway import make_cutaway
+from insonify.optics.cutaway import make_camera, make_cutaway
 from insonify.optics.light import LAMP, LightRenderer, light_picture
 from insonify.optics.material_colours import hues
 from insonify.optics.optical_hits import find_optical_hits

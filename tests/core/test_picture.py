@@ -9,11 +9,10 @@ from PIL import Image
 
 from insonify.display import display_options, normalisation
 from insonify.display import sheet as module
-from insonify.display.display_options import DisplayOptions, find_palettes, side_factors
+from insonify.display.display_options import PALETTES, DisplayOptions, find_palettes, side_factors
 from insonify.display.normalisation import LevelBed, estimate_median_curve, extend_to_water_column, normalise
 from insonify.display.page import caption_scene, place_decibel_ticks, write_page
 from insonify.display.picture import (
-    PALETTES,
     average_columns,
     choose_contrast,
     colour_amplitudes,

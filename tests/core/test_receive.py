@@ -2,16 +2,22 @@
 
 from __future__ import annotations
 
+import math
+from dataclasses import dataclass, replace
+
 import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from beds import arrays_of
+from insonify.explanation.pixel import explain_pixel
 from insonify.kernels.common.types import LIGHT, SONAR
 from insonify.receiver import make_reception, receive
+from insonify.receiver.stage import ReceiverSetup, Sound, Stage, stage_kinds
 from insonify.scene import SceneError, edit, load_scene
 from insonify.scene.sonar.pulses import tone_taps
+from insonify.simulation import prepare
 
 FLAT = np.zeros((4, 4))
 BINS = 1000
@@ -172,3 +178,61 @@ def test_light_has_no_reverberation():
 def test_a_chirp_needs_its_bandwidth():
     with pytest.raises(SceneError, match="raise it to 1000 Hz"):
         scene(sonar__pulse={"kind": "chirp", "duration": 1e-3, "bandwidth": 500.0})
+
+
+@pytest.fixture
+def attenuator(monkeypatch):
+    """A stage that halves all that is received before detection, known until the test ends."""
+    monkeypatch.setattr("insonify.receiver.stage.KINDS", [*stage_kinds()])
+
+    @dataclass(frozen=True, eq=False)
+    class Attenuator(Stage):
+        """Cable that loses half of the energy."""
+
+        name, detail, rank = "cable", "between sonar and receiver", 75.0
+
+        @classmethod
+        def prepare(cls, setup: ReceiverSetup) -> Attenuator:
+            return cls()
+
+        @property
+        def gain(self) -> float:
+            return 0.5
+
+        def act_on_energies(self, sound: Sound) -> None:
+            sound.scale(np.float32(0.5))
+
+        act_on_waves = act_on_energies
+
+    return Attenuator
+
+
+WAVES = {"receiver.speckle": "rayleigh", "receiver.crosstalk": -20.0}
+NOISE = {"receiver.noise": {"kind": "ambient", "level": 0.0}}
+
+
+@pytest.mark.parametrize("changes", [{}, {"receiver.speckle": "rayleigh"}, WAVES, NOISE, WAVES | NOISE])
+def test_a_stage_that_is_declared_acts_in_its_place(attenuator, changes):
+    scene = edit(load_scene("default"), {"track.pings": 8, "receiver.tvg": "power", **changes})
+    traced = np.random.default_rng(1).random((8, 2, 300), np.float32)
+    whole = reception(scene, 300, SONAR)
+    assert [stage.name for stage in whole.stages][-2:] == ["cable", "time-varied gain"]
+    without = replace(whole, stages=tuple(stage for stage in whole.stages if not isinstance(stage, attenuator)))
+    pings = np.arange(8)
+    np.testing.assert_allclose(receive(whole, traced, pings), 0.5 * receive(without, traced, pings), rtol=1e-5)
+    np.testing.assert_allclose(whole.expected(np.ones(300)), 0.5 * without.expected(np.ones(300)))
+
+
+def test_the_explanation_of_a_pixel_lists_a_stage_that_is_declared(attenuator):
+    simulation = prepare(edit(load_scene("default"), {"track.pings": 4, **WAVES}))
+    explained = explain_pixel(simulation, 2, 0, 500)
+    (term,) = (term for term in explained.terms if term.name == "cable")
+    assert term.decibels == pytest.approx(10.0 * math.log10(0.5), abs=1e-4)
+    assert term.detail == "between sonar and receiver"
+
+
+def test_a_stage_that_cannot_act_on_waves_is_named(attenuator):
+    attenuator.act_on_waves = Stage.act_on_waves
+    ready = reception(edit(load_scene("default"), WAVES), 300, SONAR)
+    with pytest.raises(NotImplementedError, match="Attenuator acts between speckle and detection"):
+        receive(ready, np.ones((2, 2, 300), np.float32), np.arange(2))

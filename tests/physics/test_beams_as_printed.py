@@ -10,7 +10,7 @@ import pytest
 from beds import arrays_of, poses_of
 from insonify.acoustics.beam_patterns import make_pattern
 from insonify.scene import edit, load_scene
-from insonify.scene.sonar.beams import Sounding
+from insonify.scene.sonar.beams import BeamConditions
 from insonify.scene.sonar.beams.line_array import LineArray, taper_weights
 from insonify.simulation import prepare, simulate
 from insonify.tracers import sweep
@@ -64,7 +64,7 @@ def sidelobe(energy):
 def test_far_patterns_are_as_printed(taper, one_way, both_ways, decibels):
     for two_way, width in ((False, one_way), (True, both_ways)):
         beam = LineArray(length=LENGTH, taper=taper, two_way=two_way)
-        _, extent, energy, _ = beam.tabulate(Sounding(WAVELENGTH, 1.0, 1e5))
+        _, extent, energy, _ = beam.tabulate(BeamConditions(WAVELENGTH, 1.0, 1e5))
         s = sines(extent[-1], energy.shape[1])
         assert width_at_half(s, energy[-1]) * LENGTH / WAVELENGTH == pytest.approx(width, abs=0.004)
         # Taylor's design of so few equal sidelobes comes out at -30.3 dB.
@@ -76,7 +76,7 @@ def test_far_patterns_are_as_printed(taper, one_way, both_ways, decibels):
 @pytest.mark.parametrize("taper", ["uniform", "taylor"])
 def test_the_near_field_is_the_integral_over_the_array(taper, quarter):
     beam = LineArray(length=LENGTH, taper=taper, two_way=False)
-    first_range, extent, energy, per_octave = beam.tabulate(Sounding(WAVELENGTH, 1.0, 400.0))
+    first_range, extent, energy, per_octave = beam.tabulate(BeamConditions(WAVELENGTH, 1.0, 400.0))
     r, row = first_range * 2.0 ** (quarter / 4.0), round(quarter * per_octave / 4.0)
     u = (np.arange(8192) + 0.5) / 8192 - 0.5
     weights = np.interp(u, (np.arange(1024) + 0.5) / 1024 - 0.5, taper_weights(taper))
@@ -89,7 +89,9 @@ def test_the_near_field_is_the_integral_over_the_array(taper, quarter):
 
 def test_the_cell_along_the_track_is_the_array_near_by_and_the_beam_far_away():
     beam = LineArray(length=LENGTH, two_way=False)
-    first_range, extent, energy, per_octave = beam.tabulate(Sounding(WAVELENGTH, 1.0, 4.0 * LENGTH**2 / WAVELENGTH))
+    first_range, extent, energy, per_octave = beam.tabulate(
+        BeamConditions(WAVELENGTH, 1.0, 4.0 * LENGTH**2 / WAVELENGTH)
+    )
     ranges = first_range * 2.0 ** (np.arange(extent.size) / per_octave)
     ranges, extent, energy = (column[:: round(per_octave / 4.0)] for column in (ranges, extent, energy))
     cells = [r * width_at_half(sines(e, b.size), b) for r, e, b in zip(ranges, extent, energy, strict=True)]
@@ -106,7 +108,7 @@ def test_the_cell_along_the_track_is_the_array_near_by_and_the_beam_far_away():
 def test_curvature_moves_energy_and_makes_none(taper):
     # Parseval: ∫ b ds = λ ∫ w² du / (∫ w du)² whatever the curvature; what lies beyond the table is under 1 %.
     _, extent, energy, _ = LineArray(length=LENGTH, taper=taper, two_way=False).tabulate(
-        Sounding(WAVELENGTH, 1.0, 200.0)
+        BeamConditions(WAVELENGTH, 1.0, 200.0)
     )
     whole = np.trapezoid(energy, axis=1) * 2.0 * extent / (energy.shape[1] - 1)
     weights = taper_weights(taper)

@@ -9,6 +9,7 @@ import pytest
 
 from beds import arrays_of
 from insonify.receiver import make_reception, receive
+from insonify.receiver.fluctuation import Fluctuation
 from insonify.scene import edit, load_scene
 
 BINS = 60
@@ -24,7 +25,7 @@ def reception(**fluctuation):
 
 def levels(**fluctuation):
     """Level of every ping in dB, at 10 pings a second."""
-    return 10.0 * np.log10(reception(**fluctuation).fluctuation.gains(np.arange(PINGS)).ravel().astype(float))
+    return 10.0 * np.log10(reception(**fluctuation).find(Fluctuation).gains(np.arange(PINGS)).ravel().astype(float))
 
 
 @pytest.mark.parametrize("time", [0.05, 0.3, 1.0, 7.7, 60.0])
@@ -49,7 +50,7 @@ def test_pings_as_far_apart_as_three_correlation_times_are_independent():
 
 
 def test_the_mean_intensity_stays():
-    gain = reception(level=3.0, correlation_time=0.05).fluctuation.gains(np.arange(PINGS)).astype(float)
+    gain = reception(level=3.0, correlation_time=0.05).find(Fluctuation).gains(np.arange(PINGS)).astype(float)
     variance = math.exp((3.0 * math.log(10.0) / 10.0) ** 2) - 1.0
     assert gain.mean() == pytest.approx(1.0, abs=3.0 * math.sqrt(variance / PINGS))
 

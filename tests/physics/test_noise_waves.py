@@ -11,6 +11,7 @@ from scipy import special
 from beds import arrays_of
 from insonify.kernels.speckle import random_fields
 from insonify.receiver import Reception, make_reception, receive
+from insonify.receiver.water_column import WaterColumn
 from insonify.scene import edit, load_scene
 from insonify.simulation import prepare, simulate
 
@@ -105,18 +106,20 @@ def test_reverberation_adds_before_detection(ratio, crosstalk):
     # The echo is made to stand in that ratio to the reverberation of every bin.
     changes = {"receiver__reverberation": "volume", "receiver__crosstalk": crosstalk}
     reception = ready("rayleigh", **changes)
-    water = reception.reverberation * 10.0 ** (-ratio / 10.0)
+    reverberation = reception.find(WaterColumn).reverberation
+    water = reverberation * 10.0 ** (-ratio / 10.0)
     traced = np.broadcast_to(water.astype(np.float32), (PINGS, 2, BINS)).copy()
     record = receive(reception, traced, np.arange(PINGS)).astype(float)
     share = 1.0 if crosstalk is None else 1.1
-    total = (water + reception.reverberation) * share
+    total = (water + reverberation) * share
     assert (record / total).mean() == pytest.approx(1.0, abs=4.0 / math.sqrt(record.size / 2))
     assert variation(record / total) == pytest.approx(RAYLEIGH, abs=0.004)
 
 
 def test_the_bed_s_texture_is_not_that_of_the_water():
     reception = ready("k", receiver__reverberation="volume")
-    record = receive(reception, np.zeros((PINGS, 2, BINS), np.float32), np.arange(PINGS)) / reception.reverberation
+    record = receive(reception, np.zeros((PINGS, 2, BINS), np.float32), np.arange(PINGS))
+    record = record / reception.find(WaterColumn).reverberation
     assert variation(record) == pytest.approx(RAYLEIGH, abs=0.004)
     assert record.mean() == pytest.approx(1.0, abs=4.0 / math.sqrt(record.size))
 
@@ -145,7 +148,8 @@ def test_what_leaks_is_the_other_side_s_own_wave():
 def test_without_speckle_echoes_have_no_phase_and_their_mean_energies_add():
     reception = ready("none", receiver__reverberation="volume", receiver__crosstalk=-10.0)
     record = receive(reception, even(), np.arange(PINGS))
-    np.testing.assert_allclose(record, np.broadcast_to(1.1 * (ECHO + reception.reverberation), record.shape), rtol=1e-5)
+    total = 1.1 * (ECHO + reception.find(WaterColumn).reverberation)
+    np.testing.assert_allclose(record, np.broadcast_to(total, record.shape), rtol=1e-5)
 
 
 @pytest.mark.parametrize("pulse", [{"kind": "tone", "duration": 2e-4}, {"kind": "chirp", "bandwidth": 6e3}])
@@ -190,10 +194,10 @@ def test_no_wave_is_made_where_none_is_declared(monkeypatch):
     def refuse(*arguments):
         raise AssertionError("noise is drawn for a receiver without any")
 
-    monkeypatch.setattr("insonify.receiver.random_fields.add_filtered_waves", refuse)
+    monkeypatch.setattr("insonify.receiver.waves.add_filtered_waves", refuse)
     for speckle in SPECKLES:
         receive(ready(speckle), even(4), np.arange(4))
-    monkeypatch.setattr("insonify.receiver.random_fields.fill_white_noise", refuse)
+    monkeypatch.setattr("insonify.receiver.waves.fill_white_noise", refuse)
     receive(ready("none", receiver__crosstalk=-10.0), even(4), np.arange(4))
     assert random_fields.add_filtered_waves is not refuse
 

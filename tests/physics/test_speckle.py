@@ -12,7 +12,7 @@ from beds import arrays_of
 from insonify.acoustics.pulses import coherence
 from insonify.kernels.speckle.random_fields import transform_distribution
 from insonify.receiver import make_reception, receive
-from insonify.receiver.speckle import COLUMNS, FIRST_COLUMN, shape_table
+from insonify.receiver.speckle import COLUMNS, FIRST_COLUMN, Speckle, shape_table
 from insonify.scene import edit, load_scene
 from insonify.simulation import prepare
 
@@ -27,7 +27,7 @@ def speckle(pings=400, half_width=WIDTH / 2.0, bins=BINS, speckle="rayleigh", **
         {"receiver.speckle": speckle, **{path.replace("__", "."): value for path, value in changes.items()}},
     )
     arrays = arrays_of(np.zeros((4, 4)), bins=bins, bin_length=BIN_LENGTH, half_width=math.radians(half_width))
-    ready = make_reception(declared, arrays, altitude=5.0, depth=20.0).speckle
+    ready = make_reception(declared, arrays, altitude=5.0, depth=20.0).find(Speckle)
     return ready.factors(np.arange(pings)).astype(float)
 
 

@@ -7,6 +7,7 @@ import math
 import numpy as np
 import pytest
 
+from insonify.receiver.water_column import WaterColumn
 from insonify.scene import SceneError, edit, load_scene, scene_from_toml, scene_to_toml
 from insonify.simulation import prepare, simulate
 
@@ -124,7 +125,7 @@ def test_labels_name_the_volume_that_is_heard_most():
     bed = record(**LIVE)
     plumes = [PLUME | {"position": [x, -20.0, -30.0], "strength": sv} for x, sv in ((4.0, -18.0), (5.0, -15.0))]
     volumes = [SCHOOL | {"strength": -18.0}, *plumes]
-    alone = [prepare(scene(volume, **LIVE)).reception.volumes for volume in volumes]
+    alone = [prepare(scene(volume, **LIVE)).reception.find(WaterColumn).volumes for volume in volumes]
     heard = np.array([np.moveaxis(one.energy(np.arange(40)), 1, 0) for one in alone])
     found = simulate(scene(*volumes, **LIVE), truth=True)
     ranked = np.sort([bed, *heard], axis=0)

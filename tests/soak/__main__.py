@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 from PySide6.QtCore import QSettings, QTimer
 
-from insonify.compiler.compiling_process import compiled_elsewhere
+from insonify.compiler.processes import compiled_elsewhere
 from insonify.scene import load_scene
 from insonify_viewer.application import has_opengl, main_thread_collection, make_application
 from insonify_viewer.viewer import Viewer

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from insonify.kernels.common.types import EVERY_GRAZING, GAUSSIAN, TABLE, TOP_HAT, BeamPattern, plain_pattern
 from insonify.scene import Scene
-from insonify.scene.sonar.beams import Sounding
+from insonify.scene.sonar.beams import BeamConditions
 from insonify.scene.sonar.vertical_beams import VerticalBeamKind
 
 SHAPES = {"every_grazing": EVERY_GRAZING, "top_hat": TOP_HAT, "gaussian": GAUSSIAN, "table": TABLE}
@@ -18,11 +18,11 @@ SHAPES = {"every_grazing": EVERY_GRAZING, "top_hat": TOP_HAT, "gaussian": GAUSSI
 def make_pattern(scene: Scene, sound_speed: float) -> tuple[float, BeamPattern]:
     """Half width and pattern of the beam of a scene, packed for the tracers."""
     beam, vertical = scene.sonar.beam, scene.sonar.vertical.response
-    sounding = Sounding(sound_speed, scene.sonar.frequency, scene.sonar.range)
-    half_width = beam.half_width(sounding)
+    conditions = BeamConditions(sound_speed, scene.sonar.frequency, scene.sonar.range)
+    half_width = beam.half_width(conditions)
     if not is_patterned(scene):
         return half_width, plain_pattern()
-    table, shaded = beam.tabulate(sounding), scene.sonar.vertical.shades
+    table, shaded = beam.tabulate(conditions), scene.sonar.vertical.shades
     energy = table.energy[:, [0, -1]] if np.ptp(table.energy) == 0.0 else table.energy  # a top-hat needs no more
     return half_width, BeamPattern(
         tabulated=True,
@@ -36,7 +36,7 @@ def make_pattern(scene: Scene, sound_speed: float) -> tuple[float, BeamPattern]:
         tilt=math.radians(vertical.tilt),
         s_vertical=math.sin(math.radians(vertical.width) / 2.0) if shaded else 1.0,
         two_way=beam.passes == 2,
-        vertical_energy=scene.sonar.vertical.sensitivity(sounding.wavelength) ** beam.passes,
+        vertical_energy=scene.sonar.vertical.sensitivity(conditions.wavelength) ** beam.passes,
     )
 
 

@@ -33,7 +33,7 @@ def run(arguments: argparse.Namespace) -> None:
     scene = chosen_scene(arguments)
     # lazy: Matplotlib and the kernels
     from insonify.display.ray_diagram.diagram import describe_eigenray
-    from insonify.display.ray_diagram.files import write_ray_diagram
+    from insonify.display.ray_diagram.figure import write_ray_diagram
     from insonify.display.ray_diagram.tracing import trace_ray_diagram
     from insonify.terrain import build_ground
 

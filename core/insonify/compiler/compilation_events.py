@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import gc
 import time
 from dataclasses import dataclass, field
 from types import FunctionType
@@ -10,8 +9,8 @@ from typing import Any
 
 from numba.core import event
 
-from insonify.compiler.part_process import end_process, start_process
-from insonify.compiler.progress import Compilation, tell_watchers
+from insonify.compiler.processes import helper
+from insonify.compiler.progress import Compilation, report_progress
 from insonify.compiler.separate import SeparateKernel
 
 PACKAGE = "insonify.kernels"
@@ -31,7 +30,7 @@ WORDS = {  # by the folder of the kernel's module
     "targets": "targets",
 }
 MANY = 40  # functions of a kernel whose compilation takes longer than a second process to start
-UNSURE = 0.05  # share done up to which the time left is not told
+UNSURE = 0.05  # share done up to which the time left is not predicted
 ROOT = 0.4  # share of a kernel's time that remains when all its functions are compiled; 0.29 to 0.45 of the sweep's
 
 
@@ -67,37 +66,29 @@ class CompilationListener(event.Listener):
     def __init__(self) -> None:
         self.depth = 0
         self.progress: _Progress | None = None
-        self.collects = False
 
     def on_start(self, event: Any) -> None:
         """Begin a kernel, unless the function is a part of one."""
         function = event.data["dispatcher"].py_func
-        if self.depth == 0:
-            # Nearly all that the compiler makes lives until the kernel is finished: looking for garbage among it takes
-            # a twelfth of the time.
-            self.collects = gc.isenabled()
-            gc.disable()
         if self.depth == 0 and function.__module__.startswith(f"{PACKAGE}."):
             self.progress = _Progress(function)
-            tell_watchers(self.progress.report())
+            report_progress(self.progress.report())
             if len(self.progress.left) >= MANY:
-                start_process()
+                helper.start()
         self.depth += 1
 
     def on_end(self, event: Any) -> None:
         """Report a function that is finished; with the outermost, its kernel is."""
         self.depth -= 1
-        if self.depth == 0 and self.collects:
-            gc.enable()
         if self.progress is None:
             return
         if self.depth == 0:
-            end_process()
+            helper.finish()
             self.progress = None
-            tell_watchers(None)
+            report_progress(None)
             return
         self.progress.finish(event.data["dispatcher"].py_func)
-        tell_watchers(self.progress.report())
+        report_progress(self.progress.report())
 
 
 def called_functions(function: FunctionType) -> set[FunctionType]:
@@ -118,3 +109,8 @@ def _subject(kernel: FunctionType) -> str:
     """Return what a kernel calculates, by its module's folder."""
     folder = kernel.__module__.removeprefix(f"{PACKAGE}.").partition(".")[0]
     return WORDS.get(folder, "kernels")
+
+
+def report_compilations() -> None:
+    """Report what Numba compiles from now on."""
+    event.register("numba:compile", CompilationListener())

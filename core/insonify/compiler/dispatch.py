@@ -9,6 +9,7 @@ The callers' machine code is the same, and the first call of a kernel takes half
 from __future__ import annotations
 
 import dis
+import importlib
 import threading
 from collections.abc import Callable
 from functools import cache, cached_property, update_wrapper
@@ -17,11 +18,10 @@ from typing import Any
 from numba.core import types
 from numba.core.compiler import Compiler
 from numba.core.registry import CPUDispatcher
-from numba.core.serialize import dumps
+from numba.core.serialize import dumps, loads
 
-from insonify.compiler.cache import KernelCache, PartCache
-from insonify.compiler.compiling_process import compile_elsewhere, is_compiled_elsewhere
-from insonify.compiler.part_library import PartLibrary
+from insonify.compiler.cache import EntryCode, KernelCache, PartCode, PartLibrary
+from insonify.compiler.processes import elsewhere
 
 
 class NotCompiledError(RuntimeError):
@@ -54,7 +54,7 @@ class Kernel:
         """Numba's dispatcher of calls from Python."""
         entry: Any = _Entry(self.py_func, {}, self.options)
         if self.kept:
-            entry._cache = KernelCache(self.py_func)
+            entry._cache = KernelCache(self.py_func, EntryCode)
         return entry
 
     @cached_property
@@ -62,12 +62,12 @@ class Kernel:
         """The `Part` that other kernels call."""
         part: Any = Part(self.py_func, {}, self.options, _PartCompiler)
         if self.kept:
-            part._cache = PartCache(self.py_func)
+            part._cache = KernelCache(self.py_func, PartCode)
         return part
 
     @property
     def _numba_type_(self) -> Any:
-        # Numba asks for it when it compiles a caller.
+        # Numba reads it when it compiles a caller.
         return self.part._numba_type_
 
 
@@ -80,12 +80,25 @@ class _Entry(CPUDispatcher):
         return super().compile(sig)
 
 
-def let_compile(code: Any, way: str, arguments: tuple[Any, ...]) -> None:
-    """Let another process compile a kernel, if that is wanted and its machine code is not on disk."""
+def let_compile(code: Any, form: str, arguments: tuple[Any, ...]) -> None:
+    """Let another process compile a form of a kernel, if that is wanted and its machine code is not on disk."""
     function = code.py_func
-    if is_compiled_elsewhere() and "<locals>" not in function.__qualname__ and arguments not in code.overloads:
+    if elsewhere.wanted and "<locals>" not in function.__qualname__ and arguments not in code.overloads:
         if code._cache.lacks(arguments, code.targetctx):
-            compile_elsewhere(bytes(dumps((function.__module__, function.__qualname__, way, arguments))))
+            elsewhere.compile(name_code(function, form, arguments))
+
+
+def name_code(function: Callable[..., Any], form: str, arguments: tuple[Any, ...]) -> bytes:
+    """Name a form of a kernel, ``entry`` or ``machine_code``, for types of arguments."""
+    return bytes(dumps((function.__module__, function.__qualname__, form, arguments)))
+
+
+def compile_named(name: bytes) -> Any:
+    """Compile what `name_code` names, or load its code; returns Numba's result."""
+    module, qualname, form, arguments = loads(name)
+    code = getattr(getattr(importlib.import_module(module), qualname), form)
+    code.compile(arguments)
+    return code.overloads[arguments]
 
 
 class Part(CPUDispatcher):

@@ -5,8 +5,8 @@ decorator                  called by a kernel       on disk      counts referenc
 =========================  =======================  ===========  =====================  ==================
 `kernel`                   a function of its own    yes          yes                    relaxed (`FAST`)
 `kernel_uncounted`         a function of its own    yes          no                     relaxed (`FAST`)
-`kernel_separate`          by its address           yes          if asked to            relaxed (`FAST`)
-`kernel_on_demand`         by its address           yes          if asked to            relaxed (`FAST`)
+`kernel_separate`          by its address           yes          optional               relaxed (`FAST`)
+`kernel_on_demand`         by its address           yes          optional               relaxed (`FAST`)
 `inlined`                  inlined                  no           yes                    relaxed (`FAST`)
 `inlined_uncounted`        inlined                  no           no                     relaxed (`FAST`)
 `inlined_ieee`             inlined                  no           yes                    IEEE 754, in order
@@ -19,60 +19,72 @@ callers count. Small functions are inlined because passing a tuple of arrays cos
 
 What is called by its address is compiled once for all kernels that call it (`separate`): beside the first of them, or,
 on demand, when it is first called. The latter is for what most scenes lack, such as water that bends sound.
+
+With ``INSONIFY_COMPILER=numba`` all of them are plain `numba.njit`, which compiles the same code several times over and
+takes longer, but relies on nothing private of Numba.
 """
 
 from __future__ import annotations
 
+import os
 from collections.abc import Callable
 from typing import Any
 
-from numba import njit
-from numba.core import config, event, types
+from numba import njit, types
 
-from insonify.compiler.compilation_events import CompilationListener
-from insonify.compiler.dispatch import Kernel
-from insonify.compiler.separate import SeparateKernel
+from insonify.compiler.digests import settings
 
 Function = Callable[..., Any]
 # Every licence that keeps NaN and infinity meaningful: guards against them must survive.
 FAST = {"nsz", "arcp", "contract", "afn", "reassoc"}
-COMMON = {"nogil": True, "error_model": "numpy"}
+# Division by zero gives infinity, as in NumPy: Python's check would cost the vector units and could only raise.
+COMMON: dict[str, Any] = {"nogil": True, "error_model": "numpy"}
 NOTHING, INTEGER, TWO_INTEGERS = types.none, types.intp, types.UniTuple(types.intp, 2)  # what separate kernels return
+PLAIN = os.environ.get("INSONIFY_COMPILER") == "numba"
+
+if PLAIN:
+    from insonify.compiler.plain import compile_plainly
+else:
+    from insonify.compiler.compilation_events import report_compilations
+    from insonify.compiler.dispatch import Kernel
+    from insonify.compiler.separate import SeparateKernel
+
+    report_compilations()
 
 
 def kernel(function: Function) -> Function:
     """Compile a function as a kernel of this package and keep its machine code on disk."""
-    return _kept(function, counting=True)
+    return _compile(function, counting=True)
 
 
 def kernel_uncounted(function: Function) -> Function:
     """Compile a function as a kernel that does not count references, and keep its machine code on disk."""
-    return _kept(function, counting=False)
+    return _compile(function, counting=False)
 
 
 def kernel_separate(returned: Any, counting: bool = False) -> Callable[[Function], Function]:
     """Compile a function on its own, beside the kernels that call it, by default without counting references."""
-    return lambda function: _separate(function, returned, ahead=True, counting=counting)
+    return lambda function: _compile_separately(function, returned, ahead=True, counting=counting)
 
 
 def kernel_on_demand(returned: Any, counting: bool = False) -> Callable[[Function], Function]:
     """Compile a function when a kernel first calls it, by default without counting references."""
-    return lambda function: _separate(function, returned, ahead=False, counting=counting)
+    return lambda function: _compile_separately(function, returned, ahead=False, counting=counting)
 
 
 def inlined(function: Function) -> Function:
     """Compile a small function into each of its callers."""
-    return _within_callers(function, counting=True, fast=FAST)
+    return _compile(function, counting=True, kept=False, forceinline=True)
 
 
 def inlined_uncounted(function: Function) -> Function:
     """Compile a small function into each of its callers, without counting references."""
-    return _within_callers(function, counting=False, fast=FAST)
+    return _compile(function, counting=False, kept=False, forceinline=True)
 
 
 def inlined_ieee(function: Function) -> Function:
     """Compile a small function into each of its callers, in IEEE arithmetic that is never reordered."""
-    return _within_callers(function, counting=True, fast=False)
+    return _compile(function, counting=True, kept=False, forceinline=True, fastmath=False)
 
 
 def inlined_before_typing(function: Function) -> Function:
@@ -80,31 +92,18 @@ def inlined_before_typing(function: Function) -> Function:
 
     The per-cell loops of rays run faster so; types are inferred anew in every caller, which takes longer to compile.
     """
-    return njit(nogil=True, fastmath=FAST, error_model="numpy", inline="always")(function)
+    return njit(**COMMON, fastmath=FAST, inline="always")(function)
 
 
-def _kept(function: Function, counting: bool) -> Function:
-    # Division by zero gives infinity, as in NumPy: Python's check would cost the vector units and could only raise.
-    return _kernel(function, {"fastmath": FAST, "_nrt": counting}, kept=True)
-
-
-def _within_callers(function: Function, counting: bool, fast: Any) -> Function:
+def _compile(function: Function, counting: bool, kept: bool = True, **options: Any) -> Function:
     # `fastmath` and `_nrt` are always given: an option left out is inherited from the caller.
-    return _kernel(function, {"fastmath": fast, "_nrt": counting, "forceinline": True}, kept=False)
-
-
-def _separate(function: Function, returned: Any, ahead: bool, counting: bool) -> Function:
-    chosen: Any = config
-    if chosen.DISABLE_JIT:
+    options = COMMON | {"fastmath": FAST} | options
+    if settings.DISABLE_JIT:
         return function
+    return compile_plainly(function, kept, options) if PLAIN else Kernel(function, options | {"_nrt": counting}, kept)
+
+
+def _compile_separately(function: Function, returned: Any, ahead: bool, counting: bool) -> Function:
+    if PLAIN or settings.DISABLE_JIT:
+        return _compile(function, counting)
     return SeparateKernel(function, COMMON | {"fastmath": FAST, "_nrt": counting}, returned, ahead)
-
-
-def _kernel(function: Function, options: dict[str, Any], kept: bool) -> Function:
-    chosen: Any = config
-    if chosen.DISABLE_JIT:
-        return function
-    return Kernel(function, COMMON | options, kept)
-
-
-event.register("numba:compile", CompilationListener())

@@ -10,7 +10,7 @@ from numba.core import cgutils
 from numba.extending import intrinsic
 from numba.np.arrayobj import make_array
 
-from insonify.compiler.jit import inlined_uncounted
+from insonify.compiler.jit import PLAIN, inlined_uncounted
 
 READ, WRITE = 0, 1
 LINE = 64  # bytes that come at once
@@ -42,9 +42,13 @@ def _to_write(typing, array, index):
     return _ask(WRITE, array)
 
 
+def _nothing(array, index):
+    """Prefetch nothing."""
+
+
 # As kernels call them, with an array and an index.
-prefetch_read: Any = intrinsic(_to_read)
-prefetch_write: Any = intrinsic(_to_write)
+prefetch_read: Any = inlined_uncounted(_nothing) if PLAIN else intrinsic(_to_read)
+prefetch_write: Any = inlined_uncounted(_nothing) if PLAIN else intrinsic(_to_write)
 
 
 @inlined_uncounted

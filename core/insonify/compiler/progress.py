@@ -7,8 +7,8 @@ A kernel is compiled when it is first called, and its machine code is kept on di
 
 ``show`` gets a `Compilation` whenever a function of a kernel is finished, and None when the kernel is. It is called by
 the thread that compiles, which holds Numba's lock: it should only hand the values on. `Compilation.by_now` is the
-progress between two reports. Nothing is reported of kernels whose machine code is found on disk. Every watcher hears of
-compilations on all threads.
+progress between two reports. Nothing is reported of kernels whose machine code is found on disk. Watchers get the
+compilations of all threads.
 """
 
 from __future__ import annotations
@@ -70,7 +70,7 @@ def watch_compilation(watcher: Watcher) -> Iterator[None]:
         _watchers.remove(watcher)
 
 
-def tell_watchers(compilation: Compilation | None) -> None:
+def report_progress(compilation: Compilation | None) -> None:
     """Report the progress of a compilation to all watchers."""
     for watcher in tuple(_watchers):
         watcher(compilation)

@@ -1,7 +1,7 @@
 """Kernels with machine code of their own that other kernels call by its address, which is found at the first call.
 
 A part is compiled into each of its callers. A separate kernel is compiled once, whoever calls it: while its callers are
-compiled, by a second process; or not before a scene asks for it, for what most scenes lack. Every array is handed over
+compiled, by a second process; or when it is first called, for what most scenes lack. Every array is handed over
 as seven numbers and more: a whole scene costs half a microsecond. No inner loop should make such a call.
 """
 
@@ -9,7 +9,6 @@ from __future__ import annotations
 
 import ctypes
 import hashlib
-import importlib
 from collections.abc import Callable
 from functools import cached_property
 from typing import Any
@@ -18,12 +17,19 @@ import llvmlite.binding as llvm
 from llvmlite import ir
 from numba.core import cgutils, types
 from numba.core.registry import CPUDispatcher, cpu_target
-from numba.core.serialize import dumps, loads
 from numba.core.typing.templates import AbstractTemplate, signature
 
-from insonify.compiler.cache import SeparateCache
-from insonify.compiler.dispatch import Kernel, NotCompiledError, WithoutWrapper, failure, let_compile
-from insonify.compiler.part_process import ask_for_kernel, wait_for_kernel
+from insonify.compiler.cache import KernelCache, SeparateCode
+from insonify.compiler.dispatch import (
+    Kernel,
+    NotCompiledError,
+    WithoutWrapper,
+    compile_named,
+    failure,
+    let_compile,
+    name_code,
+)
+from insonify.compiler.processes import helper
 
 RESOLVE = "insonify_resolve"
 POINTER = ir.IntType(8).as_pointer()
@@ -42,13 +48,13 @@ class SeparateKernel(Kernel):
     def machine_code(self) -> Any:
         """Numba's dispatcher of its machine code, by type of the arguments."""
         code: Any = _MachineCode(self.py_func, {}, self.options, WithoutWrapper)
-        code._cache = SeparateCache(self.py_func)
+        code._cache = KernelCache(self.py_func, SeparateCode)
         code.returned = self.returned
         return code
 
     @cached_property
     def _numba_type_(self) -> Any:
-        # Numba asks for it when it compiles a caller.
+        # Numba reads it when it compiles a caller.
         template = type("Call", (_Call,), {"key": self})
         cpu_target.target_context.insert_func_defn([(_generate_call(self), self, (types.VarArg(types.Any),))])
         return types.Function(template)
@@ -56,8 +62,7 @@ class SeparateKernel(Kernel):
     def name_code(self, arguments: tuple[Any, ...]) -> bytes:
         """Name the machine code for types of arguments, as `find_address` takes it."""
         if arguments not in self._names:  # pickled again, equal types may give other bytes
-            place = self.py_func.__module__, self.py_func.__qualname__
-            self._names[arguments] = bytes(dumps((*place, arguments)))
+            self._names[arguments] = name_code(self.py_func, "machine_code", arguments)
         return self._names[arguments]
 
 
@@ -71,7 +76,7 @@ class _Call(AbstractTemplate):
             return None
         arguments = tuple(map(types.unliteral, args))
         if self.key.ahead:
-            ask_for_kernel(self.key.name_code(arguments))
+            helper.request(self.key.name_code(arguments))
         return signature(self.key.returned, *arguments)
 
 
@@ -130,11 +135,8 @@ class _MachineCode(CPUDispatcher):
 def find_address(name: bytes) -> int:
     """Address of the machine code of a separate kernel, compiled if that is not known."""
     if name not in _addresses:
-        wait_for_kernel(name)
-        module, qualname, arguments = loads(name)
-        code = getattr(importlib.import_module(module), qualname).machine_code
-        code.compile(arguments)
-        _addresses[name] = code.overloads[arguments].entry_point
+        helper.wait(name)
+        _addresses[name] = compile_named(name).entry_point
     return _addresses[name]
 
 

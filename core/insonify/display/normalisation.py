@@ -21,8 +21,6 @@ from insonify.tow.poses import interpolate_bed_beneath
 if TYPE_CHECKING:
     from insonify.simulation import Simulation
 
-__all__ = ["LevelBed", "estimate_median_curve", "extend_to_water_column", "normalise"]
-
 MOST_EIGHTHS = 2**53  # of a bin, the greatest altitude of a level bed
 _PINGS = 2000  # pings that suffice for the median curve of a recording
 _FIRST = 1.25  # altitudes from which the bed of a recording counts
@@ -80,10 +78,10 @@ def extend_to_water_column(curve: NDArray[np.float64]) -> NDArray[np.float64]:
 
     The first bin of the bed is partly filled, so the larger of the first two values is used.
     """
-    heard = np.flatnonzero(curve > 0.0)
-    if heard.size == 0:
+    positive = np.flatnonzero(curve > 0.0)
+    if positive.size == 0:
         return np.ones_like(curve)
-    first = int(heard[0])
+    first = int(positive[0])
     filled = curve.copy()
     filled[: first + 1] = curve[first : first + 2].max()
     return filled
@@ -117,8 +115,8 @@ def estimate_median_curve(
 
 def _middle(echoes: NDArray[np.floating]) -> float:
     """Median of the positive echoes, 0 if there are none."""
-    heard = echoes[echoes > 0.0]
-    return float(np.median(heard)) if heard.size else 0.0
+    positive = echoes[echoes > 0.0]
+    return float(np.median(positive)) if positive.size else 0.0
 
 
 def normalise(intensity: NDArray[np.float32], curve: NDArray[np.float64]) -> NDArray[np.float32]:

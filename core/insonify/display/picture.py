@@ -14,25 +14,10 @@ import numpy as np
 from numpy.typing import NDArray
 from skimage import exposure
 
-from insonify.display.display_options import PALETTES, DisplayOptions, Levels, find_palettes
+from insonify.display.display_options import DisplayOptions, Levels, find_palettes
 from insonify.display.range_axis import RangeAxis
 from insonify.parallel import in_parallel
 from insonify.scene import SceneError
-
-__all__ = [
-    "PALETTES",
-    "average_columns",
-    "choose_contrast",
-    "colour_amplitudes",
-    "colour_rows",
-    "compute_column_edges",
-    "load_palette",
-    "map_tones",
-    "mirror_channels",
-    "place_columns",
-    "shown_palette",
-    "span_decibels",
-]
 
 _rescale: Callable[..., Any] = exposure.rescale_intensity
 DYNAMIC = 40.0  # dB, greatest span of a palette that is linear in decibels
@@ -56,7 +41,7 @@ def load_palette(name: str) -> NDArray[np.uint8]:
 
 
 def shown_palette(look: DisplayOptions) -> NDArray[np.uint8]:
-    """Palette of display options, (256, 3), reversed if they say so."""
+    """Palette of display options, (256, 3), reversed if `reverse` is set."""
     colours = load_palette(look.palette)
     return colours[::-1] if look.reverse else colours
 
@@ -69,10 +54,10 @@ def choose_contrast(amplitude: NDArray[np.float32], *, decibels: bool = False) -
     that covers a tenth of the picture keeps its texture however strong it is.
     """
     sample = amplitude.ravel()[:: amplitude.size // _ENOUGH + 1]
-    heard = sample[np.isfinite(sample) & (sample > 0.0)]
-    if heard.size == 0:
+    positive = sample[np.isfinite(sample) & (sample > 0.0)]
+    if positive.size == 0:
         return 0.0, 1.0
-    weak, middle, upper, strong = (float(p) for p in np.percentile(heard, [2.0, 50.0, 90.0, 99.7]))
+    weak, middle, upper, strong = (float(p) for p in np.percentile(positive, [2.0, 50.0, 90.0, 99.7]))
     if decibels:
         return max(0.5 * weak, HIGHLIGHTS * middle * 10.0 ** (-DYNAMIC / 20.0)), max(1.5 * strong, HIGHLIGHTS * middle)
     low = min(weak, 0.6 * middle) - 0.2 * middle
@@ -145,19 +130,19 @@ def average_columns(
     places = np.arange(len(rows)) if picked is None else np.ascontiguousarray(picked)
     which = np.minimum(np.arange(len(places)), len(grids) - 1)
     values, at = np.ascontiguousarray(rows), np.require(grids, requirements=("C", "W"))
-    held = range(rows.shape[1]) if bins is None else bins
+    chosen = range(rows.shape[1]) if bins is None else bins
     out = np.empty((len(places), edges.shape[1] - 1), np.float32)
 
     def block(first: int, last: int) -> None:
         some = slice(first, last)
-        average_bins(values, places[some], held.start, held.step, len(held), at, which[some], out[some])
+        average_bins(values, places[some], chosen.start, chosen.step, len(chosen), at, which[some], out[some])
 
     in_parallel(block, len(places), least=ROWS_A_THREAD)
     return out
 
 
 def colour_rows(values: NDArray[np.float32], low: float, high: float, table: NDArray[np.uint32]) -> NDArray[np.uint32]:
-    """Colour values by a table whose colours go on beyond the upper end."""
+    """Colour values by a table with entries beyond the upper end."""
     if not values.size:
         return np.empty(values.shape, np.uint32)
     from insonify.kernels.display.rows import ROWS_A_THREAD, colour_values  # lazy: as above

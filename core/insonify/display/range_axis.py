@@ -55,12 +55,12 @@ def choose_kind(*, ground_range: bool, water_column: bool) -> str:
 
 
 def make_range_axis(kind: str, bins: int, bin_length: float, lowest: float) -> RangeAxis | None:
-    """Make an axis that reaches as far as the ping at the lowest altitude hears."""
+    """Make an axis that ends at the farthest distance that the ping at the lowest altitude receives."""
     end = bins * bin_length
     if kind == SLANT:
         return RangeAxis(kind, bins, bin_length, end)
     if not lowest < end:
         return None
-    # A sonar below the level of the bed may hear some of it as far out as at its own height.
+    # A sonar below the level of the bed may receive echoes of it from as far as at its own height.
     reach = end - lowest if kind == BED else math.sqrt(end**2 - max(lowest, 0.0) ** 2)
     return RangeAxis(kind, bins, bin_length, reach)

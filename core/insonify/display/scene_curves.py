@@ -12,7 +12,7 @@ from insonify.acoustics.beam_patterns import vertical_energy
 from insonify.acoustics.water import speed_at_sonar
 from insonify.scene import Scene
 from insonify.scene.seabed.reliefs.fractal import Fractal, power_spectrum
-from insonify.scene.sonar.beams import Sounding
+from insonify.scene.sonar.beams import BeamConditions
 from insonify.scene.sonar.pulses import PulseKind
 
 FLOOR = -50.0  # dB, the least level of a curve
@@ -48,8 +48,8 @@ def beam_curve(scene: Scene) -> Curve | None:
     beam = scene.sonar.beam
     if not beam.has_width:
         return None
-    sounding = Sounding(speed_at_sonar(scene), scene.sonar.frequency, scene.sonar.range)
-    table, half_width = beam.at_range(sounding), beam.half_width(sounding)
+    conditions = BeamConditions(speed_at_sonar(scene), scene.sonar.frequency, scene.sonar.range)
+    table, half_width = beam.at_range(conditions), beam.half_width(conditions)
     reach = min(LOBES_SHOWN * half_width, 0.5 * math.pi)
     angle = np.linspace(-reach, reach, table.energy.shape[1])
     sines = np.linspace(-table.extent[0], table.extent[0], table.energy.shape[1])

@@ -40,7 +40,7 @@ class RecordSheet(NamedTuple):
 
 
 class SheetPings(NamedTuple):
-    """Successive pings, as far as a picture shows them."""
+    """Successive pings, with what a picture shows of them."""
 
     intensity: Record  # (n, 2, bins) linear, port first
     x: NDArray[np.float64]  # (n,) position of the sonar, in metres
@@ -61,7 +61,7 @@ def take_sheet_pings(record: xr.Dataset) -> SheetPings:
 
 
 def trace_sheet_pings(simulation: Simulation) -> Iterator[SheetPings]:
-    """Trace the record of a simulation block by block, as far as a picture shows it."""
+    """Trace the record of a simulation block by block, with what a picture shows of it."""
     sonar = simulation.scene.sonar
     bin_length = sonar.range / sonar.bins
     for block in simulation.record_blocks():
@@ -134,7 +134,7 @@ class _Length:
 
 
 def _axis(block: SheetPings, look: DisplayOptions) -> RangeAxis:
-    """Distance across the picture, as far as the lowest ping of the first block hears."""
+    """Distance across the picture, to the farthest that the lowest ping of the first block receives."""
     kind = choose_kind(ground_range=look.ground_range, water_column=look.water_column)
     bins, lowest = block.intensity.shape[-1], float(block.altitude.min())
     axis = make_range_axis(kind, bins, block.bin_length, lowest)
@@ -142,14 +142,14 @@ def _axis(block: SheetPings, look: DisplayOptions) -> RangeAxis:
         return axis
     option, end = "--ground-range" if look.ground_range else "water column", bins * block.bin_length
     if not math.isfinite(lowest):
-        raise SceneError(f"{option}: the record tells no altitude and shows no first echo of the bed; leave it out")
+        raise SceneError(f"{option}: the record has no altitude and shows no first echo of the bed; leave it out")
     raise SceneError(
         f"{option}: the record ends at a slant range of {end:g} m, before the bed {lowest:g} m beneath; leave it out"
     )
 
 
 def fill_altitude(block: xr.Dataset) -> NDArray[np.float64]:
-    """Altitudes of pings as `find_altitude` has them, in metres; 0 where the record tells nothing of the bed."""
+    """Altitudes of pings as `find_altitude` has them, in metres; 0 where the record shows no bed."""
     return np.nan_to_num(find_altitude(block))
 
 

@@ -58,17 +58,17 @@ def echo_terms(parts: EchoParts, normal: float, *, light: bool) -> list[Term]:
 
 def _local_terms(parts: EchoParts, normal: float, light: bool) -> list[Term]:
     """Terms of beam, refraction, material, incidence and area."""
-    heard = parts.take((parts.echo > 0.0) & (parts.strength > 0.0) & (parts.width > 0.0) & (parts.gain > 0.0))
-    echo, vertical = parts.echo.sum(), heard.vertical
-    response = heard.weight / (heard.gain * heard.width)
-    b_area = heard.echo / (heard.strength * heard.gain)  # b A
+    local = parts.take((parts.echo > 0.0) & (parts.strength > 0.0) & (parts.width > 0.0) & (parts.gain > 0.0))
+    echo, vertical = parts.echo.sum(), local.vertical
+    response = local.weight / (local.gain * local.width)
+    b_area = local.echo / (local.strength * local.gain)  # b A
     beam, by_vertical = np.average(response, weights=b_area), np.average(vertical, weights=b_area)
-    gain = np.average(heard.gain, weights=b_area)
-    strength = echo / (b_area * heard.gain).sum()
-    incidence = math.degrees(math.acos(min(float(np.average(heard.cosine, weights=heard.value)), 1.0)))
+    gain = np.average(local.gain, weights=b_area)
+    strength = echo / (b_area * local.gain).sum()
+    incidence = math.degrees(math.acos(min(float(np.average(local.cosine, weights=local.value)), 1.0)))
     terms = [
-        Term("beam along the track", decibels(beam / by_vertical), _off_axis(heard)),
-        Term("beam vertically", decibels(by_vertical), f"{math.degrees(-_mean(heard.launch, heard.echo)):.1f}° down"),
+        Term("beam along the track", decibels(beam / by_vertical), _off_axis(local)),
+        Term("beam vertically", decibels(by_vertical), f"{math.degrees(-_mean(local.launch, local.echo)):.1f}° down"),
         Term("material", decibels(normal), "strength at normal incidence"),
         Term("incidence", decibels(strength / normal), f"{incidence:.0f}° from the normal"),
     ]

@@ -1,4 +1,4 @@
-"""Compilation of the kernels that explain pixels and label points, before anybody asks for them."""
+"""Compilation of the kernels that explain pixels and label points, before the first of them is needed."""
 
 from __future__ import annotations
 

@@ -8,13 +8,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from insonify.explanation.names import name_part
-from insonify.explanation.pixel_parts import arrays_at
-from insonify.explanation.pixel_window import whole_window
+from insonify.explanation.pixel_parts import arrays_at, whole_window
 from insonify.explanation.sound_paths import SonarPose, locate_sonar
+from insonify.kernels.labels.bed_stretches import BEHIND_BED, HEARD
 from insonify.packing.apparent_tables import make_apparent_tables
 from insonify.simulation import Simulation
 from insonify.tracers.azimuth_fan import lay_planes_of_images
-from insonify.tracers.echo_parts import BEHIND_BED, HEARD, EchoParts, find_direct_parts, take_central_plane
+from insonify.tracers.echo_parts import EchoParts, find_direct_parts, take_central_plane
 
 Points = NDArray[np.float64]
 SAMPLES = 1024  # of the bed's profile
@@ -58,7 +58,7 @@ def cut_cross_section(simulation: Simulation, ping: int, side: int) -> CrossSect
 def _stretches(
     simulation: Simulation, parts: EchoParts
 ) -> tuple[Points, Points, tuple[tuple[str, Points], ...], Points]:
-    """Stretches heard and hidden, targets, and horizons behind crests."""
+    """Stretches seen and hidden, targets, and horizons behind crests."""
     ends = np.stack([parts.begin, parts.end], axis=1)
     of_bed = parts.target < 0
     seen, targets = parts.state == HEARD, simulation.scene.targets

@@ -1,4 +1,4 @@
-"""Pixels of a record that hear one place: straight, and by way of the sea surface."""
+"""Pixels of a record in which one place echoes: straight, and by way of the sea surface."""
 
 from __future__ import annotations
 
@@ -8,20 +8,20 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from insonify.explanation.pixel_parts import arrays_at
-from insonify.explanation.pixel_window import whole_window
+from insonify.explanation.pixel_parts import arrays_at, whole_window
 from insonify.explanation.sound_paths import SURFACE, locate_sonar, path_range
 from insonify.kernels.common.types import Poses, SceneArrays
+from insonify.kernels.labels.bed_stretches import HEARD
 from insonify.kernels.labels.echo_parts import Window
 from insonify.packing.apparent_tables import make_apparent_tables
 from insonify.simulation import Simulation
 from insonify.tracers.azimuth_fan import lay_planes, lay_planes_of_images
-from insonify.tracers.echo_parts import HEARD, find_direct_parts, find_surface_parts
+from insonify.tracers.echo_parts import find_direct_parts, find_surface_parts
 from insonify.tracers.labels import PATHS
 
 FAINT = 0.01  # two-way response of the beam below which a place counts as outside
 STRIP = 0.5  # m, half the width of a knife along the track
-BESIDE = 0.3  # m by which a place may lie off the surface that is heard
+BESIDE = 0.3  # m by which a place may lie off the surface that echoes
 WIDE = 0.03  # share of its ground range by which an echo by way of the sea surface may lie beside a place
 SURFACE_BOTTOM = PATHS.index("surface_bottom")
 
@@ -30,7 +30,7 @@ Points = NDArray[np.float64]
 
 @dataclass(frozen=True, order=True)
 class Listener:
-    """A pixel that hears a place."""
+    """A pixel in which a place echoes."""
 
     ping: int
     side: int
@@ -39,7 +39,7 @@ class Listener:
 
 
 def find_listeners(simulation: Simulation, place: Points, pings: NDArray[np.int64]) -> tuple[Listener, ...]:
-    """Find the pixels that hear a place of the bed or of a target."""
+    """Find the pixels in which a place of the bed or of a target echoes."""
     found: list[Listener] = []
     for ping, side, azimuth, level in _within_beam(simulation, place, pings):
         found += _listen(simulation, place, int(ping), int(side), float(azimuth), float(level))
@@ -49,7 +49,7 @@ def find_listeners(simulation: Simulation, place: Points, pings: NDArray[np.int6
 def _within_beam(
     simulation: Simulation, place: Points, pings: NDArray[np.int64]
 ) -> list[tuple[int, int, float, float]]:
-    """Pings whose beam takes a place in: ping, side, azimuth of its plane (rad), ground range (m)."""
+    """Pings with a place in their beam: ping, side, azimuth of its plane (rad), ground range (m)."""
     arrays, poses = simulation.reduced, simulation.poses(pings)
     dx, dy, dz = place[0] - poses.x, place[1] - poses.y, place[2] - poses.z
     cos, sin = np.cos(poses.heading), np.sin(poses.heading)
@@ -57,13 +57,13 @@ def _within_beam(
     r = np.sqrt(dx * dx + dy * dy + dz * dz)
     along = (ahead * np.cos(poses.pitch) + dz * np.sin(poses.pitch)) / np.maximum(r, 1e-9)
     if arrays.half_width <= 0.0:
-        heard, azimuth, level = abs(ahead) <= STRIP, np.zeros(r.size), abs(left)
+        within, azimuth, level = abs(ahead) <= STRIP, np.zeros(r.size), abs(left)
     else:
-        heard = _response(arrays, along, r) >= FAINT
+        within = _response(arrays, along, r) >= FAINT
         azimuth, level = np.arctan2(ahead, abs(left)), np.hypot(dx, dy)
-    heard &= r < arrays.bins * arrays.bin_length
+    within &= r < arrays.bins * arrays.bin_length
     side = (left < 0.0).astype(np.int64)
-    return [(pings[k], side[k], azimuth[k], level[k]) for k in np.flatnonzero(heard)]
+    return [(pings[k], side[k], azimuth[k], level[k]) for k in np.flatnonzero(within)]
 
 
 def _response(arrays: SceneArrays, along: Points, r: Points) -> Points:
@@ -81,7 +81,7 @@ def _response(arrays: SceneArrays, along: Points, r: Points) -> Points:
 def _listen(
     simulation: Simulation, place: Points, ping: int, side: int, azimuth: float, level: float
 ) -> list[Listener]:
-    """Bins of one side of one ping that hear a place in the plane of an azimuth."""
+    """Bins of one side of one ping in which a place in the plane of an azimuth echoes."""
     arrays, pose = arrays_at(simulation, ping)
     _, folded = make_apparent_tables(arrays, pose)
     fans = lay_planes(arrays, pose, 1)
@@ -109,11 +109,11 @@ def _listen(
 def _listen_by_surface(
     simulation: Simulation, arrays: SceneArrays, pose: Poses, where: tuple[int, int, float, float], place: Points
 ) -> list[Listener]:
-    """Bins of one side of one ping that hear a place by way of the sea surface."""
+    """Bins of one side of one ping in which a place echoes by way of the sea surface."""
     ping, side, azimuth, level = where
     sonar, found = locate_sonar(simulation, pose, side), []
-    _, fan, lifted = lay_planes_of_images(arrays, pose, 1)[0]
-    fans = fan._replace(azimuth=np.array([azimuth])), lifted._replace(azimuth=np.array([azimuth]))
+    _, fan, raised = lay_planes_of_images(arrays, pose, 1)[0]
+    fans = fan._replace(azimuth=np.array([azimuth])), raised._replace(azimuth=np.array([azimuth]))
     for path in range(SURFACE_BOTTOM, SURFACE):
         k = int(path_range(sonar, path, level, float(place[2])) / arrays.bin_length)
         if not 0 <= k < arrays.bins:

@@ -2,32 +2,31 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from dataclasses import dataclass
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
 
 from insonify.explanation.budget import SILENCE, Term, decibels, echo_terms, normal_strength
-from insonify.explanation.contributions import Contribution, find_contributions
-from insonify.explanation.obstructions import Obstruction, find_obstructions
+from insonify.explanation.contributions import (
+    Contribution,
+    Obstruction,
+    find_contributions,
+    find_obstructions,
+    summarise_pixel,
+)
 from insonify.explanation.pixel_parts import PixelParts, find_pixel_parts
-from insonify.explanation.receiver_stages import ReceiverStage, record_by_stages
 from insonify.explanation.sound_paths import SonarPose
-from insonify.explanation.summary import summarise_pixel
-from insonify.kernels.common.types import LIGHT, SceneArrays
+from insonify.kernels.common.types import LIGHT, Poses, SceneArrays
+from insonify.receiver import Reception, Traced, record_echoes
 from insonify.scene import SceneError
 from insonify.simulation import Simulation
+from insonify.tracers import sweep
 
 NEGLIGIBLE = 1e-3  # dB, of a term of the tracer that is not listed
-DETAILS = {
-    "source level": "at 1 m",
-    "water column": "reverberation, schools and plumes",
-    "speckle": "interference in this pixel",
-    "crosstalk": "from the other side",
-    "fluctuation": "of this ping",
-    "noise": "ambient",
-    "other waves": "ringing and interference",
-    "time-varied gain": "of this bin",
-    "recorder": "gain, full scale and rounding",
-}
+Record = NDArray[np.float32]
 
 
 @dataclass(frozen=True, eq=False)
@@ -47,7 +46,7 @@ class PixelExplanation:
     # infinity for silence.
     unhidden: float
     sonar: SonarPose  # the sonar at that ping
-    summary: str  # one sentence: what is heard, or why nothing is
+    summary: str  # one sentence: what echoes, or why nothing does
     approximations: tuple[str, ...]  # what is not exactly as the record has it; empty where everything is
 
     @property
@@ -131,7 +130,7 @@ def _with_receiver(terms: list[Term], stages: Sequence[ReceiverStage], side: int
     elif terms and levels[0] == SILENCE:
         budget = []
     for before, after, stage in zip(levels, levels[1:], stages[1:]):
-        term = _change(stage.name, before, after, DETAILS[stage.name])
+        term = _change(stage.name, before, after, stage.detail)
         if term is not None:
             budget.insert(0 if stage.name == "source level" else len(budget), term)
     return budget
@@ -146,19 +145,73 @@ def _change(name: str, before: float, after: float, detail: str) -> Term | None:
 
 def _unhidden(simulation: Simulation, parts: PixelParts, pixel: int) -> float:
     """Level of the mean echo if nothing hid anything, with source level and gain, dB."""
-    reception = simulation.reception
-    return decibels(float(parts.parts.value.sum()) * reception.source * float(reception.gain[pixel]))
+    return decibels(float(parts.parts.value.sum()) * float(simulation.reception.gain[pixel]))
 
 
 def _approximations(parts: PixelParts, contributions: Sequence[Contribution]) -> tuple[str, ...]:
-    """Tell what is not exactly as the record has it."""
-    simulation, said = parts.simulation, []
+    """List what is not exactly as in the record."""
+    simulation, notes = parts.simulation, []
     if simulation.plan.method != "sweep":
-        said.append("parts come from the sweep's planes, the record from single rays: the term 'tracing' is the rest")
+        notes.append("parts come from the sweep's planes, the record from single rays: the term 'tracing' is the rest")
     elif parts.folded:
-        said.append("refraction folds: parts are single rays, and bed that other bed hides is not listed")
+        notes.append("refraction folds: parts are single rays, and bed that other bed hides is not listed")
     if simulation.reception.coherent:
-        said.append("parts are mean echoes; the term 'speckle' holds the interference of single scatterers")
+        notes.append("parts are mean echoes; the term 'speckle' holds the interference of single scatterers")
     if any(each.path != "direct" for each in contributions):
-        said.append("an echo by way of the sea surface is placed where its plane returns most")
-    return tuple(said)
+        notes.append("an echo by way of the sea surface is placed where its plane returns most")
+    return tuple(notes)
+
+
+class ReceiverStage(NamedTuple):
+    """The record of one ping after a stage of the receiver."""
+
+    name: str  # empty for the echo of the pulse alone
+    detail: str
+    record: Record  # (2, bins) linear intensity
+
+
+def record_by_stages(simulation: Simulation, ping: int) -> list[ReceiverStage]:
+    """Record one ping with none of the receiver's stages, with the first, with the first two, and so on."""
+    reception, trace = simulation.reception, _Tracing(simulation, ping)
+    records = [ReceiverStage("", "", trace.record(replace(reception, stages=())))]
+    for count, stage in enumerate(reception.stages, 1):
+        record = trace.record(replace(reception, stages=reception.stages[:count]))
+        records.append(ReceiverStage(stage.name, stage.detail, record))
+    return records
+
+
+class _Tracing:
+    """Traces of one ping, each made once."""
+
+    def __init__(self, simulation: Simulation, ping: int) -> None:
+        self._simulation = simulation
+        self._pings = np.array([ping], dtype=np.int64)
+        self._poses = simulation.poses(self._pings)
+        self._kept: dict[tuple[int, bool, bool], Traced] = {}
+
+    def record(self, reception: Reception) -> Record:
+        """Record of the ping by a receiver, (2, bins)."""
+        arrays, shapes = self._simulation.reduced, reception.divided_by_shape
+        traced = self._trace(arrays, reception)
+        divided = None if shapes is None else self._trace(arrays._replace(reflectivity=shapes), reception)
+        out = np.empty((1, 2, arrays.bins), np.float32)
+        return record_echoes(reception, traced, self._pings, divided, out)[0]
+
+    def _trace(self, arrays: SceneArrays, reception: Reception) -> Traced:
+        waves = bool(reception.sums_waves and reception.coherent)
+        key = id(arrays.reflectivity), reception.coherent, waves
+        if key not in self._kept:
+            self._kept[key] = self._traced(arrays, reception, waves)
+        return self._kept[key].copy()
+
+    def _traced(self, arrays: SceneArrays, reception: Reception, waves: bool) -> Traced:
+        simulation = self._simulation
+        tracer, settings = simulation.tracer, simulation.plan.settings
+        trace: Callable[..., Traced] = (tracer.trace_waves if waves else None) or tracer.trace
+        if simulation.reception.coherent and not reception.coherent:
+            trace = sweep.trace  # the mean energy of the scatterers
+
+        def trace_tile(tile: SceneArrays, some: Poses) -> tuple[Traced]:
+            return (trace(tile, some, **settings),)
+
+        return simulation.tiles.map(trace_tile, arrays, self._poses)[0]

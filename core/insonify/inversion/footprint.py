@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from insonify.acoustics.pulses import coherence, pulse_taps
 from insonify.scene import Scene
-from insonify.scene.sonar.beams import Sounding
+from insonify.scene.sonar.beams import BeamConditions
 from insonify.scene.sonar.pulses import PulseKind
 
 Field = NDArray[np.float64]
@@ -68,10 +68,10 @@ class Footprint(NamedTuple):
 def footprint_of(scene: Scene, sound_speed: float) -> Footprint:
     """Footprint of the sonar of a scene in water of that sound speed (m/s)."""
     sonar = scene.sonar
-    sounding = Sounding(sound_speed, sonar.frequency, sonar.range)
+    conditions = BeamConditions(sound_speed, sonar.frequency, sonar.range)
     directions = sensitivity = np.zeros(0)
     if sonar.beam.has_width:
-        table = sonar.beam.tabulate(sounding)
+        table = sonar.beam.tabulate(conditions)
         count = table.energy.shape[1] // DIRECTIONS * DIRECTIONS
         edges = np.linspace(-1.0, 1.0, table.energy.shape[1])[:count]
         directions = table.extent[-1] * edges.reshape(DIRECTIONS, -1).mean(axis=1)

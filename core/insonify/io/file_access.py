@@ -36,9 +36,9 @@ class FileFault(Exception):
 @contextmanager
 def guarded(refusal: Callable[[str, str], SceneError], remedy: str) -> Iterator[None]:
     """Turn every error of a block that reads a file into one sentence, and keep warnings off the terminal."""
-    told: list[warnings.WarningMessage] = []
+    caught: list[warnings.WarningMessage] = []
     try:
-        with one_at_a_time(), warnings.catch_warnings(record=True) as told:
+        with one_at_a_time(), warnings.catch_warnings(record=True) as caught:
             warnings.simplefilter("ignore")
             warnings.simplefilter("always", FileWarning)
             yield
@@ -48,7 +48,7 @@ def guarded(refusal: Callable[[str, str], SceneError], remedy: str) -> Iterator[
         raise refusal(error.fault, error.remedy) from None
     except Exception as error:  # every library fails in ways of its own
         raise refusal(f"cannot be read ({reason(error)})", remedy) from error
-    for warning in told:  # after the libraries' have been left out
+    for warning in caught:  # after the libraries' have been left out
         warnings.warn(warning.message, stacklevel=4)
 
 
@@ -63,8 +63,8 @@ def reason(error: Exception) -> str:
         return "it does not fit in memory"
     if isinstance(error, UnicodeDecodeError):
         return f"it is no text in {error.encoding.upper()}"
-    told = error.strerror if isinstance(error, OSError) and error.strerror else str(error)
-    return " ".join(told.split())[:120] or type(error).__name__
+    text = error.strerror if isinstance(error, OSError) and error.strerror else str(error)
+    return " ".join(text.split())[:120] or type(error).__name__
 
 
 def check_regular(path: str | Path, remedy: str = "give the path of a file") -> None:

@@ -43,7 +43,7 @@ class FileFormat(Generic[Content]):
     folder: bool = False  # whether a file of the format is a folder
     converter: str = ""  # of a format that is neither read nor written: the program that converts it to one that is
     remedy: str = "export it again"  # what to do with a file that its library cannot read
-    # Of a record: whether the labels of its bins and what it tells of each target are written too.
+    # Of a record: whether the labels of its bins and the variables of targets are written too.
     labelled: bool = False
     of_blocks: bool = False  # of a record: whether it is written from `RecordBlock`, without Datasets
 
@@ -53,7 +53,7 @@ class FormatRegistry(Generic[Content]):
 
     Every `FileFormat` at the top level of a module of the package belongs to the registry. So do formats, and modules
     that hold formats, which installed packages announce as entry points of the group. Modules are imported when the
-    formats are first asked for; they import what is slow to load within their readers and writers.
+    formats are first used; they import what is slow to load within their readers and writers.
     """
 
     def __init__(self, contents: str, package: str, group: str, error: str = "{path}: {fault}; {remedy}") -> None:
@@ -87,11 +87,11 @@ class FormatRegistry(Generic[Content]):
         return tuple(suffix for each in self.formats() if each.write for suffix in each.suffixes)
 
     def folders(self) -> tuple[str, ...]:
-        """Suffixes of the formats whose files are folders."""
+        """Suffixes of the formats with folders as files."""
         return tuple(suffix for each in self.formats() if each.folder for suffix in each.suffixes)
 
     def labelled(self) -> tuple[str, ...]:
-        """Suffixes of the formats whose files hold the labels of a record."""
+        """Suffixes of the formats that store the labels of a record."""
         return tuple(suffix for each in self.formats() if each.labelled for suffix in each.suffixes)
 
     def foreign(self) -> tuple[str, ...]:
@@ -146,7 +146,7 @@ class FormatRegistry(Generic[Content]):
             cast("Callable[..., None]", write)(beside, parts, **options)
 
     def writer_of(self, path: Path) -> FileFormat[Content]:
-        """Return the format in which a file is written, whose suffix must be one of `writable`."""
+        """Return the format in which a file is written; its suffix must be one of `writable`."""
         return next(each for each in self.formats() if each.write and path.suffix.lower() in each.suffixes)
 
     def refusal(self, path: str | Path, fault: str, remedy: str) -> SceneError:

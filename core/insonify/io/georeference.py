@@ -24,13 +24,13 @@ class Georeference(NamedTuple):
     origin: tuple[float, float]  # (float, float) easting and northing of (0, 0) on that map, in metres
 
     def attributes(self) -> dict[str, Any]:
-        """Return the attributes that keep the place in a record."""
-        told = {"origin_x": float(self.origin[0]), "origin_y": float(self.origin[1])}
-        return {"crs": self.crs} | told if self.crs else told
+        """Return the attributes that describe the place in a record."""
+        origin = {"origin_x": float(self.origin[0]), "origin_y": float(self.origin[1])}
+        return {"crs": self.crs} | origin if self.crs else origin
 
 
 def find_georeference(attributes: Mapping[Any, Any]) -> Georeference | None:
-    """Return the place that the attributes of a record tell; None if they tell none."""
+    """Return the place of a record by its attributes; None if they have none."""
     if "origin_x" not in attributes or "origin_y" not in attributes:
         return None
     return Georeference(str(attributes.get("crs", "")), (float(attributes["origin_x"]), float(attributes["origin_y"])))

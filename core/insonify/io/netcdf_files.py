@@ -4,39 +4,24 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from insonify.io.file_access import FileFault, check_expansion
 from insonify.io.isolation import run_isolated
+from insonify.io.record_block import RecordBlock, make_record_block
 
 TEXT = 64  # bytes taken for a text of unknown length
 NUMBER = 8  # bytes that a number may take after it is decoded
 
 
-class StoredVariable(NamedTuple):
-    """A variable as it is stored: not scaled, without a mask."""
-
-    dimensions: tuple[str, ...]
-    values: NDArray[Any]
-    attributes: dict[str, Any]
-
-
-class StoredFile(NamedTuple):
-    """Variables by name, and the attributes of the file."""
-
-    variables: dict[str, StoredVariable]
-    attributes: dict[str, Any]
-
-
-def read_stored(path: str) -> StoredFile:
-    """Read all variables of the root group of a netCDF file."""
+def read_stored(path: str) -> RecordBlock:
+    """Read all variables of the root group of a netCDF file as they are stored: not scaled, without a mask."""
     return run_isolated(read_with_netcdf, path)
 
 
-def read_with_netcdf(path: str) -> StoredFile:
+def read_with_netcdf(path: str) -> RecordBlock:
     """Read the variables in this process, which the library may crash."""
     import netCDF4  # slow to import
 
@@ -44,10 +29,10 @@ def read_with_netcdf(path: str) -> StoredFile:
         file.set_auto_maskandscale(False)
         check_variables(path, file.variables.values())
         variables = {
-            str(name): StoredVariable(variable.dimensions, np.asarray(variable[...]), _attributes(variable))
-            for name, variable in file.variables.items()
+            str(name): (each.dimensions, np.asarray(each[...]), _attributes(each))
+            for name, each in file.variables.items()
         }
-        return StoredFile(variables, _attributes(file))
+        return make_record_block(variables, {}, _attributes(file))
 
 
 def check_variables(path: str, variables: Iterable[Any]) -> None:

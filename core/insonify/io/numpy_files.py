@@ -1,4 +1,4 @@
-"""Arrays in files of NumPy, whose headers are checked before memory is allocated; never pickles."""
+"""Arrays in files of NumPy; headers are checked before memory is allocated, and pickles are never read."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ def read_npy(path: str) -> NDArray[Any]:
 
 
 class Archive:
-    """Arrays of an ``.npz`` file, each read when it is asked for."""
+    """Arrays of an ``.npz`` file, each read when it is used."""
 
     def __init__(self, path: str) -> None:
         self.file = open_regular(path)
@@ -65,7 +65,7 @@ class Archive:
 
 
 def _check_header(file: IO[bytes], length: int) -> None:
-    """Refuse an array of objects or records, and one whose size is not that of the file."""
+    """Raise FileFault for an array of objects or records, or of another size than that of the file."""
     remedy = "save it with numpy.save or numpy.savez as plain numbers"
     version = np.lib.format.read_magic(file)
     if version not in HEADERS:
@@ -78,5 +78,5 @@ def _check_header(file: IO[bytes], length: int) -> None:
         raise FileFault(f"cannot be read (it holds {str(kind)[:80]} values)", remedy)
     announced = math.prod(shape) * kind.itemsize
     if min(shape, default=0) < 0 or announced != length - file.tell():
-        told = f"it announces {str(shape)[:80]} values and holds {length - file.tell()} bytes"
-        raise FileFault(f"cannot be read ({told})", remedy)
+        fault = f"it announces {str(shape)[:80]} values and holds {length - file.tell()} bytes"
+        raise FileFault(f"cannot be read ({fault})", remedy)

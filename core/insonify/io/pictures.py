@@ -39,7 +39,7 @@ def decode_picture(path: str) -> tuple[str, NDArray[np.integer]]:
 
 
 def _identified(file: BinaryIO) -> Image.Image:
-    """Open a picture by what it holds, whatever its name says."""
+    """Open a picture by its content; the suffix does not count."""
     from PIL import Image, UnidentifiedImageError  # lazy, as above
 
     try:

@@ -43,8 +43,8 @@ class RecordBlock:
         """Return the pings as a Dataset, which shares the arrays."""
         import xarray as xr  # takes longer to import than a preview takes to trace
 
-        # xarray is told that arrays are in memory: to find out, it imports dask.array where Dask is installed. Times it
-        # has to convert.
+        # With `fastpath` xarray does not check whether arrays are in memory, for which it imports dask.array where Dask
+        # is installed. Times have to be converted.
         variables = {
             name: xr.Variable(*each, fastpath=each.values.dtype.kind not in "Mm")
             for name, each in self.variables.items()

@@ -29,7 +29,7 @@ GEOGRAPHIC = {
     "platform_longitude": {"units": "degrees_east", "standard_name": "longitude", "long_name": "longitude on WGS 84"},
     "platform_latitude": {"units": "degrees_north", "standard_name": "latitude", "long_name": "latitude on WGS 84"},
 }
-TARGET = "target"  # dimension of what is told of each target
+TARGET = "target"  # dimension of the variables of targets
 BOUNDS = ("first_ping", "last_ping", "first_bin", "last_bin")
 BOX = (TARGET, "channel", "bound")
 TARGET_TRUTH = {
@@ -59,10 +59,10 @@ def coordinates(times: NDArray[np.float64], slant_range: NDArray[np.floating], s
 
 def platform(columns: Iterable[NDArray[np.float64]], place: Georeference | None = None) -> dict[str, Any]:
     """Return the variables of the sonar's position and attitude."""
-    found = {name: ("ping_time", column, labels(*told)) for (name, told), column in zip(PLATFORM.items(), columns)}
+    found = {name: ("ping_time", column, labels(*text)) for (name, text), column in zip(PLATFORM.items(), columns)}
     if place is not None and place.crs:
         degrees = to_degrees(place, found["platform_x"][1], found["platform_y"][1])
-        found |= {name: ("ping_time", column, told) for (name, told), column in zip(GEOGRAPHIC.items(), degrees)}
+        found |= {name: ("ping_time", column, text) for (name, text), column in zip(GEOGRAPHIC.items(), degrees)}
     return found
 
 
@@ -74,8 +74,8 @@ def labels(unit: str, text: str) -> dict[str, str]:
 def join_blocks(blocks: Sequence[xr.Dataset]) -> xr.Dataset:
     """Join successive blocks of pings into one record.
 
-    What is told of each target is that of all pings so far, and taken from the last block. Whatever else does not
-    change with time is taken from the first.
+    Variables of targets cover all pings so far and are taken from the last block. What else does not change with
+    time is taken from the first.
     """
     import xarray as xr  # slow to import, and a preview in the viewer needs none of it
 
@@ -89,8 +89,8 @@ def join_blocks(blocks: Sequence[xr.Dataset]) -> xr.Dataset:
 
 def echo_variable(intensity: NDArray[np.float32]) -> dict[str, Any]:
     """Return the variable that holds the echoes."""
-    told = labels("1", "echo intensity, linear, before display gain")
-    return {"intensity": (ACROSS, np.moveaxis(intensity, 1, 0), told)}
+    attributes = labels("1", "echo intensity, linear, before display gain")
+    return {"intensity": (ACROSS, np.moveaxis(intensity, 1, 0), attributes)}
 
 
 def label_variables(
@@ -101,12 +101,12 @@ def label_variables(
     volumes: Sequence[str],
 ) -> dict[str, Any]:
     """Return the variables that label each range bin, with the names of their numbers."""
-    whose, things = _count_from(0, *targets), _count_from(-1, "nothing", *materials)
+    bodies, things = _count_from(0, *targets), _count_from(-1, "nothing", *materials)
     attributes = {
-        "target_id": _flags("greatest contributor of the bin", {-2: "nothing", -1: "bed"} | whose),
+        "target_id": _flags("greatest contributor of the bin", {-2: "nothing", -1: "bed"} | bodies),
         "material": _flags("material of that contributor", things),
         "shadow": labels("1", "share of the bed's direct echo that targets hide, weighted by the beam"),
-        "shadow_id": _flags("target that hides most of it", {-2: "nothing"} | whose),
+        "shadow_id": _flags("target that hides most of it", {-2: "nothing"} | bodies),
         "ground_range": labels("m", "ground range of that contributor's strongest piece"),
         "incidence": labels("degree", "incidence on that piece, from its normal"),
         "path": _flags("how the sound went", _count_from(-1, "none", *paths)),
@@ -115,16 +115,16 @@ def label_variables(
     if volumes:
         text = "volume of the water column whose mean echo is greater than that contributor's"
         attributes["volume_id"] = _flags(text, {-2: "nothing"} | _count_from(0, *volumes))
-    for name, told in attributes.items():
-        if "flag_values" in told:
-            told["flag_values"] = told["flag_values"].astype(columns[name].dtype)
-    return {name: (ACROSS, np.moveaxis(columns[name], 1, 0), told) for name, told in attributes.items()}
+    for name, each in attributes.items():
+        if "flag_values" in each:
+            each["flag_values"] = each["flag_values"].astype(columns[name].dtype)
+    return {name: (ACROSS, np.moveaxis(columns[name], 1, 0), each) for name, each in attributes.items()}
 
 
 def target_variables(columns: Mapping[str, NDArray[Any]], targets: Sequence[str]) -> dict[str, Any]:
-    """Return the variables that tell what the record shows of each target."""
-    told = {name: (dims, columns[name], labels(*text)) for name, (dims, *text) in TARGET_TRUTH.items()}
-    return {TARGET: list(targets), BOX[2]: list(BOUNDS)} | told
+    """Return the variables that describe the echo and shadow of each target."""
+    found = {name: (dims, columns[name], labels(*text)) for name, (dims, *text) in TARGET_TRUTH.items()}
+    return {TARGET: list(targets), BOX[2]: list(BOUNDS)} | found
 
 
 def dimensions_of(name: str) -> tuple[str, ...] | None:

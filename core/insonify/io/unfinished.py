@@ -44,12 +44,12 @@ def clear_leftovers(final: Path) -> None:
     """
     for left in list(_leftovers(final)):
         if left.host != _host() or not _is_own(left.path):
-            told = f"{final}: {left.path.name} beside it was left by another user or machine; remove it if it is stale"
-            warnings.warn(FileWarning(told), stacklevel=4)
+            text = f"{final}: {left.path.name} beside it was left by another user or machine; remove it if it is stale"
+            warnings.warn(FileWarning(text), stacklevel=4)
         elif _is_running(left.process):
             if left.kind == UNFINISHED:
-                told = f"{final}: process {left.process} is writing it as well; the last to finish replaces the other"
-                warnings.warn(FileWarning(told), stacklevel=4)
+                text = f"{final}: process {left.process} is writing it as well; the last to finish replaces the other"
+                warnings.warn(FileWarning(text), stacklevel=4)
         elif left.kind == FORMER and not final.exists():
             left.path.rename(final)
         else:
@@ -92,7 +92,7 @@ def _is_own(path: Path) -> bool:
 
 
 def _is_running(process: int) -> bool:
-    """Whether a process of this machine runs; taken for granted where that cannot be asked without ending it."""
+    """Whether a process of this machine runs; true where the system cannot answer without ending it."""
     if os.name != "posix":
         return True
     try:

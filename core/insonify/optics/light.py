@@ -8,22 +8,26 @@ of ambient light, so that no shadow is black.
 
 from __future__ import annotations
 
+import warnings
+from pathlib import Path
 from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
-from insonify.kernels.common.types import BED
-from insonify.optics.camera import Camera, make_camera
-from insonify.optics.cutaway import Cutaway, Vectors
+from insonify.io.atomic import replacing
+from insonify.kernels.common.types import BED, SceneArrays, Solids
+from insonify.optics.cutaway import Camera, Cutaway, Vectors, make_camera, make_cutaway
 from insonify.optics.material_colours import LUMINANCE, hues
 from insonify.optics.optical_hits import OpticalHits, find_optical_hits, material_rows
-from insonify.optics.towfish import FISH, with_towfish
+from insonify.packing.targets import pack_solids
 from insonify.parallel import in_parallel
+from insonify.scene.targets.shape import Solid, ball, frustum
 from insonify.tracers.rays import cast
 
 if TYPE_CHECKING:
     from insonify.optics.optical_scene import OpticalScene
+    from insonify.scene import Scene
 
 WIDTH = 1200
 SAMPLES = 2  # rays of a pixel, each way
@@ -37,6 +41,12 @@ MIDDLE, WHITE = 0.22, 99.9  # brightness of the middle tone, percentile that is 
 GAMMA = 2.2
 OFF = 1e-4  # m above a surface, where the ray to the lamp starts
 FAR = 1e4  # m
+FISH = np.array([0.85, 0.47, 0.03])  # as shown
+SIZE = 0.045  # length over the longer side of the cutaway: larger than life, so that it shows
+LINE = 0.0007  # of it: radius of the plumb line
+DPI = 100
+INSET = 26  # pixels from the left
+INK, FAINT = "#f2f6f8", "#b9cbd3"
 
 
 def light_picture(optical: OpticalScene, cutaway: Cutaway, width: int = WIDTH) -> NDArray[np.uint8]:
@@ -125,3 +135,58 @@ def tone_mapped(seen: Vectors) -> NDArray[np.uint8]:
     tone = exposed * (1.0 + exposed / white**2) / (1.0 + exposed)
     veiled = np.where(brightness[..., None] > 0.0, VEIL * CLEAR + (1.0 - VEIL) * tone, 0.0)
     return np.asarray(255.0 * np.clip(veiled + given, 0.0, 1.0) ** (1.0 / GAMMA) + 0.5, dtype=np.uint8)
+
+
+def with_towfish(arrays: SceneArrays, cutaway: Cutaway, of_bed: int) -> SceneArrays:
+    """Add the towfish, and a plumb line from it to the bed, to a packed scene."""
+    longer = float((cutaway.high - cutaway.low)[:2].max())
+    length, ahead = SIZE * longer, cutaway.axes[0]
+    nose, waist, tail = (cutaway.lamp + share * length * ahead for share in (0.42, -0.3, -0.55))
+    foot = np.array([*cutaway.lamp[:2], cutaway.low[2]])
+    bodies = [
+        frustum(waist, nose, 0.08 * length, 0.08 * length),
+        ball(0.08 * length, nose),
+        frustum(tail, waist, 0.02 * length, 0.08 * length),
+        frustum(tail - 0.06 * length * ahead, tail + 0.1 * length * ahead, 0.12 * length, 0.02 * length),
+        frustum(foot, cutaway.lamp, LINE * longer, LINE * longer),
+    ]
+    return arrays._replace(
+        solids=_added(arrays.solids, bodies, len(arrays.reflectivity), of_bed),
+        reflectivity=np.vstack([arrays.reflectivity, [0.3, 0.0, 1.0]]),
+        interface=np.vstack([arrays.interface, [0.0, 1.0]]),
+    )
+
+
+def _added(solids: Solids, bodies: list[Solid], row: int, of_bed: int) -> Solids:
+    """Append solids of one material."""
+    own = pack_solids(bodies, np.full(len(bodies), row), np.full(len(bodies), row - of_bed))
+    return Solids._make(np.concatenate(columns) for columns in zip(solids, own))
+
+
+def write_light(path: Path, optical: OpticalScene) -> tuple[int, int]:
+    """Draw a scene by light, with its title, and write it as PNG."""
+    from matplotlib.backends.backend_agg import FigureCanvasAgg
+    from matplotlib.figure import Figure
+
+    cutaway = make_cutaway(optical)
+    image = light_picture(optical, cutaway)
+    height, width, _ = image.shape
+    figure = Figure(figsize=(width / DPI, height / DPI), dpi=DPI)
+    FigureCanvasAgg(figure)
+    figure.figimage(image)
+    words = ((optical.scene.title, 44, 15, "bold", INK), (_line(optical.scene, cutaway), 68, 10, "normal", FAINT))
+    for text, down, size, weight, ink in words:
+        figure.text(
+            INSET / width, 1.0 - down / height, text, fontsize=size, fontweight=weight, color=ink, parse_math=False
+        )
+    with replacing(path) as beside, warnings.catch_warnings():
+        warnings.filterwarnings("ignore", "Glyph .* missing")  # a title in any script
+        figure.savefig(beside, dpi=DPI)
+    return width, height
+
+
+def _line(scene: Scene, cutaway: Cutaway) -> str:
+    """Caption: where the lamp is, and how much of the scene is shown."""
+    along, across = (cutaway.high - cutaway.low)[:2]
+    where = f"{scene.altitude:g} m above the bed" if scene.track.depth is None else f"{scene.track.depth:g} m deep"
+    return f"lamp at the sonar, {where}  ·  {along:.0f} m along the track, {across:.0f} m across"

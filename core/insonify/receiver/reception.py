@@ -1,89 +1,98 @@
-"""Receiver of a scene, prepared for any of its pings."""
+"""Receiver of a scene, prepared for any of its pings: traced echoes pass its stages and become a record.
+
+Theory: docs/theory/speckle.md.
+"""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
+from typing import TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
 
-from insonify.acoustics.flat_bed import flat_bed_curve
-from insonify.acoustics.pulses import Taps, coherent_taps, pulse_taps, samples_per_bin
-from insonify.kernels.common.streams import AMBIENT_NOISE, REVERBERATION
-from insonify.kernels.common.types import LIGHT, SceneArrays
-from insonify.kernels.receiver.pulse import convolve_pulse
-from insonify.receiver.disturbances import Disturbances, make_disturbances
-from insonify.receiver.fluctuation import Fluctuation, make_fluctuation
-from insonify.receiver.levels import crosstalk, noise_level, power, reverberation, time_varied_gain
-from insonify.receiver.random_fields import WaveField, make_field
-from insonify.receiver.recorder import Recording, make_recording
-from insonify.receiver.speckle import Speckle, divide_by_shape, make_speckle
-from insonify.receiver.volumes import VolumeEchoes, make_volume_echoes
+from insonify.acoustics.pulses import Taps
+from insonify.kernels.common.streams import AMBIENT_NOISE
+from insonify.kernels.common.types import SceneArrays
+from insonify.parallel import in_parallel
+from insonify.receiver.speckle import Speckle
+from insonify.receiver.stage import (
+    DETECTION,
+    PHASES,
+    Curve,
+    ReceiverSetup,
+    Record,
+    Sound,
+    Stage,
+    Traced,
+    spread_echoes,
+    stage_kinds,
+)
+from insonify.receiver.waves import WaveField, no_waves, steady_waves
 from insonify.scene import Scene
 from insonify.terrain import AnyGround
 from insonify.tow.poses import bed_beneath, make_poses
 
-Record = NDArray[np.float32]
-Traced = NDArray[np.float32] | NDArray[np.complex128]
-Curve = NDArray[np.float64]
+TOGETHER = 64  # pings received at a time, so that intermediate arrays stay in the processor cache
+AnyStage = TypeVar("AnyStage", bound=Stage)
 
 
 @dataclass(frozen=True, eq=False)
 class Reception:
-    """The receiver of a scene, prepared for any of its pings."""
+    """The receiver of a scene."""
 
     taps: Taps  # energy that the pulse spreads over neighbouring bins
-    reverberation: Curve  # (bins,) mean intensity of volume and surface reverberation
-    # None where the scene has none; interfering scatterers are no speckle of the receiver's.
-    fluctuation: Fluctuation | None
-    speckle: Speckle | None
-    # (materials, 3) reflectivities over the shape of each material's K speckle; None where the receiver's own
-    # shape holds for all.
-    divided_by_shape: Curve | None
-    coherent: bool  # whether traced echoes already hold pulse and speckle, because single scatterers interfered
-    samples: int  # samples of a bin at which waves are summed; 1 unless scatterers interfere
-    crosstalk: float  # share of the energy of each channel that leaks into the other
-    source: float  # source level as a factor of intensity
-    noise: float  # mean intensity of the noise
-    reverberation_field: WaveField  # waves of both, of mean energy 1
-    noise_field: WaveField
-    gain: Curve  # (bins,) time-varied gain
-    # Schools and plumes, ringing and interference, and the recorder; None where the scene has none.
-    volumes: VolumeEchoes | None
-    disturbances: Disturbances | None
-    recording: Recording | None
+    bins: int
+    stages: tuple[Stage, ...]  # in the order in which they act; only those that change the record
+    background_field: WaveField  # waves of the background at detection, of mean energy 1
 
-    @property
-    def speckled(self) -> bool:
+    def find(self, kind: type[AnyStage]) -> AnyStage | None:
+        """Stage of a kind, None where the scene has none."""
+        return next((stage for stage in self.stages if isinstance(stage, kind)), None)
+
+    @cached_property
+    def coherent(self) -> bool:
+        """Whether traced echoes already hold pulse and speckle, because single scatterers interfered."""
+        return any(stage.coherent for stage in self.stages)
+
+    @cached_property
+    def phased(self) -> bool:
         """Whether echoes have phases, which a mean over all of them has not."""
-        return self.coherent or self.speckle is not None
+        return any(stage.phased for stage in self.stages)
 
     @cached_property
     def sums_waves(self) -> bool:
-        """Whether echoes meet waves of another origin, so that amplitudes add rather than energies."""
-        others = self.crosstalk > 0.0 or self.disturbances is not None or self.water_echoes
-        return self.noise > 0.0 or (self.speckled and others)
+        """Whether echoes with phases meet waves of another origin, so that amplitudes add rather than energies."""
+        return self.phased and any(stage.adds_waves for stage in self.stages)
 
     @cached_property
-    def amplifies(self) -> bool:
-        """Whether the time-varied gain changes anything."""
-        return bool((self.gain != 1.0).any())
-
-    @cached_property
-    def water_echoes(self) -> bool:
-        """Whether the water column, its surface or anything in it echoes."""
-        return self.volumes is not None or bool(self.reverberation.any())
-
-    @property
     def looks(self) -> int:
         """Independent records averaged."""
-        return 1 if self.speckle is None else self.speckle.looks
+        speckle = self.find(Speckle)
+        return 1 if speckle is None else speckle.looks
+
+    @cached_property
+    def divided_by_shape(self) -> Curve | None:
+        """Reflectivities, (materials, 3), of a second trace from which K speckle gets its shape in every bin."""
+        speckle = self.find(Speckle)
+        return None if speckle is None else speckle.divided_by_shape
+
+    @cached_property
+    def gain(self) -> Curve:
+        """Factor by which all stages raise a mean echo, (bins,)."""
+        gain = np.ones(self.bins)
+        for stage in self.stages:
+            gain = gain * stage.gain
+        return gain
 
     def expected(self, echo: Curve) -> Curve:
         """Mean record of a uniform bed with the given echo of an ideal pulse, without reverberation, (bins,)."""
-        return (echo * self.taps.weights.sum() * self.source + self.noise) * self.gain
+        mean = echo * self.taps.weights.sum()
+        for stage in self.stages:
+            mean = mean * stage.gain + stage.added
+        return mean
 
 
 def prepare_reception(scene: Scene, ground: AnyGround, arrays: SceneArrays) -> Reception:
@@ -93,9 +102,8 @@ def prepare_reception(scene: Scene, ground: AnyGround, arrays: SceneArrays) -> R
     altitude = max(float((z - bed_beneath(scene, ground, first))[0]), arrays.bin_length)
     materials = (*ground.reflectivities, *(target.material.reflectivity for target in scene.targets))
     k_shapes = [material.speckle_shape for material in materials]
-    volumes = make_volume_echoes(scene, arrays, ground)
     depth = -float(z[0] + ground.datum)
-    return make_reception(scene, arrays, altitude=altitude, depth=depth, k_shapes=k_shapes, volumes=volumes)
+    return make_reception(scene, arrays, altitude=altitude, depth=depth, k_shapes=k_shapes, ground=ground)
 
 
 def make_reception(
@@ -105,54 +113,87 @@ def make_reception(
     altitude: float,
     depth: float,
     k_shapes: Sequence[float | None] = (),
-    volumes: VolumeEchoes | None = None,
+    ground: AnyGround | None = None,
 ) -> Reception:
     """Prepare the receiver of a scene."""
-    speed, pulse = arrays.water.reference, scene.sonar.pulse
-    taps = pulse_taps(pulse, speed, arrays.bin_length)
-    if arrays.law == LIGHT:
-        # Law light: the radiance of the paper does not depend on the length of the pulse.
-        taps = Taps(taps.weights / taps.weights.sum(), taps.before)
-    coherent = scene.receiver.speckle.interferes
-    samples = samples_per_bin(pulse, speed, arrays.bin_length) if coherent else 1
-    source, noise = power(scene.receiver.source_level), noise_level(scene)
-    echo = source * float(taps.weights.sum()) * flat_bed_curve(arrays, altitude)
-    gain = time_varied_gain(scene, arrays, echo, noise, depth)
-    water = reverberation(scene.receiver.reverberation, arrays, altitude, depth).astype(np.float32)
-    return Reception(
-        taps=taps,
-        reverberation=spread_echoes(taps, water[None, None])[0, 0].astype(np.float64),
-        fluctuation=make_fluctuation(scene, arrays),
-        speckle=make_speckle(scene, arrays),
-        divided_by_shape=divide_by_shape(scene, arrays, k_shapes),
-        coherent=coherent,
-        samples=samples,
-        crosstalk=crosstalk(scene),
-        source=source,
-        noise=noise,
-        reverberation_field=_restless_field(scene, arrays, REVERBERATION, samples),
-        noise_field=_restless_field(scene, arrays, AMBIENT_NOISE, samples),
-        gain=gain,
-        volumes=volumes,
-        disturbances=make_disturbances(scene, arrays, samples),
-        recording=make_recording(scene, float(((echo + noise) * gain).max())),
-    )
+    setup = ReceiverSetup(scene, arrays, altitude, depth, k_shapes, ground)
+    prepared = (kind.prepare(setup) for kind in stage_kinds())
+    stages = tuple(stage for stage in prepared if stage is not None)
+    return Reception(setup.taps, arrays.bins, stages, setup.field_of(AMBIENT_NOISE))
 
 
-def _restless_field(scene: Scene, arrays: SceneArrays, stream: int, samples: int) -> WaveField:
-    """Waves that the receiver's filter correlates along range and that are new in every ping.
+def record_echoes(
+    reception: Reception,
+    traced: Traced,
+    pings: NDArray[np.int64],
+    divided: Traced | None = None,
+    out: Record | None = None,
+) -> Record:
+    """Turn traced echoes into a record; ``divided`` is the trace with ``reception.divided_by_shape``, if it has one."""
+    if out is not None:
+        record = out
+    elif np.iscomplexobj(traced):
+        record = np.empty((*traced.shape[:2], reception.bins), np.float32)
+    else:
+        record = np.asarray(traced, np.float32)
 
-    Whatever drifts by a quarter of the wavelength between pings returns another phase: 1 mm at 400 kHz.
-    """
-    taps = coherent_taps(scene.sonar.pulse, arrays.water.reference, arrays.bin_length / samples)
-    return make_field(scene.seed, stream, taps, np.zeros(arrays.bins * samples))
+    def block(first: int, last: int) -> None:
+        for low in range(first, last, TOGETHER):
+            part = slice(low, min(low + TOGETHER, last))
+            echoes = traced[part]
+            received = receive(reception, echoes, pings[part], None if divided is None else divided[part])
+            if received is not echoes or record is not traced:
+                record[part] = received
+
+    in_parallel(block, pings.size)
+    return record
 
 
-def spread_echoes(taps: Taps, traced: Traced) -> Record:
-    """Spread echoes over range bins by the taps of the pulse; for an ideal pulse they are returned as they are."""
-    echoes = np.asarray(traced, np.float32)
-    if taps.weights.size == 1:
-        return echoes
-    record = np.zeros_like(echoes)
-    convolve_pulse(echoes, taps.weights.astype(np.float32), taps.before, record)
+def receive(reception: Reception, traced: Traced, pings: NDArray[np.int64], divided: Traced | None = None) -> Record:
+    """Turn the traced echoes of a block of pings into its record."""
+    stages, sums_waves = reception.stages, reception.sums_waves
+    sound = _take_in(reception, traced, pings, divided)
+    for stage in stages:
+        if stage.rank < DETECTION and (stage.rank <= PHASES or not sums_waves):
+            stage.act_on_energies(sound)
+    if sums_waves:
+        sound.energy = _detect_waves(reception, sound)
+    else:
+        sound.apply_factors()
+        if sound.background is not None:
+            sound.waves = steady_waves(sound.energy)
+            sound.energy = np.zeros((pings.size, 2, reception.bins), np.float32)
+            sound.draw_background(reception.background_field)
+            sound.waves.detect_into(sound.energy)
+    for stage in stages:
+        if stage.rank >= DETECTION:
+            stage.act_on_energies(sound)
+    return sound.energy
+
+
+def _take_in(reception: Reception, traced: Traced, pings: NDArray[np.int64], divided: Traced | None) -> Sound:
+    """Sound of traced echoes after the pulse."""
+    weighted = None if divided is None else spread_echoes(reception.taps, divided)
+    waves = np.asarray(traced, np.complex128) if reception.coherent and reception.sums_waves else None
+    if waves is not None:
+        energy = np.zeros((pings.size, 2, 0), np.float32)
+    elif reception.coherent:
+        energy = np.asarray(traced, np.float32)
+    else:
+        energy = spread_echoes(reception.taps, traced)
+    return Sound(pings, energy, weighted, reception.phased, reception.sums_waves, waves)
+
+
+def _detect_waves(reception: Reception, sound: Sound) -> Record:
+    """Energy of the sum of all waves that are received, averaged over the looks, (n, 2, bins)."""
+    record = np.zeros((sound.pings.size, 2, reception.bins), np.float32)
+    background, traced = sound.background, sound.waves if reception.coherent else None
+    for look in range(reception.looks):
+        sound.look, sound.background = look, background
+        sound.waves = traced or no_waves(sound.pings.size, reception.bins)
+        for stage in reception.stages:
+            if PHASES <= stage.rank < DETECTION:
+                stage.act_on_waves(sound)
+        sound.draw_background(reception.background_field)
+        sound.waves.detect_into(record, 1.0 / reception.looks)
     return record

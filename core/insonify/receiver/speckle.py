@@ -1,9 +1,8 @@
-"""Speckle as factors of intensity: Rayleigh for many scatterers in a cell, K where their density varies."""
+"""Speckle: Rayleigh for many scatterers in a cell, K where their density varies, or of single traced scatterers."""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import lru_cache
 
@@ -13,10 +12,9 @@ from numpy.typing import NDArray
 from insonify.acoustics.pulses import coherent_taps, pulse_taps
 from insonify.acoustics.resolution_cell import along_track_angle, bin_centres, coherence_angle
 from insonify.kernels.common.streams import SPECKLE, TEXTURE
-from insonify.kernels.common.types import SceneArrays
 from insonify.kernels.speckle.random_fields import transform_distribution
-from insonify.receiver.random_fields import WaveField, make_field
-from insonify.scene import Scene
+from insonify.receiver.stage import PHASES, Curve, ReceiverSetup, Record, Sound, Stage
+from insonify.receiver.waves import WaveField, make_field
 
 SMALLEST_SHAPE, LARGEST_SHAPE = 0.05, 1e4
 ROWS = 8  # of the table of quantiles, per doubling of the shape
@@ -28,7 +26,7 @@ FIRST_COLUMN, LAST_COLUMN = -12.0, 5.5  # log₂ of that number; beyond 2^5.5 li
 class BedTexture:
     """Gamma-distributed strength of the bed about its mean, the texture of K speckle."""
 
-    field: WaveField  # exponential numbers, correlated as far as resolution cells overlap
+    field: WaveField  # exponential numbers, correlated over the overlap of resolution cells
     shape: float  # ν of the gamma distribution in a cell of the reference size
     growth: NDArray[np.float64]  # (bins,) size of the resolution cells over the reference size
 
@@ -45,68 +43,95 @@ class BedTexture:
 
 
 @dataclass(frozen=True, eq=False)
-class Speckle:
-    """Random factors of mean 1 by which the receiver multiplies the bins."""
-
-    field: WaveField  # energy of interfering scatterers
-    looks: int  # independent records averaged
-    texture: BedTexture | None  # present for K speckle
-
-    @property
-    def inverse_shape(self) -> float:
-        """1/ν of the receiver's own shape; 0 for Rayleigh speckle."""
-        return 0.0 if self.texture is None else 1.0 / self.texture.shape
-
-    def factors(
-        self, pings: NDArray[np.int64], inverse_shape: NDArray[np.float32] | None = None
-    ) -> NDArray[np.float32]:
-        """Factors of mean 1, (n, 2, bins); K speckle takes the 1/ν of each bin or the receiver's own ν."""
-        factors = self.field.energies(pings, self.looks)
-        return factors if self.texture is None else factors * self.texture.strengths(pings, inverse_shape)
-
-    def textured(
-        self, mean: NDArray[np.float32], pings: NDArray[np.int64], inverse_shape: NDArray[np.float32] | None
-    ) -> NDArray[np.float32]:
-        """Mean echoes times the bed's strength in each cell: the mean over all phases of its scatterers."""
-        return mean if self.texture is None else mean * self.texture.strengths(pings, inverse_shape)
-
-
-def make_speckle(scene: Scene, arrays: SceneArrays) -> Speckle | None:
-    """Speckle that multiplies a scene's mean echoes, None where it declares none or traces scatterers one by one.
+class Speckle(Stage):
+    """Random factors of mean 1, or random waves where other waves interfere with the echoes.
 
     Along range, scatterers interfere over the length of the pulse. Along the track, two pings a distance d apart
     receive a scatterer at angle φ with phases 2kdφ apart. Their amplitudes correlate as the transform of the two-way
     beam pattern, sin(kdθ)/(kdθ) for a fan (van Cittert-Zernike theorem; Goodman, Speckle Phenomena in Optics), so that
-    ∫|ρ|² = λ/2θ, half the length of an array, at any range. The texture of the bed has no phase and correlates as far
-    as resolution cells overlap, rθ along the track.
+    ∫|ρ|² = λ/2θ, half the length of an array, at any range. The texture of the bed has no phase. It correlates over
+    the overlap of resolution cells, rθ along the track.
     """
-    declared = scene.receiver.speckle
-    if not declared.speckled or declared.interferes:
-        return None
-    speed, pulse = arrays.water.reference, scene.sonar.pulse
-    taps = coherent_taps(pulse, speed, arrays.bin_length)
-    advance = scene.track.speed / scene.sonar.ping_rate
-    wavelength = speed / scene.sonar.frequency
-    field = make_field(scene.seed, SPECKLE, taps, 0.5 * wavelength / coherence_angle(arrays) / advance)
-    looks, declared_texture = declared.independent_records, declared.texture
-    if declared_texture is None:
-        return Speckle(field, looks, None)
-    shape, cell = declared_texture
-    width = along_track_angle(arrays) * bin_centres(arrays)
-    length = float(pulse_taps(pulse, speed, arrays.bin_length).weights.sum()) * arrays.bin_length
-    growth = np.ones(arrays.bins) if cell is None else width * length / cell
-    texture = BedTexture(make_field(scene.seed, TEXTURE, taps, width / advance), shape, growth)
-    return Speckle(field, looks, texture)
+
+    name, detail, rank = "speckle", "interference in this pixel", PHASES
+    phased = True
+    field: WaveField  # waves of interfering scatterers
+    looks: int  # independent records averaged
+    texture: BedTexture | None  # present for K speckle
+    # (materials, 3) reflectivities over the shape of each material's K speckle; None where one shape holds for all.
+    divided_by_shape: Curve | None
+
+    @classmethod
+    def prepare(cls, setup: ReceiverSetup) -> Speckle | None:
+        """None where no speckle is declared, or scatterers are traced one by one."""
+        scene, arrays, declared = setup.scene, setup.arrays, setup.scene.receiver.speckle
+        if not declared.speckled or declared.interferes:
+            return None
+        speed, pulse = arrays.water.reference, scene.sonar.pulse
+        taps = coherent_taps(pulse, speed, arrays.bin_length)
+        advance = scene.track.speed / scene.sonar.ping_rate
+        wavelength = speed / scene.sonar.frequency
+        field = make_field(scene.seed, SPECKLE, taps, 0.5 * wavelength / coherence_angle(arrays) / advance)
+        looks, declared_texture = declared.independent_records, declared.texture
+        if declared_texture is None:
+            return cls(field, looks, None, None)
+        shape, cell = declared_texture
+        width = along_track_angle(arrays) * bin_centres(arrays)
+        length = float(pulse_taps(pulse, speed, arrays.bin_length).weights.sum()) * arrays.bin_length
+        growth = np.ones(arrays.bins) if cell is None else width * length / cell
+        texture = BedTexture(make_field(scene.seed, TEXTURE, taps, width / advance), shape, growth)
+        if all(each is None for each in setup.k_shapes):
+            return cls(field, looks, texture, None)
+        shapes = np.array([each or shape for each in setup.k_shapes])
+        columns = np.stack([shapes, shapes, np.ones(shapes.size)], axis=1)
+        return cls(field, looks, texture, arrays.reflectivity / columns)
+
+    def act_on_energies(self, sound: Sound) -> None:
+        """Multiply mean echoes by factors; by those of the texture alone if waves are drawn after it."""
+        inverse_shape = _inverse_shape(sound)
+        if not sound.sums_waves:
+            sound.energy = sound.energy * self.factors(sound.pings, inverse_shape)
+            return
+        if self.texture is not None:
+            sound.energy = sound.energy * self.texture.strengths(sound.pings, inverse_shape)
+        sound.energy = sound.take_level() * sound.energy
+
+    def act_on_waves(self, sound: Sound) -> None:
+        """Add the waves of the echoes."""
+        self.field.add_to(sound.waves, sound.energy, sound.pings, sound.look)
+
+    def factors(self, pings: NDArray[np.int64], inverse_shape: Record | None = None) -> Record:
+        """Factors of mean 1, (n, 2, bins), with the 1/ν of each bin or the receiver's own ν."""
+        factors = self.field.energies(pings, self.looks)
+        return factors if self.texture is None else factors * self.texture.strengths(pings, inverse_shape)
 
 
-def divide_by_shape(scene: Scene, arrays: SceneArrays, k_shapes: Sequence[float | None]) -> NDArray[np.float64] | None:
-    """Divide the reflectivity of every material by the shape of its K speckle."""
-    texture = scene.receiver.speckle.texture
-    if texture is None or all(shape is None for shape in k_shapes):
+def _inverse_shape(sound: Sound) -> Record | None:
+    """Mean of 1/ν over the echoes of a bin, weighted by their energy; None where the receiver's own ν applies."""
+    if sound.weighted is None:
         return None
-    shapes = np.array([shape or texture.shape for shape in k_shapes])
-    divided: NDArray[np.float64] = arrays.reflectivity / np.stack([shapes, shapes, np.ones(shapes.size)], axis=1)
-    return divided
+    out = np.zeros_like(sound.energy)
+    return np.divide(sound.weighted, sound.energy, out=out, where=sound.energy > 0.0)
+
+
+@dataclass(frozen=True, eq=False)
+class CoherentSpeckle(Stage):
+    """Interference of single scatterers, which the tracer sums with pulse and phases."""
+
+    name, detail, rank = "speckle", "interference in this pixel", PHASES
+    phased = coherent = True
+
+    @classmethod
+    def prepare(cls, setup: ReceiverSetup) -> CoherentSpeckle | None:
+        """None where scatterers are not traced one by one."""
+        return cls() if setup.scene.receiver.speckle.interferes else None
+
+    def act_on_energies(self, sound: Sound) -> None:
+        """Split traced amplitudes into waves, if other waves are added to them."""
+        sound.split_traced()
+
+    def act_on_waves(self, sound: Sound) -> None:
+        """Nothing: the waves are those that are traced."""
 
 
 @lru_cache(maxsize=1)

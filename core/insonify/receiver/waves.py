@@ -1,20 +1,32 @@
-"""Waves of a block of pings: complex amplitudes that add before the receiver detects their energy."""
+"""Waves of a block of pings: complex amplitudes that add before detection, and random fields of them."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
+from itertools import pairwise
 
 import numpy as np
 from numpy.typing import NDArray
 
-from insonify.kernels.speckle.random_fields import add_detected
+from insonify.kernels.speckle.random_fields import (
+    add_detected,
+    add_filtered_energy,
+    add_filtered_waves,
+    fill_white_noise,
+    smooth_noise,
+)
 
 Record = NDArray[np.float32]
+
+# ∫|ρ|² of white noise smoothed by a triangle of half width 1: its correlation ρ is the cubic B-spline.
+TRIANGLE_INTERVAL = 151.0 / 140.0
+SINGLE_PING = 1.0  # half width in pings up to which a triangle holds a single ping
+NARROWEST_TRIANGLE = 0.5  # pings
 
 
 @dataclass(frozen=True, eq=False)
 class Waves:
-    """Complex amplitudes, whose squared moduli are intensities."""
+    """Complex amplitudes; their squared moduli are intensities."""
 
     real: Record  # (n, 2, bins * samples) of pings, port and starboard; changed in place
     imaginary: Record
@@ -48,3 +60,69 @@ def steady_waves(energy: Record) -> Waves:
 def split_waves(traced: NDArray[np.inexact]) -> Waves:
     """Waves of complex amplitudes."""
     return Waves(*(np.ascontiguousarray(part, dtype=np.float32) for part in (traced.real, traced.imag)))
+
+
+@dataclass(frozen=True, eq=False)
+class WaveField:
+    """Complex Gaussian waves of mean energy 1, a function of ping, side and bin alone."""
+
+    seed: int  # seed and stream of the hash; further looks take the following streams
+    stream: int
+    taps: NDArray[np.float32]  # (m,) weights of the noise of a bin and of the bins before it; their squares sum to 1
+    # (m - 1 + bins,) half width of the triangle that smooths the noise along the track, in pings, of every bin,
+    # starting m - 1 bins before the first.
+    half_width: NDArray[np.float64]
+
+    def energies(self, pings: NDArray[np.int64], looks: int = 1) -> NDArray[np.float32]:
+        """Mean of the energies of ``looks`` independent fields, exponential numbers each, (n, 2, bins)."""
+        bins = self.half_width.size - self.taps.size + 1
+        out = np.zeros((pings.size, 2, bins), np.float32)
+        for look in range(looks):
+            add_filtered_energy(*self._noise(pings, self.stream + look), self.taps, np.float32(1.0 / looks), out)
+        return out
+
+    def add_to(self, waves: Waves, energy: NDArray[np.floating], pings: NDArray[np.int64], look: int = 0) -> None:
+        """Add the field of one look, with the given mean energy, (n or 1, 2 or 1, bins)."""
+        mean = np.ascontiguousarray(energy, dtype=np.float32)
+        add_filtered_waves(*self._noise(pings, self.stream + look), self.taps, mean, waves.real, waves.imaginary)
+
+    def _noise(self, pings: NDArray[np.int64], stream: int) -> tuple[NDArray[np.float32], NDArray[np.float32]]:
+        """Complex noise of variance 1, white along range, (n, 2, m - 1 + bins) each part."""
+        columns = self.half_width.size
+        if self.half_width.max() <= SINGLE_PING:
+            return self._white(pings, 1, slice(0, columns), stream)
+        real, imaginary = np.zeros((2, pings.size, 2, columns), np.float32)
+        for spacing, band in self._bands():
+            wide = self.half_width[band]
+            # Between two and four nodes lie within the half width, so that no ping has more than eight.
+            start = np.ceil((pings - wide.max()) / spacing).astype(np.int64)
+            stop = np.floor((pings + wide.max()) / spacing).astype(np.int64)
+            ahead = np.arange(int((stop - start).max(initial=0)) + 1)
+            nodes = np.unique(start[:, None] + ahead)
+            white = self._white(nodes, spacing, band, stream)
+            row = np.searchsorted(nodes, start)
+            per_bin = (1.0 / wide).astype(np.float32)
+            smooth_noise(pings, spacing, nodes, row, per_bin, band.start, white, (real, imaginary))
+        return real, imaginary
+
+    def _white(
+        self, nodes: NDArray[np.int64], spacing: int, band: slice, stream: int
+    ) -> tuple[NDArray[np.float32], NDArray[np.float32]]:
+        """White noise at nodes in a run of columns, (nodes, 2, columns) each part."""
+        real, imaginary = np.empty((2, nodes.size, 2, band.stop - band.start), np.float32)
+        first = band.start - self.taps.size + 1
+        fill_white_noise(self.seed, stream, nodes, spacing.bit_length(), first, real, imaginary)
+        return real, imaginary
+
+    def _bands(self) -> list[tuple[int, slice]]:
+        """Spacings of nodes in pings, with the runs of bins that share them."""
+        spacings = 2 ** np.floor(np.log2(np.maximum(0.5 * self.half_width, 1.0))).astype(np.int64)
+        edges = [0, *(np.flatnonzero(np.diff(spacings)) + 1).tolist(), spacings.size]
+        return [(int(spacings[low]), slice(low, high)) for low, high in pairwise(edges) if high > low]
+
+
+def make_field(seed: int, stream: int, taps: NDArray[np.float64], interval: NDArray[np.float64]) -> WaveField:
+    """Random field with a given correlation along range and along the track."""
+    wide = np.maximum(interval / TRIANGLE_INTERVAL, NARROWEST_TRIANGLE)
+    early = np.full(taps.size - 1, wide[0])
+    return WaveField(seed, stream, taps.astype(np.float32), np.concatenate([early, wide]))

@@ -68,17 +68,8 @@ def build_excerpt(scene: Scene, low: tuple[float, float], high: tuple[float, flo
     materials = endless_materials(layout, period, spacing, seed, place)
 
     def make(nodes: Nodes) -> Ground:
-        return Ground(
-            heights=heights(nodes).astype(np.float32),
-            materials=materials(nodes),
-            names=whole.names,
-            reflectivities=whole.reflectivities,
-            x0=nodes.column * spacing,
-            y0=nodes.row * spacing,
-            spacing=spacing,
-            periodic=False,
-            datum=whole.datum,
-        )
+        x0, y0 = nodes.column * spacing, nodes.row * spacing
+        return whole.part(heights(nodes).astype(np.float32), materials(nodes), x0, y0, periodic=False)
 
     return EndlessExcerpt.of(whole, make, low, high)
 

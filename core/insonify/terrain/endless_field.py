@@ -269,7 +269,7 @@ def gather_tiles(
     tile: Callable[[int, int], NDArray[Any]], first: tuple[int, int], shape: tuple[int, int], side: int = TILE
 ) -> NDArray[Any]:
     """Rectangle of nodes assembled from tiles."""
-    rows, columns = (_pieces(low, count, side) for low, count in zip(first, shape))
+    rows, columns = (split_nodes(low, count, side) for low, count in zip(first, shape))
     whole = np.empty(shape, dtype=tile(rows[0].tile, columns[0].tile).dtype)
     for row in rows:
         for column in columns:
@@ -277,20 +277,22 @@ def gather_tiles(
     return whole
 
 
-class _Piece(NamedTuple):
-    """Contiguous run of nodes along one axis that lie in one tile."""
+class Piece(NamedTuple):
+    """Successive nodes along one axis within one tile."""
 
     tile: int
-    part: slice  # nodes within the tile
-    whole: slice  # nodes within the requested row
+    nodes: range
+    part: slice  # the nodes within the tile
+    whole: slice  # the nodes within all that were split
 
 
-def _pieces(first: int, count: int, side: int) -> list[_Piece]:
-    """Split a row of nodes at the borders of tiles."""
+def split_nodes(first: int, count: int, side: int) -> list[Piece]:
+    """Split successive nodes along one axis at the borders of tiles."""
     tiles = range(first // side, (first + count - 1) // side + 1)
     runs = [(k, max(first, k * side), min(first + count, (k + 1) * side)) for k in tiles]
     return [
-        _Piece(k, slice(low - k * side, high - k * side), slice(low - first, high - first)) for k, low, high in runs
+        Piece(k, range(low, high), slice(low - k * side, high - k * side), slice(low - first, high - first))
+        for k, low, high in runs
     ]
 
 

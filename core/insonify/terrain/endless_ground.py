@@ -6,7 +6,6 @@ import math
 from collections.abc import Callable, Hashable
 from dataclasses import dataclass, fields, replace
 from functools import lru_cache, partial
-from itertools import pairwise
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -15,7 +14,7 @@ from numpy.typing import NDArray
 from insonify.array_cache import ARRAYS, keep_arrays
 from insonify.parallel import in_parallel
 from insonify.scene.seabed.materials import Reflectivity
-from insonify.terrain.endless_field import FAST, TILE, Nodes
+from insonify.terrain.endless_field import FAST, TILE, Nodes, Piece, split_nodes
 from insonify.terrain.ground import Ground, bilinear, resolves_cells
 
 Column = NDArray[np.float64]
@@ -76,17 +75,13 @@ class EndlessGround:
         materials = np.empty((side, side), np.uint8) if stored is None else stored.materials.copy()
         _complete(heights, self.heights, square, known)
         _complete(materials, self.materials, square, known)
-        return Ground(
-            heights=heights,
-            materials=materials,
-            names=self.names,
-            reflectivities=self.reflectivities,
-            x0=0.0,
-            y0=0.0,
-            spacing=self.spacing,
-            periodic=True,
-            datum=self.datum,
-        )
+        return self.part(heights, materials, 0.0, 0.0, periodic=True)
+
+    def part(
+        self, heights: NDArray[np.float32], materials: NDArray[np.uint8], x0: float, y0: float, *, periodic: bool
+    ) -> Ground:
+        """Ground with given arrays of heights and materials, and the other properties of this one."""
+        return Ground(heights, materials, self.names, self.reflectivities, x0, y0, self.spacing, periodic, self.datum)
 
     def around(self, centre: tuple[float, float], half: float) -> Ground:
         """Ground of a square around a point, stored as in `window`."""
@@ -235,15 +230,11 @@ class _Square(NamedTuple):
     column: int
     side: int  # nodes along a side
 
-    def part(self, row: int, column: int) -> tuple[range, range]:
-        """Rows and columns of the nodes of a tile within the square."""
-        return _within(row, self.row, self.side), _within(column, self.column, self.side)
-
-    def contains(self, rows: range, columns: range) -> bool:
-        """Whether all of some nodes are within the square."""
+    def contains(self, down: Piece, across: Piece) -> bool:
+        """Whether all nodes of some rows and columns are within the square."""
         return all(
-            low <= nodes.start and nodes.stop <= low + self.side
-            for low, nodes in ((self.row, rows), (self.column, columns))
+            low <= piece.nodes.start and piece.nodes.stop <= low + self.side
+            for low, piece in ((self.row, down), (self.column, across))
         )
 
 
@@ -253,48 +244,25 @@ def _complete(torus: NDArray[Any], tiles: Tiles, square: _Square, known: _Square
     Nodes of a known square of the same side are already there.
     """
     missing = [
-        (row, column)
-        for row in _tiles_of(square.row, square.side)
-        for column in _tiles_of(square.column, square.side)
-        if known is None or not known.contains(*square.part(row, column))
+        (down, across)
+        for down in split_nodes(square.row, square.side, TILE)
+        for across in split_nodes(square.column, square.side, TILE)
+        if known is None or not known.contains(down, across)
     ]
     # Neighbours together, because they share coarser lattices; lines along the shorter side first.
-    outer = min((0, 1), key=lambda axis: len({tile[axis] for tile in missing}))
-    for line in sorted({tile[outer] for tile in missing}):
-        together = [tile for tile in missing if tile[outer] == line]
-        in_parallel(partial(_put_tiles, torus, tiles, square, together), len(together), least=1)
+    outer = min((0, 1), key=lambda axis: len({pieces[axis].tile for pieces in missing}))
+    for line in sorted({pieces[outer].tile for pieces in missing}):
+        together = [pieces for pieces in missing if pieces[outer].tile == line]
+        in_parallel(partial(_write_tiles, torus, tiles, together), len(together), least=1)
 
 
-def _put_tiles(
-    torus: NDArray[Any], tiles: Tiles, square: _Square, places: list[tuple[int, int]], first: int, last: int
-) -> None:
-    """Write some of the tiles at given rows and columns to the array, limited to the square."""
-    for row, column in places[first:last]:
-        tile, (rows, columns) = tiles(row, column), square.part(row, column)
-        for j in _runs(rows, square.side):
-            for i in _runs(columns, square.side):
-                torus[_modulo(j, square.side), _modulo(i, square.side)] = tile[_modulo(j, TILE), _modulo(i, TILE)]
-
-
-def _tiles_of(low: int, count: int) -> range:
-    """Tiles along one axis of successive nodes."""
-    return range(low // TILE, (low + count - 1) // TILE + 1)
-
-
-def _within(tile: int, low: int, count: int) -> range:
-    """Nodes of a tile along one axis, limited to some successive nodes."""
-    return range(max(tile * TILE, low), min((tile + 1) * TILE, low + count))
-
-
-def _runs(nodes: range, side: int) -> list[range]:
-    """Split nodes at the multiples of a side."""
-    edges = [nodes.start, *range((nodes.start // side + 1) * side, nodes.stop, side), nodes.stop]
-    return [range(low, high) for low, high in pairwise(edges)]
-
-
-def _modulo(nodes: range, side: int) -> slice:
-    """Return the indices of a run of nodes modulo a side."""
-    return slice(nodes.start % side, nodes.start % side + len(nodes))
+def _write_tiles(torus: NDArray[Any], tiles: Tiles, places: list[tuple[Piece, Piece]], first: int, last: int) -> None:
+    """Write parts of some tiles to an array in which each node is at its indices modulo the side."""
+    for down, across in places[first:last]:
+        part = tiles(down.tile, across.tile)[down.part, across.part]
+        for j in split_nodes(down.nodes.start, len(down.nodes), len(torus)):
+            for i in split_nodes(across.nodes.start, len(across.nodes), len(torus)):
+                torus[j.part, i.part] = part[j.whole, i.whole]
 
 
 def _nodes_between(low: Corner, high: Corner, spacing: float) -> Nodes:

@@ -16,7 +16,7 @@ from insonify.kernels.common.hashing import wave_noise
 from insonify.parallel import in_parallel
 from insonify.scene.seabed.reliefs.spectrum import ROWS, Density, Field, Waves
 
-Shape = tuple[int, int]
+GridShape = tuple[int, int]
 
 # Largest noise that is cached: 2048 squared takes 34 MB.
 KEPT_CELLS = 2048**2
@@ -26,7 +26,7 @@ MOST_THREADS = 2  # more do not speed up a transform that is limited by memory
 class WaveGrid:
     """Random waves of one period, sampled on a grid."""
 
-    def __init__(self, shape: Shape, seed: int, stream: int) -> None:
+    def __init__(self, shape: GridShape, seed: int, stream: int) -> None:
         self.shape, self._seed, self._stream = shape, seed, stream
 
     def noise(self, *, gaussian: bool = True) -> Waves:
@@ -77,14 +77,14 @@ class WaveGrid:
         return np.asarray(np.fft.rfft2(field, norm="forward"))
 
 
-def frequencies(shape: Shape) -> tuple[Field, Field]:
+def frequencies(shape: GridShape) -> tuple[Field, Field]:
     """Cycles per period of ``irfft2``'s coefficients: fx (1, nx // 2 + 1) and fy (ny, 1)."""
     ny, nx = shape
     fy = (np.arange(ny) + ny // 2) % ny - ny // 2
     return np.arange(nx // 2 + 1, dtype=np.float64)[np.newaxis, :], fy.astype(np.float64)[:, np.newaxis]
 
 
-def wave_coefficients(seed: int, stream: int, shape: Shape, *, gaussian: bool) -> Waves:
+def wave_coefficients(seed: int, stream: int, shape: GridShape, *, gaussian: bool) -> Waves:
     """Coefficients before the filter, cached so that a new spectrum costs only the filter."""
     make = _kept_noise if shape[0] * shape[1] <= KEPT_CELLS else wave_noise
     return make(seed, stream, *shape, gaussian)

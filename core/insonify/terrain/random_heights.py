@@ -16,12 +16,12 @@ from insonify.scene.seabed.masks import PatchMask
 from insonify.scene.seabed.reliefs.random_relief import ExtendableRelief, RandomRelief, density_waves
 from insonify.scene.seabed.reliefs.spectrum import LONGEST_WAVES, Band, Field, row_groups
 from insonify.terrain.endless_field import EndlessField, Nodes
-from insonify.terrain.periodic_waves import Shape, WaveGrid
+from insonify.terrain.periodic_waves import GridShape, WaveGrid
 
 Heights = Callable[[Nodes], Field]
 
 
-def periodic_heights(parts: tuple[RandomRelief, ...], shape: Shape, reference: Shape, seed: int) -> Field:
+def periodic_heights(parts: tuple[RandomRelief, ...], shape: GridShape, reference: GridShape, seed: int) -> Field:
     """Heights of one period of the sum of several reliefs."""
     total: Field | None = None
     for number, part in enumerate(parts):
@@ -33,7 +33,9 @@ def periodic_heights(parts: tuple[RandomRelief, ...], shape: Shape, reference: S
     return total
 
 
-def unmasked_heights(relief: RandomRelief, shape: Shape, reference: Shape, seed: int, stream: int = RELIEF) -> Field:
+def unmasked_heights(
+    relief: RandomRelief, shape: GridShape, reference: GridShape, seed: int, stream: int = RELIEF
+) -> Field:
     """Heights of one period of one relief, without its mask."""
     waves = WaveGrid(shape, seed, stream)
     return relief.heights(waves, waves if shape == reference else WaveGrid(reference, seed, stream))

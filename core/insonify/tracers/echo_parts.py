@@ -10,12 +10,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from insonify.kernels.bed.profile import empty_profile, profile_capacity
-from insonify.kernels.common.contributors import empty_contributor_table
+from insonify.kernels.common.contributors import ContributorTable, empty_contributor_table
 from insonify.kernels.common.range_bins import FIXED_POINT
 from insonify.kernels.common.types import BED, Poses, SceneArrays
 from insonify.kernels.labels import echo_parts as kernels
+from insonify.kernels.labels.bed_stretches import HEARD
 from insonify.kernels.labels.echo_parts import PartList, Window, list_echo_parts
 from insonify.kernels.labels.refracted_parts import list_refracted_parts
+from insonify.kernels.labels.shadows import NO_TARGET
 from insonify.kernels.multipath.echo_list import EchoSink
 from insonify.kernels.multipath.image_sources import (
     PATH_COUNT,
@@ -23,16 +25,14 @@ from insonify.kernels.multipath.image_sources import (
     SURFACE_BOTTOM_SURFACE,
     SURFACE_ECHO,
 )
-from insonify.kernels.multipath.plane_echoes import note_plane_echoes
-from insonify.kernels.multipath.surface_multipath import empty_multipath_workspace
+from insonify.kernels.multipath.surface_multipath import empty_multipath_workspace, note_plane_echoes
 from insonify.kernels.sweep.sweep import AzimuthFan, empty_sweep_workspace
 from insonify.packing.apparent_tables import make_apparent_tables
 from insonify.packing.containment import refuse_sonar_in_solid
 from insonify.packing.packed_scene import without_targets
 from insonify.tracers.azimuth_fan import lay_planes_of_images
-from insonify.tracers.labels import count_contributors
+from insonify.tracers.labels import NO_MATERIAL, contributor_materials, count_contributors
 
-HEARD, BEHIND_BED, BEHIND_TARGET = kernels.HEARD, kernels.BEHIND_BED, kernels.BEHIND_TARGET
 ROOM = 1024  # parts for which there is room at first
 
 Column = NDArray[np.float64]
@@ -99,12 +99,12 @@ def find_echo_parts(
         return _find_refracted_parts(arrays, pose, side, window, rays)
     fans = lay_planes_of_images(arrays, pose, planes)
     if not fans:
-        return _joined_rows([])
-    _, fan, lifted = fans[0]
+        return _columns(np.empty((0, kernels.COLUMNS)))
+    _, fan, image_fan = fans[0]
     direct = find_direct_parts(arrays, pose, side, window, fan)
     if not arrays.multipath.enabled:
         return direct
-    return join_parts(direct, find_surface_parts(arrays, pose, side, window, (fan, lifted)))
+    return join_parts(direct, find_surface_parts(arrays, pose, side, window, (fan, image_fan)))
 
 
 def _find_refracted_parts(arrays: SceneArrays, pose: Poses, side: int, window: Window, rays: int) -> EchoParts:
@@ -147,112 +147,55 @@ def find_direct_parts(arrays: SceneArrays, pose: Poses, side: int, window: Windo
     return _columns(_list_all(fill))
 
 
-def _columns(rows: Column) -> EchoParts:
-    """Columns of listed parts of the direct path."""
+def _columns(rows: Column, paths: Any = 0) -> EchoParts:
+    """Columns of listed parts by one path, or each by its own."""
     k = kernels
     state, target, material, hider = rows[:, [k.STATE, k.TARGET, k.MATERIAL, k.HIDER]].T.astype(np.int64)
     ends: list[Any] = [rows[:, [a, b]] for a, b in ((k.CREST_X, k.CREST_Z), (k.X_FROM, k.Z_FROM), (k.X_TO, k.Z_TO))]
-    return EchoParts(
-        state,
-        np.zeros(len(rows), np.int64),
-        rows[:, k.AZIMUTH],
-        target,
-        material,
-        hider,
-        *ends,
-        *rows[:, k.NEAR :].T,
-    )
+    path = np.broadcast_to(np.asarray(paths, np.int64), len(rows)).copy()
+    return EchoParts(state, path, rows[:, k.AZIMUTH], target, material, hider, *ends, *rows[:, k.NEAR :].T)
 
 
 def find_surface_parts(
     arrays: SceneArrays, pose: Poses, side: int, window: Window, fans: tuple[AzimuthFan, AzimuthFan]
 ) -> EchoParts:
     """Find the contributors of the echo by way of the sea surface, one part for each of every plane."""
-    direct, lifted = fans
     workspace = empty_multipath_workspace(arrays)
     table = empty_contributor_table(count_contributors(arrays) * PATH_COUNT, arrays.bins)
-    sink, found = EchoSink(np.zeros(arrays.bins + 2, np.int64), table, True), []
+    sink = EchoSink(np.zeros(arrays.bins + 2, np.int64), table, True)
+    rows, paths = [np.empty((0, kernels.COLUMNS))], [np.empty(0, np.int64)]
     for path in range(SURFACE_BOTTOM, SURFACE_ECHO + 1):
-        fan = lifted if path == SURFACE_BOTTOM_SURFACE else direct
+        fan = fans[1] if path == SURFACE_BOTTOM_SURFACE else fans[0]
         for k in range(fan.azimuth.size if path != SURFACE_ECHO else 1):
             if not note_plane_echoes(arrays, pose, 0, side, path, fan, k, workspace, sink):
                 break
-            found += _noted_parts(arrays, table, window, path, float(fan.azimuth[k]))
+            rows.append(_contributor_rows(arrays, table, window, path, float(fan.azimuth[k])))
+            paths.append(np.full(len(rows[-1]), path))
             table.present[:] = False
             sink.bins[:] = 0
-    return _joined_rows(found)
+    return _columns(np.concatenate(rows), np.concatenate(paths))
 
 
-def _noted_parts(arrays: SceneArrays, table: Any, window: Window, path: int, azimuth: float) -> list[dict[str, float]]:
-    """Parts noted for one path in one plane: a contributor's echo in the bins, placed where its strongest lies."""
-    bins = slice(window.first, window.first + window.weights.shape[1])
-    materials, found = arrays.reflectivity.shape[0], []
-    for row in np.flatnonzero(table.present):
-        energy = np.where(table.strongest[row, bins] >= 0.0, table.energy[row, bins], 0.0) / FIXED_POINT
+def _contributor_rows(
+    arrays: SceneArrays, table: ContributorTable, window: Window, path: int, azimuth: float
+) -> Column:
+    """Parts by one path in one plane: a contributor's echo in the bins, placed where the strongest of it comes from."""
+    k, bins = kernels, slice(window.first, window.first + window.weights.shape[1])
+    materials, of_surface, found = arrays.reflectivity.shape[0], path == SURFACE_ECHO, []
+    for place in np.flatnonzero(table.present):
+        energy = np.where(table.strongest[place, bins] >= 0.0, table.energy[place, bins], 0.0) / FIXED_POINT
         value = window.weights[2] * energy
         if not value.any():
             continue
-        strongest = window.first + int(np.argmax(value))
-        who = int(row) - path * count_contributors(arrays)
-        of_surface = path == SURFACE_ECHO
-        found.append(
-            {
-                "path": path,
-                "azimuth": azimuth,
-                "target": BED if who < materials or of_surface else who - materials,
-                "material": _material_of(arrays, who) if not of_surface else -1,
-                "x": float(table.x[row, strongest]),
-                "range": (strongest + 0.5) * arrays.bin_length,
-                "cosine": float(table.cosine[row, strongest]),
-                "echo": float(window.weights[0] @ energy),
-                "spread": float(window.weights[1] @ energy),
-                "value": float(value.sum()),
-            }
-        )
-    return found
-
-
-def _material_of(arrays: SceneArrays, contributor: int) -> int:
-    """Row of the reflectivity table of a contributor: the row itself for the bed's, else that of its target."""
-    materials = arrays.reflectivity.shape[0]
-    if contributor < materials:
-        return contributor
-    for bodies in (arrays.solids, arrays.mesh):
-        own = np.flatnonzero(bodies.target == contributor - materials)
-        if own.size:
-            return int(bodies.material[own[0]])
-    return -1
-
-
-def _joined_rows(found: list[dict[str, float]]) -> EchoParts:
-    """Parts of echoes by way of the sea surface as columns."""
-
-    def column(name: str, kind: Any = np.float64) -> Any:
-        return np.array([row[name] for row in found], dtype=kind)
-
-    n, unknown = len(found), np.full(len(found), np.nan)
-    x, r = column("x"), column("range")
-    place = np.column_stack([x, unknown])
-    return EchoParts(
-        state=np.full(n, HEARD),
-        path=column("path", np.int64),
-        azimuth=column("azimuth"),
-        target=column("target", np.int64),
-        material=column("material", np.int64),
-        hider=np.full(n, -2),
-        crest=np.full((n, 2), np.nan),
-        begin=place,
-        end=place,
-        near=r,
-        far=r,
-        launch=unknown,
-        cosine=column("cosine"),
-        strength=unknown,
-        weight=unknown,
-        width=unknown,
-        vertical=unknown,
-        gain=unknown,
-        echo=column("echo"),
-        spread=column("spread"),
-        value=column("value"),
-    )
+        strongest, contributor = window.first + int(np.argmax(value)), int(place) - path * count_contributors(arrays)
+        row = np.full(k.COLUMNS, np.nan)
+        row[k.STATE], row[k.AZIMUTH], row[k.HIDER] = HEARD, azimuth, NO_TARGET
+        row[k.TARGET] = BED if contributor < materials or of_surface else contributor - materials
+        row[k.MATERIAL] = NO_MATERIAL if of_surface else contributor_materials(arrays)[contributor]
+        row[k.X_FROM] = row[k.X_TO] = table.x[place, strongest]
+        row[k.NEAR] = row[k.FAR] = (strongest + 0.5) * arrays.bin_length
+        row[k.COSINE] = table.cosine[place, strongest]
+        row[k.ECHO], row[k.SPREAD] = window.weights[0] @ energy, window.weights[1] @ energy
+        row[k.VALUE] = value.sum()
+        found.append(row)
+    return np.array(found).reshape(-1, k.COLUMNS)

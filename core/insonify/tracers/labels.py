@@ -52,8 +52,8 @@ class RecordLabels(NamedTuple):
     # different paths; NaN without an echo.
     incidence: NDArray[np.float32]
     path: NDArray[np.int8]  # place of that contributor's propagation path among `PATHS`, -1 without an echo
-    # Index of the declared volume of the water column whose mean echo is greater than that contributor's and all
-    # other volumes', -2 where none is.
+    # Index of the declared volume of the water column with the greatest mean echo, if that exceeds the contributor's;
+    # else -2.
     volume_id: NDArray[np.int16]
     # Whether the echo comes by a caustic of the water: ray theory does not give its intensity, and the ray tubes
     # count as no narrower than Airy's function allows.
@@ -77,17 +77,14 @@ def trace_labels(
     found = empty_labels(poses.x.size, arrays.bins, count_targets(arrays))
     apparent, folded = make_apparent_tables(arrays, poses)
     if folded.any():
-        _enter(
-            found,
-            np.flatnonzero(folded),
-            _find_by_rays(arrays, take_poses(poses, np.flatnonzero(folded)), rays, threads),
-        )
+        places = np.flatnonzero(folded)
+        _enter(found, places, _find_by_rays(arrays, take_poses(poses, places), rays, threads))
     clear = np.flatnonzero(~folded)
     for among, *beams in lay_planes_of_images(arrays, take_poses(poses, clear), planes):
         places = clear[among]
         _enter(found, places, _find(arrays, take_poses(poses, places), beams, apparent, threads))
     found.energy[folded] *= FIXED_POINT  # rays count in plain units
-    labels = _in_words_of_the_scene(arrays, found)
+    labels = _describe_contributors(arrays, found)
     if crosstalk > 0.0:
         labels = _with_crosstalk(labels, found.energy, crosstalk)
     return labels if volumes is None else _with_volumes(arrays, labels, found.energy, crosstalk, volumes)
@@ -146,23 +143,27 @@ def count_contributors(arrays: SceneArrays) -> int:
     return arrays.reflectivity.shape[0] + count_targets(arrays)
 
 
-def _in_words_of_the_scene(arrays: SceneArrays, found: BinLabels) -> RecordLabels:
-    """Turn contributors into targets and materials, radians into degrees."""
-    rows = arrays.reflectivity.shape[0]
-    heard, way, who = found.contributor != NO_PRIMITIVE, *np.divmod(found.contributor, count_contributors(arrays))
-    of_surface = way == SURFACE_ECHO
-    is_target = heard & (who >= rows)
-    material_of = np.arange(count_contributors(arrays))
+def contributor_materials(arrays: SceneArrays) -> NDArray[np.int64]:
+    """Row of the reflectivity table of each contributor by one path."""
+    rows, material = arrays.reflectivity.shape[0], np.arange(count_contributors(arrays))
     for bodies in (arrays.solids, arrays.mesh):
-        material_of[rows + bodies.target] = bodies.material
+        material[rows + bodies.target] = bodies.material
+    return material
+
+
+def _describe_contributors(arrays: SceneArrays, found: BinLabels) -> RecordLabels:
+    """Turn contributors into targets and materials, radians into degrees."""
+    rows, has_echo = arrays.reflectivity.shape[0], found.contributor != NO_PRIMITIVE
+    path, contributor = np.divmod(found.contributor, count_contributors(arrays))
+    of_scene, is_target = has_echo & (path != SURFACE_ECHO), has_echo & (contributor >= rows)
     return RecordLabels(
-        target_id=np.where(is_target, who - rows, np.where(heard & ~of_surface, BED, NOTHING)).astype(np.int16),
-        material=np.where(heard & ~of_surface, material_of[who], NO_MATERIAL).astype(np.int16),
+        target_id=np.where(is_target, contributor - rows, np.where(of_scene, BED, NOTHING)).astype(np.int16),
+        material=np.where(of_scene, contributor_materials(arrays)[contributor], NO_MATERIAL).astype(np.int16),
         shadow=found.shadow,
         shadow_id=found.shadow_id,
         ground_range=found.ground_range,
         incidence=np.degrees(found.incidence),
-        path=np.where(heard, way, NO_PATH).astype(np.int8),
+        path=np.where(has_echo, path, NO_PATH).astype(np.int8),
         volume_id=np.full(found.shadow_id.shape, NOTHING, np.int16),
         caustic=found.caustic,
         target_echo=found.target_echo,
@@ -185,10 +186,10 @@ def _with_volumes(
     crosstalk: float,
     volumes: NDArray[np.float32],
 ) -> RecordLabels:
-    """Labels with the volume whose echo is greater than the contributor's and all other volumes'."""
-    loudest = np.maximum(energy, crosstalk * energy[:, ::-1]) * (arrays.range_factor / FIXED_POINT)
+    """Labels with the volume of the greatest echo, where that exceeds the contributor's."""
+    greatest = np.maximum(energy, crosstalk * energy[:, ::-1]) * (arrays.range_factor / FIXED_POINT)
     for number, own in enumerate(volumes):
-        heard = np.maximum(own, crosstalk * own[:, ::-1])
-        labels.volume_id[heard > loudest] = number
-        loudest = np.maximum(heard, loudest)
+        received = np.maximum(own, crosstalk * own[:, ::-1])
+        labels.volume_id[received > greatest] = number
+        greatest = np.maximum(received, greatest)
     return labels

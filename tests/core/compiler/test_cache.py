@@ -9,12 +9,13 @@ from pathlib import Path
 import numba
 import pytest
 
-from insonify.compiler.cache import _CacheFile, source_digests
+from insonify.compiler.cache import _CacheFile
+from insonify.compiler.digests import source_digests
 
 SOURCES = {
     "kernels/common/base.py": '"""Base."""\n\n\ndef base(x):\n    """Return x."""\n    return x\n',
     "kernels/sweep/user.py": "from insonify.kernels.common.base import base\n\n\ndef user(x):\n    return base(x)\n",
-    "kernels/sweep/indirect.py": "from insonify.kernels.sweep import user\n\n\ndef other(x):\n    return user.user(x)\n",
+    "kernels/sweep/indirect.py": "from insonify.kernels.sweep import user\n\n\ndef far(x):\n    return user.user(x)\n",
     "kernels/rays/other.py": "import math\n\n\ndef other(x):\n    return math.sqrt(x)\n",
 }
 IMPORTERS = {"kernels.common.base", "kernels.sweep.user", "kernels.sweep.indirect"}

@@ -11,9 +11,9 @@ import numba
 import numpy as np
 import pytest
 
+from insonify.compiler.cache import PartLibrary
 from insonify.compiler.dispatch import Kernel
 from insonify.compiler.jit import inlined, kernel
-from insonify.compiler.part_library import PartLibrary
 
 pytestmark = pytest.mark.skipif(bool(numba.config.DISABLE_JIT), reason="nothing is compiled")
 

@@ -13,7 +13,7 @@ import numpy as np
 import pytest
 
 from insonify.compiler.jit import INTEGER, NOTHING, TWO_INTEGERS, kernel, kernel_on_demand
-from insonify.compiler.part_process import WORKER
+from insonify.compiler.processes import WORKER
 
 pytestmark = pytest.mark.skipif(bool(numba.config.DISABLE_JIT), reason="nothing is compiled")
 
@@ -101,10 +101,10 @@ def add_powers(x):
 """
 CALL = """
 import sys
-from insonify.compiler import part_process
+from insonify.compiler import processes
 from powers import add_powers, cube, square
-part_process.WORKER = sys.argv[2]
-part_process.start_process()  # of itself it starts for kernels of this package
+processes.WORKER = sys.argv[2]
+processes.helper.start()  # of itself it starts for kernels of this package
 print(add_powers(int(sys.argv[1])), *(sum(called.machine_code.stats.cache_hits.values()) for called in (square, cube)))
 """
 

@@ -14,7 +14,7 @@ from beds import arrays_of, poses_of
 from insonify.compiler.jit import kernel
 from insonify.kernels.common.types import LIGHT
 from insonify.kernels.geometry.bvh import build_mesh
-from insonify.kernels.targets.directions import measure_directions
+from insonify.kernels.targets.primitives import measure_directions
 from insonify.scene.targets.shape import block
 from insonify.tracers import rays, sweep
 

@@ -13,11 +13,11 @@ from insonify.acoustics.beam_patterns import make_pattern
 from insonify.compiler.jit import kernel
 from insonify.kernels.beam.azimuth_sector import AzimuthSector, sector_weight
 from insonify.kernels.beam.knot_weights import weigh_knots
-from insonify.kernels.beam.pattern_integrals import integrated_response
-from insonify.kernels.beam.pattern_samples import FINE_SINE, ROOM, sample_pattern
+from insonify.kernels.beam.pattern import integrated_response
+from insonify.kernels.beam.pattern_samples import FINE_SINE, ROOM, SampleRoom, sample_pattern
 from insonify.kernels.common.types import EVERY_GRAZING, GAUSSIAN, LIGHT, SONAR, TABLE, TOP_HAT, BeamPattern
 from insonify.scene import edit, load_scene
-from insonify.scene.sonar.beams import Sounding
+from insonify.scene.sonar.beams import BeamConditions
 from insonify.scene.sonar.beams.line_array import LineArray
 from insonify.tracers import rays
 
@@ -177,7 +177,7 @@ def test_attitude_matters_only_to_patterns():
 def test_the_near_field_between_two_rows_is_that_of_the_array(length, distance):
     """The exact sum over the array, element by element, without Fresnel's approximation."""
     wavelength = 1500.0 / 400e3
-    table = LineArray(length=length, two_way=True).tabulate(Sounding(wavelength, 1.0, 200.0))
+    table = LineArray(length=length, two_way=True).tabulate(BeamConditions(wavelength, 1.0, 200.0))
     s = np.linspace(-1.0, 1.0, 801) * (0.6 * length / distance + 3.0 * wavelength / length)
     place = ((np.arange(2048) + 0.5) / 2048 - 0.5)[:, None] * length
     way = np.sqrt(distance**2 - 2.0 * distance * s * place + place**2)
@@ -201,7 +201,7 @@ def integrate_along(pattern, x, z, r, sector, room, many, single):
 
 
 def sample_room(knots):
-    return np.empty(knots + ROOM, np.int32), *np.empty((4, knots + ROOM), np.int64)
+    return SampleRoom(np.empty(knots + ROOM, np.int32), *np.empty((4, knots + ROOM)))
 
 
 def weigh(pattern, x, z, r, sector, law, weights, each):

@@ -5,7 +5,7 @@ import pytest
 from scipy import stats
 
 from insonify.kernels.common.hashing import hash_integers, hash_uniform, splitmix64, unit_interval, wave_noise
-from insonify.terrain.periodic_waves import Shape
+from insonify.terrain.periodic_waves import GridShape
 
 
 def test_splitmix64_gives_the_published_sequence():
@@ -48,7 +48,7 @@ def test_every_integer_counts_and_so_does_its_place():
 
 
 @pytest.mark.parametrize("shape", [(16, 16), (15, 17), (1, 8), (8, 1)])
-def test_noise_of_unit_modulus_is_zero_only_at_the_mean_and_nyquist(shape: Shape):
+def test_noise_of_unit_modulus_is_zero_only_at_the_mean_and_nyquist(shape: GridShape):
     noise = wave_noise(1, 1, *shape, False)
     present = np.ones(noise.shape, dtype=bool)
     present[0, 0] = False

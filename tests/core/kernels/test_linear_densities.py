@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from insonify.kernels.common.range_bins import FIXED_POINT, step_density, tilt_density
-from insonify.kernels.sweep.linear_densities import deposit_linear_densities
+from insonify.kernels.sweep.segment_densities import deposit_linear_densities
 from insonify.kernels.sweep.visibility import empty_segment_echoes
 
 BINS, BIN_LENGTH = 60, 0.05

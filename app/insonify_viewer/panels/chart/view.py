@@ -16,7 +16,8 @@ from PySide6.QtWidgets import (
     QWidget,
 )
 
-from insonify.display.picture import PALETTES, choose_contrast, colour_rows, load_palette
+from insonify.display.display_options import PALETTES
+from insonify.display.picture import choose_contrast, colour_rows, load_palette
 from insonify_viewer.errors import guard_override
 from insonify_viewer.panels.chart.chart_details import ChartPicture, RowDetails, details_in_words, nearest_row
 from insonify_viewer.state.quantities import format_time_left
@@ -39,7 +40,7 @@ LARGE = 0.5  # of the span of the palette: the difference drawn in full colour
 
 
 class ChartWindow(QWidget):
-    """Shows a chart, and signals what the person asks for."""
+    """Shows a chart, and signals the person's requests."""
 
     measure_wanted = Signal()
     stop_wanted = Signal()

@@ -1,9 +1,11 @@
-"""Picture of a ray diagram: the sound speed profile on the left, the refracted rays on the right."""
+"""Picture of a ray diagram: the sound speed profile on the left, the refracted rays on the right; and its files."""
 
 from __future__ import annotations
 
+import csv
 import math
 from collections.abc import Iterable
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -21,6 +23,8 @@ from insonify.display.ray_diagram.diagram import (
     place_along_axis,
 )
 from insonify.display.style import AMBER, FAINT, GREEN, INK, PINK, PURPLE, RED, label_axes, make_figure, style_axes
+from insonify.io.atomic import replacing
+from insonify.scene import SceneError
 
 RAY, BED, BED_LINE, SHADE = "#2b5c8a", "#cbb693", "#8a7450", "#141c2b"
 EIGENRAYS = (RED, AMBER, PURPLE, GREEN)
@@ -31,6 +35,8 @@ ROW = 0.034  # share of the figure that a row of the legend takes
 MARGIN = 0.075  # share of the depth, above the surface and below the bed
 FAINTEST = 1e-3  # share of the water in shadow from which the legend names it
 LABELS = 0.036  # share of the axes' width and height that a label of a ray needs
+COLUMNS = ("kind", "number", "launch_angle", "range", "depth", "time")
+SUFFIXES = (".png", ".csv")
 
 
 def draw_ray_diagram(diagram: RayDiagram) -> Figure:
@@ -190,3 +196,25 @@ def _describe(diagram: RayDiagram) -> str:
 def _stretches(diagram: RayDiagram) -> Iterable[str]:
     for begin, end in diagram.dark:
         yield f"beyond {begin:.1f} m" if end >= diagram.reach else f"from {begin:.1f} to {end:.1f} m"
+
+
+def write_ray_diagram(path: str | Path, diagram: RayDiagram) -> None:
+    """Write a diagram as a picture (.png) or the points of its rays as a table (.csv)."""
+    suffix = Path(path).suffix.lower()
+    if suffix not in SUFFIXES:
+        raise SceneError(f"output: {Path(path).name!r} names no format that is known; end it in .png or .csv")
+    with replacing(path) as partial:
+        if suffix == ".csv":
+            _write_table(partial, diagram)
+        else:
+            draw_ray_diagram(diagram).savefig(partial, format="png", dpi=150)
+
+
+def _write_table(path: Path, diagram: RayDiagram) -> None:
+    with path.open("w", newline="", encoding="utf-8") as file:
+        table = csv.writer(file)
+        table.writerow(COLUMNS)
+        for kind, rays in (("ray", diagram.rays), ("eigenray", diagram.eigenrays)):
+            for number, ray in enumerate(rays):
+                for point in zip(ray.range, ray.depth, ray.time):
+                    table.writerow([kind, number, f"{ray.angle:.9g}", *(f"{value:.9g}" for value in point)])

@@ -23,12 +23,12 @@ class Grid:
     # (ny, nx) metres, positive up unless they are depths, NaN where there are none; axis 0 is y, axis 1 is x,
     # both increasing.
     heights: NDArray[np.float64]
-    # (float, float) metres between nodes along x and y; None if the file does not say.
+    # (float, float) metres between nodes along x and y; None if the file has none.
     spacing: tuple[float, float] | None = None
-    # (float, float) map coordinates of node (0, 0); None if the file does not say.
+    # (float, float) map coordinates of node (0, 0); None if the file has none.
     corner: tuple[float, float] | None = None
-    crs: str = ""  # coordinate reference system of the map, as PROJ takes it; empty if the file does not say
-    # Whether the file says that its numbers are depths, positive down, as ``heights`` then are too.
+    crs: str = ""  # coordinate reference system of the map, as PROJ takes it; empty if the file names none
+    # Whether the file declares its numbers as depths, positive down, as ``heights`` then are too.
     depths: bool = False
 
 

@@ -84,7 +84,7 @@ def _projected(raster: Any) -> Any:
 
 
 def _is_depth(raster: Any) -> bool:
-    """Whether a raster says that its numbers are depths, positive down, in its tags or its band's name."""
+    """Whether the tags of a raster or the name of its band declare depths, positive down."""
     tags = {key.lower(): str(value).lower() for key, value in (raster.tags() | raster.tags(ELEVATION)).items()}
     if tags.get("positive") in ("up", "down"):
         return tags["positive"] == "down"
@@ -104,7 +104,7 @@ def _read_metres(raster: Any, depths: bool) -> Grid:
     _check_transform(transform)
     # Heights lie at the centres of pixels; the last row is the southernmost.
     x, y = transform.c + 0.5 * transform.a, transform.f + (raster.height - 0.5) * transform.e
-    # A local system, neither projected nor geographic, says nothing of the place on Earth.
+    # A local system, neither projected nor geographic, has no known place on Earth.
     crs = raster.crs.to_string() if raster.crs is not None and raster.crs.is_projected else ""
     return Grid(heights, spacing=(transform.a, -transform.e), corner=(x, y), crs=crs, depths=depths)
 

@@ -7,8 +7,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from insonify.files import bundled_meshes
-from insonify.io.file_cache import kept_until_changed
+from insonify.files import bundled_meshes, kept_until_changed
 from insonify.io.formats import FormatRegistry
 
 MESHES: FormatRegistry[NDArray[np.float64]] = FormatRegistry(

@@ -17,7 +17,7 @@ OTHER_DOCUMENT = "model.gltf"  # which trimesh reads instead of a document that 
 
 
 class _Companions(Mapping[str, bytes]):
-    """Files that a mesh refers to, such as buffers of glTF, as trimesh asks for them."""
+    """Files that a mesh refers to, such as buffers of glTF, as a mapping for trimesh."""
 
     def __init__(self, path: str) -> None:
         self.path = path
@@ -42,12 +42,12 @@ class _Companions(Mapping[str, bytes]):
 
 
 def read_z_up(path: str) -> NDArray[np.float64]:
-    """Corners of all triangles of a file whose z points up, (n, 3, 3)."""
+    """Corners of all triangles of a file with z up, (n, 3, 3)."""
     return run_isolated(read_with_trimesh, path)
 
 
 def read_with_trimesh(path: str) -> NDArray[np.float64]:
-    """Read the corners in this process, which a file may keep busy for ever."""
+    """Read the corners in this process, which a damaged file may block for ever."""
     import trimesh  # half a second, which only scenes with meshes pay for
 
     with open_regular(path) as file:
@@ -59,7 +59,7 @@ def read_with_trimesh(path: str) -> NDArray[np.float64]:
 
 
 def read_y_up(path: str) -> NDArray[np.float64]:
-    """Corners of all triangles of a file whose y points up, turned so that z does, (n, 3, 3)."""
+    """Corners of all triangles of a file with y up, rotated to z up, (n, 3, 3)."""
     return read_z_up(path)[..., [0, 2, 1]] * [1.0, -1.0, 1.0]
 
 

@@ -39,7 +39,7 @@ PREFIXES = ("platform_", "ping_")  # of the same names in a record
 
 @dataclass(frozen=True, eq=False)
 class RecordedNavigation:
-    """Position and attitude of the sonar over time, as far as a file has them."""
+    """Position and attitude of the sonar over time; a file may have only some of them."""
 
     time: Column  # (n,) seconds since the first row, increasing; at least two rows
     # Any of x, y, depth, altitude in metres, heading, pitch, roll in degrees; as a record has them.

@@ -32,7 +32,7 @@ class Fixes(NamedTuple):
 
     @property
     def place(self) -> Georeference | None:
-        """Place of the first fix; None without any. The map of metres is not told."""
+        """Place of the first fix; None without any. Metres have no map."""
         known = self.known
         if not known.any():
             return None

@@ -85,9 +85,9 @@ def read_jsf(path: str | Path, frequency: float | None = None) -> xr.Dataset:
     traces = list(_traces(path, np.fromfile(path, dtype=np.uint8)))
     if not traces:
         raise RECORDS.refusal(path, "holds no side-scan pings", "give a recording of subsystem 20, 21 or 22")
-    told = {trace.subsystem: trace.frequency for trace in reversed(traces)}
-    bands = sorted(told)
-    chosen = choose_frequency(path, [told[band] for band in bands], frequency)
+    frequencies = {trace.subsystem: trace.frequency for trace in reversed(traces)}
+    bands = sorted(frequencies)
+    chosen = choose_frequency(path, [frequencies[band] for band in bands], frequency)
     sides: dict[int, dict[int, SideEchoes]] = {}
     headers: dict[int, Any] = {}
     for trace in traces:
@@ -98,7 +98,7 @@ def read_jsf(path: str | Path, frequency: float | None = None) -> xr.Dataset:
     if len(sides[last]) < len(next(iter(sides.values()))):  # the recording ends between port and starboard
         del sides[last], headers[last]
     track = _track(np.array(list(headers.values()), dtype=TRACE))
-    track.attributes.update(frequency_attributes([told[band] for band in bands], chosen))
+    track.attributes.update(frequency_attributes([frequencies[band] for band in bands], chosen))
     return assemble(path, list(sides.values()), track)
 
 
@@ -171,7 +171,7 @@ def _envelope(path: Path, header: Any, count: int, body: NDArray[np.uint8]) -> N
 
 
 def _track(headers: NDArray[Any]) -> RecordedTrack:
-    """Navigation of the pings, and when and where the recording begins, as far as it tells."""
+    """Navigation of the pings, and time and place of the first one where they are recorded."""
     clock = headers["milliseconds"].astype(np.float64) / 1e3
     whole = headers["time"].astype(np.float64)
     # Seconds since 1970 and milliseconds of the day belong together where they name the same second.
@@ -186,8 +186,8 @@ def _track(headers: NDArray[Any]) -> RecordedTrack:
         fill_gaps(ANGLE * headers["pitch"], attitude), fill_gaps(ANGLE * headers["roll"], attitude),
     )  # fmt: skip
     start = datetime.fromtimestamp(times[0], tz=UTC).replace(tzinfo=None).isoformat()
-    told = {"time_coverage_start": start} | (fixes.place.attributes() if fixes.place else {})
-    return RecordedTrack(times - times[0], columns, told)
+    attributes = {"time_coverage_start": start} | (fixes.place.attributes() if fixes.place else {})
+    return RecordedTrack(times - times[0], columns, attributes)
 
 
 def _fixes(headers: NDArray[Any]) -> Fixes:

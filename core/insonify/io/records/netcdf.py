@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from insonify.io.file_access import one_at_a_time
 from insonify.io.formats import FileFormat, WriteOption
 from insonify.io.netcdf_files import read_stored
-from insonify.io.record_block import RecordBlock, RecordVariable, make_record_block
+from insonify.io.record_block import RecordBlock, RecordVariable
 from insonify.io.record_schema import CONVENTIONS, TARGET_TRUTH
 
 if TYPE_CHECKING:
@@ -45,8 +45,7 @@ def read_netcdf(path: str | Path) -> xr.Dataset:
     """Read a record written by `write_netcdf`."""
     import xarray as xr  # slow to import too
 
-    stored = read_stored(str(path))
-    return xr.decode_cf(make_record_block(stored.variables, {}, stored.attributes).to_dataset())
+    return xr.decode_cf(read_stored(str(path)).to_dataset())
 
 
 @contextmanager

@@ -32,9 +32,9 @@ def write_npz(path: str | Path, blocks: Iterable[RecordBlock]) -> None:
     with zipfile.ZipFile(path, "w") as archive:
         for name, variable in parts[0].variables.items():
             along = ALONG in variable.dims
-            told = parts if along else parts[-1:] if name in TARGET_TRUTH else parts[:1]
+            used = parts if along else parts[-1:] if name in TARGET_TRUTH else parts[:1]
             axis = variable.dims.index(ALONG) if along else 0
-            _write_joined(archive, name, [_stored(part.variables[name].values) for part in told], axis)
+            _write_joined(archive, name, [_stored(part.variables[name].values) for part in used], axis)
         for key, value in parts[0].attributes.items():
             _write_joined(archive, f"{ATTRIBUTE}{key}", [_stored(np.array(value))], 0)
 
@@ -63,8 +63,8 @@ def read_npz(path: str | Path) -> xr.Dataset:
     """Read a record written by `write_npz`."""
     with Archive(str(path)) as stored:
         arrays = {name: stored[name] for name in stored.names}
-    told = [name for name in arrays if name.startswith(ATTRIBUTE)]
-    attributes = {name.removeprefix(ATTRIBUTE): arrays.pop(name).item() for name in told}
+    names = [name for name in arrays if name.startswith(ATTRIBUTE)]
+    attributes = {name.removeprefix(ATTRIBUTE): arrays.pop(name).item() for name in names}
     sizes = dict(zip(ACROSS, arrays["intensity"].shape))
     named: dict[str, Any] = {
         name: (_dimensions(name, values.shape, sizes), values, {}) for name, values in arrays.items()
@@ -75,9 +75,9 @@ def read_npz(path: str | Path) -> xr.Dataset:
 
 def _dimensions(name: str, shape: tuple[int, ...], sizes: dict[str, int]) -> tuple[str, ...]:
     """Name the dimensions of an array, which an archive does not keep, by its name or by its number of dimensions."""
-    told = (name,) if name in sizes else dimensions_of(name)
-    if told is not None:
-        return told
+    known = (name,) if name in sizes else dimensions_of(name)
+    if known is not None:
+        return known
     if len(shape) == len(ACROSS):
         return ACROSS
     across = ("range_sample",) if name in ALONG_RANGE else ("ping_time",)

@@ -37,7 +37,7 @@ class SideEchoes(NamedTuple):
 
 
 class RecordedTrack(NamedTuple):
-    """Time, position and attitude of pings, and what else a recording tells."""
+    """Time, position and attitude of pings, and further attributes of a recording."""
 
     times: NDArray[np.float64]  # (pings,) s since the first
     columns: Sequence[NDArray[np.float64]]  # in the order and units of PLATFORM
@@ -57,7 +57,7 @@ def check_amplitude(path: Path, ping: int, amplitude: NDArray[np.float32]) -> No
 
 
 def warn_of_cut(path: Path, at: int, whole: int) -> None:
-    """Warn that a recording ends within a packet, at a byte; refuse it if no packet before holds echoes."""
+    """Warn that a recording ends within a packet, at a byte; raise SceneError if no packet before has echoes."""
     if whole == 0:
         raise RECORDS.refusal(path, f"ends within the packet at byte {at}, before one ping is whole", "copy it again")
     warnings.warn(
@@ -65,23 +65,23 @@ def warn_of_cut(path: Path, at: int, whole: int) -> None:
     )
 
 
-def choose_frequency(path: Path, told: Sequence[float], wanted: float | None) -> int:
+def choose_frequency(path: Path, frequencies: Sequence[float], wanted: float | None) -> int:
     """Return which of the frequencies of a recording is meant."""
     if wanted is None:
         return 0
-    near = [abs(frequency - wanted) for frequency in told]
+    near = [abs(frequency - wanted) for frequency in frequencies]
     best = int(np.argmin(near))
     if near[best] > NEAR * wanted:
-        known = " or ".join(f"{frequency:g}" for frequency in told if frequency > 0.0)
+        known = " or ".join(f"{frequency:g}" for frequency in frequencies if frequency > 0.0)
         remedy = f"choose {known}" if known else "leave it out"
         raise RECORDS.refusal(path, f"has no channels of {wanted:g} Hz", remedy)
     return best
 
 
-def frequency_attributes(told: Sequence[float], chosen: int) -> dict[str, Any]:
+def frequency_attributes(frequencies: Sequence[float], chosen: int) -> dict[str, Any]:
     """Return the attributes of the chosen frequency in Hz, and of all where there are several."""
-    several = {"frequencies": ", ".join(f"{frequency:g}" for frequency in told)} if len(told) > 1 else {}
-    return {"frequency": told[chosen]} | several
+    several = {"frequencies": ", ".join(f"{frequency:g}" for frequency in frequencies)} if len(frequencies) > 1 else {}
+    return {"frequency": frequencies[chosen]} | several
 
 
 def assemble(path: Path, pings: Sequence[dict[int, SideEchoes]], track: RecordedTrack) -> xr.Dataset:

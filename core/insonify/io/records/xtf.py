@@ -62,12 +62,12 @@ def read_xtf(path: str | Path, frequency: float | None = None) -> xr.Dataset:
     pings = list(_pings(path, content, header))
     if not pings:
         raise RECORDS.refusal(path, "holds no side-scan pings", "give a recording with port or starboard channels")
-    told = _frequencies(header, pings)
-    chosen = choose_frequency(path, list(told.values()), frequency)
-    band = list(told)[chosen]
+    frequencies = _frequencies(header, pings)
+    chosen = choose_frequency(path, list(frequencies.values()), frequency)
+    band = list(frequencies)[chosen]
     pings = [ping for ping in pings if band in ping.bands]
     track = _track(header, [ping.header for ping in pings])
-    track.attributes.update(frequency_attributes(list(told.values()), chosen) | _beam_width(header, band))
+    track.attributes.update(frequency_attributes(list(frequencies.values()), chosen) | _beam_width(header, band))
     return assemble(path, [ping.bands[band] for ping in pings], track)
 
 
@@ -162,7 +162,7 @@ def _samples(path: Path, info: Any, channel: Any, body: NDArray[np.uint8]) -> tu
 
 
 def _unit(header: Any, info: Any, dtype: np.dtype[Any]) -> float:
-    """Amplitude of one count; that of other recorders, whose ``VoltScale`` is often a mere habit, counts as 1."""
+    """Amplitude of one count; 1 for other recorders, because their ``VoltScale`` is often not the scale."""
     return float(info.VoltScale) / counts(dtype) if header.RecordingProgramName == PROGRAM else 1.0
 
 
@@ -187,12 +187,12 @@ def _side(path: Path, ping: Any, headers: tuple[Any, Any], samples: NDArray[Any]
 
 
 def _track(header: Any, headers: list[Any]) -> RecordedTrack:
-    """Navigation of the pings, and when and where the recording begins, as far as it tells."""
+    """Navigation of the pings, and time and place of the first one where they are recorded."""
     times = seconds(headers)
     start, place = start_time(headers[0]), fixes(header, headers).place
-    told: dict[str, Any] = {} if start is None else {"time_coverage_start": start}
+    attributes: dict[str, Any] = {} if start is None else {"time_coverage_start": start}
     return RecordedTrack(
-        times, platform_columns(header, headers, times), told | ({} if place is None else place.attributes())
+        times, platform_columns(header, headers, times), attributes | ({} if place is None else place.attributes())
     )
 
 
@@ -219,8 +219,8 @@ def _frequencies(header: Any, pings: list[_Ping]) -> dict[int, float]:
     for band in sorted({band for ping in pings for band in ping.bands}):
         numbers = [number for number, each in bands.items() if each == band]
         given = [float(header.ChanInfo[number].Frequency) for number in numbers]
-        told = next((ping.frequencies[band] for ping in pings if band in ping.frequencies), 0.0)
-        frequency = next((value for value in (*given, told) if 0.0 < value < 1e7), 0.0)
+        of_pings = next((ping.frequencies[band] for ping in pings if band in ping.frequencies), 0.0)
+        frequency = next((value for value in (*given, of_pings) if 0.0 < value < 1e7), 0.0)
         found[band] = 1e3 * frequency if frequency < 1e4 else frequency
     return found
 

@@ -1,4 +1,4 @@
-"""Time and navigation from the headers of XTF pings, whose fields may be zero, repeated or in other conventions."""
+"""Time and navigation from the headers of XTF pings, where fields may be zero, repeated or in other conventions."""
 
 from __future__ import annotations
 
@@ -43,27 +43,31 @@ def start_time(header: Any) -> str | None:
 def platform_columns(header: Any, headers: list[Any], times: NDArray[np.float64]) -> tuple[NDArray[np.float64], ...]:
     """Position, depth, altitude and attitude of the sonar at every ping."""
     names = ("SensorXcoordinate", "SensorYcoordinate", "SensorHeading", "SensorPitch", "SensorRoll", "SensorDepth")
-    told = np.any([_column(headers, name) != 0.0 for name in (*names, "ShipGyro", "SensorPrimaryAltitude")], axis=0)
-    depth, height = _told(headers, "SensorDepth"), _told(headers, "SensorPrimaryAltitude", "SensorAuxAltitude")
-    compass = _told(headers, "SensorHeading", "ShipGyro")
+    recorded = np.any([_column(headers, name) != 0.0 for name in (*names, "ShipGyro", "SensorPrimaryAltitude")], axis=0)
+    depth, height = (
+        _first_of(headers, "SensorDepth"),
+        _first_of(headers, "SensorPrimaryAltitude", "SensorAuxAltitude"),
+    )
+    compass = _first_of(headers, "SensorHeading", "ShipGyro")
     pitch, roll = _column(headers, "SensorPitch"), _column(headers, "SensorRoll")
     x, y = fixes(header, headers).positions(times) or _dead_reckoning(headers, times)
     return (
         x, y, fill_gaps(depth, depth > 0.0), fill_gaps(height, height > 0.0),
-        heading_from_compass(compass, told & (compass != 0.0)), fill_gaps(pitch, told), fill_gaps(roll, told),
+        heading_from_compass(compass, recorded & (compass != 0.0)),
+        fill_gaps(pitch, recorded), fill_gaps(roll, recorded),
     )  # fmt: skip
 
 
 def fixes(header: Any, headers: list[Any]) -> Fixes:
     """Return the positions of the fish, or of the ship where those are all zero."""
-    x = _told(headers, "SensorXcoordinate", "ShipXcoordinate", unknown=np.inf)
-    y = _told(headers, "SensorYcoordinate", "ShipYcoordinate", unknown=np.inf)
+    x = _first_of(headers, "SensorXcoordinate", "ShipXcoordinate", unknown=np.inf)
+    y = _first_of(headers, "SensorYcoordinate", "ShipYcoordinate", unknown=np.inf)
     return Fixes(x, y, header.NavUnits == DEGREES)
 
 
 def _dead_reckoning(headers: list[Any], times: NDArray[np.float64]) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
     """Positions along +y from the recorded speed, of a recording without a fix."""
-    speed = _told(headers, "SensorSpeed", "ShipSpeed") * KNOT
+    speed = _first_of(headers, "SensorSpeed", "ShipSpeed") * KNOT
     run = np.concatenate([[0.0], np.cumsum(0.5 * (speed[1:] + speed[:-1]) * np.diff(times))])
     return np.zeros_like(run), run
 
@@ -73,7 +77,7 @@ def _column(headers: list[Any], name: str, unknown: float = 0.0) -> NDArray[np.f
     return np.where(np.isfinite(values), values, unknown)
 
 
-def _told(headers: list[Any], *names: str, unknown: float = 0.0) -> NDArray[np.float64]:
+def _first_of(headers: list[Any], *names: str, unknown: float = 0.0) -> NDArray[np.float64]:
     """Return the first of several columns that is not all zero."""
     columns = [_column(headers, name, unknown) for name in names]
     return next((column for column in columns if column.any()), columns[0])

@@ -38,7 +38,7 @@ SLANT_RANGE = 1  # of CorrectionFlags
 NOWHERE = Georeference("+proj=tmerc +lat_0=40 +lon_0=3 +ellps=WGS84 +units=m", (0.0, 0.0))
 MADE_UP = " (place made up)"
 NO_DATE = "2000-01-01T00:00:00"
-# Vertical beam, in degrees, where the record tells none: from the horizontal to nadir.
+# Vertical beam, in degrees, where the record has none: from the horizontal to nadir.
 TILT, OPENING = 45.0, 90.0
 
 
@@ -59,7 +59,7 @@ SAMPLE_TYPES = {
 
 
 class _Survey(NamedTuple):
-    """What a whole record tells besides its echoes."""
+    """A whole record without its echoes."""
 
     attributes: Mapping[str, Any]
     times: NDArray[np.float64]  # (pings,) s
@@ -93,7 +93,7 @@ def write_xtf(path: str | Path, blocks: Iterable[RecordBlock], bits: str = "16")
 
 
 def _spool(blocks: Iterable[RecordBlock], spool: IO[bytes]) -> _Survey:
-    """Store the amplitudes of all pings one after another; keep their navigation."""
+    """Store the amplitudes of all pings one after another; return their navigation."""
     parts: list[dict[str, NDArray[Any]]] = []
     attributes: Mapping[str, Any] = {}
     loudest = 0.0
@@ -174,7 +174,7 @@ def _set_time(header: Any, time: datetime) -> None:
 
 
 def _navigation(survey: _Survey) -> dict[str, NDArray[np.float64]]:
-    """Return the fields of navigation by their names in a ping header; 0 where the record tells nothing."""
+    """Return the fields of navigation by their names in a ping header; 0 where the record has none."""
     platform, place = survey.platform, find_georeference(survey.attributes) or NOWHERE
     x, y = platform["platform_x"], platform["platform_y"]
     if place.crs:
@@ -198,7 +198,7 @@ def _navigation(survey: _Survey) -> dict[str, NDArray[np.float64]]:
 
 
 def _speed(times: NDArray[np.float64], x: NDArray[np.float64], y: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Speed over ground at every ping, in m/s; 0 where it cannot be told."""
+    """Speed over ground at every ping, in m/s; 0 where the times do not increase."""
     if times.size < 2 or not (np.diff(times) > 0.0).all():
         return np.zeros_like(x)
     return np.hypot(np.gradient(x, times), np.gradient(y, times))

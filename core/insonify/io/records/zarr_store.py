@@ -74,16 +74,16 @@ def _chunk(dimension: str, size: int) -> int:
 
 def _regrouped(blocks: Iterable[xr.Dataset], size: int) -> Iterator[xr.Dataset]:
     """Yield the pings of blocks of any lengths in blocks of a given one; the last may be shorter."""
-    held: list[xr.Dataset] = []
+    pending: list[xr.Dataset] = []
     for block in blocks:
-        held.append(block)
-        while sum(each.sizes[ALONG] for each in held) >= size:
-            whole = join_blocks(held)
+        pending.append(block)
+        while sum(each.sizes[ALONG] for each in pending) >= size:
+            whole = join_blocks(pending)
             yield whole.isel({ALONG: np.s_[:size]})
             rest = whole.isel({ALONG: np.s_[size:]})
-            held = [rest] if rest.sizes[ALONG] else []
-    if held:
-        yield join_blocks(held)
+            pending = [rest] if rest.sizes[ALONG] else []
+    if pending:
+        yield join_blocks(pending)
 
 
 ZARR = FileFormat(

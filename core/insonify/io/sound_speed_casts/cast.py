@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from insonify.io.formats import FormatRegistry
+from insonify.io.formats import FileFormat, FormatRegistry
 
 ENCODING = "latin-1"  # accepts any byte
 Values = NDArray[np.float64]
@@ -32,3 +32,14 @@ CASTS: FormatRegistry[Columns] = FormatRegistry(
     "insonify.sound_speed_cast_formats",
     "water.path: {path!r} {fault}; {remedy}",
 )
+# Formats that are known by name alone: another program converts them.
+MANAGER = "convert it to .asvp or .csv, for example with Sound Speed Manager of HydrOffice"
+
+RBR: FileFormat[Columns] = FileFormat("RBR Ruskin", (".rsk",), converter="export it as CSV from Ruskin")
+MVP: FileFormat[Columns] = FileFormat(
+    "Moving Vessel Profiler", (".m1", ".s10", ".s12", ".s52", ".raw"), converter=MANAGER
+)
+VALEPORT: FileFormat[Columns] = FileFormat("Valeport DataLog", (".vpd",), converter=MANAGER)
+SIPPICAN: FileFormat[Columns] = FileFormat("Sippican", (".edf",), converter=MANAGER)
+SONARDYNE: FileFormat[Columns] = FileFormat("Sonardyne", (".pro",), converter=MANAGER)
+ELAC: FileFormat[Columns] = FileFormat("ELAC", (".sva",), converter=MANAGER)

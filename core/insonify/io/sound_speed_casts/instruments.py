@@ -61,8 +61,8 @@ def _suffices(places: dict[str, int]) -> bool:
 def _row(line: str, places: dict[str, int]) -> NDArray[np.float64]:
     """Return the numbers of a row in the order of the columns, NaN for cells that are none."""
     cells = _cells(line)
-    told = (cells[place] if place < len(cells) else "" for place in places.values())
-    return np.array([_seconds(cell) if name == "time" else number_or_nan(cell) for name, cell in zip(places, told)])
+    used = (cells[place] if place < len(cells) else "" for place in places.values())
+    return np.array([_seconds(cell) if name == "time" else number_or_nan(cell) for name, cell in zip(places, used)])
 
 
 def _seconds(cell: str) -> float:

@@ -1,4 +1,4 @@
-"""Azimuth sectors: what share of a conical beam each plane of a fan stands for.
+"""Azimuth sectors: the share of a conical beam that each plane of a fan represents.
 
 A beam is a cone, a plane is not: planes decide what is visible, sectors weigh it. Derived in
 docs/theory/beam.md.
@@ -12,12 +12,12 @@ from typing import NamedTuple
 from insonify.compiler.jit import inlined_uncounted, kernel_uncounted
 from insonify.kernels.beam.pattern import (
     azimuthal_response,
+    integrated_response,
     lobe_response,
     shared_response,
     vertical_response,
     widest_extent,
 )
-from insonify.kernels.beam.pattern_integrals import integrated_response
 from insonify.kernels.common.types import EVERY_GRAZING, LIGHT
 
 TRANSITION = 0.3  # of the near field, by which the far field takes over
@@ -25,12 +25,12 @@ LINEAR_SINE = 0.3  # sin φ up to which azimuths are proportional to it, to 1 %
 
 
 class AzimuthSector(NamedTuple):
-    """Sector of a beam's azimuths on both sides of one plane, whose echoes that plane stands for."""
+    """Sector of a beam's azimuths about one plane, which represents all of its echoes."""
 
     s_low: float  # |sin φ| where the sector begins; with a pattern sin φ itself, positive towards the bow
     s_high: float  # and where it ends
-    angle: float  # azimuth it stands for, rad; 0 marks a knife
-    far_angle: float  # azimuth it stands for in the far field, where it widens with the cone; 0 for an outer plane
+    angle: float  # azimuth it represents, rad; 0 marks a knife
+    far_angle: float  # azimuth it represents in the far field, where it widens with the cone; 0 for an outer plane
     near_field: float  # ground range beyond which the far field takes over, m
     s_beam: float  # sin of half the beamwidth
     span: float  # azimuth of the whole beam in the far field, rad
@@ -46,7 +46,7 @@ class AzimuthSector(NamedTuple):
 
 @inlined_uncounted
 def raise_sector(sector, near_field):
-    """Azimuth sector of a plane for a raised image of the sonar, whose far field begins farther out."""
+    """Azimuth sector of a plane for a raised image of the sonar; its far field begins farther out."""
     return AzimuthSector(
         sector.s_low, sector.s_high, sector.angle, sector.far_angle, near_field, sector.s_beam, sector.span,
         sector.tabulated, sector.bent, sector.ahead_level, sector.ahead_up, sector.side_x, sector.side_z, sector.up_x,
@@ -66,7 +66,7 @@ def sector_weight(x, z, r, sector, pattern, law):
 
 @inlined_uncounted
 def top_hat_width(x, r, sector):
-    """Along-track width that a plane of a top-hat beam stands for.
+    """Along-track width that a plane of a top-hat beam represents.
 
     A beam is a cone: |sin φ_b| = cos θ |sin φ| <= sin(w/2). In the far field the inner sectors stretch with it, nearer
     by each counts by the share of its azimuths that the cone takes in. Both add up to the whole beam, and so does
@@ -84,7 +84,7 @@ def _far_field_share(x, sector):
 
 @inlined_uncounted
 def top_hat_share(x, r, sector):
-    """Share of a top-hat beam's azimuths at a place that a plane stands for."""
+    """Share of a top-hat beam's azimuths at a place that a plane represents."""
     near = _azimuth_taken_in(x, r, sector) / (2.0 * arcsine(min(sector.s_beam * r / x, 1.0)))
     return near + _far_field_share(x, sector) * (sector.far_angle / sector.span - near)
 
@@ -124,7 +124,7 @@ def _pattern_weight(x, z, r, sector, pattern, law):
 
 @kernel_uncounted
 def pattern_share(x, z, r, sector, pattern):
-    """Share of a tabulated pattern's azimuths at a place that a plane stands for: law `light` averages over them."""
+    """Share of a tabulated pattern's azimuths at a place that a plane represents: law `light` averages over them."""
     width = pattern_width(x, z, r, sector, pattern)
     if not width > 0.0:
         return 0.0
@@ -154,7 +154,7 @@ def _azimuths_in_beam(c, s, r, sector, pattern):
 
 @inlined_uncounted
 def is_whole_beam(sector):
-    """Whether a plane of a tabulated pattern stands for all azimuths."""
+    """Whether a plane of a tabulated pattern represents all azimuths."""
     return sector.tabulated and sector.angle > 0.0 and sector.s_high - sector.s_low >= 2.0
 
 
@@ -166,7 +166,7 @@ def is_top_hat(pattern):
 
 @inlined_uncounted
 def paired_weight(x, one, other, sector, pattern, law):
-    """Weight of a plane that stands for a whole beam, for sound that leaves by one image and returns by another.
+    """Weight of a plane that represents a whole beam, for sound that leaves by one image and returns by another.
 
     A narrow sector has one response to each; over a whole beam the azimuths matter at which both respond.
     """
@@ -201,7 +201,7 @@ def in_plane_response(c, s, sector, pattern):
 
 @inlined_uncounted
 def pattern_width(x, z, r, sector, pattern):
-    """Along-track width that a plane of a tabulated pattern stands for.
+    """Along-track width that a plane of a tabulated pattern represents.
 
     Along the plane of azimuth φ, s = cos p cos θ sin φ + sin p sin θ is the part of the direction along the fish's
     axis; the mean of the pattern over the sector is its integral over s between the sector's borders.

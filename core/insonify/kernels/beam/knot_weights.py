@@ -1,7 +1,7 @@
 """Weights of one plane's sector of the beam at the knots of a profile.
 
 A pattern is read from its table at some knots only. Between two of them it is a function of the level part of the
-direction, whose value and slope are known at both. A top-hat has a closed form, which is taken at every knot.
+direction; its value and slope are known at both. A top-hat has a closed form, which is evaluated at every knot.
 
 Theory: docs/theory/beam.md.
 """
@@ -84,7 +84,7 @@ def _overlap_top_hat(x, z, r, sector, pattern, out):
 
 @kernel_uncounted
 def weigh_paired_knots(x, one, other, sector, pattern, law, weight):
-    """Weight of each knot of a profile for a plane that stands for a whole beam and two images, as `paired_weight`."""
+    """Weight of each knot of a profile for a plane that represents a whole beam, and two images, as `paired_weight`."""
     ranges = one.r
     _sample_pair(x, one, other, sector, pattern, law, weight)
     if law != LIGHT:

@@ -9,11 +9,13 @@ Theory: docs/theory/beam.md.
 from __future__ import annotations
 
 import math
+from typing import NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
 from insonify.compiler.jit import inlined_uncounted, kernel_uncounted
-from insonify.kernels.beam.pattern_integrals import place_in_rows, row_below
+from insonify.kernels.beam.pattern import place_in_rows, row_below
 from insonify.kernels.bed.profile import padded_count
 
 BLOCK = 8  # knots from one at which a pattern is read to the next, at most: the lanes of a vector unit
@@ -34,13 +36,22 @@ ROOM = 21 * AT_ONCE
 LEAST_HEIGHT = 0.01  # share of a ground range
 
 
+class SampleRoom(NamedTuple):
+    """Work space for the samples of a pattern, one entry a sample."""
+
+    listed: NDArray[np.int32]  # of a block's end the steps within the block, then the knots within blocks
+    first: NDArray[np.float64]  # ground range of the sample, then the level part of s
+    second: NDArray[np.float64]  # height, then the upward part of s, then the rate of the integral over the level part
+    third: NDArray[np.float64]  # slant range, then the row of the table, then the integral
+    table: NDArray[np.float64]  # (ROOM,) what is read for AT_ONCE samples
+
+
 @kernel_uncounted
 def sample_pattern(x, z, r, sector, pattern, fine, room, out):
     """Integral of a pattern over the sines of a sector's directions, at many knots."""
     if x.size == 0:
         return
-    listed = room[0]
-    first, second, third = room[1].view(np.float64), room[2].view(np.float64), room[3].view(np.float64)
+    listed, first, second, third, table = room
     blocks = (x.size - 1 + BLOCK - 1) // BLOCK
     for j in range(blocks + 1):
         _take_knot(j, min(j * BLOCK, x.size - 1), x, z, r, first, second, third)
@@ -49,7 +60,7 @@ def sample_pattern(x, z, r, sector, pattern, fine, room, out):
     for j in range(blocks + 1, samples):
         _take_knot(j, listed[np.uint64(j)], x, z, r, first, second, third)
     _find_directions(blocks + 1, samples, sector, pattern, first, second, third)
-    _read_integrals(samples, sector, pattern, first, second, third, room[4].view(np.float64))
+    _read_integrals(samples, sector, pattern, first, second, third, table)
     _fill_blocks(blocks, x, r, sector.ahead_level, first, second, third, listed, out)
 
 

@@ -53,7 +53,7 @@ class LineCrossings(NamedTuple):
 def walk_oblique(nodes, materials, mapped, periodic, spacing, v_is_y, u0, v0, z0, eu, ev, start, end, profile):
     """Fill the knots, gradients, twists and materials of a profile along an oblique plane."""
     crossings = _find_crossings(nodes.shape[1], periodic, spacing, u0, v0, eu, ev, start, end)
-    cells, into, before, after = profile.parts, profile.low, profile.across, profile.high
+    cells, into, before, after = profile.cells, profile.into, profile.before, profile.after
     _locate_cells(crossings, cells, into)
     _mark_crossed(padded_count(crossings.lines), cells, into, profile.crossed)
     count = _place_knots(nodes, crossings, z0, cells, into, profile.crossed, profile.x, profile.z, before, after)

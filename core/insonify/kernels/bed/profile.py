@@ -29,15 +29,34 @@ class Profile(NamedTuple):
     gradient: NDArray[np.float32]  # ∂z across the strip of grid cells that a segment lies in, at its middle
     twist: NDArray[np.float32]  # change of that gradient along the segment
     parts: NDArray[np.int32]  # work space: parts into which each segment is divided
-    across: NDArray[np.float32]  # work space: gradient across the strip, at its knots; of an oblique plane, before them
-    low: NDArray[np.float32]  # work space: heights on the strip's lower border; of an oblique plane, places in cells
-    high: NDArray[
-        np.float32
-    ]  # work space: heights on its upper border; of an oblique plane, gradients beyond its knots
-    crossed: NDArray[np.int64]  # work space: how an oblique plane crosses lines
+    low: NDArray[np.float32]  # work space of a strip: heights on its lower border
+    high: NDArray[np.float32]  # and on its upper border
+    across: NDArray[np.float32]  # and the gradient across it, at its knots
+    cells: NDArray[np.int32]  # work space of an oblique plane: cell along u at each line v
+    into: NDArray[np.float32]  # and how far into that cell the plane lies
+    crossed: NDArray[np.int64]  # and how the plane crosses a line u between two lines v
+    before: NDArray[np.float32]  # and differences across before the knots
+    after: NDArray[np.float32]  # and beyond them
     range_ratio: NDArray[np.float32]  # in water that refracts: apparent ground range of the knots over the true one
     gain: NDArray[np.float32]  # and what their energy must be multiplied by
     facing: NDArray[np.float32]  # and of segments, -r√area cosα of the true incidence α, r the apparent slant range, m
+
+
+@inlined_uncounted
+def list_marked(marks, segments, indices):
+    """List the indices of marked segments and return their number; a word of marks beyond the segments is cleared.
+
+    Few segments are marked, so that whole words of marks are tested at once.
+    """
+    marks[segments : segments + WORD] = False
+    words, n = marks[: (segments + WORD - 1) // WORD * WORD].view(np.int64), 0
+    for word in range(words.size):
+        if words[word] != 0:
+            for i in range(WORD * word, WORD * word + WORD):
+                if marks[i]:
+                    indices[n] = i
+                    n += 1
+    return n
 
 
 def empty_profile(capacity: int, dtype: DTypeLike = np.float32) -> Profile:
@@ -55,25 +74,13 @@ def empty_profile(capacity: int, dtype: DTypeLike = np.float32) -> Profile:
     Profile
     """
     x, z = np.zeros(capacity), np.zeros(capacity)
-    slope, area, gradient, twist, across, low, high, range_ratio, gain, facing = np.zeros((10, capacity), dtype)
-    material, parts = np.zeros(capacity, np.int64), np.zeros(capacity, np.int32)
+    slope, area, gradient, twist, low, high, across = np.zeros((7, capacity), dtype)
+    into, before, after, range_ratio, gain, facing = np.zeros((6, capacity), dtype)
+    (material, crossed), (parts, cells) = np.zeros((2, capacity), np.int64), np.zeros((2, capacity), np.int32)
     return Profile(
-        x,
-        z,
-        slope,
-        area,
-        material,
-        gradient,
-        twist,
-        parts,
-        across,
-        low,
-        high,
-        np.zeros(capacity, np.int64),
-        range_ratio,
-        gain,
-        facing,
-    )
+        x, z, slope, area, material, gradient, twist, parts, low, high, across, cells, into, crossed, before, after,
+        range_ratio, gain, facing,
+    )  # fmt: skip
 
 
 def profile_capacity(reach: float, spacing: float) -> int:

@@ -23,7 +23,7 @@ from insonify.kernels.bed.subdivision import measure_segments
 
 
 class GridWalk(NamedTuple):
-    """Path of a plane over the grid: u counts strips, v runs along the axis whose grid lines are crossed most often."""
+    """Path of a plane over the grid: u counts strips, v runs along the axis of the lines that it crosses most often."""
 
     nodes: NDArray[np.float32]  # heights, [u, v]
     v_is_y: bool

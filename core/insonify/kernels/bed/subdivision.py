@@ -47,7 +47,7 @@ def measure_segments(count, eu, per_ev, bed, limits, profile):
 
 @inlined_uncounted
 def smallest_turn(limits, spacing):
-    """Smallest turn of the incidence along a segment of a plane along the grid that asks for a division."""
+    """Smallest turn of the incidence along a segment of a plane along the grid that requires a division."""
     # The density of a Lambert echo changes by half the turn from end to end at most.
     diffuse = min(16.0 * limits.misplaced * limits.bin_length / spacing, math.sqrt(12.0 * limits.misplaced))
     lobe = LOBE_TURN * math.sqrt(limits.misplaced / limits.shininess) if limits.shininess > 0.0 else diffuse
@@ -112,7 +112,7 @@ def _mean_square(count, values):
 
 @inlined_uncounted
 def _count_parts(segments, eu, per_ev, slope_squared, limits, profile):
-    """Parts that each segment asks for: the most of what lobes, the vertical beam, bins and the horizon ask for."""
+    """Parts into which each segment is divided: the most that lobes, the vertical beam, bins or the horizon require."""
     x, z, slope, area, parts = profile.x, profile.z, profile.slope, profile.area, profile.parts
     gradient, twist = profile.gradient, profile.twist
     real = area.dtype.type

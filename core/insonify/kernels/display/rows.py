@@ -82,10 +82,10 @@ def colour_values(values, low, scale, table, out):
     """
     last = table.size - 1
     for row in range(values.shape[0]):
-        given, words = values[row], out[row]
-        for k in range(given.size):
-            place = (given[k] - low) * scale
+        value, colour = values[row], out[row]
+        for k in range(value.size):
+            place = (value[k] - low) * scale
             if place >= last:
-                words[k] = table[last]
-            else:  # what is no number takes the first colour
-                words[k] = table[int(place) if place > 0.0 else 0]
+                colour[k] = table[last]
+            else:  # NaN takes the first colour
+                colour[k] = table[int(place) if place > 0.0 else 0]

@@ -130,28 +130,28 @@ def _split_triangles(order, low, high, start, stop):
 def _costs_behind(counts, lows, highs, behind):
     """Cost of a box around all the slabs after each slab."""
     box_low, box_high = np.full(3, np.inf), np.full(3, -np.inf)
-    held = 0
+    count = 0
     for slab in range(SLABS - 1, 0, -1):
-        held += counts[slab]
+        count += counts[slab]
         for axis in range(3):
             box_low[axis] = min(box_low[axis], lows[slab, axis])
             box_high[axis] = max(box_high[axis], highs[slab, axis])
-        behind[slab - 1] = held * _half_surface(box_low, box_high) if held > 0 else 0.0
+        behind[slab - 1] = count * _half_surface(box_low, box_high) if count > 0 else 0.0
 
 
 @inlined
 def _cheapest_split(counts, lows, highs, behind):
     """Find the slab after which a split costs least; neither side may be empty."""
     box_low, box_high = np.full(3, np.inf), np.full(3, -np.inf)
-    held, total = 0, counts.sum()
+    count, total = 0, counts.sum()
     best, best_price = 0, np.inf
     for slab in range(SLABS - 1):
-        held += counts[slab]
+        count += counts[slab]
         for axis in range(3):
             box_low[axis] = min(box_low[axis], lows[slab, axis])
             box_high[axis] = max(box_high[axis], highs[slab, axis])
-        if 0 < held < total:
-            price = held * _half_surface(box_low, box_high) + behind[slab]
+        if 0 < count < total:
+            price = count * _half_surface(box_low, box_high) + behind[slab]
             if price < best_price:
                 best, best_price = slab, price
     return best, best_price

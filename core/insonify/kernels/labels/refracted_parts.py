@@ -7,13 +7,12 @@ import math
 from insonify.compiler.jit import inlined, kernel
 from insonify.kernels.common.scattering import backscatter_strength
 from insonify.kernels.common.types import BED
+from insonify.kernels.labels.bed_stretches import BEHIND_TARGET, HEARD
 from insonify.kernels.labels.echo_parts import (
     AZIMUTH,
-    BEHIND_TARGET,
     COSINE,
     ECHO,
     FAR,
-    HEARD,
     HIDER,
     LAUNCH,
     MATERIAL,

@@ -1,4 +1,4 @@
-"""Shadows of targets on the bed: share of the bed's echo that targets hide in every range bin, and whose it is.
+"""Shadows of targets on the bed: share of the bed's echo that targets hide in every range bin, and which hides most.
 
 Bed that a target hides would return an echo without the targets: the *hidden echo*, weighted by the beam like any
 other. Its share is taken of the echo that the whole bed would return without the targets. Bed that other bed hides
@@ -13,8 +13,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from insonify.compiler.jit import inlined, kernel
+from insonify.kernels.sweep.target_echoes import target_of_body as target_of_body
 
-NO_TARGET = -2  # whose shadow a bin without any holds
+NO_TARGET = -2  # in place of a target's index
 
 
 class ShadowTable(NamedTuple):
@@ -52,13 +53,6 @@ def open_shadow(shadows, target):
         shadows.energy[target, :] = 0.0
 
 
-@inlined
-def target_of_body(solids, mesh, body):
-    """Index of the declared target that a body belongs to."""
-    bodies = solids.shape.size
-    return solids.target[body] if body < bodies else mesh.target[body - bodies]
-
-
 @kernel
 def label_shadows(shadows, contributions, materials, labels, ping, side):
     """Label each bin of one side with the share of the bed's echo that targets hide, and clear the table."""
@@ -68,21 +62,21 @@ def label_shadows(shadows, contributions, materials, labels, ping, side):
         return
     for k in range(share.size):
         hidden, most, best = 0.0, 0.0, NO_TARGET
-        for who in range(shadows.present.size):
-            if shadows.present[who]:
-                energy = shadows.energy[who, k]
+        for row in range(shadows.present.size):
+            if shadows.present[row]:
+                energy = shadows.energy[row, k]
                 hidden += energy
                 if energy > most:
-                    most, best = energy, who
+                    most, best = energy, row
         if hidden > 0.0:
-            share[k] = hidden / (hidden + _heard_bed(contributions, materials, k))
+            share[k] = hidden / (hidden + _bed_echo(contributions, materials, k))
             target[k] = best
     shadows.present[:] = False
 
 
 @inlined
-def _heard_bed(contributions, materials, k):
-    """Echo of the bed that is heard in a bin by the direct path."""
+def _bed_echo(contributions, materials, k):
+    """Echo of the visible bed in a bin by the direct path."""
     energy = 0.0
     for row in range(materials):
         if contributions.present[row]:

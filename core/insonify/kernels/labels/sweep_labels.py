@@ -1,8 +1,8 @@
 """Labels of range bins from the sweep: greatest contributor, its place and incidence, and the shadows of targets.
 
 The planes of the sweep are walked once more. Every visible segment and facet adds its energy to the bins it spans,
-contributor by contributor: each material of the bed is one, and so is each target. Whether a bin holds an echo at all
-the sweep's own bins decide.
+contributor by contributor: each material of the bed is one, and so is each target. A bin has an echo if it has energy
+in the record.
 """
 
 from __future__ import annotations
@@ -14,25 +14,34 @@ import numpy as np
 from numpy.typing import NDArray
 
 from insonify.compiler.jit import inlined, kernel
-from insonify.kernels.common.contributors import open_contributor, spread_contribution
+from insonify.kernels.common.contributors import (
+    ROUNDING,
+    add_contribution,
+    open_contributor,
+    spanned_bins,
+    spread_contribution,
+)
 from insonify.kernels.common.range_bins import FIXED_POINT, accumulate_bins
-from insonify.kernels.labels.bed_labels import note_bed
-from insonify.kernels.labels.shadows import label_shadows, target_of_body
+from insonify.kernels.common.scattering import backscatter_strength
+from insonify.kernels.common.types import LIGHT
+from insonify.kernels.labels.bed_stretches import BEHIND_TARGET, HEARD, empty_stretches, split_segment
+from insonify.kernels.labels.shadows import label_shadows, open_shadow
 from insonify.kernels.multipath.echo_list import EchoSink
 from insonify.kernels.multipath.surface_multipath import add_multipath
 from insonify.kernels.refraction.apparent_positions import prepare_table
 from insonify.kernels.sweep.facets import divide_facet, facet_curve, facet_weight, is_facet_met, part_echo
-from insonify.kernels.sweep.sweep import aim_plane, sweep_plane
-from insonify.kernels.sweep.target_echoes import (
-    BedHorizon,
-    count_facets,
-    knot_before,
-    primitive_material,
-    visible_facet,
+from insonify.kernels.sweep.partial_segments import (
+    BedSegment,
+    ground_range_at_slant,
+    load_segment,
+    nearest_ground_range,
+    slant_range,
+    visible_from,
 )
+from insonify.kernels.sweep.sweep import aim_plane, sweep_plane
+from insonify.kernels.sweep.target_echoes import BedHorizon, load_cell, visible_facet
 from insonify.kernels.targets.angular_zbuffer import NO_PRIMITIVE
-from insonify.kernels.targets.apparent_targets import load_apparent_source
-from insonify.kernels.targets.primitives import load_primitive
+from insonify.kernels.targets.occlusion import occlusion_of
 
 HALVES = 2  # parts of a facet at least, whose energies its labels add up
 
@@ -48,7 +57,27 @@ class BinLabels(NamedTuple):
     ground_range: NDArray[np.float32]  # m, NaN where nothing returns
     incidence: NDArray[np.float32]  # rad, NaN where nothing returns
     target_echo: NDArray[np.float32]  # (pings, 2, targets) direct echo of each target over all bins, m² by law SONAR
-    caustic: NDArray[np.bool_]  # whether a ray at a caustic returns, whose tube's width is bounded from below
+    caustic: NDArray[np.bool_]  # whether a ray at a caustic returns; the width of its tube is bounded from below
+
+
+class LabelledSegment(NamedTuple):
+    """A segment of the bed and what its echo is labelled with."""
+
+    segment: BedSegment
+    contributor: int
+    range_ratio: float  # apparent ground range over the true one
+    law: int
+    bin_length: float
+
+
+class Stretch(NamedTuple):
+    """Part of a segment along which slant range grows or falls throughout."""
+
+    x_from: float  # ground range at which it begins, m
+    x_to: float  # and ends
+    near: float  # least slant range, m
+    far: float  # greatest
+    outward: bool  # whether slant range grows with ground range
 
 
 def empty_labels(pings: int, bins: int, targets: int) -> BinLabels:
@@ -120,6 +149,7 @@ def label_swept_pings(arrays, poses, fan, image_fan, apparent, workspace, multip
     bins = np.zeros(arrays.bins + 2, np.int64)
     straight, by_surface = np.zeros((2, arrays.bins), np.float32)
     profile, echoes, zbuffer = workspace.profile, workspace.echoes, workspace.zbuffer
+    stretches = empty_stretches(zbuffer)
     for ping in range(poses.x.size):
         grid = prepare_table(apparent, poses.z[ping], workspace.table)
         for side in range(2):
@@ -128,7 +158,7 @@ def label_swept_pings(arrays, poses, fan, image_fan, apparent, workspace, multip
                 cells, count = sweep_plane(arrays, plane, sector, reach, grid, workspace, bins)
                 if cells < 0:
                     return cells
-                note_bed(profile, count, arrays, sector, zbuffer, cells, echoes, contributions, shadows)
+                _note_bed(profile, count, arrays, sector, zbuffer, cells, echoes, stretches, contributions, shadows)
                 _note_targets(profile, count, echoes.horizon, arrays, sector, plane, zbuffer, cells, contributions)
             accumulate_bins(bins, arrays.range_factor, straight)
             if arrays.multipath.enabled:
@@ -159,16 +189,16 @@ def label_bins(contributions, straight, by_surface, labels, ping, side):
     contributor, energy = labels.contributor[ping, side], labels.energy[ping, side]
     ground_range, incidence = labels.ground_range[ping, side], labels.incidence[ping, side]
     contributor[:], energy[:], ground_range[:], incidence[:] = NO_PRIMITIVE, 0.0, np.nan, np.nan
-    for who in range(contributions.present.size):
-        if contributions.present[who]:
+    for row in range(contributions.present.size):
+        if contributions.present[row]:
             for k in range(straight.size):
                 best = contributor[k]
                 if (
                     straight[k] + by_surface[k] > 0.0
-                    and contributions.strongest[who, k] >= 0.0
-                    and (best == NO_PRIMITIVE or contributions.energy[who, k] > contributions.energy[best, k])
+                    and contributions.strongest[row, k] >= 0.0
+                    and (best == NO_PRIMITIVE or contributions.energy[row, k] > contributions.energy[best, k])
                 ):
-                    contributor[k] = who
+                    contributor[k] = row
     for k in range(straight.size):
         if contributor[k] != NO_PRIMITIVE:
             energy[k] = contributions.energy[contributor[k], k]
@@ -178,33 +208,130 @@ def label_bins(contributions, straight, by_surface, labels, ping, side):
 
 
 @kernel
-def _note_targets(profile, knots, horizon, arrays, sector, plane, zbuffer, cells, contributions):
-    """Note the contribution of the nearest target in every cell of the z-buffer, facet by facet as in the sweep."""
-    solids, mesh, table, pattern = arrays.solids, arrays.mesh, arrays.reflectivity, arrays.pattern
-    law, bin_length = arrays.law, arrays.bin_length
-    bed, knot = BedHorizon(profile.x, profile.z, horizon, knots), -1
-    for cell in range(cells):
-        p = zbuffer.nearest[cell]
-        if p == NO_PRIMITIVE:
+def _note_bed(profile, count, arrays, sector, zbuffer, cells, echoes, stretches, contributions, shadows):
+    """Note the contribution of every visible segment of a profile, and the echo that targets hide of those segments."""
+    occlusion = occlusion_of(zbuffer, cells)
+    x, z, slope, area, facing = profile.x, profile.z, profile.slope, profile.area, profile.facing
+    material, weights, ratios = profile.material, echoes.weight, profile.range_ratio
+    for i in range(count - 1):
+        if not echoes.cut[i] and echoes.energy[i] == 0.0:
             continue
-        body, row = zbuffer.body[p], primitive_material(solids, mesh, zbuffer, p)
-        who = table.shape[0] + target_of_body(solids, mesh, body)
-        material = table[row, 0], table[row, 1], table[row, 2]
-        facets, centre = count_facets(zbuffer, cell)
-        knot = knot_before(bed, centre, knot)
-        source = load_apparent_source(sector.bent, zbuffer.source[p])
-        primitive = load_primitive(solids, mesh, plane, body, zbuffer.line[p], source)
-        low, high = zbuffer.edge[cell], zbuffer.edge[cell + 1]
-        for k in range(facets):
-            facet = visible_facet(primitive, low, high, k, facets, bed, knot)
-            if is_facet_met(facet):
-                open_contributor(contributions, who)
-                weight = facet_weight(facet, source.gain, sector, pattern, law)
-                _note_facet(facet, weight, material, who, source.level, law, bin_length, contributions)
+        segment = load_segment(i, x, z, slope, area, facing, material, weights, arrays.reflectivity, sector)
+        ratio = 0.5 * (ratios[i] + ratios[i + 1]) if sector.bent else 1.0
+        labelled = LabelledSegment(segment, material[i], ratio, arrays.law, arrays.bin_length)
+        open_contributor(contributions, material[i])
+        if not echoes.cut[i]:
+            density = abs(echoes.energy[i])
+            _note_whole_segment(contributions, labelled, x[i], x[i + 1], echoes.r[i], echoes.r[i + 1], density)
+            continue
+        risen = visible_from(segment, x[i], x[i + 1], echoes.launch[i], echoes.horizon[i])
+        n = split_segment(segment, x[i], x[i + 1], risen, occlusion, arrays, zbuffer, stretches)
+        _note_stretches(contributions, shadows, labelled, stretches, n)
 
 
 @inlined
-def _note_facet(facet, weight, material, who, level, law, bin_length, contributions):
+def _note_stretches(contributions, shadows, labelled, stretches, n):
+    """Note the visible stretches of a segment, and those that targets hide; neighbours behind one target are one."""
+    k = 0
+    while k < n:
+        state, target, start, stop = stretches.state[k], stretches.hider[k], stretches.x_from[k], stretches.x_to[k]
+        k += 1
+        while state == BEHIND_TARGET and k < n and stretches.hider[k] == target and stretches.x_from[k] == stop:
+            stop, k = stretches.x_to[k], k + 1
+        foot = nearest_ground_range(labelled.segment, start, stop)
+        if state == HEARD:
+            _note_stretch(contributions, labelled, start, foot)
+            _note_stretch(contributions, labelled, foot, stop)
+        elif state == BEHIND_TARGET:
+            open_shadow(shadows, target)
+            _hide_stretch(shadows.energy, target, labelled, start, foot)
+            _hide_stretch(shadows.energy, target, labelled, foot, stop)
+
+
+@inlined
+def _note_whole_segment(contributions, labelled, x_from, x_to, near, far, density):
+    """Note a short segment; its energy is spread evenly over its slant range."""
+    segment, row, level, bin_length = labelled.segment, labelled.contributor, labelled.range_ratio, labelled.bin_length
+    energy, strongest, per_bin = contributions.energy[row], contributions.strongest[row], 1.0 / bin_length
+    a, b = min(near, far), max(near, far)
+    first, last = spanned_bins(a, b, per_bin, energy.size, ROUNDING)
+    for k in range(first, last):
+        start, stop = max(a, k * bin_length), min(b, (k + 1) * bin_length)
+        part = density * max(stop - start, 0.0) * per_bin
+        energy[k] += part
+        if part > strongest[k]:
+            r = 0.5 * (start + stop)
+            strongest[k] = part
+            contributions.x[row, k] = (x_from + (x_to - x_from) * (r - near) / (far - near)) / level
+            contributions.cosine[row, k] = -segment.facing / (r * math.sqrt(segment.area))
+
+
+@kernel
+def _note_stretch(contributions, labelled, x_from, x_to):
+    """Note a visible stretch of a segment along which slant range grows or falls, bin by bin."""
+    if x_to > x_from:
+        stretch, row = _stretch(labelled.segment, x_from, x_to), labelled.contributor
+        bins = contributions.energy.shape[1]
+        first, last = spanned_bins(stretch.near, stretch.far, 1.0 / labelled.bin_length, bins, ROUNDING)
+        for k in range(first, last):
+            x, cosine, energy = _echo_in_bin(labelled, stretch, k)
+            add_contribution(contributions, row, k, energy, x / labelled.range_ratio, cosine)
+
+
+@kernel
+def _hide_stretch(hidden, target, labelled, x_from, x_to):
+    """Add the echo of a hidden stretch of a segment along which slant range grows or falls to a target's row."""
+    if x_to > x_from:
+        stretch = _stretch(labelled.segment, x_from, x_to)
+        first, last = spanned_bins(stretch.near, stretch.far, 1.0 / labelled.bin_length, hidden.shape[1], 0.0)
+        for k in range(first, last):
+            _, _, energy = _echo_in_bin(labelled, stretch, k)
+            hidden[target, k] += energy
+
+
+@inlined
+def _stretch(segment, x_from, x_to):
+    """Stretch of a segment between two ground ranges on one side of its foot."""
+    near, far = slant_range(segment, x_from), slant_range(segment, x_to)
+    return Stretch(x_from, x_to, min(near, far), max(near, far), far >= near)
+
+
+@inlined
+def _echo_in_bin(labelled, stretch, k):
+    """Ground range, cosine of the incidence and energy of what of a stretch lies in range bin k."""
+    segment, law, bin_length = labelled.segment, labelled.law, labelled.bin_length
+    start, stop = max(stretch.near, k * bin_length), min(stretch.far, (k + 1) * bin_length)
+    a = min(max(ground_range_at_slant(segment, start, stretch.outward), stretch.x_from), stretch.x_to)
+    b = min(max(ground_range_at_slant(segment, stop, stretch.outward), stretch.x_from), stretch.x_to)
+    x, side = 0.5 * (a + b), math.sqrt(segment.area)
+    cosine = -segment.facing / (slant_range(segment, x) * side)
+    energy = FIXED_POINT * backscatter_strength(cosine, segment.diffuse, segment.specular, segment.shininess, law)
+    energy *= segment.weight + segment.weight_rate * x
+    energy *= max(stop - start, 0.0) / bin_length if law == LIGHT else side * abs(b - a)
+    return x, cosine, energy
+
+
+@kernel
+def _note_targets(profile, count, horizon, arrays, sector, plane, zbuffer, cells, contributions):
+    """Note the contribution of the nearest target in every cell of the z-buffer, facet by facet as in the sweep."""
+    bodies, materials = (arrays.solids, arrays.mesh, arrays.reflectivity), arrays.reflectivity.shape[0]
+    law, bin_length = arrays.law, arrays.bin_length
+    bed, knot = BedHorizon(profile.x, profile.z, horizon, count), -1
+    for c in range(cells):
+        if zbuffer.nearest[c] == NO_PRIMITIVE:
+            continue
+        cell = load_cell(c, bodies, plane, sector.bent, zbuffer, bed, knot)
+        knot, row = cell.knot, materials + cell.target
+        for k in range(cell.facets):
+            facet = visible_facet(cell.primitive, cell.low, cell.high, k, cell.facets, bed, knot)
+            if is_facet_met(facet):
+                open_contributor(contributions, row)
+                weight = facet_weight(facet, cell.source.gain, sector, arrays.pattern, law)
+                _note_facet(facet, weight, cell.material, row, cell.source.level, law, bin_length, contributions)
+
+
+@inlined
+def _note_facet(facet, weight, material, row, level, law, bin_length, contributions):
     """Note the contribution of one facet, part by part as in the sweep."""
     curve, x, per_bin = facet_curve(facet), facet.centre * facet.cosine / level, 1.0 / bin_length
     near, centre, far = facet.near * per_bin, facet.centre * per_bin, facet.far * per_bin
@@ -213,5 +340,5 @@ def _note_facet(facet, weight, material, who, level, law, bin_length, contributi
     start = facet.near
     for k in range(parts):
         stop, cosine, energy = part_echo(facet, curve, k, parts, start, weight, material, law, per_bin)
-        spread_contribution(contributions, who, start, stop, energy, x, cosine, bin_length)
+        spread_contribution(contributions, row, start, stop, energy, x, cosine, bin_length)
         start = stop

@@ -9,8 +9,13 @@ Theory: docs/theory/multipath.md.
 from __future__ import annotations
 
 import math
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import DTypeLike, NDArray
 
 from insonify.compiler.jit import inlined_uncounted, kernel_uncounted
+from insonify.kernels.beam.pattern_samples import SampleRoom
 from insonify.kernels.bed.profile import WORD, padded_count
 from insonify.kernels.common.range_bins import FIXED_POINT, spread_energy
 from insonify.kernels.common.scattering import scatter_paired_segments
@@ -18,6 +23,31 @@ from insonify.kernels.common.types import LIGHT
 from insonify.kernels.multipath.image_sources import height_delay, tilt_delay
 from insonify.kernels.sweep.partial_segments import FINE
 from insonify.kernels.sweep.segment_densities import deposit_densities
+
+
+class PairedEchoes(NamedTuple):
+    """Echoes of one profile's segments for a pair of images; one entry a knot, or a segment."""
+
+    r: NDArray[np.float64]  # slant range of the echo: half the way by both images, m, knots
+    weight: NDArray[np.float32]  # weight of the plane, knots
+    cosines: NDArray[np.float32]  # product of both cosines of the incidence, under law `light` their mean, segments
+    mirrored: NDArray[np.float32]  # R·V: cosine between one direction, mirrored, and the other, segments
+    scale: NDArray[np.float32]  # what turns a scattering strength into energy per bin, segments
+    energy: NDArray[np.float32]  # per bin in fixed-point units, of segments that both images see whole
+    cut: NDArray[np.bool_]  # marks of segments that must be taken one by one
+    marked: NDArray[np.int32]  # indices of marked segments
+    place: NDArray[np.int32]  # bin of a knot
+    early: NDArray[np.int64]  # step of the density at a knot: what that bin takes
+    late: NDArray[np.int64]  # and what the next bin takes
+    room: SampleRoom
+
+
+def empty_paired_echoes(capacity: int, dtype: DTypeLike) -> PairedEchoes:
+    """Make room for the echoes of profiles."""
+    weight, cosines, mirrored, scale, energy = np.zeros((5, capacity), dtype)
+    (marked, place, listed), (early, late) = np.zeros((3, capacity), np.int32), np.zeros((2, capacity), np.int64)
+    r, cut, room = np.zeros(capacity), np.zeros(capacity + WORD, np.bool_), SampleRoom(listed, *np.zeros((4, capacity)))
+    return PairedEchoes(r, weight, cosines, mirrored, scale, energy, cut, marked, place, early, late, room)
 
 
 @kernel_uncounted
@@ -32,14 +62,13 @@ def deposit_paired_profile(profile, count, one, other, pair, hidden, arrays, lab
         arrays.reflectivity,
         arrays.bed.mapped,
         pair.law,
-        echoes.cos_squared,
-        echoes.launch,
+        echoes.cosines,
+        echoes.mirrored,
         echoes.scale,
         echoes.energy,
     )
     _mark_parted(knots, profile.area, one, other, pair, hidden, labelling, echoes)
     echoes.energy[count - 1] = 0.0
-    echoes.cut[count - 1 : count - 1 + WORD] = False
     if pair.rms_height > 0.0 or pair.slope_variance > 0.0:
         _deposit_on_waves(count, profile.x, one.z, pair, arrays.multipath.facets[pair.passes - 1], echoes, bins)
     else:
@@ -55,13 +84,9 @@ def _half_ways(count, r_one, r_other, r):
 
 @inlined_uncounted
 def _measure_pairs(segments, profile, one, pair, echoes):
-    """Geometry of the echo of each segment at its middle, and marks of those too long for one density.
-
-    ``cos_squared`` takes the product of both cosines of the incidence, under law `light` their mean; ``launch`` takes
-    R·V; ``scale`` what turns strength into energy per bin.
-    """
+    """Geometry of the echo of each segment at its middle, and marks of those too long for one density."""
     x, slope, area, z, weight, r = profile.x, profile.slope, profile.area, one.z, echoes.weight, echoes.r
-    facing, mirrored, scale, uneven = echoes.cos_squared, echoes.launch, echoes.scale, echoes.cut
+    facing, mirrored, scale, uneven = echoes.cosines, echoes.mirrored, echoes.scale, echoes.cut
     real, light = scale.dtype.type, pair.law == LIGHT
     share = pair.orders * pair.one.share * pair.other.share * FIXED_POINT
     unit, raised = real(share if light else share * pair.bin_length), real(pair.other.height - pair.one.height)

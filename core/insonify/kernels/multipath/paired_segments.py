@@ -32,7 +32,7 @@ class PairedSegment(NamedTuple):
     one: SegmentLine
     other: SegmentLine
     area: float  # 1 + |∇z|²
-    at_nadir: float  # what its plane stands for there, were it linear
+    at_nadir: float  # weight of its plane, extrapolated linearly to nadir
     rate: float  # by which that grows per metre of ground range
     material: int  # row of the reflectivity table
     diffuse: float
@@ -113,7 +113,7 @@ def _list_monotone(segment, pair, x_from, x_to, echoes, n):
 
 @inlined_uncounted
 def _list_part(segment, pair, x_from, x_to, near, far, echoes, n):
-    """List one part, whose energy is spread evenly over the slant ranges it spans, ``near`` to ``far``."""
+    """List one part; its energy is spread evenly over the slant ranges that it spans, ``near`` to ``far``."""
     x, stretch, law = 0.5 * (x_from + x_to), math.sqrt(segment.area), pair.law
     a, b = segment.one.offset + segment.one.slope * x, segment.other.offset + segment.other.slope * x
     if -b <= pair.other.above:

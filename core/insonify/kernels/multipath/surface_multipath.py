@@ -17,44 +17,46 @@ from numpy.typing import DTypeLike, NDArray
 from insonify.compiler.jit import inlined_uncounted, kernel, kernel_uncounted
 from insonify.kernels.beam.azimuth_sector import is_whole_beam, raise_sector
 from insonify.kernels.beam.knot_weights import weigh_knots, weigh_paired_knots
+from insonify.kernels.beam.pattern import two_way_response
 from insonify.kernels.beam.pattern_samples import FINE_ROOT, FINE_SINE
-from insonify.kernels.bed.profile import WORD, Profile, empty_profile, padded_count, profile_capacity
+from insonify.kernels.bed.profile import Profile, empty_profile, list_marked, padded_count, profile_capacity
 from insonify.kernels.bed.slice import slice_bed
 from insonify.kernels.common.range_bins import accumulate_bins
 from insonify.kernels.common.search import last_not_above
-from insonify.kernels.common.types import SceneArrays, SegmentLimits
+from insonify.kernels.common.types import LIGHT, SONAR, SceneArrays, SegmentLimits
 from insonify.kernels.geometry.cross_sections import HalfPlane
 from insonify.kernels.multipath.echo_list import (
     ENOUGH,
     EchoSink,
+    SurfaceEcho,
     deposit_echoes,
     empty_echo_list,
+    list_echo,
 )
 from insonify.kernels.multipath.image_sources import (
     PAIRS,
     SECOND_BOTTOM,
+    SURFACE_BOTTOM,
+    SURFACE_BOTTOM_SURFACE,
+    SURFACE_ECHO,
+    height_delay,
     image_pairs,
     pair_response,
     plane_reach,
+    surface_image,
+    tilt_delay,
     wave_advance,
 )
-from insonify.kernels.multipath.paired_profile import deposit_paired_profile
+from insonify.kernels.multipath.paired_profile import PairedEchoes, deposit_paired_profile, empty_paired_echoes
 from insonify.kernels.multipath.paired_segments import PairedSegment, SegmentLine, echo_range, list_stretch
-from insonify.kernels.multipath.surface_echo import add_surface_echo
 from insonify.kernels.multipath.target_multipath import list_target_echoes
+from insonify.kernels.rays.launch import orient_beam
 from insonify.kernels.refraction.apparent_positions import COLUMNS, straight_grid
-from insonify.kernels.sweep.sweep import LOWEST, aim_plane, visible_from
-from insonify.kernels.sweep.target_echoes import ground_range_at, launch_angle
-from insonify.kernels.sweep.visibility import (
-    SegmentEchoes,
-    empty_segment_echoes,
-    launch_slopes,
-    running_horizon,
-    sample_room,
-    slant_ranges,
-)
+from insonify.kernels.sweep.partial_segments import launch_angle, next_stretch, visible_from
+from insonify.kernels.sweep.sweep import LOWEST, aim_plane
+from insonify.kernels.sweep.visibility import launch_slopes, running_horizon, slant_ranges
 from insonify.kernels.targets.angular_zbuffer import AngularZbuffer, empty_zbuffer, fill_zbuffer
-from insonify.kernels.targets.occlusion import is_hidden, next_visible, occluded_slopes, occlusion_of
+from insonify.kernels.targets.occlusion import is_hidden, occluded_slopes, occlusion_of
 
 MOST_PASSES = 2  # of the sea surface
 NOT_SEEN = -1  # cells of a z-buffer that is not filled yet
@@ -65,10 +67,10 @@ class ImageProfile(NamedTuple):
 
     z: NDArray[np.float64]  # height above the image, m
     r: NDArray[np.float64]  # slant range, m
-    rise: NDArray[np.float64]  # height above the sonar of where the sound set out for, m
+    rise: NDArray[np.float64]  # the same, mirrored with the image: how far the sound rises on leaving the sonar, m
     launch: NDArray[np.float32]  # tan of the launch angle above the horizontal
     horizon: NDArray[np.float32]  # greatest launch slope so far
-    weight: NDArray[np.float32]  # what the plane stands for there
+    weight: NDArray[np.float32]  # weight of the plane there
 
 
 class MultipathWorkspace(NamedTuple):
@@ -77,8 +79,8 @@ class MultipathWorkspace(NamedTuple):
     profile: Profile
     images: tuple[ImageProfile, ImageProfile]
     zbuffers: tuple[AngularZbuffer, AngularZbuffer]
-    segments: SegmentEchoes
-    table: NDArray[np.float32]  # apparent positions, which water without refraction has none of
+    segments: PairedEchoes
+    table: NDArray[np.float32]  # apparent positions; unused in water without refraction
     echoes: NDArray[np.float64]  # a list of echoes
 
 
@@ -99,7 +101,7 @@ def empty_multipath_workspace(arrays: SceneArrays, dtype: DTypeLike = np.float32
     capacity = profile_capacity(reach, arrays.bed.spacing)
     lower, higher = (ImageProfile(*np.zeros((3, capacity)), *np.zeros((3, capacity), dtype)) for _ in range(2))
     zbuffers = empty_zbuffer(arrays.solids, arrays.mesh), empty_zbuffer(arrays.solids, arrays.mesh)
-    segments = empty_segment_echoes(capacity, arrays.bins, dtype)
+    segments = empty_paired_echoes(capacity, dtype)
     table = np.zeros((2, 2, COLUMNS), np.float32)
     return MultipathWorkspace(
         empty_profile(capacity, dtype), (lower, higher), zbuffers, segments, table, empty_echo_list()
@@ -189,7 +191,7 @@ def add_image_plane(arrays, poses, ping, side, fan, k, pairs, reaches, workspace
     limits = SegmentLimits(shininess, bin_length, angle, misplaced, False)
     count = slice_bed(arrays.bed, limits, x, y, z, ex, ey, farthest, profile)
     cells_of_sonar = cells_of_image = NOT_SEEN
-    # What an image takes part in: the sonar in two paths, its image in the surface in two, that in the bed in one.
+    # The sonar makes two of the paths, its image in the surface two, its image in the bed one.
     seen_by_sonar, seen_by_image = max(reaches[0], reaches[2]), max(reaches[0], reaches[1])
     for path in range(PAIRS):
         pair, reach = pairs[path], reaches[path]
@@ -231,19 +233,19 @@ def _deposit(arrays, passes, path, echoes, n, sink):
 def _view_from_image(arrays, count, image, plane, sector, reach, workspace, k):
     """Fill the profile and the z-buffer of targets of image k (0 the sonar); return the cells of the z-buffer.
 
-    What lies beyond the reach of its paths neither echoes nor hides anything of them.
+    Nothing beyond the reach of its paths returns an echo by them or hides one.
     """
     seen, zbuffer, pattern = workspace.images[k], workspace.zbuffers[k], arrays.pattern
     x = workspace.profile.x
     count = _knots_within(x, count, reach)
     _view_profile(x, workspace.profile.z, padded_count(count), image, seen)
-    # The bed's image is never the lower one of a pair, whose weights alone count without a pattern.
+    # Without a pattern the weights of the lower image alone count; the bed's image is never the lower one.
     if pattern.tabulated or image.mirrored or k == 0:
         # Padding past the last knot may hold any number, which must not index a pattern's table.
         x, fine = x[: count if pattern.tabulated else padded_count(count)], FINE_ROOT if pattern.two_way else FINE_SINE
         if not (is_whole_beam(sector) and pattern.two_way):
-            room = sample_room(workspace.segments)
-            weigh_knots(x, seen.rise, seen.r, sector, pattern, arrays.law, fine, room, seen.weight)
+            room, law = workspace.segments.room, arrays.law
+            weigh_knots(x, seen.rise, seen.r, sector, pattern, law, fine, room, seen.weight)
     if zbuffer.body.size == 0:
         return 0
     seen_from = HalfPlane(plane.x, plane.y, plane.z + image.height, plane.ex, plane.ey)
@@ -288,16 +290,10 @@ def _list_bed(arrays, count, pair, images, zbuffers, cells, workspace, sink):
     deposit_paired_profile(
         workspace.profile, count, one, other, pair, hidden, arrays, sink.labelling, segments, sink.bins
     )
-    n, words = 0, segments.cut[: (count - 1 + WORD - 1) // WORD * WORD].view(np.int64)
-    for word in range(words.size):
-        if words[word] == 0:
-            continue
-        for i in range(WORD * word, WORD * word + WORD):
-            if segments.cut[i]:
-                profile, weight = workspace.profile, segments.weight
-                n = _list_segment(
-                    i, arrays.reflectivity, pair, hidden, occlusions, profile, weight, one, other, echoes, n
-                )
+    profile, weight, n = workspace.profile, segments.weight, 0
+    for k in range(list_marked(segments.cut, count - 1, segments.marked)):
+        i, table = segments.marked[k], arrays.reflectivity
+        n = _list_segment(i, table, pair, hidden, occlusions, profile, weight, one, other, echoes, n)
         if n > ENOUGH:
             _deposit(arrays, pair.passes, pair.path, echoes, n, sink)
             n = 0
@@ -332,11 +328,9 @@ def _list_visible_to_both(segment, pair, x_from, x_to, occlusions, echoes, n):
         return n
     low, high = launch_angle(segment.one, x_from), launch_angle(segment.one, x_to)
     while low < high:
-        opened, closed = next_visible(occlusions[0], segment.one, low, high)
+        opened, closed, start, stop = next_stretch(occlusions[0], segment.one, low, high, x_from, x_to)
         if opened >= high:
             break
-        start = x_from if opened <= low else max(ground_range_at(segment.one, opened), x_from)
-        stop = x_to if closed >= high else min(ground_range_at(segment.one, closed), x_to)
         n = _list_visible_to_higher(segment, pair, start, stop, occlusions[1], echoes, n)
         low, x_from = closed, stop
     return n
@@ -347,12 +341,71 @@ def _list_visible_to_higher(segment, pair, x_from, x_to, occlusion, echoes, n):
     """List the echoes of a segment between two ground ranges that no target hides from the higher image."""
     low, high = launch_angle(segment.other, x_from), launch_angle(segment.other, x_to)
     while low < high:
-        opened, closed = next_visible(occlusion, segment.other, low, high)
+        opened, closed, start, stop = next_stretch(occlusion, segment.other, low, high, x_from, x_to)
         if opened >= high:
             break
-        start = x_from if opened <= low else max(ground_range_at(segment.other, opened), x_from)
-        stop = x_to if closed >= high else min(ground_range_at(segment.other, closed), x_to)
         near, far = echo_range(segment, start), echo_range(segment, stop)
         n = list_stretch(segment, pair, start, stop, near, far, echoes, n)
         low, x_from = closed, stop
     return n
+
+
+@kernel_uncounted
+def add_surface_echo(arrays, poses, ping, side, echoes, sink):
+    """Add the echo of the sea surface straight above: of an image source twice as far away as the surface.
+
+    It is 1 / (2d)² in the bin of the depth d, with the record's 1/d⁴ taken out; under law `light` it is the image of a
+    lamp in a mirror.
+    """
+    image = surface_image(arrays, poses.z[ping])
+    depth, law = image.above, arrays.law
+    if not 0.0 < depth < arrays.bins * arrays.bin_length:
+        return
+    value = 1.0
+    if arrays.pattern.tabulated:
+        beam, fan = orient_beam(arrays, poses, ping, side), arrays.half_width > 0.0
+        value = two_way_response(arrays.pattern, beam, fan, SONAR, 0.0, 0.0, 1.0, depth)
+    energy = value if law == LIGHT else 0.25 * value * depth * depth
+    rise = height_delay(image, 2.0 * depth, 2.0 * depth, arrays.multipath.rms_height)
+    tilt = tilt_delay(image, 2.0 * depth, 2.0 * depth, arrays.multipath.slope_variance)
+    n = list_echo(echoes, 0, SurfaceEcho(depth, depth, energy, rise, tilt, 0.0, 1.0, 0))
+    deposit_echoes(echoes, n, arrays.multipath.facets[0], arrays.bin_length, SURFACE_ECHO, sink)
+
+
+@kernel
+def note_plane_echoes(arrays, poses, ping, side, path, fan, k, workspace, sink):
+    """Note the contributors of the echoes by one propagation path in plane k of a fan.
+
+    Parameters
+    ----------
+    arrays : SceneArrays
+    poses : Poses
+    ping, side : int
+    path : int
+        By way of the sea surface; the surface's own echo has no plane.
+    fan : AzimuthFan
+        Of the sonar, or of its image for a path that leaves and returns by the surface.
+    k : int
+    workspace : MultipathWorkspace
+    sink : EchoSink
+        Takes the echoes and their contributors.
+
+    Returns
+    -------
+    bool
+        Whether the path is traced at all.
+    """
+    if path == SURFACE_ECHO:
+        if arrays.multipath.surface_echo:
+            add_surface_echo(arrays, poses, ping, side, workspace.echoes, sink)
+        return arrays.multipath.surface_echo
+    pairs = image_pairs(arrays, poses.x[ping], poses.y[ping], poses.z[ping])
+    pair, height = pairs[path - SURFACE_BOTTOM], max(poses.z[ping] - arrays.bed.low, LOWEST)
+    reach = plane_reach(arrays, pair, fan.reach[k], height)
+    reaches = (
+        reach if path == SURFACE_BOTTOM else 0.0,
+        reach if path == SURFACE_BOTTOM_SURFACE else 0.0,
+        reach if path == SECOND_BOTTOM else 0.0,
+    )
+    add_image_plane(arrays, poses, ping, side, fan, k, pairs, reaches, workspace, sink)
+    return pair.farthest > 0.0

@@ -30,20 +30,19 @@ from insonify.kernels.sweep.facets import (
 from insonify.kernels.sweep.target_echoes import (
     BedHorizon,
     cell_facet,
-    count_facets,
     horizon_at,
     intersect_facet,
     is_cell_clear,
     knot_before,
-    primitive_material,
+    load_cell,
     visible_facet,
 )
 from insonify.kernels.targets.angular_zbuffer import NO_PRIMITIVE, AngularZbuffer, cell_towards
-from insonify.kernels.targets.apparent_targets import load_apparent_source
-from insonify.kernels.targets.primitives import Primitive, load_primitive, meet_primitive
+from insonify.kernels.targets.primitives import Primitive, meet_primitive
 
 HALVINGS = 12  # that find where the higher image stops to see a facet
-# Under law `light`, whose means of both ends err twice as much as middles do: times as many parts, and at least.
+# Under law `light` the mean of both ends errs twice as much as the middle: factor of the number of parts, and the
+# least number.
 LIT_PARTS, LEAST_LIT = 2, 4
 INSIDE = 1e-9  # share of a facet by which radiance is taken inside its ends
 LEAST_COSINE = 1e-6  # of an incidence, as in the parabola of a facet
@@ -91,27 +90,23 @@ class HigherView(NamedTuple):
 @kernel_uncounted
 def list_target_echoes(arrays, knots, pair, plane, sectors, cells, x, views, zbuffers, echoes, n, sink):
     """List the echoes of targets that both images see, facet by facet, depositing them where the list gets full."""
-    solids, mesh, table, zbuffer = arrays.solids, arrays.mesh, arrays.reflectivity, zbuffers[0]
-    bodies, knot, (one, other) = arrays.solids.shape.size, -1, views
+    bodies, zbuffer = (arrays.solids, arrays.mesh, arrays.reflectivity), zbuffers[0]
+    materials, knot, (one, other) = arrays.reflectivity.shape[0], -1, views
     bed, bed_of_higher = BedHorizon(x, one.z, one.horizon, knots), BedHorizon(x, other.z, other.horizon, knots)
     higher = HigherView(pair.other.height - pair.one.height, bed_of_higher, zbuffers[1], cells[1])
     seen_from = HalfPlane(plane.x, plane.y, plane.z + pair.one.height, plane.ex, plane.ey)
-    for cell in range(cells[0]):
-        p = zbuffer.nearest[cell]
-        if p == NO_PRIMITIVE:
+    for c in range(cells[0]):
+        if zbuffer.nearest[c] == NO_PRIMITIVE:
             continue
-        body, row = zbuffer.body[p], primitive_material(solids, mesh, zbuffer, p)
-        contributor = table.shape[0] + (solids.target[body] if body < bodies else mesh.target[body - bodies])
-        facets, centre = count_facets(zbuffer, cell)
-        knot = knot_before(bed, centre, knot)
-        source = load_apparent_source(False, zbuffer.source[p])
-        primitive = load_primitive(solids, mesh, seen_from, body, zbuffer.line[p], source)
-        surface = TargetSurface(primitive, (table[row, 0], table[row, 1], table[row, 2]), contributor)
-        low, high = zbuffer.edge[cell], zbuffer.edge[cell + 1]
-        whole = facets == 1 and is_cell_clear(zbuffer, cell, bed, knot)
+        cell = load_cell(c, bodies, seen_from, False, zbuffer, bed, knot)
+        primitive, body, facets, knot = cell.primitive, cell.body, cell.facets, cell.knot
+        surface = TargetSurface(primitive, cell.material, materials + cell.target)
+        whole = facets == 1 and is_cell_clear(zbuffer, c, bed, knot)
         for k in range(facets):
             # A cell that is whole has been met along its beginning, its middle and its end.
-            facet = cell_facet(zbuffer, cell) if whole else visible_facet(primitive, low, high, k, facets, bed, knot)
+            facet = cell_facet(zbuffer, c)
+            if not whole:
+                facet = visible_facet(primitive, cell.low, cell.high, k, facets, bed, knot)
             if not is_facet_met(facet):
                 continue
             if pair.law == LIGHT and higher.raised > 0.0:
@@ -119,7 +114,7 @@ def list_target_echoes(arrays, knots, pair, plane, sectors, cells, x, views, zbu
             weight = _pair_weight(arrays.pattern, pair, facet, sectors)
             if not weight > 0.0:
                 continue
-            lean = zbuffer.lean[cell] if whole else meet_primitive(primitive, facet.cosine, facet.sine)[2]
+            lean = zbuffer.lean[c] if whole else meet_primitive(primitive, facet.cosine, facet.sine)[2]
             place = _place(facet.centre, facet.cosine, facet.sine, facet.incidence, lean, higher.raised)
             if _is_seen_from_higher(place, body, higher, knot):
                 n = _list_facet(pair, facet, place, weight, surface, echoes, n)

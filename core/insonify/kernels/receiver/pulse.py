@@ -32,9 +32,9 @@ def convolve_pulse(record, taps, before, out):
             for tap in range(taps.size):
                 late = tap - before
                 # The slices are indexed from 0: an index that might be negative prevents vectorisation.
-                echo, heard = record[ping, side, max(-late, 0) :], out[ping, side, max(late, 0) :]
-                for k in range(min(echo.size, heard.size)):
-                    heard[k] += echo[k] * taps[tap]
+                echo, received = record[ping, side, max(-late, 0) :], out[ping, side, max(late, 0) :]
+                for k in range(min(echo.size, received.size)):
+                    received[k] += echo[k] * taps[tap]
                 for k in range(max(bins + late, 0), bins):
                     out[ping, side, k] += record[ping, side, bins - 1] * taps[tap]
 

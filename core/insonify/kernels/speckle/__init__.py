@@ -1,1 +1,1 @@
-"""Correlated random fields, and scatterers whose waves interfere."""
+"""Correlated random fields, and scatterers with interfering waves."""

@@ -2,7 +2,7 @@
 
 Scatterers lie on the bed and on targets at hashed places, a Poisson number in each lot, and scatter with circular
 Gaussian amplitudes. Each visible scatterer adds its wave, with the mean energy of its share of the area, to a signal
-over slant range that is sampled finer than the pulse. The sum of the signal over the pulse is one sample, whose energy
+over slant range that is sampled finer than the pulse. The sum of the signal over the pulse is one sample; its energy
 enters the record. The mean over all realisations of the scatterers is the sweep's record.
 Derived in docs/theory/speckle.md.
 """
@@ -25,12 +25,13 @@ from insonify.kernels.geometry.solids import intersect_solid
 from insonify.kernels.geometry.triangles import intersect_mesh
 from insonify.kernels.rays.cell_walk import Ray, cell_normal, load_cell, meet_bed
 from insonify.kernels.rays.launch import beam_touches_ball, find_enclosing_solid, list_solids_in_beam, orient_beam
-from insonify.kernels.speckle.footprint import beam_footprint, lattice_columns, lattice_rows
 from insonify.kernels.speckle.surface_patches import FACE, SurfacePatches, load_patch, sample_patch
 from insonify.kernels.sweep.visible_stretches import find_visible_bed, is_bed_visible
 
 LOT = 4.0  # scatterers that a lot has on average, at most
 GRAZED = 1e-6  # share of its distance by which a scatterer on a body's surface may lie below it
+STEEPEST = 0.999  # sine from athwart beyond which a beam is taken to reach all ahead
+EMPTY = 1e300
 HALF, LOW_HALF, UNIT = np.uint64(32), np.uint64(0xFFFFFFFF), 2.0**-32
 
 
@@ -46,7 +47,7 @@ class Scatterers(NamedTuple):
 class PulseTaps(NamedTuple):
     """Amplitudes with which one sample sums the coherent signal over the pulse."""
 
-    samples: int  # per bin, whose mean energy the bin holds
+    samples: int  # per bin; the bin has their mean energy
     cells: int  # of the line, per sample
     taps: NDArray[np.float64]  # amplitudes, from the nearest cell to the farthest
     before: int  # how many of them lie nearer than the middle of the sample
@@ -81,7 +82,7 @@ class WaveScale(NamedTuple):
 class ScattererEcho(NamedTuple):
     """A scatterer as the sonar sees it."""
 
-    response: float  # two-way response of the beam; 0 if it does not take it in
+    response: float  # two-way response of the beam; 0 outside it
     cosine: float  # of the incidence
     r: float  # slant range, m
     dx: float  # direction to it
@@ -203,10 +204,10 @@ def _add_bed(arrays, beam, scatterers, visible_bed, near, pulse, signal):
     grid, waves = NodeGrid(bed.x0, bed.y0, bed.spacing, bed.periodic), _wave_scale(arrays, scatterers, pulse)
     bodies = near.size > 0 or arrays.mesh.skip.size > 0
     pitch = math.sqrt(LOT / scatterers.density)
-    none, corners = math.exp(-LOT), beam_footprint(beam, bed.low, bed.high)
-    first, last = lattice_rows(beam, corners, pitch)
+    none, corners = math.exp(-LOT), _beam_footprint(beam, bed.low, bed.high)
+    first, last = _lattice_rows(beam, corners, pitch)
     for row in range(first, last):
-        begin, end = lattice_columns(beam, corners, pitch, row)
+        begin, end = _lattice_columns(beam, corners, pitch, row)
         for column in range(begin, end):
             key = hash_integers(scatterers.seed, BED_SCATTERERS, column, row, np.int64(0))
             for member in range(_poisson(key, LOT, none)):
@@ -220,6 +221,70 @@ def _add_bed(arrays, beam, scatterers, visible_bed, near, pulse, signal):
                     # The lattice is level: on a slope a square of it carries more bed.
                     energy = _mean_energy(table, material, echo) / nz
                     _add_wave(energy, echo.r, more, waves, factor, real, imaginary)
+
+
+@inlined
+def _lattice_rows(beam, corners, pitch):
+    """Rows of a lattice that a footprint meets within reach."""
+    low, high = max(corners[:, 1].min(), beam.y - beam.reach), min(corners[:, 1].max(), beam.y + beam.reach)
+    return math.floor(low / pitch), math.floor(high / pitch) + 1
+
+
+@inlined
+def _lattice_columns(beam, corners, pitch, row):
+    """Columns of a lattice that a footprint meets within reach, in one row."""
+    low, high = _extent_in_x(corners, row * pitch, (row + 1) * pitch)
+    low, high = max(low, beam.x - beam.reach), min(high, beam.x + beam.reach)
+    return math.floor(low / pitch), math.floor(high / pitch) + 1
+
+
+@inlined
+def _beam_footprint(beam, lowest, highest):
+    """Trapezoid that encloses all the bed inside one side's beam."""
+    depth = max(abs(lowest - beam.z), abs(highest - beam.z))
+    corners = np.empty((4, 2))
+    for k in range(4):
+        across = 0.0 if k == 0 or k == 3 else beam.reach
+        if k < 2:
+            along = -_foremost(beam, -beam.s_low, depth, across)
+        else:
+            along = _foremost(beam, beam.s_high, depth, across)
+        corners[k, 0] = beam.x + across * beam.side_x + along * beam.ahead_x
+        corners[k, 1] = beam.y + across * beam.side_y + along * beam.ahead_y
+    return corners
+
+
+@inlined
+def _foremost(beam, sine, depth, across):
+    """Greatest distance ahead of bed inside the beam, at a distance across: a·cos p + z·sin p = s·√(x² + a² + z²).
+
+    The distance ahead is convex in the distance across, so that the chord over its ends encloses all between.
+    """
+    cos_pitch = math.sqrt(1.0 - beam.axis_z * beam.axis_z)
+    s, tip = min(sine / cos_pitch, STEEPEST), abs(beam.axis_z) * depth / cos_pitch
+    if s <= 0.0:
+        return s * across + tip
+    open_to = 1.0 - s * s
+    return (tip + s * math.sqrt(tip * tip + open_to * (across * across + depth * depth))) / open_to
+
+
+@inlined
+def _extent_in_x(corners, low, high):
+    """Least and greatest x of a convex figure between two values of y."""
+    least, greatest = EMPTY, -EMPTY
+    for k in range(4):
+        x, y = corners[k, 0], corners[k, 1]
+        dx, dy = corners[(k + 1) % 4, 0] - x, corners[(k + 1) % 4, 1] - y
+        start, stop = 0.0, 1.0
+        if dy != 0.0:
+            one, other = (low - y) / dy, (high - y) / dy
+            start, stop = max(start, min(one, other)), min(stop, max(one, other))
+        elif not low <= y <= high:
+            continue
+        if start <= stop:
+            least = min(least, x + start * dx, x + stop * dx)
+            greatest = max(greatest, x + start * dx, x + stop * dx)
+    return least, greatest
 
 
 @inlined

@@ -77,7 +77,7 @@ def facet_curve(facet):
 def along_curve(facet, curve, share):
     """Slant range at a share of the launch angle of a facet."""
     delta = (share - 0.5) * curve.angle
-    # Where a facet is kilometres long the parabola dips below zero, which is no place of a bin.
+    # Where a facet is kilometres long the parabola falls below zero, where there are no bins.
     least = 0.5 * min(facet.near, facet.centre, facet.far)
     return max(facet.centre + delta * (curve.rate + delta * curve.bend), least)
 

@@ -19,7 +19,7 @@ from insonify.compiler.jit import inlined_uncounted, kernel
 from insonify.compiler.prefetch import prefetch_row
 from insonify.kernels.beam.azimuth_sector import AzimuthSector
 from insonify.kernels.bed.grid import is_oblique
-from insonify.kernels.bed.profile import WORD, Profile, empty_profile, profile_capacity
+from insonify.kernels.bed.profile import Profile, empty_profile, list_marked, profile_capacity
 from insonify.kernels.bed.slice import prefetch_strip, slice_bed, snap_to_grid
 from insonify.kernels.common.range_bins import accumulate_bins
 from insonify.kernels.common.types import PORT, STARBOARD, SceneArrays
@@ -30,10 +30,14 @@ from insonify.kernels.refraction.apparent_positions import (
     empty_table,
     prepare_table,
 )
-from insonify.kernels.sweep.linear_densities import deposit_linear_densities
-from insonify.kernels.sweep.partial_segments import BedSegment, deposit_partial_segment
-from insonify.kernels.sweep.segment_densities import deposit_densities
-from insonify.kernels.sweep.target_echoes import deposit_targets, deposit_visible_stretches
+from insonify.kernels.sweep.partial_segments import (
+    deposit_partial_segment,
+    deposit_visible_stretches,
+    load_segment,
+    visible_from,
+)
+from insonify.kernels.sweep.segment_densities import deposit_densities, deposit_linear_densities
+from insonify.kernels.sweep.target_echoes import deposit_targets
 from insonify.kernels.sweep.visibility import SegmentEchoes, empty_segment_echoes, find_visible_echoes
 from insonify.kernels.targets.angular_zbuffer import AngularZbuffer, empty_zbuffer, fill_zbuffer
 from insonify.kernels.targets.occlusion import occluded_slopes, occlusion_of
@@ -90,61 +94,38 @@ def _deposit_segments(profile, count, plane, arrays, sector, zbuffer, cells, ech
         deposit_linear_densities(count, echoes, arrays.bin_length, bins)
     else:
         deposit_densities(count, echoes, arrays.bin_length, bins)
-    # Arrays are taken out of their tuples before the loops: doing so costs as much as a segment.
-    x, z, slope, area, facing = profile.x, profile.z, profile.slope, profile.area, profile.facing
-    material, weights, launch, horizon, cut = profile.material, echoes.weight, echoes.launch, echoes.horizon, echoes.cut
-    table, law, bin_length = arrays.reflectivity, arrays.law, arrays.bin_length
-    if cells == 0:
-        # Few segments are marked, so that whole words of marks are tested at once.
-        words = cut[: (count - 1 + WORD - 1) // WORD * WORD].view(np.int64)
-        for word in range(words.size):
-            if words[word] != 0:
-                for i in range(WORD * word, WORD * word + WORD):
-                    if cut[i]:
-                        segment = load_segment(i, x, z, slope, area, facing, material, weights, table, sector)
-                        start = visible_from(segment, x[i], x[i + 1], launch[i], horizon[i])
-                        deposit_partial_segment(segment, start, x[i + 1], law, bin_length, bins)
+    marked = list_marked(echoes.cut, count - 1, echoes.marked)
+    if cells > 0:
+        _deposit_behind_targets(profile, marked, arrays, sector, zbuffer, cells, echoes, bins)
         return
-    _deposit_behind_targets(profile, count, arrays, sector, zbuffer, cells, echoes, bins)
+    # Arrays are taken out of their tuples before the loop: doing so costs as much as a segment.
+    x, z, slope, area, facing = profile.x, profile.z, profile.slope, profile.area, profile.facing
+    material, weights, launch, horizon = profile.material, echoes.weight, echoes.launch, echoes.horizon
+    table, law, bin_length, indices = arrays.reflectivity, arrays.law, arrays.bin_length, echoes.marked
+    for k in range(marked):
+        i = indices[k]
+        segment = load_segment(i, x, z, slope, area, facing, material, weights, table, sector)
+        start = visible_from(segment, x[i], x[i + 1], launch[i], horizon[i])
+        deposit_partial_segment(segment, start, x[i + 1], law, bin_length, bins)
 
 
 @kernel
-def _deposit_behind_targets(profile, count, arrays, sector, zbuffer, cells, echoes, bins):
-    """Spread the echoes of the segments that must be cut, less what targets hide of them."""
+def _deposit_behind_targets(profile, marked, arrays, sector, zbuffer, cells, echoes, bins):
+    """Spread the echoes of the marked segments, less what targets hide of them."""
     occlusion = occlusion_of(zbuffer, cells)
     x, z, slope, area, facing = profile.x, profile.z, profile.slope, profile.area, profile.facing
-    material, weights, launch, horizon, cut = profile.material, echoes.weight, echoes.launch, echoes.horizon, echoes.cut
-    table, law, bin_length = arrays.reflectivity, arrays.law, arrays.bin_length
-    for i in range(count - 1):
-        if cut[i]:
-            segment = load_segment(i, x, z, slope, area, facing, material, weights, table, sector)
-            start = visible_from(segment, x[i], x[i + 1], launch[i], horizon[i])
-            deposit_visible_stretches(segment, start, x[i + 1], occlusion, law, bin_length, bins)
+    material, weights, launch, horizon = profile.material, echoes.weight, echoes.launch, echoes.horizon
+    table, law, bin_length, indices = arrays.reflectivity, arrays.law, arrays.bin_length, echoes.marked
+    for k in range(marked):
+        i = indices[k]
+        segment = load_segment(i, x, z, slope, area, facing, material, weights, table, sector)
+        start = visible_from(segment, x[i], x[i + 1], launch[i], horizon[i])
+        deposit_visible_stretches(segment, start, x[i + 1], occlusion, law, bin_length, bins)
 
 
 @inlined_uncounted
-def load_segment(i, x, z, slope, area, facing, material, weights, table, sector):
-    """Load segment i of a profile."""
-    row, rise = material[i], slope[i]
-    at_nadir, rate, offset = 1.0, 0.0, z[i] - rise * x[i]
-    if sector.angle > 0.0 or sector.tabulated or sector.bent:
-        rate = (np.float64(weights[i + 1]) - weights[i]) / (x[i + 1] - x[i])
-        at_nadir = weights[i] - rate * x[i]
-    away = facing[i] if sector.bent else offset
-    return BedSegment(offset, rise, area[i], away, at_nadir, rate, table[row, 0], table[row, 1], table[row, 2])
-
-
-@inlined_uncounted
-def visible_from(segment, x_from, x_to, launch, horizon):
-    """Ground range from which a segment rises above the horizon: offset / x + slope = horizon."""
-    if horizon > launch:
-        return min(max(segment.offset / (horizon - segment.slope), x_from), x_to)
-    return x_from
-
-
-@inlined_uncounted
-def sweep_plane(arrays, plane, sector, reach, grid, workspace, bins):
-    """Put the echoes of the bed and of the targets that one plane cuts into a difference array."""
+def view_plane(arrays, plane, sector, reach, grid, workspace):
+    """Slice what one plane cuts, and find what of it is visible; return the cells of the z-buffer and the knots."""
     profile, echoes, zbuffer, table = workspace
     # A scene without bodies skips the call, which alone costs some 0.3 µs a plane.
     cells = fill_zbuffer(arrays, plane, sector, reach, grid, table, zbuffer) if zbuffer.body.size > 0 else 0
@@ -156,6 +137,15 @@ def sweep_plane(arrays, plane, sector, reach, grid, workspace, bins):
         if sector.bent:
             apply_apparent_positions(table, grid, sector.angle == 0.0, profile, count)
         find_visible_echoes(profile, count, plane, arrays, sector, hidden_from, hidden_to, echoes)
+    return cells, count
+
+
+@inlined_uncounted
+def sweep_plane(arrays, plane, sector, reach, grid, workspace, bins):
+    """Put the echoes of the bed and of the targets that one plane cuts into a difference array."""
+    profile, echoes, zbuffer, _ = workspace
+    cells, count = view_plane(arrays, plane, sector, reach, grid, workspace)
+    if count > 1:
         _deposit_segments(profile, count, plane, arrays, sector, zbuffer, cells, echoes, bins)
     if cells > 0:
         deposit_targets(profile, count, echoes.horizon, arrays, sector, plane, zbuffer, cells, bins)

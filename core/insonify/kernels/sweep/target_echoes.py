@@ -1,4 +1,4 @@
-"""Echoes of targets, facet by facet, and of the bed that targets leave visible behind them.
+"""Echoes of targets, facet by facet.
 
 Theory: docs/theory/sweep.md.
 """
@@ -11,46 +11,16 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from insonify.compiler.jit import NOTHING, inlined_uncounted, kernel_separate, kernel_uncounted
+from insonify.compiler.jit import NOTHING, inlined_uncounted, kernel_separate
 from insonify.kernels.geometry.cross_sections import NEVER
 from insonify.kernels.sweep.facets import Facet, deposit_facet
-from insonify.kernels.sweep.partial_segments import FINE, deposit_partial_segment
+from insonify.kernels.sweep.partial_segments import FINE
 from insonify.kernels.targets.angular_zbuffer import NO_PRIMITIVE
-from insonify.kernels.targets.apparent_targets import load_apparent_source, rays_apart
-from insonify.kernels.targets.directions import bisect_directions
-from insonify.kernels.targets.occlusion import is_hidden, next_visible
-from insonify.kernels.targets.primitives import intersect_primitive, load_primitive
+from insonify.kernels.targets.apparent_targets import ApparentSource, load_apparent_source, rays_apart
+from insonify.kernels.targets.primitives import Primitive, bisect_directions, intersect_primitive, load_primitive
 
 MOST_FACETS = 64.0
 HALVINGS = 10  # that find where a facet comes out of the bed
-
-
-@kernel_uncounted
-def deposit_visible_stretches(segment, x_from, x_to, occlusion, law, bin_length, bins):
-    """Spread the echo of a bed segment, less the parts that targets hide, over the range bins."""
-    if is_hidden(occlusion, segment, x_from, x_to):
-        return
-    low, high = launch_angle(segment, x_from), launch_angle(segment, x_to)
-    while low < high:
-        opened, closed = next_visible(occlusion, segment, low, high)
-        if opened >= high:
-            return
-        start = x_from if opened <= low else ground_range_at(segment, opened)
-        stop = x_to if closed >= high else ground_range_at(segment, closed)
-        deposit_partial_segment(segment, max(start, x_from), min(stop, x_to), law, bin_length, bins)
-        low, x_from = closed, stop
-
-
-@inlined_uncounted
-def launch_angle(segment, x):
-    """Launch angle to a segment at a ground range."""
-    return math.atan2(segment.offset + segment.slope * x, x)
-
-
-@inlined_uncounted
-def ground_range_at(segment, angle):
-    """Ground range at which a launch angle meets a segment's line."""
-    return segment.offset / (math.tan(angle) - segment.slope)
 
 
 class BedHorizon(NamedTuple):
@@ -60,6 +30,21 @@ class BedHorizon(NamedTuple):
     z: NDArray[np.float64]  # height above the sonar, m
     slope: NDArray[np.float32]  # greatest launch slope of the bed up to each knot
     knots: int
+
+
+class TargetCell(NamedTuple):
+    """The target that is nearest in one cell of a z-buffer."""
+
+    primitive: Primitive
+    source: ApparentSource
+    body: int  # row of the solids, or beyond them the triangle
+    target: int  # index of the declared target
+    row: int  # of the reflectivity table
+    material: tuple[float, float, float]  # that row
+    low: float  # launch angles between which the cell lies, rad
+    high: float
+    facets: int  # into which the cell is divided
+    knot: int  # of the bed, at or before the cell's middle
 
 
 @inlined_uncounted
@@ -103,7 +88,21 @@ def _deposit_cells(bed, bodies, pattern, law, bin_length, sector, plane, zbuffer
 
 
 @inlined_uncounted
-def count_facets(zbuffer, cell):
+def load_cell(cell, bodies, plane, bent, zbuffer, bed, knot):
+    """Load the target in a cell of a z-buffer that is not empty; ``knot`` is where the search for the bed's begins."""
+    solids, mesh, table = bodies
+    p = zbuffer.nearest[cell]
+    body, row = zbuffer.body[p], primitive_material(solids, mesh, zbuffer, p)
+    source = load_apparent_source(bent, zbuffer.source[p])
+    primitive = load_primitive(solids, mesh, plane, body, zbuffer.line[p], source)
+    facets, centre = _count_facets(zbuffer, cell)
+    material, target = (table[row, 0], table[row, 1], table[row, 2]), target_of_body(solids, mesh, body)
+    low, high, knot = zbuffer.edge[cell], zbuffer.edge[cell + 1], knot_before(bed, centre, knot)
+    return TargetCell(primitive, source, body, target, row, material, low, high, facets, knot)
+
+
+@inlined_uncounted
+def _count_facets(zbuffer, cell):
     """Count the facets into which a cell of a z-buffer is divided, and return the ground range of its middle."""
     facet = cell_facet(zbuffer, cell)
     return _facet_count(facet), facet.centre * facet.cosine
@@ -128,7 +127,7 @@ def is_cell_clear(zbuffer, cell, bed, knot):
 
 @inlined_uncounted
 def visible_facet(primitive, low, high, k, facets, bed, knot):
-    """Part of a facet that the bed does not hide."""
+    """Part of facet k of a cell that the bed does not hide."""
     step = (high - low) / facets
     start, stop = low + k * step, low + (k + 1) * step
     facet = intersect_facet(primitive, start, stop)
@@ -174,6 +173,13 @@ def intersect_facet(primitive, low, high):
     centre, incidence = intersect_primitive(primitive, c, s)
     far, _ = intersect_primitive(primitive, math.cos(high), math.sin(high))
     return Facet(low, high, c, s, near, centre, far, incidence, rays_apart(primitive.source, centre))
+
+
+@inlined_uncounted
+def target_of_body(solids, mesh, body):
+    """Index of the declared target that a body belongs to."""
+    bodies = solids.shape.size
+    return solids.target[body] if body < bodies else mesh.target[body - bodies]
 
 
 @inlined_uncounted

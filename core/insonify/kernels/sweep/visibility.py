@@ -15,14 +15,14 @@ from numpy.typing import DTypeLike, NDArray
 
 from insonify.compiler.jit import inlined_uncounted
 from insonify.kernels.beam.knot_weights import weigh_knots
-from insonify.kernels.beam.pattern_samples import FINE_SINE
+from insonify.kernels.beam.pattern_samples import FINE_SINE, SampleRoom
 from insonify.kernels.bed.grid import is_oblique
 from insonify.kernels.bed.profile import WORD, padded_count
 from insonify.kernels.common.range_bins import FIXED_POINT
 from insonify.kernels.common.scattering import incidence_powers, scatter_segments
 from insonify.kernels.common.types import LIGHT
-from insonify.kernels.sweep.linear_densities import fit_densities
 from insonify.kernels.sweep.partial_segments import FINE
+from insonify.kernels.sweep.segment_densities import fit_densities
 
 NADIR = -1e30  # slope of a ray straight down
 
@@ -37,14 +37,15 @@ class SegmentEchoes(NamedTuple):
     cos_squared: NDArray[np.float32]  # of the incidence, segments
     scale: NDArray[np.float32]  # what turns a scattering strength into energy per bin, segments
     energy: NDArray[np.float32]  # per bin in fixed-point units, of segments visible whole
-    cut: NDArray[np.bool_]  # segments visible in part, or too long for one density; a word beyond them is unmarked
+    cut: NDArray[np.bool_]  # marks of segments visible in part, or too long for one density
+    marked: NDArray[np.int32]  # indices of marked segments
     change: NDArray[np.float32]  # relative change of the density of energy from end to end, segments of oblique planes
     place: NDArray[np.int32]  # bin of a knot
     early: NDArray[np.int64]  # step of the density at a knot: what that bin takes
     late: NDArray[np.int64]  # and what the next bin takes
     third: NDArray[np.int64]  # of oblique planes, what the bin after that takes
     fourth: NDArray[np.int64]  # and the one after
-    beyond: NDArray[np.bool_]  # segments of oblique planes over three borders or more; a word beyond them is unmarked
+    beyond: NDArray[np.bool_]  # marks of segments of oblique planes over three borders or more
     even: NDArray[np.int64]  # difference arrays of oblique planes, of every other knot; cleared between planes
     odd: NDArray[np.int64]
 
@@ -52,13 +53,13 @@ class SegmentEchoes(NamedTuple):
 def empty_segment_echoes(capacity: int, bins: int, dtype: DTypeLike = np.float32) -> SegmentEchoes:
     """Make room for the echoes of profiles."""
     launch, horizon, weight, cos_squared, scale, energy, change = np.zeros((7, capacity), dtype)
-    r, place = np.zeros(capacity), np.zeros(capacity, np.int32)
+    r, (place, marked) = np.zeros(capacity), np.zeros((2, capacity), np.int32)
     cut, beyond = np.zeros(capacity + WORD, np.bool_), np.zeros(capacity + WORD, np.bool_)
     early, late, third, fourth = np.zeros((4, capacity), np.int64)
     even, odd = np.zeros((2, bins + 4), np.int64)
     return SegmentEchoes(
-        r, launch, horizon, weight, cos_squared, scale, energy, cut, change, place, early, late, third, fourth, beyond,
-        even, odd,
+        r, launch, horizon, weight, cos_squared, scale, energy, cut, marked, change, place, early, late, third, fourth,
+        beyond, even, odd,
     )  # fmt: skip
 
 
@@ -87,13 +88,13 @@ def find_visible_echoes(profile, count, plane, arrays, sector, hidden_from, hidd
         fit_densities(knots, profile, plane, arrays.law, echoes.r, echoes.change)
     _mark_cut(knots, echoes.launch, echoes.horizon, area, hidden_from, hidden_to, echoes.cut, echoes.energy)
     echoes.energy[count - 1] = 0.0
-    echoes.cut[count - 1 : count - 1 + WORD] = False
 
 
 @inlined_uncounted
 def sample_room(echoes):
-    """Work space in which the knots are weighed: arrays that are filled only afterwards."""
-    return echoes.place, echoes.early, echoes.late, echoes.third, echoes.fourth
+    """Work space for the samples of a pattern, in the memory of arrays that are filled only afterwards."""
+    early, late, third = echoes.early.view(np.float64), echoes.late.view(np.float64), echoes.third.view(np.float64)
+    return SampleRoom(echoes.place, early, late, third, echoes.fourth.view(np.float64))
 
 
 @inlined_uncounted

@@ -18,8 +18,8 @@ class VisibleBed(NamedTuple):
     """Stretches of the bed that the planes of one side see, one row a plane, from the sternmost to the foremost."""
 
     borders: NDArray[np.float64]  # (planes - 1,) sines of the azimuths between neighbours
-    reach: NDArray[np.float64]  # (planes,) ground range to which the beam takes in anything of each, m
-    edges: NDArray[np.float64]  # (planes, n) ground ranges at which the bed comes into sight and goes out, by turns
+    reach: NDArray[np.float64]  # (planes,) ground range at which each leaves the beam, m
+    edges: NDArray[np.float64]  # (planes, n) ground ranges at which visible stretches begin and end, alternating
     edge_count: NDArray[np.int64]  # (planes,) how many edges there are
 
 

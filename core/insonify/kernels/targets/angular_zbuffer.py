@@ -15,16 +15,18 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from insonify.compiler.jit import INTEGER, inlined_uncounted, kernel, kernel_separate
+from insonify.compiler.jit import INTEGER, inlined_uncounted, kernel, kernel_on_demand, kernel_separate
+from insonify.kernels.common.search import last_not_above
 from insonify.kernels.common.types import Mesh, Solids
 from insonify.kernels.geometry.cross_sections import may_cut_solid, section_solid, solid_distance_bound
 from insonify.kernels.targets.apparent_targets import FIELDS, apply_apparent_sources, load_apparent_source
-from insonify.kernels.targets.directions import bisect_directions, measure_directions
-from insonify.kernels.targets.mesh_sections import SAME, cut_mesh
-from insonify.kernels.targets.nearest_primitives import find_nearest
+from insonify.kernels.targets.body_rays import meet_body
 from insonify.kernels.targets.primitives import (
+    bisect_directions,
     intersect_primitive,
     load_primitive,
+    measure_directions,
+    meet_primitive,
     nearest_distance,
     perpendicular_angle,
 )
@@ -34,6 +36,7 @@ RIMS = 6  # rims that a plane cuts of one body, at most four, and room to find t
 EDGE = 1e-9  # share of an interval by which the outermost cells of a body end inside it, to be sure to meet it
 CROSSED = 1e-5  # share of a distance by which a primitive must come before another to cross it
 SPREAD = np.cos(np.pi * np.arange(FACETS + 1) / FACETS)
+SAME = 1e-9  # rad; ends of primitives closer together are one
 NO_PRIMITIVE = -1
 
 
@@ -56,9 +59,8 @@ class AngularZbuffer(NamedTuple):
     lean: NDArray[np.float64]  # part of the inward normal there at right angles to the ray, upwards in the plane
     near: NDArray[np.float64]  # distance to it along the edge where the cell begins
     far: NDArray[np.float64]  # and where it ends
-    nearness_cosine: NDArray[
-        np.float64
-    ]  # one over the distance, nearly so if it is curved, is level · cos θ + rise · sin θ
+    # One over the distance, nearly so if the primitive is curved: nearness_cosine · cos θ + nearness_sine · sin θ.
+    nearness_cosine: NDArray[np.float64]
     nearness_sine: NDArray[np.float64]
     rays: NDArray[np.float64]  # (3, cells) work space: what `meet_body` measures along the rays to one body
 
@@ -85,7 +87,7 @@ def fill_zbuffer(arrays, plane, sector, reach, grid, table, zbuffer):
         return primitives
     solid_primitives = primitives
     if arrays.mesh.target.size > 0:
-        primitives = cut_mesh(arrays.mesh, arrays.solids.shape.size, plane, reach, zbuffer, primitives)
+        primitives = _cut_mesh(arrays.mesh, arrays.solids.shape.size, plane, reach, zbuffer, primitives)
     if sector.bent and primitives > 0:
         solid_primitives, primitives = apply_apparent_sources(
             arrays, plane, sector.angle == 0.0, table, grid, zbuffer, solid_primitives, primitives
@@ -110,6 +112,80 @@ def _cut_solids(solids, plane, reach, height, zbuffer):
     return primitives
 
 
+@kernel_on_demand(INTEGER)
+def _cut_mesh(mesh, first_body, plane, reach, zbuffer, primitives):
+    """Add the lines in which a plane cuts the triangles ahead of the sonar to the primitives of a z-buffer."""
+    node = 0
+    while node < mesh.skip.size:
+        if not _may_cut_box(mesh.low[node], mesh.high[node], plane, reach):
+            node = mesh.skip[node]
+            continue
+        for k in range(mesh.first[node], mesh.first[node] + mesh.held[node]):
+            primitives = _cut_triangle(mesh.corners[k], first_body + k, plane, zbuffer, primitives)
+        node += 1
+    return primitives
+
+
+@inlined_uncounted
+def _may_cut_box(low, high, plane, reach):
+    """Whether a plane may cut a box ahead of the sonar, within reach."""
+    cx, cy = 0.5 * (low[0] + high[0]) - plane.x, 0.5 * (low[1] + high[1]) - plane.y
+    hx, hy = 0.5 * (high[0] - low[0]), 0.5 * (high[1] - low[1])
+    wide, long = hx * abs(plane.ey) + hy * abs(plane.ex), hx * abs(plane.ex) + hy * abs(plane.ey)
+    across, along = cx * plane.ey - cy * plane.ex, cx * plane.ex + cy * plane.ey
+    return abs(across) <= wide and -long <= along <= reach + long
+
+
+@inlined_uncounted
+def _cut_triangle(corners, body, plane, zbuffer, primitives):
+    """Add the line in which the plane cuts one triangle, if it does; return the number of primitives."""
+    ends = 0
+    for k in range(3):
+        following = k + 1 if k < 2 else 0
+        here, there = _signed_distance(corners[k], plane), _signed_distance(corners[following], plane)
+        if (here < 0.0) == (there < 0.0):
+            continue
+        # From the negative side to the positive: both triangles at an edge find the same point to the last bit.
+        a, b = (k, following) if here < 0.0 else (following, k)
+        below, above = min(here, there), max(here, there)
+        share = below / (below - above)
+        px = corners[a, 0] + (corners[b, 0] - corners[a, 0]) * share - plane.x
+        py = corners[a, 1] + (corners[b, 1] - corners[a, 1]) * share - plane.y
+        zbuffer.line[primitives, 2 * ends] = px * plane.ex + py * plane.ey
+        zbuffer.line[primitives, 2 * ends + 1] = corners[a, 2] + (corners[b, 2] - corners[a, 2]) * share - plane.z
+        ends += 1
+        if ends == 2:
+            break
+    if ends < 2 or not _clip_ahead(zbuffer.line[primitives]):
+        return primitives
+    line = zbuffer.line[primitives]
+    one, other = math.atan2(line[1], line[0]), math.atan2(line[3], line[2])
+    if abs(one - other) <= SAME:
+        return primitives  # seen edge-on
+    zbuffer.body[primitives], zbuffer.low[primitives], zbuffer.high[primitives] = body, min(one, other), max(one, other)
+    return primitives + 1
+
+
+@inlined_uncounted
+def _signed_distance(corner, plane):
+    """Signed distance of a corner from the plane."""
+    return (corner[0] - plane.x) * plane.ey - (corner[1] - plane.y) * plane.ex
+
+
+@inlined_uncounted
+def _clip_ahead(line):
+    """Cut off what of a line lies behind the sonar; return whether anything is left."""
+    if line[0] <= 0.0 and line[2] <= 0.0:
+        return False
+    if line[0] < 0.0:
+        line[1] -= line[0] * (line[3] - line[1]) / (line[2] - line[0])
+        line[0] = 0.0
+    elif line[2] < 0.0:
+        line[3] -= line[2] * (line[1] - line[3]) / (line[0] - line[2])
+        line[2] = 0.0
+    return True
+
+
 @kernel_separate(INTEGER)
 def _fill_cells(solids, mesh, plane, bent, zbuffer, solid_primitives, primitives):
     """Divide launch angles where primitives end, turn or cross and find the nearest in every cell; return the cells."""
@@ -117,7 +193,7 @@ def _fill_cells(solids, mesh, plane, bent, zbuffer, solid_primitives, primitives
     cells = 0
     for crossings_known in (False, True):
         cells = _sort_edges(zbuffer, edges)
-        find_nearest(solids, mesh, plane, bent, zbuffer, solid_primitives, primitives, cells)
+        _find_nearest(solids, mesh, plane, bent, zbuffer, solid_primitives, primitives, cells)
         edges = cells + 1
         if not crossings_known and primitives > 1:
             edges = _add_crossings(solids, mesh, plane, bent, zbuffer, solid_primitives, primitives, cells)
@@ -169,6 +245,102 @@ def _sort_edges(zbuffer, edges):
 def _sort(edge, edges):
     """Sort the first edges in place."""
     edge[:edges].sort()
+
+
+@inlined_uncounted
+def _find_nearest(solids, mesh, plane, bent, zbuffer, solid_primitives, primitives, cells):
+    """Find the primitive that is nearest in every cell and the distances to it."""
+    edge = zbuffer.edge[: cells + 1]
+    for p in range(primitives):
+        source = load_apparent_source(bent, zbuffer.source[p])
+        primitive = load_primitive(solids, mesh, plane, zbuffer.body[p], zbuffer.line[p], source)
+        first = zbuffer.first[p] = max(last_not_above(edge, zbuffer.low[p]), 0)
+        if p < solid_primitives:
+            last = min(last_not_above(edge, zbuffer.high[p]) + 1, cells)
+            _keep_nearer_body(p, primitive, first, last - first, zbuffer)
+        else:
+            _keep_nearer_triangle(p, primitive, cells, zbuffer)
+    for p in range(solid_primitives, primitives):
+        source = load_apparent_source(bent, zbuffer.source[p])
+        primitive = load_primitive(solids, mesh, plane, zbuffer.body[p], zbuffer.line[p], source)
+        _measure_edges(p, primitive, cells, zbuffer)
+
+
+@inlined_uncounted
+def _keep_nearer_body(p, body, first, count, zbuffer):
+    """Enter a body in the cells where it is nearer than their primitive: its distances along middles and edges.
+
+    Bodies have many cells and are met by all rays at once; triangles have few and are met ray by ray.
+
+    Rays that it need not meet are followed too, because all of them at once take less time than one by one.
+    """
+    edge, low, high = zbuffer.edge[first:], zbuffer.low[p], zbuffer.high[p]
+    cosine, sine = zbuffer.cosine[first:], zbuffer.sine[first:]
+    here, cos_incidence, leaning = zbuffer.rays[0], zbuffer.rays[1], zbuffer.rays[2]
+    nearest, distance = zbuffer.nearest[first:], zbuffer.distance[first:]
+    for k in range(count):
+        here[k], cos_incidence[k] = bisect_directions(cosine[k], sine[k], cosine[k + 1], sine[k + 1])
+    meet_body(body, count, True, here, cos_incidence, leaning)
+    for k in range(count):
+        middle = 0.5 * (edge[k] + edge[k + 1])
+        here[k] = here[k] if (low < middle) & (middle < high) else math.inf
+    # Few arrays in each pass, so that the compiler can use its vector units.
+    _replace_nearer(count, here, distance, cos_incidence, zbuffer.incidence[first:])
+    _replace_nearer(count, here, distance, leaning, zbuffer.lean[first:])
+    for k in range(count):
+        nearest[k] = p if here[k] < distance[k] else nearest[k]
+    for k in range(count):
+        distance[k] = here[k] if here[k] < distance[k] else distance[k]
+    for k in range(count + 1):
+        here[k], cos_incidence[k] = cosine[k], sine[k]
+    meet_body(body, count + 1, False, here, cos_incidence, leaning)
+    _replace_of(p, count, nearest, here, zbuffer.near[first:])
+    _replace_of(p, count, nearest, here[1:], zbuffer.far[first:])
+
+
+@inlined_uncounted
+def _replace_nearer(count, here, distance, values, kept):
+    """Replace the values of cells in which something is nearer than their primitive."""
+    for k in range(count):
+        kept[k] = values[k] if here[k] < distance[k] else kept[k]
+
+
+@inlined_uncounted
+def _replace_of(p, count, nearest, values, kept):
+    """Replace the values of cells in which a primitive is the nearest."""
+    for k in range(count):
+        kept[k] = values[k] if nearest[k] == p else kept[k]
+
+
+@inlined_uncounted
+def _keep_nearer_triangle(p, triangle, cells, zbuffer):
+    """Enter a triangle in the cells where it is nearer than their primitive; of two at one distance the first stays."""
+    edge, cosine, sine = zbuffer.edge, zbuffer.cosine, zbuffer.sine
+    nearest, distance, incidence, lean = zbuffer.nearest, zbuffer.distance, zbuffer.incidence, zbuffer.lean
+    low, high, cell = zbuffer.low[p], zbuffer.high[p], zbuffer.first[p]
+    while cell < cells and edge[cell] < high:
+        if low < 0.5 * (edge[cell] + edge[cell + 1]) < high:
+            c, s = bisect_directions(cosine[cell], sine[cell], cosine[cell + 1], sine[cell + 1])
+            here, cos_incidence, leaning = meet_primitive(triangle, c, s)
+            if here < distance[cell]:
+                nearest[cell], distance[cell], incidence[cell], lean[cell] = p, here, cos_incidence, leaning
+        cell += 1
+
+
+@inlined_uncounted
+def _measure_edges(p, triangle, cells, zbuffer):
+    """Measure the distances to a triangle along the edges of the cells in which it is the nearest."""
+    edge, cosine, sine, near, far = zbuffer.edge, zbuffer.cosine, zbuffer.sine, zbuffer.near, zbuffer.far
+    nearest, first, high = zbuffer.nearest, zbuffer.first[p], zbuffer.high[p]
+    cell = first
+    while cell < cells and edge[cell] < high:
+        if nearest[cell] == p:
+            if cell > first and nearest[cell - 1] == p:
+                near[cell] = far[cell - 1]
+            else:
+                near[cell], _ = intersect_primitive(triangle, cosine[cell], sine[cell])
+            far[cell], _ = intersect_primitive(triangle, cosine[cell + 1], sine[cell + 1])
+        cell += 1
 
 
 @inlined_uncounted
@@ -231,10 +403,10 @@ def _fit_nearness(cells, zbuffer):
     nearness_cosine, nearness_sine = zbuffer.nearness_cosine, zbuffer.nearness_sine
     for cell in range(cells):
         c_low, s_low, c_high, s_high = cosine[cell], sine[cell], cosine[cell + 1], sine[cell + 1]
-        share, held = 1.0 / (s_high * c_low - c_high * s_low), nearest[cell] != NO_PRIMITIVE
+        share, filled = 1.0 / (s_high * c_low - c_high * s_low), nearest[cell] != NO_PRIMITIVE
         per_near, per_far = share / near[cell], share / far[cell]
-        nearness_cosine[cell] = s_high * per_near - s_low * per_far if held else 0.0
-        nearness_sine[cell] = c_low * per_far - c_high * per_near if held else 0.0
+        nearness_cosine[cell] = s_high * per_near - s_low * per_far if filled else 0.0
+        nearness_sine[cell] = c_low * per_far - c_high * per_near if filled else 0.0
 
 
 @inlined_uncounted

@@ -12,13 +12,13 @@ from insonify.scene.base import Declaration, parameter
 MOST_GAIN = 200.0  # dB, either way
 Seconds = Annotated[float, Field(ge=0.0, le=1e9)]
 Decibels = Annotated[float, Field(ge=-MOST_GAIN, le=MOST_GAIN)]
-Gain = Decibels | tuple[tuple[Seconds, Decibels], ...]
+GainSteps = Decibels | tuple[tuple[Seconds, Decibels], ...]
 
 
 class Recorder(Declaration):
     """Amplifier and converter after detection; with the defaults the record is what the receiver detects."""
 
-    gain: Gain = parameter(
+    gain: GainSteps = parameter(
         0.0,
         unit="dB",
         description="operator's gain: a number, or [[time in s, gain], ...], each kept until the next",
@@ -50,7 +50,7 @@ class Recorder(Declaration):
 
     @field_validator("gain")
     @classmethod
-    def _steps_in_order(cls, gain: Gain) -> Gain:
+    def _steps_in_order(cls, gain: GainSteps) -> GainSteps:
         if isinstance(gain, tuple):
             if not gain:
                 raise ValueError("is empty; give a number or [[time, gain], ...]")

@@ -8,7 +8,7 @@ from typing import Any, Literal
 import numpy as np
 
 from insonify.errors import SceneError
-from insonify.io.file_cache import kept_until_changed
+from insonify.files import kept_until_changed
 from insonify.io.meshes import read_mesh
 from insonify.scene.base import FilePath, parameter
 from insonify.scene.targets import Posed

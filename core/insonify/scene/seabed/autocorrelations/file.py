@@ -8,8 +8,8 @@ import numpy as np
 from pydantic import ValidationError
 
 from insonify.errors import SceneError
+from insonify.files import kept_until_changed
 from insonify.io.file_access import guarded, read_text
-from insonify.io.file_cache import kept_until_changed
 from insonify.scene.base import FilePath, parameter
 from insonify.scene.seabed.autocorrelations.table import LinearAutocorrelation, Points, TabledAutocorrelation
 

@@ -10,10 +10,10 @@ from numpy.typing import NDArray
 from pydantic import model_validator
 
 from insonify.errors import SceneError
+from insonify.files import kept_until_changed
 from insonify.io.bathymetry.grid import Grid
 from insonify.io.bathymetry.rasters import read_raster
 from insonify.io.file_access import check_regular, guarded
-from insonify.io.file_cache import kept_until_changed
 from insonify.io.georeference import Georeference, project
 from insonify.scene.base import FilePath, parameter
 from insonify.scene.seabed.materials import Cells, CompositeMap, Map, Material

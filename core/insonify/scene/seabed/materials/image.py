@@ -9,8 +9,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from insonify.errors import SceneError
+from insonify.files import kept_until_changed
 from insonify.io.file_access import guarded
-from insonify.io.file_cache import kept_until_changed
 from insonify.io.pictures import read_pixels
 from insonify.scene.base import FilePath, parameter
 from insonify.scene.seabed.materials import Cells, CompositeMap, Map, Material

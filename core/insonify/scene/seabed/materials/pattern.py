@@ -17,7 +17,7 @@ GRADES = 256  # rows of waves from the first material to the last: the values of
 LIKE = 1e-12  # cycles a metre, difference below which wave numbers are equal
 NEAR = 1e-3  # relative change of the wave numbers of an oblique pattern, so that its bed stays small
 
-Vector = tuple[float, float]
+WaveVector = tuple[float, float]
 
 
 class PatternMap(CompositeMap):
@@ -75,7 +75,7 @@ class PatternMap(CompositeMap):
         )
         return ny, nx
 
-    def _wave_vectors(self) -> tuple[Vector, Vector]:
+    def _wave_vectors(self) -> tuple[WaveVector, WaveVector]:
         """Cycles per metre along x and y, first across the stripes and then along them."""
         angle = math.radians(self.heading)
         # Rounded, so that stripes along an axis of the grid are exactly along it.
@@ -100,7 +100,7 @@ def graded_rows(materials: Sequence[Material]) -> tuple[tuple[str, ...], tuple[R
     return tuple(_mixture(materials, float(level)) for level in levels), rows
 
 
-def _fitted(vector: Vector, cells: Cells) -> Vector:
+def _fitted(vector: WaveVector, cells: Cells) -> WaveVector:
     """Turn and stretch a wave slightly, so that whole cycles fill a periodic bed."""
     if not cells.periodic:
         return vector

@@ -8,9 +8,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from insonify.errors import SceneError
+from insonify.files import kept_until_changed
 from insonify.io.bathymetry import BATHYMETRY, Grid, read_grid
 from insonify.io.bathymetry.grid import LARGEST_SIDE
-from insonify.io.file_cache import kept_until_changed
 from insonify.io.georeference import Georeference
 from insonify.scene.base import FilePath, parameter
 from insonify.scene.seabed.reliefs import AddableRelief, HeightGrid

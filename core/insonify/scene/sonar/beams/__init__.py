@@ -20,7 +20,7 @@ COLUMNS = 2049  # of a table of sensitivities
 Values = NDArray[np.float64]
 
 
-class Sounding(NamedTuple):
+class BeamConditions(NamedTuple):
     """Conditions on which a beam depends besides its own fields."""
 
     sound_speed: float  # m/s
@@ -79,26 +79,26 @@ class BeamKind(Kind):
         return 2
 
     @abstractmethod
-    def half_width(self, sounding: Sounding) -> float:
+    def half_width(self, conditions: BeamConditions) -> float:
         """Half of the span of the main lobe, in radians."""
 
-    def extent(self, sounding: Sounding) -> float:
+    def extent(self, conditions: BeamConditions) -> float:
         """Sine beyond which the sensitivity is 0."""
-        return max(math.sin(self.half_width(sounding)), 1e-9)  # a knife has no width, but a row must have a span
+        return max(math.sin(self.half_width(conditions)), 1e-9)  # a knife has no width, but a row must have a span
 
-    def response(self, s: Values, sounding: Sounding) -> Values:
+    def response(self, s: Values, conditions: BeamConditions) -> Values:
         """Sensitivity by direction about the axis."""
         return np.ones(s.shape)
 
-    def tabulate(self, sounding: Sounding) -> BeamTable:
+    def tabulate(self, conditions: BeamConditions) -> BeamTable:
         """Tabulate the sensitivity; a beam that is the same at every range has one row."""
-        extent = self.extent(sounding)
+        extent = self.extent(conditions)
         s = np.linspace(-extent, extent, COLUMNS)
-        return BeamTable(1.0, np.array([extent]), self.response(s, sounding)[None, :])
+        return BeamTable(1.0, np.array([extent]), self.response(s, conditions)[None, :])
 
-    def at_range(self, sounding: Sounding) -> BeamTable:
-        """Tabulate the sensitivity at the range of the sounding alone, in one row."""
-        return self.tabulate(sounding)
+    def at_range(self, conditions: BeamConditions) -> BeamTable:
+        """Tabulate the sensitivity at the range of the conditions alone, in one row."""
+        return self.tabulate(conditions)
 
 
 class AimedBeam(BeamKind):

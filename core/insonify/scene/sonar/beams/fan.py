@@ -6,7 +6,7 @@ import math
 from typing import Literal
 
 from insonify.scene.base import parameter
-from insonify.scene.sonar.beams import AimedBeam, Sounding
+from insonify.scene.sonar.beams import AimedBeam, BeamConditions
 
 
 class FanBeam(AimedBeam):
@@ -24,6 +24,6 @@ class FanBeam(AimedBeam):
         """Name of the beam for captions."""
         return self._named(f"fan {self.width:g}°")
 
-    def half_width(self, sounding: Sounding) -> float:
+    def half_width(self, conditions: BeamConditions) -> float:
         """Half of the one-way full width, in radians."""
         return math.radians(self.width) / 2.0

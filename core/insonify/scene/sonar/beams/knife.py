@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Literal
 
-from insonify.scene.sonar.beams import BeamKind, Sounding
+from insonify.scene.sonar.beams import BeamConditions, BeamKind
 
 
 class KnifeBeam(BeamKind):
@@ -20,6 +20,6 @@ class KnifeBeam(BeamKind):
         """Name of the beam for captions."""
         return "knife-edge beam"
 
-    def half_width(self, sounding: Sounding) -> float:
+    def half_width(self, conditions: BeamConditions) -> float:
         """Zero: the beam is a plane."""
         return 0.0

@@ -8,7 +8,7 @@ from typing import Literal
 import numpy as np
 
 from insonify.scene.base import parameter
-from insonify.scene.sonar.beams import COLUMNS, AimedBeam, BeamTable, Sounding, Values
+from insonify.scene.sonar.beams import COLUMNS, AimedBeam, BeamConditions, BeamTable, Values
 
 ELEMENTS = 1024  # point sources from which its pattern is computed
 FEWEST_ROWS = 4.0  # per octave of slant range
@@ -48,20 +48,20 @@ class LineArray(AimedBeam):
         """Number of passes of sound through the beam pattern."""
         return 2 if self.two_way else 1
 
-    def half_width(self, sounding: Sounding) -> float:
+    def half_width(self, conditions: BeamConditions) -> float:
         """Angle of the first null, in radians.
 
         Within the near field of a long array, r < L²/λ, the beam is nearly as wide as the array is long.
         """
-        far = FIRST_NULL[self.taper] * sounding.sound_speed / sounding.frequency / self.length
-        near = 0.5 * self.length / (FAR * sounding.range)
+        far = FIRST_NULL[self.taper] * conditions.sound_speed / conditions.frequency / self.length
+        near = 0.5 * self.length / (FAR * conditions.range)
         return math.asin(min(max(far, near + 0.5 * far), 1.0))
 
-    def tabulate(self, sounding: Sounding) -> BeamTable:
+    def tabulate(self, conditions: BeamConditions) -> BeamTable:
         """Tabulate |∫ w(u) exp(−ik(us − u²/2r)) du|², Fresnel's approximation about the middle, for each pass."""
-        length, first_range, wavelength = self.length, self.length, sounding.wavelength
+        length, first_range, wavelength = self.length, self.length, conditions.wavelength
         # Beyond some ten times L²/λ the waves are flat.
-        farthest = max(min(sounding.range, 16.0 * length * length / wavelength), 2.0 * first_range)
+        farthest = max(min(conditions.range, 16.0 * length * length / wavelength), 2.0 * first_range)
         turn = 0.25 * math.pi * length / (AT_LENGTHS * wavelength)
         per_octave = FEWEST_ROWS * max(math.ceil(ROWS_PER_RADIAN * turn / FEWEST_ROWS), 1)
         rows = 1 + math.ceil(per_octave * math.log2(farthest / first_range))
@@ -70,11 +70,11 @@ class LineArray(AimedBeam):
         energy = [self._energy_at(*row, wavelength) for row in zip(ranges, extent)]
         return BeamTable(first_range, extent, np.array(energy), per_octave)
 
-    def at_range(self, sounding: Sounding) -> BeamTable:
-        """Tabulate the sensitivity at the range of the sounding alone."""
-        extent = self._extent_at(np.array([sounding.range]), sounding.wavelength)
-        energy = self._energy_at(sounding.range, extent[0], sounding.wavelength)
-        return BeamTable(sounding.range, extent, energy[None, :])
+    def at_range(self, conditions: BeamConditions) -> BeamTable:
+        """Tabulate the sensitivity at the range of the conditions alone."""
+        extent = self._extent_at(np.array([conditions.range]), conditions.wavelength)
+        energy = self._energy_at(conditions.range, extent[0], conditions.wavelength)
+        return BeamTable(conditions.range, extent, energy[None, :])
 
     def _extent_at(self, ranges: Values, wavelength: float) -> Values:
         """Sine at each range beyond which less than 0.5 % arrives."""

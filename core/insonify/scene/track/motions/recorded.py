@@ -7,7 +7,7 @@ from typing import Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from insonify.io.file_cache import kept_until_changed
+from insonify.files import kept_until_changed
 from insonify.io.navigation import RecordedNavigation, read_navigation
 from insonify.scene.base import FilePath, parameter
 from insonify.scene.track.motions import SingleMotion

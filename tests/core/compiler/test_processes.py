@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import sys
 import threading
 from collections.abc import Iterator
 from pathlib import Path
@@ -13,9 +14,9 @@ import pytest
 from numba.core import event, types
 from numba.core.errors import TypingError
 
-from insonify.compiler import cache, compiling_process
-from insonify.compiler.compiling_process import CompilationStoppedError, compiled_elsewhere
+from insonify.compiler import digests, processes
 from insonify.compiler.jit import kernel, kernel_on_demand
+from insonify.compiler.processes import CompilationStoppedError, _Helper, compiled_elsewhere
 from insonify.compiler.progress import Compilation, watch_compilation
 from insonify.kernels.display.rows import relate_amplitudes
 
@@ -59,7 +60,7 @@ class Compiled(event.Listener):
 def here(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[list[str]]:
     """Functions that this process compiles, beginning with an empty cache and unknown kernels."""
     monkeypatch.setenv("NUMBA_CACHE_DIR", str(tmp_path / "cache"))  # of the other process
-    monkeypatch.setattr(cache, "FOLDER", tmp_path / "cache" / "insonify" / "kernels")
+    monkeypatch.setattr(digests, "FOLDER", tmp_path / "cache" / "insonify" / "kernels")
     for one in (sum_squares, negate, negate_all, relate_amplitudes):
         for made in ("entry", "part", "machine_code", "_names"):
             monkeypatch.delitem(vars(one), made, raising=False)
@@ -67,7 +68,7 @@ def here(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[list[str]]
     listener = Compiled()
     with event.install_listener("numba:compile", listener):
         yield listener.names
-    assert compiling_process._elsewhere.process is None
+    assert processes.elsewhere.process is None
 
 
 def test_a_kernel_is_compiled_by_the_other_process(here: list[str]) -> None:
@@ -78,7 +79,20 @@ def test_a_kernel_is_compiled_by_the_other_process(here: list[str]) -> None:
     assert here == []
 
 
-def test_how_far_it_is_is_told_here(here: list[str]) -> None:
+def test_modules_of_the_current_folder_are_not_imported(
+    here: list[str], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    for name in ("json", "pickle", "queue", "threading"):
+        (tmp_path / f"{name}.py").write_text("raise SystemExit")
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setenv("PYTHONPATH", ".")
+    monkeypatch.setattr(sys, "path", ["", str(tmp_path), *sys.path])
+    with compiled_elsewhere():
+        assert sum_squares(VALUES) == 30.0
+    assert here == []
+
+
+def test_its_progress_is_reported_here(here: list[str]) -> None:
     told: list[Compilation | None] = []
     record = np.full((1, 3), 4.0, dtype=np.float32)
     with compiled_elsewhere(), watch_compilation(told.append):
@@ -103,7 +117,7 @@ def test_what_is_on_disk_needs_no_process(here: list[str], monkeypatch: pytest.M
     monkeypatch.delitem(vars(sum_squares), "entry")
     with compiled_elsewhere():
         assert sum_squares(VALUES) == 30.0
-        assert compiling_process._elsewhere.process is None
+        assert processes.elsewhere.process is None
     assert here == ["sum_squares"]
 
 
@@ -111,20 +125,20 @@ def test_without_a_folder_for_its_code_a_kernel_is_compiled_here(
     here: list[str], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     (tmp_path / "file").touch()
-    monkeypatch.setattr(cache, "FOLDER", tmp_path / "file" / "kernels")
+    monkeypatch.setattr(digests, "FOLDER", tmp_path / "file" / "kernels")
     with compiled_elsewhere():
         assert sum_squares(VALUES) == 30.0
-        assert compiling_process._elsewhere.process is None
+        assert processes.elsewhere.process is None
     assert here == ["sum_squares"]
 
 
-@pytest.mark.parametrize("code", ["", "import time, sys; sys.stdin.buffer.read(1)", "raise RuntimeError"])
+@pytest.mark.parametrize("code", ["", "def main(): import sys; sys.stdin.buffer.read(1)", "raise RuntimeError"])
 def test_a_process_that_ends_early_is_done_without(
     code: str, here: list[str], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     (tmp_path / "ending_worker.py").write_text(code)
     monkeypatch.syspath_prepend(tmp_path)
-    monkeypatch.setattr(compiling_process, "WORKER", "ending_worker")
+    monkeypatch.setattr(processes, "WORKER", "ending_worker")
     with compiled_elsewhere():
         assert sum_squares(VALUES) == 30.0
     assert here == ["sum_squares"]
@@ -133,11 +147,11 @@ def test_a_process_that_ends_early_is_done_without(
 def test_a_process_that_ended_for_want_of_work_is_started_again(here: list[str]) -> None:
     with compiled_elsewhere():
         sum_squares(VALUES)
-        first = compiling_process._elsewhere.process
+        first = processes.elsewhere.process
         assert first is not None
         first.stop()
         sum_squares(VALUES.astype(np.float32))
-        assert compiling_process._elsewhere.process is not first
+        assert processes.elsewhere.process is not first
     assert here == []
 
 
@@ -149,9 +163,9 @@ def test_what_cannot_be_compiled_fails_as_ever(here: list[str]) -> None:
 def test_a_thread_that_waits_is_told_when_the_block_ends(
     here: list[str], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    (tmp_path / "sleeping_worker.py").write_text("import time; time.sleep(600)")
+    (tmp_path / "sleeping_worker.py").write_text("def main(): import time; time.sleep(600)")
     monkeypatch.syspath_prepend(tmp_path)
-    monkeypatch.setattr(compiling_process, "WORKER", "sleeping_worker")
+    monkeypatch.setattr(processes, "WORKER", "sleeping_worker")
     ends: list[type[BaseException]] = []
 
     def call() -> None:
@@ -163,8 +177,35 @@ def test_a_thread_that_waits_is_told_when_the_block_ends(
     thread = threading.Thread(target=call)
     with compiled_elsewhere():
         thread.start()
-        while (process := compiling_process._elsewhere.process) is None or not process._asked:
+        while (process := processes.elsewhere.process) is None or not process.pending:
             thread.join(0.01)
     thread.join(60.0)
     assert ends == [CompilationStoppedError]
     assert here == []
+
+
+@pytest.fixture
+def helper(monkeypatch: pytest.MonkeyPatch) -> Iterator[_Helper]:
+    monkeypatch.setattr(processes, "default_threads", lambda: 2)
+    helper = _Helper()
+    yield helper
+    helper.finish()
+
+
+def test_a_process_that_still_compiles_for_nobody_is_stopped(helper: _Helper) -> None:
+    helper.start()
+    process = helper.process
+    assert process is not None
+    process.request(b"a kernel that takes long")
+    helper.finish()
+    with compiled_elsewhere():
+        pass
+    assert process.ended
+    assert not process._reader.is_alive()
+    assert not process.wait(b"a kernel that takes long")  # it is compiled here
+
+
+def test_one_core_is_left_to_one_process(helper: _Helper, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(processes, "default_threads", lambda: 1)
+    helper.start()
+    assert helper.process is None

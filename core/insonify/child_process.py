@@ -1,0 +1,212 @@
+"""Child processes that answer requests: their start, messages, limits of time and memory, and their end.
+
+A child runs a function `main` of one module, which calls `serve`. Requests and answers are pickled. Modules of the
+current folder are never imported: a file named json.py beside somebody's data is not part of this program.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import os
+import pickle
+import queue
+import signal
+import subprocess
+import sys
+import threading
+import time
+from collections.abc import Callable, Iterator
+from pathlib import Path
+from typing import Any
+
+# The search path is given whole; and what a child imports is compiled once for all later ones.
+LEFT_OUT = {"PYTHONPATH", "PYTHONDONTWRITEBYTECODE"}
+START = "import sys; sys.path[:] = sys.argv[2:]; __import__(sys.argv[1], fromlist=['main']).main()"
+STARVED = 6.0  # times as long an answer may take while other programs occupy the processors
+PIPE = 2**20  # bytes of a pipe, where the system lets it be chosen
+LENGTH = 8  # bytes of every length in a message
+
+
+class ChildProcess:
+    """A process that answers requests; it ends with this one."""
+
+    def __init__(self, module: str, **environment: str) -> None:
+        self.owner = os.getpid()
+        inherited = {name: value for name, value in os.environ.items() if name not in LEFT_OUT}
+        self.process = subprocess.Popen(
+            [sys.executable, "-P", "-c", START, module, *_search_path()],
+            stdin=subprocess.PIPE,
+            stdout=subprocess.PIPE,
+            stderr=subprocess.DEVNULL,
+            pipesize=PIPE,
+            env=inherited | environment,
+        )
+
+    def send(self, request: Any) -> None:
+        """Send a request; raises OSError if the process has ended."""
+        assert self.process.stdin is not None
+        _write(self.process.stdin, request)
+
+    def receive(self) -> Any:
+        """Wait for an answer; raises EOFError if the process ends without it."""
+        assert self.process.stdout is not None
+        return _read(self.process.stdout)
+
+    def receive_within(self, seconds: float) -> Any:
+        """Wait for an answer; after so much processor time the process is killed, and TimeoutError raised."""
+        answered, late = threading.Event(), threading.Event()
+        threading.Thread(target=self._kill_after, args=(seconds, answered, late), daemon=True).start()
+        try:
+            return self.receive()
+        except (OSError, EOFError):
+            if late.is_set():
+                raise TimeoutError from None
+            raise
+        finally:
+            answered.set()
+
+    def _kill_after(self, seconds: float, answered: threading.Event, late: threading.Event) -> None:
+        """Kill the process after a time without an answer; time in which it waits for a processor does not count."""
+        before, _ = _processor_time(self.process.pid)
+        left, end = seconds, time.monotonic() + STARVED * seconds
+        while not answered.wait(left):
+            taken, runs = _processor_time(self.process.pid)
+            left = min(seconds - (taken - before), end - time.monotonic()) if runs else 0.0
+            if left <= 0.0:
+                late.set()
+                self.process.kill()
+                return
+
+    def is_usable(self) -> bool:
+        """Whether the process runs and belongs to this one, which may have been forked."""
+        return self.owner == os.getpid() and self.process.poll() is None
+
+    def stop(self) -> None:
+        """End the process now."""
+        if self.owner == os.getpid():
+            self.process.kill()
+            self.process.wait()
+            for stream in filter(None, (self.process.stdin, self.process.stdout)):
+                with contextlib.suppress(OSError):  # of what was not sent
+                    stream.close()
+
+    def __del__(self) -> None:
+        """End the process with the last reference to it, as when the package is imported anew."""
+        if hasattr(self, "process"):
+            self.stop()
+
+
+def _search_path() -> list[str]:
+    """Where modules are found, without the current folder; it comes last if it holds this package."""
+    own, here = str(Path(__file__).parents[1]), os.path.realpath(os.curdir)
+    return [path for path in sys.path if path and os.path.realpath(path) != here] + [own]
+
+
+def _processor_time(process: int) -> tuple[float, bool]:
+    """Processor time of a process in seconds, and whether it is running or waits for a processor."""
+    try:
+        stat = Path(f"/proc/{process}/stat").read_text(encoding="ascii", errors="replace")
+    except OSError:  # the system has no such file
+        return 0.0, False
+    state, *fields = stat.rpartition(")")[2].split()
+    return (int(fields[10]) + int(fields[11])) / os.sysconf("SC_CLK_TCK"), state == "R"
+
+
+def serve(answer: Callable[[Any, Callable[[Any], None]], None], idle: float) -> None:
+    """Answer requests in a child, until it has had none for some seconds, a None, or the parent has ended.
+
+    Parameters
+    ----------
+    answer : callable
+        Called with each request and with what sends an answer; it must not raise.
+    idle : float
+        Seconds without a request after which the process ends.
+    """
+    signal.signal(signal.SIGINT, signal.SIG_IGN)  # an interrupt reaches the parent too, which ends this process
+    requests: queue.SimpleQueue[Any] = queue.SimpleQueue()
+    threading.Thread(target=_take_requests, args=(requests,), daemon=True).start()
+    with os.fdopen(os.dup(1), "wb") as answers, contextlib.suppress(queue.Empty, BrokenPipeError):
+        os.dup2(2, 1)  # libraries may print
+        while (request := requests.get(timeout=idle)) is not None:
+            answer(request, lambda value: _write(answers, value))
+
+
+def _take_requests(requests: queue.SimpleQueue[Any]) -> None:
+    """Read requests at once, so that the parent need not wait; end the process with the parent."""
+    # Without a buffer, which the interpreter would wait for when it ends.
+    with open(0, "rb", buffering=0, closefd=False) as sent, contextlib.suppress(EOFError, OSError):
+        while True:
+            requests.put(_read(sent))
+    os._exit(0)
+
+
+@contextlib.contextmanager
+def ended_after(seconds: float) -> Iterator[None]:
+    """Let the system end this process if a block takes longer, where it can; also a loop that is not in Python."""
+    if not hasattr(signal, "setitimer"):
+        yield
+        return
+    signal.signal(signal.SIGALRM, signal.SIG_DFL)
+    signal.setitimer(signal.ITIMER_REAL, seconds)
+    try:
+        yield
+    finally:
+        signal.setitimer(signal.ITIMER_REAL, 0.0)
+
+
+@contextlib.contextmanager
+def limited_memory(bytes_more: int) -> Iterator[None]:
+    """Let allocations in a block fail beyond a number of bytes more than the process has now, where the system can."""
+    present = _private_bytes()
+    if present is None:
+        yield
+        return
+    # lazy: not on every system
+    import resource
+
+    soft, hard = resource.getrlimit(resource.RLIMIT_DATA)
+    most = present + bytes_more
+    resource.setrlimit(resource.RLIMIT_DATA, (most if hard == resource.RLIM_INFINITY else min(most, hard), hard))
+    try:
+        yield
+    finally:
+        resource.setrlimit(resource.RLIMIT_DATA, (soft, hard))
+
+
+def _private_bytes() -> int | None:
+    """Bytes that count towards RLIMIT_DATA; None if the system has no such limit."""
+    try:
+        status = Path("/proc/self/status").read_text(encoding="ascii", errors="replace")
+    except OSError:
+        return None
+    return int(status.partition("VmData:")[2].split()[0]) * 1024
+
+
+def _write(stream: Any, value: Any) -> None:
+    """Write a message as lengths and pieces; arrays are sent without a copy."""
+    buffers: list[pickle.PickleBuffer] = []
+    head = pickle.dumps(value, protocol=5, buffer_callback=buffers.append)
+    pieces = [memoryview(head), *(buffer.raw() for buffer in buffers)]
+    stream.write(len(pieces).to_bytes(LENGTH, "little"))
+    for piece in pieces:
+        stream.write(piece.nbytes.to_bytes(LENGTH, "little"))
+        stream.write(piece)
+    stream.flush()
+
+
+def _read(stream: Any) -> Any:
+    """Read a message, which this package's own code has written in another process."""
+    count = int.from_bytes(_exactly(stream, LENGTH), "little")
+    pieces = [_exactly(stream, int.from_bytes(_exactly(stream, LENGTH), "little")) for _ in range(count)]
+    return pickle.loads(pieces[0], buffers=pieces[1:])
+
+
+def _exactly(stream: Any, count: int) -> bytearray:
+    content = bytearray(count)
+    view, at = memoryview(content), 0
+    while at < count:
+        got = stream.readinto(view[at:])
+        if not got:
+            raise EOFError
+        at += got
+    return content

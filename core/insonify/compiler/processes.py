@@ -1,0 +1,174 @@
+"""Child processes that compile kernels, which this process then loads from disk.
+
+They serve two purposes. While a kernel is compiled here, a second process compiles the separate kernels that it calls
+(`separate`): llvmlite admits one thread of a process at a time. And a window lets another process compile all kernels
+(`compiled_elsewhere`): what Numba and LLVM make of a kernel, a hundred megabytes of a few, stays in memory until their
+process ends, and they block other threads of Python for long. If a process cannot be started or ends early, kernels are
+compiled here.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import sys
+import threading
+from collections.abc import Iterator
+
+from insonify.child_process import ChildProcess
+from insonify.compiler.progress import report_progress
+from insonify.cores import VARIABLE, default_threads
+
+WORKER = "insonify.compiler.worker"
+TRIES = 2  # a process may end for want of work just when it gets a request
+
+
+class CompilationStoppedError(RuntimeError):
+    """The process that should compile a kernel has been ended, because nobody needs it any more."""
+
+
+class CompilingProcess:
+    """A process that compiles kernels one after the other, by their names (`dispatch.name_code`)."""
+
+    def __init__(self, reports: bool, **environment: str) -> None:
+        self.reports = reports  # whether its progress is reported here
+        self.ended = self.stopped = False
+        self.pending: set[bytes] = set()  # requested and not compiled yet
+        self._changed = threading.Condition()
+        self._child = ChildProcess(WORKER, **environment)
+        self._reader = threading.Thread(target=self._read, name="compiling process", daemon=True)
+        self._reader.start()
+        _alive.add(self)
+
+    def request(self, name: bytes) -> None:
+        """Request a kernel, unless that has been done."""
+        with self._changed:
+            if name not in self.pending:
+                self.pending.add(name)
+                self._send(name)
+
+    def wait(self, name: bytes) -> bool:
+        """Wait until a kernel is compiled; false if the process has ended without it."""
+        with self._changed:
+            self._changed.wait_for(lambda: name not in self.pending or self.ended)
+            return name not in self.pending
+
+    def finish(self) -> None:
+        """Let the process end when all that was requested is compiled."""
+        self._send(None)
+
+    def stop(self) -> None:
+        """End the process now, whatever it compiles."""
+        self.stopped = True
+        self._child.process.kill()
+        self._reader.join()
+
+    def _send(self, request: bytes | None) -> None:
+        with contextlib.suppress(OSError, ValueError):  # it has ended: `_read` notices
+            self._child.send(request)
+
+    def _read(self) -> None:
+        """Take names of compiled kernels and reports of progress until the process ends."""
+        with contextlib.suppress(Exception):
+            while True:
+                answer = self._child.receive()
+                if isinstance(answer, bytes):
+                    with self._changed:
+                        self.pending.discard(answer)
+                        self._changed.notify_all()
+                elif self.reports:
+                    report_progress(answer)
+        if self.reports:
+            report_progress(None)
+        with self._changed:
+            self.ended = True
+            self._changed.notify_all()
+        self._child.stop()
+        _alive.discard(self)
+
+
+_alive: set[CompilingProcess] = set()
+
+
+class _Helper:
+    """The process that compiles separate kernels while their callers are compiled here."""
+
+    def __init__(self) -> None:
+        self.process: CompilingProcess | None = None
+        self.requested: dict[bytes, CompilingProcess] = {}
+
+    def start(self) -> None:
+        """Start the process, if there is a second core for it."""
+        with contextlib.suppress(OSError):
+            if default_threads() > 1 and sys.executable:
+                self.process = CompilingProcess(reports=False, **{VARIABLE: "1"})
+
+    def finish(self) -> None:
+        """Request no more kernels; the process ends when it has compiled those that were requested."""
+        if self.process is not None:
+            self.process.finish()
+            self.process = None
+
+    def request(self, name: bytes) -> None:
+        """Request a kernel if the process is running."""
+        if self.process is not None and name not in self.requested:
+            self.requested[name] = self.process
+            self.process.request(name)
+
+    def wait(self, name: bytes) -> None:
+        """Wait for a kernel if it has been requested."""
+        if name in self.requested:
+            self.requested[name].wait(name)
+
+
+helper = _Helper()
+
+
+class _Elsewhere:
+    """The process that compiles all kernels of this one, and whether one is wanted."""
+
+    def __init__(self) -> None:
+        self.wanted = False
+        self.process: CompilingProcess | None = None
+        self.lock = threading.Lock()
+
+    def compile(self, name: bytes) -> None:
+        """Wait until the process has compiled a kernel; if it cannot be started or ends early, nothing is done."""
+        for _ in range(TRIES):
+            process = self._running()
+            if process is None:
+                return
+            process.request(name)
+            if process.wait(name):
+                return
+            if process.stopped:
+                raise CompilationStoppedError("the window that needed a kernel has been closed")
+
+    def _running(self) -> CompilingProcess | None:
+        with self.lock, contextlib.suppress(OSError):
+            if self.wanted and sys.executable and (self.process is None or self.process.ended):
+                self.process = CompilingProcess(reports=True)
+            return self.process
+        return None
+
+    def stop(self) -> None:
+        """End the process, and start no other."""
+        with self.lock:
+            self.wanted, self.process = False, None
+        for process in tuple(_alive):  # those too that compile separate kernels
+            process.stop()
+
+
+elsewhere = _Elsewhere()
+
+
+@contextlib.contextmanager
+def compiled_elsewhere() -> Iterator[None]:
+    """Let another process compile the kernels that are called until the block ends.
+
+    Threads that then still wait for a kernel get a `CompilationStoppedError`.
+    """
+    elsewhere.wanted = True
+    try:
+        yield
+    finally:
+        elsewhere.stop()

@@ -1,0 +1,24 @@
+"""The child process that compiles kernels (`processes`)."""
+
+from __future__ import annotations
+
+import contextlib
+from collections.abc import Callable
+from typing import Any
+
+from insonify.child_process import serve
+from insonify.compiler.dispatch import compile_named
+from insonify.compiler.progress import watch_compilation
+
+IDLE = 20.0  # s, without a kernel to compile, after which the process ends
+
+
+def main() -> None:
+    """Compile requested kernels, which leaves their machine code on disk."""
+    serve(_answer, IDLE)
+
+
+def _answer(name: bytes, send: Callable[[Any], None]) -> None:
+    with watch_compilation(send), contextlib.suppress(Exception):  # the parent finds no code and meets the error
+        compile_named(name)
+    send(name)

@@ -1,0 +1,110 @@
+"""Formats of recorded navigation: text, GPX tracks, records and recordings."""
+
+from __future__ import annotations
+
+from datetime import UTC, datetime
+from xml.etree import ElementTree
+
+import numpy as np
+
+from insonify.io.file_access import FileFault, read_text
+from insonify.io.formats import FileFormat
+from insonify.io.isolation import run_isolated
+from insonify.io.navigation.recorded import LIMITS, Columns, find_columns
+from insonify.io.netcdf_files import check_variables
+from insonify.io.records import read_record
+
+ON_EARTH = {"x": "longitude", "y": "latitude"}  # what a recording with a place has instead
+CSV_REMEDY, GPX_REMEDY = "give one number in every column of every row", "export the track again as GPX 1.1"
+
+
+def read_csv(path: str) -> Columns:
+    """Read the columns of navigation in a CSV file."""
+    lines = read_text(path).splitlines()
+    places = find_columns(lines[0].split(",")) if lines else {}
+    if not places:
+        return {}
+    try:
+        table = np.loadtxt(
+            lines[1:],
+            delimiter=",",
+            usecols=tuple(places.values()),
+            ndmin=2,
+            converters={places["time"]: _seconds_or_time} if "time" in places else None,
+        )
+    except ValueError as error:
+        fault = str(error).splitlines()[0].rstrip(".;")
+        raise FileFault(f"cannot be read ({fault})", CSV_REMEDY) from None
+    return dict(zip(places, np.ascontiguousarray(table.reshape(-1, len(places)).T)))
+
+
+def _seconds_or_time(text: str) -> float:
+    """Read a number of seconds, or a time in ISO 8601."""
+    try:
+        return float(text)
+    except ValueError:
+        return _seconds(text.strip().strip('"'))
+
+
+def _seconds(text: str) -> float:
+    """Seconds since 1970 of a time in ISO 8601, in UTC unless it has a zone."""
+    time = datetime.fromisoformat(text)
+    return (time if time.tzinfo else time.replace(tzinfo=UTC)).timestamp()
+
+
+def read_gpx(path: str) -> Columns:
+    """Read time, longitude and latitude of the points of all tracks of a file, in their order."""
+    text = read_text(path)
+    if "<!" in text.replace("<!--", "").replace("<![CDATA[", ""):  # entities can grow without bound
+        raise FileFault("declares a document type", GPX_REMEDY)
+    points = [each for each in ElementTree.fromstring(text).iter() if each.tag.rpartition("}")[2] == "trkpt"]
+    rows = [(_time(point), float(point.get("lon", "nan")), float(point.get("lat", "nan"))) for point in points]
+    columns = np.array(rows, dtype=np.float64).reshape(-1, 3).T
+    return dict(zip(("time", "longitude", "latitude"), columns))
+
+
+def _time(point: ElementTree.Element) -> float:
+    """Time of a point in seconds since 1970."""
+    text = next((each.text for each in point if each.tag.rpartition("}")[2] == "time"), None)
+    if text is None:
+        raise FileFault("has points without a time", "export a recorded track, not a route")
+    return _seconds(text.strip())
+
+
+def read_platform(path: str) -> Columns:
+    """Read the columns of navigation in a netCDF record, as ``insonify render`` writes it."""
+    return run_isolated(read_columns, path)
+
+
+def read_columns(path: str) -> Columns:
+    """Read the columns in this process, which the library may crash."""
+    import netCDF4  # slow to import, and only recorded tracks need it
+
+    with netCDF4.Dataset(path) as file:
+        names = [str(name) for name in file.variables]
+        found = {name: file.variables[names[place]] for name, place in find_columns(names).items()}
+        check_variables(path, found.values())
+        return {
+            name: np.ma.filled(np.ma.asarray(column[:], dtype=np.float64), np.nan).ravel()
+            for name, column in found.items()
+        }
+
+
+def read_recording(path: str) -> Columns:
+    """Read the columns of navigation of a recording; of several pings at one tick of its clock, the first."""
+    record = read_record(path)
+    names = {name: f"ping_{name}" if name == "time" else f"platform_{name}" for name in LIMITS}
+    skipped = set(ON_EARTH if "platform_longitude" in record else ON_EARTH.values())
+    columns = {
+        name: record[stored].values.astype(np.float64)
+        for name, stored in names.items()
+        if stored in record.variables and name not in skipped
+    }
+    ticks = np.append(True, np.diff(columns["time"]) > 0.0)
+    return {name: column[ticks] for name, column in columns.items()}
+
+
+CSV = FileFormat("comma-separated values", (".csv",), read_csv, remedy=CSV_REMEDY)
+GPX = FileFormat("GPX track", (".gpx",), read_gpx, remedy=GPX_REMEDY)
+RECORD = FileFormat("record in netCDF", (".nc",), read_platform, remedy="give a record as insonify render writes it")
+RECORDING = FileFormat("side-scan recording", (".xtf", ".jsf"), read_recording)

@@ -1,0 +1,293 @@
+"""Stages of the receiver: the base class, what they are prepared from, and the sound that they act on."""
+
+from __future__ import annotations
+
+from abc import ABC, abstractmethod
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from functools import cache, cached_property
+from typing import ClassVar
+
+import numpy as np
+from numpy.typing import NDArray
+
+from insonify.acoustics.flat_bed import flat_bed_curve
+from insonify.acoustics.pulses import Taps, coherent_taps, pulse_taps, samples_per_bin
+from insonify.kernels.common.types import LIGHT, SceneArrays
+from insonify.kernels.receiver.pulse import convolve_pulse
+from insonify.plugins import announced, modules_in
+from insonify.receiver.waves import WaveField, Waves, make_field, no_waves, split_waves
+from insonify.scene import Scene
+from insonify.terrain import AnyGround
+
+Record = NDArray[np.float32]
+Traced = NDArray[np.float32] | NDArray[np.complex128]
+Curve = NDArray[np.float64]
+
+PHASES, DETECTION = 40.0, 80.0  # ranks: echoes have phases from the first on, and are energies again from the second on
+
+
+def power(level: float) -> float:
+    """Ratio of powers of a level in decibels."""
+    return float(10.0 ** (level / 10.0))
+
+
+@dataclass(frozen=True, eq=False)
+class ReceiverSetup:
+    """What the stages of a receiver are prepared from.
+
+    Attributes
+    ----------
+    scene : Scene
+        The declaration.
+    arrays : SceneArrays
+        The whole scene as tracers take it: beam, bins, water, reflectivities.
+    altitude, depth : float
+        Of the sonar at its first ping, in metres: above the bed, and below the sea surface.
+    k_shapes : sequence of float or None
+        Shape of the K speckle of every material, by rows of ``arrays.reflectivity``; None for that of the receiver.
+    ground : AnyGround, optional
+        The bed. Without it there are no schools or plumes.
+    """
+
+    scene: Scene
+    arrays: SceneArrays
+    altitude: float
+    depth: float
+    k_shapes: Sequence[float | None] = ()
+    ground: AnyGround | None = None
+
+    @cached_property
+    def taps(self) -> Taps:
+        """Energy that the pulse spreads over neighbouring bins."""
+        taps = pulse_taps(self.scene.sonar.pulse, self.arrays.water.reference, self.arrays.bin_length)
+        if self.arrays.law == LIGHT:
+            # Law light: the radiance of the paper does not depend on the length of the pulse.
+            taps = Taps(taps.weights / taps.weights.sum(), taps.before)
+        return taps
+
+    @cached_property
+    def samples(self) -> int:
+        """Samples of a bin at which waves are summed; 1 unless single scatterers interfere."""
+        if not self.scene.receiver.speckle.interferes:
+            return 1
+        return samples_per_bin(self.scene.sonar.pulse, self.arrays.water.reference, self.arrays.bin_length)
+
+    @cached_property
+    def level_bed(self) -> Curve:
+        """Mean echo of a level bed of albedo 1 after the pulse, with the source level, (bins,)."""
+        source = power(self.scene.receiver.source_level)
+        return source * float(self.taps.weights.sum()) * flat_bed_curve(self.arrays, self.altitude)
+
+    def field_of(self, stream: int) -> WaveField:
+        """Waves that the receiver's filter correlates along range and that are new in every ping.
+
+        Whatever drifts by a quarter of the wavelength between pings returns another phase: 1 mm at 400 kHz.
+        """
+        arrays, samples = self.arrays, self.samples
+        taps = coherent_taps(self.scene.sonar.pulse, arrays.water.reference, arrays.bin_length / samples)
+        return make_field(self.scene.seed, stream, taps, np.zeros(arrays.bins * samples))
+
+
+@dataclass(eq=False)
+class Sound:
+    """Sound of a block of pings in the receiver.
+
+    Stages replace arrays of energies, and never change their elements, which may be those of the tracer.
+
+    Attributes
+    ----------
+    pings : (n,) int64
+        Ping numbers.
+    energy : (n, 2, bins) float32
+        Mean energy of the echoes, port first; after detection the intensity of the record. ``factors`` still apply.
+    weighted : (n, 2, bins) float32 or None
+        The same with the echo of every material divided by the shape of its K speckle; None if one shape holds for all.
+    phased : bool
+        Whether echoes are speckled.
+    sums_waves : bool
+        Whether speckled echoes meet other waves, so that amplitudes add.
+    traced : (n, 2, bins * samples) complex128 or None
+        Echoes of single scatterers, if these are traced with their phases.
+    background : (n or 1, 1 or 2, bins) float32 or None
+        Mean energy of Gaussian waves that are new in every ping and not added to ``waves`` yet.
+    waves : Waves
+        Amplitudes of all that is received, between speckle and detection.
+    look : int
+        Number of the independent record that is summed.
+    factors : list
+        Factors, (n or 1, 1, 1) or numbers, that are still to be applied to ``energy`` and ``background``.
+    """
+
+    pings: NDArray[np.int64]
+    energy: Record
+    weighted: Record | None = None
+    phased: bool = False
+    sums_waves: bool = False
+    traced: NDArray[np.complex128] | None = None
+    background: Record | None = None
+    waves: Waves = field(default_factory=lambda: no_waves(0, 0))
+    look: int = 0
+    factors: list[Record | np.float32] = field(default_factory=list)
+
+    def scale(self, factor: Record | np.float32) -> None:
+        """Raise the energy of each ping by a factor, (n or 1, 1, 1) or a number."""
+        if not self.waves.real.size:
+            self.factors.append(factor)
+            return
+        amplitude = np.sqrt(factor)
+        self.waves = Waves(amplitude * self.waves.real, amplitude * self.waves.imaginary)
+        self.background = None if self.background is None else self.background * factor
+
+    def apply_factors(self) -> None:
+        """Apply all factors to what is received so far."""
+        # The latest first: float32 rounds in this order, and records do not change with the version.
+        for factor in reversed(self.factors):
+            self.energy = self.energy * factor
+            self.background = None if self.background is None else self.background * factor
+        self.factors.clear()
+
+    def take_level(self) -> Record | np.float32:
+        """Product of the factors, which count as applied to all that is received so far."""
+        level: Record | np.float32 = np.float32(1.0)
+        for factor in self.factors:
+            level = level * factor
+        self.factors.clear()
+        if self.background is not None:
+            self.background = level * self.background
+        return level
+
+    def split_traced(self) -> None:
+        """Make waves of the traced scatterers, with all factors applied."""
+        if self.traced is not None:
+            self.waves = split_waves(self.traced * np.sqrt(self.take_level()))
+            self.traced = None
+
+    def add_background(self, energy: Record) -> None:
+        """Add Gaussian waves of a mean energy, (n or 1, 1 or 2, bins), that are new in every ping."""
+        self.background = energy if self.background is None else self.background + energy
+
+    def draw_background(self, field: WaveField) -> None:
+        """Draw the waves of the background and add them to those received."""
+        if self.background is not None:
+            samples = self.waves.real.shape[2] // self.background.shape[2]
+            energy = self.background if samples == 1 else np.repeat(self.background, samples, axis=2)
+            field.add_to(self.waves, energy, self.pings, self.look)
+            self.background = None
+
+
+@dataclass(frozen=True, eq=False)
+class Stage(ABC):
+    """One effect of the receiver, prepared for a scene: it acts on the sound of a block of pings.
+
+    Stages act in the order of their ranks. The pulse is spread over the bins before the first of them. Echoes are mean
+    energies up to the rank `PHASES`, and intensities of the record after `DETECTION`: stages of these ranks act on
+    energies. In between, stages act on energies too, unless speckled echoes meet other waves: then amplitudes add, and
+    stages act on waves, once for each independent record that speckle averages.
+
+    A stage is found by being declared in a module of this package, or in a module that an installed package announces
+    as an entry point of the group ``insonify.receiver_stages``. Derive a frozen dataclass, for what is prepared.
+
+    Attributes
+    ----------
+    name : str
+        Name of the stage's term in the explanation of a pixel, such as ``"time-varied gain"``.
+    detail : str
+        What it comes from, in few words.
+    rank : float
+        Place among the stages: 10 source level, 20 water column, 30 fluctuation, 40 speckle, 50 crosstalk, 60 noise,
+        70 ringing and interference, 90 time-varied gain, 100 recorder.
+    adds_waves : bool
+        Whether its waves interfere with speckled echoes, so that amplitudes add rather than energies.
+    phased : bool
+        Whether echoes have phases once it acts.
+    coherent : bool
+        Whether it stands for the interference of single scatterers, which are traced with pulse and phases.
+    """
+
+    name: ClassVar[str]
+    detail: ClassVar[str]
+    rank: ClassVar[float]
+    adds_waves: ClassVar[bool] = False
+    phased: ClassVar[bool] = False
+    coherent: ClassVar[bool] = False
+
+    def __init_subclass__(cls) -> None:
+        """Add the stage to those of which receivers are made."""
+        if "rank" in vars(cls):
+            KINDS.append(cls)
+
+    @property
+    def gain(self) -> float | Curve:
+        """Factor by which it raises a mean echo, a number or one for every bin, (bins,)."""
+        return 1.0
+
+    @property
+    def added(self) -> float:
+        """Mean energy that it adds in every bin."""
+        return 0.0
+
+    @classmethod
+    @abstractmethod
+    def prepare(cls, setup: ReceiverSetup) -> Stage | None:
+        """Prepare the stage for a scene.
+
+        Parameters
+        ----------
+        setup : ReceiverSetup
+            The scene, its arrays, and what all stages need of them.
+
+        Returns
+        -------
+        Stage or None
+            None for a scene whose record it would not change.
+        """
+
+    @abstractmethod
+    def act_on_energies(self, sound: Sound) -> None:
+        """Change mean energies of echoes before detection, or intensities after it.
+
+        Parameters
+        ----------
+        sound : Sound
+            Replace ``sound.energy``, or call `Sound.scale`, `Sound.add_background`. Results must depend on the numbers
+            of the pings alone, not on the block in which they are received. An energy that is added after the level of
+            the source applies takes `Sound.apply_factors` first.
+        """
+
+    def act_on_waves(self, sound: Sound) -> None:
+        """Change the waves of one look, in a scene whose speckled echoes meet other waves.
+
+        Parameters
+        ----------
+        sound : Sound
+            Replace or change ``sound.waves``, or call `Sound.scale`, `Sound.add_background`.
+        """
+        raise NotImplementedError(f"{type(self).__name__} acts between speckle and detection, but not on waves")
+
+
+KINDS: list[type[Stage]] = []
+
+
+def stage_kinds() -> list[type[Stage]]:
+    """All stages, in the order in which they act."""
+    _discover()
+    return sorted(KINDS, key=lambda kind: kind.rank)
+
+
+@cache
+def _discover() -> None:
+    """Import the modules that declare stages; classes add themselves."""
+    modules_in("insonify.receiver")
+    for entry in announced("insonify.receiver_stages"):
+        entry.load()
+
+
+def spread_echoes(taps: Taps, traced: Traced) -> Record:
+    """Spread echoes over range bins by the taps of the pulse; for an ideal pulse they are returned as they are."""
+    echoes = np.asarray(traced, np.float32)
+    if taps.weights.size == 1:
+        return echoes
+    record = np.zeros_like(echoes)
+    convolve_pulse(echoes, taps.weights.astype(np.float32), taps.before, record)
+    return record

@@ -1,0 +1,119 @@
+"""Water column: reverberation of water and surface, and schools and plumes, which differ from ping to ping."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from insonify.acoustics.pulses import Taps
+from insonify.acoustics.resolution_cell import surface_echo, volume_echo
+from insonify.kernels.common.types import Poses, SceneArrays
+from insonify.kernels.rays.volumes import EchoPoints, add_volume_echoes
+from insonify.receiver.stage import Curve, ReceiverSetup, Record, Sound, Stage, power, spread_echoes
+from insonify.scene.volumes import Volume
+from insonify.terrain import AnyGround
+from insonify.tow.poses import make_poses
+
+MOST_POINTS = 256  # of a group that a beam includes or skips as one
+
+
+@dataclass(frozen=True, eq=False)
+class VolumeEchoes:
+    """Echoes of schools and plumes for a pulse of one bin."""
+
+    arrays: SceneArrays  # beam, bins and range factors
+    poses: Callable[[NDArray[np.int64]], Poses]  # from ping numbers to poses of the sonar
+    points: tuple[EchoPoints, ...]  # points by which each volume is sampled
+
+    def energy(self, pings: NDArray[np.int64]) -> Record:
+        """Mean energy of all volumes, (n, 2, bins)."""
+        out, poses = np.zeros((pings.size, 2, self.arrays.bins), np.float32), self.poses(pings)
+        for points in self.points:
+            add_volume_echoes(self.arrays, poses, points, out)
+        return out
+
+    def energies(self, poses: Poses) -> Record:
+        """Mean energy of each volume, (volumes, n, 2, bins)."""
+        out = np.zeros((len(self.points), poses.x.size, 2, self.arrays.bins), np.float32)
+        for points, own in zip(self.points, out):
+            add_volume_echoes(self.arrays, poses, points, own)
+        return out
+
+
+@dataclass(frozen=True, eq=False)
+class WaterColumn(Stage):
+    """Echoes of the water, its surface, schools and plumes."""
+
+    name, detail, rank = "water column", "reverberation, schools and plumes", 20.0
+    adds_waves = True
+    reverberation: Curve  # (bins,) mean intensity of volume and surface reverberation after the pulse
+    taps: Taps  # of the pulse
+    volumes: VolumeEchoes | None
+
+    @classmethod
+    def prepare(cls, setup: ReceiverSetup) -> WaterColumn | None:
+        """None where nothing but the bed and targets echoes."""
+        volumes = _make_volume_echoes(setup)
+        water = _reverberation(setup).astype(np.float32)
+        reverberation = spread_echoes(setup.taps, water[None, None])[0, 0].astype(np.float64)
+        return cls(reverberation, setup.taps, volumes) if volumes is not None or reverberation.any() else None
+
+    def act_on_energies(self, sound: Sound) -> None:
+        """Add mean echoes, or waves to the background of speckled ones."""
+        echoes = np.tile(self.reverberation.astype(np.float32), (sound.pings.size, 1, 1))
+        if self.volumes is not None:
+            echoes = echoes + spread_echoes(self.taps, self.volumes.energy(sound.pings))
+        if sound.phased:
+            sound.add_background(echoes)
+        else:
+            sound.energy = sound.energy + echoes
+
+
+def _reverberation(setup: ReceiverSetup) -> Curve:
+    """Mean intensity of volume and surface reverberation for a pulse of one bin, (bins,)."""
+    echo, declared = np.zeros(setup.arrays.bins), setup.scene.receiver.reverberation
+    if declared.of_volume is not None:
+        echo += power(declared.of_volume) * volume_echo(setup.arrays, setup.altitude, setup.depth)
+    if declared.of_surface is not None:
+        echo += power(declared.of_surface) * surface_echo(setup.arrays, setup.depth)
+    return echo
+
+
+def _make_volume_echoes(setup: ReceiverSetup) -> VolumeEchoes | None:
+    scene, ground = setup.scene, setup.ground
+    if not scene.volumes or ground is None:
+        return None
+    points = tuple(_echo_points(*_in_water(volume, ground)) for volume in scene.volumes)
+    return VolumeEchoes(setup.arrays, lambda pings: make_poses(scene, ground, pings), points)
+
+
+def _echo_points(place: NDArray[np.float64], strength: float) -> EchoPoints:
+    """Points of one volume in groups, with the cross section of each."""
+    groups = _groups(place)
+    corners = np.array([(group.min(axis=0), group.max(axis=0)) for group in groups]).reshape(-1, 2, 3)
+    return EchoPoints(
+        place=np.concatenate([np.empty((0, 3)), *groups]),
+        strength=np.full(len(place), strength),
+        end=np.cumsum([len(group) for group in groups], dtype=np.int64),
+        centre=corners.mean(axis=1),
+        bound=0.5 * np.linalg.norm(corners[:, 1] - corners[:, 0], axis=1),
+    )
+
+
+def _groups(place: NDArray[np.float64]) -> list[NDArray[np.float64]]:
+    """Points in groups of neighbours, halved along their longest side, so that a beam skips most of them."""
+    if len(place) <= MOST_POINTS:
+        return [place] if len(place) else []
+    ordered = place[np.argsort(place[:, np.argmax(np.ptp(place, axis=0))], kind="stable")]
+    return [*_groups(ordered[: len(place) // 2]), *_groups(ordered[len(place) // 2 :])]
+
+
+def _in_water(volume: Volume, ground: AnyGround) -> tuple[NDArray[np.float64], float]:
+    """Points of a volume that lie in the water, above the datum, and the cross section of each, in m²."""
+    points, each = volume.sample()
+    place = points - np.array([0.0, 0.0, ground.datum])
+    below_bed = place[:, 2] < ground.height_at(place[:, 0], place[:, 1])  # NaN, where there is no bed, compares false
+    return place[~below_bed & (points[:, 2] < 0.0)], power(volume.strength) * each

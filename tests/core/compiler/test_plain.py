@@ -1,0 +1,70 @@
+"""Kernels compiled by plain Numba: the same results, machine code in Numba's own cache, nothing private of Numba."""
+
+from __future__ import annotations
+
+import os
+import subprocess
+import sys
+from pathlib import Path
+
+import numba
+import pytest
+
+pytestmark = pytest.mark.skipif(bool(numba.config.DISABLE_JIT), reason="nothing is compiled")
+
+KERNELS = """
+from insonify.compiler.jit import INTEGER, NOTHING, inlined, inlined_ieee, kernel, kernel_on_demand, kernel_separate
+from insonify.compiler.prefetch import prefetch_row
+
+@inlined
+def half(x):
+    return 0.5 * x
+
+@inlined_ieee
+def third(x):
+    return x / 3.0
+
+@kernel_separate(INTEGER)
+def square(x):
+    return x * x
+
+@kernel_on_demand(NOTHING)
+def add_one(values):
+    for i in range(values.size):
+        values[i] += 1.0
+
+@kernel
+def combine(values, x):
+    prefetch_row(values)
+    add_one(values)
+    return half(values.sum()) + third(square(x))
+"""
+CALL = """
+import sys
+import numpy as np
+from numba import config
+before = config.CACHE_DIR
+from plain_kernels import combine
+value = combine(np.ones(4), 3)
+assert config.CACHE_DIR == before
+own = ("cache", "dispatch", "separate", "processes")
+private = [name for name in own if f"insonify.compiler.{name}" in sys.modules]
+print(value, sum(combine.stats.cache_hits.values()), *private)
+"""
+
+
+def test_plain_numba_gives_the_same_and_is_read_from_disk(tmp_path: Path) -> None:
+    (tmp_path / "plain_kernels.py").write_text(KERNELS)
+    path = os.pathsep.join([str(tmp_path), *filter(None, sys.path)])
+    environment = os.environ | {
+        "INSONIFY_COMPILER": "numba", "NUMBA_CACHE_DIR": str(tmp_path / "cache"), "PYTHONPATH": path,
+    }  # fmt: skip
+
+    def call() -> list[str]:
+        command = [sys.executable, "-c", CALL]
+        return subprocess.run(command, env=environment, capture_output=True, check=True, text=True).stdout.split()
+
+    assert call() == ["7.0", "0"]
+    assert call() == ["7.0", "1"]
+    (tmp_path / "plain_kernels.py").write_text(KERNELS.replace("0.5 * x", "1.5 * x"))
+    assert call() == ["15.0", "0"]
