@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import linecache
 import os
 import signal
 import sys
@@ -10,6 +11,7 @@ from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from functools import partial
 from pathlib import Path
+from typing import Any
 
 os.environ.setdefault("QT_API", "pyside6")
 
@@ -27,12 +29,11 @@ from insonify_viewer.panels.lessons.controller import LessonsPanel
 from insonify_viewer.record.comparison.arrangement import Arrangement
 from insonify_viewer.state.inspection import Mark
 from insonify_viewer.viewer import Viewer
-from insonify_viewer.widgets.qt_modules import leave_sources_unread
 from insonify_viewer.widgets.save_dialogs import save_picture
 from insonify_viewer.widgets.theme import Theme, apply_theme
 from insonify_viewer.window.recovery import CrashRecovery
 from insonify_viewer.window.settings import Settings
-from insonify_viewer.window.uncaught_errors import told_errors, told_file_warnings
+from insonify_viewer.window.uncaught_errors import reported_errors, reported_file_warnings
 from insonify_viewer.work.gc_policy import collected_by_hand, limit_free_memory
 
 SNAPSHOT_SIZE = (1600, 1000)
@@ -68,7 +69,7 @@ def open_window(
             QTimer.singleShot(TOUR, viewer.window.tour.begin)
         signal.signal(signal.SIGINT, lambda *_: _close_on_interrupt(viewer))
         tell = partial(viewer.simulator.executor.call_later, partial(viewer.window.say, lasting=True))
-        with told_errors(viewer.window.complain), told_file_warnings(tell):
+        with reported_errors(viewer.window.complain), reported_file_warnings(tell):
             return application.exec()
 
 
@@ -215,6 +216,20 @@ def make_application(theme: Theme = Theme.DARK) -> QApplication:
     application.setApplicationName("insonify")
     apply_theme(application, theme)
     return application
+
+
+def leave_sources_unread() -> None:
+    """Import modules from now on without reading their sources.
+
+    From its first import on, PySide6 reads the source of every module that is imported, to learn whether the module
+    may use the optional spelling of ``from __feature__ import snake_case``. None here does. A thousand sources would
+    stay in `linecache`, 60 MB, and reading them holds the interpreter. PySide6 has no switch for it; a version that
+    keeps the search elsewhere goes on as before.
+    """
+    feature: Any = sys.modules.get("shibokensupport.feature")
+    if hasattr(feature, "_mod_uses_pyside"):
+        feature._mod_uses_pyside = lambda module: False
+    linecache.clearcache()  # of those that were imported before
 
 
 def has_opengl() -> bool:

@@ -1,4 +1,4 @@
-"""``insonify view``: open the viewer, or draw its window into a picture."""
+"""``insonify view``: check for a screen, then open the viewer or draw its window into a picture."""
 
 from __future__ import annotations
 

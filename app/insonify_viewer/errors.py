@@ -1,4 +1,4 @@
-"""An error as one sentence, with the traceback where it is a fault of the program."""
+"""Errors as one sentence, with traceback and details for faults of the program, and guards of Qt's overrides."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ class Failure(NamedTuple):
     """What went wrong."""
 
     sentence: str  # for the person
-    trace: str = ""  # where it went wrong, as Python tells it; empty for a mistake in a scene, a file or a number
+    trace: str = ""  # Python's traceback; empty for a mistake in a scene, a file or a number
 
 
 def describe_error(error: BaseException, what: str = "this") -> Failure:
@@ -94,7 +94,7 @@ class FaultReport:
 
 
 def report_fault(error: Exception) -> None:
-    """Pass an exception to `sys.excepthook`, which prints it and tells the person; on the main thread."""
+    """Pass an exception to `sys.excepthook`, which prints it and shows it in the window; on the main thread."""
     sys.excepthook(type(error), error, error.__traceback__)
 
 

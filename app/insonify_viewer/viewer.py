@@ -17,8 +17,7 @@ from PySide6.QtGui import QGuiApplication
 from insonify.display.display_options import PALETTES
 from insonify.scene import Scene, SceneError, bundled_scenes, scene_to_toml
 from insonify_viewer.errors import Failure, describe_error
-from insonify_viewer.panels.panel import Workbench
-from insonify_viewer.panels.panel_set import PanelSet
+from insonify_viewer.panels.panel import PanelSet, Workbench
 from insonify_viewer.record.comparison.comparison import Comparison
 from insonify_viewer.record.comparison.recording_player import RecordingPlayer
 from insonify_viewer.record.marked_point import MarkController, MarkedPoint
@@ -26,9 +25,8 @@ from insonify_viewer.record.projection import compile_picture
 from insonify_viewer.record.record import Record, RecordGrowth, pings_held
 from insonify_viewer.record.waterfall_view import Contrast
 from insonify_viewer.seabed.controller import SeabedController, silence
-from insonify_viewer.state.contact_list import ContactList
 from insonify_viewer.state.inspection import Inspection, Mark
-from insonify_viewer.state.session import Session
+from insonify_viewer.state.session import ContactList, Session
 from insonify_viewer.state.tow_clock import TowClock, next_pause
 from insonify_viewer.window.file_opening import FileOpening
 from insonify_viewer.window.main_window import MainWindow
@@ -74,7 +72,7 @@ class Viewer(QObject):
         self.targets = TargetEditor(self.session, self.window, self.simulator, self.files, added)
         self.window.mount(tuple(self.panels.values()))
         self.failure = ""
-        self._seabed = SeabedController(self.simulator, accelerated=accelerated)
+        self.seabed = SeabedController(self.simulator, accelerated=accelerated)
         self._number, self._fine, self._refused = 0, True, -1
         self._traced = (scene, self.session.modelling)
         self._answer: TracedPings | None = None  # the last one that fits the record
@@ -95,16 +93,11 @@ class Viewer(QObject):
     def complete(self) -> bool:
         """Whether record, seabed and panels show the present scene."""
         shown = self._answer is not None and not self._missing().size
-        return shown and self._seabed.complete and self.panels.complete
-
-    @property
-    def seabed(self) -> SeabedController:
-        """Controller of the three-dimensional view."""
-        return self._seabed
+        return shown and self.seabed.complete and self.panels.complete
 
     def start(self) -> None:
         """Start the worker and the clock; the window shows by now."""
-        self._seabed.load(self.window.put_seabed)
+        self.seabed.load(self.window.put_seabed)
         self.simulator.send(compile_picture, lambda _: None)
         self.simulator.prepare(self.session.scene, self.session.modelling, self._show_first)
         self._ticked = time.perf_counter()
@@ -116,7 +109,7 @@ class Viewer(QObject):
         if isinstance(simulation, SceneError):
             self._refuse(self._number, describe_error(simulation))
             return
-        self._seabed.show_sonar(simulation, self.tow.top, silence(simulation), at_once=True)
+        self.seabed.show_sonar(simulation, self.tow.top, silence(simulation), at_once=True)
         self._ask()
 
     def _show_laid(self, number: int, packed: PackedScene) -> None:
@@ -181,7 +174,7 @@ class Viewer(QObject):
         self.panels.closing.emit()
         self.jobs.close(PATIENCE)
         self.simulator.close(PATIENCE)
-        self._seabed.close()
+        self.seabed.close()
 
     def _workbench(self) -> Workbench:
         """Return what the panels are made with."""
@@ -226,15 +219,15 @@ class Viewer(QObject):
 
     def _connect(self) -> None:
         window, session = self.window, self.session
-        inspection, seabed = self.inspection, self._seabed
+        inspection, seabed = self.inspection, self.seabed
         window.waterfall.clicked.connect(inspection.pin)
         inspection.pinned.connect(window.waterfall.show_pin)
         inspection.lit.connect(window.waterfall.show_lit)
         inspection.drawn.connect(seabed.show_sound)
         inspection.picked.connect(seabed.show_pick)
         seabed.picked.connect(inspection.pick)
-        self.targets.handles.connect_seabed(self._seabed)
-        self._seabed.failed.connect(window.complain)
+        self.targets.handles.connect_seabed(self.seabed)
+        self.seabed.failed.connect(window.complain)
         session.changed.connect(self._scene_changed)
         session.said.connect(window.say)
         session.refused.connect(window.complain)
@@ -253,7 +246,7 @@ class Viewer(QObject):
         self.contacts.changed.connect(self._show_edits)
         self._show_edits()
         window.levels.triggered.connect(self.find_levels)
-        window.reset_view.triggered.connect(self._seabed.reset_view)
+        window.reset_view.triggered.connect(self.seabed.reset_view)
         self.jobs.changed.connect(lambda _: window.jobs.show_jobs(self.jobs.running))
         self.jobs.changed.connect(window.status.show_end)
         window.gain_changed.connect(lambda decibels: session.show(gain=decibels))
@@ -355,7 +348,7 @@ class Viewer(QObject):
             self._show_sonar()
         else:
             self.window.waterfall.repaint()  # immediately, because the person who drags a slider watches the record
-            self._seabed.show_later(self._show_sonar)
+            self.seabed.show_later(self._show_sonar)
         self._show_mark(self.session.mark)
         current = answer.fine and answer.number == self._number
         if self._freeing and not self._missing().size:
@@ -401,15 +394,15 @@ class Viewer(QObject):
     def _show_point(self, point: MarkedPoint | None) -> None:
         self.panels.point_marked.emit(point)
         self.window.waterfall.show_mark(None if point is None else point.mark)
-        self._seabed.show_mark(None if point is None else point.position)
+        self.seabed.show_mark(None if point is None else point.position)
 
     def _show_sonar(self) -> None:
         """Move fish and fan to the ping on top, and colour the scan line by its amplitudes."""
         top = self.window.waterfall.top
         if self._laid is not None:
-            self._seabed.show_sonar(self._laid, top, silence(self._laid), at_once=True)
+            self.seabed.show_sonar(self._laid, top, silence(self._laid), at_once=True)
         if self._laid is not None or self._answer is None:
             return
         row = int(self.record.rows(np.array([top]))[0])
         tones = self.window.waterfall.tone_map.tones(self.record.amplitude[row])
-        self._seabed.show_sonar(self._answer.simulation, top, tones)
+        self.seabed.show_sonar(self._answer.simulation, top, tones)

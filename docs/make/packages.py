@@ -38,11 +38,13 @@ never a scene. Its rooms import one way, too, from the top of this table to the 
 APP = """
 ## The viewer
 
-PySide6 stands in `views`, in the views of panels, and in the few modules that run the event loop; PyVista and VTK in
-`views` alone. Everything else of the viewer is plain Python, tested without a window.
+A room holds a subject, its controllers and its views, and imports the rooms below it. PySide6 is used by `record`,
+`seabed`, `window`, `widgets`, the views of panels, and the few modules that run the event loop; PyVista and VTK by
+`seabed` alone. State announces changes by signals of psygnal and knows no view. Work beside the window passes its
+results to the main thread through `work/executor.py`.
 
-| package | what it holds |
-|---|---|
+| level | room | what it holds | imports |
+|---|---|---|---|
 """
 FAMILIES = """
 ## Families of kinds
@@ -77,7 +79,8 @@ def page() -> str:
     core = [[name.removeprefix("insonify.") for name in level.split(" | ")] for level in layers]
     kernels = [level.split(" | ") for level in rooms]
     parts = [HEAD, *_levels(CORE, core), ROOMS, *_levels(CORE / "kernels", kernels), APP]
-    parts += [f"| `{path.name}` | {_first_line(path)} |\n" for path in _members(VIEWER)]
+    viewer = [level.split(" | ") for level in _contract("rooms of the viewer import one way")]
+    parts += _levels(VIEWER, viewer)
     parts += [FAMILIES, *_families(), FORMATS, *_formats()]
     return "".join(parts)
 
@@ -91,7 +94,7 @@ def _contract(name: str) -> list[str]:
 def _levels(folder: Path, levels: list[list[str]]) -> list[str]:
     """Rows of a table of packages, from the highest to the lowest."""
     names = [name for level in levels for name in level]
-    prefix = ".".join(folder.relative_to(ROOT / "core").parts)
+    prefix = ".".join(folder.relative_to(ROOT).parts[1:])
     rows = []
     for number, level in zip(range(len(levels), 0, -1), levels):
         for name in level:
@@ -110,12 +113,6 @@ def _imports(path: Path, prefix: str) -> set[str]:
         for names in re.findall(rf"from {re.escape(prefix)} import ([\w, ]+)", text):
             found |= set(names.replace(" ", "").split(","))
     return found
-
-
-def _members(folder: Path) -> list[Path]:
-    """List the packages of a folder, then its modules."""
-    packages = sorted(path for path in folder.iterdir() if (path / "__init__.py").exists())
-    return packages + sorted(path for path in folder.glob("*.py") if not path.name.startswith("__"))
 
 
 def _first_line(path: Path) -> str:

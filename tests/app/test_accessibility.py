@@ -191,7 +191,7 @@ def test_large_text_has_room(open_viewer: Any, small: Scene, qapp: QApplication)
     assert bar.sizeHint().width() <= panel.width()
     field = panel.findChild(QLineEdit, "value")
     assert field.width() > field.fontMetrics().horizontalAdvance("400.5 kHz")
-    plot = window.waterfall._plot()
+    plot = window.waterfall.plot_area
     assert plot.left() - 9 >= metrics.horizontalAdvance("1000 m")
     assert plot.top() >= metrics.height()
     assert window.waterfall._scaled(16) >= metrics.height()

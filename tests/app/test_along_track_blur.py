@@ -12,7 +12,7 @@ from insonify.display.normalisation import LevelBed, normalise
 from insonify.scene import edit, load_scene
 from insonify.simulation import prepare
 from insonify_viewer.record.record_image import blur_along_track
-from insonify_viewer.state.modelling import Modelling
+from insonify_viewer.state.history import Modelling
 from insonify_viewer.work.ping_request import PingRequest
 from insonify_viewer.work.simulator import Simulator
 

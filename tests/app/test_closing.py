@@ -154,7 +154,7 @@ def test_what_a_thread_has_found_when_qt_has_ended_is_dropped(open_viewer: Any, 
 def test_no_worker_imports_modules_of_qt() -> None:
     """PySide6 makes the classes of a module when they are first asked for, which two threads must not do at once."""
     code = (
-        "import sys; from insonify_viewer.widgets.qt_modules import load_qt_modules; load_qt_modules(); "
+        "import sys; from insonify_viewer.seabed.controller import load_qt_modules; load_qt_modules(); "
         "known = set(sys.modules); import pyvistaqt; "
         "print([m for m in set(sys.modules) - known if m.split('.')[0] in ('PySide6', 'qtpy', 'shiboken6')])"
     )

@@ -35,7 +35,7 @@ from insonify_viewer.record.comparison.record_difference import (
     visible_share,
 )
 from insonify_viewer.record.record import Record
-from insonify_viewer.state.modelling import Modelling
+from insonify_viewer.state.history import Modelling
 
 DARK, LIGHT = {"seabed.material.diffuse": 0.2}, {"seabed.material.diffuse": 0.4}
 GREY = np.array([0xFF000000 | k << 16 | k << 8 | k for k in range(256)], np.uint32)

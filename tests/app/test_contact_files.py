@@ -10,9 +10,8 @@ from pathlib import Path
 import pytest
 
 from insonify.scene import SceneError, load_scene
-from insonify_viewer.state.contact_list import ContactList
 from insonify_viewer.state.contacts import Contact, read_contacts, write_contacts
-from insonify_viewer.state.session import Session
+from insonify_viewer.state.session import ContactList, Session
 
 PLAIN = Contact("wreck, bow", 'broken; "see log"\nline 2', "A scene", 120, "port", 700, 35.02, 33.6, 24.0, 33.6)
 ON_EARTH = replace(PLAIN, name="Anker ⚓", longitude=-68.82834, latitude=48.44586, snapshot=b"\x89PNG\x00\xff")

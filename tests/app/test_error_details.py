@@ -18,7 +18,7 @@ from insonify.scene import Scene, SceneError, scene_to_toml
 from insonify_viewer.panels.pixel import controller as pixel_controller
 from insonify_viewer.state.inspection import Mark
 from insonify_viewer.viewer import Viewer
-from insonify_viewer.window.uncaught_errors import told_errors
+from insonify_viewer.window.uncaught_errors import reported_errors
 
 Opener = Callable[..., Viewer]
 
@@ -81,7 +81,7 @@ def test_a_fault_in_a_slot_is_one_sentence_and_the_window_lives(open_viewer: Ope
     def fail() -> None:
         raise KeyError("no such thing")
 
-    with qtbot.captureExceptions() as printed, told_errors(viewer.window.complain):
+    with qtbot.captureExceptions() as printed, reported_errors(viewer.window.complain):
         QTimer.singleShot(0, fail)
         qtbot.waitUntil(viewer.window.status.copy.isVisible)
     assert [kind for kind, *_ in printed] == [KeyError], "standard error tells of it as before"
@@ -99,7 +99,7 @@ def test_a_file_that_is_damaged_while_it_is_shown_is_no_fault_of_the_program(
     def fail() -> None:
         raise SceneError("tow.csv: has no rows; export it again")
 
-    with qtbot.captureExceptions() as printed, told_errors(viewer.window.complain):
+    with qtbot.captureExceptions() as printed, reported_errors(viewer.window.complain):
         QTimer.singleShot(0, fail)
         qtbot.waitUntil(lambda: viewer.window.status.sentence.text() == "tow.csv: has no rows; export it again")
     assert not printed
@@ -120,7 +120,7 @@ def test_a_fault_in_a_thread_beside_the_window_is_told_once(open_viewer: Opener,
         viewer.simulator.executor.submit("test", errand, received.append)
         qtbot.waitUntil(lambda: len(received) > count)
 
-    with qtbot.captureExceptions() as printed, told_errors(viewer.window.complain):
+    with qtbot.captureExceptions() as printed, reported_errors(viewer.window.complain):
         for errand in (refuse, fail, fail, lambda: 7, fail):
             run(errand)
         assert received == [None, None, None, 7, None]
@@ -138,7 +138,7 @@ def test_a_fault_of_an_explanation_is_told(
         int(float("nan"))
 
     monkeypatch.setattr(pixel_controller, "_explained", fail)
-    with qtbot.captureExceptions() as printed, told_errors(viewer.window.complain):
+    with qtbot.captureExceptions() as printed, reported_errors(viewer.window.complain):
         viewer.inspection.pin(Mark(viewer.tow.top - 5, 0, 40))
         qtbot.waitUntil(viewer.window.status.copy.isVisible)
     assert ValueError in [kind for kind, *_ in printed]

@@ -28,7 +28,7 @@ from insonify_viewer.application import make_application
 from insonify_viewer.errors import guard_override
 from insonify_viewer.window.main_window import MainWindow
 from insonify_viewer.record.record_image import RecordImage
-from insonify_viewer.window.uncaught_errors import told_errors
+from insonify_viewer.window.uncaught_errors import reported_errors
 
 def fail(*_):
     int(float("nan"))
@@ -71,7 +71,7 @@ def act():
     QTimer.singleShot(0, application.quit)
 
 QTimer.singleShot(0, act)
-with told_errors(lambda failure: print("TOLD", failure.trace.splitlines()[-1], failure.trace.count("in fail"))):
+with reported_errors(lambda failure: print("TOLD", failure.trace.splitlines()[-1], failure.trace.count("in fail"))):
     application.exec()
 print("ALIVE", broken.sizeHint().toTuple(), window.status is not None, flush=True)
 """

@@ -11,7 +11,7 @@ from insonify.lessons import LessonState, load_lessons, parse_lesson, split_move
 from insonify.planning import plan
 from insonify.scene import Scene, edit
 from insonify_viewer.panels.lessons.controller import Course
-from insonify_viewer.state.modelling import Modelling
+from insonify_viewer.state.history import Modelling
 from insonify_viewer.state.session import Session
 
 LESSON = """+++

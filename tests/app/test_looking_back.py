@@ -50,19 +50,19 @@ def test_the_handle_brings_the_fish_abeam_of_the_pipe(open_viewer: Any, small: S
 def test_below_the_first_ping_the_record_is_empty(open_viewer: Any, small: Scene, qtbot: Any) -> None:
     viewer = open_viewer(small)
     waterfall = viewer.window.waterfall
-    whole = waterfall._pixels.copy()
+    whole = waterfall._image.pixels.copy()
     viewer.go_to(60)
     qtbot.waitUntil(lambda: viewer.complete)
     shown = waterfall.record.rows(np.arange(61))
-    assert (waterfall._pixels[shown] == whole[shown]).all()
+    assert (waterfall._image.pixels[shown] == whole[shown]).all()
     hidden = waterfall.record.rows(np.arange(61, 128))
-    assert (waterfall._pixels[hidden] == EMPTY).all(), "later pings would stand below the first one"
+    assert (waterfall._image.pixels[hidden] == EMPTY).all(), "later pings would stand below the first one"
     viewer.session.show(gain=3.0)
-    assert (waterfall._pixels[hidden] == EMPTY).all()
+    assert (waterfall._image.pixels[hidden] == EMPTY).all()
     viewer.session.show(gain=0.0)
     viewer.go_to(127)
     qtbot.waitUntil(lambda: viewer.complete)
-    assert (waterfall._pixels == whole).all()
+    assert (waterfall._image.pixels == whole).all()
 
 
 def test_the_handle_reaches_every_ping(open_viewer: Any, small: Scene) -> None:

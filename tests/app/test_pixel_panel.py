@@ -182,7 +182,7 @@ def test_a_place_in_the_shadow_is_heard_by_no_pixel(viewer: Any, qtbot: Any) -> 
 def test_the_echo_trace_is_aligned_with_the_record(viewer: Any) -> None:
     waterfall = viewer.window.waterfall
     area = waterfall.trace_area()
-    assert (area.left(), area.width()) == (waterfall._plot().left(), waterfall._plot().width())
+    assert (area.left(), area.width()) == (waterfall.plot_area.left(), waterfall.plot_area.width())
     row = waterfall.record.amplitude[waterfall.record.rows(np.array([40]))[0]]
     loudest = int(np.argmax(waterfall.projection.loudest(row, 40, area.width())))
     assert abs(area.left() + loudest - waterfall.place_of(PIPE).x()) <= 3
@@ -191,12 +191,12 @@ def test_the_echo_trace_is_aligned_with_the_record(viewer: Any) -> None:
 def test_without_the_trace_the_record_has_its_room(viewer: Any, qtbot: Any) -> None:
     waterfall = viewer.window.waterfall
     assert waterfall.trace_area() is not None
-    before = waterfall._plot().height()
+    before = waterfall.plot_area.height()
     viewer.window.trace.trigger()
     assert waterfall.trace_area() is None
-    assert waterfall._plot().height() >= before
+    assert waterfall.plot_area.height() >= before
     QTest.mouseClick(waterfall, Qt.MouseButton.LeftButton, pos=waterfall.trace_caption().center())
-    assert waterfall._plot().height() == before
+    assert waterfall.plot_area.height() == before
     QTest.mouseClick(waterfall, Qt.MouseButton.LeftButton, pos=waterfall.trace_caption().center())
     assert waterfall.trace_area() is None
     assert viewer.inspection.mark is None, "a click on the caption pins nothing"
@@ -207,7 +207,7 @@ def test_a_record_at_true_scale_leaves_no_empty_room_below(open_viewer: Any, sma
     viewer.window.resize(1560, 980)
     waterfall = viewer.window.waterfall
     qtbot.waitUntil(lambda: waterfall.height() > 800)
-    plot, area = waterfall._plot(), waterfall.trace_area()
+    plot, area = waterfall.plot_area, waterfall.trace_area()
     assert plot.height() < 0.75 * waterfall.height(), "the record at 1 : 1 is lower than the view"
     assert plot.height() + area.height() > 0.85 * waterfall.height()
 
@@ -220,7 +220,7 @@ def test_a_small_window_stays_usable(viewer: Any, qtbot: Any) -> None:
     view, waterfall = viewer.panels["pixel"].view, viewer.window.waterfall
     assert view.section.width() >= 160
     assert view.budget.height() >= 80
-    assert waterfall._plot().height() >= 120
+    assert waterfall.plot_area.height() >= 120
     assert viewer.seabed.view.height() >= 140
 
 

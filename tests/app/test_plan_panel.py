@@ -13,7 +13,7 @@ from insonify.statistics.record_errors import compare_records
 from insonify.tracers import sweep
 from insonify_viewer.panels.plan.controller import changed_subject, difference_in_words
 from insonify_viewer.record.comparison.record_difference import RecordDifference
-from insonify_viewer.state.modelling import Modelling
+from insonify_viewer.state.history import Modelling
 from insonify_viewer.state.session import Session
 
 BENT = {"kind": "profile", "depth": [0.0, 10.0, 20.0, 30.0], "sound_speed": [1520.0, 1518.0, 1500.0, 1502.0]}

@@ -179,7 +179,7 @@ def test_pointing_clicking_and_scrubbing_stay_right(viewer: Any, options: dict[s
     side = int(options.get("side") != "port")
     for mark in (Mark(240, side, 350), Mark(230, side, 120)):
         place = view.place_of(mark)
-        assert view._plot().contains(place)
+        assert view.plot_area.contains(place)
         QTest.mouseMove(view, place)
         qtbot.waitUntil(lambda mark=mark: bool(marked) and marked[-1] is not None and marked[-1].side == mark.side)
         found = marked[-1]
@@ -217,8 +217,8 @@ def test_the_wheel_zooms_and_a_drag_moves_the_record(viewer: Any) -> None:
 
 def test_a_drag_beyond_the_record_looks_back(viewer: Any) -> None:
     view = viewer.window.waterfall
-    top, middle = view.top, view._plot().center()
-    pings = 100 * view.record.pings / view._plot().height()
+    top, middle = view.top, view.plot_area.center()
+    pings = 100 * view.record.pings / view.plot_area.height()
     drag(view, middle, middle - QPoint(0, 100))
     assert view.top == pytest.approx(top - pings, abs=2)
     drag(view, middle, middle + QPoint(0, 50))
@@ -248,7 +248,7 @@ def test_newest_below_is_the_picture_upside_down(viewer: Any) -> None:
     view = viewer.window.waterfall
     viewer.session.show(scale="fill")
     viewer.look_back(37)  # so that the ring begins in its middle
-    plot = view._plot()
+    plot = view.plot_area
     area = plot.adjusted(8, 8, -8, -8)
     upright = view.grab(area).toImage()
     viewer.session.show(newest_on_top=False)

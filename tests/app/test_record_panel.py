@@ -197,7 +197,7 @@ def test_contacts_are_marked_named_listed_and_found_again(viewer: Any, panel: An
     viewer.go_to(100)
     assert (Mark(240, 0, 300), "wreck", True) in view._marks.contacts, "contacts outlast scrolling"
     listed.jump.click()
-    assert view._plot().contains(view.place_of(Mark(240, 0, 300)))
+    assert view.plot_area.contains(view.place_of(Mark(240, 0, 300)))
     listed.remove.click()
     assert [each.name for each in panel.contacts.all] == ["contact 2"]
 

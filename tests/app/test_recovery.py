@@ -11,7 +11,6 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from PySide6.QtCore import QLockFile
 
 from insonify.scene import Scene, edit
 from insonify_viewer.state.contacts import Contact, read_contacts, write_contacts
@@ -103,20 +102,20 @@ def test_a_killed_window_loses_no_contact_though_the_scene_is_saved(tmp_path: Pa
 
 @pytest.fixture
 def recovery() -> Any:
-    made = Recovery(QLockFile)
+    made = Recovery()
     yield made
     made.close()
 
 
 def test_work_of_a_window_that_runs_is_not_offered(recovery: Recovery, small: Scene) -> None:
     recovery.keep(small, (FISH,))
-    other = Recovery(QLockFile)
+    other = Recovery()
     assert other.find_left() is None
     other.close()
 
 
 def test_a_window_that_closes_leaves_nothing(small: Scene) -> None:
-    recovery = Recovery(QLockFile)
+    recovery = Recovery()
     recovery.keep(small, (FISH,))
     folder = recovery._folder
     names = lambda: sorted(path.suffix for path in folder.iterdir())  # noqa: E731

@@ -16,7 +16,7 @@ from PySide6.QtTest import QTest
 
 from insonify.scene import edit, load_scene
 from insonify_viewer.record.comparison.arrangement import Arrangement
-from insonify_viewer.state.modelling import Modelling
+from insonify_viewer.state.history import Modelling
 from insonify_viewer.work.ping_request import PingRequest
 from insonify_viewer.work.simulator import Simulator
 

@@ -18,7 +18,7 @@ from insonify.compiler.progress import Compilation, report_progress
 from insonify.packing.packed_scene import pack
 from insonify.scene import Scene, edit
 from insonify_viewer.seabed import pv_meshes
-from insonify_viewer.state.modelling import Modelling
+from insonify_viewer.state.history import Modelling
 from insonify_viewer.widgets.painting import dimmed
 from insonify_viewer.work.ping_request import PingRequest
 from insonify_viewer.work.simulator import Simulator

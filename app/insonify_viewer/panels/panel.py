@@ -1,4 +1,4 @@
-"""Base class of the window's panels: widgets that they provide, and events that they receive."""
+"""Panels of the window: base class, what the window offers to them, and the events that they receive."""
 
 from __future__ import annotations
 
@@ -7,22 +7,25 @@ from dataclasses import dataclass
 from enum import Enum
 from typing import TYPE_CHECKING, Any, ClassVar, NamedTuple, Protocol
 
+from psygnal import Signal
+
 from insonify.scene import Scene
 from insonify_viewer.errors import Failure
+from insonify_viewer.panels import find_panels
 from insonify_viewer.record.comparison.comparison import Comparison
 from insonify_viewer.record.comparison.recording_player import RecordingPlayer
 from insonify_viewer.record.drape import RecordStrip
 from insonify_viewer.record.marked_point import MarkedPoint
 from insonify_viewer.record.record import RecordGrowth
 from insonify_viewer.record.waterfall_view import WaterfallView
-from insonify_viewer.state.contact_list import ContactList
 from insonify_viewer.state.inspection import Inspection
-from insonify_viewer.state.session import Session
+from insonify_viewer.state.session import ContactList, Session
 from insonify_viewer.work.jobs import JobList
 from insonify_viewer.work.simulator import Simulator
 
 if TYPE_CHECKING:
     from insonify.planning import Plan
+    from insonify.simulation import Simulation
 
 
 class Place(Enum):
@@ -48,14 +51,6 @@ class Button(NamedTuple):
     shortcut: str
     icon: str = ""  # name of a file in ``resources/icons``; empty if the command stands in the menu alone
     menu: str = "View"  # title of its menu: File, Edit, View, Record, Tools or Help
-
-
-class SceneOpener(Protocol):
-    """Opens a scene in place of another."""
-
-    def __call__(self, scene: Scene, file: str, *, ask: bool) -> bool:
-        """Open it; return whether the person agreed."""
-        ...
 
 
 @dataclass(frozen=True)
@@ -88,9 +83,9 @@ class Workbench:
     contacts: ContactList  # contacts of the session
     open_contacts: Callable[[], None]  # reads contacts from a file that the person names, in place of the present ones
     save_contacts: Callable[[], bool]  # writes the contacts to a file that the person names
-    # Opens (scene, file) at the start of its track; its argument ``ask`` says whether the person is asked first
-    # what becomes of unsaved changes. Returns whether the scene was opened.
-    open_scene: SceneOpener
+    # Opens (scene, file) at the start of its track; with ``ask=True`` the person is asked first what becomes of
+    # unsaved changes. Returns whether the scene was opened.
+    open_scene: Callable[..., bool]
     # Lights the fields at some dotted paths wherever they are shown, and no others.
     light_fields: Callable[[tuple[str, ...]], None]
     project: Callable[[bool], None]  # switches the view for a projector, full screen and in large type, on or off
@@ -169,3 +164,52 @@ class Panel(Protocol):
 
     def closing(self) -> None:
         """Stop all work; the window closes."""
+
+
+class PanelSet(dict[str, Panel]):
+    """Every panel that is found, by name, in the order in which the window shows them."""
+
+    # The events of `Panel`, with the arguments of its methods.
+    scene_changed = Signal(object, bool)
+    scene_refused = Signal()
+    plan_made = Signal(object)
+    record_grown = Signal(object)
+    point_marked = Signal(object)
+    part_added = Signal(str)
+    fields_lit = Signal(tuple)
+    projected = Signal(bool)
+    closing = Signal()
+
+    def __init__(self, workbench: Workbench) -> None:
+        super().__init__({panel.name: panel(workbench) for panel in find_panels()})
+        for panel in self.values():
+            self.scene_changed.connect(panel.scene_changed)
+            self.scene_refused.connect(panel.scene_refused)
+            self.plan_made.connect(panel.plan_made)
+            self.record_grown.connect(panel.record_grown)
+            self.point_marked.connect(panel.point_marked)
+            self.part_added.connect(panel.part_added)
+            self.fields_lit.connect(panel.fields_lit)
+            self.projected.connect(panel.projected)
+            self.closing.connect(panel.closing)
+            if not panel.widget.accessibleName():
+                panel.widget.setAccessibleName(panel.title)
+        self._planned: Simulation | None = None  # the one whose plan they show
+
+    @property
+    def complete(self) -> bool:
+        """Whether every panel shows the present state."""
+        return all(panel.complete for panel in self.values())
+
+    @property
+    def at_rest(self) -> bool:
+        """Whether no panel measures anything in the background."""
+        return all(panel.at_rest for panel in self.values())
+
+    def show_growth(self, growth: RecordGrowth) -> None:
+        """Announce new pings, after another plan if they are traced by one."""
+        simulation = growth.answer.simulation
+        if growth.current and simulation is not self._planned:
+            self._planned = simulation
+            self.plan_made.emit(simulation.plan)
+        self.record_grown.emit(growth)

@@ -1,4 +1,4 @@
-"""A point of the record: its ranges, the bed there, and the intensity."""
+"""The marked point of the record: ranges, bed, intensity and label, and their look-up."""
 
 from __future__ import annotations
 
@@ -126,7 +126,7 @@ def _number(value: float) -> float | None:
 
 
 class MarkController:
-    """Looks marked points up; their labels come from a thread of their own, a moment later.
+    """Looks marked points up; their labels come from another thread, a moment later.
 
     On endless ground, whose heights may take a second, the points come from another thread too.
     """
@@ -144,7 +144,7 @@ class MarkController:
         self._point: MarkedPoint | None = None
 
     def show(self, mark: Mark | None, answer: TracedPings | None, record: Record) -> None:
-        """Show a point of the record; nothing where the record holds nothing."""
+        """Show a point of the record; nothing where the record is empty."""
         # lazy: the window opens before Numba is loaded
         from insonify.terrain import EndlessGround
 
@@ -170,7 +170,7 @@ class MarkController:
             take(find())
 
     def _take(self, simulation: Simulation, point: MarkedPoint | None) -> None:
-        """Show a point, and ask for its label."""
+        """Show a point, and request its label."""
         self._show_point(point)
         if point is not None and point.mark.ping not in self._labels:
             self._ask(simulation, point.mark.ping)

@@ -1,4 +1,4 @@
-"""Distance between two bins of a record, and the height of a target whose shadow lies between them."""
+"""Distance between two bins of a record, and the height of a target from its shadow between them."""
 
 from __future__ import annotations
 
@@ -75,7 +75,7 @@ def round_shadow_height(altitude: float, slant_range: float, shadow: float) -> f
 
 
 def _heights(first: Location, last: Location, along: float | None) -> tuple[float, float] | tuple[None, None]:
-    """Height of a target whose shadow the line spans, and height if it is round."""
+    """Height of a target from the shadow that the line spans, and height if the target is round."""
     near, far = sorted((first.slant_range, last.slant_range))
     altitude = last.altitude if last.slant_range == far else first.altitude
     if first.mark.side != last.mark.side or not 0.0 < altitude < far or near == far:

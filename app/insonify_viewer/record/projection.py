@@ -1,4 +1,4 @@
-"""Where the bins of a record lie in a plot: the one way from a place to a ping and a range bin, and back."""
+"""Layout and projection of a record: from a place in the plot to a ping and a range bin, and back."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ CLOSEST = 1.0 / 64.0  # least share of the record that a zoom shows
 STEPS = 50.0  # of altitude over the range, by which the reach of a picture changes
 LEAST_FILLED = 0.55  # share of the room that a plot at true scale fills; else the plot fills the room
 ALIKE = 0.02  # deviation of two scales that counts as none
-MANY = 10.0  # ratio that is told in whole numbers
+MANY = 10.0  # ratio that is written in whole numbers
 
 
 class Zoom(NamedTuple):
@@ -220,7 +220,7 @@ def row_factors(look: DisplayOptions, bins: int) -> NDArray[np.float32] | None:
 
 
 def project_record(look: DisplayOptions, record: Record, axis: RangeAxis, zoom: Zoom, newest: int) -> Projection:
-    """Projection of a record whose newest ping on screen is given."""
+    """Projection of a record, given its newest ping on screen."""
     factors = row_factors(look, record.bins)
     return Projection(axis, look.side, look.newest_on_top, zoom, newest, record.pings, record.altitude_of, factors)
 
@@ -245,7 +245,7 @@ def plot_at_true_scale(room: QRect, along: float, across: float, *, always: bool
 
 
 def name_scale(plot: QRect, along: float, across: float) -> str:
-    """Say whether a plot is at true scale, and by how much the track is drawn out or compressed else."""
+    """State whether a plot is at true scale, and by how much the track is drawn out or compressed else."""
     ratio = (plot.height() / along) / max(plot.width() / across, 1e-9)
     if abs(ratio - 1.0) < ALIKE:
         return "1 : 1"

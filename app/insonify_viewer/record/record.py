@@ -1,4 +1,4 @@
-"""Ring buffer of the pings on screen; a ping keeps its row as long as it is held."""
+"""Ring buffer of the pings on screen; a ping keeps its row while it is stored."""
 
 from __future__ import annotations
 
@@ -69,18 +69,18 @@ class Record:
         return int((self.ping[self.rows(pings)] != pings).sum())
 
     def altitude_of(self, pings: Rows) -> NDArray[np.float64]:
-        """Altitudes of pings in metres; 0 where they are not known or not held."""
+        """Altitudes of pings in metres; 0 where they are not known or not stored."""
         rows = self.rows(pings)
         return np.where(self.ping[rows] == pings, np.nan_to_num(self.altitude[rows]), 0.0)
 
     @property
     def lowest(self) -> float:
-        """Least altitude of the pings held, in metres; NaN if none is known."""
+        """Least altitude of the stored pings, in metres; NaN if none is known."""
         known = self.altitude[np.isfinite(self.altitude) & (self.ping >= 0)]
         return float(known.min()) if known.size else float("nan")
 
     def amplitude_at(self, ping: int, side: int, range_bin: int) -> float | None:
-        """Amplitude of one bin (side 0 is port); None if the ping is not held."""
+        """Amplitude of one bin (side 0 is port); None if the ping is not stored."""
         row = int(self.rows(np.array([ping]))[0])
         if self.ping[row] != ping or not 0 <= range_bin < self.bins:
             return None

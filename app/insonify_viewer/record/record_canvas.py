@@ -6,7 +6,7 @@ from collections.abc import Sequence
 
 import numpy as np
 from numpy.typing import NDArray
-from PySide6.QtCore import QPoint, QRect, QSize, Qt, Signal
+from PySide6.QtCore import QPoint, QRect, Qt, Signal
 from PySide6.QtGui import QColor, QPainter, QPaintEvent, QResizeEvent
 from PySide6.QtWidgets import QWidget
 
@@ -15,7 +15,6 @@ from insonify_viewer.errors import guard_override
 from insonify_viewer.record import record_overlays as overlays
 from insonify_viewer.record.echo_trace import CAPTION, GAP, WIDE, draw_caption, draw_trace, room_for_trace
 from insonify_viewer.record.projection import (
-    Projection,
     Zoom,
     choose_axis,
     name_scale,
@@ -32,7 +31,7 @@ from insonify_viewer.record.record_overlays import (
     draw_range_ruler,
     draw_waiting,
 )
-from insonify_viewer.record.tone_map import ToneMap, make_tone_map
+from insonify_viewer.record.tone_map import make_tone_map
 from insonify_viewer.state.inspection import Mark
 from insonify_viewer.widgets.theme import GROUND, text_scale
 from insonify_viewer.work.waiting import Waiting
@@ -54,27 +53,20 @@ class RecordCanvas(QWidget):
             self.setAttribute(Qt.WidgetAttribute.WA_NativeWindow)
         self.setAttribute(Qt.WidgetAttribute.WA_OpaquePaintEvent)
         self.setMinimumSize(200, 140)
-        self._record, self._image = Record(1, 1), RecordImage()
-        self._top = 0
+        self.record = Record(1, 1)  # the pings on screen
+        self.top = 0  # newest ping on screen
+        self._image = RecordImage()
         self._range, self._step = 1.0, 1.0
-        self._look, self._levels, self._zoom = DisplayOptions(), (0.0, 1.0), Zoom()
+        # Amplitudes at the ends of the palette, where the display options leave them to the record.
+        self.levels: Levels = (0.0, 1.0)
+        self._look, self._zoom = DisplayOptions(), Zoom()
         self._marks = RecordMarks()
         self._traced = True  # whether the echo of one ping is drawn below
-        self._waiting: Waiting | None = None
+        self.waiting: Waiting | None = None  # what the bar over the record says
         self._enlarged = 1.0  # factor on the size of the font
         self._text = text_scale(self)  # factor on the margins that hold the text
         self._handle = ScrubHandle()
         self._fit()
-
-    @property
-    def record(self) -> Record:
-        """The pings on screen."""
-        return self._record
-
-    @property
-    def top(self) -> int:
-        """Newest ping on screen."""
-        return self._top
 
     @property
     def version(self) -> int:
@@ -82,66 +74,42 @@ class RecordCanvas(QWidget):
         return self._image.version
 
     @property
-    def projection(self) -> Projection:
-        """Where the bins of the record lie in the plot."""
-        return self._projection
-
-    @property
-    def tone_map(self) -> ToneMap:
-        """Colours of amplitudes."""
-        return self._tone_map
-
-    @property
-    def plot_area(self) -> QRect:
-        """Place of the record in the view."""
-        return self._area
-
-    @property
-    def levels(self) -> Levels:
-        """Amplitudes at the ends of the palette, where the display options leave them to the record."""
-        return self._levels
-
-    @property
     def step(self) -> float:
         """Distance between pings in metres."""
         return max(self._step, 1e-6)
 
-    @property
-    def _pixels(self) -> NDArray[np.uint32]:
-        return self._image.pixels
-
     def show_record(self, record: Record, slant_range: float, ping_step: float) -> None:
         """Show another record, given its last slant range and the distance between pings in metres."""
-        known, plot, axis = self._record, self._plot(), self._projection.axis
-        self._record, self._range, self._step = record, slant_range, ping_step
+        known, plot, axis = self.record, self.plot_area, self.projection.axis
+        self.record, self._range, self._step = record, slant_range, ping_step
         self._lay()
-        if record is known and plot == self._plot() and axis == self._projection.axis:
+        if record is known and plot == self.plot_area and axis == self.projection.axis:
             self.update()
         else:
             self._fit()
 
     def show_rows(self, rows: Rows, alike: int = 1, reach: NDArray[np.float64] | None = None) -> None:
         """Update rows that the record has just received."""
-        if not self._projection.axis.shows_water or self._look.ground_range or not self._look.water_column:
-            axis = choose_axis(self._look, self._record, self._range)
-            if axis != self._projection.axis:  # a lower ping hears farther
+        if not self.projection.axis.shows_water or self._look.ground_range or not self._look.water_column:
+            axis = choose_axis(self._look, self.record, self._range)
+            if axis != self.projection.axis:  # a ping from lower altitude reaches farther on the bed
                 self._fit()
-        self._image.put(rows, self._projection, self._tone_map, alike, reach)
+        self._image.put(rows, self.projection, self.tone_map, alike, reach)
         self.update()
 
     def show_top(self, ping: int) -> None:
-        """Put a ping on top; blank the rows whose ping is missing or lies above it."""
-        if ping == self._top:
+        """Put a ping on top; blank rows of missing pings and of pings above it."""
+        if ping == self.top:
             return
-        before, self._top = self._top, ping
+        before, self.top = self.top, ping
         self._project()
-        pings = self._record.shown(ping)
-        rows = self._record.rows(pings)
-        held = self._record.ping[rows] == pings
-        blank = np.ones(self._record.pings, dtype=bool)
+        pings = self.record.shown(ping)
+        rows = self.record.rows(pings)
+        held = self.record.ping[rows] == pings
+        blank = np.ones(self.record.pings, dtype=bool)
         blank[rows[held]] = False
         self._image.blank(np.flatnonzero(blank))
-        returned = held & ((pings > before) | (pings <= before - self._record.pings))
+        returned = held & ((pings > before) | (pings <= before - self.record.pings))
         self._paint_rows(rows[returned])
         self.moved.emit(ping)
 
@@ -155,21 +123,21 @@ class RecordCanvas(QWidget):
         """Show the record by other display options."""
         before, self._look = self._look, look
         self._handle.newest_on_top = look.newest_on_top
-        self._tone_map = make_tone_map(look, self._levels)
+        self.tone_map = make_tone_map(look, self.levels)
         if any(getattr(before, name) != getattr(look, name) for name in GEOMETRY):
             if before.side != look.side:
                 self._zoom = Zoom()
             self._fit()
         else:
-            self._paint_rows(np.arange(self._record.pings))
+            self._paint_rows(np.arange(self.record.pings))
         self.recoloured.emit()
 
     def show_levels(self, levels: Levels) -> None:
         """Set the amplitudes at the ends of the palette, where the display options leave them to the record."""
-        if levels != self._levels:
-            self._levels = levels
-            self._tone_map = make_tone_map(self._look, levels)
-            self._paint_rows(np.arange(self._record.pings))
+        if levels != self.levels:
+            self.levels = levels
+            self.tone_map = make_tone_map(self._look, levels)
+            self._paint_rows(np.arange(self.record.pings))
             self.recoloured.emit()
 
     def show_zoom(self, zoom: Zoom) -> None:
@@ -209,50 +177,42 @@ class RecordCanvas(QWidget):
         self._traced = not self._traced
         self._fit()
 
-    @property
-    def waiting(self) -> Waiting | None:
-        """What the bar over the record says."""
-        return self._waiting
-
     def show_waiting(self, waiting: Waiting | None, oldest: int) -> None:
         """Show a bar over the record with what it waits for, and dim the rows with a stamp before ``oldest``."""
-        if waiting != self._waiting:
-            self._waiting = waiting
+        if waiting != self.waiting:
+            self.waiting = waiting
             self.update()
         if waiting is not None and oldest != self._image.oldest:
             self._image.oldest = oldest
-            self._paint_rows(np.flatnonzero(self._record.stamp < oldest))
+            self._paint_rows(np.flatnonzero(self.record.stamp < oldest))
 
     def picture(self) -> NDArray[np.uint32]:
         """Colours of the rows on screen, newest first, as 0xffRRGGBB."""
-        return self._image.picture(self._record.rows(self._record.shown(self._top)))
+        return self._image.picture(self.record.rows(self.record.shown(self.top)))
 
     def shown_columns(self) -> tuple[NDArray[np.float32], NDArray[np.bool_]]:
-        """Return the display columns of the rows on screen, newest first, and which of them are held."""
-        pings = self._record.shown(self._top)
-        rows = self._record.rows(pings)
-        return self._image.columns(rows), self._record.ping[rows] == pings
+        """Return the display columns of the rows on screen, newest first, and which of them are stored."""
+        pings = self.record.shown(self.top)
+        rows = self.record.rows(pings)
+        return self._image.columns(rows), self.record.ping[rows] == pings
 
     def snapshot(self, mark: Mark) -> bytes:
         """Picture of the record about a bin as PNG, without what is painted over it."""
-        return self._image.snapshot(self._plot(), self._projection, self.place_of(mark))
+        return self._image.snapshot(self.plot_area, self.projection, self.place_of(mark))
 
     def mark_at(self, place: QPoint) -> Mark | None:
         """Find the bin at a position of the widget; None outside the record."""
-        plot = self._plot()
+        plot = self.plot_area
         if not plot.contains(place):
             return None
         u = (place.x() - plot.left() + 0.5) / plot.width()
-        return self._projection.mark_at(u, (place.y() - plot.top() + 0.5) / plot.height())
+        return self.projection.mark_at(u, (place.y() - plot.top() + 0.5) / plot.height())
 
     def place_of(self, mark: Mark) -> QPoint:
         """Position of a bin in the widget; outside the record where the picture leaves it out."""
-        plot = self._plot()
-        u, v = self._projection.place_of(mark)
+        plot = self.plot_area
+        u, v = self.projection.place_of(mark)
         return QPoint(plot.left() + int(u * plot.width()), plot.top() + int(v * plot.height()))
-
-    def _plot(self) -> QRect:
-        return self._area
 
     def _room(self) -> QRect:
         left, top, right, bottom = map(self._scaled, (LEFT, TOP, RIGHT, BOTTOM))
@@ -263,7 +223,7 @@ class RecordCanvas(QWidget):
         """Place of the echo trace, from below the rulers to the end of the view; None where there is none."""
         if not self._traced or not room_for_trace(self.height()):
             return None
-        plot = self._plot()
+        plot = self.plot_area
         top = plot.bottom() + self._scaled(BOTTOM) + GAP
         return QRect(plot.left(), top, plot.width(), self.height() - top - 4)
 
@@ -271,7 +231,7 @@ class RecordCanvas(QWidget):
         """Place of the words that are clicked to show or hide the echo trace; None where there is no room for it."""
         if not room_for_trace(self.height()):
             return None
-        plot, area = self._plot(), self.trace_area()
+        plot, area = self.plot_area, self.trace_area()
         top = plot.bottom() + self._scaled(21) if area is None else area.top() - CAPTION - 1
         return QRect(plot.left(), top, self._scaled(WIDE), CAPTION)
 
@@ -290,49 +250,44 @@ class RecordCanvas(QWidget):
 
     def extent(self) -> tuple[float, float]:
         """Metres along the track and across it of the whole record."""
-        first, last = self._projection.extent
-        return self._record.pings * max(self._step, 1e-6), last - first
+        first, last = self.projection.extent
+        return self.record.pings * max(self._step, 1e-6), last - first
 
     def _shown_extent(self) -> tuple[float, float]:
         """Metres along the track and across it that the plot shows."""
         along, across = self.extent()
-        zoom = self._projection.zoom
+        zoom = self.projection.zoom
         return along * (zoom.lower - zoom.upper), across * (zoom.right - zoom.left)
 
     def _lay(self) -> None:
         """Place plot and handle in the view."""
-        axis, room, zoom = choose_axis(self._look, self._record, self._range), self._room(), self._zoom
+        axis, room, zoom = choose_axis(self._look, self.record, self._range), self._room(), self._zoom
         across = axis.reach * (2.0 if self._look.side == "both" else 1.0)
-        along, size = self._record.pings * max(self._step, 1e-6), (max(room.width(), 1), max(room.height(), 1))
+        along, size = self.record.pings * max(self._step, 1e-6), (max(room.width(), 1), max(room.height(), 1))
         if self._look.scale == "true":
             zoom = zoom_to_true_scale(zoom, size, across, along, newest_on_top=self._look.newest_on_top)
             along, across = along * (zoom.lower - zoom.upper), across * (zoom.right - zoom.left)
-            self._area = plot_at_true_scale(room, along, across, always=True)
+            self.plot_area = plot_at_true_scale(room, along, across, always=True)
         else:
-            self._area = room if self._look.scale == "fill" else plot_at_true_scale(room, along, across)
-        self._projection = project_record(self._look, self._record, axis, zoom, self._top)
-        self._handle.lay(self._area.right() + 8.0, self._area.top(), self._area.height())
+            self.plot_area = room if self._look.scale == "fill" else plot_at_true_scale(room, along, across)
+        self.projection = project_record(self._look, self.record, axis, zoom, self.top)
+        self._handle.lay(self.plot_area.right() + 8.0, self.plot_area.top(), self.plot_area.height())
 
     def _project(self) -> None:
-        known = self._projection
-        self._projection = project_record(self._look, self._record, known.axis, known.zoom, self._top)
+        known = self.projection
+        self.projection = project_record(self._look, self.record, known.axis, known.zoom, self.top)
 
     def _fit(self) -> None:
         """Compute the display columns of every row for the present width."""
         self._lay()
-        self._tone_map = make_tone_map(self._look, self._levels)
-        width = max(int(self._plot().width() * self.devicePixelRatioF()), 2)
-        self._image.fit(self._record, self._projection, self._tone_map, width)
+        self.tone_map = make_tone_map(self._look, self.levels)
+        width = max(int(self.plot_area.width() * self.devicePixelRatioF()), 2)
+        self._image.fit(self.record, self.projection, self.tone_map, width)
         self.update()
 
     def _paint_rows(self, rows: Rows) -> None:
-        self._image.paint(rows, self._projection, self._tone_map)
+        self._image.paint(rows, self.projection, self.tone_map)
         self.update()
-
-    def draw_for(self, size: QSize) -> None:
-        """Compute the picture for a size while the view is hidden."""
-        self.resize(size)
-        self._fit()
 
     @guard_override(None)
     def resizeEvent(self, event: QResizeEvent) -> None:
@@ -343,14 +298,14 @@ class RecordCanvas(QWidget):
     @guard_override(None)
     def paintEvent(self, event: QPaintEvent) -> None:
         """Draw the record, what lies over it, and the rulers."""
-        plot, projection = self._plot(), self._projection
+        plot, projection = self.plot_area, self.projection
         with QPainter(self) as painter:
             painter.fillRect(self.rect(), QColor(GROUND))
             self._image.draw(painter, plot, projection)
             draw_range_ruler(painter, plot, projection, name_scale(plot, *self._shown_extent()), self._text)
             beside = QRect(0, plot.top(), self._scaled(LEFT), plot.height())
             draw_ping_ruler(painter, beside, projection, self._step, self._text)
-            self._handle.draw(painter, self._top)
+            self._handle.draw(painter, self.top)
             painter.save()
             painter.setClipRect(plot)
             self._draw_over(painter, plot)
@@ -360,24 +315,24 @@ class RecordCanvas(QWidget):
     def _draw_over(self, painter: QPainter, plot: QRect) -> None:
         """Draw lines, marks and the bar of what is waited for over the record."""
         if self._look.range_lines:
-            overlays.draw_range_lines(painter, plot, self._projection, self._text)
+            overlays.draw_range_lines(painter, plot, self.projection, self._text)
         if self._look.bottom_line:
-            overlays.draw_bottom_line(painter, plot, self._projection)
-        overlays.draw_range_bar(painter, plot, self._projection)
-        if self._waiting is not None:
-            draw_waiting(painter, plot, self._waiting)
+            overlays.draw_bottom_line(painter, plot, self.projection)
+        overlays.draw_range_bar(painter, plot, self.projection)
+        if self.waiting is not None:
+            draw_waiting(painter, plot, self.waiting)
         self._marks.draw(painter, plot, self.place_of)
 
     def _draw_trace(self, painter: QPainter) -> None:
         """Draw the echo of the pinned ping, else of the one under the mouse, else of the newest one."""
-        area, record, caption = self.trace_area(), self._record, self.trace_caption()
+        area, record, caption = self.trace_area(), self.record, self.trace_caption()
         if area is None and caption is not None:
             draw_caption(painter, caption, "▸ echo")
         mark = self._marks.pointed
-        ping = self._top if mark is None else mark.ping
+        ping = self.top if mark is None else mark.ping
         row = int(record.rows(np.array([ping]))[0])
         if area is None or record.ping[row] != ping:
             return
-        at = None if mark is None else self._projection.place_of(mark)[0]
-        loudest = self._projection.loudest(record.amplitude[row], ping, max(area.width(), 1))
+        at = None if mark is None else self.projection.place_of(mark)[0]
+        loudest = self.projection.loudest(record.amplitude[row], ping, max(area.width(), 1))
         draw_trace(painter, area, loudest, f"echo of ping {ping}", at)

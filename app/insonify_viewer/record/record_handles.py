@@ -1,4 +1,4 @@
-"""Handles of targets over a record: they are drawn near the mouse, and held and dragged with it."""
+"""Handles of targets over a record: drawn near the mouse, which drags them."""
 
 from __future__ import annotations
 
@@ -64,7 +64,7 @@ class RecordHandles(QObject):
         return True
 
     def pull(self, mark: Mark | None) -> None:
-        """Move the handle that is held."""
+        """Move the dragged handle."""
         if mark is not None:
             self.pulled.emit(mark)
 

@@ -1,4 +1,4 @@
-"""Picture of a record in a ring of coloured rows; a row is coloured once, when it arrives."""
+"""Picture of a record in a ring of coloured rows; a row is blurred and coloured once, when it arrives."""
 
 from __future__ import annotations
 
@@ -53,7 +53,7 @@ class RecordImage:
         self._put_colours(rows, painted, projection)
 
     def paint(self, rows: Rows, projection: Projection, tone_map: ToneMap) -> None:
-        """Colour rows that hold a ping anew; blank those whose ping is not in the picture."""
+        """Colour rows that hold a ping anew; blank rows of pings outside the picture."""
         rows = rows[self._record.ping[rows] >= 0]
         self._put_colours(rows, _coloured(self._columns[rows], projection, tone_map), projection)
 

@@ -1,4 +1,4 @@
-"""What is painted over a record: lines of range and of the bed, the cross, measured lines, contacts, scroll bars."""
+"""Paint over and beside a record: rulers, range lines, marks, contacts, progress bar, scroll handle."""
 
 from __future__ import annotations
 
@@ -103,7 +103,7 @@ def draw_contacts(painter: QPainter, plot: QRect, contacts: Iterable[tuple[QPoin
 
 
 def draw_range_bar(painter: QPainter, plot: QRect, projection: Projection) -> None:
-    """Draw which part of the range, and which of the pings held, a zoomed record shows."""
+    """Draw which part of the range, and which of the stored pings, a zoomed record shows."""
     zoom = projection.zoom
     if zoom.whole:
         return

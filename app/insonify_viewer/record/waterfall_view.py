@@ -1,4 +1,4 @@
-"""Scrolling record that is pointed at, scrubbed, moved, zoomed and measured with the mouse, or by keys."""
+"""Scrolling record, pointed at, moved, zoomed and measured by mouse or keys, and its contrast."""
 
 from __future__ import annotations
 
@@ -52,7 +52,7 @@ class WaterfallView(RecordCanvas):
         self._measuring, self._title = False, ""
         self._begun: Mark | None = None  # where the Return key has begun a line
         self.is_covered: Callable[[QPoint], bool] = lambda _: False
-        self._cursor = RecordCursor(self._plot, self.mark_at, self.place_of)
+        self._cursor = RecordCursor(lambda: self.plot_area, self.mark_at, self.place_of)
         self.handles = RecordHandles(self.place_of, self.update, self)
         self._pressed: QPoint | None = None
         self._taken: QPoint | None = None  # where a handle was taken
@@ -75,11 +75,11 @@ class WaterfallView(RecordCanvas):
 
     def magnify(self, factor: float, place: QPoint | None = None) -> None:
         """Zoom about a place of the plot, else about its middle."""
-        plot = self._plot()
+        plot = self.plot_area
         place = plot.center() if place is None else place
         u = (place.x() - plot.left()) / max(plot.width(), 1)
         v = (place.y() - plot.top()) / max(plot.height(), 1)
-        self.show_zoom(self._projection.zoom.about(u, v, factor))
+        self.show_zoom(self.projection.zoom.about(u, v, factor))
 
     def mousePressEvent(self, event: QMouseEvent) -> None:
         """Take hold of the handle, or move it to a place on its rail; or begin a click or a drag."""
@@ -143,7 +143,7 @@ class WaterfallView(RecordCanvas):
     def paintEvent(self, event: QPaintEvent) -> None:
         """Draw the record and its title."""
         super().paintEvent(event)
-        plot, high = self._plot(), self._scaled(16)
+        plot, high = self.plot_area, self._scaled(16)
         with QPainter(self) as painter:
             painter.setPen(QColor(TEXT))
             metrics = painter.fontMetrics()
@@ -170,14 +170,14 @@ class WaterfallView(RecordCanvas):
             if near is not None and far is not None:
                 self.measured.emit(near, far)
             return
-        plot, zoom = self._plot(), self._projection.zoom
+        plot, zoom = self.plot_area, self.projection.zoom
         u = (before.x() - place.x()) / max(plot.width(), 1)
         v = (before.y() - place.y()) / max(plot.height(), 1)
-        self._move(u, v * (zoom.lower - zoom.upper) * self._record.pings)
+        self._move(u, v * (zoom.lower - zoom.upper) * self.record.pings)
 
     def _move(self, across: float, down: float) -> None:
         """Show what lies to the right by a share of the plot, and below by some pings."""
-        zoom, pings = self._projection.zoom, self._record.pings
+        zoom, pings = self.projection.zoom, self.record.pings
         moved = zoom.moved(across, down / ((zoom.lower - zoom.upper) * pings))
         self.show_zoom(moved if moved != zoom else self._zoom)
         # The zoom goes no farther; the tow may.
@@ -195,7 +195,7 @@ class WaterfallView(RecordCanvas):
     def wheelEvent(self, event: QWheelEvent) -> None:
         """Signal by how many pings to look back; with Ctrl zoom about the mouse, with Shift move across."""
         turned = event.angleDelta().y() or event.angleDelta().x()  # Qt turns the wheel sideways with Alt
-        keys, zoom = event.modifiers(), self._projection.zoom
+        keys, zoom = event.modifiers(), self.projection.zoom
         if keys & Qt.KeyboardModifier.ControlModifier:
             self.magnify(CLOSER ** (turned / NOTCH), event.position().toPoint())
         elif keys & Qt.KeyboardModifier.ShiftModifier:
@@ -227,7 +227,7 @@ class WaterfallView(RecordCanvas):
             self._step_down(steps[1])
             self._point()
         elif key in PAGES and not keys:
-            upper, lower = self._projection.ages
+            upper, lower = self.projection.ages
             self._move_under_cursor(PAGES[key] * abs(lower - upper))
             self._point()
         elif key in (Qt.Key.Key_Home, Qt.Key.Key_End) and keys == Qt.KeyboardModifier.ControlModifier:
@@ -256,9 +256,9 @@ class WaterfallView(RecordCanvas):
 
     def _step_down(self, pings: int) -> None:
         """Move the record under the cursor, or the cursor where the record goes no farther."""
-        before = self._top, self._zoom
+        before = self.top, self._zoom
         self._move_under_cursor(pings)
-        if (self._top, self._zoom) == before:
+        if (self.top, self._zoom) == before:
             for _ in range(abs(pings)):
                 self._cursor.step(0, 1 if pings > 0 else -1)
 
@@ -271,7 +271,7 @@ class WaterfallView(RecordCanvas):
     def _go_to_end(self, newest: bool) -> None:
         """Signal the last ping of the tow, or the one on top of its first page."""
         place, last = self._cursor.place, self._handle.last
-        self.scrubbed.emit(last if newest else min(self._record.pings - 1, last))
+        self.scrubbed.emit(last if newest else min(self.record.pings - 1, last))
         self._cursor.put(place)
         self._point()
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import sys
 from collections.abc import Callable, Sequence
+from importlib import import_module
 from typing import TYPE_CHECKING, Any, cast
 
 import numpy as np
@@ -17,7 +18,6 @@ from insonify_viewer.record.drape import RecordStrip, drape_record
 from insonify_viewer.seabed.fan_sheet import fan_sheet
 from insonify_viewer.seabed.handle_geometry import meet_bed
 from insonify_viewer.state.inspection import SoundDrawing
-from insonify_viewer.widgets.qt_modules import load_qt_modules
 from insonify_viewer.work.gc_policy import leave_out_libraries
 from insonify_viewer.work.ping_request import is_same_ground
 from insonify_viewer.work.simulator import Simulator
@@ -35,6 +35,9 @@ if TYPE_CHECKING:
     from insonify_viewer.seabed.seabed_view import SeabedView
 
 VIEW = "insonify_viewer.seabed.seabed_view"
+# pyvistaqt imports these, and they every class of PySide6. On another thread that races with the main thread, which
+# looks up the classes of the events that it handles, and ends the program.
+QT_MODULES = ("qtpy.QtCore", "qtpy.QtGui", "qtpy.QtWidgets", "qtpy.QtOpenGLWidgets")
 
 
 class SeabedController:
@@ -48,7 +51,7 @@ class SeabedController:
 
     def __init__(self, simulator: Simulator, *, accelerated: bool) -> None:
         self._simulator, self._accelerated = simulator, accelerated
-        self._view: SeabedView | None = None
+        self.view: SeabedView | None = None  # None until it is loaded
         self._latest: tuple[PackedScene, int, NDArray[np.float32], bool] | None = None
         self._bed: _Bed | None = None
         self._bodies: _Bodies | None = None
@@ -62,14 +65,9 @@ class SeabedController:
         self._grips: Sequence[Grip] = ()
 
     @property
-    def view(self) -> SeabedView | None:
-        """The view; None until it is loaded."""
-        return self._view
-
-    @property
     def complete(self) -> bool:
         """Whether the view shows the present bed and targets."""
-        laid = self._view is not None and self._bed is not None and self._shown == self._asked
+        laid = self.view is not None and self._bed is not None and self._shown == self._asked
         return laid and self._drape_shown == self._drape_asked
 
     def load(self, put: Callable[[SeabedView], None]) -> None:
@@ -84,7 +82,7 @@ class SeabedController:
     ) -> None:
         """Move the sonar to a ping; update bed and targets if they have changed."""
         self._latest = (simulation, ping, tones, at_once)
-        if self._view is None:
+        if self.view is None:
             return
         # lazy: the window opens before PyVista is loaded
         from insonify_viewer.seabed.bed_shading import target_colours
@@ -99,23 +97,23 @@ class SeabedController:
             self._bed, self._bodies = bed, bodies
             self._bake(bed, bodies, at_once=at_once)
         if not at_once:  # pings of the scene are on screen
-            self._view.fade_bed(bool(self._owed))
-        self._view.show_sonar(simulation.arrays, pose, float(line.heading[0]))
+            self.view.fade_bed(bool(self._owed))
+        self.view.show_sonar(simulation.arrays, pose, float(line.heading[0]))
         self._scan(pose)
         scene = simulation.scene
         step = scene.track.speed / scene.sonar.ping_rate
-        self._view.show_path(simulation.poses(path_pings(ping, step, reach)))
+        self.view.show_path(simulation.poses(path_pings(ping, step, reach)))
 
     def show_later(self, show: Callable[[], None]) -> None:
         """Call a function that shows the sonar before the next drawing; drawings are rarer than moves of a slider."""
-        if self._view is not None:
-            self._view.draw_after(show)
+        if self.view is not None:
+            self.view.draw_after(show)
 
     def drape(self, strip: RecordStrip | None) -> None:
         """Lay a record over the bed, on a thread of its own; None shows the bed as it is."""
         self._strip = strip
         patch = self._patch
-        if patch is None or self._view is None:
+        if patch is None or self.view is None:
             return
         self._drape_asked += 1
         number = self._drape_asked
@@ -125,36 +123,36 @@ class SeabedController:
 
         def show(image: NDArray[np.uint8] | None) -> None:
             self._drape_shown = number
-            if self._view is not None and image is not None and patch is self._patch:
-                self._view.show_texture(image)
+            if self.view is not None and image is not None and patch is self._patch:
+                self.view.show_texture(image)
 
         self._executor.submit("drape", make, show)
 
     def show_mark(self, place: tuple[float, float, float] | None) -> None:
         """Mark a point of the bed; None removes the mark."""
-        if self._view is not None:
-            self._view.show_mark(place)
+        if self.view is not None:
+            self.view.show_mark(place)
 
     def show_pick(self, place: tuple[float, float, float] | None) -> None:
         """Mark a picked place; None removes the mark."""
-        if self._view is not None:
-            self._view.show_pick(place)
+        if self.view is not None:
+            self.view.show_pick(place)
 
     def show_handles(self, grips: Sequence[Grip]) -> None:
         """Show handles of targets: place, what a drag does, and whether it belongs to the chosen target."""
         self._grips = grips
-        if self._view is not None:
-            self._view.handles.show(grips)
+        if self.view is not None:
+            self.view.handles.show(grips)
 
     def show_sound(self, drawing: SoundDrawing | None) -> None:
         """Draw the sound of a pixel; None removes it."""
-        if self._view is not None:
-            self._view.show_sound(drawing)
+        if self.view is not None:
+            self.view.show_sound(drawing)
 
     def reset_camera(self) -> None:
         """Reset the camera to its place behind and above the fish."""
-        if self._view is not None:
-            self._view.reset_camera()
+        if self.view is not None:
+            self.view.reset_camera()
 
     def reset_view(self) -> None:
         """Put the camera behind and above the fish now."""
@@ -165,14 +163,14 @@ class SeabedController:
 
     def draw_now(self) -> None:
         """Draw immediately, for a picture of the window."""
-        if self._view is not None:
-            self._view.draw_now()
+        if self.view is not None:
+            self.view.draw_now()
 
     def close(self) -> None:
         """Release the drawing resources."""
-        if self._view is not None:
-            self._view.close_view()
-            self._view = None
+        if self.view is not None:
+            self.view.close_view()
+            self.view = None
 
     def _import(self) -> None:
         # These imports take a second or two.
@@ -187,14 +185,14 @@ class SeabedController:
 
         if self._loading:
             leave_out_libraries()
-        self._view = SeabedView(accelerated=self._accelerated)
-        self._view.sighted.connect(self._pick)
-        handles = self._view.handles
+        self.view = SeabedView(accelerated=self._accelerated)
+        self.view.sighted.connect(self._pick)
+        handles = self.view.handles
         handles.taken.connect(lambda number: self.taken.emit(number))
         handles.pulled.connect(self._pull)
         handles.released.connect(lambda: self.released.emit())
         handles.show(self._grips)
-        put(self._view)
+        put(self.view)
         if self._latest is not None:
             simulation, ping, tones, at_once = self._latest
             self.show_sonar(simulation, ping, tones, at_once=at_once)
@@ -210,9 +208,9 @@ class SeabedController:
         arrays, ground = simulation.arrays, simulation.ground
 
         def show(scanned: ScanLine | None) -> None:
-            if self._view is None or scanned is None:
+            if self.view is None or scanned is None:
                 return
-            self._view.show_scan(arrays, pose, scanned, tones)
+            self.view.show_scan(arrays, pose, scanned, tones)
             if not at_once and self._latest is latest:  # the kernels of the first pings must not wait for its own
                 self._cut_fan(simulation, ping)
 
@@ -229,13 +227,13 @@ class SeabedController:
 
         def show(sheet: NDArray[np.float64] | None) -> None:
             # The fish may be farther on by now; the next sheet follows.
-            if self._view is not None and sheet is not None and self._latest is latest:
-                self._view.show_sheet(sheet)
+            if self.view is not None and sheet is not None and self._latest is latest:
+                self.view.show_sheet(sheet)
 
         self._executor.submit("fan", lambda: fan_sheet(cast("Simulation", simulation), ping), show)
 
     def _pull(self, begin: Vector, end: Vector) -> None:
-        """Tell of the place of the bed under the mouse that holds a handle."""
+        """Signal the place of the bed under the mouse while it drags a handle."""
         if self._latest is not None:
             bed = self._latest[0].arrays.bed
             place = meet_bed(self._latest[0].ground, begin, end, (bed.low, bed.high))
@@ -243,7 +241,7 @@ class SeabedController:
                 self.pulled.emit(place)
 
     def _pick(self, begin: Vector, end: Vector, target: Vector | None) -> None:
-        """Tell of the nearest place of a target or of the bed along a line of sight."""
+        """Signal the nearest place of a target or of the bed along a line of sight."""
         if self._latest is None:
             return
         bed = self._latest[0].arrays.bed
@@ -277,20 +275,20 @@ class SeabedController:
 
     def _lay(self, number: int, made: tuple[BedPatch, Any] | SceneError | Failure) -> None:
         """Show meshes, unless newer ones are on screen."""
-        if self._view is None or number < self._shown:
+        if self.view is None or number < self._shown:
             return
         self._shown = number
         if isinstance(made, (SceneError, Failure)):
             self.failed.emit(made)
             return
         self._patch = made[0]
-        self._view.show_bed(made[0])
+        self.view.show_bed(made[0])
         if number >= self._owed:
             self._owed = 0
-            self._view.fade_bed(False)
+            self.view.fade_bed(False)
         if self._strip is not None:
             self.drape(self._strip)
-        self._view.show_targets(made[1])
+        self.view.show_targets(made[1])
 
 
 def _is_same_bed(first: _Bed | None, second: _Bed) -> bool:
@@ -309,3 +307,9 @@ def _same(first: _Bodies | None, second: _Bodies) -> bool:
 def silence(simulation: PackedScene) -> NDArray[np.float32]:
     """Tones of a scan line without echoes."""
     return np.zeros(2 * simulation.arrays.bins, dtype=np.float32)
+
+
+def load_qt_modules() -> None:
+    """Import the modules; to be called on the main thread, before pyvistaqt is imported on another."""
+    for name in QT_MODULES:
+        import_module(name)

@@ -1,4 +1,4 @@
-"""Handles of targets: where they are in the scene and in the record, and what a drag of one changes."""
+"""Handles of targets in scene and record, what a drag changes, and where a line of sight ends."""
 
 from __future__ import annotations
 
@@ -37,7 +37,7 @@ Vector = NDArray[np.float64]
 
 @dataclass(frozen=True)
 class Handle:
-    """A place by which a target is held."""
+    """A place by which a target is dragged."""
 
     target: int  # position of the target in the scene
     # What a drag does: ``move``, ``turn``, ``resize``, ``thicken`` across the heading alone, or ``raise`` in
@@ -93,7 +93,7 @@ def drag_edit(scene: Scene, handle: Handle, begun: Place, now: Place) -> dict[st
     if handle.action == "move":
         there = [round(x + now[0] - begun[0], DIGITS), round(y + now[1] - begun[1], DIGITS)]
         return {f"{path}.position": [*there, *height]}
-    # What stands above the bed is heard nearer than the bed beneath it: the mouse shows how far the handle has moved.
+    # An echo from above the bed arrives before that of the bed beneath it: the mouse shows how far the handle moved.
     first = handle.place[0] - x, handle.place[1] - y
     last = first[0] + now[0] - begun[0], first[1] + now[1] - begun[1]
     if handle.action == "turn":
@@ -128,7 +128,7 @@ def _raised(target: Any, path: str, factor: float) -> dict[str, Any]:
 
 
 def echo_mark(simulation: Simulation, place: Place) -> Mark | None:
-    """Find the bin in which a place is heard abeam, by straight sound; None if it is out of range or never abeam."""
+    """Find the bin of the direct echo of a place abeam; None if it is out of range or never abeam."""
     scene, arrays = simulation.scene, simulation.arrays
     step = scene.track.speed / scene.sonar.ping_rate
     line = simulation.line(np.zeros(1, dtype=np.int64))

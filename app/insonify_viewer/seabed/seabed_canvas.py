@@ -1,4 +1,4 @@
-"""What the three-dimensional view is drawn on: an OpenGL widget, or a picture in memory."""
+"""Canvas of the three-dimensional view: an OpenGL widget or a picture in memory, and its keys."""
 
 from __future__ import annotations
 
@@ -52,7 +52,7 @@ class InteractiveCanvas:
             self.plotter.iren.interactor.AddObserver(event, lambda *_: turned(), -1.0)
 
     def on_hold(self, held: Callable[[bool], None]) -> None:
-        """Call a function with True when the person takes hold of the view, and with False when it is let go."""
+        """Call a function with True when the person takes hold of the view, and with False when it is released."""
         style = self.plotter.iren.interactor.GetInteractorStyle()
         style.AddObserver("StartInteractionEvent", lambda *_: held(True))
         style.AddObserver("EndInteractionEvent", lambda *_: held(False))

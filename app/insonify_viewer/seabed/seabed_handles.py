@@ -1,4 +1,4 @@
-"""Handles of targets in the three-dimensional view: they are held and dragged with the mouse before the view turns."""
+"""Handles of targets in the three-dimensional view: the mouse drags them before it turns the view."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ COLOURS = {
 
 
 class SeabedHandles(QObject):
-    """Points by which targets are held in three dimensions."""
+    """Points by which targets are dragged in three dimensions."""
 
     taken = Signal(int)  # number of a handle
     pulled = Signal(object, object)  # ends of the line of sight under the mouse

@@ -1,4 +1,4 @@
-"""Three-dimensional view of bed, targets, towfish and scan line."""
+"""Three-dimensional view of bed, targets, towfish, scan line and the sound of a pixel."""
 
 from __future__ import annotations
 

@@ -112,13 +112,13 @@ class TargetHandles:
         return handle.target < len(targets) and simulated[handle.target].kind == targets[handle.target].kind
 
     def _pull_mark(self, mark: Mark) -> None:
-        """Move the handle that is held to a place of the record, as far as there is bed."""
+        """Move the dragged handle to a place of the record, where there is bed."""
         place = None if self._origin is None else locate_mark(self._origin, mark)[2]
         if place is not None:
             self._pull(place)
 
     def _pull(self, place: Place) -> None:
-        """Move the handle that is held to a place of the bed."""
+        """Move the dragged handle to a place of the bed."""
         if self._held is None or self._scene is None:
             return
         if self._begun is None:

@@ -1,4 +1,4 @@
-"""Contacts: marked points of a record with a name, and the files of them."""
+"""Contacts: marked points of a record with a name, and the files that hold them."""
 
 from __future__ import annotations
 

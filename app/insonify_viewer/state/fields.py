@@ -1,4 +1,4 @@
-"""Descriptions of editable fields, without widgets: a number on a slider, a choice among names, a file."""
+"""Descriptions and names of editable fields: a number on a slider, a choice among names, a file."""
 
 from __future__ import annotations
 

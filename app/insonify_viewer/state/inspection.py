@@ -25,7 +25,7 @@ class Mark:
 class SoundDrawing:
     """The sound of one pixel in three dimensions, in local coordinates, m."""
 
-    rays: tuple[Points, ...]  # ways of the sound that is heard, and of the sound that something keeps from the bed
+    rays: tuple[Points, ...]  # rays of the sound that returns, and of the sound that something keeps from the bed
     blocked: tuple[Points, ...]
     heard: Points  # (n, 2, 3) stretches of bed and targets that echo in the pixel, and of bed that is hidden
     hidden: Points
@@ -40,19 +40,14 @@ class Inspection:
     drawn = Signal(object)  # the `SoundDrawing`, or None
 
     def __init__(self) -> None:
-        self._mark: Mark | None = None
-
-    @property
-    def mark(self) -> Mark | None:
-        """The pinned pixel."""
-        return self._mark
+        self.mark: Mark | None = None
 
     def pin(self, mark: Mark | None) -> None:
         """Pin a pixel; the pinned one, clicked again, or None, is let go."""
-        self._mark = None if mark == self._mark else mark
-        if self._mark is None:
+        self.mark = None if mark == self.mark else mark
+        if self.mark is None:
             self.drawn.emit(None)
-        self.pinned.emit(self._mark)
+        self.pinned.emit(self.mark)
 
     def pick(self, place: Place | None) -> None:
         """Pick a place of the bed or of a target."""

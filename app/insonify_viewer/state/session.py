@@ -1,9 +1,10 @@
-"""Session: the scene, its modelling, the contacts, the history of all, and the marked point; without widgets."""
+"""Session: the scene, its modelling, contacts, their history, and the marked point; without widgets."""
 
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import replace
+from pathlib import Path
 from typing import Any
 
 from psygnal import Signal
@@ -13,9 +14,8 @@ from insonify.scene import Scene, SceneError, edit
 from insonify.scene_edits import add_dependent_edits
 from insonify_viewer.state.contacts import Contact
 from insonify_viewer.state.fields import name_display, name_edit
-from insonify_viewer.state.history import History, State
+from insonify_viewer.state.history import History, Modelling, State
 from insonify_viewer.state.inspection import Mark
-from insonify_viewer.state.modelling import Modelling
 
 
 class Session:
@@ -33,16 +33,12 @@ class Session:
     contacts_changed = Signal()
 
     def __init__(self, scene: Scene) -> None:
-        self._scene, self._history = scene, History(State(scene, Modelling(), scene))
+        self.scene = scene  # the current scene, provisional edits included
+        self._history = History(State(scene, Modelling(), scene))
         self._dragged = ""
-        self._mark: Mark | None = None
+        self.mark: Mark | None = None  # the marked point of the record
         self._saved = {"": scene}
         self.file = ""
-
-    @property
-    def scene(self) -> Scene:
-        """The current scene, provisional edits included."""
-        return self._scene
 
     @property
     def modelling(self) -> Modelling:
@@ -53,11 +49,6 @@ class Session:
     def contacts(self) -> tuple[Contact, ...]:
         """Contacts, in the order in which they were marked."""
         return self._history.present.contacts
-
-    @property
-    def mark(self) -> Mark | None:
-        """The marked point of the record."""
-        return self._mark
 
     @property
     def display(self) -> DisplayOptions:
@@ -99,18 +90,18 @@ class Session:
         scene = self._edited(changes)
         if scene is None:
             return False
-        if scene != self._scene:
+        if scene != self.scene:
             self._dragged = name_edit(scene, changes)
-            self._scene = scene
+            self.scene = scene
             self.changed.emit(scene, False)
         return True
 
     def settle(self, changes: Mapping[str, Any] | None = None, name: str = "", said: str = "") -> bool:
         """Apply changes finally, or those of the drag under way; return whether they are valid."""
-        scene = self._scene if changes is None else self._edited(changes, said)
+        scene = self.scene if changes is None else self._edited(changes, said)
         if scene is None:
             # The widget that asked must return to the valid value.
-            self.changed.emit(self._scene, True)
+            self.changed.emit(self.scene, True)
             return False
         name = name or (self._dragged if changes is None else name_edit(scene, changes))
         self._turn_to(scene=scene, edit=name)
@@ -120,18 +111,18 @@ class Session:
         """Put other contacts in place of the present ones, as one step of undo of a name; a drag goes on."""
         before = self._history.present
         self._history.turn_to(replace(before, contacts=tuple(contacts), edit=name))
-        self._tell_contacts(before)
+        self._announce_contacts(before)
 
     @property
     def unsaved(self) -> bool:
         """Whether the scene differs from every one that was opened or saved, as it is in its file now."""
-        return self._scene not in self._saved.values()
+        return self.scene not in self._saved.values()
 
     def mark_saved(self, file: str) -> None:
         """Note that the scene is in a file as it is."""
-        self._saved[file] = self._scene
+        self._saved[file] = self.scene
         self.file = file
-        self.changed.emit(self._scene, True)
+        self.changed.emit(self.scene, True)
 
     def open(self, scene: Scene, file: str = "", *, bundled: bool = False) -> None:
         """Replace the scene, with no choice forced, as one step of undo."""
@@ -160,27 +151,27 @@ class Session:
 
     def take_back(self) -> None:
         """Return from a scene that cannot be simulated, without a step to redo."""
-        if self._scene == self._history.present.scene:
+        if self.scene == self._history.present.scene:
             self._history.take_back()
         self._show_scene()
 
     def point_at(self, mark: Mark | None) -> None:
         """Mark a point of the record."""
-        if mark != self._mark:
-            self._mark = mark
+        if mark != self.mark:
+            self.mark = mark
             self.marked.emit(mark)
 
     def _step(self, move: Callable[[int], bool], steps: int) -> None:
-        """Move through the history, and tell what differs there."""
+        """Move through the history, and announce what differs there."""
         before = self._history.present
         if not move(steps):
             return
         self.said.emit("")
-        self._tell_contacts(before)
+        self._announce_contacts(before)
         now = self._history.present
         if now.display != before.display:
             self.displayed.emit(now.display)
-        if now.scene is not self._scene or (now.modelling, now.opened) != (before.modelling, before.opened):
+        if now.scene is not self.scene or (now.modelling, now.opened) != (before.modelling, before.opened):
             self._show_scene()
 
     def _turn_to(self, **changes: Any) -> None:
@@ -189,10 +180,10 @@ class Session:
         self._show_scene()
 
     def _show_scene(self) -> None:
-        self._scene = self._history.present.scene
-        self.changed.emit(self._scene, True)
+        self.scene = self._history.present.scene
+        self.changed.emit(self.scene, True)
 
-    def _tell_contacts(self, before: State) -> None:
+    def _announce_contacts(self, before: State) -> None:
         if self._history.present.contacts != before.contacts:
             self.contacts_changed.emit()
 
@@ -206,3 +197,67 @@ class Session:
             return None
         self.said.emit("; ".join(filter(None, (said, remark))))
         return scene
+
+
+class ContactList:
+    """Contacts of a session in the order of marking, and their file; each change is a step of undo."""
+
+    changed = Signal()
+
+    def __init__(self, session: Session) -> None:
+        self.file = ""
+        self._session = session
+        self._saved: dict[str, tuple[Contact, ...]] = {"": ()}
+        session.contacts_changed.connect(lambda: self.changed.emit())
+
+    def __len__(self) -> int:
+        return len(self.all)
+
+    def __getitem__(self, index: int) -> Contact:
+        return self.all[index]
+
+    @property
+    def all(self) -> tuple[Contact, ...]:
+        """Every contact."""
+        return self._session.contacts
+
+    @property
+    def unsaved(self) -> bool:
+        """Whether the contacts differ from those of every file that was opened or saved, as it is now."""
+        return self.all not in self._saved.values()
+
+    def add(self, contact: Contact) -> None:
+        """Add a contact; one without a name gets the next number."""
+        if not contact.name:
+            taken = {each.name for each in self.all}
+            free = next(f"contact {k}" for k in range(1, len(taken) + 2) if f"contact {k}" not in taken)
+            contact = replace(contact, name=free)
+        self._session.list_contacts((*self.all, contact), f"{contact.name} marked")
+
+    def edit(self, index: int, field: str, text: str) -> None:
+        """Change the name of a contact, or the note on it."""
+        contact = self.all[index]
+        change: dict[str, Any] = {field: text}
+        name = f"{contact.name} renamed" if field == "name" else f"{field} on {contact.name}"
+        self._session.list_contacts((*self.all[:index], replace(contact, **change), *self.all[index + 1 :]), name)
+
+    def remove(self, index: int) -> None:
+        """Remove a contact."""
+        others = (*self.all[:index], *self.all[index + 1 :])
+        self._session.list_contacts(others, f"{self.all[index].name} removed")
+
+    def open(self, contacts: Iterable[Contact], file: str) -> None:
+        """Replace all contacts by those of a file, or by some that are in none if its name is empty."""
+        opened = tuple(contacts)
+        if file:
+            self._saved[file] = opened
+        self.file = file
+        if opened == self.all:
+            self.changed.emit()  # no step, but the list is that of the file now
+        self._session.list_contacts(opened, f"open {Path(file).name or 'contacts'}")
+
+    def mark_saved(self, file: str) -> None:
+        """Note that the contacts are in a file as they are."""
+        self._saved[file] = self.all
+        self.file = file
+        self.changed.emit()

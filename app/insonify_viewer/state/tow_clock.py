@@ -1,4 +1,4 @@
-"""Clock of the tow: the newest ping, and the ping on top of the screen."""
+"""Clock of the tow: newest ping, ping on top of the screen, and when the tow pauses by itself."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Steps that arrow keys ask for, alike in every view."""
+"""Steps of arrow keys, the same in every view."""
 
 from __future__ import annotations
 

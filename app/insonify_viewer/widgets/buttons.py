@@ -1,4 +1,4 @@
-"""Push buttons of panels and windows beside the record."""
+"""Push buttons, and icons of buttons and actions in the colours of the theme."""
 
 from __future__ import annotations
 

@@ -137,7 +137,7 @@ class NumberRow:
     def show_value(self, number: NumberField) -> None:
         """Show another value, unless the slider is held."""
         self._number = number
-        self._let_be(number.idle)
+        self._show_idle(number.idle)
         if not self.field.hasFocus() or not self.field.isModified():
             self._shown = format_quantity(number.value, number.unit)
             self.field.setText(self._shown)
@@ -147,7 +147,7 @@ class NumberRow:
             self.slider.setValue(round(STEPS * slider_position(number.value, number.slider, log=number.log)))
             self._showing = False
 
-    def _let_be(self, idle: str) -> None:
+    def _show_idle(self, idle: str) -> None:
         """Disable the row while its number has no effect, with the reason as tooltip."""
         about = f"{self._number.about}; {idle}" if idle else self._number.about
         if about == self._about:

@@ -1,4 +1,4 @@
-"""Pixels of a record: display columns, colours, and round values for rulers."""
+"""Colour tables, polylines, marks and round values for rulers."""
 
 from __future__ import annotations
 
@@ -73,7 +73,7 @@ def round_steps(low: float, high: float, most: int) -> list[float]:
 
 
 def make_polyline(x: NDArray[np.floating], y: NDArray[np.floating]) -> QPolygonF:
-    """Line through points, whose coordinates are copied at once: an object for each point takes far longer."""
+    """Line through points; the coordinates are copied at once, because an object for each point takes far longer."""
     line = QPolygonF()
     line.resize(x.size)
     if x.size:

@@ -1,4 +1,4 @@
-"""Base of the panels at the sides of the window: a column of widgets that scrolls down."""
+"""Column of widgets at a side of the window that scrolls down, and boxes in it that fold."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Colours and style sheet of the window, dark or light, with one copper accent."""
+"""Colours and style sheet of the window, dark or light, and the scale of its text."""
 
 from __future__ import annotations
 

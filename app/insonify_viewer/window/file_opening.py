@@ -23,9 +23,8 @@ from insonify.scene import Scene, SceneError, bundled_meshes, bundled_scenes, ed
 from insonify_viewer.errors import Failure
 from insonify_viewer.record.comparison.recording import is_recording
 from insonify_viewer.record.comparison.recording_player import RecordingPlayer
-from insonify_viewer.state.contact_list import ContactList
 from insonify_viewer.state.contacts import is_contacts, read_contacts
-from insonify_viewer.state.session import Session
+from insonify_viewer.state.session import ContactList, Session
 from insonify_viewer.window.main_window import MainWindow
 from insonify_viewer.window.saving import Saving
 from insonify_viewer.work.simulator import Simulator
@@ -42,7 +41,7 @@ LONGEST_RANGE = 1000.0  # m
 
 
 class FileOpening:
-    """Asks for files, and opens a file as what its suffix says it is."""
+    """Asks for files, and opens a file by its suffix."""
 
     mesh_opened = Signal(str)  # path of a mesh that becomes a target
 
@@ -76,7 +75,7 @@ class FileOpening:
             self._window.complain(Failure(f"{len(paths)} files were dropped at once; drop one file at a time"))
 
     def open(self, path: str) -> None:
-        """Open a file by its suffix; a sentence says what is taken if that is none of them."""
+        """Open a file by its suffix; an error lists the kinds of files if none fits."""
         suffix = Path(path).suffix.lower()
         if suffix == SCENE:
             self.open_scene(path)
@@ -102,7 +101,7 @@ class FileOpening:
                 self._load(path)
 
     def open_recent(self, path: str) -> None:
-        """Open a recent file, or say that it is gone and take it from the list."""
+        """Open a recent file; one that no longer exists is taken from the list, with a message."""
         if Path(path).exists():
             self.open(path)
         else:
@@ -150,7 +149,7 @@ class FileOpening:
         self._recordings.open(path)
 
     def _use(self, path: str, part: Cast | RecordedNavigation | SceneError) -> None:
-        """Make a cast the water of the scene, or navigation its motion, and say so; or say why it cannot be read."""
+        """Make a cast the water of the scene, or navigation its motion, with a message, or show the error."""
         if isinstance(part, SceneError):
             self._window.complain(part)
             return
@@ -217,7 +216,7 @@ class FileOpening:
             self._window.settings.add_recent(path)
 
     def _show_dem(self, path: str, removed: int, result: Scene | SceneError) -> None:
-        """Show a scene over a measured bed, or say why that cannot be read."""
+        """Show a scene over a measured bed, or the error of reading it."""
         if isinstance(result, SceneError):
             self._window.complain(result)
             return

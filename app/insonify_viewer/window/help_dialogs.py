@@ -116,7 +116,7 @@ class KeysDialog(QDialog):
 
 
 class AboutDialog(QDialog):
-    """Says what the program is, with versions, licence and citation, all to be copied."""
+    """Describes the program, with versions, licence and citation as text to copy."""
 
     def __init__(self, window: QWidget) -> None:
         super().__init__(window)

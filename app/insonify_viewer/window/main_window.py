@@ -55,7 +55,7 @@ LARGE = 1.6  # factor on the text of the record for a projector
 
 
 class MainWindow(QMainWindow):
-    """Holds views and panels, and signals what the person asks for."""
+    """Holds views and panels, and signals the person's requests."""
 
     gain_changed = Signal(float)
     palette_changed = Signal(str)
@@ -131,11 +131,11 @@ class MainWindow(QMainWindow):
 
     @property
     def seabed(self) -> QWidget | None:
-        """The view of the seabed, or what stands in its place until it is there."""
+        """The view of the seabed, or its placeholder until it is loaded."""
         return self._splitter.widget(0)
 
     def panel_widget(self, name: str) -> QWidget:
-        """Return the widget of a panel that stands at a side of the window."""
+        """Return the widget of a panel at a side of the window."""
         return self._docks.widget(name)
 
     def put_seabed(self, view: QWidget) -> None:
@@ -166,7 +166,7 @@ class MainWindow(QMainWindow):
         self.setWindowModified(unsaved)
 
     def show_running(self, running: bool) -> None:
-        """Set the button that pauses or plays, which says what it would do."""
+        """Set the button that pauses or plays; its text names what a click does."""
         self.pause.setChecked(not running)
         self.pause.setText("Pause" if running else "Play")
         set_icon(self.pause, "pause" if running else "play")

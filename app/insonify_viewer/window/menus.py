@@ -1,4 +1,4 @@
-"""Menu bar of the window: every command, by what it is about."""
+"""Menu bar, menus of undo, recent files, saving and appearance, and widgets of the tool bar."""
 
 from __future__ import annotations
 
@@ -202,7 +202,7 @@ def _choices(menu: QMenu, entries: list[tuple[str, object]], chosen: object) -> 
 
 
 class GainSlider(QSlider):
-    """Slider that asks for little room and takes what there is."""
+    """Slider with a small minimum width that takes all free width."""
 
     def __init__(self) -> None:
         super().__init__(Qt.Orientation.Horizontal)

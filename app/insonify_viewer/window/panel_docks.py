@@ -1,4 +1,4 @@
-"""Panels around scene and record, each in a dock without a title bar."""
+"""Panels around scene and record, each in a dock without a title bar, and the room that they share."""
 
 from __future__ import annotations
 
@@ -98,7 +98,7 @@ class PanelDocks:
         self._name_tabs()
 
     def __contains__(self, panel: str) -> bool:
-        """Whether a panel, by its name, stands in a dock."""
+        """Whether a panel, by its name, is in a dock."""
         return panel in self._docks
 
     def widget(self, panel: str) -> QWidget:

@@ -1,4 +1,4 @@
-"""Keeps unsaved scene and contacts in files, so that a crash loses seconds of work at most."""
+"""Recovery after a crash: unsaved scene and contacts are kept in files every few seconds."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import replace
 from datetime import datetime
 from pathlib import Path
-from typing import NamedTuple, Protocol, TypeVar
+from typing import NamedTuple, TypeVar
 
 from platformdirs import user_state_path
 from PySide6.QtCore import QLockFile, QObject, QTimer
@@ -17,9 +17,8 @@ from PySide6.QtWidgets import QMessageBox
 from insonify.io.atomic import replacing
 from insonify.scene import Scene, SceneError, load_scene, scene_to_toml
 from insonify_viewer.errors import Failure, format_trace
-from insonify_viewer.state.contact_list import ContactList
 from insonify_viewer.state.contacts import GEOJSON, Contact, describe_contacts, read_contacts, write_contacts
-from insonify_viewer.state.session import Session
+from insonify_viewer.state.session import ContactList, Session
 from insonify_viewer.window.main_window import MainWindow
 
 Work = TypeVar("Work")
@@ -28,18 +27,6 @@ PREFIX = "unsaved-"
 SCENE = ".toml"
 MOST_CONTACTS = 5000  # of the last ones; they are written in 0.2 s
 MOST_PICTURES = 4_000_000  # bytes, of the last contacts; the contacts before them are kept without their pictures
-
-
-class Lock(Protocol):
-    """Says that the process which holds it runs."""
-
-    def tryLock(self, timeout: int, /) -> bool:
-        """Take it, also from a process that has ended; return whether it was taken."""
-        ...
-
-    def unlock(self) -> None:
-        """Give it back."""
-        ...
 
 
 class LeftWork(NamedTuple):
@@ -59,12 +46,11 @@ class LeftWork(NamedTuple):
 class Recovery:
     """Writes the unsaved work of one window beside that of others."""
 
-    def __init__(self, make_lock: Callable[[str], Lock]) -> None:
-        self._make_lock = make_lock
+    def __init__(self) -> None:
         self._folder = user_state_path("insonify", appauthor=False) / "recovery"
         self._folder.mkdir(parents=True, exist_ok=True)
         self._stem = self._folder / f"{PREFIX}{os.getpid()}-{os.urandom(4).hex()}"
-        self._lock = make_lock(str(self._stem.with_suffix(".lock")))
+        self._lock = _make_lock(str(self._stem.with_suffix(".lock")))
         self._lock.tryLock(0)
         self._scene: Scene | None = None
         self._contacts: tuple[Contact, ...] = ()
@@ -98,7 +84,7 @@ class Recovery:
             files = [file for suffix in (SCENE, GEOJSON) for file in self._folder.glob(f"{PREFIX}*{suffix}")]
             newest = sorted(files, key=lambda file: -file.stat().st_mtime)
             for stem in dict.fromkeys(file.with_suffix("") for file in newest):
-                lock = self._make_lock(str(stem.with_suffix(".lock")))
+                lock = _make_lock(str(stem.with_suffix(".lock")))
                 if stem == self._stem or not lock.tryLock(0):
                     continue
                 lock.unlock()
@@ -144,7 +130,7 @@ class CrashRecovery(QObject):
     ) -> None:
         super().__init__(window)
         self._window, self._session, self._contacts, self._opened = window, session, contacts, opened
-        self._recovery = Recovery(_make_lock)
+        self._recovery = Recovery()
         self._clock = QTimer(self)
         self._clock.timeout.connect(self._keep)
         self._clock.start(int(1000 * INTERVAL))
@@ -190,5 +176,5 @@ class CrashRecovery(QObject):
 
 def _make_lock(path: str) -> QLockFile:
     lock = QLockFile(path)
-    lock.setStaleLockTime(0)  # it never grows old, it is left by a process that has ended
+    lock.setStaleLockTime(0)  # it never expires; a process that has ended leaves it
     return lock

@@ -8,9 +8,8 @@ from pathlib import Path
 
 from insonify.io.atomic import replacing
 from insonify.scene import Scene, scene_to_toml
-from insonify_viewer.state.contact_list import ContactList
 from insonify_viewer.state.contacts import FORMATS, GEOJSON, describe_contacts, write_contacts
-from insonify_viewer.state.session import Session
+from insonify_viewer.state.session import ContactList, Session
 from insonify_viewer.widgets.save_dialogs import (
     PICTURE,
     Answer,
@@ -101,7 +100,7 @@ class Saving:
         return answer is Answer.DISCARD or (answer is Answer.SAVE and all(save() for save in unsaved.values()))
 
     def _try(self, save: Callable[[], None], path: Path) -> bool:
-        """Write a file and say so, or why it was not written."""
+        """Write a file, and show that it was written or why it was not."""
         self._folder = str(path.parent)
         try:
             save()

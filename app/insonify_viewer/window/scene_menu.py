@@ -1,4 +1,4 @@
-"""Menu of the bundled scenes, and of scene files."""
+"""Menu and gallery of the bundled scenes, and of scene files."""
 
 from __future__ import annotations
 

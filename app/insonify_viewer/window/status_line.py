@@ -1,4 +1,4 @@
-"""Sentences at the bottom of the window: what happened, and errors with details to copy."""
+"""Status bar: what happened, errors with details to copy, and the progress of jobs."""
 
 from __future__ import annotations
 
@@ -59,7 +59,7 @@ class StatusLine(QWidget):
         self.copy.setVisible(bool(self._failure.sentence))
 
     def show_end(self, job: BackgroundJob) -> None:
-        """Say what came of a job, once it has ended."""
+        """Show the outcome of a job that has ended."""
         if job.state is State.FAILED:
             self.complain(Failure(job.sentence, job.trace))
         elif not job.running:

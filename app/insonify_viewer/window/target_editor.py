@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 
 
 class TargetEditor:
-    """Adds the targets that the window's menu asks for, each as one step of undo."""
+    """Adds targets from the window's menu, each as one step of undo."""
 
     def __init__(
         self,
@@ -54,7 +54,7 @@ class TargetEditor:
             )
 
     def _put(self, path: str, target: dict[str, Any] | SceneError) -> None:
-        """Add a target that is declared, or say why the file of a path cannot be one."""
+        """Add a declared target, or show why the file of a path cannot be one."""
         if isinstance(target, SceneError):
             self._window.complain(target)
             return

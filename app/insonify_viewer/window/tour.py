@@ -19,7 +19,7 @@ LINE = 3  # px, of the frame
 
 
 class TourStep(NamedTuple):
-    """One step: its title, what it says, and what finds the part of the window that it speaks of."""
+    """One step: its title, what it says, and what finds the part of the window that it describes."""
 
     title: str
     words: str

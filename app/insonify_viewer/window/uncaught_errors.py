@@ -1,4 +1,4 @@
-"""Errors of slots that nothing caught: the window says so and goes on."""
+"""Errors that no slot caught, and warnings about files: the window shows them and continues."""
 
 from __future__ import annotations
 
@@ -15,8 +15,8 @@ from insonify_viewer.errors import Failure, cause_of, describe_error, format_tra
 
 
 @contextmanager
-def told_errors(complain: Callable[[Failure], None]) -> Iterator[None]:
-    """Tell the person of every exception that no slot caught, besides writing faults to standard error.
+def reported_errors(complain: Callable[[Failure], None]) -> Iterator[None]:
+    """Show every exception that no slot caught in the window; faults are also written to standard error.
 
     A `SceneError` is no fault: a file of the scene may be damaged or removed while the window shows it.
     """
@@ -41,8 +41,8 @@ def told_errors(complain: Callable[[Failure], None]) -> Iterator[None]:
 
 
 @contextmanager
-def told_file_warnings(tell: Callable[[str], None]) -> Iterator[None]:
-    """Tell the person what a file lacks that is read all the same; other warnings are written as before."""
+def reported_file_warnings(tell: Callable[[str], None]) -> Iterator[None]:
+    """Show warnings about incomplete files in the window; other warnings are written as before."""
     before = warnings.showwarning
 
     def show(message: Warning | str, category: type[Warning], *where: Any, **more: Any) -> None:

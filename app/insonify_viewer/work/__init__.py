@@ -1,1 +1,1 @@
-"""Work beside the window: the simulator, jobs, and what they are asked and answer."""
+"""Work beside the window: threads, the simulator with its requests and answers, and jobs."""

@@ -78,7 +78,7 @@ class BackgroundJob(ABC):
 
     @property
     def seconds_left(self) -> float | None:
-        """Seconds that the stage will take at the rate so far; None while nobody can tell."""
+        """Seconds that the stage will take at the rate so far; None while it is unknown."""
         stage, lately = self.stage, self.stage.done - self.stage.first
         if stage.share is None or lately <= 0.0 or lately < FEW * stage.total or not self.running:
             return None
@@ -89,7 +89,7 @@ class BackgroundJob(ABC):
         """Begin."""
 
     def stop(self) -> None:
-        """Ask the job to end; it leaves nothing half-written."""
+        """Stop the job; it leaves nothing half-written."""
         if self.state is State.RUNNING:
             self.state = State.STOPPING
             self._ask_to_end()
@@ -112,7 +112,7 @@ class BackgroundJob(ABC):
         self.changed.emit(self)
 
     def _finish(self, state: State, sentence: str, trace: str = "") -> None:
-        """Take over how the work ended; whatever ends a job that was asked to end has stopped it."""
+        """Take over how the work ended; a job that was being stopped counts as stopped, however it ends."""
         if state is State.FAILED and self.state is State.STOPPING:
             state, sentence, trace = State.STOPPED, f"{self.title}: stopped", ""
         self.state, self.sentence, self.trace = state, sentence, trace
@@ -213,7 +213,7 @@ def _stage_of(line: str) -> Stage | None:
 
 
 class ThreadJob(BackgroundJob):
-    """Work whose result is an object that the window goes on with."""
+    """Work that results in an object for the window."""
 
     def __init__(self, title: str, work: Callable[[Progress], Any], call_later: CallLater) -> None:
         super().__init__(title, None, call_later)
@@ -268,7 +268,7 @@ class JobList:
         return job
 
     def begin_work(self, title: str, work: Callable[[Progress], Any]) -> ThreadJob:
-        """Start work whose result the window goes on with; arguments as of `ThreadJob`."""
+        """Start work that results in an object for the window; arguments as of `ThreadJob`."""
         job = ThreadJob(title, work, self._call_later)
         self._begin(job)
         return job

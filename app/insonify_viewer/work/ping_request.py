@@ -1,4 +1,4 @@
-"""What the window asks its worker for, and what the worker answers."""
+"""Requests of the window to the simulator, and its answers."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from insonify.scene import Scene
-from insonify_viewer.state.modelling import Modelling
+from insonify_viewer.state.history import Modelling
 
 if TYPE_CHECKING:
     from insonify.display.normalisation import LevelBed
@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class PingRequest:
-    """Pings wanted of a scene."""
+    """Request for pings of a scene."""
 
     number: int  # number of the edit that the request is for
     scene: Scene  # scene to trace

@@ -1,4 +1,4 @@
-"""Worker thread between the window and the core; requests are numbered, and the newest wins."""
+"""Simulator thread between the window and the core: the newest request is prepared and traced."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from psygnal import Signal
 from insonify.compiler.progress import Compilation, watch_compilation
 from insonify.scene import Scene, SceneError, edit
 from insonify_viewer.errors import describe_error
-from insonify_viewer.state.modelling import Modelling
+from insonify_viewer.state.history import Modelling
 from insonify_viewer.work.executor import Executor, Lane, Receive, Work
 from insonify_viewer.work.ping_request import PingRequest, SimulatedScene, TracedPings, find_altitude, is_same_ground
 from insonify_viewer.work.waiting import Activity
@@ -28,7 +28,7 @@ if TYPE_CHECKING:
 BLOCK_TIME = 0.04  # s, predicted for a block of pings: it is shown, and a newer request takes over
 COARSE_TIME = 0.01  # s, time to trace all pings on screen while a slider moves
 MAX_STRIDE = 16
-FIRST_COARSE = 4  # pings of a coarse picture by which the time of the others is told
+FIRST_COARSE = 4  # pings of a coarse picture from which the time of the others is estimated
 LONGEST = 0.3  # s, after which a coarse picture that a newer request waits for is shown as far as it is traced
 THINNINGS = (4, 2)  # times the spacing; the first that resolves the waves of the relief is taken
 MOST_NODES = 2**22  # of ground that is made at once, some 100 MB while it is made; beyond, tiles take less
@@ -206,7 +206,7 @@ class Simulator:
 
         last = self._last.get(fine)
         if last is None or last[:2] != (scene, modelling) or beneath is not None:
-            # While a slider moves nothing is measured: the last plan serves as far as the scene admits it.
+            # While a slider moves nothing is measured: the last plan is kept where the scene allows it.
             known = self._last.get(True)
             kept: dict[str, Any] = {} if fine or known is None else {"plan": known[2].plan}
             with self._doing("building the bed"):
@@ -219,7 +219,7 @@ class Simulator:
     def _packed(
         self, scene: Scene, number: int, beneath: NDArray[np.int64] | None, *, tell: bool
     ) -> dict[str, PackedScene]:
-        """Build the bed of a scene and tell of it, so that it is shown while kernels are compiled."""
+        """Build the bed of a scene and announce it, so that it is shown while kernels are compiled."""
         if self._pack is None:
             return {}
         packed = self._pack(scene) if beneath is None else pack_beneath(scene, beneath)
@@ -230,7 +230,7 @@ class Simulator:
 
     @contextmanager
     def _doing(self, what: str) -> Iterator[None]:
-        """Tell what the worker does meanwhile."""
+        """Note the worker's activity until the block ends."""
         self._activity = Activity(what)
         try:
             yield
@@ -297,7 +297,7 @@ def thin_new_ground(scene: Scene, known: Scene | None) -> Scene:
 
 
 def pack_beneath(scene: Scene, pings: NDArray[np.int64]) -> PackedScene:
-    """Pack a scene over endless ground, of which no more is made than some pings hear."""
+    """Pack a scene over endless ground, limited to what some pings reach."""
     # lazy: loaded on the worker; the window opens before Numba is loaded
     from insonify.packing.packed_scene import pack
     from insonify.terrain import build_excerpt

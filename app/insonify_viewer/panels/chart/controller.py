@@ -38,7 +38,7 @@ class ChartPanel(Panel):
 
     @property
     def widget(self) -> ChartWindow:
-        """The window, made when it is first asked for."""
+        """The window, made on first use."""
         if self.view is None:
             self.view = ChartWindow()
             self.view.measure_wanted.connect(self.begin)

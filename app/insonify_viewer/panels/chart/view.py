@@ -40,7 +40,7 @@ LARGE = 0.5  # of the span of the palette: the difference drawn in full colour
 
 
 class ChartWindow(QWidget):
-    """Shows a chart, and signals what the person asks for."""
+    """Shows a chart, and signals the person's requests."""
 
     measure_wanted = Signal()
     stop_wanted = Signal()

@@ -1,4 +1,4 @@
-"""Keeps and opens records as A, tells what B changes, and measures a recording beside the simulated record."""
+"""Keeps and opens records as A, shows what B changes, and measures a recording beside the simulated record."""
 
 from __future__ import annotations
 

@@ -32,7 +32,7 @@ MOST = 8  # changes that are listed
 
 
 class ComparisonView(SidePanel):
-    """Shows what is known of record A and its differences, and signals what the person asks for."""
+    """Shows what is known of record A and its differences, and signals the person's requests."""
 
     open_wanted = Signal()
     close_wanted = Signal()

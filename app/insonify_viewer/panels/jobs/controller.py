@@ -26,7 +26,7 @@ class JobsPanel(Panel):
 
     @property
     def widget(self) -> JobsView:
-        """The window, made when it is first asked for."""
+        """The window, made on first use."""
         if self.view is None:
             workbench = self._workbench
             self.view = view = JobsView(sorted(bundled_specifications("datasets")))

@@ -103,12 +103,12 @@ class JobRow(QFrame):
         self.setAccessibleName(f"{job.title}: {self.words.text()}")
 
     def focusInEvent(self, event: QFocusEvent) -> None:
-        """Tell that the row has the keyboard."""
+        """Signal that the row has the keyboard."""
         super().focusInEvent(event)
         self.focused.emit(self)
 
     def keyPressEvent(self, event: QKeyEvent) -> None:
-        """Stop the job by Delete; tell of Up and Down, which the scroll area would take."""
+        """Stop the job by Delete; signal Up and Down, which the scroll area would take."""
         if event.key() == Qt.Key.Key_Delete:
             self._job.stop()
         elif event.key() in (Qt.Key.Key_Up, Qt.Key.Key_Down):
@@ -123,7 +123,7 @@ def _show_folder(result: Path | None) -> None:
 
 
 def _words(job: BackgroundJob) -> str:
-    """Say what the job does now, how much of it is done, and the time left."""
+    """State what the job does now, how much of it is done, and the time left."""
     if job.state is State.STOPPING:
         return "stopping"
     stage, left = job.stage, job.seconds_left

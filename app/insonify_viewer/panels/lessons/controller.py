@@ -12,8 +12,8 @@ from insonify_viewer.panels.lessons.view import LessonsView
 from insonify_viewer.panels.panel import Button, Panel, Place, Workbench
 from insonify_viewer.record.marked_point import MarkedPoint
 from insonify_viewer.record.record import RecordGrowth
+from insonify_viewer.state.history import Modelling
 from insonify_viewer.state.inspection import Mark
-from insonify_viewer.state.modelling import Modelling
 
 
 class LessonsPanel(Panel):
@@ -27,7 +27,7 @@ class LessonsPanel(Panel):
     def __init__(self, workbench: Workbench) -> None:
         self._workbench, self._session = workbench, workbench.session
         self._lessons: tuple[Lesson, ...] = ()
-        self._course: Course | None = None
+        self.course: Course | None = None
         self._finished: set[str] = set()
         self._point: MarkedPoint | None = None
         self._newest = 0  # ping
@@ -41,11 +41,6 @@ class LessonsPanel(Panel):
         view.next.connect(self.next)
         view.projected.connect(workbench.project)
 
-    @property
-    def course(self) -> Course | None:
-        """The lesson under way."""
-        return self._course
-
     def opened(self, shown: bool) -> None:
         """Read the lessons when the panel first opens; light no field while it is closed."""
         if shown and not self._lessons:
@@ -57,9 +52,9 @@ class LessonsPanel(Panel):
     def scene_changed(self, scene: Scene, settled: bool) -> None:
         """Notice what was moved; leave the lesson when the person opens another scene."""
         del settled
-        if self._course is None:
+        if self.course is None:
             return
-        if scene.title != self._course.start.scene.title:
+        if scene.title != self.course.start.scene.title:
             self.leave()
             self._left = None
         else:
@@ -84,8 +79,8 @@ class LessonsPanel(Panel):
 
     def begin(self, lesson: Lesson) -> None:
         """Begin a lesson; the person is asked first what becomes of changes that are not of a lesson."""
-        course, asked = Course(lesson), self._course is None and self._session.scene is not self._left
-        self._course = None  # what changes on the way is not done by the person
+        course, asked = Course(lesson), self.course is None and self._session.scene is not self._left
+        self.course = None  # what changes on the way is not done by the person
         if self._session.scene == course.start.scene or self._open(course, ask=asked):
             self._model(Modelling(), course.start.window)
             self._show_step(course)
@@ -94,20 +89,20 @@ class LessonsPanel(Panel):
 
     def leave(self) -> None:
         """Return to the list; the scene stays as it is."""
-        if self._course is not None:
+        if self.course is not None:
             self._left = self._session.scene
-        self._course = None
+        self.course = None
         self._workbench.light_fields(())
         self._show_list()
 
     def back(self) -> None:
         """Return to the step before, as it began."""
-        if self._course is not None and self._course.index:
-            self._go_to(self._course, self._course.index - 1)
+        if self.course is not None and self.course.index:
+            self._go_to(self.course, self.course.index - 1)
 
     def next(self) -> None:
         """Go to the next step, or to the list after the last; a step that was left out counts as done by the way."""
-        course = self._course
+        course = self.course
         if course is None:
             return
         if course.finished:
@@ -119,9 +114,9 @@ class LessonsPanel(Panel):
 
     def move(self) -> None:
         """Do what the present step asks for."""
-        if self._course is None:
+        if self.course is None:
             return
-        inside, outside = split_move(self._course.step.move)
+        inside, outside = split_move(self.course.step.move)
         if inside:
             self._session.settle(inside)
         self._model(self._session.modelling, outside)
@@ -132,7 +127,7 @@ class LessonsPanel(Panel):
         """Begin a step as it is meant to begin, or with what the person has just done in the step before."""
         forward, base = course.done and index > course.index, course.base
         course.go_to(index)
-        self._course = None
+        self.course = None
         if course.base != base:
             self._open(course, ask=False)
         elif not forward or course.step.set:
@@ -175,12 +170,12 @@ class LessonsPanel(Panel):
         return LessonState(self._session.scene, window)
 
     def _notice(self) -> None:
-        if self._course is not None and self._course.notice(self._state):
+        if self.course is not None and self.course.notice(self._state):
             self.view.show_done(True)
 
     def _show_step(self, course: Course) -> None:
         """Show the present step, and light what it speaks of."""
-        self._course = course
+        self.course = course
         self.view.show_step(course.lesson, course.index)
         self._light()
         self._notice()
@@ -190,8 +185,8 @@ class LessonsPanel(Panel):
 
     def _light(self) -> None:
         """Light the fields of the present step, with the panel that shows them in front."""
-        if self._course is not None and self._open_now:
-            fields = self._course.step.fields
+        if self.course is not None and self._open_now:
+            fields = self.course.step.fields
             self._workbench.open_panel("plan" if fields[0].startswith("plan.") else "parameters")
             self._workbench.light_fields(fields)
         else:

@@ -29,7 +29,7 @@ NARROWEST, WIDE = 230, 300  # px, least and preferred width at the usual size
 
 
 class LessonsView(QStackedWidget):
-    """Shows lessons, and signals what the person asks for."""
+    """Shows lessons, and signals the person's requests."""
 
     started = Signal(str)  # name of a lesson
     left = Signal()

@@ -20,7 +20,7 @@ from insonify_viewer.panels.parameters.values import Resets, Trials, follow_valu
 from insonify_viewer.panels.parameters.view.parameters_view import ParametersView
 from insonify_viewer.record.record import RecordGrowth
 from insonify_viewer.state.fields import NumberField, name_edit, name_field
-from insonify_viewer.state.modelling import Modelling
+from insonify_viewer.state.history import Modelling
 
 DROPPED = ("water", "track.motion", "targets")  # parts that take a file over when it is dropped on the window
 ASIDE = 0.08  # slant ranges by which a copy of a target lies beside it

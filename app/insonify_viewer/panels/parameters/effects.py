@@ -1,4 +1,4 @@
-"""The effects that can be taken out of a scene: beam, pulse, bending, ghosts, speckle, noise, TVG."""
+"""Effects that can be taken out of a scene, such as speckle, and what each changes of the record."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ from insonify_viewer.record.comparison.record_difference import (
     say_percent,
 )
 from insonify_viewer.record.record import Record
-from insonify_viewer.state.modelling import Modelling
+from insonify_viewer.state.history import Modelling
 from insonify_viewer.work.simulator import Simulator
 
 if TYPE_CHECKING:
@@ -36,12 +36,12 @@ FEWEST = 48  # pings
 SECONDS = 0.1  # predicted, for the pings of one effect by the present plan
 GRAIN = "receiver.speckle"  # drawn anew by most edits, which changes almost every bin and nothing that is seen
 GRAIN_APART = " Speckle is left out of these figures: its grain is drawn anew, which changes single bins and no shape."
-AUDIBLE = 0.05  # dB, the least change of the mean level that is told
+AUDIBLE = 0.05  # dB, the least change of the mean level that is shown
 
 
 @dataclass(frozen=True)
 class Effect:
-    """A part of the scene with a kind that stands for its absence."""
+    """A part of the scene with a kind for its absence."""
 
     name: str  # texts to show
     meaning: str
@@ -123,7 +123,7 @@ class EffectMeter:
         self._turn = 0  # counts what is measured; what was begun before is dropped
 
     def differences(self, scene: Scene, modelling: Modelling) -> Mapping[str, RecordDifference | None]:
-        """Differences by name of the effect, as far as they are known; None for one that cannot be measured."""
+        """Known differences by name of the effect; None for one that cannot be measured."""
         found = self._find(scene, modelling)
         return {} if found is None else found.differences
 
@@ -258,14 +258,14 @@ class EffectTicks:
 
 
 def say_difference(difference: RecordDifference) -> str:
-    """Say how much of the picture something changes visibly: "changes 12 %"."""
+    """State how much of the picture something changes visibly: "changes 12 %"."""
     if difference.visible >= NOTHING_SEEN:
         return f"changes {say_percent(difference.visible)}"
     return "changes nothing visible" if difference.share or difference.visible else "changes nothing"
 
 
 def explain_difference(difference: RecordDifference, on: bool) -> str:
-    """Say in sentences what an effect changes, by the eye's measure and by that of the plan."""
+    """State in sentences what an effect changes, by the eye's measure and by that of the plan."""
     level = ""
     if abs(difference.decibels) >= AUDIBLE:
         level = f", the mean level by {difference.decibels:+.1f} dB".replace("-", "−")

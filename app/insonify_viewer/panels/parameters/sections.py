@@ -95,7 +95,7 @@ def pinned_section(scene: Scene, sections: tuple[FieldSection, ...]) -> FieldSec
 
 
 def found_section(scene: Scene, sections: tuple[FieldSection, ...], words: str) -> FieldSection:
-    """Section of the fields whose name or description holds all of some words; the words in the name come first."""
+    """Section of the fields that match a search; fields with the words in their names come first."""
     wanted = words.lower().split()
     found = []
     for parameter in (each for section in sections if not section.locked for each in section.parameters):
@@ -133,7 +133,7 @@ def _inside(scene: Scene, part: BaseModel, path: str, indent: int) -> tuple[Para
 
 
 def _of_field(scene: Scene, part: BaseModel, name: str, path: str, indent: int) -> Iterator[Parameter]:
-    """Rows of one field: itself, or the fields of the declaration that it holds; of a rare one all are rare."""
+    """Rows of one field: itself, or the fields of its declaration; those of a rare one are all rare."""
     extra = type(part).model_fields[name].json_schema_extra
     rare = isinstance(extra, dict) and bool(extra.get("rare"))
     for parameter in _rows(scene, part, name, path, indent):
@@ -184,7 +184,7 @@ def _of_declaration(scene: Scene, part: BaseModel, name: str, path: str, indent:
 
 @cache
 def _meaning(kind: type[BaseModel]) -> str:
-    """First line of what the declaration of a kind says of itself."""
+    """First line of the docstring of a kind's declaration."""
     return (inspect.getdoc(kind) or "").partition("\n")[0]
 
 

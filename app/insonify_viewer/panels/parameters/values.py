@@ -1,4 +1,4 @@
-"""Values to try: links of the description that move a control and move it back; without widgets."""
+"""Values of fields: tried by links, reset, and followed while a slider moves; without widgets."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Explains the pinned pixel on a thread of its own, and finds the pixels that hear a picked place."""
+"""Explains the pinned pixel on another thread, and finds the pixels with echoes of a picked place."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ if TYPE_CHECKING:
     from insonify.explanation.pixel import PixelExplanation
     from insonify.simulation import Simulation
 
-AROUND = 600  # pings to either side of the ping on top in which a place may be heard
+AROUND = 600  # pings to either side of the ping on top that may receive echoes of a place
 
 
 @dataclass(frozen=True, eq=False)
@@ -135,7 +135,7 @@ class PixelPanel(Panel):
 
 
 def _words(direct: int, ghosts: int) -> str:
-    """Say how many pixels hear a place."""
+    """Sentence with the number of pixels that receive echoes of a place."""
     if not direct + ghosts:
         return "no pixel of the record hears this place: it is hidden or outside the beam"
     told = f"{direct} {'pixel hears' if direct == 1 else 'pixels hear'} this place"

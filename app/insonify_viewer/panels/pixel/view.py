@@ -204,7 +204,7 @@ def _paint(
 
 
 def _paint_bed(painter: QPainter, scales: SectionScales, section: CrossSection) -> None:
-    """Paint the bed with its heard and hidden stretches, horizons and targets."""
+    """Paint the bed with its visible and hidden stretches, horizons and targets."""
     bed = section.bed[np.isfinite(section.bed[:, 1])]
     if len(bed):
         ends = np.array([[bed[-1, 0], scales.low], [bed[0, 0], scales.low]])

@@ -9,7 +9,7 @@ from insonify_viewer.panels.panel import Panel, Place, Workbench
 from insonify_viewer.panels.plan.view import PlanView
 from insonify_viewer.record.comparison.record_difference import RecordDifference, RecordSnapshot, compare_records
 from insonify_viewer.record.record import Record, RecordGrowth
-from insonify_viewer.state.modelling import Modelling
+from insonify_viewer.state.history import Modelling
 
 if TYPE_CHECKING:
     from insonify.planning import Plan
@@ -66,7 +66,7 @@ class PlanPanel(Panel):
         return not same or last is None or abs(int(record.ping.max()) - int(last.record.ping.max())) >= MOVED
 
     def _compare(self, record: Record) -> None:
-        """Say what another modelling of the same scene changes."""
+        """State what another modelling of the same scene changes."""
         before = self._snapshot
         # The median leaves out the block during which a kernel was compiled.
         seconds = statistics.median(self._seconds)

@@ -15,7 +15,7 @@ from PySide6.QtWidgets import (
 )
 
 from insonify_viewer.state.fields import NumberField
-from insonify_viewer.state.modelling import Modelling
+from insonify_viewer.state.history import Modelling
 from insonify_viewer.state.quantities import format_duration
 from insonify_viewer.widgets.buttons import light, push_button
 from insonify_viewer.widgets.field_rows import Combo, NumberRow

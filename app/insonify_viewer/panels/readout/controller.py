@@ -45,7 +45,7 @@ def described(point: MarkedPoint) -> str:
 
 
 def _what_is_there(point: MarkedPoint) -> list[str]:
-    """Ground range, source and height, as far as they are known; of bed only where its own echo is recorded."""
+    """Ground range, source and height where known; height of the bed only where its own echo is recorded."""
     label = point.label
     if label is None:
         return [] if point.ground_range is None else [f"ground {point.ground_range:.2f} m"]

@@ -236,7 +236,7 @@ class RecordPanel(Panel):
         return scene.georeference
 
     def _source(self, view: WaterfallView) -> str:
-        """Say which record a view shows."""
+        """State which record a view shows."""
         if view is self._simulated:
             return self._session.scene.title
         kept = self._workbench.comparison.kept

@@ -114,7 +114,7 @@ class RecordView(SidePanel):
         self.show_measured("")
 
     def show_display(self, look: DisplayOptions) -> None:
-        """Show display options; those without effect stand aside."""
+        """Show display options; those without effect are disabled."""
         self._look = look
         for name, tick in self.ticks.items():
             tick.blockSignals(True)
@@ -135,7 +135,7 @@ class RecordView(SidePanel):
         self.changed.emit(DisplayOptions()._asdict())
 
     def _settle(self, path: str, value: Any) -> None:
-        """Signal an option that a row changes; a slider that is let go has none, a number may be no number."""
+        """Signal an option that a row changes; a released slider has none, and a typed number may be invalid."""
         if not path:
             return
         name, _, place = path.partition(".")
@@ -371,21 +371,16 @@ class HistogramView(QWidget):
         self._counts: NDArray[np.float64] = np.zeros(1)
         self._due: Callable[[], NDArray[np.floating]] | None = None  # gives the levels to count
         self._bar = QImage()
-        self._ends = (LOWEST, HIGHEST)
+        self.ends = (LOWEST, HIGHEST)
         self._held: int | None = None
 
     @guard_override(QSize())
     def sizeHint(self) -> QSize:
-        """Size that is asked for."""
+        """Preferred size."""
         return QSize(260, 112)
 
-    @property
-    def ends(self) -> tuple[float, float]:
-        """Ends of the colour bar in dB re level bed."""
-        return self._ends
-
     def show_levels(self, find: Callable[[], NDArray[np.floating]]) -> None:
-        """Count levels in dB re level bed, which are asked for when they are next painted: behind a tab, never."""
+        """Count levels in dB re level bed when they are next painted: behind a tab, never."""
         self._due = find
         self.update()
 
@@ -400,7 +395,7 @@ class HistogramView(QWidget):
         """Show the colours of levels, and the ends of the palette."""
         with np.errstate(divide="ignore"):
             ends = tone_map.ends if tone_map.decibels else 20.0 * np.log10(np.maximum(tone_map.ends, 0.0))
-        self._ends = float(ends[0]), float(ends[1])
+        self.ends = float(ends[0]), float(ends[1])
         levels = np.linspace(LOWEST, HIGHEST, 320, dtype=np.float32)
         self._words = np.ascontiguousarray(tone_map.colours(10.0 ** (levels / np.float32(20.0)))[None, :])
         # The image shares the memory of the words.
@@ -448,7 +443,7 @@ class HistogramView(QWidget):
 
     def _draw_ends(self, painter: QPainter, base: int) -> None:
         painter.setRenderHint(QPainter.RenderHint.Antialiasing)
-        for number, end in enumerate(self._ends):
+        for number, end in enumerate(self.ends):
             x = self.place_of(end)
             painter.setPen(QPen(QColor(ACCENT if self._held == number or self.hasFocus() else TEXT), 1.5))
             painter.drawLine(QPointF(x, 2.0), QPointF(x, base + BAR))
@@ -458,11 +453,11 @@ class HistogramView(QWidget):
 
     def _end_at(self, x: float) -> int | None:
         """Which end lies at a place; of both, the one on the side of the place."""
-        away = [abs(x - self.place_of(end)) for end in self._ends]
+        away = [abs(x - self.place_of(end)) for end in self.ends]
         if min(away) > GRIP:
             return None
         if abs(away[0] - away[1]) < 1.0:
-            return int(x >= self.place_of(self._ends[1]))
+            return int(x >= self.place_of(self.ends[1]))
         return int(away[1] < away[0])
 
     def mousePressEvent(self, event: QMouseEvent) -> None:
@@ -492,10 +487,10 @@ class HistogramView(QWidget):
             super().keyPressEvent(event)
             return
         number = 0 if event.modifiers() & Qt.KeyboardModifier.ShiftModifier else 1
-        self._move(number, max(self._ends[number], LOWEST) + turn)
+        self._move(number, max(self.ends[number], LOWEST) + turn)
 
     def _move(self, number: int, level: float) -> None:
-        low, high = self._ends
+        low, high = self.ends
         low, high = (min(level, high - APART), high) if number == 0 else (low, max(level, low + APART, LOWEST + APART))
-        if (low, high) != self._ends:
+        if (low, high) != self.ends:
             self.dragged.emit(low, high)

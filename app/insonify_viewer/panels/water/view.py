@@ -98,7 +98,7 @@ class WaterView(QWidget):
         self.update()
 
     def follow_points(self, points: tuple[tuple[float, float], ...]) -> None:
-        """Note the points of the present profile, whose rays may still be traced; keys move these."""
+        """Note the points of the present profile, which keys move; its rays may still be traced."""
         self._newest = points
 
     def place_of(self, distance: float, depth: float) -> QPointF:

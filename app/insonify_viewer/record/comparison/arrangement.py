@@ -22,7 +22,7 @@ class Arrangement(Enum):
 
 @cache
 def find_pairs() -> dict[str, Scene]:
-    """Find the bundled scenes that name a partner, by name; of two that name each other the second, to stand as B."""
+    """Find the bundled scenes that name a partner, by name; of two that name each other, the second, as B."""
     found: dict[str, Scene] = {}
     for name, path in bundled_scenes().items():
         scene = load_scene(path)

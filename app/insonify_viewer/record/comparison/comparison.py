@@ -16,7 +16,7 @@ from insonify_viewer.record.comparison.record_difference import RecordSnapshot, 
 from insonify_viewer.record.comparison.recording import Recording
 from insonify_viewer.record.comparison.recording_player import RecordingPlayer, RecordWindow
 from insonify_viewer.record.record import Record, RecordGrowth
-from insonify_viewer.state.modelling import Modelling
+from insonify_viewer.state.history import Modelling
 from insonify_viewer.state.session import Session
 from insonify_viewer.work.ping_request import SimulatedScene, TracedPings
 from insonify_viewer.work.simulator import Simulator
@@ -58,7 +58,7 @@ class Comparison:
 
     @property
     def titles(self) -> tuple[str, str]:
-        """What stands at the two records: their titles, or where these are alike what differs first."""
+        """Labels of the two records: their titles, or, where these are alike, the first difference."""
         kept, title = self.kept, self._session.scene.title
         if kept is None:
             return self._recordings.name, title
@@ -201,7 +201,7 @@ class Comparison:
         self.changed.emit()
 
     def _lay(self) -> None:
-        """Give record A the room that its arrangement asks for."""
+        """Give record A the room of its arrangement."""
         if self.a is not None and self.arrangement is Arrangement.BESIDE:
             self._window.records.show()
         else:
@@ -214,7 +214,7 @@ class Comparison:
             self._window.overlay.arrange(self.arrangement)
 
     def _name_records(self) -> None:
-        """Say which record is A and which B, above them where they stand side by side."""
+        """State which record is A and which B, above them where they stand side by side."""
         a, b = self.titles
         self._window.overlay.show_records((a, b), by_ping=self.kept is not None)
         beside = self.arrangement is Arrangement.BESIDE
@@ -228,7 +228,7 @@ class Comparison:
             self._fill()
 
     def _fill(self) -> None:
-        """Ask for the next pings of A that are missing, or for its scene first."""
+        """Request the next missing pings of A, after its scene."""
         kept = self.kept
         if kept is None or self._asked:
             return
@@ -311,7 +311,7 @@ def _result_of(prepare: partial[SimulatedScene]) -> SimulatedScene | SceneError:
 
 
 def _compare(kept: KeptRecord, scene: Scene, record: Record) -> str:
-    """Say what the record of a scene changes against a kept one."""
+    """State what the record of a scene changes against a kept one."""
     if not are_comparable(kept.scene, scene):
         of = [f"{each.sonar.bins} bins of {each.sonar.range:g} m" for each in (kept.scene, scene)]
         return f"not measured, because A has {of[0]} and B {of[1]}"

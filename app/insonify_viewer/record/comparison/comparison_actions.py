@@ -1,4 +1,4 @@
-"""Keys of the window that compare two records."""
+"""Commands that compare two records, and the key that shows record A while it is pressed."""
 
 from __future__ import annotations
 
@@ -53,7 +53,7 @@ class ComparisonActions(QObject):
 
 
 class HeldKey(QObject):
-    """Tells when a key without modifiers is pressed in a window and when it is let go.
+    """Signals when a key without modifiers is pressed in a window and when it is released.
 
     Lists and combo boxes would look for an entry with that letter, so the key is taken before the widget that has the
     keyboard receives it.

@@ -56,7 +56,7 @@ class ComparisonOverlay(QWidget):
         self._held = self._dragged = False
         self._split = 0.5  # share of the plot that A covers
         self._followed = -1  # version of A that is drawn
-        self._difference: DifferencePicture | None = None
+        self.difference: DifferencePicture | None = None
         self._difference_of: tuple[int, int, int, QRect] | None = None  # versions of A and B, ping on top, place
         self.setMouseTracking(True)
         b.installEventFilter(self)
@@ -90,11 +90,6 @@ class ComparisonOverlay(QWidget):
         """Place of the split line, in pixels from the left of the view."""
         plot = self._b.plot_area
         return plot.left() + round(self._split * plot.width())
-
-    @property
-    def difference(self) -> DifferencePicture | None:
-        """The difference that was drawn last."""
-        return self._difference
 
     def covers(self, place: QPoint) -> bool:
         """Whether record A is drawn at a place."""
@@ -135,7 +130,7 @@ class ComparisonOverlay(QWidget):
         return True
 
     def take(self, place: QPoint) -> bool:
-        """Tell the record that is drawn at a place that it is pointed at; return whether that is A."""
+        """Move the cursor of the record that is drawn at a place; return whether that is A."""
         if not self.isVisible():
             return False
         over = self.covers(place)
@@ -211,16 +206,16 @@ class ComparisonOverlay(QWidget):
 
     def _draw_difference(self, painter: QPainter, plot: QRect) -> None:
         wanted = (self._a.version, self._b.version, self._b.top, QRect(plot))
-        if self._difference is None or wanted != self._difference_of:
+        if self.difference is None or wanted != self._difference_of:
             self._difference_of = wanted
-            self._difference = draw_difference(self._decibels(), two_sided_table(), EMPTY)
+            self.difference = draw_difference(self._decibels(), two_sided_table(), EMPTY)
         painter.save()
         painter.setClipRect(plot)
         painter.fillRect(plot, QColor(EMPTY))
         painter.setClipRect(self.place_of_a().toAlignedRect().intersected(plot))
-        self._draw_rows(painter, self._difference.pixels)
+        self._draw_rows(painter, self.difference.pixels)
         painter.restore()
-        self._draw_scale(painter, plot, self._difference.span)
+        self._draw_scale(painter, plot, self.difference.span)
 
     def _decibels(self) -> NDArray[np.float32]:
         """Level of B over A in the display columns of B."""
@@ -278,7 +273,7 @@ class ComparisonOverlay(QWidget):
             self._pass_on(event)
 
     def mouseMoveEvent(self, event: QMouseEvent) -> None:
-        """Drag the split line, or tell what is under the mouse."""
+        """Drag the split line, or point at what is under the mouse."""
         place = event.position().toPoint()
         if self._dragged:
             plot = self._b.plot_area

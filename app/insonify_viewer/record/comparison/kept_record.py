@@ -1,4 +1,4 @@
-"""A simulated record that is kept while the scene changes."""
+"""A simulated record that is kept while the scene changes, and the fields that differ since."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from insonify.scene import Scene, plain
 from insonify_viewer.record.record import Record, pings_held
 from insonify_viewer.state.fields import name_field
-from insonify_viewer.state.modelling import Modelling
+from insonify_viewer.state.history import Modelling
 from insonify_viewer.work.ping_request import SimulatedScene, TracedPings, find_altitude
 
 BLOCK_TIME = 0.1  # s, predicted for a block of pings, after which it is shown

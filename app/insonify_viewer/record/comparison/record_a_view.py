@@ -1,4 +1,4 @@
-"""Record A: beside the live record, or laid over it, pixel for pixel."""
+"""View of record A: beside the live record, or laid over it, pixel for pixel."""
 
 from __future__ import annotations
 
@@ -40,14 +40,14 @@ class RecordAView(WaterfallView):
 
     def draw_over(self, painter: QPainter) -> None:
         """Draw the picture in the place of the live record, as far as it goes."""
-        plot, zoom = self._area, self._projection.zoom
+        plot, zoom = self.plot_area, self.projection.zoom
         upper, lower = max(zoom.upper, 0.0), min(zoom.lower, 1.0)
         if upper >= lower:
             return
         high = plot.height() / (zoom.lower - zoom.upper)
         room = QRect(plot.left(), plot.top() + round((upper - zoom.upper) * high), plot.width(), 1)
         room.setHeight(max(round((lower - upper) * high), 1))
-        inside = replace(self._projection, zoom=zoom._replace(upper=upper, lower=lower))
+        inside = replace(self.projection, zoom=zoom._replace(upper=upper, lower=lower))
         self._image.draw(painter, room, inside)
 
     @property
@@ -60,9 +60,9 @@ class RecordAView(WaterfallView):
         super()._lay()
         if self._live is None:
             return
-        self._laid, self._area = self._place(self._live), QRect(self._live.plot_area)
+        self._laid, self.plot_area = self._place(self._live), QRect(self._live.plot_area)
         zoom = self._zoom_over(self._live)
-        self._projection = project_record(self._look, self._record, self._projection.axis, zoom, self._top)
+        self.projection = project_record(self._look, self.record, self.projection.axis, zoom, self.top)
 
     def _place(self, live: WaterfallView) -> tuple[object, ...]:
         projection = live.projection
@@ -70,9 +70,9 @@ class RecordAView(WaterfallView):
 
     def _zoom_over(self, live: WaterfallView) -> Zoom:
         """Part of this record that has the metres and the pings of the live one; it may reach beyond its edges."""
-        first, last = self._projection.extent
+        first, last = self.projection.extent
         left, right = ((metres - first) / (last - first) for metres in live.projection.shown)
-        upper, lower = (age * self.rows_a_ping / self._record.pings for age in live.projection.ages)
+        upper, lower = (age * self.rows_a_ping / self.record.pings for age in live.projection.ages)
         return Zoom(left, right, upper, lower) if self._look.newest_on_top else Zoom(left, right, 1 - upper, 1 - lower)
 
 

@@ -16,7 +16,7 @@ from insonify_viewer.record.record import Record
 FEWEST = 16  # pings that two records must have in common
 FLOOR = 1e-4  # energy relative to a level bed, 40 dB below it: fainter differences fade
 VISIBLE = 1.0  # dB, a thirtieth of the usual span of the palette: the least change of a bin that counts as visible
-NOTHING_SEEN = 5e-4  # share below which a change is not told in numbers
+NOTHING_SEEN = 5e-4  # share below which a change is not written as a number
 
 
 @dataclass(frozen=True, eq=False)

@@ -57,7 +57,7 @@ class Recording:
 
     @property
     def ping_rate(self) -> float:
-        """Mean number of pings a second; 1 where the record tells no times."""
+        """Mean number of pings a second; 1 where the record has no times."""
         times = self.dataset["ping_time"].values
         lasts = float(times[-1] - times[0])
         return (self.pings - 1) / lasts if lasts > 0.0 else 1.0
@@ -99,7 +99,7 @@ def load_recording(path: str, frequency: float | None = None) -> Recording:
 
 
 def describe_point(recording: Recording, mark: Mark) -> dict[str, str]:
-    """Tell what is known of a point of a recording: where the sonar was, and what it received."""
+    """Describe a point of a recording: where the sonar was, and what it received."""
     level = float(recording.amplitude[mark.ping, mark.side, mark.bin])
     return {
         "ping": f"{mark.ping} of {recording.pings}",
@@ -126,7 +126,7 @@ def compass_heading(heading_deg: float) -> float:
 
 
 def _time(recording: Recording, ping: int) -> str:
-    """Date and time of a ping where the record tells when it began, else seconds since its first ping."""
+    """Date and time of a ping where the record has its start time, else seconds since its first ping."""
     seconds = float(recording.dataset["ping_time"].values[ping])
     try:
         begin = datetime.fromisoformat(str(recording.dataset.attrs["time_coverage_start"]))
@@ -137,7 +137,7 @@ def _time(recording: Recording, ping: int) -> str:
 
 
 def _position(recording: Recording, ping: int) -> str:
-    """Latitude and longitude where the record tells them, else metres."""
+    """Latitude and longitude where the record has them, else metres."""
     latitude, longitude = recording.value("latitude", ping), recording.value("longitude", ping)
     if math.isfinite(latitude) and math.isfinite(longitude):
         north, east = "N" if latitude >= 0.0 else "S", "E" if longitude >= 0.0 else "W"

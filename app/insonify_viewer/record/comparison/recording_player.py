@@ -89,7 +89,7 @@ class RecordingPlayer:
         if not path:
             return
         self._pause()
-        self._window.say("")  # what the file lacks is told while it is read
+        self._window.say("")  # warnings about the file appear while it is read
         self._asked += 1
         self._reading.add(self._asked)
         self.reading.emit()
@@ -158,7 +158,7 @@ class RecordingPlayer:
         self.opened.emit(recording)
 
     def _refuse(self, number: int, failure: Failure) -> None:
-        """Say why a file could not be read, and show what was shown before."""
+        """Show why a file could not be read, and show what was shown before."""
         if not self._finish(number):
             return
         self.failure = failure.sentence

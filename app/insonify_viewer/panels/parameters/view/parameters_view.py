@@ -1,4 +1,4 @@
-"""Sections of sliders, combo boxes and files, one for each part of the scene."""
+"""Search, description, effects, and a section of rows for each part of the scene."""
 
 from __future__ import annotations
 
@@ -94,7 +94,7 @@ class ParametersView(SidePanel):
         self.drop_glide()
 
     def show_about(self, parts: Sequence[str | Link], tried: Sequence[bool]) -> None:
-        """Show the description of the scene; links whose value is tried at present lead back."""
+        """Show the description of the scene; links that are tried at present lead back."""
         self._about.say(parts, tried)
 
     def show_effects(self, rows: tuple[EffectRow, ...]) -> None:
@@ -318,7 +318,7 @@ class AboutBox(FoldingBox):
         return "".join(part if isinstance(part, str) else part.words for part in self._shown[0])
 
     def say(self, parts: Sequence[str | Link], tried: Sequence[bool]) -> None:
-        """Show a description; links whose value is tried at present lead back. Without one, hide the heading too."""
+        """Show a description; links that are tried at present lead back. Without one, hide the heading too."""
         self._shown = (parts, tried)
         text, number = "", 0
         for part in parts:
@@ -343,7 +343,7 @@ class AboutBox(FoldingBox):
         super().changeEvent(event)
 
     def _explain(self, number: str) -> None:
-        """Say in the tooltip what the link under the mouse does."""
+        """State in the tooltip what the link under the mouse does."""
         links = [part for part in self._shown[0] if isinstance(part, Link)]
         if not number:
             self.label.setToolTip("")

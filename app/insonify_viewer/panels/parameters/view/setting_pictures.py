@@ -50,9 +50,9 @@ class SettingPicture(QWidget):
     """
 
     dragged = Signal(str, object)
-    """Dotted path and value while a point of the picture is held."""
+    """Dotted path and value while a point of the picture is dragged."""
     settled = Signal(str, object)
-    """Dotted path and value when it is let go."""
+    """Dotted path and value when it is released."""
 
     def __init__(self, height: int) -> None:
         super().__init__()
@@ -80,7 +80,7 @@ class CurvesPicture(SettingPicture):
         super().__init__(CURVE_HEIGHT)
         self._applies, self._draws = applies, draws
         self.curves: tuple[Curve, ...] = ()
-        self._drawn: Scene | None = None  # whose curves these are
+        self._drawn: Scene | None = None  # the scene of these curves
         self._making = False
         self._made.connect(self._take)
 
@@ -159,7 +159,7 @@ def _paint_scales(painter: QPainter, curve: Curve, plot: QRectF, ends: tuple[flo
 
 
 def _scale(curve: Curve) -> str:
-    """Say what the lines across a curve of levels are."""
+    """State what the lines across a curve of levels are."""
     return f" ({STEP:g} dB from line to line)" if curve.y_unit == "dB" else ""
 
 
@@ -178,7 +178,7 @@ class SpectrumPicture(SettingPicture):
         self.setToolTip("Drag a peak: far from the middle for short waves, towards the side that the waves run")
         self._drawn: tuple[Scene, ReliefSpectrum, QImage] | None = None
         self._held: int | None = None
-        self._reach = 0.0  # cycles a period, while a peak is held
+        self._reach = 0.0  # cycles a period, while a peak is dragged
 
     @property
     def spectrum(self) -> ReliefSpectrum | None:
@@ -233,7 +233,7 @@ class SpectrumPicture(SettingPicture):
                 painter.drawEllipse(self.place_of(peak), HANDLE, HANDLE)
 
     def _paint_words(self, painter: QPainter, spectrum: ReliefSpectrum) -> None:
-        """Say beside the plane what it spans and what the peaks are."""
+        """State beside the plane what it spans and what the peaks are."""
         left = self.area.right() + 8.0
         relief = self._scene.seabed.relief if self._scene is not None else None
         period = relief.period if isinstance(relief, Fractal) else 0.0
@@ -255,7 +255,7 @@ class SpectrumPicture(SettingPicture):
             self.update()
 
     def mouseMoveEvent(self, event: QMouseEvent) -> None:
-        """Drag the peak that is held; otherwise show whether there is one to take."""
+        """Drag the grasped peak; otherwise show whether there is one to take."""
         if self._held is None:
             near = self._peak_near(event.position()) is not None
             self.setCursor(Qt.CursorShape.OpenHandCursor if near else Qt.CursorShape.ArrowCursor)
@@ -280,7 +280,7 @@ class SpectrumPicture(SettingPicture):
         return nearest if away[nearest] <= NEAR else None
 
     def _moved(self, position: QPointF) -> list[list[float]]:
-        """Return all peaks, that which is held at the mouse, in whole cycles a period."""
+        """Return all peaks, with the dragged one at the mouse, in whole cycles a period."""
         assert self.spectrum is not None
         assert self._held is not None
         area, reach = self.area, self._reach
@@ -299,7 +299,7 @@ def _image(spectrum: ReliefSpectrum) -> QImage:
 
 
 def pictures_of_settings() -> dict[str, SettingPicture]:
-    """Make the pictures, by the dotted path of the setting below whose rows they stand."""
+    """Make the pictures, by the dotted path of the setting that they belong to."""
     return {
         "sonar.beam": CurvesPicture(lambda scene: scene.sonar.beam.has_width, (beam_curve,)),
         "sonar.vertical": CurvesPicture(lambda scene: scene.sonar.vertical.shades, (vertical_beam_curve,)),
