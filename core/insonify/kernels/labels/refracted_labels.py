@@ -13,13 +13,7 @@ from insonify.kernels.common.contributors import add_contribution, open_contribu
 from insonify.kernels.common.types import BED
 from insonify.kernels.labels.shadows import label_shadows, open_shadow, target_of_body
 from insonify.kernels.labels.sweep_labels import label_bins, sum_target_echoes
-from insonify.kernels.rays.cast import (
-    aim_refracted,
-    cast_refracted,
-    count_echoes,
-    side_echo,
-    unaimed,
-)
+from insonify.kernels.rays.cast import aim_refracted, cast_refracted, unaimed
 from insonify.kernels.rays.cell_walk import empty_hits
 from insonify.kernels.rays.launch import find_enclosing_solid, orient_beam
 from insonify.kernels.rays.refracted_hits import CAUSTIC, empty_arrivals, find_refracted_hits
@@ -62,7 +56,7 @@ def label_refracted_pings(arrays, bare, poses, rays, contributions, shadows, lab
             _note_echoes(arrays, cast, contributions, intensity, labels.caustic[ping, side])
             if shadows.present.size > 0:
                 hidden = cast_refracted(bare, beam, waveguide, aim, 0.0)
-                _note_hidden_bed(arrays, bare, 2.0 * waveguide.reach, cast.rays.hits.body, hidden, shadows)
+                _note_hidden_bed(arrays, 2.0 * waveguide.reach, cast.rays.hits.body, hidden, shadows)
             materials = arrays.reflectivity.shape[0]
             label_shadows(shadows, contributions, materials, labels, ping, side)
             sum_target_echoes(contributions, materials, 1.0, labels.target_echo[ping, side])
@@ -73,9 +67,9 @@ def label_refracted_pings(arrays, bare, poses, rays, contributions, shadows, lab
 @kernel
 def _note_echoes(arrays, cast, contributions, intensity, caustic):
     """Note the echoes of one side by their contributors, and mark the bins of rays at a caustic."""
-    hits, arrivals = cast.rays.hits, cast.rays.arrivals
-    for n in range(count_echoes(cast)):
-        k, b, value, cosine = side_echo(arrays, cast, n)
+    hits, arrivals, echoes = cast.rays.hits, cast.rays.arrivals, cast.echoes
+    for n in range(cast.ray.size):
+        k, b, value, cosine = cast.ray[n], echoes.bin[n], echoes.value[n], echoes.cosine[n]
         if b < 0 or value <= 0.0:
             continue
         body, who = hits.body[k], hits.material[k]
@@ -85,19 +79,18 @@ def _note_echoes(arrays, cast, contributions, intensity, caustic):
         add_contribution(contributions, who, b, value, arrivals.x[k], cosine)
         intensity[b] += value
         # The width of a tube that closes at a caustic is bounded from below.
-        if n < cast.weight.size and arrivals.tube[k] <= CAUSTIC * arrivals.spread[k]:
+        if n < hits.body.size and arrivals.tube[k] <= CAUSTIC * arrivals.spread[k]:
             caustic[b] = True
 
 
 @kernel
-def _note_hidden_bed(arrays, bare, reach, first_body, hidden, shadows):
+def _note_hidden_bed(arrays, reach, first_body, hidden, shadows):
     """Note the echo of the bed that targets hide from rays that meet them, and from mixed paths either way."""
-    count, back = hidden.weight.size, hidden.mixed.back
+    count, back, echoes = hidden.rays.hits.body.size, hidden.mixed.back, hidden.echoes
     met, arrivals = empty_hits(back.x.size), empty_arrivals(back.x.size)
     find_refracted_hits(arrays, back, reach, 0.0, met, arrivals)
-    for n in range(count_echoes(hidden)):
-        k, b, value, _ = side_echo(bare, hidden, n)
-        body = first_body[k]
+    for n in range(hidden.ray.size):
+        b, value, body = echoes.bin[n], echoes.value[n], first_body[hidden.ray[n]]
         if body < 0 and n >= count:
             body = met.body[n - count]
         if body >= 0 and b >= 0 and value > 0.0:

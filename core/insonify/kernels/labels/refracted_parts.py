@@ -26,7 +26,7 @@ from insonify.kernels.labels.echo_parts import (
     Z_TO,
 )
 from insonify.kernels.labels.shadows import NO_TARGET, target_of_body
-from insonify.kernels.rays.cast import aim_refracted, cast_refracted, count_echoes, side_echo, unaimed
+from insonify.kernels.rays.cast import aim_refracted, cast_refracted, unaimed
 from insonify.kernels.rays.launch import orient_beam
 
 
@@ -53,29 +53,28 @@ def list_refracted_parts(arrays, bare, poses, ping, side, rays, window, rows):
     ahead = math.cos(poses.heading[ping]), math.sin(poses.heading[ping])
     waveguide, aim = aim_refracted(arrays, beam, poses.pitch[ping], unaimed(rays))
     cast = cast_refracted(arrays, beam, waveguide, aim, 0.0)
-    for m in range(count_echoes(cast)):
-        k, b, value, cosine = side_echo(arrays, cast, m)
-        n = _list_ray(arrays, cast.rays, ahead, k, b, value, cosine, HEARD, NO_TARGET, window, rows, n)
+    for m in range(cast.ray.size):
+        n = _list_echo(arrays, cast, ahead, m, HEARD, NO_TARGET, window, rows, n)
     if arrays.solids.shape.size + arrays.mesh.target.size > 0:
         # The bed's echoes of the rays that meet a target first.
         hidden, body = cast_refracted(bare, beam, waveguide, aim, 0.0), cast.rays.hits.body
-        for m in range(rays):
-            if body[m] >= 0:
-                k, b, value, cosine = side_echo(bare, hidden, m)
-                hider = target_of_body(arrays.solids, arrays.mesh, body[m])
-                n = _list_ray(arrays, hidden.rays, ahead, k, b, value, cosine, BEHIND_TARGET, hider, window, rows, n)
+        for k in range(rays):
+            if body[k] >= 0:
+                hider = target_of_body(arrays.solids, arrays.mesh, body[k])
+                n = _list_echo(arrays, hidden, ahead, k, BEHIND_TARGET, hider, window, rows, n)
     return n
 
 
 @inlined
-def _list_ray(arrays, landed, ahead, k, b, value, cosine, state, hider, window, rows, n):
-    """List the echo of ray k in bin b; return the number of parts."""
+def _list_echo(arrays, cast, ahead, m, state, hider, window, rows, n):
+    """List echo m of a cast if it lies in the window; return the number of parts."""
+    k, b, value, cosine = cast.ray[m], cast.echoes.bin[m], cast.echoes.value[m], cast.echoes.cosine[m]
     inside = b - window.first
     if b < 0 or not 0 <= inside < window.weights.shape[1] or not value > 0.0:
         return n
     if n >= rows.shape[0]:
         return n + 1
-    row, bundle, hits, arrivals = rows[n], landed.bundle, landed.hits, landed.arrivals
+    row, bundle, hits, arrivals = rows[n], cast.rays.bundle, cast.rays.hits, cast.rays.arrivals
     row[:] = math.nan
     body, material = hits.body[k], hits.material[k]
     row[STATE], row[HIDER], row[MATERIAL], row[TARGET] = state, hider, material, BED

@@ -15,7 +15,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from insonify.compiler.jit import inlined, kernel
+from insonify.compiler.jit import inlined_uncounted, kernel, kernel_uncounted
 from insonify.kernels.beam.pattern import two_way_response
 from insonify.kernels.common.scattering import backscatter_strength
 from insonify.kernels.common.types import LIGHT
@@ -58,12 +58,21 @@ class RayAim(NamedTuple):
     pitch: float  # rad
 
 
+class RayEchoes(NamedTuple):
+    """Echoes of rays at their hits, before the factor that depends on range alone, (n,) each."""
+
+    bin: NDArray[np.int64]  # -1 without an echo
+    value: NDArray[np.float64]
+    cosine: NDArray[np.float64]  # of incidence
+
+
 class SideCast(NamedTuple):
-    """Refracted rays of one side at their hits, and the echoes out by one of them and back by another."""
+    """Refracted rays of one side at their hits, and their echoes: of each ray, then out by one and back by another."""
 
     rays: LandedRays
-    weight: NDArray[np.float64]  # (n,) of each ray, by the two-way response of the beam
     mixed: MixedEchoes
+    ray: NDArray[np.int64]  # (rays + mixed,) number of the ray out of each echo
+    echoes: RayEchoes  # (rays + mixed,)
 
 
 @kernel
@@ -133,7 +142,13 @@ def cast_refracted(arrays, beam, waveguide, aim, step):
     weight, mixed = weigh_by_pattern(arrays, beam, rays, aim.launch.weight), empty_mixed_echoes()
     if aim.landings.fold < math.inf and step <= 0.0:
         mixed = find_mixed_echoes(arrays, beam, waveguide, aim.landings, aim.launch.weight, rays)
-    return SideCast(rays, weight, mixed)
+    own = echo_rays(arrays, rays, weight)
+    echoes = RayEchoes(
+        np.concatenate((own.bin, mixed.bin)),
+        np.concatenate((own.value, mixed.value)),
+        np.concatenate((own.cosine, own.cosine[mixed.ray])),
+    )
+    return SideCast(rays, mixed, np.concatenate((np.arange(n), mixed.ray)), echoes)
 
 
 @kernel
@@ -190,64 +205,73 @@ def add_ray_echoes(arrays, rays, weight, sums):
     arrays : SceneArrays
     rays : LandedRays of ndarrays, shape (n,)
     weight : ndarray, shape (n,)
-        What each ray stands for: rad or sr.
+        Angle of each ray, rad or sr.
     sums : ndarray, shape (bins,)
         Added to.
     """
+    add_echoes(echo_rays(arrays, rays, weight), sums)
+
+
+@kernel
+def add_echoes(echoes, sums):
+    """Add echoes to range bins."""
+    for n in range(echoes.bin.size):
+        if echoes.bin[n] >= 0:
+            sums[echoes.bin[n]] += echoes.value[n]
+
+
+@kernel
+def echo_rays(arrays, rays, weight):
+    """Echoes of rays at their hits."""
+    n = weight.size
+    echoes = RayEchoes(np.empty(n, np.int64), np.empty(n), np.empty(n))
+    _fill_echoes(arrays, rays.hits, rays.arrivals, weight, echoes)
+    return echoes
+
+
+@kernel_uncounted
+def _fill_echoes(arrays, hits, arrivals, weight, echoes):
+    """Set the echoes of rays at their hits."""
+    law, reflectivity, bins, bin_length = arrays.law, arrays.reflectivity, arrays.bins, arrays.bin_length
+    fan, reference = arrays.half_width > 0.0, arrays.water.reference
     for k in range(weight.size):
-        b, value, _, _ = ray_echo(arrays, rays, weight, k)
-        if b >= 0:
-            sums[b] += value
+        echoes.bin[k], echoes.value[k], echoes.cosine[k] = -1, 0.0, 0.0
+        distance = hits.distance[k]
+        if hits.body[k] == NOTHING or not 0.0 < distance < bins * bin_length:
+            continue
+        b = int(distance / bin_length)
+        nx, ny, nz = hits.nx[k], hits.ny[k], hits.nz[k]
+        cosine = -(nx * arrivals.dx[k] + ny * arrivals.dy[k] + nz * arrivals.dz[k])
+        # A surface exactly edge-on returns nothing.
+        if b >= bins or cosine <= 0.0:
+            continue
+        m, squared = hits.material[k], distance * distance
+        value = backscatter_strength(cosine, reflectivity[m, 0], reflectivity[m, 1], reflectivity[m, 2], law)
+        value *= weight[k]
+        if law == LIGHT:
+            value *= _range_growth(reference, hits, arrivals, k) / (cosine * bin_length)
+        else:
+            # Intensity over that in still water is r² / (tube · spread).
+            spread = arrivals.spread[k]
+            value *= squared * squared / (cosine * arrivals.tube[k] * spread * (1.0 if fan else spread))
+        echoes.bin[k], echoes.value[k], echoes.cosine[k] = b, value, cosine
 
 
-@inlined
-def ray_echo(arrays, rays, weight, k):
-    """Bin, echo, cosine of incidence and growth of slant range per elevation of one ray; bin -1 without an echo."""
-    hits, arrivals, law = rays.hits, rays.arrivals, arrays.law
-    distance = hits.distance[k]
-    if hits.body[k] == NOTHING or distance >= arrays.bins * arrays.bin_length:
-        return -1, 0.0, 0.0, 0.0
-    b = int(distance / arrays.bin_length)
-    dx, dy, dz = arrivals.dx[k], arrivals.dy[k], arrivals.dz[k]
-    nx, ny, nz = hits.nx[k], hits.ny[k], hits.nz[k]
-    cosine = -(nx * dx + ny * dy + nz * dz)
-    # A surface exactly edge-on returns nothing.
-    if b >= arrays.bins or cosine <= 0.0:
-        return -1, 0.0, 0.0, 0.0
-    row, tube = arrays.reflectivity[hits.material[k]], arrivals.tube[k]
-    value = backscatter_strength(cosine, row[0], row[1], row[2], law) * weight[k] / cosine
-    growth = arrays.water.reference / arrivals.speed[k] * tube * _elevation_tilt(dx, dy, dz, nx, ny, nz)
-    if law == LIGHT:
-        return b, value * growth / arrays.bin_length, cosine, growth / cosine
-    # Over that in still water; Jensen et al., Computational Ocean Acoustics, 3.3: I = cosθ0 / (x |q|).
-    intensity = distance * distance / (tube * arrivals.spread[k])
-    if arrays.half_width > 0.0:
-        return b, value * distance * distance * intensity, cosine, growth / cosine
-    return b, value * tube * intensity * intensity, cosine, growth / cosine
+@kernel_uncounted
+def fill_range_growths(reference, hits, arrivals, echoes, growth):
+    """Set the growth of the slant range of each ray with an echo, m per radian of its elevation."""
+    for k in range(growth.size):
+        if echoes.bin[k] >= 0:
+            growth[k] = _range_growth(reference, hits, arrivals, k) / echoes.cosine[k]
 
 
-@inlined
-def _elevation_tilt(dx, dy, dz, nx, ny, nz):
-    """|n·e| of a surface's normal n and the direction e in which a growing elevation moves a ray."""
+@inlined_uncounted
+def _range_growth(reference, hits, arrivals, k):
+    """Growth of the slant range of a ray with its elevation, times the cosine of its incidence."""
+    dx, dy, dz, nx, ny, nz = arrivals.dx[k], arrivals.dy[k], arrivals.dz[k], hits.nx[k], hits.ny[k], hits.nz[k]
     level = math.sqrt(dx * dx + dy * dy)
     if level == 0.0:
         return 0.0
-    return abs(nz * level - dz * (nx * dx + ny * dy) / level)
-
-
-@inlined
-def count_echoes(cast):
-    """Count the echoes of a side: of each ray by itself, then out by one ray and back by another."""
-    return cast.weight.size + cast.mixed.ray.size
-
-
-@inlined
-def side_echo(arrays, cast, n):
-    """Ray, bin, value and cosine of incidence of one echo of a side; bin -1 without an echo."""
-    if n < cast.weight.size:
-        b, value, cosine, _ = ray_echo(arrays, cast.rays, cast.weight, n)
-        return n, b, value, cosine
-    m = n - cast.weight.size
-    k = cast.mixed.ray[m]
-    _, _, cosine, _ = ray_echo(arrays, cast.rays, cast.weight, k)
-    return k, cast.mixed.bin[m], cast.mixed.value[m], cosine
+    # |n·e| of the normal n and the direction e in which a growing elevation moves the ray.
+    tilt = abs(nz * level - dz * (nx * dx + ny * dy) / level)
+    return reference / arrivals.speed[k] * arrivals.tube[k] * tilt

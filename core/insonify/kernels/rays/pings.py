@@ -6,13 +6,12 @@ import numpy as np
 
 from insonify.compiler.jit import inlined, kernel
 from insonify.kernels.rays.cast import (
+    add_echoes,
     add_ray_echoes,
     aim_refracted,
     aim_straight,
     cast_refracted,
     cast_straight,
-    count_echoes,
-    side_echo,
     unaimed,
     weigh_by_pattern,
 )
@@ -75,10 +74,7 @@ def trace_refracted_pings(arrays, poses, rays, step, out):
             waveguide, aims[side] = aim_refracted(arrays, beam, poses.pitch[ping], aims[side])
             cast = cast_refracted(arrays, beam, waveguide, aims[side], step)
             sums[:] = 0.0
-            for n in range(count_echoes(cast)):
-                _, b, value, _ = side_echo(arrays, cast, n)
-                if b >= 0:
-                    sums[b] += value
+            add_echoes(cast.echoes, sums)
             _apply_range_factor(arrays, sums, out[ping, side])
     return 0
 

@@ -22,7 +22,7 @@ from numpy.typing import NDArray
 from insonify.compiler.jit import inlined, kernel
 from insonify.kernels.beam.pattern import widest_extent
 from insonify.kernels.common.types import LIGHT
-from insonify.kernels.rays.cast import arrive_straight, make_waveguide, ray_echo, weigh_by_pattern
+from insonify.kernels.rays.cast import arrive_straight, echo_rays, fill_range_growths, make_waveguide, weigh_by_pattern
 from insonify.kernels.rays.cell_walk import NOTHING, empty_bundle, empty_hits, find_first_hits
 from insonify.kernels.rays.launch import (
     aim_rays,
@@ -169,10 +169,9 @@ def _trace_sheet(arrays, beam, fan, angle, place, way):
     hits = rays.hits
     if way == DIRECT:
         density = weigh_by_pattern(arrays, beam, rays, density)
-        for k in range(n):
-            landed.distance[k], landed.surface[k] = hits.distance[k], min(hits.body[k], solids)
-            _, landed.value[k], _, landed.growth[k] = ray_echo(arrays, rays, density, k)
-        return landed
+        echoes = echo_rays(arrays, rays, density)
+        fill_range_growths(arrays.water.reference, hits, rays.arrivals, echoes, landed.growth)
+        return SheetEchoes(angle, hits.distance, np.minimum(hits.body, solids), echoes.value, landed.growth)
     mixed = find_mixed_echoes(arrays, beam, fan.waveguide, fan.landings, density, rays)
     for m in range(mixed.ray.size):
         if mixed.way[m] == way and mixed.bin[m] >= 0:
