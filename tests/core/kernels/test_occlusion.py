@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from insonify.kernels.multipath.paired_segments import SegmentLine
-from insonify.kernels.sweep.target_echoes import launch_angle
+from insonify.kernels.sweep.partial_segments import launch_angle
 from insonify.kernels.targets.occlusion import Occlusion, is_hidden, next_visible
 
 EDGES = np.array([-0.9, -0.7, -0.6, -0.45, -0.4])

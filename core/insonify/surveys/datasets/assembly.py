@@ -136,6 +136,7 @@ def _draw_balance(path: Path, totals: Totals, classes: Sequence[str], splits: Se
     """Draw how many targets of each class, and how many tiles with and without targets, each split has."""
     import matplotlib as mpl
 
+    # lazy: slow to import
     from insonify.display.style import make_figure
 
     figure = make_figure(*SIZE, layout="constrained")
