@@ -92,7 +92,9 @@ class TriangulatedScene:
                 _, aim = aim_straight(arrays, beam, 0.0, near, aim)
                 rotate_to_world(aim.launch, beam, bundle)
                 sums[:] = 0.0
-                add_ray_echoes(arrays, arrive_straight(arrays, bundle, self.cast(bundle)), aim.launch.weight, sums)
+                add_ray_echoes(
+                    arrays, arrive_straight(bundle, self.cast(bundle), arrays.water.reference), aim.launch.weight, sums
+                )
                 out[ping, side] = sums * arrays.range_factor
         return out
 

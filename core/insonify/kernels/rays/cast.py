@@ -105,13 +105,13 @@ def cast_straight(arrays, beam, near, count, launch, step):
         march_hits(arrays.bed, arrays.solids, near, count, arrays.mesh, bundle, beam.reach, step, hits)
     else:
         find_first_hits(arrays.bed, arrays.solids, near, count, arrays.mesh, bundle, beam.reach, hits)
-    return arrive_straight(arrays, bundle, hits)
+    return arrive_straight(bundle, hits, arrays.water.reference)
 
 
 @kernel
-def arrive_straight(arrays, bundle, hits):
+def arrive_straight(bundle, hits, speed_of_sound):
     """Straight rays with their hits as arrivals: tube and spreading are the range."""
-    speed, no_place = np.full(hits.distance.size, arrays.water.reference), np.empty(0)
+    speed, no_place = np.full(hits.distance.size, speed_of_sound), np.empty(0)
     arrivals = Arrivals(bundle.dx, bundle.dy, bundle.dz, hits.distance, hits.distance, speed, no_place, no_place)
     return LandedRays(bundle, hits, arrivals)
 
@@ -139,7 +139,9 @@ def cast_refracted(arrays, beam, waveguide, aim, step):
     rays = LandedRays(empty_bundle(n), empty_hits(n), empty_arrivals(n))
     rotate_to_world(aim.launch, beam, rays.bundle)
     find_refracted_hits(arrays, rays.bundle, waveguide.reach, step, rays.hits, rays.arrivals)
-    weight, mixed = weigh_by_pattern(arrays, beam, rays, aim.launch.weight), empty_mixed_echoes()
+    weight, mixed = aim.launch.weight, empty_mixed_echoes()
+    if arrays.pattern.tabulated:
+        weight = weigh_by_pattern(arrays, beam, rays, weight)
     if aim.landings.fold < math.inf and step <= 0.0:
         mixed = find_mixed_echoes(arrays, beam, waveguide, aim.landings, aim.launch.weight, rays)
     own = echo_rays(arrays, rays, weight)
@@ -183,9 +185,7 @@ def _may_touch(beam, cx, cy, cz, bound):
 
 @kernel
 def weigh_by_pattern(arrays, beam, rays, weight):
-    """Weight of rays by the two-way response of the beam towards their hits; ``weight`` itself without a pattern."""
-    if not arrays.pattern.tabulated:
-        return weight
+    """Weight of rays by the two-way response of a tabulated pattern towards their hits."""
     bundle, hits, fan, weighed = rays.bundle, rays.hits, arrays.half_width > 0.0, np.zeros(weight.size)
     for k in range(weight.size):
         if hits.body[k] != NOTHING:

@@ -54,7 +54,10 @@ def trace_straight_pings(arrays, poses, rays, step, out):
             for first in range(0, rays, TOGETHER):
                 some = take_rays(aims[side].launch, first, min(first + TOGETHER, rays))
                 landed = cast_straight(arrays, beam, near, count, some, step)
-                add_ray_echoes(arrays, landed, weigh_by_pattern(arrays, beam, landed, some.weight), sums)
+                weight = some.weight
+                if arrays.pattern.tabulated:
+                    weight = weigh_by_pattern(arrays, beam, landed, weight)
+                add_ray_echoes(arrays, landed, weight, sums)
                 if arrays.bounces > 0:
                     add_specular_echoes(arrays, beam, landed.bundle, landed.hits, some.weight, sums)
             _apply_range_factor(arrays, sums, out[ping, side])

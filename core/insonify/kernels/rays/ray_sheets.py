@@ -165,10 +165,11 @@ def _trace_sheet(arrays, beam, fan, angle, place, way):
     else:
         hits = empty_hits(n)
         find_first_hits(arrays.bed, arrays.solids, fan.near, fan.near.size, arrays.mesh, bundle, beam.reach, hits)
-        rays = arrive_straight(arrays, bundle, hits)
+        rays = arrive_straight(bundle, hits, arrays.water.reference)
     hits = rays.hits
     if way == DIRECT:
-        density = weigh_by_pattern(arrays, beam, rays, density)
+        if arrays.pattern.tabulated:
+            density = weigh_by_pattern(arrays, beam, rays, density)
         echoes = echo_rays(arrays, rays, density)
         fill_range_growths(arrays.water.reference, hits, rays.arrivals, echoes, landed.growth)
         return SheetEchoes(angle, hits.distance, np.minimum(hits.body, solids), echoes.value, landed.growth)
