@@ -41,7 +41,7 @@ APP = """
 A room holds a subject, its controllers and its views, and imports the rooms below it. PySide6 is used by `record`,
 `seabed`, `window`, `widgets`, the views of panels, and the few modules that run the event loop; PyVista and VTK by
 `seabed` alone. State announces changes by signals of psygnal and knows no view. Work beside the window passes its
-results to the main thread through `work/executor.py`.
+results to the main thread through `insonify_viewer/work/executor.py`.
 
 | level | room | what it holds | imports |
 |---|---|---|---|

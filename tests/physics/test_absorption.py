@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from insonify.scene import edit, load_scene
-from insonify.scene.water import absorptions as francois_garrison
+from insonify.scene.water.absorptions import francois_garrison
 from insonify.simulation import prepare
 
 # dB/km at pH 8, depth 0, 35 g/kg, by frequency and temperature: Francois & Garrison 1982.
