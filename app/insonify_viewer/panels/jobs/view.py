@@ -129,8 +129,8 @@ def _words(job: BackgroundJob) -> str:
     stage, left = job.stage, job.seconds_left
     counted = f"{stage.done:.0f} of {stage.total:.0f} {stage.unit}s" if stage.unit else ""
     share = f"{100.0 * stage.share:.0f} %" if stage.share is not None and not stage.unit else ""
-    told = "" if left is None else f"{format_time_left(left)} left"
-    return ", ".join(part for part in (stage.doing, counted, share, told) if part)
+    time_left = "" if left is None else f"{format_time_left(left)} left"
+    return ", ".join(part for part in (stage.doing, counted, share, time_left) if part)
 
 
 class WantedDataset(NamedTuple):

@@ -185,7 +185,7 @@ class WaterView(QWidget):
 
     @guard_override(None)
     def focusOutEvent(self, event: QFocusEvent) -> None:
-        """Settle a point whose key is still down."""
+        """Settle the point that a pressed key still moves."""
         self._settle()
         super().focusOutEvent(event)
 
