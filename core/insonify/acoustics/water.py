@@ -105,6 +105,7 @@ def make_water(scene: Scene, datum: float, low: float = -math.inf) -> Water:
         axis_y=layers.axis[1],
         reference=reference,
         surface=-datum,
+        wavelength=reference / scene.sonar.frequency,
     )
 
 

@@ -112,6 +112,7 @@ class Water(NamedTuple):
     axis_y: float
     reference: float  # speed at the sonar: slant range is one-way travel time times this, m/s
     surface: float  # height of the sea surface, m
+    wavelength: float = 0.0  # of the sound at the sonar, m: sets the width of caustics; 0 for rays alone
 
 
 def still_water(speed: float = 1500.0, surface: float = 0.0) -> Water:

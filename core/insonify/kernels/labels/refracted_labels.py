@@ -16,7 +16,7 @@ from insonify.kernels.labels.sweep_labels import label_bins, sum_target_echoes
 from insonify.kernels.rays.cast import aim_refracted, cast_refracted, unaimed
 from insonify.kernels.rays.cell_walk import empty_hits
 from insonify.kernels.rays.launch import find_enclosing_solid, orient_beam
-from insonify.kernels.rays.refracted_hits import CAUSTIC, empty_arrivals, find_refracted_hits
+from insonify.kernels.rays.refracted_hits import empty_arrivals, find_refracted_hits
 
 
 @kernel
@@ -78,8 +78,7 @@ def _note_echoes(arrays, cast, contributions, intensity, caustic):
         open_contributor(contributions, who)
         add_contribution(contributions, who, b, value, arrivals.x[k], cosine)
         intensity[b] += value
-        # The width of a tube that closes at a caustic is bounded from below.
-        if n < hits.body.size and arrivals.tube[k] <= CAUSTIC * arrivals.spread[k]:
+        if arrivals.dark[k] > 0.0:
             caustic[b] = True
 
 
@@ -91,7 +90,7 @@ def _note_hidden_bed(arrays, reach, first_body, hidden, shadows):
     find_refracted_hits(arrays, back, reach, 0.0, met, arrivals)
     for n in range(hidden.ray.size):
         b, value, body = echoes.bin[n], echoes.value[n], first_body[hidden.ray[n]]
-        if body < 0 and n >= count:
+        if body < 0 and count <= n < count + met.body.size:
             body = met.body[n - count]
         if body >= 0 and b >= 0 and value > 0.0:
             target = target_of_body(arrays.solids, arrays.mesh, body)

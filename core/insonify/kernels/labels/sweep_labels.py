@@ -57,7 +57,7 @@ class BinLabels(NamedTuple):
     ground_range: NDArray[np.float32]  # m, NaN where nothing returns
     incidence: NDArray[np.float32]  # rad, NaN where nothing returns
     target_echo: NDArray[np.float32]  # (pings, 2, targets) direct echo of each target over all bins, m² by law SONAR
-    caustic: NDArray[np.bool_]  # whether a ray at a caustic returns; the width of its tube is bounded from below
+    caustic: NDArray[np.bool_]  # whether sound near a caustic returns, where an Airy function takes the place of rays
 
 
 class LabelledSegment(NamedTuple):

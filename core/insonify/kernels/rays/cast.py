@@ -2,9 +2,10 @@
 
 A ray that stands for the solid angle dΩ lands on q x / cosθ0 · dΩ / cos α of a surface, q being the width of its tube
 in elevation and x / cosθ0 that across; one way its intensity is I = cosθ0 / (x |q|) of that at 1 m (Jensen et al.,
-Computational Ocean Acoustics, 3.3), and the way back is the way out. So it returns σ dA I² = σ dΩ I / cos α. A knife
-is 1 m wide along the track: σ q dθ I² / cos α. Law `light` spreads nothing: a ray stands for the step of slant range
-that its landing makes as its elevation grows. A straight ray is an arrival with q = x / cosθ0 = r.
+Computational Ocean Acoustics, 3.3), near a caustic that of `caustics`, and the way back is the way out. So it returns
+σ dA I² = σ dΩ I / cos α. A knife is 1 m wide along the track: σ q dθ I² / cos α. Law `light` spreads nothing: a ray
+stands for the step of slant range that its landing makes as its elevation grows. A straight ray is an arrival with
+q = x / cosθ0 = r.
 """
 
 from __future__ import annotations
@@ -66,13 +67,25 @@ class RayEchoes(NamedTuple):
     cosine: NDArray[np.float64]  # of incidence
 
 
+class DarkEchoes(NamedTuple):
+    """Echoes from the dark sides of caustics, (n,) each."""
+
+    ray: NDArray[np.int64]  # number of the ray on the bright side
+    bin: NDArray[np.int64]
+    value: NDArray[np.float64]  # before the factor that depends on range alone
+    distance: NDArray[np.float64]  # slant range, m
+
+
 class SideCast(NamedTuple):
-    """Refracted rays of one side at their hits, and their echoes: of each ray, then out by one and back by another."""
+    """Refracted rays of one side at their hits, and their echoes.
+
+    Those of each ray come first, then those out by one ray and back by another, then those of dark sides of caustics.
+    """
 
     rays: LandedRays
     mixed: MixedEchoes
-    ray: NDArray[np.int64]  # (rays + mixed,) number of the ray out of each echo
-    echoes: RayEchoes  # (rays + mixed,)
+    ray: NDArray[np.int64]  # (echoes,) number of the ray out of each echo
+    echoes: RayEchoes  # (echoes,)
 
 
 @kernel
@@ -112,7 +125,10 @@ def cast_straight(arrays, beam, near, count, launch, step):
 def arrive_straight(bundle, hits, speed_of_sound):
     """Straight rays with their hits as arrivals: tube and spreading are the range."""
     speed, no_place = np.full(hits.distance.size, speed_of_sound), np.empty(0)
-    arrivals = Arrivals(bundle.dx, bundle.dy, bundle.dz, hits.distance, hits.distance, speed, no_place, no_place)
+    arrivals = Arrivals(
+        bundle.dx, bundle.dy, bundle.dz, hits.distance, hits.distance, speed, no_place, no_place,
+        no_place, no_place, no_place,
+    )  # fmt: skip
     return LandedRays(bundle, hits, arrivals)
 
 
@@ -145,12 +161,45 @@ def cast_refracted(arrays, beam, waveguide, aim, step):
     if aim.landings.fold < math.inf and step <= 0.0:
         mixed = find_mixed_echoes(arrays, beam, waveguide, aim.landings, aim.launch.weight, rays)
     own = echo_rays(arrays, rays, weight)
+    dark = echo_dark_sides(arrays, rays, own)
     echoes = RayEchoes(
-        np.concatenate((own.bin, mixed.bin)),
-        np.concatenate((own.value, mixed.value)),
-        np.concatenate((own.cosine, own.cosine[mixed.ray])),
+        np.concatenate((own.bin, mixed.bin, dark.bin)),
+        np.concatenate((own.value, mixed.value, dark.value)),
+        np.concatenate((own.cosine, own.cosine[mixed.ray], own.cosine[dark.ray])),
     )
-    return SideCast(rays, mixed, np.concatenate((np.arange(n), mixed.ray)), echoes)
+    return SideCast(rays, mixed, np.concatenate((np.arange(n), mixed.ray, dark.ray)), echoes)
+
+
+@kernel
+def echo_dark_sides(arrays, rays, own):
+    """Echoes from the dark sides of caustics, of a surface like that where the rays land on the bright side.
+
+    Parameters
+    ----------
+    arrays : SceneArrays
+    rays : LandedRays of ndarrays, shape (n,)
+        Refracted ones.
+    own : RayEchoes of ndarrays, shape (n,)
+        Echoes of the rays.
+
+    Returns
+    -------
+    DarkEchoes
+    """
+    hits, arrivals = rays.hits, rays.arrivals
+    ray = np.flatnonzero((own.bin >= 0) & (arrivals.dark > 0.0)) if arrays.law != LIGHT else np.empty(0, np.int64)
+    dark = DarkEchoes(ray, np.empty(ray.size, np.int64), np.zeros(ray.size), np.empty(ray.size))
+    for m in range(ray.size):
+        k = ray[m]
+        moved = arrivals.shift[k] * _tilt(hits, arrivals, k) / own.cosine[k]
+        distance = hits.distance[k] + arrays.water.reference / arrivals.speed[k] * moved
+        dark.distance[m], dark.bin[m] = distance, -1
+        if 0.0 < distance < arrays.bins * arrays.bin_length:
+            # Both rays' sound is there, and each brings half of its square.
+            ratio = arrivals.dark[k] * (distance / hits.distance[k]) ** 2
+            dark.bin[m] = min(int(distance / arrays.bin_length), arrays.bins - 1)
+            dark.value[m] = 2.0 * ratio * ratio * own.value[k]
+    return dark
 
 
 @kernel
@@ -254,6 +303,8 @@ def _fill_echoes(arrays, hits, arrivals, weight, echoes):
             # Intensity over that in still water is r² / (tube · spread).
             spread = arrivals.spread[k]
             value *= squared * squared / (cosine * arrivals.tube[k] * spread * (1.0 if fan else spread))
+            if arrivals.focus.size > 0:
+                value *= arrivals.focus[k] * arrivals.focus[k]
         echoes.bin[k], echoes.value[k], echoes.cosine[k] = b, value, cosine
 
 
@@ -268,10 +319,12 @@ def fill_range_growths(reference, hits, arrivals, echoes, growth):
 @inlined_uncounted
 def _range_growth(reference, hits, arrivals, k):
     """Growth of the slant range of a ray with its elevation, times the cosine of its incidence."""
+    return reference / arrivals.speed[k] * arrivals.tube[k] * abs(_tilt(hits, arrivals, k))
+
+
+@inlined_uncounted
+def _tilt(hits, arrivals, k):
+    """n·e of the normal n where a ray lands and the direction e in which a growing elevation moves the ray."""
     dx, dy, dz, nx, ny, nz = arrivals.dx[k], arrivals.dy[k], arrivals.dz[k], hits.nx[k], hits.ny[k], hits.nz[k]
     level = math.sqrt(dx * dx + dy * dy)
-    if level == 0.0:
-        return 0.0
-    # |n·e| of the normal n and the direction e in which a growing elevation moves the ray.
-    tilt = abs(nz * level - dz * (nx * dx + ny * dy) / level)
-    return reference / arrivals.speed[k] * arrivals.tube[k] * tilt
+    return nz * level - dz * (nx * dx + ny * dy) / level if level > 0.0 else 0.0

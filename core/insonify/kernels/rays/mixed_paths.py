@@ -22,11 +22,10 @@ from insonify.compiler.jit import inlined, kernel
 from insonify.kernels.beam.pattern import two_way_response
 from insonify.kernels.common.scattering import bistatic_strength
 from insonify.kernels.common.types import LIGHT
+from insonify.kernels.rays.caustics import follow_to_place
 from insonify.kernels.rays.cell_walk import NOTHING, RayBundle, empty_bundle, empty_hits
-from insonify.kernels.rays.refracted_hits import MOST_ARCS, LandedRays, empty_arrivals, find_refracted_hits
+from insonify.kernels.rays.refracted_hits import LandedRays, empty_arrivals, find_refracted_hits
 from insonify.kernels.rays.specular_paths import pair_sensitivity
-from insonify.kernels.refraction.arcs import RANGE
-from insonify.kernels.refraction.section_arcs import advance_ray, launch_ray
 
 MOST_WAYS = 4  # other paths to one place
 TRIES = 12  # Newton's steps
@@ -119,17 +118,9 @@ def _pair_paths(waveguide, z, landings, rays, weight):
 @kernel
 def _find_other_path(waveguide, z, angle, x, height):
     """Elevation of a ray to a given place, from an initial guess; NaN if Newton's steps do not converge."""
-    water = waveguide.water
     for _ in range(TRIES):
-        ray = launch_ray(water.height, water.speed, water.station, waveguide.plane, z, math.cos(angle), math.sin(angle))
-        status = -1
-        for _ in range(MOST_ARCS):
-            status, ray = advance_ray(
-                water.height, water.speed, water.station, waveguide.plane, ray, x, -math.inf, water.surface
-            )
-            if status != 0:
-                break
-        if status != RANGE:
+        there, ray = follow_to_place(waveguide.water, waveguide.plane, z, math.cos(angle), math.sin(angle), x)
+        if not there:
             return math.nan
         miss = ray.z - height
         if abs(miss) < CLOSE:
@@ -190,7 +181,7 @@ def _mixed_echo(arrays, beam, weight, rays, k, other_rays, m):
     if law == LIGHT:
         value *= growth / arrays.bin_length
     else:
-        value *= distance**4 / (cosine * back.tube[m] * back.spread[m])
+        value *= distance**4 / (cosine * back.tube[m] * back.spread[m]) * arrivals.focus[k] * back.focus[m]
         if not fan:
             value /= arrivals.spread[k]
     return b, value, growth

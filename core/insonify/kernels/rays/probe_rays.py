@@ -15,8 +15,8 @@ from numpy.typing import NDArray
 
 from insonify.compiler.jit import inlined, kernel
 from insonify.kernels.common.types import Water
+from insonify.kernels.rays.caustics import MOST_ARCS
 from insonify.kernels.rays.launch import set_ray
-from insonify.kernels.rays.refracted_hits import MOST_ARCS
 from insonify.kernels.refraction.arcs import ENDLESS, HIGH, LOW, RANGE
 from insonify.kernels.refraction.section_arcs import SectionPlane, advance_ray, launch_ray
 

@@ -22,7 +22,14 @@ from numpy.typing import NDArray
 from insonify.compiler.jit import inlined, kernel
 from insonify.kernels.beam.pattern import widest_extent
 from insonify.kernels.common.types import LIGHT
-from insonify.kernels.rays.cast import arrive_straight, echo_rays, fill_range_growths, make_waveguide, weigh_by_pattern
+from insonify.kernels.rays.cast import (
+    arrive_straight,
+    echo_dark_sides,
+    echo_rays,
+    fill_range_growths,
+    make_waveguide,
+    weigh_by_pattern,
+)
 from insonify.kernels.rays.cell_walk import NOTHING, empty_bundle, empty_hits, find_first_hits
 from insonify.kernels.rays.launch import (
     aim_rays,
@@ -66,6 +73,8 @@ class SheetEchoes(NamedTuple):
     surface: NDArray[np.int64]  # (n,) what is met: a body, all triangles alike, BED or NOTHING
     value: NDArray[np.float64]  # (n,) per radian of elevation
     growth: NDArray[np.float64]  # (n,) of slant range, m per radian of elevation
+    dark: NDArray[np.float64]  # (n,) value of the echo from the dark side of a caustic
+    mirrored: NDArray[np.float64]  # (n,) and its slant range, m
 
 
 @kernel
@@ -158,7 +167,9 @@ def _trace_sheet(arrays, beam, fan, angle, place, way):
     """Echoes of rays of one place within the beam at given elevations, back along themselves or one other path."""
     n, solids = angle.size, arrays.solids.shape.size
     bundle, density = _send(arrays, beam, fan.pitch, angle, place)
-    landed = SheetEchoes(angle, np.full(n, math.inf), np.full(n, NOTHING), np.zeros(n), np.zeros(n))
+    landed = SheetEchoes(
+        angle, np.full(n, math.inf), np.full(n, NOTHING), np.zeros(n), np.zeros(n), np.zeros(n), np.zeros(n)
+    )
     if arrays.water.bent:
         rays = LandedRays(bundle, empty_hits(n), empty_arrivals(n))
         find_refracted_hits(arrays, bundle, beam.reach, 0.0, rays.hits, rays.arrivals)
@@ -172,7 +183,13 @@ def _trace_sheet(arrays, beam, fan, angle, place, way):
             density = weigh_by_pattern(arrays, beam, rays, density)
         echoes = echo_rays(arrays, rays, density)
         fill_range_growths(arrays.water.reference, hits, rays.arrivals, echoes, landed.growth)
-        return SheetEchoes(angle, hits.distance, np.minimum(hits.body, solids), echoes.value, landed.growth)
+        if arrays.water.bent:
+            dark = echo_dark_sides(arrays, rays, echoes)
+            landed.dark[dark.ray], landed.mirrored[dark.ray] = dark.value, dark.distance
+        return SheetEchoes(
+            angle, hits.distance, np.minimum(hits.body, solids), echoes.value, landed.growth, landed.dark,
+            landed.mirrored,
+        )  # fmt: skip
     mixed = find_mixed_echoes(arrays, beam, fan.waveguide, fan.landings, density, rays)
     for m in range(mixed.ray.size):
         if mixed.way[m] == way and mixed.bin[m] >= 0:
@@ -258,6 +275,7 @@ def _spread_or_split(landed, together, solids, bin_length, sums):
             for m in range(k, k + 2):
                 place = landed.distance[m]
                 _add_over_ranges(0.5 * angle * landed.value[m], place, place, bin_length, sums)
+                _add_over_ranges(0.5 * angle * landed.dark[m], landed.mirrored[m], landed.mirrored[m], bin_length, sums)
     return gaps[:count]
 
 
@@ -271,6 +289,11 @@ def _spread_between(landed, k, angle, one, other, bin_length, sums):
     kink = near + math.copysign(min(share * one, abs(far - near)), far - near)
     _add_over_ranges(share * angle * landed.value[k], near, kink, bin_length, sums)
     _add_over_ranges((1.0 - share) * angle * landed.value[k + 1], kink, far, bin_length, sums)
+    # Beside a ray that is too far from the caustic to have a dark side, that of the other one is all but nothing.
+    one, other = landed.dark[k], landed.dark[k + 1]
+    near = landed.mirrored[k] if one > 0.0 else landed.mirrored[k + 1]
+    far = landed.mirrored[k + 1] if other > 0.0 else near
+    _add_over_ranges(0.5 * angle * (one + other), near, far, bin_length, sums)
 
 
 @kernel
@@ -304,6 +327,8 @@ def _insert_middles(landed, gaps, middles):
         _insert_between(landed.surface, gaps, middles.surface),
         _insert_between(landed.value, gaps, middles.value),
         _insert_between(landed.growth, gaps, middles.growth),
+        _insert_between(landed.dark, gaps, middles.dark),
+        _insert_between(landed.mirrored, gaps, middles.mirrored),
     )
 
 

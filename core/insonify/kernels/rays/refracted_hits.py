@@ -18,6 +18,7 @@ from insonify.compiler.jit import inlined, kernel
 from insonify.kernels.common.types import BED
 from insonify.kernels.geometry.solids import intersect_solid
 from insonify.kernels.geometry.triangles import NO_TRIANGLE, facing_normal, intersect_mesh
+from insonify.kernels.rays.caustics import LEAST, MOST_ARCS, field_at_caustic
 from insonify.kernels.rays.cell_walk import NOTHING, Hits, Ray, RayBundle, meet_bed
 from insonify.kernels.rays.launch import ball_about, box_about
 from insonify.kernels.rays.march import march_chord
@@ -25,13 +26,9 @@ from insonify.kernels.refraction.arcs import ENDLESS, HIGH, LOW, RANGE, RayState
 from insonify.kernels.refraction.section_arcs import SectionPlane, advance_ray, launch_ray
 
 SAGITTA = 1e-4  # m by which a chord may leave its arc
-MOST_ARCS = 4096  # of one ray; a trapped one ends there
 CLEAR = 1e-3  # m above the highest thing and off any node of the water, below which rays are tested for hits
 TOGETHER = 64  # rays of a batch
 STATE = 8  # numbers of the state of a ray at the start of an arc
-# At a caustic the tube closes, and ray theory makes intensity infinite. Airy's function peaks where the tube is about
-# (λ / πr)^⅓ as wide as one that nothing focuses: 0.02 at 400 kHz and 100 m. No tube counts as narrower.
-CAUSTIC = 0.02
 OVERLAP = 1e-9  # m by which chords are extended, so that rounding hides nothing where two of them meet
 # Columns of a chord: its start, unit direction and length; the number of its arc; and in the ray's vertical plane the
 # ground range of its start and the level part of its direction.
@@ -50,6 +47,10 @@ class Arrivals(NamedTuple):
     speed: NDArray[np.float64]  # of sound there, m/s
     x: NDArray[np.float64]  # ground range, m; none of straight rays
     z: NDArray[np.float64]  # height, m; none of straight rays
+    # The fields of `CausticField`; none of straight rays.
+    focus: NDArray[np.float64]
+    dark: NDArray[np.float64]
+    shift: NDArray[np.float64]
 
 
 class LandedRays(NamedTuple):
@@ -137,8 +138,9 @@ def find_refracted_hits(arrays, bundle, reach, march, hits, arrivals):
 def empty_arrivals(n):
     """Room for n arrivals."""
     return Arrivals(
-        np.empty(n), np.empty(n), np.empty(n), np.empty(n), np.empty(n), np.empty(n), np.empty(n), np.empty(n)
-    )
+        np.empty(n), np.empty(n), np.empty(n), np.empty(n), np.empty(n), np.empty(n), np.empty(n), np.empty(n),
+        np.empty(n), np.empty(n), np.empty(n),
+    )  # fmt: skip
 
 
 @kernel
@@ -314,7 +316,8 @@ def _arrive(water, rays, first, count, reach, batch, begins, met):
             low = z
         else:
             high = z
-        _, ray = advance_ray(height, speed, station, lay_in_section(axis_x, axis_y, plane), ray, x_end, low, high)
+        section = lay_in_section(axis_x, axis_y, plane)
+        _, ray = advance_ray(height, speed, station, section, ray, x_end, low, high)
         if ray.time * reference > reach:
             continue
         hits.distance[n], hits.body[n], hits.material[n] = ray.time * reference, met.body[k], met.material[k]
@@ -322,7 +325,9 @@ def _arrive(water, rays, first, count, reach, batch, begins, met):
         arrivals.dx[n], arrivals.dy[n] = ray.cosine * plane.ahead_x, ray.cosine * plane.ahead_y
         arrivals.dz[n], arrivals.speed[n], arrivals.x[n], arrivals.z[n] = ray.sine, ray.speed, ray.x, ray.z
         spread = ray.x / level if level > 0.0 else abs(ray.q)
-        arrivals.tube[n], arrivals.spread[n] = max(abs(ray.q), CAUSTIC * spread), spread
+        arrivals.tube[n], arrivals.spread[n] = max(abs(ray.q), LEAST * spread), spread
+        field = field_at_caustic(water, section, bundle.z[n], level, bundle.dz[n], ray, spread)
+        arrivals.focus[n], arrivals.dark[n], arrivals.shift[n] = field.focus, field.dark, field.shift
 
 
 @kernel
