@@ -12,6 +12,7 @@ import pytest
 from PIL import Image
 from PySide6.QtCore import Qt
 from PySide6.QtWidgets import QMessageBox
+from strangers import traces, write_modules
 
 from insonify import simulate
 from insonify.commands.render import write
@@ -60,6 +61,17 @@ def test_a_record_is_that_of_the_library_to_the_bit(
     qtbot.waitUntil(lambda: not viewer.jobs.running, timeout=PATIENCE)
     assert viewer.jobs.jobs[0].state is State.DONE
     np.testing.assert_array_equal(read_record(path).intensity, simulate(viewer.session.scene).intensity)
+
+
+def test_a_command_imports_nothing_of_the_current_folder(
+    monkeypatch: pytest.MonkeyPatch, qtbot: Any, tmp_path: Path
+) -> None:
+    write_modules(tmp_path)
+    monkeypatch.chdir(tmp_path)
+    job = CommandJob("the scenes", ["scenes"], tmp_path, lambda work, *values: work(*values))
+    job.start()
+    qtbot.waitUntil(lambda: not job.running, timeout=PATIENCE)
+    assert (job.state, traces(tmp_path)) == (State.DONE, set())
 
 
 def test_a_record_is_modelled_as_in_the_window(open_viewer: Opener, small: Scene, qtbot: Any, tmp_path: Path) -> None:

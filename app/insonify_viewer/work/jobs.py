@@ -131,7 +131,7 @@ class CommandJob(BackgroundJob):
     def start(self) -> None:
         """Start the process, at a lower priority than the window."""
         self._process = subprocess.Popen(
-            [sys.executable, "-m", "insonify", *self.arguments],
+            [sys.executable, "-P", "-m", "insonify", *self.arguments],
             stdin=subprocess.DEVNULL,
             stdout=subprocess.PIPE,
             stderr=subprocess.PIPE,

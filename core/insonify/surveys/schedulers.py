@@ -6,6 +6,7 @@ Installed packages add a kind by an entry point of the group ``insonify.schedule
 from __future__ import annotations
 
 import logging
+import os
 import signal
 import warnings
 from collections.abc import Callable, Iterator
@@ -120,6 +121,8 @@ def _start_workers(text: str) -> Iterator[Any]:
     import dask
     from distributed import Client, LocalCluster
 
+    # The tracker of resources and the workers import nothing from the current folder, and neither does what they start.
+    os.environ["PYTHONSAFEPATH"] = "1"
     settings = {"distributed.admin.log-length": 0, "distributed.worker.profile.enabled": False}
     with ExitStack() as stack:
         stack.enter_context(dask.config.set(settings))
