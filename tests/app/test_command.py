@@ -98,12 +98,14 @@ def test_a_snapshot_waits_as_long_as_kernels_are_compiled(
 
 
 def test_no_display_draws_the_window_and_says_so(tmp_path: Path) -> None:
+    (tmp_path / "insonify.png").write_text("somebody's")
     ended = run("figure-4a", *SMALL, cwd=tmp_path)
-    assert ended.returncode == 0
-    assert ended.stderr == ""
-    assert ended.stdout.count("\n") == 1
-    assert "there is no display" in ended.stdout
-    assert (tmp_path / "insonify.png").stat().st_size > 20_000
+    assert ended.returncode == 3
+    assert ended.stdout == ""
+    assert ended.stderr.count("\n") == 1
+    assert "there is no display" in ended.stderr
+    assert (tmp_path / "insonify.png").read_text() == "somebody's"
+    assert (tmp_path / "insonify-2.png").stat().st_size > 20_000
 
 
 @pytest.mark.parametrize(

@@ -12,7 +12,6 @@ import pytest
 from PIL import Image
 from PySide6.QtCore import Qt
 from PySide6.QtWidgets import QMessageBox
-from strangers import traces, write_modules
 
 from insonify import simulate
 from insonify.commands.render import write
@@ -24,6 +23,7 @@ from insonify_viewer.state.quantities import format_time_left
 from insonify_viewer.viewer import Viewer
 from insonify_viewer.work import jobs as background_job
 from insonify_viewer.work.jobs import CommandJob, Stage, State, ThreadJob
+from strangers import traces, write_modules
 
 Opener = Callable[..., Viewer]
 PATIENCE = 240_000  # ms, while kernels compile at worst

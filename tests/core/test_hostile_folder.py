@@ -7,6 +7,7 @@ import sys
 from pathlib import Path
 
 import pytest
+
 from small_sets import SET, SURVEY
 from strangers import traces, write_modules
 

@@ -41,7 +41,7 @@ def is_private(folder: Path) -> bool:
 
 
 def _fault(folder: Path) -> str:
-    """What lets other users than this one and root put files into a folder; empty if nothing does."""
+    """Return what lets users other than this one and root put files into a folder; empty if nothing does."""
     if not hasattr(os, "getuid"):
         return ""
     user = os.getuid()

@@ -29,7 +29,7 @@ FOLDERS = ("compiler", "kernels")  # of the sources that machine code is made of
 # Modules that leave the code alone.
 WITHOUT_CODE = {
     f"compiler.{name}"
-    for name in ("cache_folder", "compilation_events", "digests", "processes", "progress", "worker")
+    for name in ("build", "cache_folder", "compilation_events", "digests", "processes", "progress", "worker")
 }
 UNUSED = 30 * 86400.0  # seconds after which machine code that no process has used is removed
 

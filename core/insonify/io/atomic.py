@@ -5,16 +5,20 @@ from __future__ import annotations
 import errno
 import signal
 import sys
+import tempfile
 import threading
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
 from typing import NoReturn, cast
 
+from insonify.errors import SceneError
 from insonify.io.unfinished import FORMER, clear_leftovers, remove, temporary_path
 
 # Sent by schedulers when time is up, by a terminal that is closed, and by Ctrl-\.
 REQUESTS = [getattr(signal, name) for name in ("SIGTERM", "SIGHUP", "SIGQUIT") if hasattr(signal, name)]
+NAMED = errno.errorcode.keys() - {errno.EIO}  # errors that say what is wrong; HDF5 gives none for anything
+PROBE = 2**16  # bytes that a disk which is not full takes
 AGAIN = 1.0  # s after which a request to end is repeated
 
 
@@ -32,7 +36,7 @@ def replacing(path: str | Path) -> Iterator[Path]:
         clear_leftovers(final)
         beside = temporary_path(final)
         try:
-            with _terminated_cleanly():
+            with _terminated_cleanly(), _full_disk_named(final.parent):
                 yield beside
                 _put(beside, final)
         finally:
@@ -45,6 +49,24 @@ def replacing(path: str | Path) -> Iterator[Path]:
             raise
         # HDF5 and GDAL take paths as UTF-8, whatever the bytes of a name on disk.
         raise OSError(errno.EILSEQ, "this format needs a path in UTF-8", str(path)) from error
+
+
+@contextmanager
+def _full_disk_named(folder: Path) -> Iterator[None]:
+    """Turn an error of a library that does not name its cause into that of a full disk, if the disk is full."""
+    try:
+        yield
+    except SceneError:
+        raise
+    except Exception as error:
+        if getattr(error, "errno", None) in NAMED:
+            raise
+        try:
+            with tempfile.TemporaryFile(dir=folder) as file:
+                file.write(bytes(PROBE))
+        except OSError as cause:
+            raise cause from error
+        raise
 
 
 def _put(beside: Path, final: Path) -> None:

@@ -21,6 +21,7 @@ from insonify.scene.water.uniform import UniformWater
 
 DEFAULT_ALTITUDE = 10.0
 SCHEMA = 1
+MOST_TARGETS = 10_000  # twenty times as many took two minutes to pack
 # Limits of bed cells along a range: a slice takes a dozen knots per cell, and endless ground is stored as a square.
 MOST_CELLS, MOST_ENDLESS_CELLS = 262_144, 4096
 
@@ -54,8 +55,10 @@ class Scene(Declaration):
     seed: int = parameter(1, description="seed of all random numbers", ge=0, le=2**63 - 1)
     world: World = parameter(World(), description="place on Earth")
     seabed: Seabed = parameter(Seabed(), description="the bed")
-    targets: tuple[AnyTarget, ...] = parameter((), description="targets on the bed")
-    volumes: tuple[AnyVolume, ...] = parameter((), description="schools and plumes in the water column")
+    targets: tuple[AnyTarget, ...] = parameter((), description="targets on the bed", max_length=MOST_TARGETS)
+    volumes: tuple[AnyVolume, ...] = parameter(
+        (), description="schools and plumes in the water column", max_length=MOST_TARGETS
+    )
     water: AnyWater = parameter(UniformWater(), description="speed of sound and absorption of the water")
     sonar: Sonar = parameter(Sonar(), description="the sonar")
     track: Track = parameter(Track(), description="the tow")

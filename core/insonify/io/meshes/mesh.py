@@ -9,11 +9,11 @@ from numpy.typing import NDArray
 
 from insonify.files import bundled_meshes, kept_until_changed
 from insonify.io.formats import FormatRegistry
+from insonify.io.meshes.trimesh_files import MOST_TRIANGLES
 
 MESHES: FormatRegistry[NDArray[np.float64]] = FormatRegistry(
     "a mesh", "insonify.io.meshes", "insonify.mesh_formats", "{path!r} {fault}; {remedy}"
 )
-MOST_TRIANGLES = 2_000_000  # a larger file is refused: it should be decimated first
 FARTHEST = 1e15  # units of a file from its origin; squares of squares of it are still numbers
 FLAT = 1e-12  # height of a triangle over its longest side, below which its area is rounding error
 
