@@ -27,7 +27,7 @@ from insonify_viewer.record.comparison.comparison_overlay import ComparisonOverl
 from insonify_viewer.record.comparison.record_a_view import RecordAView, RecordsSideBySide
 from insonify_viewer.record.waterfall_view import WaterfallView
 from insonify_viewer.state.tow_clock import SPEEDS
-from insonify_viewer.widgets.buttons import set_icon
+from insonify_viewer.widgets.buttons import make_action, set_icon, with_key
 from insonify_viewer.widgets.theme import scaled
 from insonify_viewer.window.help_dialogs import OTHER_KEYS, AboutDialog, KeysDialog
 from insonify_viewer.window.menus import (
@@ -39,7 +39,6 @@ from insonify_viewer.window.menus import (
     SaveMenu,
     button_of,
     make_combo,
-    with_key,
 )
 from insonify_viewer.window.panel_docks import PanelDocks, PanelRoom
 from insonify_viewer.window.scene_menu import SceneMenu
@@ -73,7 +72,7 @@ class MainWindow(QMainWindow):
         self.resize(QSize(*USUAL).expandedTo(screen * ROOMY).boundedTo(screen))
         self.setMinimumSize(*SMALLEST)
         self.waterfall = WaterfallView(native=native)
-        self.trace = self._action("Echo", "Echo of one ping under the record", QKeySequence("E"))
+        self.trace = make_action(self, "Echo", "Echo of one ping under the record", "E")
         self.trace.triggered.connect(self.waterfall.toggle_trace)
         self._placeholder = QLabel("setting up the seabed …")
         self._placeholder.setAlignment(Qt.AlignmentFlag.AlignCenter)
@@ -205,7 +204,7 @@ class MainWindow(QMainWindow):
     def _add_button(self, panel: Panel) -> None:
         """Put the command of a panel into its menu and, if it has an icon, among the tools before the palettes."""
         assert panel.button is not None
-        action = self._action(panel.button.text, panel.button.tooltip, QKeySequence(panel.button.shortcut))
+        action = make_action(self, panel.button.text, panel.button.tooltip, panel.button.shortcut)
         self.menus.named(panel.button.menu).addAction(action)
         if panel.place is Place.WINDOW:
             action.triggered.connect(lambda: self._open_window(panel))
@@ -234,26 +233,23 @@ class MainWindow(QMainWindow):
         bar.setContextMenuPolicy(Qt.ContextMenuPolicy.PreventContextMenu)
         self.addToolBar(bar)
         key = QKeySequence.StandardKey
-        self.open_scene = QAction("Open a file…", self)
-        self.open_scene.setShortcut(QKeySequence(key.Open))
-        self.addAction(self.open_scene)
-        self.open_recording = QAction("Open a recording…", self)
-        self.open_recording.setShortcut(QKeySequence("Ctrl+Shift+O"))
-        self.addAction(self.open_recording)
+        self.open_scene = make_action(self, "Open a file…", "Open a scene", key.Open)
+        self.open_recording = make_action(self, "Open a recording…", "Open a recording", "Ctrl+Shift+O")
+        self.addActions([self.open_scene, self.open_recording])
         self.scenes = SceneMenu(self.open_scene, self.open_recording)
         bar.addWidget(self.scenes)
         tip = "Replace the bed by a grid of measured heights"
-        self.open_dem = self._action("Open a measured bed…", tip, QKeySequence("Ctrl+D"))
+        self.open_dem = make_action(self, "Open a measured bed…", tip, "Ctrl+D")
         self._add_targets(bar)
         self.save = SaveMenu(self)
         bar.addWidget(self.save)
         bar.addSeparator()
-        self.undo = self._tool(bar, "Undo", "Undo the last edit", QKeySequence(key.Undo))
-        self.redo = self._tool(bar, "Redo", "Redo the edit that was undone", QKeySequence(key.Redo))
+        self.undo = self._tool(bar, "Undo", "Undo the last edit", key.Undo)
+        self.redo = self._tool(bar, "Redo", "Redo the edit that was undone", key.Redo)
         undo, redo = ((action, button_of(bar, action)) for action in (self.undo, self.redo))
         self.history = HistoryMenus(undo, redo)
         bar.addSeparator()
-        self.pause = self._tool(bar, "Pause", "Pause the tow; the mouse wheel then looks back", QKeySequence("Space"))
+        self.pause = self._tool(bar, "Pause", "Pause the tow; the mouse wheel then looks back", "Space")
         self.pause.setCheckable(True)
         self.pause.toggled.connect(lambda paused: self.running_changed.emit(not paused))
         speeds = [(f"{speed:g}×" if speed >= 1 else f"1/{1 / speed:g}×", speed) for speed in SPEEDS]
@@ -265,8 +261,8 @@ class MainWindow(QMainWindow):
         self.palettes = make_combo([(name, name) for name in palettes], "Palette of the record")
         self.palettes.activated.connect(lambda: self.palette_changed.emit(self.palettes.currentData()))
         tip = "Reset view: put the camera behind and above the fish again"
-        self.reset_view = self._tool(bar, "Reset view", tip, QKeySequence("Home"))
-        self.projector = self._action("Projector", "Full screen, in large type", QKeySequence("F11"))
+        self.reset_view = self._tool(bar, "Reset view", tip, "Home")
+        self.projector = make_action(self, "Projector", "Full screen, in large type", "F11")
         self.projector.setCheckable(True)
         self.projector.toggled.connect(self._project)
         self._bar, self._after_buttons = bar, bar.addWidget(self.palettes)
@@ -308,7 +304,7 @@ class MainWindow(QMainWindow):
         bar.addWidget(QLabel("gain"))
         bar.addWidget(self.gain)
         bar.addWidget(self._gain_text)
-        self.levels = self._tool(bar, "Auto", "Set gain and contrast from the record on screen", QKeySequence("A"))
+        self.levels = self._tool(bar, "Auto", "Set gain and contrast from the record on screen", "A")
 
     def _gain_moved(self, tenths: int) -> None:
         self._gain_text.setText(f"{tenths / 10:g} dB")
@@ -361,15 +357,9 @@ class MainWindow(QMainWindow):
         for button in self.findChildren(QToolButton):
             name_button(button)
 
-    def _tool(self, bar: QToolBar, text: str, tip: str, shortcut: QKeySequence) -> QAction:
-        action = self._action(text, tip, shortcut)
+    def _tool(self, bar: QToolBar, text: str, tip: str, key: QKeySequence | QKeySequence.StandardKey | str) -> QAction:
+        action = make_action(self, text, tip, key)
         bar.addAction(action)
-        return action
-
-    def _action(self, text: str, tip: str, shortcut: QKeySequence) -> QAction:
-        action = QAction(text, self)
-        action.setShortcut(shortcut)
-        action.setToolTip(with_key(tip, shortcut))
         return action
 
 

@@ -6,22 +6,14 @@ import numpy as np
 from numpy.typing import NDArray
 from PySide6.QtCore import QPointF, QRect, QRectF, Qt, Signal
 from PySide6.QtGui import QColor, QImage, QKeyEvent, QMouseEvent, QPainter, QPaintEvent, QPen
-from PySide6.QtWidgets import (
-    QFileDialog,
-    QHBoxLayout,
-    QLabel,
-    QProgressBar,
-    QSplitter,
-    QVBoxLayout,
-    QWidget,
-)
+from PySide6.QtWidgets import QFileDialog, QHBoxLayout, QProgressBar, QSplitter, QVBoxLayout, QWidget
 
 from insonify.display.display_options import PALETTES
 from insonify.display.picture import choose_contrast, colour_rows, load_palette
 from insonify_viewer.errors import guard_override
 from insonify_viewer.panels.chart.chart_details import ChartPicture, RowDetails, details_in_words, nearest_row
 from insonify_viewer.state.quantities import format_time_left
-from insonify_viewer.widgets.buttons import push_button
+from insonify_viewer.widgets.buttons import make_label, push_button
 from insonify_viewer.widgets.painting import colour_table, column_means, round_steps, two_sided_table
 from insonify_viewer.widgets.theme import ACCENT, EDGE, GROUND, MARK, QUIET, TEXT
 
@@ -59,14 +51,8 @@ class ChartWindow(QWidget):
         self._progress = QProgressBar()
         self._progress.setRange(0, 1000)
         self._progress.setTextVisible(False)
-        self._sentence = QLabel(INVITATION)
-        self._sentence.setObjectName("name")
-        self._sentence.setWordWrap(True)
+        self._sentence, self._numbers = make_label("name", INVITATION), make_label("numbers")
         self._picture, self._strips = _ChartPictureView(), StripsView()
-        self._numbers = QLabel()
-        self._numbers.setObjectName("numbers")
-        self._numbers.setWordWrap(True)
-        self._numbers.setTextInteractionFlags(Qt.TextInteractionFlag.TextSelectableByMouse)
         self._lay_out()
         for button, wanted in (
             (self.measure, self.measure_wanted),

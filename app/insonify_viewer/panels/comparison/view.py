@@ -6,19 +6,13 @@ from collections.abc import Mapping, Sequence
 
 from PySide6.QtCore import Qt, Signal
 from PySide6.QtGui import QAction
-from PySide6.QtWidgets import (
-    QGridLayout,
-    QHBoxLayout,
-    QLabel,
-    QMenu,
-    QWidget,
-)
+from PySide6.QtWidgets import QGridLayout, QHBoxLayout, QLabel, QMenu, QWidget
 
 from insonify.scene import Scene
 from insonify_viewer.record.comparison.arrangement import Arrangement, find_pairs
 from insonify_viewer.record.comparison.kept_record import Change
 from insonify_viewer.record.comparison.recording import Recording
-from insonify_viewer.widgets.buttons import push_button
+from insonify_viewer.widgets.buttons import make_label, push_button
 from insonify_viewer.widgets.field_rows import Combo
 from insonify_viewer.widgets.save_dialogs import ask_where_to_save
 from insonify_viewer.widgets.side_panel import FoldingBox, SidePanel
@@ -46,8 +40,7 @@ class ComparisonView(SidePanel):
 
     def __init__(self, parent: QWidget | None = None) -> None:
         super().__init__(parent)
-        self.title = _words("about")
-        self.changes = _words("change")
+        self.title, self.changes = make_label("about"), make_label("change")
         self.keep = push_button("Keep as A", "Keep this record as A, to compare others with it (K)")
         self.open = push_button("Open…", "Open a recording as A (Ctrl+Shift+O)")
         self.back = push_button("Return to A", "Return to the scene of A (Shift+K); undo comes back")
@@ -205,7 +198,7 @@ class _Table(QWidget):
             self._grid.setColumnStretch(column, 2 if column else 1)
         self._columns = columns
         self._labels: list[list[QLabel]] = []
-        self._said = _words("about")
+        self._said = make_label("about")
 
     def rows(self) -> dict[str, tuple[str, ...]]:
         """Values as they are read, by their names."""
@@ -233,10 +226,8 @@ class _Table(QWidget):
         self._grid.addWidget(self._said, len(self._labels), 0, 1, self._columns + 1)
 
     def _add_row(self) -> None:
-        row = [_words("name"), *(_words("numbers") for _ in range(self._columns))]
+        row = [make_label("name"), *(make_label("numbers") for _ in range(self._columns))]
         for column, label in enumerate(row):
-            if column:
-                label.setTextInteractionFlags(Qt.TextInteractionFlag.TextSelectableByMouse)
             self._grid.addWidget(label, len(self._labels), column, Qt.AlignmentFlag.AlignTop)
         self._labels.append(row)
 
@@ -252,13 +243,6 @@ def _about(recording: Recording) -> str:
 def _frequencies(recording: Recording) -> list[float]:
     """Frequencies of a recording with several, in Hz."""
     return [float(text) for text in str(recording.dataset.attrs.get("frequencies", "")).split(",") if text.strip()]
-
-
-def _words(name: str) -> QLabel:
-    label = QLabel()
-    label.setObjectName(name)
-    label.setWordWrap(True)
-    return label
 
 
 def _combo(tooltip: str) -> Combo:

@@ -18,7 +18,6 @@ from PySide6.QtWidgets import (
     QFrame,
     QGridLayout,
     QHBoxLayout,
-    QLabel,
     QLineEdit,
     QMenu,
     QProgressBar,
@@ -31,7 +30,7 @@ from PySide6.QtWidgets import (
 from insonify.accuracy.charts.kinds import list_chart_kinds
 from insonify_viewer.errors import guard_override
 from insonify_viewer.state.quantities import format_time_left
-from insonify_viewer.widgets.buttons import push_button
+from insonify_viewer.widgets.buttons import make_label, push_button
 from insonify_viewer.widgets.save_dialogs import Formats, ask_where_to_save, record_formats
 from insonify_viewer.widgets.side_panel import ScrollColumn
 from insonify_viewer.work.jobs import BackgroundJob, State
@@ -56,11 +55,7 @@ class JobRow(QFrame):
         self.setObjectName("job")
         self.setFocusPolicy(Qt.FocusPolicy.TabFocus)
         self._job = job
-        self.title, self.words = QLabel(job.title), QLabel()
-        self.title.setObjectName("choice")
-        self.words.setObjectName("name")
-        self.words.setWordWrap(True)
-        self.words.setTextInteractionFlags(Qt.TextInteractionFlag.TextSelectableByMouse)
+        self.title, self.words = make_label("choice", job.title), make_label("name")
         self.bar = QProgressBar()
         self.bar.setTextVisible(False)
         self.stop = push_button("Stop", "End this job (Delete); nothing half-written is left")
@@ -232,9 +227,6 @@ class JobsView(QWidget):
         self.dataset = _button("&Data set…", "Labelled images of many scenes", self._ask_for_dataset)
         self.stability = _button("S&tability…", "The known numerical failures, measured, as a page", self._ask_for_page)
         self.forget = _button("C&lear", "Leave the jobs that have ended out of this list", self.forget_wanted.emit)
-        self._hint = QLabel(HINT)
-        self._hint.setObjectName("name")
-        self._hint.setWordWrap(True)
         self._rows: dict[BackgroundJob, JobRow] = {}
         self._lay_out()
 
@@ -322,7 +314,7 @@ class JobsView(QWidget):
         self._list.addStretch(1)
         column = QVBoxLayout(self)
         column.addLayout(tools)
-        column.addWidget(self._hint)
+        column.addWidget(make_label("name", HINT))
         column.addWidget(self._scroll, 1)
 
 

@@ -20,7 +20,7 @@ from PySide6.QtWidgets import (
 
 from insonify.lessons import Lesson
 from insonify_viewer.errors import guard_override
-from insonify_viewer.widgets.buttons import light, push_button
+from insonify_viewer.widgets.buttons import light, make_label, push_button
 from insonify_viewer.widgets.side_panel import ScrollColumn
 
 USUAL, LARGE = 1.2, 1.9  # factors on the size of the text, without and with a projector
@@ -200,12 +200,7 @@ def _row(left: QWidget, right: QWidget) -> QHBoxLayout:
 
 
 def _words(name: str = "") -> QLabel:
-    label = QLabel()
-    label.setObjectName(name)
-    label.setWordWrap(True)
-    label.setTextFormat(Qt.TextFormat.MarkdownText)
-    label.setTextInteractionFlags(Qt.TextInteractionFlag.TextSelectableByMouse)
-    return label
+    return make_label(name, form=Qt.TextFormat.MarkdownText)
 
 
 def _projector() -> QPushButton:

@@ -13,7 +13,6 @@ from PySide6.QtCore import QEvent, QPointF, QRectF, QSizeF, Qt
 from PySide6.QtGui import QColor, QPainter, QPaintEvent, QPen, QPixmap, QPolygonF, QResizeEvent
 from PySide6.QtWidgets import (
     QHeaderView,
-    QLabel,
     QSplitter,
     QTreeWidget,
     QTreeWidgetItem,
@@ -24,6 +23,7 @@ from PySide6.QtWidgets import (
 
 from insonify_viewer.errors import guard_override
 from insonify_viewer.state.inspection import Mark
+from insonify_viewer.widgets.buttons import make_label
 from insonify_viewer.widgets.painting import round_steps
 from insonify_viewer.widgets.theme import (
     ACCENT,
@@ -65,9 +65,7 @@ class PixelView(QWidget):
     def __init__(self, parent: QWidget | None = None) -> None:
         super().__init__(parent)
         self.setObjectName("panel")
-        self.summary = QLabel(HINT)
-        self.summary.setWordWrap(True)
-        self.summary.setTextInteractionFlags(Qt.TextInteractionFlag.TextSelectableByMouse)
+        self.summary = make_label("", HINT)
         self.budget, self.section = BudgetList(), SectionView()
         splitter = QSplitter(Qt.Orientation.Horizontal)
         splitter.addWidget(self.budget)

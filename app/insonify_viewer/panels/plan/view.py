@@ -6,18 +6,12 @@ from collections.abc import Callable
 from typing import TYPE_CHECKING
 
 from PySide6.QtCore import Qt, Signal
-from PySide6.QtWidgets import (
-    QGridLayout,
-    QHBoxLayout,
-    QLabel,
-    QVBoxLayout,
-    QWidget,
-)
+from PySide6.QtWidgets import QGridLayout, QHBoxLayout, QVBoxLayout, QWidget
 
 from insonify_viewer.state.fields import NumberField
 from insonify_viewer.state.history import Modelling
 from insonify_viewer.state.quantities import format_duration
-from insonify_viewer.widgets.buttons import light, push_button
+from insonify_viewer.widgets.buttons import light, make_label, push_button
 from insonify_viewer.widgets.field_rows import Combo, NumberRow
 from insonify_viewer.widgets.side_panel import FoldingBox, SidePanel
 from insonify_viewer.widgets.theme import scaled
@@ -41,8 +35,7 @@ class PlanView(SidePanel):
     def __init__(self, parent: QWidget | None = None) -> None:
         super().__init__(parent)
         self._tolerance = ToleranceRow(self.tolerated.emit)
-        self._totals = _words("about")
-        self._change = _words("change")
+        self._totals, self._change = make_label("about"), make_label("change")
         self.automatic = push_button(
             "Back to automatic", "Leave every choice to the plan again", style="file", wide=True
         )
@@ -147,7 +140,7 @@ class PlanLine(QWidget):
         super().__init__()
         self._subject = ""
         self._choice, self._reason, self._numbers, self._change = (
-            _words(name) for name in ("choice", "name", "numbers", "change")
+            make_label(name) for name in ("choice", "name", "numbers", "change")
         )
         self.combo = Combo()
         self.combo.setFocusPolicy(Qt.FocusPolicy.TabFocus)
@@ -241,12 +234,3 @@ def _names(entries: list[PlanEntry]) -> list[str]:
 
 def _share(error: float) -> str:
     return f"{100.0 * error:.2g} %" if error < 0.995 else f"{100.0 * error:.0f} %"
-
-
-def _words(name: str) -> QLabel:
-    label = QLabel()
-    label.setObjectName(name)
-    label.setWordWrap(True)
-    label.setTextFormat(Qt.TextFormat.PlainText)
-    label.setTextInteractionFlags(Qt.TextInteractionFlag.TextSelectableByMouse)
-    return label

@@ -14,7 +14,6 @@ from PySide6.QtGui import (
     QIcon,
     QImage,
     QKeyEvent,
-    QKeySequence,
     QMouseEvent,
     QPainter,
     QPaintEvent,
@@ -38,7 +37,7 @@ from insonify_viewer.errors import guard_override
 from insonify_viewer.record.tone_map import ToneMap
 from insonify_viewer.state.contacts import Contact
 from insonify_viewer.state.fields import ChoiceField, NumberField
-from insonify_viewer.widgets.buttons import push_button
+from insonify_viewer.widgets.buttons import make_action, make_label, push_button
 from insonify_viewer.widgets.field_rows import ChoiceRow, NumberRow
 from insonify_viewer.widgets.side_panel import FoldingBox, SidePanel
 from insonify_viewer.widgets.theme import ACCENT, GROUND, QUIET, RAISED, TEXT
@@ -101,12 +100,9 @@ class RecordView(SidePanel):
         self.usual.clicked.connect(self._show_usual)
         self.histogram = HistogramView()
         self.measure = self._tick("Measure a line", "M", MEASURE, self.measuring)
-        self.measured = QLabel()
-        self.measured.setObjectName("about")
-        self.measured.setWordWrap(True)
+        self.measured = make_label("about")
         self.measured.setMinimumHeight(5 * self.fontMetrics().lineSpacing())  # of the longest words, wrapped
         self.measured.setAlignment(Qt.AlignmentFlag.AlignTop)
-        self.measured.setTextInteractionFlags(Qt.TextInteractionFlag.TextSelectableByMouse)
         self.contacts = ContactListView()
         self._lay_out()
         self._add_keys()
@@ -216,8 +212,7 @@ class RecordView(SidePanel):
         self._key("Usual display", "", self._show_usual)
 
     def _key(self, text: str, key: str, act: Any) -> None:
-        action = QAction(text, self)
-        action.setShortcut(QKeySequence(key))
+        action = make_action(self, text, text, key)
         action.triggered.connect(lambda: act())
         self.keys.append(action)
 
@@ -267,9 +262,7 @@ class ContactListView(QWidget):
         self.remove = push_button("Remove", "Remove the contact from the list")
         self.open = push_button("Open…", "Open a file of contacts in place of these")
         self.save = push_button("Save…", "Save the contacts as GeoJSON with their pictures, or as a CSV table")
-        self.hint = QLabel(HINT)
-        self.hint.setObjectName("about")
-        self.hint.setWordWrap(True)
+        self.hint = make_label("about", HINT)
         self.mark.clicked.connect(self.mark_wanted)
         self.jump.clicked.connect(lambda: self.jump_wanted.emit(self.list.currentRow()))
         self.remove.clicked.connect(lambda: self.remove_wanted.emit(self.list.currentRow()))
