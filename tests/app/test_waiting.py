@@ -22,11 +22,11 @@ from insonify_viewer.state.history import Modelling
 from insonify_viewer.widgets.painting import dimmed
 from insonify_viewer.work.ping_request import PingRequest
 from insonify_viewer.work.simulator import Simulator
-from insonify_viewer.work.waiting import DELAY, FEW, Activity, Waiting, WaitingWatch
+from insonify_viewer.work.waiting import DELAY, FEW, Waiting, WaitingWatch
 
 
 def look(watch: WaitingWatch, now: float, missing: int, **given: Any) -> Waiting | None:
-    state = {"number": 1, "arrived": 0, "shown": 512, "running": False, "activity": Activity()}
+    state = {"number": 1, "arrived": 0, "shown": 512, "running": False, "activity": Waiting()}
     return watch.look(now, missing=missing, **state | given)
 
 
@@ -35,7 +35,7 @@ def test_a_wait_is_told_after_a_moment_with_the_share_done() -> None:
     assert look(watch, 0.0, 512) is None
     assert look(watch, DELAY / 2, 512) is None
     assert look(watch, DELAY, 384) == Waiting("tracing pings, 128 of 512", 0.25)
-    assert look(watch, DELAY, 384, activity=Activity("building the bed")) == Waiting("building the bed", None)
+    assert look(watch, DELAY, 384, activity=Waiting("building the bed")) == Waiting("building the bed", None)
     assert look(watch, 1.0, 0) is None
     assert look(watch, 2.0, 512) is None, "the next wait begins anew"
 
@@ -168,7 +168,7 @@ def test_the_new_bed_is_told_before_its_methods_are_chosen(small: Scene, qtbot: 
             ready.clear()
         assert [scene.seabed.relief.beta for _, scene in told] == [1.4, 2.0], "once for each bed"
         assert not any(prepared for prepared, _ in told)
-        assert simulator.activity == Activity()
+        assert simulator.activity == Waiting()
     finally:
         simulator.close()
 
@@ -184,7 +184,7 @@ def test_the_bar_tells_what_is_compiled(open_viewer: Any, small: Scene, qtbot: A
     qtbot.waitUntil(lambda: viewer.window.waterfall.waiting.what.startswith("tracing pings"))
     viewer.window.close()
     report_progress(Compilation("bent rays", 0.5, 55.0))
-    assert viewer.simulator.activity == Activity(), "a closed window does not watch"
+    assert viewer.simulator.activity == Waiting(), "a closed window does not watch"
 
 
 def test_a_new_bed_is_shown_while_its_first_ping_is_awaited(open_viewer: Any, small: Scene, qtbot: Any) -> None:

@@ -17,7 +17,7 @@ from insonify_viewer.errors import Failure
 from insonify_viewer.record.drape import RecordStrip, drape_record
 from insonify_viewer.seabed.fan_sheet import fan_sheet
 from insonify_viewer.seabed.handle_geometry import meet_bed
-from insonify_viewer.state.inspection import SoundDrawing
+from insonify_viewer.state.inspection import Inspection
 from insonify_viewer.work.gc_policy import leave_out_libraries
 from insonify_viewer.work.ping_request import is_same_ground
 from insonify_viewer.work.simulator import Simulator
@@ -49,8 +49,8 @@ class SeabedController:
     released = Signal()
     failed = Signal(object)  # a `Failure` or an exception
 
-    def __init__(self, simulator: Simulator, *, accelerated: bool) -> None:
-        self._simulator, self._accelerated = simulator, accelerated
+    def __init__(self, simulator: Simulator, inspection: Inspection, *, accelerated: bool) -> None:
+        self._simulator, self._inspection, self._accelerated = simulator, inspection, accelerated
         self.view: SeabedView | None = None  # None until it is loaded
         self._latest: tuple[PackedScene, int, NDArray[np.float32], bool] | None = None
         self._bed: _Bed | None = None
@@ -133,21 +133,11 @@ class SeabedController:
         if self.view is not None:
             self.view.show_mark(place)
 
-    def show_pick(self, place: tuple[float, float, float] | None) -> None:
-        """Mark a picked place; None removes the mark."""
-        if self.view is not None:
-            self.view.show_pick(place)
-
     def show_handles(self, grips: Sequence[Grip]) -> None:
         """Show handles of targets: place, what a drag does, and whether it belongs to the chosen target."""
         self._grips = grips
         if self.view is not None:
             self.view.handles.show(grips)
-
-    def show_sound(self, drawing: SoundDrawing | None) -> None:
-        """Draw the sound of a pixel; None removes it."""
-        if self.view is not None:
-            self.view.show_sound(drawing)
 
     def reset_camera(self) -> None:
         """Reset the camera to its place behind and above the fish."""
@@ -157,9 +147,7 @@ class SeabedController:
     def reset_view(self) -> None:
         """Put the camera behind and above the fish now."""
         self.reset_camera()
-        if self._latest is not None:
-            simulation, ping, tones, at_once = self._latest
-            self.show_sonar(simulation, ping, tones, at_once=at_once)
+        self._show_latest()
 
     def draw_now(self) -> None:
         """Draw immediately, for a picture of the window."""
@@ -187,12 +175,17 @@ class SeabedController:
             leave_out_libraries()
         self.view = SeabedView(accelerated=self._accelerated)
         self.view.sighted.connect(self._pick)
+        self._inspection.drawn.connect(self.view.show_sound)
+        self._inspection.picked.connect(self.view.show_pick)
         handles = self.view.handles
         handles.taken.connect(lambda number: self.taken.emit(number))
         handles.pulled.connect(self._pull)
         handles.released.connect(lambda: self.released.emit())
         handles.show(self._grips)
         put(self.view)
+        self._show_latest()
+
+    def _show_latest(self) -> None:
         if self._latest is not None:
             simulation, ping, tones, at_once = self._latest
             self.show_sonar(simulation, ping, tones, at_once=at_once)

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from functools import partial
 
-from PySide6.QtCore import QEvent, QObject, QSize, Qt, Signal
+from PySide6.QtCore import QSize, Qt, Signal
 from PySide6.QtGui import QAction, QCloseEvent, QDragEnterEvent, QDropEvent, QKeySequence
 from PySide6.QtWidgets import (
     QAbstractButton,
@@ -57,7 +57,6 @@ class MainWindow(QMainWindow):
     """Holds views and panels, and signals the person's requests."""
 
     gain_changed = Signal(float)
-    palette_changed = Signal(str)
     speed_changed = Signal(float)
     running_changed = Signal(bool)
     target_wanted = Signal(str)
@@ -101,7 +100,7 @@ class MainWindow(QMainWindow):
         self.tour = Tour(self, tour_steps(*parts))
         self._fill_menus()
         self._add_status()
-        take_drops(self, self.files_wanted.emit)
+        self.setAcceptDrops(True)
         application = QApplication.instance()
         assert isinstance(application, QApplication)
         application.focusChanged.connect(self._share_space)
@@ -186,6 +185,17 @@ class MainWindow(QMainWindow):
         self.closing.emit()
         super().closeEvent(event)
 
+    @guard_override(None)
+    def dragEnterEvent(self, event: QDragEnterEvent) -> None:
+        """Accept a drag with local files."""
+        _dropped_files(event)
+
+    @guard_override(None)
+    def dropEvent(self, event: QDropEvent) -> None:
+        """Signal the files that are dropped."""
+        if paths := _dropped_files(event):
+            self.files_wanted.emit(paths)
+
     def _share_space(self, _left: QWidget | None, focused: QWidget | None) -> None:
         """Leave Space to the button or tick that has the keyboard; anywhere else it is a key of the window."""
         taken = isinstance(focused, QAbstractButton)
@@ -259,7 +269,6 @@ class MainWindow(QMainWindow):
         bar.addWidget(self.speed)
         bar.addSeparator()
         self.palettes = make_combo([(name, name) for name in palettes], "Palette of the record")
-        self.palettes.activated.connect(lambda: self.palette_changed.emit(self.palettes.currentData()))
         tip = "Reset view: put the camera behind and above the fish again"
         self.reset_view = self._tool(bar, "Reset view", tip, "Home")
         self.projector = make_action(self, "Projector", "Full screen, in large type", "F11")
@@ -369,29 +378,9 @@ def name_button(button: QToolButton) -> None:
     button.setAccessibleName(button.toolTip())
 
 
-def take_drops(window: QWidget, opened: Callable[[list[str]], None]) -> None:
-    """Let a window take files that are dropped anywhere on it, and pass on their paths."""
-    window.setAcceptDrops(True)
-    window.installEventFilter(_Drops(window, opened))
-
-
-class _Drops(QObject):
-    """Takes the drops of a window, of which it is a child."""
-
-    def __init__(self, window: QWidget, opened: Callable[[list[str]], None]) -> None:
-        super().__init__(window)
-        self._opened = opened
-
-    @guard_override(False)
-    def eventFilter(self, watched: QObject, event: QEvent) -> bool:
-        """Accept a drag with local files, and pass them on when they are dropped."""
-        if event.type() not in (QEvent.Type.DragEnter, QEvent.Type.Drop):
-            return False
-        assert isinstance(event, QDragEnterEvent | QDropEvent)
-        paths = [url.toLocalFile() for url in event.mimeData().urls() if url.isLocalFile()]
-        if not paths:
-            return False
+def _dropped_files(event: QDropEvent) -> list[str]:
+    """Accept a drag or a drop with local files; return their paths."""
+    paths = [url.toLocalFile() for url in event.mimeData().urls() if url.isLocalFile()]
+    if paths:
         event.acceptProposedAction()
-        if event.type() is QEvent.Type.Drop:
-            self._opened(paths)
-        return True
+    return paths

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from insonify_viewer.state.quantities import format_duration
+from insonify_viewer.state.quantities import format_duration, nearest_within
 
 if TYPE_CHECKING:
     from insonify.accuracy.charts.accuracy_chart import AccuracyChart, AccuracyRow
@@ -55,8 +55,8 @@ def draw_chart(chart: AccuracyChart) -> ChartPicture:
 def nearest_row(points: tuple[ChartPoint, ...], x: float, y: float, shape: float, within: float) -> AccuracyRow | None:
     """Find the row nearest to a position in the picture."""
     distances = [math.hypot(point.x - x, shape * (point.y - y)) for point in points]
-    best = min(range(len(points)), key=distances.__getitem__, default=None)
-    return points[best].row if best is not None and distances[best] <= within else None
+    best = nearest_within(distances, within)
+    return None if best is None else points[best].row
 
 
 @dataclass(frozen=True, eq=False)

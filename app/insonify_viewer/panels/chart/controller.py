@@ -41,9 +41,9 @@ class ChartPanel(Panel):
         """The window, made on first use."""
         if self.view is None:
             self.view = ChartWindow()
-            self.view.measure_wanted.connect(self.begin)
-            self.view.stop_wanted.connect(self.stop)
-            self.view.save_wanted.connect(self.save)
+            self.view.measure.clicked.connect(self.begin)
+            self.view.stop.clicked.connect(self.stop)
+            self.view.save.clicked.connect(self.save)
             self.view.picked.connect(self.pick)
         return self.view
 

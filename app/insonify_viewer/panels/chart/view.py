@@ -32,12 +32,9 @@ LARGE = 0.5  # of the span of the palette: the difference drawn in full colour
 
 
 class ChartWindow(QWidget):
-    """Shows a chart, and signals the person's requests."""
+    """Shows a chart, and signals the point that the person picks."""
 
-    measure_wanted = Signal()
-    stop_wanted = Signal()
-    save_wanted = Signal()
-    picked = Signal(object)  # Row
+    picked = Signal(object)  # AccuracyRow
 
     def __init__(self) -> None:
         super().__init__()
@@ -54,12 +51,6 @@ class ChartWindow(QWidget):
         self._sentence, self._numbers = make_label("name", INVITATION), make_label("numbers")
         self._picture, self._strips = _ChartPictureView(), StripsView()
         self._lay_out()
-        for button, wanted in (
-            (self.measure, self.measure_wanted),
-            (self.stop, self.stop_wanted),
-            (self.save, self.save_wanted),
-        ):
-            button.clicked.connect(wanted)
         self._picture.picked.connect(self.picked)
         self.save.setEnabled(False)
         self.show_busy(False)

@@ -26,13 +26,8 @@ MOST = 8  # changes that are listed
 
 
 class ComparisonView(SidePanel):
-    """Shows what is known of record A and its differences, and signals the person's requests."""
+    """Shows what is known of record A and its differences, and signals the person's choices."""
 
-    open_wanted = Signal()
-    close_wanted = Signal()
-    keep_wanted = Signal()
-    back_wanted = Signal()
-    partner_wanted = Signal()
     pair_wanted = Signal(str)  # name of a scene that is opened with its partner
     arranged = Signal(object)  # Arrangement
     frequency_wanted = Signal(float)
@@ -51,14 +46,6 @@ class ComparisonView(SidePanel):
         self._pairs_menu.aboutToShow.connect(self._fill_pairs)
         self._pairs_menu.triggered.connect(lambda action: self.pair_wanted.emit(action.data()))
         self.pairs.setMenu(self._pairs_menu)
-        for button, wanted in (
-            (self.keep, self.keep_wanted),
-            (self.partner, self.partner_wanted),
-            (self.open, self.open_wanted),
-            (self.back, self.back_wanted),
-            (self.leave, self.close_wanted),
-        ):
-            button.clicked.connect(wanted)
         self.learn = push_button(
             "Make a scene like this…", "Learn a scene whose record resembles the recording, and open it"
         )

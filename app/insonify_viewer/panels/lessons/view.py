@@ -29,14 +29,7 @@ NARROWEST, WIDE = 230, 300  # px, least and preferred width at the usual size
 
 
 class LessonsView(QStackedWidget):
-    """Shows lessons, and signals the person's requests."""
-
-    started = Signal(str)  # name of a lesson
-    left = Signal()
-    moved = Signal()
-    back = Signal()
-    next = Signal()
-    projected = Signal(bool)
+    """Shows lessons; its pages hold the buttons."""
 
     def __init__(self, parent: QWidget | None = None) -> None:
         super().__init__(parent)
@@ -45,13 +38,6 @@ class LessonsView(QStackedWidget):
         self.page = StepPage()
         self.addWidget(self.list)
         self.addWidget(self.page)
-        self.list.started.connect(self.started)
-        self.page.left.clicked.connect(self.left)
-        self.page.show_me.clicked.connect(self.moved)
-        self.page.back.clicked.connect(self.back)
-        self.page.next.clicked.connect(self.next)
-        for page in (self.list, self.page):
-            page.projector.toggled.connect(self.projected)
         self._size = self.font().pointSizeF()
         self.enlarge(False)
 

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 from PySide6.QtCore import QEvent, QPointF, QRectF, QSizeF, Qt
-from PySide6.QtGui import QColor, QPainter, QPaintEvent, QPen, QPixmap, QPolygonF, QResizeEvent
+from PySide6.QtGui import QColor, QPainter, QPen, QPolygonF, QResizeEvent
 from PySide6.QtWidgets import (
     QHeaderView,
     QSplitter,
@@ -22,13 +22,12 @@ from PySide6.QtWidgets import (
 )
 
 from insonify_viewer.errors import guard_override
-from insonify_viewer.state.inspection import Mark
+from insonify_viewer.state.inspection import SIDES, Mark
 from insonify_viewer.widgets.buttons import make_label
-from insonify_viewer.widgets.painting import round_steps
+from insonify_viewer.widgets.painting import PaintedOnce, round_steps
 from insonify_viewer.widgets.theme import (
     ACCENT,
     ACCENT_IN_WATER,
-    GROUND,
     MARK_IN_WATER,
     OVER_WATER,
     QUIET,
@@ -41,7 +40,6 @@ if TYPE_CHECKING:
     from insonify.explanation.pixel import PixelExplanation
 
 HINT = "Click a pixel of the record to explain it. Click a place in the 3-D view to light up the pixels that hear it."
-SIDES = ("port", "starboard")
 LEFT, RIGHT, TOP, BOTTOM = 46.0, 22.0, 10.0, 22.0  # px at the usual size of the text
 BELOW, ABOVE = 0.12, 0.08  # of the water's height, drawn below the bed and above the sonar
 FLATTEST = 1e-9  # least extent of heights as a share of them, so that their edges are two numbers
@@ -86,7 +84,7 @@ class PixelView(QWidget):
 
     def show_waiting(self, mark: Mark) -> None:
         """Show that a pixel is being explained."""
-        self.summary.setText(f"explaining ping {mark.ping}, {SIDES[mark.side]} …")
+        self.summary.setText(f"explaining ping {mark.ping}, {mark.side_name} …")
 
     def show_pixel(self, explanation: PixelExplanation, section: CrossSection) -> None:
         """Show the explanation of a pixel."""
@@ -132,7 +130,7 @@ class SectionScales:
         return QPolygonF([self.at(x, z) for x, z in points.tolist()])
 
 
-class SectionView(QWidget):
+class SectionView(PaintedOnce):
     """Paints a cross-section with the rays of a pixel."""
 
     def __init__(self, parent: QWidget | None = None) -> None:
@@ -140,47 +138,17 @@ class SectionView(QWidget):
         self.setMinimumSize(100, 110)
         self.setAccessibleName("Cross-section of the beam")
         self._shown: tuple[PixelExplanation, CrossSection] | None = None
-        self._picture: QPixmap | None = None
 
     def show_section(self, explanation: PixelExplanation | None, section: CrossSection | None) -> None:
         """Show a pixel in its cross-section; None clears it."""
         self._shown = None if explanation is None or section is None else (explanation, section)
-        self._picture = None
-        self.update()
+        self.paint_anew()
 
-    @guard_override(None)
-    def resizeEvent(self, event: QResizeEvent) -> None:
-        """Fit the section to the new size."""
-        self._picture = None
-        super().resizeEvent(event)
-
-    @guard_override(None)
-    def paintEvent(self, event: QPaintEvent) -> None:
-        """Paint the section once for its size."""
-        del event
-        if self._picture is None:
-            self._picture = self._painted()
-        with QPainter(self) as painter:
-            painter.drawPixmap(0, 0, self._picture)
-
-    @guard_override(None)
-    def changeEvent(self, event: QEvent) -> None:
-        """Paint anew in another theme."""
-        if event.type() is QEvent.Type.PaletteChange:
-            self._picture = None
-        super().changeEvent(event)
-
-    def _painted(self) -> QPixmap:
-        ratio = self.devicePixelRatioF()
-        picture = QPixmap(int(self.width() * ratio), int(self.height() * ratio))
-        picture.setDevicePixelRatio(ratio)
-        picture.fill(QColor(GROUND))
+    def paint_picture(self, painter: QPainter) -> None:
+        """Paint the section."""
         if self._shown is not None:
-            with QPainter(picture) as painter:
-                painter.setFont(self.font())
-                painter.setRenderHint(QPainter.RenderHint.Antialiasing)
-                _paint(painter, *self._shown, (self.width(), self.height()), text_scale(self))
-        return picture
+            painter.setRenderHint(QPainter.RenderHint.Antialiasing)
+            _paint(painter, *self._shown, (self.width(), self.height()), text_scale(self))
 
 
 def _paint(

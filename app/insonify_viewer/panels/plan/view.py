@@ -29,27 +29,28 @@ class PlanView(SidePanel):
 
     forced = Signal(str, object)  # subject, and a choice or None
     tolerated = Signal(float)
-    left_to_plan = Signal()
-    chart_wanted = Signal()
 
     def __init__(self, parent: QWidget | None = None) -> None:
         super().__init__(parent)
-        self._tolerance = ToleranceRow(self.tolerated.emit)
+        self._percent = 3.0  # the tolerance that is shown
+        self._tolerance = NumberRow(_number(self._percent), self._drag_tolerance, self._settle_tolerance)
+        tolerance = QGridLayout()
+        tolerance.setContentsMargins(6, 0, 2, 0)
+        self._tolerance.place(tolerance, 0)
+        self.column.addLayout(tolerance)
         self._totals, self._change = make_label("about"), make_label("change")
         self.automatic = push_button(
             "Back to automatic", "Leave every choice to the plan again", style="file", wide=True
         )
-        self.automatic.clicked.connect(self.left_to_plan)
         self.chart = push_button(
             "Chart…", "Measure speed and accuracy of every method on this scene", style="file", wide=True
         )
-        self.chart.clicked.connect(self.chart_wanted)
         buttons = QHBoxLayout()
         buttons.addWidget(self.automatic)
         buttons.addWidget(self.chart)
         self._groups = {True: PlanGroup("Modelled"), False: PlanGroup("Left out")}
-        for part in (self._tolerance, self._totals, self._change):
-            self.column.addWidget(part)
+        self.column.addWidget(self._totals)
+        self.column.addWidget(self._change)
         self.column.addLayout(buttons)
         for group in self._groups.values():
             self.column.addWidget(group)
@@ -60,7 +61,7 @@ class PlanView(SidePanel):
 
     def show_plan(self, plan: Plan, modelling: Modelling) -> None:
         """Show a plan, with its tolerance and forced choices."""
-        self._tolerance.show_share(modelling.tolerance)
+        self._drag_tolerance("", 100.0 * modelling.tolerance)
         self.automatic.setEnabled(bool(modelling.forced))
         self._predicted = f"predicted: error {_share(plan.error)}, {format_duration(plan.cost)} a ping on one thread"
         self._totals.setText(self._predicted)
@@ -78,10 +79,23 @@ class PlanView(SidePanel):
         self._light_lines()
 
     def _light_lines(self) -> None:
-        self._tolerance.light("tolerance" in self._lit)
+        light(self._tolerance.label, "tolerance" in self._lit)
         for group in self._groups.values():
             for name, line in group.lines.items():
                 line.light(name in self._lit)
+
+    def _drag_tolerance(self, _: str, percent: float) -> None:
+        """Show a tolerance in percent; it is final when the slider is released."""
+        self._percent = percent
+        self._tolerance.show_value(_number(percent))
+
+    def _settle_tolerance(self, path: str, percent: object) -> None:
+        """Signal a final tolerance: the number that is given, or the one to which the slider was dragged."""
+        value = percent if path else self._percent
+        if isinstance(value, (int, float)) and value > 0.0:
+            self.tolerated.emit(value / 100.0)
+        else:
+            self._drag_tolerance("", self._percent)
 
     def show_measured(self, seconds: float) -> None:
         """Show the measured time of a ping below the predicted one."""
@@ -183,40 +197,6 @@ class PlanLine(QWidget):
         """Show the effect of the forced choice."""
         self._change.setText(words)
         self._change.setVisible(bool(words))
-
-
-class ToleranceRow(QWidget):
-    """Slider of the tolerance; final when it is released."""
-
-    def __init__(self, settled: Callable[[float], None]) -> None:
-        super().__init__()
-        self._settled = settled
-        self._value = 0.0
-        self._row = NumberRow(_number(3.0), self._dragged, self._final)
-        grid = QGridLayout(self)
-        grid.setContentsMargins(6, 0, 2, 0)
-        grid.setColumnStretch(1, 1)
-        self._row.place(grid, 0)
-        self.slider = self._row.slider
-
-    def show_share(self, share: float) -> None:
-        """Show a tolerance, as a share of the record."""
-        self._value = 100.0 * share
-        self._row.show_value(_number(self._value))
-
-    def light(self, lit: bool) -> None:
-        """Light the row, or let it be as usual."""
-        light(self._row.label, lit)
-
-    def _dragged(self, _: str, percent: float) -> None:
-        self.show_share(percent / 100.0)
-
-    def _final(self, path: str, percent: object) -> None:
-        value = percent if path else self._value
-        if isinstance(value, (int, float)) and value > 0.0:
-            self._settled(value / 100.0)
-        else:
-            self.show_share(self._value / 100.0)
 
 
 def _number(percent: float) -> NumberField:

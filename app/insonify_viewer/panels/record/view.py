@@ -236,13 +236,10 @@ def _gain(row: int, look: DisplayOptions) -> NumberField:
 class ContactListView(QWidget):
     """Lists contacts, and signals what the person does to them."""
 
-    mark_wanted = Signal()
     remove_wanted = Signal(int)
     jump_wanted = Signal(int)
     chosen = Signal(int)  # -1 for none
     edited = Signal(int, str, str)  # which, name of the field, text
-    open_wanted = Signal()
-    save_wanted = Signal()
 
     def __init__(self, parent: QWidget | None = None) -> None:
         super().__init__(parent)
@@ -263,11 +260,8 @@ class ContactListView(QWidget):
         self.open = push_button("Open…", "Open a file of contacts in place of these")
         self.save = push_button("Save…", "Save the contacts as GeoJSON with their pictures, or as a CSV table")
         self.hint = make_label("about", HINT)
-        self.mark.clicked.connect(self.mark_wanted)
         self.jump.clicked.connect(lambda: self.jump_wanted.emit(self.list.currentRow()))
         self.remove.clicked.connect(lambda: self.remove_wanted.emit(self.list.currentRow()))
-        self.open.clicked.connect(self.open_wanted)
-        self.save.clicked.connect(self.save_wanted)
         self._contacts: Sequence[Contact] = ()
         self._lay()
         self.show_contacts(())

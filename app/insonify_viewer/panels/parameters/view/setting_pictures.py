@@ -24,6 +24,7 @@ from insonify.display.scene_curves import (
 from insonify.scene import Scene, SceneError
 from insonify.scene.seabed.reliefs.fractal import Fractal
 from insonify_viewer.errors import guard_override
+from insonify_viewer.state.quantities import nearest_within
 from insonify_viewer.widgets.painting import make_polyline, round_steps
 from insonify_viewer.widgets.theme import ACCENT, EDGE, GROUND, MARK, QUIET, RAISED, TEXT
 
@@ -276,8 +277,7 @@ class SpectrumPicture(SettingPicture):
         if self.spectrum is None:
             return None
         away = [(self.place_of(peak) - position).manhattanLength() for peak in self.spectrum.peaks]
-        nearest = int(np.argmin(away))
-        return nearest if away[nearest] <= NEAR else None
+        return nearest_within(away, NEAR)
 
     def _moved(self, position: QPointF) -> list[list[float]]:
         """Return all peaks, with the dragged one at the mouse, in whole cycles a period."""
