@@ -151,7 +151,7 @@ class Viewer(QObject):
     def look_back(self, pings: int) -> None:
         """Move the paused record along the tow."""
         if self.tow.running:
-            self.window.say("pause the tow (Space) to look back along it")
+            self.window.say("press Space to pause the tow, then scroll back along it")
             return
         self.tow.look_back(pings)
         self._show_top()

@@ -411,7 +411,7 @@ def test_targets_that_leave_the_simulated_record_do_not_stop_the_recording(
     viewer.run(True)
     qtbot.waitUntil(lambda: not viewer.tow.running, timeout=20000)
     stopped = viewer.tow.newest
-    assert "before the targets leave" in viewer.window.status.sentence.text()
+    assert "before the targets scroll out" in viewer.window.status.sentence.text()
     viewer.tow.restart(255)
     open_recording(viewer, folder / "record.xtf", qtbot)
     viewer.run(True)

@@ -34,7 +34,7 @@ def test_a_wait_is_told_after_a_moment_with_the_share_done() -> None:
     watch = WaitingWatch()
     assert look(watch, 0.0, 512) is None
     assert look(watch, DELAY / 2, 512) is None
-    assert look(watch, DELAY, 384) == Waiting("tracing pings, 128 of 512", 0.25)
+    assert look(watch, DELAY, 384) == Waiting("simulating pings, 128 of 512", 0.25)
     assert look(watch, DELAY, 384, activity=Waiting("building the bed")) == Waiting("building the bed", None)
     assert look(watch, 1.0, 0) is None
     assert look(watch, 2.0, 512) is None, "the next wait begins anew"
@@ -43,8 +43,8 @@ def test_a_wait_is_told_after_a_moment_with_the_share_done() -> None:
 def test_the_share_is_that_of_the_present_edit() -> None:
     watch = WaitingWatch()
     look(watch, 0.0, 512)
-    assert look(watch, 1.0, 128) == Waiting("tracing pings, 384 of 512", 0.75)
-    assert look(watch, 1.1, 512, number=2) == Waiting("tracing pings, 0 of 512", 0.0), "and the wait goes on"
+    assert look(watch, 1.0, 128) == Waiting("simulating pings, 384 of 512", 0.75)
+    assert look(watch, 1.1, 512, number=2) == Waiting("simulating pings, 0 of 512", 0.0), "and the wait goes on"
 
 
 def test_a_record_that_follows_a_slider_is_not_waited_for() -> None:
@@ -84,8 +84,8 @@ def test_stale_rows_are_dimmed_until_the_new_ones_arrive(open_viewer: Any, small
     viewer.session.settle({"seed": 5})
     assert (waterfall.picture() == bright).all(), "a short wait changes nothing"
     # On a busy machine it may first wait for the plan.
-    qtbot.waitUntil(lambda: waterfall.waiting is not None and waterfall.waiting.what.startswith("tracing pings, 0"))
-    assert waterfall.waiting.what.startswith("tracing pings, 0 of 128")
+    qtbot.waitUntil(lambda: waterfall.waiting is not None and waterfall.waiting.what.startswith("simulating pings, 0"))
+    assert waterfall.waiting.what.startswith("simulating pings, 0 of 128")
     assert (waterfall.picture() == dimmed(bright)).all()
     plain = waterfall.grab().toImage().pixelColor(200, 26)
     going.set()
@@ -160,7 +160,9 @@ def test_the_new_bed_is_told_before_its_methods_are_chosen(small: Scene, qtbot: 
         for scene, beds in zip(scenes, (1, 1, 2)):
             going.clear()
             simulator.prepare(scene, Modelling(), ready.append)
-            qtbot.waitUntil(lambda: simulator.activity.what == "choosing the methods by a few pings", timeout=60000)
+            qtbot.waitUntil(
+                lambda: simulator.activity.what == "choosing the fastest method within the tolerance", timeout=60000
+            )
             qtbot.waitUntil(lambda beds=beds: len(told) >= beds)
             qtbot.wait(20)  # for one that is told twice
             going.set()
@@ -181,7 +183,7 @@ def test_the_bar_tells_what_is_compiled(open_viewer: Any, small: Scene, qtbot: A
     qtbot.waitUntil(lambda: viewer.window.waterfall.waiting is not None)
     assert viewer.window.waterfall.waiting == ("compiling bent rays, once, about a minute left", 0.4)
     report_progress(None)
-    qtbot.waitUntil(lambda: viewer.window.waterfall.waiting.what.startswith("tracing pings"))
+    qtbot.waitUntil(lambda: viewer.window.waterfall.waiting.what.startswith("simulating pings"))
     viewer.window.close()
     report_progress(Compilation("bent rays", 0.5, 55.0))
     assert viewer.simulator.activity == Waiting(), "a closed window does not watch"

@@ -32,6 +32,7 @@ if TYPE_CHECKING:
     Grip = tuple[tuple[float, float, float], str, bool]
     _Bed = tuple[AnyGround, tuple[float, float], float]
     _Bodies = tuple[Solids, Mesh, NDArray[np.uint8]]
+    _Made = tuple[BedPatch, NDArray[np.uint8], Any]  # bed, its colours, and the targets
     from insonify_viewer.seabed.seabed_view import SeabedView
 
 VIEW = "insonify_viewer.seabed.seabed_view"
@@ -118,15 +119,12 @@ class SeabedController:
         self._drape_asked += 1
         number = self._drape_asked
 
-        def make() -> NDArray[np.uint8]:
-            return patch.image if strip is None else drape_record(patch.image, patch.centre, patch.half, strip)
-
         def show(image: NDArray[np.uint8] | None) -> None:
             self._drape_shown = number
             if self.view is not None and image is not None and patch is self._patch:
                 self.view.show_texture(image)
 
-        self._executor.submit("drape", make, show)
+        self._executor.submit("drape", lambda: _picture_of(patch, strip), show)
 
     def show_mark(self, place: tuple[float, float, float] | None) -> None:
         """Mark a point of the bed; None removes the mark."""
@@ -252,10 +250,12 @@ class SeabedController:
         self._asked += 1
         number = self._asked
 
-        def make() -> tuple[BedPatch, Any]:
-            return bed_patch(*bed), targets_mesh(*bodies)
+        def make() -> _Made:
+            patch = bed_patch(*bed)
+            # With the record from the first drawing on: without it, the bed would be bare until the record is laid.
+            return patch, _picture_of(patch, self._strip), targets_mesh(*bodies)
 
-        def show(made: tuple[BedPatch, Any] | SceneError | Failure) -> None:
+        def show(made: _Made | SceneError | Failure) -> None:
             self._lay(number, made)
 
         if at_once:
@@ -266,7 +266,7 @@ class SeabedController:
         else:
             self._simulator.send(make, show)
 
-    def _lay(self, number: int, made: tuple[BedPatch, Any] | SceneError | Failure) -> None:
+    def _lay(self, number: int, made: _Made | SceneError | Failure) -> None:
         """Show meshes, unless newer ones are on screen."""
         if self.view is None or number < self._shown:
             return
@@ -275,13 +275,18 @@ class SeabedController:
             self.failed.emit(made)
             return
         self._patch = made[0]
-        self.view.show_bed(made[0])
+        self.view.show_bed(*made[:2])
         if number >= self._owed:
             self._owed = 0
             self.view.fade_bed(False)
         if self._strip is not None:
             self.drape(self._strip)
-        self.view.show_targets(made[1])
+        self.view.show_targets(made[2])
+
+
+def _picture_of(patch: BedPatch, strip: RecordStrip | None) -> NDArray[np.uint8]:
+    """Colours of a bed, with a record laid over them unless it is None."""
+    return patch.image if strip is None else drape_record(patch.image, patch.centre, patch.half, strip)
 
 
 def _is_same_bed(first: _Bed | None, second: _Bed) -> bool:

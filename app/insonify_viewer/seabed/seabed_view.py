@@ -81,11 +81,11 @@ class SeabedView(QWidget):
         self.keys = SeabedKeys(self._canvas.widget, self.turn, self.magnify)
         self._canvas.widget.setAccessibleName("Seabed in 3-D")
 
-    def show_bed(self, patch: BedPatch) -> None:
-        """Show another bed."""
+    def show_bed(self, patch: BedPatch, picture: NDArray[np.uint8] | None = None) -> None:
+        """Show another bed in its own colours or, from its first drawing on, under a picture."""
         self._bed.points = patch.points
         self._thinned_bed.points = pv_meshes.thinned_points(patch.points)
-        self.show_texture(patch.image)
+        self.show_texture(patch.image if picture is None else picture)
         self._bed_shown = True
         self._thin(self._held)
 

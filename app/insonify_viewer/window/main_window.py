@@ -71,9 +71,9 @@ class MainWindow(QMainWindow):
         self.resize(QSize(*USUAL).expandedTo(screen * ROOMY).boundedTo(screen))
         self.setMinimumSize(*SMALLEST)
         self.waterfall = WaterfallView(native=native)
-        self.trace = make_action(self, "Echo", "Echo of one ping under the record", "E")
+        self.trace = make_action(self, "Echo", "Show the echo of one ping as a curve below the record", "E")
         self.trace.triggered.connect(self.waterfall.toggle_trace)
-        self._placeholder = QLabel("setting up the seabed …")
+        self._placeholder = QLabel("loading the 3-D view …")
         self._placeholder.setAlignment(Qt.AlignmentFlag.AlignCenter)
         self._splitter = QSplitter(Qt.Orientation.Horizontal)
         self._splitter.addWidget(self._placeholder)
@@ -115,6 +115,16 @@ class MainWindow(QMainWindow):
                 self.statusBar().addPermanentWidget(panel.widget)
             if panel.button is not None:
                 self._add_button(panel)
+
+    def fit_screen(self) -> None:
+        """Shrink and move the window, with its frame, into the room that its screen leaves to windows."""
+        if self.isMaximized() or self.isFullScreen():
+            return
+        room, beside = self.screen().availableGeometry(), self.frameGeometry().size() - self.size()
+        self.resize(self.size().boundedTo(room.size() - beside))
+        frame = self.frameGeometry()
+        left, top = room.right() + 1 - frame.width(), room.bottom() + 1 - frame.height()
+        self.move(max(min(frame.left(), left), room.left()), max(min(frame.top(), top), room.top()))
 
     def open_panel(self, name: str) -> None:
         """Open a panel, or bring it to the front."""
@@ -168,7 +178,7 @@ class MainWindow(QMainWindow):
         self.pause.setChecked(not running)
         self.pause.setText("Pause" if running else "Play")
         set_icon(self.pause, "pause" if running else "play")
-        tip = "Pause the tow; the mouse wheel then looks back" if running else "Tow on from the ping on top"
+        tip = "Pause the tow; the mouse wheel then scrolls back" if running else "Continue the tow from the ping on top"
         self.pause.setToolTip(with_key(tip, self.pause.shortcut()))
 
     @guard_override(None)
@@ -259,7 +269,7 @@ class MainWindow(QMainWindow):
         undo, redo = ((action, button_of(bar, action)) for action in (self.undo, self.redo))
         self.history = HistoryMenus(undo, redo)
         bar.addSeparator()
-        self.pause = self._tool(bar, "Pause", "Pause the tow; the mouse wheel then looks back", "Space")
+        self.pause = self._tool(bar, "Pause", "Pause the tow; the mouse wheel then scrolls back", "Space")
         self.pause.setCheckable(True)
         self.pause.toggled.connect(lambda paused: self.running_changed.emit(not paused))
         speeds = [(f"{speed:g}×" if speed >= 1 else f"1/{1 / speed:g}×", speed) for speed in SPEEDS]
@@ -305,7 +315,7 @@ class MainWindow(QMainWindow):
     def _add_gain(self, bar: QToolBar) -> None:
         self.gain = GainSlider()
         self.gain.setRange(-10 * GAIN_REACH, 10 * GAIN_REACH)
-        self.gain.setToolTip(f"Gain of the picture, −{GAIN_REACH} to +{GAIN_REACH} dB; the record stays as it is")
+        self.gain.setToolTip(f"Gain of the picture, −{GAIN_REACH} to +{GAIN_REACH} dB; the data stay as they are")
         self.gain.setAccessibleName("Display gain")
         self._gain_text = QLabel("0 dB")
         self._gain_text.setMinimumWidth(self.fontMetrics().horizontalAdvance("-30.0 dB") + 4)
@@ -334,7 +344,7 @@ class MainWindow(QMainWindow):
         menus = self.menus
         menus.file.addMenu(self.scenes.menu()).setText("Scenes")
         menus.group("File", [self.open_scene, self.open_recording, self.open_dem])
-        contacts = menus.add("File", "Open contacts…", "Open a file of contacts in place of those in the list")
+        contacts = menus.add("File", "Open contacts…", "Open a file of contacts, which replaces the list")
         contacts.triggered.connect(lambda: self.contacts_wanted.emit())
         menus.file.addMenu(self.recent)
         menus.group("File", [self.save.scene, self.save.record, self.save.picture])
@@ -349,9 +359,9 @@ class MainWindow(QMainWindow):
         menus.group("View", [self.projector, self.reset_view])
         self.looks = LooksMenu(self, menus.view, self.settings, self.say)
         menus.view.addSeparator()
-        keys = menus.add("Help", "Keyboard shortcuts", "Every command that has a key, and the keys of views", "?")
+        keys = menus.add("Help", "Keyboard shortcuts", "Every command that has a key", "?")
         keys.triggered.connect(lambda: KeysDialog(self, menus.all, OTHER_KEYS).show())
-        menus.add("Help", "Tour", "Five steps through the window").triggered.connect(self.tour.begin)
+        menus.add("Help", "Tour", "See the window in five steps").triggered.connect(self.tour.begin)
         about = menus.add("Help", "About insonify", "Versions, licence, citation")
         about.triggered.connect(lambda: AboutDialog(self).show())
         self._show_icons()

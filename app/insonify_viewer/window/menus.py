@@ -140,11 +140,11 @@ class SaveMenu(QToolButton):
         self.setPopupMode(QToolButton.ToolButtonPopupMode.InstantPopup)
         menu = QMenu(self)
         menu.setToolTipsVisible(True)
-        self.scene = make_action(menu, "Save scene…", "The scene as a TOML file, to be opened again", "Ctrl+S")
-        tip = "Every ping of the track, as data or as a picture"
+        self.scene = make_action(menu, "Save scene…", "Save the scene as a TOML file", "Ctrl+S")
+        tip = "Save every ping of the track as data or as a picture"
         self.record = make_action(menu, "Save record…", tip, "Ctrl+Shift+S")
-        self.picture = make_action(menu, "Save picture of the window…", "The window as it stands", "Ctrl+P")
-        tip = "Charts, data sets and records that are made beside the window"
+        self.picture = make_action(menu, "Save picture of the window…", "Save a picture of this window", "Ctrl+P")
+        tip = "Charts, data sets and records that are made in the background"
         self.jobs = make_action(menu, "Jobs…", tip, "Ctrl+J")
         menu.addActions([self.scene, self.record, self.picture])
         menu.addSeparator()
@@ -180,7 +180,7 @@ class LooksMenu(QObject):
 
     def _keep_size(self, size: int) -> None:
         self._settings.size = size
-        self._say(f"text of {size} % from the next start of the viewer")
+        self._say(f"the text will have {size} % of its usual size from the next start")
 
 
 def _choices(menu: QMenu, entries: list[tuple[str, object]], chosen: object) -> list[QAction]:

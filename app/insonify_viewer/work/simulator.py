@@ -211,7 +211,7 @@ class Simulator:
             kept: dict[str, Any] = {} if fine or known is None else {"plan": known[2].plan}
             with self._doing("building the bed"):
                 kept |= self._packed(scene, number, beneath, tell=fine)
-            with self._doing("choosing the methods by a few pings"):
+            with self._doing("choosing the fastest method within the tolerance"):
                 simulation = self._prepare(scene, tolerance=modelling.tolerance, forced=dict(modelling.forced), **kept)
                 last = self._last[fine] = (scene, modelling, simulation, LevelBed(simulation))
         return last[2:]

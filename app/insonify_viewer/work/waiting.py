@@ -42,4 +42,4 @@ class WaitingWatch:
             return None
         if activity.what:
             return activity
-        return Waiting(f"tracing pings, {shown - missing} of {shown}", 1.0 - missing / self._at_first)
+        return Waiting(f"simulating pings, {shown - missing} of {shown}", 1.0 - missing / self._at_first)

@@ -96,13 +96,13 @@ def details_in_words(details: RowDetails) -> str:
     row, errors, moved = details.row, details.row.errors, details.row.displacement
     parts = (
         f"{format_duration(1e-6 * row.microseconds)} a ping (± {100.0 * row.spread:.2g} %)",
-        f"rms {_percent(errors.beyond)} beyond 1.4 altitudes, {_percent(errors.all_bins)} of all bins",
-        f"SSIM {details.similarity:.3f}",
+        f"error {_percent(errors.beyond)} beyond 1.4 altitudes, {_percent(errors.all_bins)} at all ranges (rms)",
+        f"likeness {details.similarity:.3f} (SSIM, 1 is equal)",
         _metres("shadow edges off by", moved.shadow_edge),
         _metres("echoes off by", moved.echo),
         f"{moved.lost} echo{'es' * (moved.lost > 1)} lost" if moved.lost else "",
         f"energy {100.0 * errors.energy_bias:+.2g} %",
-        f"{_percent(errors.dark_leakage)} leaked into the dark",
+        f"{_percent(errors.dark_leakage)} of the energy lies in shadows",
     )
     return " · ".join(part for part in parts if part)
 

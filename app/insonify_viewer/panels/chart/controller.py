@@ -26,7 +26,7 @@ class ChartPanel(Panel):
     name = "chart"
     title = "Chart"
     place = Place.WINDOW
-    button = Button("Chart…", "Measure every method on the scene as it stands", "", menu="Tools")
+    button = Button("Chart…", "Measure speed and error of every method on this scene", "", menu="Tools")
 
     def __init__(self, workbench: Workbench) -> None:
         self._workbench = workbench

@@ -22,11 +22,11 @@ STRIPS, MOST = 320, 0.42  # px, first height of the strips, and their greatest s
 GRASP = 14.0  # px, greatest distance at which a point is picked
 FORMATS = "Picture (*.png);;Drawing (*.svg);;Table (*.csv);;Table (*.json)"
 INVITATION = (
-    "“Measure here” times every method on this scene and compares its record with a converged reference. "
-    "It takes a minute or two."
+    "“Measure here” runs every simulation method on this scene. The chart then shows how long each takes, and how far "
+    "its record is from an exact one. It takes a minute or two."
 )
-BUSY = "measuring; the tow is paused; other programs that run here lengthen the times …"
-HINT = "Click a point, or press ← → in the chart, for its record, the reference and the difference."
+BUSY = "measuring with the tow paused; other programs that run now make the times longer …"
+HINT = "Click a point, or press ← → in the chart, to see its record beside the exact one, and their difference."
 LEFT, RIGHT, TITLE, RULER = 12, 12, 18, 28  # px
 LARGE = 0.5  # of the span of the palette: the difference drawn in full colour
 
@@ -42,9 +42,9 @@ class ChartWindow(QWidget):
         self.setWindowTitle("Chart · insonify")
         self.resize(*SIZE)
         self.setMinimumSize(*SMALLEST)
-        self.measure = push_button("Measure here", "Measure every method on the scene as it is now")
+        self.measure = push_button("Measure here", "Measure speed and error of every method on this scene")
         self.stop = push_button("Stop", "Stop the measurement")
-        self.save = push_button("Save…", "Write the chart as .png, .svg, .csv or .json")
+        self.save = push_button("Save…", "Save the chart as a picture or a table: .png, .svg, .csv or .json")
         self._progress = QProgressBar()
         self._progress.setRange(0, 1000)
         self._progress.setTextVisible(False)
@@ -136,7 +136,7 @@ class _ChartPictureView(QWidget):
         self.setMouseTracking(True)
         self.setFocusPolicy(Qt.FocusPolicy.TabFocus)
         self.setAccessibleName("Chart")
-        self.setToolTip("Click a point, or step through the points with ← →, for the record behind it")
+        self.setToolTip("Click a point, or step through the points with ← →, to see its record")
 
     def show_chart(self, chart_picture: ChartPicture) -> None:
         height, width = chart_picture.pixels.shape[:2]
@@ -237,10 +237,15 @@ class StripsView(QWidget):
                             (low, high),
                             shades,
                         ),
-                        (((f"reference: {details.rays:,} rays a side", TEXT),), details.reference, (low, high), shades),
+                        (
+                            ((f"exact: {details.rays:,} rays a side", TEXT),),
+                            details.reference,
+                            (low, high),
+                            shades,
+                        ),
                         (
                             (
-                                ("difference, full colour at half the picture's span: ", TEXT),
+                                ("difference, in full colour where it is half the span of the picture: ", TEXT),
                                 ("too bright", ACCENT),
                                 (" or ", TEXT),
                                 ("too dark", MARK),

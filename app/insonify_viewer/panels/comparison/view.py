@@ -18,8 +18,8 @@ from insonify_viewer.widgets.save_dialogs import ask_where_to_save
 from insonify_viewer.widgets.side_panel import FoldingBox, SidePanel
 
 HINT = (
-    "Keep this record as A, then change the scene or its plan, or open another scene: the live record is B. Hold X to "
-    "see A in its place.\nOr open a recording as A: of a real sonar (XTF, JSF) or written here (.nc, .npz, .zarr)."
+    "Compare two records: keep this one as A, then change the scene or open another one. The live record is B. Hold X "
+    "to see A in its place.\nA can also be a recording of a real sonar (XTF, JSF) or a saved record (.nc, .npz, .zarr)."
 )
 PARTS = ("recorded", "simulated")
 MOST = 8  # changes that are listed
@@ -38,16 +38,16 @@ class ComparisonView(SidePanel):
         self.title, self.changes = make_label("about"), make_label("change")
         self.keep = push_button("Keep as A", "Keep this record as A, to compare others with it (K)")
         self.open = push_button("Open…", "Open a recording as A (Ctrl+Shift+O)")
-        self.back = push_button("Return to A", "Return to the scene of A (Shift+K); undo comes back")
-        self.leave = push_button("Close A", "Leave record A")
-        self.partner = push_button("Partner as A", "Trace the partner that this scene names, as A (P)")
-        self.pairs = push_button("Pairs", "Scenes that are opened together with their partners")
+        self.back = push_button("Return to A", "Go back to the scene of A (Shift+K); Undo reverses it")
+        self.leave = push_button("Close A", "End the comparison")
+        self.partner = push_button("Partner as A", "Simulate the other scene of the pair as A (P)")
+        self.pairs = push_button("Pairs", "Scenes that are made to be compared in pairs")
         self._pairs_menu = QMenu(self.pairs)
         self._pairs_menu.aboutToShow.connect(self._fill_pairs)
         self._pairs_menu.triggered.connect(lambda action: self.pair_wanted.emit(action.data()))
         self.pairs.setMenu(self._pairs_menu)
         self.learn = push_button(
-            "Make a scene like this…", "Learn a scene whose record resembles the recording, and open it"
+            "Make a scene like this…", "Fit a scene whose record resembles this recording, and open it"
         )
         self.learn.clicked.connect(self._ask_for_scene)
         self.arrangement, self.frequency = _combo("Arrangement of the two records"), _combo("Frequency of the sonar")
@@ -99,7 +99,7 @@ class ComparisonView(SidePanel):
         if len(changes) > MOST:
             listed.append(f"and {len(changes) - MOST} more")
         named = "B: " + "\n     ".join(listed)
-        self.changes.setText(f"{named}\n{difference}" if changes else "B is the same")
+        self.changes.setText(f"{named}\n{difference}" if changes else "B equals A")
 
     def show_point(self, point: dict[str, str], *, at_mouse: bool) -> None:
         """Show what is known of a point; only the ping where the mouse is elsewhere."""

@@ -119,11 +119,11 @@ class StepPage(QWidget):
 
     def __init__(self) -> None:
         super().__init__()
-        self.left = push_button("‹ Lessons", "Leave this lesson; the scene stays as it is", wide=True)
+        self.left = push_button("‹ Lessons", "Leave this lesson; the scene stays as it is now", wide=True)
         self.projector = _projector()
         self.lesson, self.step, self.introduction, self.text = _words("lesson"), _words("step"), _words(), _words()
         self.tick, self.look_for, self.question, self.answer = _words("tick"), _words(), _words(), _words()
-        self.show_me = push_button("Show me", "Move it as this step asks", wide=True)
+        self.show_me = push_button("Show me", "Make the change that this step describes", wide=True)
         self.reveal = push_button("Show the answer", "Show the answer to the question", wide=True)
         self.reveal.clicked.connect(lambda: self._show_answer(True))
         self.back = push_button("Back", "Return to the step before (Page Up)", wide=True)

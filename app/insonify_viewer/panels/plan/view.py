@@ -1,4 +1,4 @@
-"""Entries of the plan, modelled or left out, each with its reason and a combo box that forces it."""
+"""Entries of the plan, modelled or left out, in the words of physics, each with a combo box that forces it."""
 
 from __future__ import annotations
 
@@ -19,6 +19,28 @@ from insonify_viewer.widgets.theme import scaled
 if TYPE_CHECKING:
     from insonify.planning import Plan, PlanEntry
 
+# What a subject of the plan is in the sea, by its name.
+PHYSICS = {
+    "method": "How the sound is followed",
+    "planes": "Width of the beam along the track",
+    "rays": "Rays that are followed one by one",
+    "step": "Step along a ray",
+    "fineness": "Fineness of the method",
+    "segments": "Angle of incidence within a cell of the bed",
+    "spacing": "Detail of the bed",
+    "bending": "Sound bent by the water",
+    "bounces": "Echoes that are reflected more than once",
+    "targets": "Targets",
+    "far_targets": "Targets out of reach",
+    "surface_bottom": "Paths by way of the sea surface",
+    "surface_bottom_surface": "Paths by way of the sea surface, out and back",
+    "second_bottom": "Second echo of the bed, by way of the surface",
+    "surface_echo": "Echo of the sea surface itself",
+    "precision": "Rounding of numbers",
+    "speckle": "Speckle: the grain of interfering echoes",
+    "motion": "Motion of the fish",
+    "pings": "Distance between pings",
+}
 Force = Callable[[str, str | None], None]
 AUTOMATIC = "automatic"
 TOLERANCES = (0.2, 50.0)  # %
@@ -40,10 +62,10 @@ class PlanView(SidePanel):
         self.column.addLayout(tolerance)
         self._totals, self._change = make_label("about"), make_label("change")
         self.automatic = push_button(
-            "Back to automatic", "Leave every choice to the plan again", style="file", wide=True
+            "Back to automatic", "Let the program choose everything again", style="file", wide=True
         )
         self.chart = push_button(
-            "Chart…", "Measure speed and accuracy of every method on this scene", style="file", wide=True
+            "Chart…", "Measure speed and error of every method on this scene", style="file", wide=True
         )
         buttons = QHBoxLayout()
         buttons.addWidget(self.automatic)
@@ -153,9 +175,7 @@ class PlanLine(QWidget):
     def __init__(self, force: Force) -> None:
         super().__init__()
         self._subject = ""
-        self._choice, self._reason, self._numbers, self._change = (
-            make_label(name) for name in ("choice", "name", "numbers", "change")
-        )
+        self._choice, self._numbers, self._change = (make_label(name) for name in ("choice", "name", "change"))
         self.combo = Combo()
         self.combo.setFocusPolicy(Qt.FocusPolicy.TabFocus)
         self.combo.setFixedWidth(scaled(self.combo, 104))
@@ -166,19 +186,21 @@ class PlanLine(QWidget):
         grid.setColumnStretch(0, 1)
         grid.addWidget(self._choice, 0, 0)
         grid.addWidget(self.combo, 0, 1, Qt.AlignmentFlag.AlignTop)
-        for row, words in enumerate((self._reason, self._numbers, self._change), 1):
+        for row, words in enumerate((self._numbers, self._change), 1):
             grid.addWidget(words, row, 0, 1, 2)
 
     def show_entry(self, entry: PlanEntry, forced: str | None) -> None:
-        """Show a choice, its reason and its numbers."""
+        """Show what the choice is in the sea, how it is made and what it changes; the reason is in the tooltip."""
         self._subject = entry.subject
-        self._choice.setText(entry.choice)
-        self._reason.setText(entry.reason)
-        error = f"error {_share(entry.error)}" if entry.error > 0.0 else ""
+        self._choice.setText(PHYSICS.get(entry.subject, entry.subject.replace("_", " ").capitalize()))
+        share = _share(entry.error) if entry.error > 0.0 else ""
         duration = f"{format_duration(entry.cost)} a ping" if entry.cost > 0.0 else ""
-        cost = duration if entry.modelled or not duration else f"would take {duration}"
-        self._numbers.setText(" · ".join(part for part in (error, cost) if part))
-        self._numbers.setVisible(bool(error or cost))
+        if entry.modelled:
+            error, cost = share and f"error {share}", duration
+        else:
+            error, cost = share and f"would change the record by {share}", duration and f"would take {duration}"
+        self._numbers.setText(" · ".join(filter(None, (entry.choice, error, cost))))
+        self.setToolTip(f"{entry.reason} (plan.{entry.subject})")
         options = [*entry.options, *([forced] if forced and forced not in entry.options else [])]
         self.combo.clear()
         self.combo.addItem(AUTOMATIC, None)
@@ -187,7 +209,7 @@ class PlanLine(QWidget):
         self.combo.setCurrentIndex(0 if forced is None else self.combo.findData(forced))
         self.combo.setVisible(bool(options))
         self.combo.setAccessibleName(entry.subject)
-        self.combo.setToolTip(f"Force {entry.subject}, or leave it to the plan")
+        self.combo.setToolTip(f"Choose it yourself, or let the program choose (plan.{entry.subject})")
 
     def light(self, lit: bool) -> None:
         """Light the choice, or let it be as usual."""
@@ -200,7 +222,7 @@ class PlanLine(QWidget):
 
 
 def _number(percent: float) -> NumberField:
-    tooltip = "Greatest error of the plan beyond 1.4 altitudes"
+    tooltip = "Largest error of the record that you accept, at ranges beyond 1.4 altitudes; more is faster"
     return NumberField("tolerance", "tolerance", tooltip, "%", 0, percent, TOLERANCES, log=True, integer=False)
 
 

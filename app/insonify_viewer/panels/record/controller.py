@@ -204,7 +204,7 @@ class RecordPanel(Panel):
         """Add a contact at a bin of one of the views."""
         location = None if at is None else self._locate(*at)
         if at is None or location is None:
-            self._workbench.say("point at the record and press C, or pin a pixel first")
+            self._workbench.say("point at the record and press C, or click a pixel first")
             return
         view, mark = at
         place = location.place or (None, None)

@@ -44,8 +44,8 @@ KEY_STEP = 0.01  # of the range and of the depth, by which a key moves the cross
 FORTH, BACK = Qt.FocusReason.TabFocusReason, Qt.FocusReason.BacktabFocusReason
 GRASP = 9.0  # px, greatest distance at which a point is grasped
 HINT = (
-    "Drag the points of the profile. Click into the water to find the rays that reach that point. By keys, Tab goes "
-    "from point to point and into the water, arrow keys move what is chosen, and Return finds the rays."
+    "Drag the points of the sound-speed profile. Click in the water to see which rays reach that place. Keys: Tab "
+    "chooses a point or the cross in the water, arrow keys move it, Return finds the rays to the cross."
 )
 LEFT, GAP, RIGHT, TOP, BOTTOM = 46.0, 14.0, 34.0, 24.0, 30.0  # px around and between the two plots
 SHARE, NARROWEST, WIDEST = 0.18, 110.0, 220.0  # of the profile: share of the width, px

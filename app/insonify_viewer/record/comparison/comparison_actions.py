@@ -34,8 +34,8 @@ class ComparisonActions(QObject):
         super().__init__(window)
         self.actions: list[QAction] = []
         self.keep = self._action(window, "Keep as A", "Keep this record as A, to compare others with it", "K")
-        self.partner = self._action(window, "Partner as A", "Trace the partner that the scene names, as A", "P")
-        self.back = self._action(window, "Return to A", "Return to the scene of A; undo comes back", "Shift+K")
+        self.partner = self._action(window, "Partner as A", "Simulate the other scene of the pair as A", "P")
+        self.back = self._action(window, "Return to A", "Go back to the scene of A; Undo reverses it", "Shift+K")
         for text, tip, key, arrangement in (
             ("Wipe A and B", "A left of a line that is dragged, B right of it", "W", Arrangement.WIPED),
             ("Difference of A and B", "Level of B over A, in dB", "D", Arrangement.DIFFERENCE),

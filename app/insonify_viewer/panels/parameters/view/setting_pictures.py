@@ -176,7 +176,9 @@ class SpectrumPicture(SettingPicture):
     def __init__(self) -> None:
         super().__init__(SPECTRUM_HEIGHT)
         self.setMouseTracking(True)
-        self.setToolTip("Drag a peak: far from the middle for short waves, towards the side that the waves run")
+        self.setToolTip(
+            "Drag a peak to shape the bed: its direction is that of the waves, farther out they are shorter"
+        )
         self._drawn: tuple[Scene, ReliefSpectrum, QImage] | None = None
         self._held: int | None = None
         self._reach = 0.0  # cycles a period, while a peak is dragged
@@ -238,7 +240,7 @@ class SpectrumPicture(SettingPicture):
         left = self.area.right() + 8.0
         relief = self._scene.seabed.relief if self._scene is not None else None
         period = relief.period if isinstance(relief, Fractal) else 0.0
-        lines = [f"±{spectrum.reach:.3g} cycles a period", f"shades of {-FLOOR:g} dB", ""]
+        lines = [f"edge: {spectrum.reach:.3g} waves in a period", f"black: −{-FLOOR:g} dB", ""]
         for fx, fy in spectrum.peaks[:5]:
             away = float(np.hypot(fx, fy))
             lines.append(f"{fx:g}, {fy:g}" + (f": {period / away:.3g} m" if away > 0.0 else ": long waves"))
