@@ -248,7 +248,7 @@ class Viewer(QObject):
         self.jobs.changed.connect(lambda _: window.jobs.show_jobs(self.jobs.running))
         self.jobs.changed.connect(window.status.show_end)
         window.gain_changed.connect(lambda decibels: session.show(gain=decibels))
-        window.palettes.textActivated.connect(lambda name: session.show(palette=name))
+        window.palettes.activated.connect(lambda _: session.show(palette=window.palettes.currentData()))
         session.displayed.connect(lambda look: window.show_display(look))
         session.displayed.connect(lambda _: self._show_sonar())
         window.speed_changed.connect(lambda speed: setattr(self.tow, "speed", speed))

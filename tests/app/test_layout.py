@@ -210,9 +210,8 @@ def test_the_window_lies_on_its_screen_with_its_frame(
 ) -> None:
     window = open_viewer(small).window
     room = window.screen().availableGeometry()
-    frame = lambda: window.geometry().adjusted(-4, -30, 4, 4)
-    monkeypatch.setattr(window, "frameGeometry", frame)
+    monkeypatch.setattr(window, "frameGeometry", lambda: window.geometry().adjusted(-4, -30, 4, 4))
     window.resize(room.size())
     window.fit_screen()
-    assert frame().size().boundedTo(room.size()) == frame().size()
+    assert window.frameGeometry().size().boundedTo(room.size()) == window.frameGeometry().size()
     assert window.statusBar().isVisible()

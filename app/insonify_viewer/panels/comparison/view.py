@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
+import html
 from collections.abc import Mapping, Sequence
 
 from PySide6.QtCore import Qt, Signal
 from PySide6.QtGui import QAction
-from PySide6.QtWidgets import QGridLayout, QHBoxLayout, QLabel, QMenu, QWidget
+from PySide6.QtWidgets import QHBoxLayout, QLabel, QMenu, QWidget
 
 from insonify.scene import Scene
 from insonify_viewer.record.comparison.arrangement import Arrangement, find_pairs
@@ -55,7 +56,7 @@ class ComparisonView(SidePanel):
             self.arrangement.addItem(arrangement.value)
         self.arrangement.activated.connect(lambda index: self.arranged.emit(list(Arrangement)[index]))
         self.frequency.activated.connect(lambda: self.frequency_wanted.emit(self.frequency.currentData()))
-        self.point, self.statistics = _Table(1), _Table(len(PARTS))
+        self.point, self.statistics = _Table(), _Table()
         self._point_box = FoldingBox("Point", self.point, unfolded=True)
         self._statistics_box = FoldingBox("Statistics", self.statistics, unfolded=True)
         self._found: dict[str, dict[str, str] | str] = {}
@@ -173,50 +174,25 @@ class ComparisonView(SidePanel):
         self.column.addStretch(1)
 
 
-class _Table(QWidget):
+class _Table(QLabel):
     """Rows of a name and its values, with a sentence below."""
 
-    def __init__(self, columns: int) -> None:
+    def __init__(self) -> None:
         super().__init__()
-        self._grid = QGridLayout(self)
-        self._grid.setContentsMargins(6, 6, 2, 6)
-        self._grid.setHorizontalSpacing(10)
-        for column in range(columns + 1):
-            self._grid.setColumnStretch(column, 2 if column else 1)
-        self._columns = columns
-        self._labels: list[list[QLabel]] = []
-        self._said = make_label("about")
-
-    def rows(self) -> dict[str, tuple[str, ...]]:
-        """Values as they are read, by their names."""
-        return {
-            row[0].text(): tuple(label.text() for label in row[1:]) for row in self._labels if row[0].isVisibleTo(self)
-        }
-
-    def said(self) -> str:
-        """Return the sentence below."""
-        return self._said.text()
+        self.setObjectName("numbers")
+        self.setWordWrap(True)
+        self.setMargin(6)
+        self.setTextFormat(Qt.TextFormat.RichText)
+        self.setTextInteractionFlags(Qt.TextInteractionFlag.TextSelectableByMouse)
+        self.rows: dict[str, tuple[str, ...]] = {}
+        self.said = ""
 
     def show_rows(self, rows: dict[str, tuple[str, ...]], said: str = "") -> None:
-        """Show rows; labels of earlier ones are used again."""
-        while len(self._labels) < len(rows):
-            self._add_row()
-        texts = [(name, *values) for name, values in rows.items()]
-        for labels, row in zip(self._labels, texts):
-            for label, text in zip(labels, row):
-                label.setText(text)
-        for number, labels in enumerate(self._labels):
-            for label in labels:
-                label.setVisible(number < len(rows))
-        self._said.setText(said)
-        self._said.setVisible(bool(said))
-        self._grid.addWidget(self._said, len(self._labels), 0, 1, self._columns + 1)
-
-    def _add_row(self) -> None:
-        row = [make_label("name"), *(make_label("numbers") for _ in range(self._columns))]
-        for column, label in enumerate(row):
-            self._grid.addWidget(label, len(self._labels), column, Qt.AlignmentFlag.AlignTop)
-        self._labels.append(row)
+        """Show rows and a sentence."""
+        self.rows, self.said = rows, said
+        lines = ["".join(f"<td>{html.escape(text)}</td>" for text in (name, *texts)) for name, texts in rows.items()]
+        table = f'<table width="100%" cellpadding="2">{"".join(f"<tr>{line}</tr>" for line in lines)}</table>'
+        self.setText(f"{table}<p>{html.escape(said)}</p>")
 
 
 def _about(recording: Recording) -> str:
