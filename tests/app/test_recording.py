@@ -145,7 +145,7 @@ def test_behind_a_tab_the_point_is_followed_as_soon_as_it_is_seen(viewer: Any, f
 
 def test_rows_below_its_first_ping_are_empty(viewer: Any, folder: Path, qtbot: Any) -> None:
     open_recording(viewer, folder / "record.xtf", qtbot)
-    viewer.window.record_a.show_mark(None)
+    viewer.window.record_a.show_marks(cross=None)
     viewer.recordings.go_to(PINGS // 2)
     view = viewer.window.record_a
     image = view.grab().toImage()
