@@ -160,7 +160,7 @@ def test_it_is_saved(window: Any, qtbot: Any, tmp_path: Any, monkeypatch: pytest
     view = window.panels["chart"].view
     monkeypatch.setattr(QFileDialog, "getSaveFileName", lambda *_: (str(tmp_path / "c.csv"), ""))
     view.save.click()
-    qtbot.waitUntil(lambda: "written" in view._sentence.text(), timeout=20000)
+    qtbot.waitUntil(lambda: "saved" in view._sentence.text(), timeout=20000)
     assert "1,000 rays" in (tmp_path / "c.csv").read_text()
     monkeypatch.setattr(QFileDialog, "getSaveFileName", lambda *_: (str(tmp_path / "c.doc"), ""))
     view.save.click()

@@ -401,7 +401,7 @@ def test_the_panel_keeps_arranges_and_leaves(open_viewer: Any, small: Scene, qtb
     panel = viewer.panels["comparison"].view
     QTest.mouseClick(panel.keep, Qt.MouseButton.LeftButton)
     assert panel.title.text() == f"A: {small.title}"
-    assert panel.changes.text() == "B is the same"
+    assert panel.changes.text() == "B equals A"
     assert not panel.learn.isVisible()
     for index, arrangement in enumerate(Arrangement):
         panel.arrangement.setCurrentIndex(index)
@@ -451,7 +451,7 @@ def test_pairs_are_read_before_their_menu_opens(open_viewer: Any, small: Scene, 
 def test_a_scene_without_partner_says_so(open_viewer: Any, small: Scene) -> None:
     viewer = open_viewer(small)
     press(viewer, "P")
-    assert "names no partner" in viewer.window.status.sentence.text()
+    assert "not one of a pair" in viewer.window.status.sentence.text()
     viewer.session.open(edit(small, {"partner": ["no-such-scene"]}))
     press(viewer, "P")
     assert "no-such-scene" in viewer.window.status.sentence.text()
