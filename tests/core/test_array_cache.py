@@ -1,7 +1,5 @@
 """Arrays that are kept, in bounds."""
 
-from __future__ import annotations
-
 import gc
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass

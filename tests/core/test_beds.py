@@ -2,7 +2,6 @@
 
 import os
 import re
-from pathlib import Path
 
 import numpy as np
 import pyproj
@@ -16,8 +15,6 @@ from insonify.io.georeference import DEGREES, project
 from insonify.scene import SceneError, edit
 from insonify.simulation import simulate
 from insonify.terrain import build_ground, relief
-
-REAL = Path(__file__).parents[3] / "shared" / "data" / "dem"
 
 
 def test_geotiff_is_flipped_to_run_north_and_keeps_its_own_spacing(tmp_path):
@@ -230,17 +227,15 @@ def test_unknown_sample_is_told(tmp_path):
         build_ground(scene("sample:matterhorn"))
 
 
-@pytest.mark.skipif(not REAL.is_dir(), reason="real grids are not at hand")
-def test_real_bag_has_negative_elevations_and_gaps():
-    ground = build_ground(scene(REAL / "bdb_01.bag"))
+def test_real_bag_has_negative_elevations_and_gaps(real_data):
+    ground = build_ground(scene(real_data / "dem" / "bdb_01.bag"))
     assert (ground.spacing, ground.heights.shape) == (4.0, (12, 16))
     assert np.isnan(ground.heights).mean() == pytest.approx(0.526, abs=1e-3)
     assert -4.52 < ground.datum < -2.80
 
 
-@pytest.mark.skipif(not REAL.is_dir(), reason="real grids are not at hand")
-def test_real_bag_of_varying_resolution_is_read_at_its_finest():
-    grid = read_grid(str(REAL / "hyo2qc_tiny_vr.bag"))
+def test_real_bag_of_varying_resolution_is_read_at_its_finest(real_data):
+    grid = read_grid(str(real_data / "dem" / "hyo2qc_tiny_vr.bag"))
     assert grid.spacing == (0.5, 0.5)
     assert grid.heights.shape == (128, 128)
     assert np.nanmin(grid.heights) == pytest.approx(-13.727, abs=1e-3)

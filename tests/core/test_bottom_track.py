@@ -1,7 +1,5 @@
 """Bottom track: the altitude that a record shows by itself, against the altitude that is known."""
 
-from pathlib import Path
-
 import numpy as np
 import pytest
 
@@ -10,8 +8,6 @@ from insonify.io.records import read_record, write_record
 from insonify.io.records.bottom_track import find_altitude, track_bottom
 from insonify.scene import edit, load_scene
 from insonify.simulation import simulate
-
-REAL = Path(__file__).parents[3] / "shared" / "data" / "xtf" / "scotsman-iver2.xtf"
 
 
 def made_echo(edges, bins=400, contrast=100.0, speckle=True, ringing=0):
@@ -93,9 +89,8 @@ def test_a_recording_without_altitude_is_drawn_by_its_bottom_track(tmp_path, cap
     assert "the record has no altitude and shows no first echo of the bed; leave it out" in capsys.readouterr().err
 
 
-@pytest.mark.skipif(not REAL.is_file(), reason="the recording is not here")
-def test_a_real_recording_keeps_both():
-    record = read_record(REAL)
+def test_a_real_recording_keeps_both(real_recording):
+    record = read_record(real_recording)
     amplitude = np.sqrt(record.intensity.values.mean(axis=0))
     bins = np.rint(record.bottom_track.values / (2.0 * float(record.slant_range[0]))).astype(int)
     rows = np.arange(len(bins))

@@ -1,7 +1,5 @@
 """Rays that go on after their first hit: mirrors, lenses and the ghosts they bring, in closed form."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

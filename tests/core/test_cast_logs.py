@@ -6,7 +6,6 @@ import pytest
 
 from insonify.cli import main
 from insonify.io.sound_speed_casts import read_cast
-from insonify.scene import SceneError
 
 DEPTH = np.arange(1.0, 21.0)
 SPEED = 1510.0 - 0.5 * DEPTH
@@ -105,26 +104,3 @@ def test_a_log_is_a_water(tmp_path, capsys):
     scene = tmp_path / "scene.toml"
     scene.write_text('[seabed]\ndepth = 15.0\n[track]\naltitude = 5.0\n[water]\nkind = "cast"\npath = "a.vp2"\n')
     assert main(["plan", str(scene)]) == 0
-
-
-@pytest.mark.parametrize(
-    ("name", "content", "expected"),
-    [
-        ("a.vp2", "[HEADER]\nno columns\n", "has no line that names the columns of depth or pressure, and of sound sp"),
-        (
-            "a.000",
-            "Date / Time\tSOUND VELOCITY;DBAR\tPRESSURE;\nx\ty\tz\n",
-            "has no row of numbers under the names",
-        ),
-        ("a.rsk", "SQLite", "is in the format RBR Ruskin, which is not read here; export it as CSV from Ruskin"),
-        ("a.m1", "MVP", "is in the format Moving Vessel Profiler, which is not read here; convert it to .asvp or .csv"),
-        ("a.vpd", "", "is in the format Valeport DataLog"),
-        ("a.vel", "FTP NEW 3\n", "holds no rows of depth and sound speed"),
-    ],
-)
-def test_what_is_no_cast_is_one_sentence(tmp_path, name, content, expected):
-    (tmp_path / name).write_text(content)
-    with pytest.raises(SceneError) as caught:
-        read_cast(str(tmp_path / name))
-    assert expected in str(caught.value)
-    assert "\n" not in str(caught.value)

@@ -34,65 +34,63 @@ def text(path, content):
     return str(path)
 
 
-def real(name):
-    path = REAL / name
-    if not path.is_file():
-        pytest.skip(f"{path} is not here")
-    return str(path)
+@pytest.fixture(scope="session")
+def casts(real_data):
+    return real_data / "casts"
 
 
-def test_a_kongsberg_profile_is_taken_as_it_is():
-    cast = read_cast(real("20120321_224205.asvp"))
-    assert cast.depth.size == 35
-    np.testing.assert_array_equal(cast.depth[:3], [0.0, 6.87, 10.0])
-    np.testing.assert_array_equal(cast.sound_speed[[0, 1, -1]], [1531.4, 1531.4, 1675.82])
-
-
-def test_a_profile_with_noise_at_the_surface_becomes_steps():
-    cast = read_cast(real("assvt13246_d26.svp"))
-    assert (np.diff(cast.depth) > 0.25).all()
-    assert cast.depth.size == 18
-    assert cast.sound_speed[0] == pytest.approx(np.mean([1524.07, 1523.95, 1524.19, 1524.03, 1524.10, 1524.03,
-                                                         1524.12, 1523.98, 1523.85]))  # fmt: skip
-
-
-def test_a_table_without_names_shows_what_it_holds():
-    cast = read_cast(real("7-30cast2.csv"))
-    assert cast.depth[[0, -1]].tolist() == [0.9, 24.4]
-    assert cast.sound_speed[[0, -1]].tolist() == [1504.3, 1497.4]
+@pytest.mark.parametrize(
+    ("name", "depths", "speeds", "rows"),
+    [
+        ("20120321_224205.asvp", [0.0, 6.87, 10.0], [1531.4, 1531.4, 1675.82], 35),
+        ("7-30cast2.csv", [0.9], [1504.3, 1497.4], None),  # a table without names shows what it holds
+    ],
+)
+def test_a_profile_is_taken_as_it_is(casts, name, depths, speeds, rows):
+    cast = read_cast(str(casts / name))
+    np.testing.assert_array_equal(cast.depth[: len(depths)], depths)
+    np.testing.assert_array_equal([*cast.sound_speed[: len(speeds) - 1], cast.sound_speed[-1]], speeds)
+    assert rows is None or cast.depth.size == rows
+    assert cast.depth[-1] == 24.4 or rows
     assert cast.temperature is None
 
 
-def test_a_seabird_cast_leaves_out_soak_and_way_up():
-    cast = read_cast(real("Hotin.cnv"))
+def test_a_profile_with_noise_at_the_surface_becomes_steps(casts):
+    cast = read_cast(str(casts / "assvt13246_d26.svp"))
+    assert (np.diff(cast.depth) > 0.25).all()
+    assert cast.depth.size == 18
+    noise = [1524.07, 1523.95, 1524.19, 1524.03, 1524.10, 1524.03, 1524.12, 1523.98, 1523.85]
+    assert cast.sound_speed[0] == pytest.approx(np.mean(noise))
+
+
+def test_a_seabird_cast_leaves_out_soak_and_way_up(casts):
+    cast = read_cast(str(casts / "Hotin.cnv"))
     # The pump runs from 1.25 m on; before, the salinity rises from -3.9 to 33.6.
     assert cast.salinity.min() > 34.2
     assert cast.depth[0] <= 1.5
     assert cast.depth[-1] == pytest.approx(14.0)
-    speed = make_sound_speed_field(CastWater(path=real("Hotin.cnv"))).speed
+    speed = make_sound_speed_field(CastWater(path=str(casts / "Hotin.cnv"))).speed
     assert 1478.0 < speed.min() < speed.max() < 1480.0
 
 
-def test_a_seabird_cast_without_salinity_has_it_from_conductivity():
-    cast = read_cast(real("PIRA001.cnv"))
+def test_a_seabird_cast_without_salinity_has_it_from_conductivity(casts):
+    cast = read_cast(str(casts / "PIRA001.cnv"))
     np.testing.assert_allclose(cast.salinity, 36.32, atol=0.01)  # the western tropical Atlantic
     np.testing.assert_allclose(cast.temperature, 27.05, atol=0.01)
-    speed = make_sound_speed_field(CastWater(path=real("PIRA001.cnv"))).speed
+    speed = make_sound_speed_field(CastWater(path=str(casts / "PIRA001.cnv"))).speed
     np.testing.assert_allclose(speed, 1540.55, atol=0.1)
 
 
-@pytest.mark.parametrize(
-    "name", ["20120321_224205.asvp", "7-30cast2.csv", "Hotin.cnv", "PIRA001.cnv", "assvt13246_d26.svp"]
-)
 @pytest.mark.parametrize("interpolation", ["linear", "pchip"])
-def test_few_points_keep_to_a_real_cast(name, interpolation):
-    path = real(name)
-    cast, layers = read_cast(path), make_sound_speed_field(CastWater(path=path, interpolation=interpolation))
-    speed = cast.sound_speed
-    if speed is None:
-        speed = EQUATIONS["teos10"](cast.temperature, cast.salinity, cast.depth)
-    assert np.abs(layers.speed_at(0.0, 0.0, cast.depth) - speed).max() <= 0.0201
-    assert (np.diff(layers.depth) > 0.0).all()
+def test_few_points_keep_to_a_real_cast(casts, interpolation):
+    for name in ("20120321_224205.asvp", "7-30cast2.csv", "Hotin.cnv", "PIRA001.cnv", "assvt13246_d26.svp"):
+        path = str(casts / name)
+        cast, layers = read_cast(path), make_sound_speed_field(CastWater(path=path, interpolation=interpolation))
+        speed = cast.sound_speed
+        if speed is None:
+            speed = EQUATIONS["teos10"](cast.temperature, cast.salinity, cast.depth)
+        assert np.abs(layers.speed_at(0.0, 0.0, cast.depth) - speed).max() <= 0.0201
+        assert (np.diff(layers.depth) > 0.0).all()
 
 
 def test_soak_raise_and_way_up_are_told_from_the_descent(tmp_path):
@@ -194,6 +192,12 @@ WRONG = [
     ("cast.cnv", "depth,speed\n1,1500\n", ["names no columns"]),
     ("cast.cnv", "# name 0 = depSM: Depth\n# name 1 = svCM: Velocity\n*END*\n  1 x\n", ["no numbers in line 4"]),
     ("cast.cnv", "# name 0 = depSM: Depth\n# name 1 = svCM: Velocity\n*END*\n  1 2 3\n", ["3 columns in line 4"]),
+    ("a.vp2", "[HEADER]\nno columns\n", ["has no line that names the columns of depth or pressure, and of sound sp"]),
+    ("a.000", "Date / Time\tSOUND VELOCITY;DBAR\tPRESSURE;\nx\ty\tz\n", ["has no row of numbers under the names"]),
+    ("a.rsk", "SQLite", ["is in the format RBR Ruskin, which is not read here; export it as CSV from Ruskin"]),
+    ("a.m1", "MVP", ["is in the format Moving Vessel Profiler, which is not read here; convert it to .asvp or .csv"]),
+    ("a.vpd", "", ["is in the format Valeport DataLog"]),
+    ("a.vel", "FTP NEW 3\n", ["holds no rows of depth and sound speed"]),
 ]
 
 

@@ -1,7 +1,5 @@
 """Progress of compilation: what is compiled, which part is done, and what that costs where nothing is compiled."""
 
-from __future__ import annotations
-
 import io
 import math
 import os

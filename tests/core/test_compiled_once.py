@@ -1,7 +1,5 @@
 """No kernel is compiled twice: each is called with arguments of one kind, whatever the scene."""
 
-from __future__ import annotations
-
 import subprocess
 import sys
 

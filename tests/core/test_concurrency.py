@@ -1,7 +1,5 @@
 """Simulations and files in several threads at once, after a fork and in spawned processes: the same bits everywhere."""
 
-from __future__ import annotations
-
 import multiprocessing
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path

@@ -1,7 +1,5 @@
 """Display options as texts: every one is written and read back, and a mistake is one sentence."""
 
-from __future__ import annotations
-
 import subprocess
 import sys
 from pathlib import Path

@@ -1,7 +1,5 @@
 """Every field of a scene changes its record, or a line here says why it does not."""
 
-from __future__ import annotations
-
 import re
 from collections.abc import Iterator
 from functools import lru_cache

@@ -1,7 +1,5 @@
 """Choices that are forced upon a plan: taken, carried out, recorded."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

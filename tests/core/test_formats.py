@@ -1,7 +1,5 @@
 """File formats: a module in a package, or in an installed one, adds a format to all that reads or writes."""
 
-from __future__ import annotations
-
 import json
 import sys
 from importlib.metadata import EntryPoint

@@ -1,7 +1,5 @@
 """Imports between modules run without circles, and stand at the top of a module unless a comment says why not."""
 
-from __future__ import annotations
-
 import ast
 import sys
 from functools import cache

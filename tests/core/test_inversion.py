@@ -1,9 +1,5 @@
 """A bed learned from a record: each estimator against what it must find, whole scenes against known truth, mistakes."""
 
-from __future__ import annotations
-
-from pathlib import Path
-
 import numpy as np
 import pytest
 import xarray as xr
@@ -30,7 +26,6 @@ from insonify.receiver.stage import spread_echoes
 from insonify.scene import SceneError, edit, load_scene
 from known_beds import errors, make_bed
 
-REAL = Path(__file__).parents[3] / "shared" / "data" / "xtf" / "scotsman-iver2.xtf"
 FAN = {"kind": "fan", "width": 0.5}
 
 
@@ -305,9 +300,8 @@ def test_help_has_an_example(capsys):
     assert "insonify learn recording.xtf -o scene.toml" in " ".join(capsys.readouterr().out.split())
 
 
-@pytest.mark.skipif(not REAL.is_file(), reason="the recording is not here")
-def test_a_real_recording_is_learned():
-    learned = insonify.learn(read_record(REAL).isel(ping_time=slice(0, 256)))
+def test_a_real_recording_is_learned(real_recording):
+    learned = insonify.learn(read_record(real_recording).isel(ping_time=slice(0, 256)))
     verdicts = {found.quantity: found.verdict for found in learned.findings}
     assert learned.navigation is not None
     for quantity in ("speckle, variance of amplitude", "variation in even patches", "level over range"):

@@ -1,7 +1,5 @@
 """Pictures by light: shadows where geometry puts them, Lambert's law, mirrors, and nothing black."""
 
-from __future__ import annotations
-
 import math
 import subprocess
 import sys

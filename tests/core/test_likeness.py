@@ -1,7 +1,5 @@
 """What the likeness of records measures: speckle, spectra and shadows of known size; a real record; the sheet."""
 
-from pathlib import Path
-
 import numpy as np
 import pytest
 import xarray as xr
@@ -17,7 +15,6 @@ from insonify.simulation import simulate
 from insonify.statistics import record_statistics
 from insonify.statistics.record_statistics import AmplitudeSpectrum, measure_statistics
 
-REAL = Path(__file__).parents[3] / "shared" / "data" / "xtf" / "scotsman-iver2.xtf"
 PINGS, BINS = 320, 512
 STEP, BIN = 0.25, 0.05
 
@@ -184,9 +181,8 @@ def test_too_little_bed_is_one_sentence():
         measure_statistics(still)
 
 
-@pytest.mark.skipif(not REAL.is_file(), reason="the recording is not here")
-def test_a_real_recording():
-    found = measure_statistics(read_record(REAL))
+def test_a_real_recording(real_recording):
+    found = measure_statistics(read_record(real_recording))
     low, middle, high = np.percentile(found.variation, [10.0, 50.0, 90.0])
     assert 0.25 < low < middle < high < 0.55
     assert found.shadow_depth == pytest.approx(24.0, abs=2.0)

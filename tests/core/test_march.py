@@ -1,7 +1,5 @@
 """The march: right where a ray meets one smooth surface, and wrong as a march is wrong."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np
@@ -11,7 +9,6 @@ from beds import arrays_of, poses_of, rough
 from insonify.kernels.common.types import BED, LIGHT, SONAR
 from insonify.kernels.rays.cell_walk import RayBundle, empty_hits
 from insonify.kernels.rays.march import march_hits
-from insonify.scene import SceneError
 from insonify.statistics.record_errors import compare_records
 from insonify.tracers import march, rays
 
@@ -104,16 +101,3 @@ def test_no_bed_where_nodes_are_missing():
     heights[10, 10] = np.nan
     hits = hits_of(arrays_of(heights, 1.0), (10.5, 10.5, 5.0), [(0, 0, -1), (0.3, 0, -1), (0, 3, -1)], 0.1)
     assert hits.body.tolist() == [-2, BED, -2]
-
-
-def test_any_number_of_threads_gives_the_same_bits():
-    arrays = arrays_of(rough(64, 64, 0.2), 0.5, periodic=True, half_width=0.02)
-    poses = poses_of(np.arange(40) * 0.3, 0.0, 8.0)
-    one = march.trace(arrays, poses, rays=100, step=0.2, threads=1)
-    np.testing.assert_array_equal(one, march.trace(arrays, poses, rays=100, step=0.2, threads=3))
-
-
-@pytest.mark.parametrize("step", [0.0, -1.0, math.nan, math.inf])
-def test_a_step_that_is_no_length_is_refused(step):
-    with pytest.raises(SceneError, match="step"):
-        march.trace(arrays_of(FLAT), poses_of(0.0, 0.0, 5.0), step=step)

@@ -1,7 +1,5 @@
 """Rays against triangles: no leaks, brute force, and a fine mesh of a sphere against the sphere."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Mosaics: places on the map, filled swaths, gaps and overlaps, and a file that other programs open."""
 
-from pathlib import Path
-
 import numpy as np
 import pyproj
 import pytest
@@ -15,8 +13,6 @@ from insonify.scene import edit, load_scene
 from insonify.simulation import simulate
 from insonify.surveys.mosaic import choose_cell, make_mosaic
 from insonify.surveys.swath import Swath, lay_swath
-
-REAL = Path(__file__).parents[3] / "shared" / "data" / "xtf" / "scotsman-iver2.xtf"
 
 
 def straight_swath(pings=60, spacing=0.5, heading=30.0, start=(100.0, 200.0), altitude=5.0, level=1.0, range_=20.0):
@@ -218,11 +214,10 @@ def test_the_file_tells_what_it_holds(tmp_path):
         assert np.nanmin(level) >= -40.0
 
 
-@pytest.mark.skipif(not REAL.is_file(), reason="the recording is not here")
-def test_a_real_recording(tmp_path, capsys):
-    assert main(["mosaic", str(REAL), "-o", str(tmp_path / "a.tif")]) == 0
+def test_a_real_recording(real_recording, tmp_path, capsys):
+    assert main(["mosaic", str(real_recording), "-o", str(tmp_path / "a.tif")]) == 0
     assert "cells of 0.1 m on EPSG:32619" in capsys.readouterr().out
-    record = read_record(REAL)
+    record = read_record(real_recording)
     with rasterio.open(tmp_path / "a.tif") as file:
         lon, lat = pyproj.Transformer.from_crs(file.crs, "EPSG:4326", always_xy=True).transform(
             *file.xy(file.height // 2, file.width // 2)

@@ -1,7 +1,5 @@
 """Surface multipath and crosstalk in records: labels, what the plan says of them, what is refused."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

@@ -1,7 +1,5 @@
 """A shape, a map and a material of somebody else's go the whole way: scene, plan, tracers, picture and command."""
 
-from __future__ import annotations
-
 import math
 from pathlib import Path
 from types import SimpleNamespace

@@ -1,7 +1,5 @@
 """Kinds of relief, beam, pulse, absorption, water, motion and speckle of somebody else's go the whole way."""
 
-from __future__ import annotations
-
 import math
 from pathlib import Path
 

@@ -1,7 +1,5 @@
 """Scenes that name a partner to be compared with."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import pytest

@@ -1,7 +1,5 @@
 """Maps with known borders: stripes, checks, waves and pictures, on every kind of bed."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 from PIL import Image

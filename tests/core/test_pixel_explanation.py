@@ -1,7 +1,5 @@
 """The explanation of a pixel adds up to the record, whatever the scene, and tells where the sound went."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Plans: what is chosen, said and kept."""
 
-from __future__ import annotations
-
 import math
 import re
 

@@ -1,7 +1,5 @@
 """What holds of the plan of any scene."""
 
-from __future__ import annotations
-
 import math
 from functools import lru_cache
 

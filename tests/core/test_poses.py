@@ -1,7 +1,5 @@
 """Where the fish is: closed forms, files, and no dependence on what else is asked for."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np
@@ -244,14 +242,6 @@ def test_two_cannot_have_a_say_in_one_thing(tmp_path):
     ):
         with pytest.raises(SceneError, match=word):
             poses(motion, [0], **changes)
-    with pytest.raises(SceneError, match="give altitude instead"):
-        edit(LEVEL, {"track.terrain_following": True, "track.altitude": None, "track.depth": 12.0})
-
-
-def test_heave_keeps_the_fish_in_the_water():
-    for amplitude, altitude in ((10.0, 10.0), (5.0, 26.0)):
-        with pytest.raises(SceneError, match=r"track\.motion: a heave of [^\n]+; keep its amplitude below"):
-            edit(LEVEL, {"track.motion": {"kind": "heave", "amplitude": amplitude}, "track.altitude": altitude})
 
 
 def dem(folder, heights, **changes):

@@ -1,7 +1,5 @@
 """Pings on which a plan measures errors."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

@@ -1,7 +1,5 @@
 """Progress of commands: lines for a program that started them, a bar on a terminal, nothing otherwise."""
 
-from __future__ import annotations
-
 import contextlib
 import json
 import os

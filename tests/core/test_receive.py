@@ -15,7 +15,7 @@ from insonify.explanation.pixel import explain_pixel
 from insonify.kernels.common.types import LIGHT, SONAR
 from insonify.receiver import make_reception, receive
 from insonify.receiver.stage import ReceiverSetup, Sound, Stage, stage_kinds
-from insonify.scene import SceneError, edit, load_scene
+from insonify.scene import edit, load_scene
 from insonify.scene.sonar.pulses import tone_taps
 from insonify.simulation import prepare
 
@@ -168,16 +168,6 @@ def test_the_mean_of_the_whole_way_is_the_mean_record():
     # Past the pulse's own length; the gain of some 4000 independent pings, and the speckle of 12,000 lines.
     np.testing.assert_allclose(mean[5:] / expected[5:], 1.0, atol=0.06)
     assert (mean[5:] / expected[5:]).mean() == pytest.approx(1.0, abs=3.0 * 0.35 / np.sqrt(4000.0))
-
-
-def test_light_has_no_reverberation():
-    with pytest.raises(SceneError, match="reverberation"):
-        scene(sonar__law="light", receiver__reverberation="volume")
-
-
-def test_a_chirp_needs_its_bandwidth():
-    with pytest.raises(SceneError, match="raise it to 1000 Hz"):
-        scene(sonar__pulse={"kind": "chirp", "duration": 1e-3, "bandwidth": 500.0})
 
 
 @pytest.fixture

@@ -1,7 +1,5 @@
 """Recorder, gain table, ringing and interference: each does what it says, is off by default, and costs no order."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np
@@ -12,7 +10,7 @@ from insonify.acoustics.flat_bed import flat_bed_curve
 from insonify.cli import main
 from insonify.io.records import read_record
 from insonify.receiver import make_reception, receive
-from insonify.scene import SceneError, edit, load_scene, scene_from_toml, scene_to_toml
+from insonify.scene import edit, load_scene, scene_from_toml, scene_to_toml
 
 BINS, BIN_LENGTH, ALTITUDE = 1000, 0.05, 10.0
 BIN_TIME = 2.0 * BIN_LENGTH / 1500.0
@@ -54,12 +52,6 @@ def test_gain_steps_hold_from_their_time_on():
     record = of(even(40), receiver__recorder__gain=steps)
     expected = np.repeat([0.0, 6.0, -3.0], [20, 5, 15])
     np.testing.assert_allclose(10.0 * np.log10(record[:, 0, 0] / 1e-6), expected, atol=1e-5)
-
-
-@pytest.mark.parametrize("gain", [[], [[0.0, 1.0], [0.0, 2.0]], [[2.0, 1.0], [1.0, 2.0]], 300.0])
-def test_gains_out_of_order_or_bounds_are_refused(gain):
-    with pytest.raises(SceneError, match=r"^receiver\.recorder\.gain"):
-        ready(receiver__recorder__gain=gain)
 
 
 def test_sides_differ_by_the_gain_of_port_over_starboard():
@@ -139,11 +131,6 @@ def test_a_gain_table_goes_on_beyond_the_noise():
     np.testing.assert_allclose(10.0 * np.log10(loud.gain), np.arange(BINS) * 40.0 / 999.0, atol=1e-9)
 
 
-def test_a_gain_table_out_of_order_is_refused():
-    with pytest.raises(SceneError, match=r"^receiver\.tvg\.gains.* increasing time or bin"):
-        ready(receiver__tvg={"kind": "table", "gains": [[1.0, 0.0], [0.5, 3.0]]})
-
-
 def test_ringing_decays_after_transmission():
     ringing = {"kind": "decay", "level": -30.0, "time": 2e-3}
     record = of(np.zeros((2, 2, BINS), np.float32), receiver__ringing=ringing, receiver__source_level=100.0)
@@ -217,8 +204,6 @@ def test_every_ping_is_a_function_of_its_number(speckle):
 def test_a_recorder_is_written_and_read():
     declared = edit(load_scene("default"), {"receiver.recorder": {"bits": 8, "gain": [[0.0, 1.0], [3.0, 2.0]]}})
     assert scene_from_toml(scene_to_toml(declared)) == declared
-    with pytest.raises(SceneError, match=r"^receiver\.recorder\.bits.*12"):
-        edit(declared, {"receiver.recorder.bits": 12})
 
 
 @pytest.mark.parametrize(("bits", "stored"), [("8", "8"), ("16", "32")])  # an XTF sample of 16 bits holds 15

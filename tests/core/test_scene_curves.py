@@ -1,7 +1,5 @@
 """Curves of beams, pulses and beds beside their settings, against closed forms and the tracers' own tables."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Every bundled scene has a small picture of its record, and no picture is left of a scene that went."""
 
-from __future__ import annotations
-
 import pytest
 from PIL import Image
 

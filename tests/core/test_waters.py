@@ -153,36 +153,6 @@ def test_straight_pieces_meet_the_curve_between_samples_too():
     assert places.size < 90
 
 
-WRONG = [
-    ({"water.depth": [0.0, 10.0, 5.0]}, ["water.depth", "from 10 back to 5 m", "sort"]),
-    ({"water.depth": [0.0, 5.0, 5.0]}, ["water.depth", "5 m twice"]),
-    ({"water.depth": [5.0]}, ["water.depth", "not 1", "uniform"]),
-    ({"water.depth": [0.0, float("nan")]}, ["water.depth.1", "nan", "finite"]),
-    ({"water.depth": [-1.0, 5.0]}, ["water.depth.0", "-1", "at least 0"]),
-    ({"water.sound_speed": [1500.0, 1510.0]}, ["water", "2 numbers for 4 depths", "one for each"]),
-    ({"water.sound_speed.2": 0.0}, ["water.sound_speed.2", "0", "at least 1300"]),
-    ({"water.sound_speed.2": 1800.0}, ["water.sound_speed.2", "1800", "at most 1700"]),
-    ({"water.interpolation": "spline"}, ["water.interpolation", "'spline'", "'pchip'"]),
-    ({"water.kind": "fizzy"}, ["water.kind", "'fizzy'", "uniform, profile, hydrography, cast, section"]),
-    ({"water": {"kind": "hydrography", "salinity": 99.0}}, ["water.salinity", "99", "at most 45"]),
-    ({"water": {"kind": "hydrography", "salinity": [35.0]}}, ["water", "salinity has 1 number for 4 depths"]),
-    ({"water": {"kind": "hydrography", "equation": "guess"}}, ["water.equation", "'guess'", "'teos10'"]),
-    ({"water": {"kind": "section", "distance": [0.0]}}, ["water.distance", "not 1", "profile"]),
-    ({"water": {"kind": "section", "sound_speed": [SPEEDS]}}, ["water", "1 profiles for 2 distances"]),
-    ({"water": {"kind": "section", "sound_speed": [SPEEDS, [1500.0]]}}, ["sound_speed.1", "1 number for 4 depths"]),
-    ({"water": {"kind": "cast"}}, ["water.path", "missing"]),
-]
-
-
-@pytest.mark.parametrize(("changes", "words"), WRONG)
-def test_bad_water_is_refused_in_one_sentence(changes, words):
-    with pytest.raises(SceneError) as caught:
-        edit(scene_in({"kind": "profile"}), changes)
-    assert "\n" not in str(caught.value)
-    for word in words:
-        assert word in str(caught.value)
-
-
 def test_a_change_of_kind_takes_over_whole_tables_or_none():
     scene = scene_in({"kind": "uniform", "sound_speed": 1480.0, "absorption": 40.0})
     for kind in ("profile", "section", "hydrography", "profile", "uniform"):

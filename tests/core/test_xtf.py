@@ -17,8 +17,6 @@ from insonify.scene import SceneError, edit, load_scene
 from insonify.simulation import simulate
 from xtf_files import FAR_TO_NEAR, NEAR_TO_FAR, PING, PORT, STARBOARD, SUBBOTTOM, amplitudes, write_xtf
 
-REAL = Path(__file__).parents[3] / "shared" / "data" / "xtf" / "scotsman-iver2.xtf"
-
 
 @pytest.mark.parametrize(
     ("kind", "told"),
@@ -294,11 +292,10 @@ def test_a_recording_that_is_looked_at_has_to_be_there(capsys):
     assert "a.xtf: does not exist; give the path of a record" in capsys.readouterr().err
 
 
-@pytest.mark.skipif(not REAL.is_file(), reason="the recording is not here")
-def test_a_real_recording():
-    before = sorted(REAL.parent.iterdir())
-    record = read_xtf(REAL)
-    assert sorted(REAL.parent.iterdir()) == before
+def test_a_real_recording(real_recording):
+    before = sorted(real_recording.parent.iterdir())
+    record = read_xtf(real_recording)
+    assert sorted(real_recording.parent.iterdir()) == before
     assert dict(record.sizes) == {"channel": 2, "ping_time": 461, "range_sample": 1024}
     np.testing.assert_allclose(float(record["slant_range"][-1]), 29.98, atol=0.03)
     np.testing.assert_allclose(2.0 * record["slant_range"] / record["travel_time"], 1500.0, rtol=1e-6)

@@ -15,7 +15,6 @@ from insonify.io.records import read_record, write_record
 from insonify.scene import SceneError, edit, load_scene
 from insonify.simulation import simulate
 
-REAL = Path(__file__).parents[3] / "shared" / "data" / "xtf" / "scotsman-iver2.xtf"
 BITS = {"8": 8, "16": 15, "32": 31}
 SPEED = 1480.0
 
@@ -220,11 +219,10 @@ def test_options_of_other_formats_are_refused(tmp_path, capsys):
     assert "--bits {16,8,32,float}" in capsys.readouterr().out
 
 
-@pytest.mark.skipif(not REAL.is_file(), reason="the recording is not here")
-def test_a_real_recording_is_copied_without_loss(tmp_path):
-    record = read_record(REAL)
+def test_a_real_recording_is_copied_without_loss(real_recording, tmp_path):
+    record = read_record(real_recording)
     write_record(tmp_path / "a.xtf", [record])
-    (_, before), (_, after) = packets(REAL), packets(tmp_path / "a.xtf")
+    (_, before), (_, after) = packets(real_recording), packets(tmp_path / "a.xtf")
     for one, other in zip(before, after, strict=True):
         np.testing.assert_array_equal(one.data, other.data)
     # The first ping has no fix. The second repeats its place in the copy, and repeated fixes are interpolated.

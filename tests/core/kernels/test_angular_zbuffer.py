@@ -3,8 +3,6 @@
 Of a line at distance d from the sonar a Lambert surface returns the radiance d/r, and ∫ d/r dr = d ln(r₂/r₁).
 """
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

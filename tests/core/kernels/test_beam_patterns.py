@@ -1,7 +1,5 @@
 """Beams with patterns on a fish that pitches and rolls: against dense sums over a level bed."""
 
-from __future__ import annotations
-
 import itertools
 import math
 

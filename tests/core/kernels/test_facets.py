@@ -1,7 +1,5 @@
 """Facets of targets: where their parts lie."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

@@ -1,7 +1,5 @@
 """Occlusion of the bed by targets: the test without angles against the stretches that are visible."""
 
-from __future__ import annotations
-
 import numpy as np
 
 from insonify.kernels.multipath.paired_segments import SegmentLine

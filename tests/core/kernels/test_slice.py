@@ -1,7 +1,5 @@
 """Slices of the bed: every knot on it, at any azimuth, on any grid."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

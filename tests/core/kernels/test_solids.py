@@ -1,7 +1,5 @@
 """Bodies in closed form: where rays meet cylinders and cones, and with which normals."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

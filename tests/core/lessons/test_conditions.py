@@ -1,7 +1,5 @@
 """Conditions of lessons: what they mean, what they refuse, and that nothing of them runs as code."""
 
-from __future__ import annotations
-
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st

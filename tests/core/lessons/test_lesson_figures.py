@@ -1,7 +1,5 @@
 """Figures of lessons, against simulated records."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

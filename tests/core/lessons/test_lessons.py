@@ -1,7 +1,5 @@
 """Lessons: reading, the check of each, and the command."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import pytest
