@@ -294,12 +294,6 @@ def test_a_mistake_is_one_sentence(record, tmp_path, monkeypatch, capsys, words,
     assert sorted(path.name for path in tmp_path.iterdir()) == ["line.npz", "text.xtf"]
 
 
-def test_help_has_an_example(capsys):
-    with pytest.raises(SystemExit):
-        main(["learn", "--help"])
-    assert "insonify learn recording.xtf -o scene.toml" in " ".join(capsys.readouterr().out.split())
-
-
 def test_a_real_recording_is_learned(real_recording):
     learned = insonify.learn(read_record(real_recording).isel(ping_time=slice(0, 256)))
     verdicts = {found.quantity: found.verdict for found in learned.findings}

@@ -137,18 +137,3 @@ def test_the_command_needs_no_viewer(tmp_path: Path) -> None:
     assert (done.returncode, done.stderr) == (0, "")
     with Image.open(tmp_path / "light.png") as image:
         assert image.width == 1200
-
-
-@pytest.mark.parametrize(
-    ("words", "part"),
-    [
-        (("nowhere", "-o", "l.png"), "no such file"),
-        (("default", "-o", "l.jpg"), ".png"),
-        (("default", "-o", "l.png", "--set", "sonar.range=-1"), "sonar.range"),
-    ],
-)
-def test_mistakes_are_one_sentence(words: tuple[str, ...], part: str, capsys: pytest.CaptureFixture[str]) -> None:
-    assert main(["light", *words]) == 2
-    said = capsys.readouterr().err
-    assert part in said
-    assert said.count("\n") == 1

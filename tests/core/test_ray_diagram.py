@@ -163,5 +163,3 @@ def test_the_command_prints_the_eigenrays(tmp_path, capsys):
     said = capsys.readouterr().out.splitlines()
     assert "slant range" in said[0]
     assert said[-1] == str(out)
-    assert main(["rays", "default", "-o", str(out), "--target", "30", "60"]) == 2
-    assert "target" in capsys.readouterr().err

@@ -152,6 +152,10 @@ def test_exactly_over_a_knot_is_like_beside_it(half_width, place, heading):
     assert distance(over, beside) < 0.01
 
 
+def test_a_fish_in_or_under_the_bed_hears_nothing():
+    assert not quiet(arrays_of(FLAT, periodic=True), poses_of([0.0, 0.0], 0.0, [-1.0, 0.0])).any()
+
+
 @pytest.mark.parametrize("half_width", [0.0, FAN])
 @pytest.mark.parametrize("slope", [-0.8, -0.1, 0.3, 2.0])
 def test_a_slope_agrees_with_brute_force(half_width, slope):

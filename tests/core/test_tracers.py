@@ -166,10 +166,10 @@ def test_turned_by_a_quarter_the_record_is_the_same(name, rtol, atol, least, hal
 
 @pytest.mark.parametrize("half_width", [0.0, FAN])
 @pytest.mark.parametrize("name", TRACES)
-def test_out_of_range_or_in_the_bed_a_sonar_hears_nothing(name, half_width):
-    arrays = arrays_of(np.zeros((4, 4)), periodic=True, bins=100, half_width=half_width)  # 5 m
-    assert not TRACES[name](arrays, poses_of([0.0] * 3, 0.0, [6.0, 0.0, -1.0])).any()
-    assert TRACES[name](arrays, poses_of([], 0.0, 1.0)).shape == (0, 2, 100)
+def test_out_of_range_a_sonar_hears_nothing(name, half_width):
+    arrays = arrays_of(np.zeros((4, 4)), periodic=True, bins=10, half_width=half_width)  # half a metre
+    assert not TRACES[name](arrays, poses_of(0.0, 0.0, [6.0, -1.0])).any()
+    assert TRACES[name](arrays, poses_of([], 0.0, 1.0)).shape == (0, 2, 10)
 
 
 @pytest.mark.parametrize("trace", [*TRACES.values(), trace_labels], ids=[*TRACES, "labels"])

@@ -7,10 +7,9 @@ import pytest
 import xarray as xr
 
 from beds import arrays_of, poses_of, rough
-from insonify.io.records import write_record
 from insonify.kernels.common.types import LIGHT, SONAR
 from insonify.scene import edit, load_scene
-from insonify.simulation import prepare, simulate, simulate_blocks
+from insonify.simulation import prepare, simulate
 from insonify.tracers import sweep
 from insonify.tracers.labels import trace_labels
 
@@ -217,23 +216,6 @@ def test_truth_is_that_of_an_ideal_pulse(short):
     traced = sweep.trace(simulation.reduced, simulation.poses(np.arange(6)), planes=simulation.plan.planes)
     np.testing.assert_array_equal(np.moveaxis(record.target_id.values, 1, 0) == -2, traced == 0.0)
     assert (record.intensity.values[record.target_id.values == -2] > 0.0).any()
-
-
-def test_a_record_with_truth_reads_back(short, tmp_path):
-    path = tmp_path / "record.nc"
-    write_record(path, simulate_blocks(short, truth=True, block=4))
-    whole = simulate(short, truth=True)
-    with xr.open_dataset(path) as read:
-        read = read.load()
-        read = read.assign_coords({name: read[name].astype(str) for name in ("channel", "target", "bound")})
-        xr.testing.assert_equal(read, whole)
-        for name in ("target_id", "material", "shadow", "shadow_id", "path"):
-            assert read[name].dtype == whole[name].dtype
-        assert read.target_id.flag_meanings == "nothing bed pipe_0 sphere_1 sphere_2"
-        assert read.material.flag_meanings == "nothing medium_sand steel steel steel"
-        np.testing.assert_array_equal(read.target_id.flag_values, [-2, -1, 0, 1, 2])
-        np.testing.assert_array_equal(read.shadow_id.flag_values, [-2, 0, 1, 2])
-        assert read.shadow_id.flag_meanings == "nothing pipe_0 sphere_1 sphere_2"
 
 
 @pytest.mark.parametrize("law", [SONAR, LIGHT])
