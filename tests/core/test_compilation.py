@@ -3,13 +3,13 @@
 import io
 import math
 import os
-import subprocess
 import sys
 import time
 from pathlib import Path
 
 import pytest
 
+from commands import run_python
 from insonify import compilation_bar
 from insonify.compiler.compilation_events import WORDS, called_functions
 from insonify.compiler.digests import SOURCES
@@ -71,9 +71,9 @@ def test_a_sentence_says_what_is_compiled_and_how_long_it_takes(left: float | No
 
 def reports(cache: Path) -> list[str]:
     environment = {name: value for name, value in os.environ.items() if name != "NUMBA_CACHE_DIR"}
-    command = [sys.executable, "-c", FIRST_CALL]
-    environment["XDG_CACHE_HOME"] = str(cache)
-    return subprocess.run(command, env=environment, capture_output=True, text=True, check=True).stdout.splitlines()
+    code, printed, _ = run_python("-c", FIRST_CALL, env=environment | {"XDG_CACHE_HOME": str(cache)})
+    assert code == 0
+    return printed.splitlines()
 
 
 def test_the_share_done_grows_and_nothing_is_said_of_code_on_disk(tmp_path: Path) -> None:
@@ -92,8 +92,7 @@ def test_the_share_done_grows_and_nothing_is_said_of_code_on_disk(tmp_path: Path
 def test_streams_are_nobody_elses_while_numba_words_an_error() -> None:
     pytest.importorskip("colorama", reason="Numba replaces the streams only with it")
     environment = {name: value for name, value in os.environ.items() if not name.startswith("NUMBA_")}
-    command = [sys.executable, "-c", WORDED_ERROR]
-    assert subprocess.run(command, env=environment, capture_output=True, text=True, check=True).stdout == ""
+    assert run_python("-c", WORDED_ERROR, env=environment)[:2] == (0, "")
 
 
 def test_progress_goes_on_between_two_reports(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -152,5 +151,4 @@ for name, module in list(sys.modules.items()):
 
 def test_no_kernel_is_compiled_for_two_kinds_of_arguments() -> None:
     # A process of its own: other tests call kernels with arguments of their own making.
-    done = subprocess.run([sys.executable, "-c", COUNT], capture_output=True, text=True, check=True)
-    assert done.stdout == ""
+    assert run_python("-c", COUNT)[:2] == (0, "")

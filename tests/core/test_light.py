@@ -1,8 +1,6 @@
 """Pictures by light: shadows where geometry puts them, Lambert's law, mirrors, and nothing black."""
 
 import math
-import subprocess
-import sys
 from pathlib import Path
 from typing import Any
 
@@ -10,6 +8,7 @@ import numpy as np
 import pytest
 from PIL import Image
 
+from commands import run_python
 from insonify.cli import main
 from insonify.optics.cutaway import make_camera, make_cutaway
 from insonify.optics.light import LAMP, LightRenderer, light_picture
@@ -131,9 +130,6 @@ def test_the_command_needs_no_viewer(tmp_path: Path) -> None:
         "from insonify.cli import main\n"
         "sys.exit(main(['light', 'pipe-on-bed', '-o', 'light.png']))"
     )
-    done = subprocess.run(
-        [sys.executable, "-c", code], cwd=tmp_path, capture_output=True, text=True, check=False, timeout=300
-    )
-    assert (done.returncode, done.stderr) == (0, "")
+    assert run_python("-c", code, cwd=tmp_path)[::2] == (0, "")
     with Image.open(tmp_path / "light.png") as image:
         assert image.width == 1200

@@ -1,7 +1,6 @@
 """The ray tracer: closed forms first, then slow twins, then invariants."""
 
 import math
-import subprocess
 import sys
 
 import numpy as np
@@ -11,6 +10,7 @@ from hypothesis import strategies as st
 
 import naive
 from beds import arrays_of, poses_of, rough
+from commands import run_python
 from insonify import parallel
 from insonify.acoustics.flat_bed import flat_bed_curve
 from insonify.kernels.common.types import BED, LIGHT, SONAR
@@ -326,8 +326,7 @@ def most(count):
     return resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
 print(most(4096), most(1_000_000))
 """
-    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True, timeout=300)
-    few, many = map(int, done.stdout.split())
+    few, many = map(int, run_python("-c", code, timeout=300)[1].split())
     assert 1000 * (many - few) / 1_000_000 < 1.3 * rays.STRAIGHT  # bytes a ray
 
 
