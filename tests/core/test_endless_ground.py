@@ -195,7 +195,7 @@ def test_a_step_to_the_next_window_makes_its_new_tiles_alone():
     assert sorted(asked) == [(row, column) for row in (-1, 0, 1) for column in (1, 2)]
 
 
-@pytest.mark.parametrize("every", [2, 8])
+@pytest.mark.parametrize("every", [2, pytest.param(8, marks=pytest.mark.slow)])
 def test_thinned_tiles_are_every_nth_node_and_hold_no_more(every):
     whole = build_ground(SCENE)
     assert isinstance(whole, EndlessGround)

@@ -27,15 +27,11 @@ def test_scenes_of_one_figure_name_each_other(one: str, other: str) -> None:
     assert load_partner(load_scene(other)) == load_scene(one)
 
 
-def test_every_bundled_partner_is_a_scene() -> None:
+def test_every_bundled_partner_is_a_scene_or_the_same_with_other_settings() -> None:
     named = {name for name, path in bundled_scenes().items() if load_partner(load_scene(path)) is not None}
     assert named == {*PAIRS, *PAIRS.values(), "ghosts"}
-
-
-def test_a_partner_may_be_the_scene_with_other_settings() -> None:
     ghosts = load_scene("ghosts")
-    without = load_partner(ghosts)
-    assert without == edit(ghosts, {"water.surface": "none"})
+    assert load_partner(ghosts) == edit(ghosts, {"water.surface": "none"})
     assert load_partner(load_scene("default")) is None
 
 
@@ -63,16 +59,11 @@ def test_a_wrong_partner_is_one_sentence(partner: list[str], said: str) -> None:
         load_partner(edit(load_scene("default"), {"partner": partner}))
 
 
-@pytest.mark.parametrize(
-    "path", ["track.altitude", "seed", "sonar.beam.length", "targets.0.gap.3.1", "seabed.relief.of.1.mask.share"]
-)
-def test_paths_of_fields_of_any_kind(path: str) -> None:
-    assert is_field(Scene, path)
-
-
-@pytest.mark.parametrize("path", ["", "0", "track.altitud", "sonar.beam.widht", "targets.0.nothing", "track..altitude"])
-def test_paths_that_lead_nowhere(path: str) -> None:
-    assert not is_field(Scene, path)
+def test_paths_of_fields_of_any_kind() -> None:
+    fields = ("track.altitude", "seed", "sonar.beam.length", "targets.0.gap.3.1", "seabed.relief.of.1.mask.share")
+    assert all(is_field(Scene, path) for path in fields)
+    nowhere = ("", "0", "track.altitud", "sonar.beam.widht", "targets.0.nothing", "track..altitude")
+    assert not any(is_field(Scene, path) for path in nowhere)
 
 
 def test_a_description_is_split_at_its_links() -> None:
@@ -85,9 +76,6 @@ def test_a_description_is_split_at_its_links() -> None:
         "; [1] (a=b) is text.",
     )
     assert plain_words(text) == "Move the altitude or take no beam; [1] (a=b) is text."
-
-
-def test_a_link_may_set_a_table() -> None:
     (link,) = split_description("[a fan](sonar.beam={kind = 'fan', width = 3.0})")
     assert link == Link("a fan", "sonar.beam", {"kind": "fan", "width": 3.0})
 
@@ -99,15 +87,10 @@ def value_at(values: object, path: str) -> object:
 
 
 @pytest.mark.parametrize("name", bundled_scenes())
-def test_every_bundled_scene_names_its_controls(name: str) -> None:
+def test_every_bundled_scene_names_its_controls_and_every_link_changes_it(name: str) -> None:
     scene = load_scene(name)
     assert 3 <= len(scene.controls) <= 6
     assert len(set(scene.controls)) == len(scene.controls)
-
-
-@pytest.mark.parametrize("name", bundled_scenes())
-def test_every_link_of_a_bundled_scene_changes_it(name: str) -> None:
-    scene = load_scene(name)
     for link in (part for part in split_description(scene.description) if isinstance(part, Link)):
         changed = edit(scene, {"sonar.ping_rate": 1e-3, link.path: link.value})
         assert value_at(plain(changed), link.path) != value_at(plain(scene), link.path), link

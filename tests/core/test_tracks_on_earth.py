@@ -122,10 +122,8 @@ def test_a_broken_track_is_one_sentence(tmp_path, name, content, expected):
         read_navigation(str(path))
     assert expected in str(caught.value)
     assert "\n" not in str(caught.value)
-
-
-def test_latitude_and_longitude_do_not_displace_x_and_y(tmp_path):
-    (tmp_path / "a.csv").write_text("time,x,y,lon,lat\n0,1,2,3,4\n1,2,3,4,5\n")
-    tow = read_navigation(str(tmp_path / "a.csv"))
+    # Latitude and longitude do not displace x and y.
+    (tmp_path / "b.csv").write_text("time,x,y,lon,lat\n0,1,2,3,4\n1,2,3,4,5\n")
+    tow = read_navigation(str(tmp_path / "b.csv"))
     assert tow.place is None
     np.testing.assert_allclose(tow.columns["x"], [1.0, 2.0])
