@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import itertools
+import math
 from collections.abc import Sequence
 
 import numpy as np
@@ -199,3 +200,15 @@ def rough(ny: int, nx: int, rms: float = 0.05, seed: int = 1) -> np.ndarray:
     amplitude[0, 0] = 0.0
     heights = np.fft.irfft2(amplitude * np.exp(2j * np.pi * rng.random(amplitude.shape)), s=(ny, nx))
     return np.asarray(heights * (rms / heights.std()))
+
+
+def pipe_edges(
+    gap: float, *, altitude: float = 10.0, offset: float = 30.0, radius: float = 0.5
+) -> tuple[float, float, float, float]:
+    """Slant ranges of a pipe over a level bed: its near side and tangent, the beginning and end of its shadow."""
+    drop = altitude - gap - radius
+    distance = math.hypot(offset, drop)
+    angle, half = math.atan2(drop, offset), math.asin(radius / distance)
+    begins = altitude / math.sin(angle + half) if angle + half < math.pi / 2.0 else altitude
+    ends = altitude / math.sin(angle - half) if angle > half else math.inf
+    return distance - radius, math.sqrt(distance**2 - radius**2), begins, ends

@@ -1,7 +1,5 @@
 """Measured casts: what is read, what is left out, what is refused."""
 
-from pathlib import Path
-
 import gsw
 import numpy as np
 import pytest
@@ -12,7 +10,6 @@ from insonify.scene import SceneError, edit, load_scene
 from insonify.scene.water.cast import CastWater
 from insonify.scene.water.sound_speed import EQUATIONS
 
-REAL = Path(__file__).parents[3] / "shared" / "data" / "casts"
 SEABIRD = """* Sea-Bird SBE19plus  Data File:
 # nquan = {count}
 {names}

@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 from PIL import Image
 
+from beds import pipe_edges
 from commands import run_python
 from insonify.cli import main
 from insonify.optics.cutaway import make_camera, make_cutaway
@@ -32,18 +33,11 @@ def pixel(optical: OpticalScene, image: Any, place: tuple[float, float, float]) 
     return image[int(y), int(x)].astype(float)
 
 
-def shadow(gap: float) -> tuple[float, float]:
-    """Ground ranges between which a pipe of 0.5 m radius, 30 m away, shades a level bed from a lamp 10 m up."""
-    drop = 10.0 - gap - 0.5
-    angle, half = math.atan2(drop, 30.0), math.asin(0.5 / math.hypot(30.0, drop))
-    return 10.0 / math.tan(angle + half), 10.0 / math.tan(angle - half)
-
-
 @pytest.mark.parametrize("gap", [0.0, 1.0])
 def test_the_shadow_of_a_pipe_lies_where_geometry_puts_it(gap: float) -> None:
     optical = laid_out("pipe-on-bed", targets__0__gap=gap)
     image = light_picture(optical, make_cutaway(optical), 600)
-    begins, ends = shadow(gap)
+    begins, ends = (math.sqrt(r**2 - 10.0**2) for r in pipe_edges(gap)[2:])  # ground ranges, the lamp 10 m up
     middle = optical.scene.track.pings // 2 * optical.scene.track.speed / optical.scene.sonar.ping_rate
     lit, dark = (
         [pixel(optical, image, (middle, -y, 0.0)).sum() for y in ranges]

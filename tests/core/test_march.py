@@ -78,7 +78,7 @@ def test_long_steps_pass_through_a_ridge():
     assert march.trace(arrays, poses, step=2.0, rays=4000)[0, 0, shadow].any()
 
 
-def test_bodies_are_met_where_they_are():
+def test_bodies_are_met_where_they_are_and_small_ones_stepped_over():
     bodies = [((0.0, 9.0, 2.0), 1.0), ((5.0, 0.0, 3.0), (9.0, 0.0, 3.0), 0.5)]
     arrays = arrays_of(FLAT, 4.0, periodic=True, solids=bodies)
     directions = [(0.0, 1.0, 0.0), (0.05, 1.0, 0.02), (1.0, 0.0, 0.2), (1.0, 0.02, 0.15), (0.0, -1.0, 0.1)]
@@ -88,16 +88,10 @@ def test_bodies_are_met_where_they_are():
     np.testing.assert_allclose(hits.distance[:4], exact[:4], atol=1e-5)
     np.testing.assert_allclose(np.column_stack([hits.nx, hits.ny, hits.nz])[:4], normals[:4], atol=1e-4)
     assert math.isinf(hits.distance[4])
-
-
-def test_small_bodies_are_stepped_over():
-    arrays = arrays_of(FLAT, 4.0, periodic=True, solids=[((0.0, 9.25, 2.0), 0.1)])
-    assert hits_of(arrays, (0.0, 0.0, 2.0), [(0.0, 1.0, 0.0)], 0.05).body[0] == 0
-    assert hits_of(arrays, (0.0, 0.0, 2.0), [(0.0, 1.0, 0.0)], 0.5).body[0] == -2
-
-
-def test_no_bed_where_nodes_are_missing():
+    small = arrays_of(FLAT, 4.0, periodic=True, solids=[((0.0, 9.25, 2.0), 0.1)])
+    for step, body in ((0.05, 0), (0.5, -2)):
+        assert hits_of(small, (0.0, 0.0, 2.0), [(0.0, 1.0, 0.0)], step).body[0] == body
     heights = np.zeros((21, 21))
-    heights[10, 10] = np.nan
+    heights[10, 10] = np.nan  # no bed where a node is missing
     hits = hits_of(arrays_of(heights, 1.0), (10.5, 10.5, 5.0), [(0, 0, -1), (0.3, 0, -1), (0, 3, -1)], 0.1)
     assert hits.body.tolist() == [-2, BED, -2]

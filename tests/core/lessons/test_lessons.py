@@ -46,7 +46,7 @@ Answer: Because.
 """
 
 
-def test_the_parts_of_a_lesson() -> None:
+def test_the_parts_of_a_lesson_and_the_states_that_follow_its_moves() -> None:
     lesson = parse_lesson(LESSON, "width")
     assert (lesson.name, lesson.title, lesson.scene, lesson.order) == ("width", "Width", "figure-4a", 5)
     assert lesson.set == {"track.altitude": 8.0}
@@ -56,10 +56,7 @@ def test_the_parts_of_a_lesson() -> None:
     assert step.look_for == "merged echoes,\non two lines."
     assert (step.question, step.answer) == ("Why?", "Because.")
     assert step.fields == ("sonar.beam.kind", "sonar.beam.width")
-
-
-def test_states_follow_the_moves() -> None:
-    ((_, start, end),) = states_of(parse_lesson(LESSON, "width"))
+    ((_, start, end),) = states_of(lesson)
     assert start.value("track.altitude") == 8.0
     assert start.value("sonar.beam.width") is None
     assert end.value("sonar.beam.width") == 6.0
@@ -115,6 +112,9 @@ def test_a_file_is_checked(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -
     file.write_text(LESSON, encoding="utf-8")
     assert main(["lesson", "check", str(file)]) in (None, 0)
     assert capsys.readouterr().out == "width: 1 step, each can be done and is noticed\n"
+    unreachable = LESSON.replace("done = ", 'scene = "figure-1"\nset = { "sonar.rnage" = 3.0 }\ndone = ')
+    with pytest.raises(SceneError, match=r"step 'Widen the beam': sonar.rnage: unknown key; did you mean 'range'"):
+        check_lesson(parse_lesson(unreachable, "width"))
 
 
 @pytest.mark.parametrize("name", bundled_lessons())
@@ -129,14 +129,6 @@ def test_lessons_are_listed_in_their_order(capsys: pytest.CaptureFixture[str]) -
     )
     main(["lesson"])
     assert [line.split()[0] for line in capsys.readouterr().out.splitlines()] == [lesson.name for lesson in lessons]
-
-
-def test_a_step_that_cannot_be_reached_is_told() -> None:
-    lesson = parse_lesson(
-        LESSON.replace("done = ", 'scene = "figure-1"\nset = { "sonar.rnage" = 3.0 }\ndone = '), "width"
-    )
-    with pytest.raises(SceneError, match=r"step 'Widen the beam': sonar.rnage: unknown key; did you mean 'range'"):
-        check_lesson(lesson)
 
 
 def shadow_of_block(scene: Scene) -> tuple[float, float]:
