@@ -110,6 +110,36 @@ def icosphere(halvings: int, radius: float = 1.0, centre: ArrayLike = (0.0, 0.0,
     return radius * np.array(vertices) + np.asarray(centre), np.array(faces)
 
 
+def tabulated_pattern(
+    extent: ArrayLike,
+    energy: ArrayLike,
+    *,
+    centre: float = 0.0,
+    first_range: float = 1.0,
+    per_octave: float = 1.0,
+    vertical: int = EVERY_GRAZING,
+    tilt: float = 0.0,
+    s_vertical: float = 1.0,
+    two_way: bool = True,
+) -> BeamPattern:
+    """Beam of energies (rows, columns), a row per range, at sines evenly spaced within an extent about its centre."""
+    extent, energy = np.atleast_1d(np.asarray(extent, float)), np.atleast_2d(np.asarray(energy, float))
+    steps = (energy[:, 1:] + energy[:, :-1]) * (extent[:, None] / (energy.shape[1] - 1))
+    return BeamPattern(
+        tabulated=True,
+        centre=centre,
+        extent=extent,
+        energy=energy,
+        integral=np.concatenate([np.zeros((len(extent), 1)), np.cumsum(steps, axis=1)], axis=1),
+        first_range=first_range,
+        per_octave=per_octave,
+        vertical=vertical,
+        tilt=tilt,
+        s_vertical=s_vertical,
+        two_way=two_way,
+    )
+
+
 def gaussian_pattern(
     width: float,
     *,
@@ -121,25 +151,17 @@ def gaussian_pattern(
     near_width: float | None = None,
 ) -> BeamPattern:
     """Gaussian beam of a one-way -3 dB width in radians; ``near_width`` is its width at 5 m and nearer."""
-    sines = np.sin(
-        [w / 2.0 for w in ([width] if near_width is None else [near_width, 0.5 * (near_width + width), width])]
-    )
-    extent = 4.0 * sines
-    offset = extent[:, None] * np.linspace(-1.0, 1.0, 401)
-    energy = 2.0 ** (-(2.0 if two_way else 1.0) * (offset / sines[:, None]) ** 2)
-    steps = 0.5 * (energy[:, 1:] + energy[:, :-1]) * np.diff(offset, axis=1)
-    return BeamPattern(
-        tabulated=True,
+    widths = [width] if near_width is None else [near_width, 0.5 * (near_width + width), width]
+    sines = np.sin(0.5 * np.array(widths))
+    energy = 2.0 ** (-(2.0 if two_way else 1.0) * (4.0 * np.linspace(-1.0, 1.0, 401)) ** 2)
+    vertically = {"vertical": vertical, "tilt": tilt, "s_vertical": float(np.sin(0.5 * vertical_width))}
+    return tabulated_pattern(
+        4.0 * sines,
+        np.tile(energy, (len(sines), 1)),
         centre=float(np.sin(squint)),
-        extent=extent,
-        energy=energy,
-        integral=np.concatenate([np.zeros((len(sines), 1)), np.cumsum(steps, axis=1)], axis=1),
         first_range=5.0,
-        per_octave=1.0,
-        vertical=vertical,
-        tilt=tilt,
-        s_vertical=float(np.sin(0.5 * vertical_width)),
         two_way=two_way,
+        **vertically,
     )
 
 
