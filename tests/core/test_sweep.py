@@ -206,13 +206,11 @@ def test_the_smallest_records(bins, pings):
 
 
 @pytest.mark.parametrize("shape", [(1, 40), (40, 1), (1, 1), (2, 2)])
-@pytest.mark.parametrize("periodic", [False, True])
-def test_grids_of_one_row(shape, periodic):
-    arrays = arrays_of(np.zeros(shape), 0.5, periodic=periodic, bins=200, half_width=FAN)
-    record = quiet(arrays, poses_of([0.0, 0.25, 3.0], [0.0, 0.25, 3.0], 4.0))
-    if periodic:
-        curve = flat_bed_curve(arrays, 4.0)
-        np.testing.assert_allclose(record[1, 0, 100:], curve[100:], rtol=0.03)
+def test_grids_of_one_row(shape):
+    for periodic in (False, True):
+        arrays = arrays_of(np.zeros(shape), 0.5, periodic=periodic, bins=200, half_width=FAN)
+        record = quiet(arrays, poses_of([0.0, 0.25, 3.0], [0.0, 0.25, 3.0], 4.0))
+    np.testing.assert_allclose(record[1, 0, 100:], flat_bed_curve(arrays, 4.0)[100:], rtol=0.03)  # of the periodic one
 
 
 def test_nothing_in_the_way_of_a_target_above_a_hole():

@@ -26,12 +26,9 @@ def test_splitmix64_gives_the_published_sequence():
     ]
 
 
-def test_uniform_numbers_stay_inside_the_open_interval():
+def test_uniform_numbers_are_uniform_in_the_open_interval_and_independent_of_their_neighbours():
     assert unit_interval(np.uint64(0)) > 0.0
     assert unit_interval(np.uint64(2**64 - 1)) < 1.0
-
-
-def test_uniform_numbers_are_uniform_and_independent_of_their_neighbours():
     numbers = np.array([[hash_uniform(1, 2, a, b, 0) for a in range(-70, 70)] for b in range(-70, 70)])
     assert stats.kstest(numbers.ravel(), "uniform").pvalue > 0.01
     for shifted in (numbers[1:, :] * numbers[:-1, :], numbers[:, 1:] * numbers[:, :-1]):

@@ -16,17 +16,11 @@ def spread_over(pieces, count=20):
     return out
 
 
-def test_a_piece_of_rounding_below_zero_is_silence():
-    assert not spread_over([(3.2, 3.6, -2.0 / FIXED_POINT)]).any()
-
-
 def test_energy_goes_where_the_piece_lies():
     np.testing.assert_allclose(spread_over([(3.25, 5.75, 2.0)])[2:7], [0.0, 0.6, 0.8, 0.6, 0.0], atol=1e-10)
     np.testing.assert_allclose(spread_over([(5.75, 3.25, 2.0)]), spread_over([(3.25, 5.75, 2.0)]))
-
-
-def test_a_piece_of_no_length_lies_in_its_bin():
-    assert spread_over([(4.5, 4.5, 1.5)])[4] == pytest.approx(1.5)
+    assert spread_over([(4.5, 4.5, 1.5)])[4] == pytest.approx(1.5)  # of no length
+    assert not spread_over([(3.2, 3.6, -2.0 / FIXED_POINT)]).any()  # rounding below zero is silence
 
 
 @pytest.mark.parametrize("length", [1e-5, 2e-6, 1.1e-6])
