@@ -119,22 +119,32 @@ def test_flagged_and_missing_scans_are_left_out(tmp_path):
     np.testing.assert_allclose(cast.temperature, 10.0, atol=1e-6)
 
 
+ROWS = ((0, 1510, 15), (5, 1505, 12), (9, 1500, 10))
+CARIS = "[SVP_VERSION_2]\ncast.svp\nSection 2013-246 17:44:19 40:29:11.40 -74:07:46.80\n0 1510.0\n5 1505\n9.0 1500\n"
+
+
 @pytest.mark.parametrize(
-    "header",
+    ("name", "head", "mark"),
     [
-        "depth,sound_speed,temperature",
-        "Depth (m);Sound Velocity (m/s);Temp",
-        '"Depth [m]","Sound Speed","T"',
-        "DEPTH\tSV\tt",
-        "depth speed temperature",
+        ("cast.csv", "depth,sound_speed,temperature", ","),
+        ("cast.csv", "Depth (m);Sound Velocity (m/s);Temp", ";"),
+        ("cast.csv", '"Depth [m]","Sound Speed","T"', ","),
+        ("cast.csv", "DEPTH\tSV\tt", "\t"),
+        ("cast.csv", "depth speed temperature", " "),
+        ("cast.svp", CARIS, None),
     ],
 )
-def test_columns_go_by_their_names(tmp_path, header):
-    mark = next((mark for mark in ",;\t" if mark in header), " ")
-    rows = [mark.join(map(str, row)) for row in ((0, 1510, 15), (5, 1505, 12), (9, 1500, 10))]
-    cast = read_cast(text(tmp_path / "cast.csv", "\n".join(["# a note", header, *rows, ""])))
+def test_columns_go_by_their_names(tmp_path, name, head, mark):
+    rows = [] if mark is None else ["# a note", *(mark.join(map(str, row)) for row in ROWS), ""]
+    cast = read_cast(text(tmp_path / name, "\n".join([*rows[:1], head, *rows[1:]])))
     np.testing.assert_array_equal(cast.depth, [0.0, 5.0, 9.0])
     np.testing.assert_array_equal(cast.sound_speed, [1510.0, 1505.0, 1500.0])
+
+
+def test_a_descent_of_centimetres_with_times_is_read(tmp_path):
+    rows = "".join(f"{k},{1.3 + 0.01 * k:.2f},1500\n" for k in range(31))
+    cast = read_cast(text(tmp_path / "short.csv", "time,depth,sound_speed\n" + rows))
+    assert cast.depth.size == 2
 
 
 def test_unsorted_and_repeated_depths_become_one_profile(tmp_path):
@@ -146,32 +156,21 @@ def test_unsorted_and_repeated_depths_become_one_profile(tmp_path):
     np.testing.assert_allclose(cast.sound_speed, 1500.0 - 2.0 * cast.depth)  # means keep a gradient
 
 
-def test_a_caris_profile_is_read(tmp_path):
-    content = "[SVP_VERSION_2]\ncast.svp\nSection 2013-246 17:44:19 40:29:11.40 -74:07:46.80\n0.5 1524.0\n9.0 1519.4\n"
-    cast = read_cast(text(tmp_path / "cast.svp", content))
-    np.testing.assert_array_equal(cast.depth, [0.5, 9.0])
-    with pytest.raises(SceneError, match="holds 2 casts; keep one of its sections"):
-        read_cast(text(tmp_path / "two.svp", content + content))
-
-
-def test_the_equation_takes_precedence_when_given(tmp_path):
+def test_the_equation_takes_precedence_when_given_and_needs_its_columns(tmp_path):
     path = text(tmp_path / "cast.csv", "depth,sound_speed,temperature,salinity\n0,1500,10,35\n20,1501,10,35\n")
     np.testing.assert_array_equal(make_sound_speed_field(CastWater(path=path)).speed, [[1500.0, 1501.0]])
     by_paper = make_sound_speed_field(CastWater(path=path, equation="paper")).speed
     np.testing.assert_allclose(by_paper, [[1489.8, 1489.8 + 20.0 / 61.0]])
+    path = text(tmp_path / "speed.csv", "depth,speed\n0,1500\n20,1501\n")
+    with pytest.raises(SceneError, match=r"water.equation: 'paper' needs temperature and salinity"):
+        make_sound_speed_field(CastWater(path=path, equation="paper"))
 
 
-def test_a_file_written_anew_is_read_anew(tmp_path):
-    path = text(tmp_path / "cast.csv", "depth,speed\n0,1500\n20,1501\n")
-    before = make_sound_speed_field(CastWater(path=path)).speed[0, 0]
-    text(tmp_path / "cast.csv", "depth,speed\n0,1490\n20,1501.5\n")
-    assert (before, make_sound_speed_field(CastWater(path=path)).speed[0, 0]) == (1500.0, 1490.0)
-
-
-def test_a_cast_lies_beside_its_scene(tmp_path):
-    text(tmp_path / "cast.csv", "depth,speed\n0,1500\n20,1501\n")
+def test_a_cast_lies_beside_its_scene_and_is_read_anew(tmp_path):
     scene = text(tmp_path / "scene.toml", 'water = { kind = "cast", path = "cast.csv" }\n')
-    assert make_sound_speed_field(load_scene(scene).water).speed.tolist() == [[1500.0, 1501.0]]
+    for speed in (1500.0, 1490.0):
+        text(tmp_path / "cast.csv", f"depth,speed\n0,{speed}\n20,1501.5\n")
+        assert make_sound_speed_field(load_scene(scene).water).speed.tolist() == [[speed, 1501.5]]
 
 
 WRONG = [
@@ -186,6 +185,7 @@ WRONG = [
     ("cast.csv", "depth,speed\n1,1500\n1.1,1500\n1.2,nan\n", ["1 usable depths of 3 rows"]),
     ("cast.csv", "depth,speed\n1,1500\n20,15\n", ["15 m/s at 20 m", "correct"]),
     ("cast.svp", "all headings\n", ["no rows of depth and sound speed"]),
+    ("cast.svp", CARIS + CARIS, ["holds 2 casts; keep one of its sections"]),
     ("cast.cnv", "depth,speed\n1,1500\n", ["names no columns"]),
     ("cast.cnv", "# name 0 = depSM: Depth\n# name 1 = svCM: Velocity\n*END*\n  1 x\n", ["no numbers in line 4"]),
     ("cast.cnv", "# name 0 = depSM: Depth\n# name 1 = svCM: Velocity\n*END*\n  1 2 3\n", ["3 columns in line 4"]),
@@ -209,21 +209,9 @@ def test_what_is_no_cast_is_refused_in_one_sentence(tmp_path, name, content, wor
         assert word in sentence
 
 
-def test_an_equation_without_its_columns_is_refused(tmp_path):
-    path = text(tmp_path / "cast.csv", "depth,speed\n0,1500\n20,1501\n")
-    with pytest.raises(SceneError, match=r"water.equation: 'paper' needs temperature and salinity"):
-        make_sound_speed_field(CastWater(path=path, equation="paper"))
-
-
 def test_a_missing_cast_is_named_before_anything_is_traced():
     from insonify.simulation import prepare
 
     scene = edit(load_scene("default"), {"water": {"kind": "cast", "path": "nowhere.cnv"}})
     with pytest.raises(SceneError, match=r"water.path: 'nowhere.cnv' does not exist"):
         prepare(scene)
-
-
-def test_a_descent_of_centimetres_with_times_is_read(tmp_path):
-    rows = "".join(f"{k},{1.3 + 0.01 * k:.2f},1500\n" for k in range(31))
-    cast = read_cast(text(tmp_path / "short.csv", "time,depth,sound_speed\n" + rows))
-    assert cast.depth.size == 2

@@ -89,17 +89,6 @@ def test_too_few_planes_comb_a_small_target_and_the_plan_raises_them():
     assert (few / bed - 1.0).std() > 5.0 * (planned / bed - 1.0).std()
 
 
-def test_scatterers_that_interfere_are_swept_or_refused():
-    coherent = edit(DEFAULT, {"receiver.speckle": "coherent"})
-    assert plan(coherent).method == "sweep"
-    assert plan(coherent).entry("speckle").choice == "scatterers"
-    for method in ("march", "rays"):
-        with pytest.raises(SceneError, match=rf"^receiver\.speckle: 'coherent' .* '{method}'; take another speckle$"):
-            plan(coherent, method=method)
-    with pytest.raises(SceneError, match=r"^receiver\.speckle: 'coherent' .*sonar\.bounces is 2\); take"):
-        plan(edit(coherent, {"sonar.bounces": 2}))
-
-
 def test_the_cost_of_a_ping_includes_its_scatterers():
     """Blocks of pings that the viewer traces between two looks at what is asked are cut by it."""
     dense = edit(DEFAULT, {"receiver.speckle": "coherent", "receiver.speckle.density": 2e4})
@@ -155,10 +144,41 @@ def test_errors_predicted_beyond_those_measured_are_near_them(method, field, ste
     assert choice.error(case, fine) != measured
 
 
-@pytest.mark.parametrize("tolerance", [0.0, -0.1, math.nan, math.inf])
-def test_a_tolerance_that_is_no_share_is_refused(tolerance):
-    with pytest.raises(SceneError, match=r"^tolerance: .* give a share such as 0\.03$"):
-        plan(DEFAULT, tolerance)
+COHERENT = {"receiver.speckle": "coherent"}
+SECTION = {
+    "water": {
+        "kind": "section",
+        "distance": [0.0, 9.0],
+        "depth": [0.0, 30.0],
+        "sound_speed": [[1520, 1500], [1500, 1500]],
+    }
+}
+
+
+@pytest.mark.parametrize(
+    ("changes", "options", "sentence"),
+    [
+        *(({}, {"tolerance": share}, r"^tolerance: .* give a share such as 0\.03$") for share in (0.0, -0.1)),
+        *(({}, {"tolerance": share}, r"^tolerance: .* give a share such as 0\.03$") for share in (math.nan, math.inf)),
+        *(
+            (COHERENT, {"method": method}, rf"^receiver\.speckle: 'coherent' .* '{method}'; take another speckle$")
+            for method in ("march", "rays")
+        ),
+        (COHERENT | {"sonar.bounces": 2}, {}, r"^receiver\.speckle: 'coherent' .*sonar\.bounces is 2\); take"),
+        (COHERENT | THERMOCLINE, {}, r"^receiver\.speckle: 'coherent' sums waves along straight paths.*'uniform'$"),
+        (SECTION, {"method": "sweep"}, r"^method: 'sweep' refracts sound by depth only.*take rays$"),
+    ],
+)
+def test_what_cannot_be_planned_is_refused(changes, options, sentence):
+    with pytest.raises(SceneError, match=sentence):
+        plan(edit(DEFAULT, changes), **options)
+
+
+def test_scatterers_that_interfere_are_swept_and_water_that_differs_along_the_level_is_for_rays():
+    coherent = plan(edit(DEFAULT, COHERENT))
+    assert coherent.method == "sweep"
+    assert coherent.entry("speckle").choice == "scatterers"
+    assert plan(edit(DEFAULT, SECTION)).method == "rays"
 
 
 def test_pings_farther_apart_than_the_beam_is_wide_are_remarked_on():
@@ -218,21 +238,3 @@ def test_the_shift_of_the_farthest_echo_is_that_of_bent_rays(gradient):
     scene = edit(DEFAULT, {"water": {"kind": "profile", "depth": [0.0, 30.0], "sound_speed": speeds}})
     time = 2.0 / abs(gradient) * math.asinh(abs(gradient) * 50.0 / (2.0 * math.sqrt(1500.0 * speeds[1])))
     assert estimate_refraction(scene).shift == pytest.approx(abs(1500.0 * time - 50.0), rel=0.03)
-
-
-def test_water_that_differs_along_the_level_is_for_rays():
-    section = {
-        "kind": "section",
-        "distance": [0.0, 9.0],
-        "depth": [0.0, 30.0],
-        "sound_speed": [[1520, 1500], [1500, 1500]],
-    }
-    scene = edit(DEFAULT, {"water": section})
-    assert plan(scene).method == "rays"
-    with pytest.raises(SceneError, match=r"^method: 'sweep' refracts sound by depth only.*take rays$"):
-        plan(scene, method="sweep")
-
-
-def test_coherent_waves_go_straight():
-    with pytest.raises(SceneError, match=r"^receiver\.speckle: 'coherent' sums waves along straight paths.*'uniform'$"):
-        plan(edit(DEFAULT, THERMOCLINE | {"receiver.speckle": "coherent"}))
