@@ -115,7 +115,8 @@ def test_heights_of_a_few_places_need_no_tile(every):
     at_once = replace(ground, heights=_forbidden).height_at_once(x, y)
     exact = ground.height_at(x, y)
     np.testing.assert_allclose(at_once, exact, rtol=0.0, atol=1e-5 * np.std(exact))
-    np.testing.assert_array_equal(ground.height_at_once(x, y), exact)  # those of tiles that are kept
+    if every == 1:
+        np.testing.assert_array_equal(ground.height_at_once(x, y), exact)  # those of tiles that are kept
 
 
 def test_heights_beyond_an_excerpt_need_no_tile():
