@@ -20,8 +20,8 @@ class Box(Posed):
     kind: Literal["box"] = "box"
     size: tuple[Edge, Edge, Edge] = parameter(
         (2.0, 1.0, 1.0),
-        unit="m",
-        description="[length, width, height], each from 1 mm to 1000 m; the length runs along the heading",
+        "[length, width, height], each from 1 mm to 1000 m; the length runs along the heading",
+        "m",
         slider=(0.05, 10.0),
         log=True,
     )

@@ -6,7 +6,7 @@ from typing import Literal
 
 import numpy as np
 
-from insonify.scene.base import parameter
+from insonify.scene.base import length
 from insonify.scene.targets import LEAST, Posed
 from insonify.scene.targets.shape import Shape, frustum
 
@@ -16,12 +16,8 @@ class Cone(Posed):
 
     rank = 4
     kind: Literal["cone"] = "cone"
-    radius: float = parameter(
-        0.5, unit="m", description="radius of the base", ge=LEAST, le=100.0, slider=(0.05, 2.0), log=True
-    )
-    height: float = parameter(
-        1.0, unit="m", description="from the base to the apex", ge=LEAST, le=1000.0, slider=(0.05, 5.0), log=True
-    )
+    radius: float = length(0.5, "radius of the base", (0.05, 2.0), least=LEAST, most=100.0)
+    height: float = length(1.0, "from the base to the apex", (0.05, 5.0), least=LEAST, most=1000.0)
 
     def shape(self) -> Shape:
         """Return a frustum that ends in a point."""

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Literal
 
-from insonify.scene.base import parameter
+from insonify.scene.base import length
 from insonify.scene.targets import LEAST, Posed
 from insonify.scene.targets.shape import Shape, ball
 
@@ -14,9 +14,7 @@ class Sphere(Posed):
 
     rank = 2
     kind: Literal["sphere"] = "sphere"
-    radius: float = parameter(
-        0.5, unit="m", description="radius of the sphere", ge=LEAST, le=100.0, slider=(0.05, 2.0), log=True
-    )
+    radius: float = length(0.5, "radius of the sphere", (0.05, 2.0), least=LEAST, most=100.0)
 
     def shape(self) -> Shape:
         """Return one ball."""

@@ -8,7 +8,7 @@ from typing import Annotated, Any, Literal, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from insonify.scene.base import Coordinate, Family, Kind, KindOf, angle, parameter
+from insonify.scene.base import Coordinate, Family, Kind, KindOf, angle, length, parameter
 
 Points = NDArray[np.float64]
 VOLUMES = Family("volumes", "insonify.scene.volumes")
@@ -31,15 +31,10 @@ class Volume(Kind):
     family = VOLUMES
 
     position: tuple[Coordinate, Coordinate, Coordinate] = parameter(
-        unit="m", description="[x, y, z], z up from the sea surface"
+        description="[x, y, z], z up from the sea surface", unit="m"
     )
     strength: float = parameter(
-        -25.0,
-        unit="dB",
-        description="backscattering strength of a cubic metre",
-        ge=-200.0,
-        le=20.0,
-        slider=(-60.0, 0.0),
+        -25.0, "backscattering strength of a cubic metre", "dB", ge=-200.0, le=20.0, slider=(-60.0, 0.0)
     )
     heading: float = angle("heading, counter-clockwise from +x")
 
@@ -62,7 +57,7 @@ class Volume(Kind):
 
 
 def _extent(default: float, description: str, slider: tuple[float, float]) -> Any:
-    return parameter(default, unit="m", description=description, gt=0.0, le=1e4, slider=slider, log=True)
+    return length(default, description, slider, most=1e4)
 
 
 class School(Volume):
@@ -94,9 +89,7 @@ class Plume(Volume):
     kind: Literal["plume"] = "plume"
     height: float = _extent(15.0, "from the vent to its top", (1.0, 100.0))
     radius: float = _extent(1.0, "radius at its top", (0.1, 10.0))
-    drift: float = parameter(
-        0.0, unit="m", description="drift of its top along the heading", ge=0.0, le=1e4, slider=(0.0, 50.0)
-    )
+    drift: float = parameter(0.0, "drift of its top along the heading", "m", ge=0.0, le=1e4, slider=(0.0, 50.0))
 
     @property
     def cubic_metres(self) -> float:

@@ -26,7 +26,7 @@ class CastWater(WaterKind):
     interpolation: Interpolation = interpolation()
     equation: Equation | None = parameter(
         None,
-        description="equation of sound speed from temperature and salinity (when left out, the cast's own speed if it "
+        "equation of sound speed from temperature and salinity (when left out, the cast's own speed if it "
         "has one, otherwise teos10)",
         rare=True,
     )

@@ -24,12 +24,12 @@ class HydrographyWater(LayeredWater):
     rank = 30
     kind: Literal["hydrography"] = "hydrography"
     temperature: tuple[Temperature, ...] = parameter(
-        (18.0, 17.6, 11.6, 11.0), unit="°C", description="temperature at those depths", slider=(0.0, 30.0)
+        (18.0, 17.6, 11.6, 11.0), "temperature at those depths", "°C", slider=(0.0, 30.0)
     )
     salinity: Salinity | tuple[Salinity, ...] = parameter(
-        35.0, description="practical salinity at those depths, or one number for all", slider=(0.0, 40.0)
+        35.0, "practical salinity at those depths, or one number for all", slider=(0.0, 40.0)
     )
-    equation: Equation = parameter("teos10", description="equation of sound speed", rare=True)
+    equation: Equation = parameter("teos10", "equation of sound speed", rare=True)
 
     @model_validator(mode="after")
     def _one_value_a_depth(self) -> HydrographyWater:

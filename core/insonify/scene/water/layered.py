@@ -24,7 +24,7 @@ class LayeredWater(WaterKind):
     """Water of properties given at depths, constant above the first and below the last."""
 
     depth: tuple[Depth, ...] = parameter(
-        DEPTHS, unit="m", description="depths at which the properties are given, downwards", slider=(0.0, 100.0)
+        DEPTHS, "depths at which the properties are given, downwards", "m", slider=(0.0, 100.0)
     )
 
     @field_validator("depth")
@@ -36,9 +36,7 @@ class LayeredWater(WaterKind):
 
 def interpolation() -> Any:
     """Declare how a sound speed is interpolated between depths."""
-    return parameter(
-        "linear", description="between the depths: straight, or a smooth curve that never overshoots", rare=True
-    )
+    return parameter("linear", "between the depths: straight, or a smooth curve that never overshoots", rare=True)
 
 
 def check_order(what: str, places: tuple[float, ...], instead: str) -> None:

@@ -19,9 +19,7 @@ class ProfileWater(LayeredWater):
     table: ClassVar[frozenset[str]] = frozenset({"depth", "sound_speed"})
     rank = 20
     kind: Literal["profile"] = "profile"
-    sound_speed: tuple[Speed, ...] = parameter(
-        SPEEDS, unit="m/s", description="speed of sound at those depths", slider=(1400.0, 1600.0)
-    )
+    sound_speed: tuple[Speed, ...] = parameter(SPEEDS, "speed of sound at those depths", "m/s", slider=(1400.0, 1600.0))
     interpolation: Interpolation = interpolation()
 
     @model_validator(mode="after")

@@ -21,12 +21,12 @@ class SectionWater(LayeredWater):
     varies_along = True
     kind: Literal["section"] = "section"
     distance: tuple[Annotated[float, Field(ge=-1e6, le=1e6)], ...] = parameter(
-        (0.0, 200.0), unit="m", description="places of the profiles along the line", slider=(-100.0, 100.0)
+        (0.0, 200.0), "places of the profiles along the line", "m", slider=(-100.0, 100.0)
     )
     sound_speed: tuple[tuple[Speed, ...], ...] = parameter(
         (SPEEDS, (1520.0, 1520.0, 1515.0, 1500.0)),
-        unit="m/s",
-        description="speed of sound: for every distance, a list over the depths",
+        "speed of sound: for every distance, a list over the depths",
+        "m/s",
         slider=(1400.0, 1600.0),
     )
     heading: float = angle("direction of the line, counter-clockwise from +x")

@@ -53,12 +53,12 @@ class NoSurface(SurfaceKind):
 class MirrorSurface(SurfaceKind):
     """A sea surface that reflects all sound; each path by it can be switched off."""
 
-    surface_bottom: bool = parameter(True, description="paths by the surface one way and direct the other way")
-    surface_bottom_surface: bool = parameter(True, description="paths by the surface both ways")
+    surface_bottom: bool = parameter(True, "paths by the surface one way and direct the other way")
+    surface_bottom_surface: bool = parameter(True, "paths by the surface both ways")
     second_bottom: bool = parameter(
-        True, description="paths by the bed beneath the sonar and then the surface one way, direct the other way"
+        True, "paths by the bed beneath the sonar and then the surface one way, direct the other way"
     )
-    surface_echo: bool = parameter(True, description="the echo of the surface straight above the sonar")
+    surface_echo: bool = parameter(True, "the echo of the surface straight above the sonar")
 
     @property
     def reflects(self) -> bool:
@@ -84,12 +84,7 @@ class RoughSurface(MirrorSurface):
     rank = 30
     kind: Literal["rough"] = "rough"
     wind_speed: float = parameter(
-        5.0,
-        unit="m/s",
-        description="speed of the wind that raises the sea, 19.5 m above it",
-        ge=0.0,
-        le=30.0,
-        slider=(0.0, 15.0),
+        5.0, "speed of the wind that raises the sea, 19.5 m above it", "m/s", ge=0.0, le=30.0, slider=(0.0, 15.0)
     )
 
     @property

@@ -7,7 +7,7 @@ from abc import abstractmethod
 
 import numpy as np
 
-from insonify.scene.base import Family, Kind, parameter
+from insonify.scene.base import Family, Kind, length
 from insonify.scene.seabed.reliefs.spectrum import Density, Field
 
 AUTOCORRELATIONS = Family("autocorrelations", "insonify.scene.seabed.autocorrelations")
@@ -37,15 +37,7 @@ class AutocorrelationKind(Kind):
 class LengthAutocorrelation(AutocorrelationKind):
     """Autocorrelation given by its correlation length."""
 
-    length: float = parameter(
-        1.0,
-        unit="m",
-        description="lag at which the autocorrelation is 1/e",
-        gt=0.0,
-        le=1e5,
-        slider=(0.2, 20.0),
-        log=True,
-    )
+    length: float = length(1.0, "lag at which the autocorrelation is 1/e", (0.2, 20.0), most=1e5)
 
     @property
     def feature(self) -> float:

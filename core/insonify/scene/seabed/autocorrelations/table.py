@@ -53,7 +53,7 @@ class TabledAutocorrelation(LinearAutocorrelation):
     kind: Literal["table"] = "table"
     points: tuple[tuple[float, float], ...] = parameter(
         ((0.0, 1.0), (0.5, 0.5), (1.0, 0.2), (2.0, 0.0)),
-        description="points [lag in m, autocorrelation] from [0, 1]",
+        "points [lag in m, autocorrelation] from [0, 1]",
         min_length=2,
         max_length=4096,
     )

@@ -31,7 +31,7 @@ class BackscatterMap(CompositeMap):
         description="materials from the lowest to the highest values", min_length=2, max_length=32
     )
     levels: tuple[float, ...] = parameter(
-        (), description="values that separate successive materials; equal shares of the raster when left out"
+        (), "values that separate successive materials; equal shares of the raster when left out"
     )
 
     @model_validator(mode="after")

@@ -15,7 +15,7 @@ class FractalMap(CompositeMap):
     kind: Literal["fractal"] = "fractal"
     of: tuple[Material, ...] = parameter(description="materials of the bands", min_length=2, max_length=32)
     beta: float = parameter(
-        1.8, description="amplitude exponent of the field; larger is smoother", ge=0.0, lt=5.0, slider=(0.5, 3.0)
+        1.8, "amplitude exponent of the field; larger is smoother", ge=0.0, lt=5.0, slider=(0.5, 3.0)
     )
 
     def indices(self, cells: Cells) -> Map:

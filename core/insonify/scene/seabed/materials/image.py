@@ -12,7 +12,7 @@ from insonify.errors import SceneError
 from insonify.files import kept_until_changed
 from insonify.io.file_access import guarded
 from insonify.io.pictures import read_pixels
-from insonify.scene.base import FilePath, parameter
+from insonify.scene.base import FilePath, length, parameter
 from insonify.scene.seabed.materials import Cells, CompositeMap, Map, Material
 
 LARGEST_SIDE = 16384  # cells of a map
@@ -29,14 +29,11 @@ class ImageMap(CompositeMap):
     of: tuple[Material, ...] = parameter(
         description="materials from black to white, or of the palette's first colours", min_length=2, max_length=256
     )
-    width: float = parameter(
+    width: float = length(
         102.4,
-        unit="m",
-        description="width of the picture on the bed, adjusted so that whole pictures fill a period of the relief",
-        gt=0.0,
-        le=1e6,
-        slider=(10.0, 500.0),
-        log=True,
+        "width of the picture on the bed, adjusted so that whole pictures fill a period of the relief",
+        (10.0, 500.0),
+        most=1e6,
     )
 
     def indices(self, cells: Cells) -> Map:

@@ -22,14 +22,14 @@ class PowerLaw(ExtendableRelief):
     kind: Literal["power_law"] = "power_law"
     strength: float = parameter(
         0.0044,
-        unit="cm⁴",
-        description="spectral strength w₂ (fine sand 0.003, medium sand 0.0044, sandy gravel 0.013)",
+        "spectral strength w₂ (fine sand 0.003, medium sand 0.0044, sandy gravel 0.013)",
+        "cm⁴",
         ge=0.0,
         le=100.0,
         slider=(1e-4, 0.1),
         log=True,
     )
-    exponent: float = parameter(3.25, description="spectral exponent γ₂", gt=2.0, lt=4.0, slider=(2.4, 3.9))
+    exponent: float = parameter(3.25, "spectral exponent γ₂", gt=2.0, lt=4.0, slider=(2.4, 3.9))
 
     def density(self, outer: float | None = None) -> Density:
         """W(K) = w₂ (h₀K)^−γ₂; it levels off at waves as long as the outer scale (m) if one is given."""

@@ -7,7 +7,7 @@ from typing import Literal
 
 import numpy as np
 
-from insonify.scene.base import angle, parameter
+from insonify.scene.base import angle, length, parameter
 from insonify.scene.seabed.reliefs.random_relief import ExtendableRelief, rms_height
 from insonify.scene.seabed.reliefs.spectrum import Band, Density, Field, rotate_frequencies
 
@@ -18,28 +18,14 @@ class VonKarman(ExtendableRelief):
     rank = 40
     kind: Literal["von_karman"] = "von_karman"
     rms: float = rms_height()
-    across: float = parameter(
-        5.0,
-        unit="m",
-        description="wavelength across the crests beyond which the spectrum levels off, 2π/k_n",
-        gt=0.0,
-        le=1e6,
-        slider=(0.5, 100.0),
-        log=True,
+    across: float = length(
+        5.0, "wavelength across the crests beyond which the spectrum levels off, 2π/k_n", (0.5, 100.0), most=1e6
     )
-    along: float = parameter(
-        15.0,
-        unit="m",
-        description="wavelength along the crests beyond which the spectrum levels off, 2π/k_s",
-        gt=0.0,
-        le=1e6,
-        slider=(0.5, 100.0),
-        log=True,
+    along: float = length(
+        15.0, "wavelength along the crests beyond which the spectrum levels off, 2π/k_s", (0.5, 100.0), most=1e6
     )
     heading: float = angle("direction along the crests, counter-clockwise from +x")
-    hurst: float = parameter(
-        0.8, description="exponent ν; the fractal dimension is 3 − ν", gt=0.0, le=3.0, slider=(0.1, 1.0)
-    )
+    hurst: float = parameter(0.8, "exponent ν; the fractal dimension is 3 − ν", gt=0.0, le=3.0, slider=(0.1, 1.0))
 
     def density(self) -> Density:
         """P = 4πν h²/(k_n k_s) (1 + u²)^−(ν+1), u² = (k across/k_n)² + (k along/k_s)²: Goff and Jordan 1988, eq. 4."""

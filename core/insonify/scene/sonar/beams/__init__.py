@@ -106,8 +106,8 @@ class AimedBeam(BeamKind):
 
     squint: float = parameter(
         0.0,
-        unit="°",
-        description="angle by which the beam is turned towards the bow",
+        "angle by which the beam is turned towards the bow",
+        "°",
         ge=-45.0,
         le=45.0,
         slider=(-10.0, 10.0),

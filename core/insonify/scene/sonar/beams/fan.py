@@ -15,9 +15,7 @@ class FanBeam(AimedBeam):
     rank = 20
     top_hat = True
     kind: Literal["fan"] = "fan"
-    width: float = parameter(
-        1.0, unit="°", description="one-way full beamwidth", ge=1e-3, le=60.0, slider=(0.1, 10.0), log=True
-    )
+    width: float = parameter(1.0, "one-way full beamwidth", "°", ge=1e-3, le=60.0, slider=(0.1, 10.0), log=True)
 
     @property
     def words(self) -> str:

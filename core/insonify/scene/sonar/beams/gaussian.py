@@ -20,10 +20,10 @@ class GaussianBeam(AimedBeam):
     rank = 30
     kind: Literal["gaussian"] = "gaussian"
     width: float = parameter(
-        1.0, unit="°", description="one-way full beamwidth to -3 dB", ge=1e-3, le=60.0, slider=(0.1, 10.0), log=True
+        1.0, "one-way full beamwidth to -3 dB", "°", ge=1e-3, le=60.0, slider=(0.1, 10.0), log=True
     )
     two_way: bool = parameter(
-        True, description="whether the pattern applies to transmission and reception, or only once", rare=True
+        True, "whether the pattern applies to transmission and reception, or only once", rare=True
     )
 
     @property

@@ -7,7 +7,7 @@ from typing import Literal
 
 import numpy as np
 
-from insonify.scene.base import parameter
+from insonify.scene.base import length, parameter
 from insonify.scene.sonar.beams import COLUMNS, AimedBeam, BeamConditions, BeamTable, Values
 
 ELEMENTS = 1024  # point sources from which its pattern is computed
@@ -28,14 +28,12 @@ class LineArray(AimedBeam):
     rank = 40
     by_frequency = True
     kind: Literal["array"] = "array"
-    length: float = parameter(
-        0.5, unit="m", description="length of the array along the fish", gt=0.0, le=20.0, slider=(0.1, 2.0), log=True
-    )
+    length: float = length(0.5, "length of the array along the fish", (0.1, 2.0), most=20.0)
     taper: Literal["uniform", "cosine", "hamming", "taylor"] = parameter(
-        "uniform", description="weight of the elements; a tapered array has lower sidelobes and a wider beam"
+        "uniform", "weight of the elements; a tapered array has lower sidelobes and a wider beam"
     )
     two_way: bool = parameter(
-        True, description="whether the pattern applies to transmission and reception, or only once", rare=True
+        True, "whether the pattern applies to transmission and reception, or only once", rare=True
     )
 
     @property

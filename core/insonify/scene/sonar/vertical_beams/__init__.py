@@ -63,7 +63,7 @@ class TiltedBeam(VerticalBeamKind):
     """A vertical beam with an axis."""
 
     tilt: float = parameter(
-        30.0, unit="°", description="depression of the axis below the level fish", ge=-90.0, le=90.0, slider=(0.0, 60.0)
+        30.0, "depression of the axis below the level fish", "°", ge=-90.0, le=90.0, slider=(0.0, 60.0)
     )
 
 
@@ -71,7 +71,7 @@ class LobeBeam(TiltedBeam):
     """A vertical beam of a single lobe of given width."""
 
     width: float = parameter(
-        50.0, unit="°", description="one-way full width; to -3 dB of a gaussian", ge=1e-3, le=170.0, slider=(5.0, 90.0)
+        50.0, "one-way full width; to -3 dB of a gaussian", "°", ge=1e-3, le=170.0, slider=(5.0, 90.0)
     )
 
     @property

@@ -8,7 +8,7 @@ from typing import Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from insonify.scene.base import parameter
+from insonify.scene.base import length, parameter
 from insonify.scene.sonar.beams.line_array import ELEMENTS, taper_weights
 from insonify.scene.sonar.vertical_beams import TiltedBeam, VerticalResponse
 
@@ -21,11 +21,9 @@ class VerticalArray(TiltedBeam):
     rank = 40
     by_frequency = True
     kind: Literal["array"] = "array"
-    height: float = parameter(
-        0.005, unit="m", description="height of the transducer", ge=1e-4, le=0.25, slider=(0.001, 0.05), log=True
-    )
+    height: float = length(0.005, "height of the transducer", (0.001, 0.05), least=1e-4, most=0.25)
     taper: Literal["uniform", "cosine", "hamming", "taylor"] = parameter(
-        "uniform", description="weight over the height; a tapered transducer has lower sidelobes and a wider beam"
+        "uniform", "weight over the height; a tapered transducer has lower sidelobes and a wider beam"
     )
 
     @property

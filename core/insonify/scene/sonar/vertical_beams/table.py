@@ -24,8 +24,8 @@ class MeasuredVerticalBeam(TiltedBeam):
     kind: Literal["table"] = "table"
     levels: tuple[tuple[Angle, Level], ...] = parameter(
         ((-60.0, -30.0), (-25.0, -3.0), (0.0, 0.0), (25.0, -3.0), (60.0, -30.0)),
-        unit="dB",
-        description="pairs [angle below the axis in degrees, one-way level], ascending; the outermost apply beyond",
+        "pairs [angle below the axis in degrees, one-way level], ascending; the outermost apply beyond",
+        "dB",
         slider=(-60.0, 0.0),
         min_length=1,
         max_length=4096,

@@ -18,9 +18,7 @@ class Oscillation(SingleMotion):
     keeps_line = True
     axis: ClassVar[Axis]
     amplitude: float
-    period: float = parameter(
-        8.0, unit="s", description="period of the motion", ge=0.1, le=1e5, slider=(1.0, 60.0), log=True
-    )
+    period: float = parameter(8.0, "period of the motion", "s", ge=0.1, le=1e5, slider=(1.0, 60.0), log=True)
     phase: float = angle("phase of the motion at the first ping", rare=True)
 
     def displacement(self, time: NDArray[np.float64]) -> dict[Axis, NDArray[np.float64]]:
@@ -46,12 +44,7 @@ class Surge(_HorizontalOscillation):
     axis = "surge"
     kind: Literal["surge"] = "surge"
     amplitude: float = parameter(
-        0.5,
-        unit="m",
-        description="greatest distance ahead of a tow at constant speed",
-        ge=0.0,
-        le=100.0,
-        slider=(0.0, 5.0),
+        0.5, "greatest distance ahead of a tow at constant speed", "m", ge=0.0, le=100.0, slider=(0.0, 5.0)
     )
 
 
@@ -61,9 +54,7 @@ class Sway(_HorizontalOscillation):
     rank = 20
     axis = "sway"
     kind: Literal["sway"] = "sway"
-    amplitude: float = parameter(
-        0.5, unit="m", description="greatest distance to port of the line", ge=0.0, le=100.0, slider=(0.0, 5.0)
-    )
+    amplitude: float = parameter(0.5, "greatest distance to port of the line", "m", ge=0.0, le=100.0, slider=(0.0, 5.0))
 
 
 class Heave(Oscillation):
@@ -73,7 +64,7 @@ class Heave(Oscillation):
     axis = "heave"
     kind: Literal["heave"] = "heave"
     amplitude: float = parameter(
-        0.5, unit="m", description="greatest rise above the track's own height", ge=0.0, le=1000.0, slider=(0.0, 3.0)
+        0.5, "greatest rise above the track's own height", "m", ge=0.0, le=1000.0, slider=(0.0, 3.0)
     )
 
     @property
@@ -88,9 +79,7 @@ class Yaw(Oscillation):
     rank = 40
     axis = "yaw"
     kind: Literal["yaw"] = "yaw"
-    amplitude: float = parameter(
-        2.0, unit="°", description="greatest turn of the axis to port", ge=0.0, le=60.0, slider=(0.0, 15.0)
-    )
+    amplitude: float = parameter(2.0, "greatest turn of the axis to port", "°", ge=0.0, le=60.0, slider=(0.0, 15.0))
 
 
 class Pitch(Oscillation):
@@ -100,9 +89,7 @@ class Pitch(Oscillation):
     axis = "pitch"
     tilts = True
     kind: Literal["pitch"] = "pitch"
-    amplitude: float = parameter(
-        2.0, unit="°", description="greatest angle of the bow upwards", ge=0.0, le=60.0, slider=(0.0, 15.0)
-    )
+    amplitude: float = parameter(2.0, "greatest angle of the bow upwards", "°", ge=0.0, le=60.0, slider=(0.0, 15.0))
 
 
 class Roll(Oscillation):
@@ -113,5 +100,5 @@ class Roll(Oscillation):
     tilts = True
     kind: Literal["roll"] = "roll"
     amplitude: float = parameter(
-        3.0, unit="°", description="greatest angle of the port side upwards", ge=0.0, le=60.0, slider=(0.0, 15.0)
+        3.0, "greatest angle of the port side upwards", "°", ge=0.0, le=60.0, slider=(0.0, 15.0)
     )

@@ -13,18 +13,11 @@ class Turn(SingleMotion):
 
     rank = 70
     kind: Literal["turn"] = "turn"
-    rate: float = parameter(
-        3.0, unit="°/s", description="rate of turn, to port if positive", ge=-90.0, le=90.0, slider=(-10.0, 10.0)
-    )
+    rate: float = parameter(3.0, "rate of turn, to port if positive", "°/s", ge=-90.0, le=90.0, slider=(-10.0, 10.0))
     begin: float = parameter(
-        10.0,
-        unit="s",
-        description="time from the first ping to the beginning of the turn",
-        ge=0.0,
-        le=1e8,
-        slider=(0.0, 60.0),
+        10.0, "time from the first ping to the beginning of the turn", "s", ge=0.0, le=1e8, slider=(0.0, 60.0)
     )
-    duration: float = parameter(30.0, unit="s", description="duration of the turn", ge=0.0, le=1e8, slider=(0.0, 120.0))
+    duration: float = parameter(30.0, "duration of the turn", "s", ge=0.0, le=1e8, slider=(0.0, 120.0))
 
     @property
     def turning(self) -> Turning:
