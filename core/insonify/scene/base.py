@@ -231,10 +231,10 @@ def angle(description: str, default: float = 0.0, *, rare: bool = False) -> Any:
     return parameter(default, description, "°", ge=-360.0, le=360.0, slider=(-180.0, 180.0), rare=rare)
 
 
-def length(
+def metres(
     default: float, description: str, slider: tuple[float, float], *, least: float | None = None, most: float
 ) -> Any:
-    """Declare a length in metres, above 0 or from the least on, with a logarithmic slider."""
+    """Declare a length, above 0 or from the least on, with a logarithmic slider."""
     low = {"gt": 0.0} if least is None else {"ge": least}
     return parameter(default, description, "m", **low, le=most, slider=slider, log=True)
 

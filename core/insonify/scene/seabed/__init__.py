@@ -6,7 +6,7 @@ from typing import Annotated
 
 from pydantic import model_validator
 
-from insonify.scene.base import Declaration, KindOf, length, parameter
+from insonify.scene.base import Declaration, KindOf, metres, parameter
 from insonify.scene.seabed.materials import AnyMaterialMap, Material
 from insonify.scene.seabed.reliefs import RELIEFS, ReliefKind
 from insonify.scene.seabed.reliefs.flat import Flat
@@ -19,7 +19,7 @@ class Seabed(Declaration):
     depth: float = parameter(
         30.0, "depth of the mean bed (a measured bed has its own)", "m", gt=0.0, le=11000.0, slider=(5.0, 200.0)
     )
-    spacing: float = length(0.1, "spacing of the relief grid", (0.05, 1.0), most=1e4)
+    spacing: float = metres(0.1, "spacing of the relief grid", (0.05, 1.0), most=1e4)
     relief: Annotated[ReliefKind, KindOf(RELIEFS, default="flat")] = parameter(Flat(), "shape of the bed")
     material: AnyMaterialMap = parameter(Material(), "material of the bed")
 

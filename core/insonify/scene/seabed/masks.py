@@ -7,7 +7,7 @@ from typing import Literal
 
 import numpy as np
 
-from insonify.scene.base import Family, Kind, length, parameter
+from insonify.scene.base import Family, Kind, metres, parameter
 from insonify.scene.seabed.reliefs.spectrum import Density, Field
 
 MASKS = Family("masks", "insonify.scene.seabed")
@@ -22,7 +22,7 @@ class PatchMask(Kind):
     family = MASKS
     kind: Literal["patches"] = "patches"
     share: float = parameter(0.5, "share of the bed that the patches cover", gt=0.0, lt=1.0, slider=(0.05, 0.95))
-    size: float = length(10.0, "typical width of a patch", (1.0, 50.0), least=1e-3, most=1e5)
+    size: float = metres(10.0, "typical width of a patch", (1.0, 50.0), least=1e-3, most=1e5)
     softness: float = parameter(
         0.3,
         "width over which the relief fades at their borders, as a share of their size",

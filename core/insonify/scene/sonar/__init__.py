@@ -5,9 +5,9 @@ from __future__ import annotations
 from typing import Annotated, Literal
 
 from insonify.errors import SceneError
-from insonify.scene.base import Declaration, KindOf, length, parameter
+from insonify.scene.base import Declaration, KindOf, metres, parameter
 from insonify.scene.sonar.beams import BEAMS, BeamKind
-from insonify.scene.sonar.beams.fan import FanBeam
+from insonify.scene.sonar.beams.top_hats import FanBeam
 from insonify.scene.sonar.pulses import PULSES, PulseKind, Tone
 from insonify.scene.sonar.vertical_beams import VERTICAL_BEAMS, VerticalBeamKind
 from insonify.scene.sonar.vertical_beams.uniform import UniformVerticalBeam
@@ -24,7 +24,7 @@ class Sonar(Declaration):
         UniformVerticalBeam(), "vertical beam"
     )
     pulse: Annotated[PulseKind, KindOf(PULSES, default="tone")] = parameter(Tone(), "transmitted pulse")
-    range: float = length(50.0, "slant range of the last bin", (10.0, 200.0), most=1e4)
+    range: float = metres(50.0, "slant range of the last bin", (10.0, 200.0), most=1e4)
     bins: int = parameter(1000, "range bins per side", ge=1, le=MOST_BINS, slider=(100, 4000), log=True)
     ping_rate: float = parameter(
         10.0, "pings per second, at most c / (2 range)", "Hz", ge=1e-3, le=1e4, slider=(0.5, 50.0), log=True

@@ -8,7 +8,7 @@ from typing import Any, Literal
 import numpy as np
 from pydantic import field_validator, model_validator
 
-from insonify.scene.base import angle, length, parameter
+from insonify.scene.base import angle, metres, parameter
 from insonify.scene.targets import HIGHEST_GAP, LEAST, LOWEST_GAP, BedSurface, Target
 from insonify.scene.targets.shape import Shape, Vector, ball, exact_cos, frustum
 
@@ -22,8 +22,8 @@ class Pipe(Target):
 
     rank = 1
     kind: Literal["pipe"] = "pipe"
-    radius: float = length(0.5, "outer radius of the pipe", (0.05, 2.0), least=LEAST, most=100.0)
-    length: float = length(20.0, "length along the axis", (1.0, 200.0), least=LEAST, most=1e5)
+    radius: float = metres(0.5, "outer radius of the pipe", (0.05, 2.0), least=LEAST, most=100.0)
+    length: float = metres(20.0, "length along the axis", (1.0, 200.0), least=LEAST, most=1e5)
     heading: float = angle("direction of the axis, counter-clockwise from +x")
     pitch: float | None = parameter(
         None,

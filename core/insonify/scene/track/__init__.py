@@ -8,7 +8,7 @@ from pydantic import model_validator
 
 from insonify.scene.base import Coordinate, Declaration, KindOf, angle, parameter
 from insonify.scene.track.motions import MOTIONS, MotionKind, SingleMotion
-from insonify.scene.track.motions.straight import Straight
+from insonify.scene.track.motions.lines import Straight
 
 
 class Track(Declaration):

@@ -16,7 +16,7 @@ from insonify.accuracy.stability.level_scenes import error_message, make_level_s
 from insonify.acoustics.paths import ray_paths
 from insonify.acoustics.water import make_sound_speed_field
 from insonify.scene import edit, load_scene
-from insonify.scene.water.profile import ProfileWater
+from insonify.scene.water.layered import ProfileWater
 from insonify.scene.water.sound_speed import paper, teos10
 
 Values = NDArray[np.float64]

@@ -12,7 +12,7 @@ from insonify.errors import SceneError
 from insonify.files import kept_until_changed
 from insonify.io.file_access import guarded
 from insonify.io.pictures import read_pixels
-from insonify.scene.base import FilePath, length, parameter
+from insonify.scene.base import FilePath, metres, parameter
 from insonify.scene.seabed.materials import Cells, CompositeMap, Map, Material
 
 LARGEST_SIDE = 16384  # cells of a map
@@ -29,7 +29,7 @@ class ImageMap(CompositeMap):
     of: tuple[Material, ...] = parameter(
         description="materials from black to white, or of the palette's first colours", min_length=2, max_length=256
     )
-    width: float = length(
+    width: float = metres(
         102.4,
         "width of the picture on the bed, adjusted so that whole pictures fill a period of the relief",
         (10.0, 500.0),

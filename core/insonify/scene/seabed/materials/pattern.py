@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from insonify.errors import SceneError
-from insonify.scene.base import angle, length, parameter
+from insonify.scene.base import angle, metres, parameter
 from insonify.scene.seabed.materials import Cells, CompositeMap, Map, Material, Reflectivity
 
 GRADES = 256  # rows of waves from the first material to the last: the values of one byte
@@ -29,7 +29,7 @@ class PatternMap(CompositeMap):
     shape: Literal["stripes", "checks", "waves"] = parameter(
         "stripes", "stripes and checks have sharp borders; waves blend from the first to the last and back"
     )
-    period: float = length(
+    period: float = metres(
         8.0,
         "length after which the pattern repeats, adjusted so that whole ones fill a period of the relief",
         (0.5, 50.0),

@@ -6,7 +6,7 @@ from typing import Annotated, Literal
 
 from insonify.scene.base import KindOf, parameter
 from insonify.scene.seabed.autocorrelations import AUTOCORRELATIONS, AutocorrelationKind
-from insonify.scene.seabed.autocorrelations.exponential import ExponentialAutocorrelation
+from insonify.scene.seabed.autocorrelations.by_length import ExponentialAutocorrelation
 from insonify.scene.seabed.reliefs.random_relief import ExtendableRelief, rms_height
 from insonify.scene.seabed.reliefs.spectrum import Band, Density
 

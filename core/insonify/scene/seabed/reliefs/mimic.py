@@ -25,7 +25,7 @@ from numpy.typing import NDArray
 from pydantic import model_validator
 
 from insonify.errors import SceneError
-from insonify.scene.base import length, parameter
+from insonify.scene.base import metres, parameter
 from insonify.scene.seabed.materials import Material, MaterialMap
 from insonify.scene.seabed.materials.pattern import PatternMap
 from insonify.scene.seabed.reliefs import HeightGrid, ReliefKind
@@ -58,7 +58,7 @@ class Mimic(ReliefKind):
     altitude: float = parameter(
         15.0, "height above the mean bed from which the records are equal", "m", gt=0.0, le=1e4, slider=(5.0, 50.0)
     )
-    reach: float = length(
+    reach: float = metres(
         51.2,
         "distance to either side up to which the records are equal; the bed repeats after twice that",
         (10.0, 200.0),

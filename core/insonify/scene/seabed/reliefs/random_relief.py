@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Literal
 
 import numpy as np
 
-from insonify.scene.base import KindOf, length, parameter
+from insonify.scene.base import KindOf, metres, parameter
 from insonify.scene.seabed.masks import MASKS, PatchMask
 from insonify.scene.seabed.reliefs import AddableRelief
 from insonify.scene.seabed.reliefs.spectrum import Band, Density, Field, PeriodicWaves, Waves
@@ -34,7 +34,7 @@ class RandomRelief(AddableRelief):
     gaussian: ClassVar[bool] = True
     instead_of_a_period: ClassVar[str] = ""
 
-    period: float = length(102.4, "length after which the bed repeats", (12.8, 409.6), most=1e6)
+    period: float = metres(102.4, "length after which the bed repeats", (12.8, 409.6), most=1e6)
     mask: Annotated[PatchMask | None, KindOf(MASKS, default="patches", optional=True)] = parameter(
         None, "parts of the bed that have the relief; the bed is level elsewhere", rare=True
     )
@@ -144,7 +144,7 @@ def density_waves(density: Density, period: float, waves: PeriodicWaves, *, gaus
 
 def rms_height(default: float = 0.05) -> Any:
     """Declare the rms of a relief's heights."""
-    return length(
+    return metres(
         default,
         "rms height over a period (expected rms of endless ground), before any mask",
         (0.001, 1.0),

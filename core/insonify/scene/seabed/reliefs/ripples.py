@@ -7,7 +7,7 @@ from typing import Literal
 
 import numpy as np
 
-from insonify.scene.base import angle, length, parameter
+from insonify.scene.base import angle, metres, parameter
 from insonify.scene.seabed.materials import MaterialMap
 from insonify.scene.seabed.reliefs.random_relief import ExtendableRelief, density_waves
 from insonify.scene.seabed.reliefs.spectrum import (
@@ -31,9 +31,9 @@ class Ripples(ExtendableRelief):
     rank = 50
     shaped = True
     kind: Literal["ripples"] = "ripples"
-    wavelength: float = length(0.8, "mean distance from crest to crest", (0.3, 20.0), most=1e5)
+    wavelength: float = metres(0.8, "mean distance from crest to crest", (0.3, 20.0), most=1e5)
     heading: float = angle("direction along the crests, counter-clockwise from +x", 30.0)
-    height: float = length(0.08, "height from trough to crest", (0.005, 2.0), least=0.0, most=1e4)
+    height: float = metres(0.08, "height from trough to crest", (0.005, 2.0), least=0.0, most=1e4)
     bandwidth: float = parameter(
         0.1,
         "spread of the wave numbers across the crests over their mean; more makes crests less regular",

@@ -7,7 +7,7 @@ from typing import Literal
 
 import numpy as np
 
-from insonify.scene.base import angle, length, parameter
+from insonify.scene.base import angle, metres, parameter
 from insonify.scene.seabed.reliefs.random_relief import ExtendableRelief, rms_height
 from insonify.scene.seabed.reliefs.spectrum import Band, Density, Field, rotate_frequencies
 
@@ -18,10 +18,10 @@ class VonKarman(ExtendableRelief):
     rank = 40
     kind: Literal["von_karman"] = "von_karman"
     rms: float = rms_height()
-    across: float = length(
+    across: float = metres(
         5.0, "wavelength across the crests beyond which the spectrum levels off, 2π/k_n", (0.5, 100.0), most=1e6
     )
-    along: float = length(
+    along: float = metres(
         15.0, "wavelength along the crests beyond which the spectrum levels off, 2π/k_s", (0.5, 100.0), most=1e6
     )
     heading: float = angle("direction along the crests, counter-clockwise from +x")

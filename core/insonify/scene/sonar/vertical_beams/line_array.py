@@ -8,7 +8,7 @@ from typing import Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from insonify.scene.base import length, parameter
+from insonify.scene.base import metres, parameter
 from insonify.scene.sonar.beams.line_array import ELEMENTS, taper_weights
 from insonify.scene.sonar.vertical_beams import TiltedBeam, VerticalResponse
 
@@ -21,7 +21,7 @@ class VerticalArray(TiltedBeam):
     rank = 40
     by_frequency = True
     kind: Literal["array"] = "array"
-    height: float = length(0.005, "height of the transducer", (0.001, 0.05), least=1e-4, most=0.25)
+    height: float = metres(0.005, "height of the transducer", (0.001, 0.05), least=1e-4, most=0.25)
     taper: Literal["uniform", "cosine", "hamming", "taylor"] = parameter(
         "uniform", "weight over the height; a tapered transducer has lower sidelobes and a wider beam"
     )

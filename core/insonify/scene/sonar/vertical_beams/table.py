@@ -21,6 +21,7 @@ class MeasuredVerticalBeam(TiltedBeam):
     """A vertical beam of measured levels, interpolated linearly."""
 
     rank = 50
+    caption = "measured vertical beam tilted {tilt:g}°"
     kind: Literal["table"] = "table"
     levels: tuple[tuple[Angle, Level], ...] = parameter(
         ((-60.0, -30.0), (-25.0, -3.0), (0.0, 0.0), (25.0, -3.0), (60.0, -30.0)),
@@ -37,11 +38,6 @@ class MeasuredVerticalBeam(TiltedBeam):
         if any(after[0] <= before[0] for before, after in pairwise(levels)):
             raise ValueError("must run in order of increasing angle; sort the pairs and drop doubles")
         return levels
-
-    @property
-    def words(self) -> str:
-        """Name of the beam for captions."""
-        return f"measured vertical beam tilted {self.tilt:g}°"
 
     @property
     def response(self) -> VerticalResponse:

@@ -12,8 +12,4 @@ class UniformVerticalBeam(VerticalBeamKind):
 
     rank = 10
     kind: Literal["uniform"] = "uniform"
-
-    @property
-    def words(self) -> str:
-        """Name of the beam for captions: empty, because it changes nothing."""
-        return ""
+    caption = ""  # it changes nothing

@@ -1,4 +1,4 @@
-"""A top-hat beam."""
+"""Top-hat beams: a fan, and a knife without width."""
 
 from __future__ import annotations
 
@@ -6,7 +6,21 @@ import math
 from typing import Literal
 
 from insonify.scene.base import parameter
-from insonify.scene.sonar.beams import AimedBeam, BeamConditions
+from insonify.scene.sonar.beams import AimedBeam, BeamConditions, BeamKind
+
+
+class KnifeBeam(BeamKind):
+    """A beam without width: a vertical plane across the track at any pitch of the fish, 1 m wide by definition."""
+
+    rank = 10
+    top_hat = True
+    has_width = False
+    caption = "knife-edge beam"
+    kind: Literal["knife"] = "knife"
+
+    def half_width(self, conditions: BeamConditions) -> float:
+        """Zero: the beam is a plane."""
+        return 0.0
 
 
 class FanBeam(AimedBeam):
@@ -14,13 +28,9 @@ class FanBeam(AimedBeam):
 
     rank = 20
     top_hat = True
+    caption = "fan {width:g}°"
     kind: Literal["fan"] = "fan"
     width: float = parameter(1.0, "one-way full beamwidth", "°", ge=1e-3, le=60.0, slider=(0.1, 10.0), log=True)
-
-    @property
-    def words(self) -> str:
-        """Name of the beam for captions."""
-        return self._named(f"fan {self.width:g}°")
 
     def half_width(self, conditions: BeamConditions) -> float:
         """Half of the one-way full width, in radians."""

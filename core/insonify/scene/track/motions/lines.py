@@ -1,4 +1,4 @@
-"""A line with a bend."""
+"""Lines of a tow: straight, and with a turn."""
 
 from __future__ import annotations
 
@@ -6,6 +6,15 @@ from typing import Literal
 
 from insonify.scene.base import parameter
 from insonify.scene.track.motions import SingleMotion, Turning
+
+
+class Straight(SingleMotion):
+    """A level tow at constant speed."""
+
+    rank = 10
+    moves = False
+    keeps_line = True
+    kind: Literal["straight"] = "straight"
 
 
 class Turn(SingleMotion):
