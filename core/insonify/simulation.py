@@ -240,7 +240,7 @@ def _prepare(packed: PackedScene, plan: Plan, threads: int | None) -> Simulation
         arrays,
         plan=plan,
         reduced=packed.reduce(plan.model),
-        tiles=packed.ground_tiles(plan.every, tracer.bins_beyond),
+        tiles=packed.ground_tiles(plan.model.every, tracer.bins_beyond),
         tracer=tracer,
         reception=prepare_reception(packed.scene, packed.ground, arrays),
         threads=threads,

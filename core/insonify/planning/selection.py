@@ -12,9 +12,9 @@ from typing import Any
 from insonify.packing.packed_scene import Model, PackedScene, pack
 from insonify.planning.checks import check_method
 from insonify.planning.choices import CHOICES
-from insonify.planning.choices.base import FINENESS, Case, Choice, percent
+from insonify.planning.choices.base import FINENESS, Case, Choice
 from insonify.planning.choices.fineness import measure_together
-from insonify.planning.plan_entries import Plan, PlanEntry
+from insonify.planning.plan_entries import Plan, PlanEntry, percent
 from insonify.scene import Scene, SceneError
 from insonify.tracers.base import AUTO, find_tracer
 

@@ -235,7 +235,7 @@ def metres(
     default: float, description: str, slider: tuple[float, float], *, least: float | None = None, most: float
 ) -> Any:
     """Declare a length, above 0 or from the least on, with a logarithmic slider."""
-    low = {"gt": 0.0} if least is None else {"ge": least}
+    low: dict[str, Any] = {"gt": 0.0} if least is None else {"ge": least}
     return parameter(default, description, "m", **low, le=most, slider=slider, log=True)
 
 

@@ -17,10 +17,9 @@ from insonify.planning.choices.base import (
     Choice,
     Doublings,
     Number,
-    percent,
 )
 from insonify.planning.choices.effects import SMALL_EFFECTS
-from insonify.planning.plan_entries import PlanEntry
+from insonify.planning.plan_entries import PlanEntry, percent
 from insonify.planning.probe import FEW
 from insonify.planning.relevance import find_narrowest_target
 from insonify.scene import SceneError
@@ -226,13 +225,12 @@ class Step(Number):
         """Entry of the step."""
         if self.applies(model):
             step = self.measured_step(case, model)
-            difference = percent(case.probe.difference(*self.pair(case, model, step)))
-            reason = (
-                f"{model.rays} rays per side; on {case.pings(self.pair(case, model, step)[1])}, steps of {step:.3g} m"
-            )
-            reason += f" and of half that with twice the rays differ by {difference}"
-            reason += f"; estimated error with {model.step:.3g} m: {percent(error)}" if step > model.step else ""
-            reason += "; the march can step over anything thinner than a step"
+            pair = self.pair(case, model, step)
+            difference = f"steps of {step:.3g} m and of half that with twice the rays differ by "
+            difference += f"{percent(case.probe.difference(*pair))} on {case.pings(pair[1])}"
+            if step > model.step:
+                difference = f"estimated error with steps of {model.step:.3g} m: {percent(error)} ({difference})"
+            reason = f"{model.rays} rays per side; {difference}; the march can step over anything thinner than a step"
             yield self.entry(case, f"steps of {model.step:.3g} m", reason, error=error, options=self.offered)
 
 
