@@ -171,7 +171,7 @@ class Scene(Declaration):
 
     @property
     def altitude(self) -> float:
-        """Height of the sonar above the declared mean bed, in metres; a DEM's own mean is known to the terrain."""
+        """Height of the sonar above the declared mean bed, in metres; the mean of a DEM is in the terrain."""
         if self.track.depth is not None:
             return self.seabed.depth - self.track.depth
         return DEFAULT_ALTITUDE if self.track.altitude is None else self.track.altitude

@@ -10,8 +10,7 @@ from numpy.lib.stride_tricks import sliding_window_view
 from numpy.typing import NDArray
 from scipy.ndimage import maximum_filter1d
 
-from insonify.acoustics.error_range import ERROR_ALTITUDES, find_first_bin
-from insonify.acoustics.flat_bed import compute_flat_bed_curves
+from insonify.acoustics.flat_bed import ERROR_ALTITUDES, compute_flat_bed_curves, find_first_bin
 from insonify.kernels.common.types import Poses, SceneArrays
 
 DARK, SHADOW_BINS = 0.1, 8  # share of the median, and length of the run, that make a shadow

@@ -52,7 +52,7 @@ class Case:
 
     @cached_property
     def probe(self) -> Probe:
-        """Its probe, made when a choice first asks for it."""
+        """Its probe, made on first use."""
         packed = self.packed
         if self.scene.receiver.speckle.interferes:
             # Errors are those of the mean energy; interfering waves differ at random.

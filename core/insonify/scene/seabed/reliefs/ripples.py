@@ -101,7 +101,7 @@ class Ripples(ExtendableRelief):
         return (Band(self.band(), narrow, self.wave),)
 
     def shape_waves(self, real: Field, imaginary: Field, level: float) -> Field:
-        """Heights from a complex field, whose phase is 0 on crests.
+        """Heights from a complex field with phase 0 on crests.
 
         A sharp profile has crests with a corner, 4 height/wavelength steep, over parabolic troughs; a round one is a
         cosine.
