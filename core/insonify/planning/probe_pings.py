@@ -1,9 +1,9 @@
 """Choice of the few pings of a track on which a plan measures errors.
 
 Some pings are spread over the track, one at an irregular place within each of as many equal parts, so that no period of
-bed or motion falls in step with them; where a measured bed ends or has holes, over the pings within range of it. The greatest
-excursions of the fish are added, and pings in which the beam crosses targets: a target may be met by one ping in a
-thousand.
+bed or motion falls in step with them; where a measured bed ends or has holes, over the pings within range of it. The
+greatest excursions of the fish are added, and pings in which the beam crosses targets: a target may be met by one ping
+in a thousand.
 """
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""Waters: sound speed, one file a kind, with absorption and sea surface."""
+"""Waters: their base class, with sound speed, absorption and sea surface."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Autocorrelations of heights, one file a kind."""
+"""Autocorrelations of heights: their base class."""
 
 from __future__ import annotations
 

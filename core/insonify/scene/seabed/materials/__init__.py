@@ -1,4 +1,4 @@
-"""Maps of materials: their base classes and the map of a single material; one file a kind of map."""
+"""Maps of materials: their base classes and the map of a single material."""
 
 from __future__ import annotations
 

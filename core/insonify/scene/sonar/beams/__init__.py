@@ -1,4 +1,4 @@
-"""Horizontal beams, one file a kind.
+"""Horizontal beams: their base classes.
 
 Directions are given as s, the sine of their angle from the plane across the towfish; sensitivities are two-way
 energies, 1 on the axis in the far field.

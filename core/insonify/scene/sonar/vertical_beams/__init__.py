@@ -1,4 +1,4 @@
-"""Vertical beams, one file a kind."""
+"""Vertical beams: their base classes."""
 
 from __future__ import annotations
 
