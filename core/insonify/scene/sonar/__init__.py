@@ -10,7 +10,7 @@ from insonify.scene.sonar.beams import BEAMS, BeamKind
 from insonify.scene.sonar.beams.top_hats import FanBeam
 from insonify.scene.sonar.pulses import PULSES, PulseKind, Tone
 from insonify.scene.sonar.vertical_beams import VERTICAL_BEAMS, VerticalBeamKind
-from insonify.scene.sonar.vertical_beams.uniform import UniformVerticalBeam
+from insonify.scene.sonar.vertical_beams.lobes import UniformVerticalBeam
 
 MOST_BINS = 100_000  # greatest number of bins per side of a record, and of bins that a pulse may last
 

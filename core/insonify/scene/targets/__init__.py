@@ -1,4 +1,4 @@
-"""Targets on, in or over the bed: their base classes. Modules of this package hold the shapes, with fields and geometry."""
+"""Targets on, in or over the bed: their base classes."""
 
 from __future__ import annotations
 

@@ -68,3 +68,8 @@ class TiltedBeam(VerticalBeamKind):
     tilt: float = parameter(
         30.0, "depression of the axis below the level fish", "°", ge=-90.0, le=90.0, slider=(0.0, 60.0)
     )
+
+    @property
+    def response(self) -> VerticalResponse:
+        """Sensitivity by grazing angle: the table of `sensitivity`, unless a kind has a closed form."""
+        return VerticalResponse("table", self.tilt)

@@ -1,11 +1,19 @@
-"""Vertical beams of a single lobe."""
+"""Vertical beams without a lobe and with a single one."""
 
 from __future__ import annotations
 
 from typing import ClassVar, Literal
 
 from insonify.scene.base import parameter
-from insonify.scene.sonar.vertical_beams import TiltedBeam, VerticalResponse
+from insonify.scene.sonar.vertical_beams import TiltedBeam, VerticalBeamKind, VerticalResponse
+
+
+class UniformVerticalBeam(VerticalBeamKind):
+    """Equal sensitivity at every grazing angle."""
+
+    rank = 10
+    kind: Literal["uniform"] = "uniform"
+    caption = ""  # it changes nothing
 
 
 class LobeBeam(TiltedBeam):
