@@ -65,7 +65,7 @@ def read_navigation(path: str) -> RecordedNavigation:
             raise FileFault("has no column time", "name the column of seconds time")
         if len(found) < 2:
             raise FileFault(
-                "has no position and no attitude of the sonar", f"name a column one of {', '.join(COLUMNS)}"
+                "has no column of position or attitude", f"name a column one of {', '.join(COLUMNS)}"
             )
         if ("x" in found) != ("y" in found):
             raise FileFault("has only one of x and y", "give both or neither")
