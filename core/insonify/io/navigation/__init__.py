@@ -64,9 +64,7 @@ def read_navigation(path: str) -> RecordedNavigation:
         if "time" not in found:
             raise FileFault("has no column time", "name the column of seconds time")
         if len(found) < 2:
-            raise FileFault(
-                "has no column of position or attitude", f"name a column one of {', '.join(COLUMNS)}"
-            )
+            raise FileFault("has no column of position or attitude", f"name a column one of {', '.join(COLUMNS)}")
         if ("x" in found) != ("y" in found):
             raise FileFault("has only one of x and y", "give both or neither")
         if ("longitude" in found) != ("latitude" in found):
