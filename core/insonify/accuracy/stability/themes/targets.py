@@ -22,11 +22,11 @@ from insonify.simulation import simulate
 from insonify.tracers import rays, sweep
 
 THEME = StabilityTheme("Targets", 7)
-Vectors = NDArray[np.float64]
+Values = NDArray[np.float64]
 RADIUS = 1.0
 
 
-def _count_triangles(corners: Vectors, origin: Vectors, direction: Vectors) -> int:
+def _count_triangles(corners: Values, origin: Values, direction: Values) -> int:
     """Count the triangles that a ray meets (Möller and Trumbore), in float32, borders included."""
     a, b, c = (corners[:, k].astype(np.float32) for k in range(3))
     way, start = direction.astype(np.float32), origin.astype(np.float32)
