@@ -12,7 +12,7 @@ from PySide6.QtCore import Qt
 from PySide6.QtWidgets import QFileDialog
 from stand_in import StandIn
 
-from insonify.accuracy.charts.accuracy_chart import AccuracyChart, AccuracyRow, TracedScene
+from insonify.accuracy.charts.kinds.accuracy import AccuracyChart, AccuracyRow, TracedScene
 from insonify.accuracy.charts.method_settings import SettingKey
 from insonify.accuracy.charts.reference import Reference
 from insonify.scene import Scene, SceneError

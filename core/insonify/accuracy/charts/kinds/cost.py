@@ -14,16 +14,18 @@ from matplotlib.figure import Figure
 
 from insonify.accuracy.charts.chart import Chart, ChartTable
 from insonify.accuracy.charts.method_settings import coarsen_bed, pack_for_chart
-from insonify.accuracy.charts.series import (
+from insonify.accuracy.charts.style import (
     PowerLawFit,
     draw_series,
     finish_panel,
     fit_power_law,
     format_count,
+    format_time,
     group_by,
     lay_out_panels,
+    scale_axes,
+    write_headings,
 )
-from insonify.accuracy.charts.style import format_time, scale_axes, write_headings
 from insonify.accuracy.timing import describe_machine, time_calls
 from insonify.display.style import FAINT, label_axes
 from insonify.kernels.common.types import Poses, SceneArrays
