@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 
 from insonify.io.atomic import replacing
 from insonify.kernels.common.types import BED, SceneArrays, Solids
-from insonify.optics.cutaway import Camera, Cutaway, Vectors, make_camera, make_cutaway
+from insonify.optics.cutaway import Camera, Cutaway, OpticalScene, Vectors, make_camera, make_cutaway
 from insonify.optics.material_colours import LUMINANCE, hues
 from insonify.optics.optical_hits import OpticalHits, find_optical_hits, material_rows
 from insonify.packing.targets import pack_solids
@@ -26,7 +26,6 @@ from insonify.scene.targets.shape import Solid, ball, frustum
 from insonify.tracers.rays import cast
 
 if TYPE_CHECKING:
-    from insonify.optics.optical_scene import OpticalScene
     from insonify.scene import Scene
 
 WIDTH = 1200

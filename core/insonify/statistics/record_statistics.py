@@ -17,6 +17,7 @@ from insonify.acoustics.error_range import ERROR_ALTITUDES
 from insonify.display.normalisation import normalise
 from insonify.display.sheet import compute_median_curve, fill_altitude
 from insonify.scene import SceneError
+from insonify.terrain.periodic_waves import frequencies
 
 PATCH = 16  # pings and bins of a patch
 EVENEST = 0.25  # share of the patches that count as even
@@ -32,6 +33,8 @@ SILENCE = -60.0  # dB; nothing counts as darker
 STEPS = 4.0  # least median amplitude, in steps of the record, from which it is measured
 OFF_STEP = 0.02  # greatest distance of an amplitude from a multiple of the step: 16 bits in single precision
 CLIPPED = 1e-4  # share of samples at the greatest amplitude from which it is taken for full scale
+LOWEST_WAVE = 4.0  # cycles per period; lower frequencies have few waves and are clamped
+LEAST_SPAN = 16.0  # cycles per period between the lowest and the highest frequency
 
 
 class AmplitudeSpectrum(NamedTuple):
@@ -215,3 +218,25 @@ def _ping_spacing(record: xr.Dataset) -> float:
     """Mean distance between pings, in metres."""
     x, y = record["platform_x"].values, record["platform_y"].values
     return float(np.hypot(np.diff(x), np.diff(y)).mean()) if len(x) > 1 else 0.0
+
+
+def amplitude_exponent(heights: NDArray[np.floating]) -> float:
+    """Exponent β of the amplitude spectrum f^−β of a field, by maximum likelihood."""
+    from scipy.optimize import minimize_scalar
+
+    highest = min(heights.shape) / 2.0
+    if highest - LOWEST_WAVE < LEAST_SPAN:
+        raise SceneError(
+            f"heights: {heights.shape} samples hold too few waves to measure an exponent; "
+            f"give at least {2 * int(LOWEST_WAVE + LEAST_SPAN)} a side"
+        )
+    fx, fy = frequencies((heights.shape[0], heights.shape[1]))
+    radius = np.hypot(fx, fy)
+    power = np.abs(np.fft.rfft2(heights)) ** 2
+    inside = (radius >= LOWEST_WAVE) & (radius < highest) & (fx > 0)
+    log_radius, power = np.log(radius[inside]), power[inside]
+
+    def misfit(exponent: float) -> float:
+        return float(np.log((power * np.exp(exponent * log_radius)).mean()) - exponent * log_radius.mean())
+
+    return float(0.5 * minimize_scalar(misfit, bounds=(-0.5, 11.0), method="bounded").x)

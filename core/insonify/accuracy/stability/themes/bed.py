@@ -18,7 +18,7 @@ from insonify.kernels.common.types import Poses, SceneArrays
 from insonify.scene import Scene, edit, load_scene
 from insonify.simulation import prepare
 from insonify.statistics.record_errors import compare_records
-from insonify.statistics.spectral_exponent import amplitude_exponent
+from insonify.statistics.record_statistics import amplitude_exponent
 from insonify.terrain import relief, relief_picture
 from insonify.tracers import march, ray_sheets, rays, sweep
 
