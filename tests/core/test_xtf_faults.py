@@ -78,7 +78,7 @@ def test_what_cannot_be_understood_is_refused(tmp_path):
     path.write_bytes(content)
     with pytest.raises(SceneError, match="samples of format 1 and 2 bytes, which is not read here"):
         read_record(path)
-    with pytest.raises(SceneError, match="that are no echoes"):
+    with pytest.raises(SceneError, match="that are not echoes"):
         read_record(write_xtf(path, [{"samples": [[np.nan], [1.0]]}], kind="<f4"))
     wild = [PING, PING, {**PING, "reaches": [3e4, 3e4]}]
     with pytest.raises(SceneError, match="has slant ranges up to 3e"):

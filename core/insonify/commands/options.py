@@ -89,8 +89,8 @@ def add_specification(parser: argparse.ArgumentParser, folder: str, what: str) -
         "--scheduler",
         default="local",
         metavar="WHERE",
-        help="local:N for N workers on this machine, or tcp://HOST:PORT of an existing dask scheduler, whose workers "
-        "see the same folder (default: local, with one worker for each core that the process may use)",
+        help="local:N for N workers on this machine, or tcp://HOST:PORT of an existing dask scheduler with workers "
+        "that share the folder (default: local, with one worker for each core that the process may use)",
     )
 
 
@@ -165,13 +165,13 @@ def check_output(name: str, suffixes: tuple[str, ...], option: str = "-o") -> Pa
         raise SceneError(
             f"{where}: {path.suffix!r} is not written by this command; end the name in {' or '.join(suffixes)}"
         )
-    # What a link leads to is replaced: a scene, say, must not become a record.
+    # The target of a link is replaced, so it must have the same suffix: a scene must not become a record.
     leads_to = Path(os.path.realpath(path))
     if path.is_symlink() and (leads_to.is_symlink() or leads_to.suffix.lower() != path.suffix.lower()):
         raise SceneError(f"{where}: is a link to {os.readlink(path)!r}, which is no {path.suffix}; give another name")
     if not path.parent.is_dir():
         raise SceneError(f"{where}: there is no folder {str(path.parent)!r}; create it or give another name")
-    # Refused before the work starts. A protected file is left alone even where its folder would let it be replaced.
+    # Checked before the work starts. A protected file is kept even where its folder permits replacing it.
     locked = next((place for place in (path, path.parent) if place.exists() and not os.access(place, os.W_OK)), None)
     if locked is not None:
         raise SceneError(f"{where}: {str(locked)!r} is write-protected; allow writing or give another name")

@@ -40,7 +40,7 @@ class RecordSheet(NamedTuple):
 
 
 class SheetPings(NamedTuple):
-    """Successive pings, with what a picture shows of them."""
+    """Data of successive pings that a picture shows."""
 
     intensity: Record  # (n, 2, bins) linear, port first
     x: NDArray[np.float64]  # (n,) position of the sonar, in metres
@@ -50,7 +50,7 @@ class SheetPings(NamedTuple):
 
 
 def take_sheet_pings(record: xr.Dataset) -> SheetPings:
-    """Take from a record what a picture shows."""
+    """Take the data of a record that a picture shows."""
     return SheetPings(
         record["intensity"].transpose("ping_time", "channel", "range_sample").values,
         record["platform_x"].values,
@@ -61,7 +61,7 @@ def take_sheet_pings(record: xr.Dataset) -> SheetPings:
 
 
 def trace_sheet_pings(simulation: Simulation) -> Iterator[SheetPings]:
-    """Trace the record of a simulation block by block, with what a picture shows of it."""
+    """Trace the record of a simulation block by block and yield the data that a picture shows."""
     sonar = simulation.scene.sonar
     bin_length = sonar.range / sonar.bins
     for block in simulation.record_blocks():
@@ -149,7 +149,7 @@ def _axis(block: SheetPings, look: DisplayOptions) -> RangeAxis:
 
 
 def fill_altitude(block: xr.Dataset) -> NDArray[np.float64]:
-    """Altitudes of pings as `find_altitude` has them, in metres; 0 where the record shows no bed."""
+    """Altitudes of pings by `find_altitude`, in metres; 0 where the record shows no bed."""
     return np.nan_to_num(find_altitude(block))
 
 
@@ -159,7 +159,7 @@ def _bin_length(block: xr.Dataset) -> float:
 
 
 def _add_rows(rows: Record, counts: Record, row: NDArray[np.int64], newest_first: Record) -> None:
-    """Add the columns of successive pings to the rows that they share, the oldest of which is the last."""
+    """Add the columns of successive pings to the rows that they share; the oldest ping is in the last row."""
     upwards = row[::-1]
     starts = np.flatnonzero(np.diff(upwards, prepend=upwards[0] + 1))
     places = len(rows) - 1 - upwards[starts]

@@ -6,7 +6,7 @@ the product of the means is the sum itself:
 
     T = Σ value / Σ echo,  σ = Σ echo / Σ g b A,  g = Σ g b A / Σ b A,  b = Σ b² A / Σ b A,  A = (Σ b A)² / Σ b² A
 
-The area is thus the one that returns as much at the mean response of the beam, which is that where the echo comes from.
+The area is thus the one that returns as much at the mean response of the beam, weighted by the echo.
 """
 
 from __future__ import annotations
@@ -47,7 +47,7 @@ class Term:
 
     name: str  # ``spreading``, ``absorption``, …
     decibels: float
-    detail: str = ""  # what it comes from, in few words
+    detail: str = ""  # its cause, in few words
 
 
 @dataclass(frozen=True, eq=False)
@@ -62,13 +62,12 @@ class PixelExplanation:
     # Decibels that add up to the value: of the greatest contribution, of the others, then of the receiver.
     terms: tuple[Term, ...]
     contributions: tuple[Contribution, ...]  # by share, the greatest first
-    obstructions: tuple[Obstruction, ...]  # by share likewise
-    # Level in dB that the mean echo would have if nothing hid anything, with source level and gain; minus
-    # infinity for silence.
+    obstructions: tuple[Obstruction, ...]  # by share, the greatest first
+    # Level in dB of the mean echo without obstructions, with source level and gain; minus infinity for silence.
     unhidden: float
     sonar: SonarPose  # the sonar at that ping
-    summary: str  # one sentence: what echoes, or why nothing does
-    approximations: tuple[str, ...]  # what is not exactly as the record has it; empty where everything is
+    summary: str  # one sentence: the source of the echo, or why there is none
+    approximations: tuple[str, ...]  # differences from the record; empty where the explanation is exact
 
     @property
     def level(self) -> float:
@@ -130,7 +129,7 @@ def _refuse_outside(arrays: SceneArrays, ping: int, side: int, pixel: int) -> No
 
 
 def _echo_terms(parts: PixelParts, contributions: Sequence[Contribution]) -> list[Term]:
-    """Terms of the greatest contribution and of all others; none without an echo."""
+    """Terms of the greatest contribution and one for all others; an empty list without an echo."""
     if not contributions:
         return []
     first, light = contributions[0], parts.arrays.law == LIGHT
@@ -223,19 +222,19 @@ def _change(name: str, before: float, after: float, detail: str) -> Term | None:
 
 
 def _unhidden(simulation: Simulation, parts: PixelParts, pixel: int) -> float:
-    """Level of the mean echo if nothing hid anything, with source level and gain, dB."""
+    """Level of the mean echo without obstructions, with source level and gain, dB."""
     return decibels(float(parts.parts.value.sum()) * float(simulation.reception.gain[pixel]))
 
 
 def _approximations(parts: PixelParts, contributions: Sequence[Contribution]) -> tuple[str, ...]:
-    """List what is not exactly as in the record."""
+    """List the differences from the record."""
     simulation, notes = parts.simulation, []
     if simulation.plan.method != "sweep":
         notes.append("parts come from the sweep's planes, the record from single rays: the term 'tracing' is the rest")
     elif parts.folded:
         notes.append("refraction folds: parts are single rays, and bed that other bed hides is not listed")
     if simulation.reception.coherent:
-        notes.append("parts are mean echoes; the term 'speckle' holds the interference of single scatterers")
+        notes.append("parts are mean echoes; the term 'speckle' is the interference of single scatterers")
     if any(each.path != "direct" for each in contributions):
         notes.append("an echo by way of the sea surface is placed where its plane returns most")
     return tuple(notes)
@@ -250,7 +249,7 @@ class ReceiverStage(NamedTuple):
 
 
 def record_by_stages(simulation: Simulation, ping: int) -> list[ReceiverStage]:
-    """Record one ping with none of the receiver's stages, with the first, with the first two, and so on."""
+    """Record one ping without the receiver's stages, then with the first, the first two, and so on."""
     reception, trace = simulation.reception, _Tracing(simulation, ping)
     records = [ReceiverStage("", "", trace.record(replace(reception, stages=())))]
     for count, stage in enumerate(reception.stages, 1):

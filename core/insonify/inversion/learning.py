@@ -1,4 +1,4 @@
-"""Bed from a record: a scene whose simulated record resembles a recording, found by simulation and comparison."""
+"""Bed from a record: a scene with a similar simulated record, found by simulation and comparison."""
 
 from __future__ import annotations
 
@@ -28,10 +28,10 @@ LONGEST = 2048  # pings, from the middle of a longer record
 
 @dataclass(frozen=True)
 class Learned:
-    """A scene learned from a record, and how its own record compares."""
+    """A scene learned from a record, and the comparison of both records."""
 
     scene: Scene  # on a straight, level track
-    findings: tuple[Finding, ...]  # what matched, what did not, and what the record does not show
+    findings: tuple[Finding, ...]  # quantities that match, that differ, and that the record does not show
     # Time, x, y, altitude and heading of a track that is not straight and level.
     navigation: Mapping[str, Any] | None = None
 
@@ -57,9 +57,9 @@ def learn(
 ) -> Learned:
     """Learn a scene from a record.
 
-    Sonar and track are taken as declared. Relief, material, speckle and level are fitted; then the scene is simulated,
-    the same fit is made of its record, and the difference corrects the parameters (indirect inference: Gouriéroux,
-    Monfort and Renault 1993).
+    Sonar and track are those that the record declares. Relief, material, speckle and level are fitted. Then the scene
+    is simulated, the same fit is made of its record, and the difference corrects the parameters (indirect inference:
+    Gouriéroux, Monfort and Renault 1993).
 
     Parameters
     ----------

@@ -14,8 +14,8 @@ from insonify.display.normalisation import estimate_median_curve, normalise
 from insonify.scene import SceneError
 
 Field = NDArray[np.float64]
-RISE = 1.5  # highest over lowest altitude from which range and angle can be told apart
-BLOCK = (16, 4)  # pings and bins whose median counts
+RISE = 1.5  # ratio of the highest to the lowest altitude above which effects of range and angle are separable
+BLOCK = (16, 4)  # pings and bins of a block, which counts by its median
 RANGE_KNOTS, ANGLE_KNOTS = 24, 20
 RIDGE = 0.3  # weight of a prior of no effect, in blocks, at every knot
 ROUNDS, SPREAD = 12, 1.0  # of reweighting, and the residual in dB from which blocks count less: targets, shadows
@@ -28,7 +28,7 @@ EFFICIENCY = 0.48 * 0.5
 
 
 class LevelCurve(NamedTuple):
-    """Level of a record, in dB: that of its range plus that of its grazing angle, besides Lambert's sin² θ."""
+    """Level of a record, in dB: that of its range plus that of its grazing angle, on top of Lambert's sin² θ."""
 
     by_range: Field  # (bins,) gain, spreading, absorption and material
     # (n,) vertical beam and the bed's own law of scattering, by the grazing angle in degrees; zero throughout for
@@ -46,7 +46,7 @@ class LevelCurve(NamedTuple):
 def fit_level_curve(
     intensity: NDArray[np.float32], altitude: Field, bin_length: float, *, separate: bool
 ) -> LevelCurve:
-    """Fit the level of a record: its median at every slant range, and what follows the grazing angle instead."""
+    """Fit the level of a record: its median at every slant range, and its dependence on the grazing angle."""
     r = np.asarray((np.arange(intensity.shape[2]) + 0.5) * bin_length)
     lowest = int(np.argmin(altitude))
     median = estimate_median_curve(intensity, altitude, bin_length)[lowest, 0]
@@ -145,7 +145,7 @@ class SegmentSpectra(NamedTuple):
 
 
 def sound_bed(record: xr.Dataset, altitude: Field, *, separate: bool) -> SoundedBed:
-    """Take from a record what its bed is learned from."""
+    """Take the data of a record from which a bed is learned."""
     x, y = record["platform_x"].values, record["platform_y"].values
     spacing = float(np.hypot(np.diff(x), np.diff(y)).mean()) if len(x) > 1 else 0.0
     intensity = record["intensity"].transpose("channel", "ping_time", "range_sample").values

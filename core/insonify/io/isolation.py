@@ -87,7 +87,7 @@ def main() -> None:
 
 
 def _read(module: str, name: str, path: str, memory: int, seconds: float) -> Any:
-    """Call a reader within its limits; returns what it returns, or the error that the caller shall raise."""
+    """Call a reader within its limits; return its result, or an error for the parent process to raise."""
     try:
         read = getattr(import_module(module), name)
         with limited_memory(memory), ended_after(STARVED * seconds + GRACE):

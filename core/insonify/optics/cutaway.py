@@ -16,7 +16,7 @@ from insonify.scene import Scene
 from insonify.terrain import Ground
 
 Vectors = NDArray[np.float64]
-MARGIN = 0.07  # of the longer side, around what must be shown
+MARGIN = 0.07  # of the longer side, around everything that must be shown
 SLENDER = 0.62  # shorter side over the longer one, at least
 SHADOW = 1.4  # times the distance of a target, to which its shadow is shown
 THICK = 0.035  # of the longer side, below the lowest bed

@@ -1,6 +1,6 @@
 """Ray-traced picture of a scene, lit by a lamp at the sonar.
 
-The rays of every pixel go to the first surface. Where the scene follows bounces (``sonar.bounces``), they go on
+The rays of every pixel go to the first surface. Where the scene follows bounces (``sonar.bounces``), they continue
 through mirrors and clear bodies. At each hit a ray to the lamp decides whether the hit lies in a shadow. A surface
 returns I = k_d cos θ_i + k_s max(0, R·V)ⁿ of the lamp's light (Lambert, Phong) with its own k_d, k_s and n, and a share
 of ambient light, so that no shadow is black.
@@ -34,14 +34,14 @@ DEEP, CLEAR = np.array([0.008, 0.030, 0.050]), np.array([0.070, 0.185, 0.245])  
 STEEP, SLIGHT = -0.64, -0.45  # vertical components of directions that show these colours
 VEIL = 0.07  # share of a pixel that is light scattered by the water
 LAMP = np.array([1.0, 0.955, 0.86])
-AROUND = np.array([0.055, 0.085, 0.10])  # ambient light over that of the lamp
+AROUND = np.array([0.055, 0.085, 0.10])  # ambient light over the light of the lamp
 CUT = np.array([0.11, 0.075])  # share of it that the sides of the cutaway return, ahead and aside
 MIDDLE, WHITE = 0.22, 99.9  # brightness of the middle tone, percentile that is white
 GAMMA = 2.2
 OFF = 1e-4  # m above a surface, where the ray to the lamp starts
 FAR = 1e4  # m
 FISH = np.array([0.85, 0.47, 0.03])  # as shown
-SIZE = 0.045  # length over the longer side of the cutaway: larger than life, so that it shows
+SIZE = 0.045  # length over the longer side of the cutaway: larger than life, to be visible
 LINE = 0.0007  # of it: radius of the plumb line
 DPI = 100
 INSET = 26  # pixels from the left
@@ -57,7 +57,7 @@ def light_picture(optical: OpticalScene, cutaway: Cutaway, width: int = WIDTH) -
 
 
 class LightRenderer:
-    """Traces rays of sight through a cutaway and lights what they hit."""
+    """Traces rays of sight through a cutaway and lights the surfaces that they hit."""
 
     def __init__(self, optical: OpticalScene, cutaway: Cutaway) -> None:
         self._cutaway = cutaway

@@ -77,7 +77,7 @@ FAULTS = {
     "has 0 blocks of TOML": ("```toml", "```text"),
     "done: is missing": ('done = "sonar.beam.width >= 5"\n', ""),
     "has no paragraph 'Answer": ("Answer: Because.", ""),
-    "does not say what to move": ("Take a *fan*.", ""),
+    "has no text about what to move": ("Take a *fan*.", ""),
     "scene: 'figure-9' does not come with insonify": ('"figure-4a"', '"figure-9"'),
     "track.altitude: -1.0 is out of bounds": ("8.0", "-1.0"),
     "sonar.beam.width: -6.0 is out of bounds": ("6.0", "-6.0"),
@@ -89,7 +89,7 @@ FAULTS = {
     "compares nothing": ("sonar.beam.width >= 5", "sonar.beam.width"),
     "plan.tolerance: 2.0 is out of bounds": ('"sonar.beam.width" = 6.0', '"plan.tolerance" = 2.0'),
     "model: 'plains' is no choice": ('"sonar.beam.width" = 6.0', '"plan.plains" = "8"'),
-    "point.side: 'left' is no side": ('"sonar.beam.width" = 6.0', '"point.side" = "left"'),
+    "point.side: 'left' is not a side": ('"sonar.beam.width" = 6.0', '"point.side" = "left"'),
     "point.slant_range: 60.0 is outside": ('"sonar.beam.width" = 6.0', '"point.slant_range" = 60.0'),
     "point.colour: is not known": ('"sonar.beam.width" = 6.0', '"point.colour" = 1'),
 }

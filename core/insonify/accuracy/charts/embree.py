@@ -75,7 +75,7 @@ class TriangulatedScene:
         hits.material[:] = self._material[triangle]
         normal = found["Ng"].astype(np.float64)
         normal /= np.maximum(np.linalg.norm(normal, axis=1, keepdims=True), 1e-300)
-        # The bed is seen from above, a target from whichever side the ray comes.
+        # Normals of the bed point up; those of a target point to the side of the ray.
         turned = np.where(hits.body == BED, normal[:, 2] < 0.0, np.einsum("ij,ij->i", normal, ways) > 0.0)
         hits.nx[:], hits.ny[:], hits.nz[:] = np.where(turned, -normal.T, normal.T)
         return hits

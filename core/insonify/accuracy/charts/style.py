@@ -179,7 +179,7 @@ def group_by(rows: Iterable[Row], key: Callable[[Row], Key]) -> dict[Key, list[R
 
 
 def lay_out_panels(count: int, across: int) -> tuple[Figure, list[Axes]]:
-    """Figure with a number of panels, so many in a row."""
+    """Figure with a number of panels, and how many of them stand in a row."""
     rows = math.ceil(count / across)
     width, height = LEFT + across * WIDE - ROOM + 0.3, ABOVE + rows * (HIGH + ROOM) - ROOM + BELOW
     figure = make_figure(width, height)

@@ -22,15 +22,15 @@ ACROSS = 480  # columns of the shadow's picture, along the range
 POINTS = 241  # of each ray
 STEPS = (0.1, 0.2, 0.5, 1.0, 2.0, 5.0, 10.0)  # degrees from ray to ray
 MOST_RAYS = 50
-FARTHEST = 1e6  # m; on Earth, rounder farther out than a plane section
+FARTHEST = 1e6  # m; beyond, the curvature of the Earth matters
 NEAREST_HIT = 0.25  # share of the range at which the steepest ray that is drawn meets the bed or the surface
 FIRST = 257  # rays, denser towards the horizontal
 MOST = 4000
-SEAM = 2e-3  # of the range, by which the bed right under the sonar and between two rays is taken as met
+SEAM = 2e-3  # share of the range: a shorter gap between two rays, or under the sonar, counts as reached
 ROUNDS = 40  # of rays put between two that have parted
 CELLS = 720  # of depth
 WIDE = 12.0  # cells by which neighbours may lie apart
-ONE = 1e-12  # rad; rays launched closer than this and apart all the same leave a shadow between them
+ONE = 1e-12  # rad; rays launched closer than this that still diverge leave a shadow between them
 
 
 def trace_ray_diagram(
@@ -44,7 +44,7 @@ def trace_ray_diagram(
         raise SceneError(f"track: the sonar at {depth:g} m is not in water {bottom:g} m deep; change its depth")
     if target is not None and not (0.0 < target[0] <= FARTHEST and 0.0 <= target[1] <= bottom):
         raise SceneError(
-            f"target: {target[0]:g} m away and {target[1]:g} m deep is no point of the water; give a range above 0, "
+            f"target: {target[0]:g} m away and {target[1]:g} m deep is not in the water; give a range above 0, "
             f"to {FARTHEST:g} m, and a depth from 0 to {bottom:g} m"
         )
     reach = scene.sonar.range if target is None else max(scene.sonar.range, 1.05 * target[0])
@@ -157,7 +157,7 @@ class _Rays(NamedTuple):
 
 def _trace(water: Water, height: float, angles: Values, ranges: Values, limits: RayLimits) -> _Rays:
     points, ends = follow_paths(water, height, angles, ranges, limits)
-    # Behind its last range a ray has a point of its own, where it ends.
+    # Each row has one more point, where the ray ends; ranges beyond it are unused.
     beyond = points.x[:, : ranges.size] != ranges
     z, q = points.z[:, : ranges.size], points.q[:, : ranges.size]
     z[beyond], q[beyond] = np.nan, np.nan

@@ -57,7 +57,7 @@ def plausible_speed(*speeds: float) -> float:
 def check_amplitude(ping: int, amplitude: NDArray[np.float32]) -> None:
     """Raise FileFault for samples that are not finite, or too large for their square to be stored."""
     if not (np.isfinite(amplitude).all() and amplitude.max() < LOUDEST):
-        raise FileFault(f"has samples in ping {ping} that are no echoes", "export it again")
+        raise FileFault(f"has samples in ping {ping} that are not echoes", "export it again")
 
 
 def warn_of_cut(path: Path, at: int, whole: int) -> None:
@@ -133,7 +133,7 @@ class Fixes(NamedTuple):
 
 
 def fill_gaps(values: Column, known: NDArray[np.bool_], at: Column | None = None) -> Column:
-    """Interpolate values that are not known; NaN where none is."""
+    """Interpolate unknown values; NaN if all are unknown."""
     if not known.any():
         return np.full(values.shape, np.nan)
     at = np.arange(values.size, dtype=np.float64) if at is None else at

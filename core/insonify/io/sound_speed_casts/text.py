@@ -78,7 +78,7 @@ def _cells(line: str) -> list[str]:
 
 
 def _numbers(line: str) -> Values:
-    """Return the numbers of a line, NaN for cells that are none."""
+    """Return the numbers of a line, NaN for cells without one."""
     return np.array([number_or_nan(cell) for cell in _cells(line)])
 
 
@@ -93,7 +93,7 @@ def find_columns(cells: list[str], names: Mapping[str, str]) -> dict[str, int]:
 
 
 def number_or_nan(cell: str) -> float:
-    """Return the number in a cell, NaN if it holds none."""
+    """Return the number in a cell, NaN if there is none."""
     try:
         return float(cell)
     except ValueError:
@@ -155,7 +155,7 @@ def _suffices(places: dict[str, int]) -> bool:
 
 
 def _row(line: str, places: dict[str, int]) -> NDArray[np.float64]:
-    """Return the numbers of a row in the order of the columns, NaN for cells that are none."""
+    """Return the numbers of a row in the order of the columns, NaN for cells without a number."""
     cells = _log_cells(line)
     used = (cells[place] if place < len(cells) else "" for place in places.values())
     return np.array([_seconds(cell) if name == "time" else number_or_nan(cell) for name, cell in zip(places, used)])

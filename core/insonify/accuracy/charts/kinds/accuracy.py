@@ -74,7 +74,7 @@ class AccuracyRow:
     method: str  # name of the method
     setting: str  # setting as text
     size: float  # the setting as a number: step in metres, rays per side, or planes
-    targets: bool  # whether the scene holds its targets
+    targets: bool  # whether the scene includes its targets
     microseconds: float  # median time per ping, both sides, on one thread
     spread: float  # half the distance between the quartiles of the times, as a share of the median
     errors: RecordErrors  # errors against the reference, as shares of the record
@@ -132,7 +132,7 @@ class AccuracyChart(Chart):
     rows: tuple[AccuracyRow, ...]  # all methods and settings
     pings: int  # number of pings that were compared
     machine: str  # processor and versions of the measurement
-    # Scene with its targets (``True``) and without; a scene that has none has only ``False``.
+    # Scene with its targets (``True``) and without (``False``); a scene without targets has only ``False``.
     scenes: Mapping[bool, TracedScene] = field(repr=False)
     records: Mapping[SettingKey, Record] = field(repr=False)  # record of every row
     notes: tuple[str, ...] = ()  # methods that were left out, and why
@@ -144,7 +144,7 @@ class AccuracyChart(Chart):
     def find_front(self, targets: bool) -> list[AccuracyRow]:
         """Pareto front, fastest first: rows with a smaller error than all faster rows.
 
-        Less by more than the last doubling of the rays changed the reference; a smaller difference is not resolved.
+        Differences no greater than the change of the reference by the last doubling of its rays do not count.
         """
         front: list[AccuracyRow] = []
         resolved = self.scenes[targets].reference.moved
@@ -185,7 +185,7 @@ class AccuracyChart(Chart):
     def describe_speedup(self, targets: bool) -> str:
         """State how much faster the sweep reaches an error than exact rays; empty where either does not reach it.
 
-        The sweep divides segments as far as serves it best at that error, as a plan lets it.
+        The sweep divides segments in the way that reaches that error first, as a plan would.
         """
         method, sweep = self.fastest_sweep(COMPARED_ERROR, targets)
         exact = self.time_to_error("rays", COMPARED_ERROR, targets)

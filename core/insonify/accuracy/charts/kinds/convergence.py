@@ -59,7 +59,7 @@ SYMBOLS = {"march, step in m": "step", "sweep, spacing in m": "spacing"}
 class ConvergencePoint(NamedTuple):
     """Error of one series at one size."""
 
-    series: str  # method and what is refined
+    series: str  # method and refined quantity
     size: float  # step or spacing in metres, or count
     error: float  # share of the record beyond 1.4 times the altitude
     resolved: bool  # whether the reference is fine enough to resolve the error

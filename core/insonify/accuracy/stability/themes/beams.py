@@ -36,8 +36,8 @@ from insonify.simulation import prepare, simulate
 
 Values = NDArray[np.float64]
 BEAMS = StabilityTheme("Beams", 8)
-FARTHEST = 3  # which of the balls of the scene that combs
-LAX = 1.0  # tolerance with which planes may lie farther apart than a ball is wide
+FARTHEST = 3  # index of the farthest ball of the scene
+LAX = 1.0  # tolerance at which planes may lie farther apart than a ball is wide
 
 
 def _worst_error(values: Values, exact: Values | float) -> float:
@@ -51,7 +51,7 @@ def _worst_error(values: Values, exact: Values | float) -> float:
     "variation of a small sphere's echo within the beam",
     "%",
     failing=Approach("Uses as few planes as a tolerance of 1 allows.", 100.0),
-    right=Approach("Lets the plan choose by the size of the sphere and the beam width there.", 30.0),
+    right=Approach("Chooses the planes in the plan, by the size of the sphere and the beam width there.", 30.0),
     scene="breaks-comb",
 )
 def _few_planes() -> Measured:
@@ -221,7 +221,7 @@ LENGTH = 1.0  # m, of an array
 
 @BEAMS.case(
     "The near field of a line array",
-    "Nearer than the square of its length over the wavelength, an array hears a stretch as wide as itself.",
+    "Nearer than the square of its length over the wavelength, the beam of an array is as wide as the array itself.",
     f"error of the width of the beam of an array of {LENGTH:g} m, from 10 m to 90 m",
     "%",
     failing=Approach("Takes the pattern of the far field.", 50.0),
@@ -345,7 +345,7 @@ FACETS, FINE_FACETS = 24, 100_000
 def _radiances(facets: int) -> tuple[Values, Values, float]:
     """Slant ranges at the ends of facets of a ball, Lambert's radiance for both images in their middles, and its sum.
 
-    Facets are denser towards the edges; the radiance is 0 where the higher image sees nothing.
+    Facets are denser towards the edges; the radiance is 0 where the facet is hidden from the higher image.
     """
     x, z = CENTRE
     distance, middle = math.hypot(x, z), math.atan2(z, x)
@@ -372,9 +372,12 @@ def _radiances(facets: int) -> tuple[Values, Values, float]:
     "error of the energy of a ball",
     "%",
     failing=Approach(
-        f"Takes the radiance in the middle of each of {FACETS} facets, and the whole facet if that is seen.", 0.5
+        f"Takes the radiance in the middle of each of {FACETS} facets, and the whole facet if that is visible.",
+        0.5,
     ),
-    right=Approach("Cuts facets where an image stops seeing them, and takes the mean radiance of their ends.", 0.05),
+    right=Approach(
+        "Cuts facets at the edge of what an image illuminates, and takes the mean radiance of their ends.", 0.05
+    ),
 )
 def _light_at_an_edge() -> Measured:
     ball = ball_at(0.0, CENTRE[0], CENTRE[1] - DEPTH, RADIUS)

@@ -239,7 +239,7 @@ BAD: tuple[dict[str, Any], ...] = ({"peaks": [[200.0, 0.0]]}, {"peaks": [[0.0, 1
     "such beds made without an error",
     "of 4",
     failing=Approach("Filters by array indices without a check.", 3.0),
-    right=Approach("Refuses each in one sentence that names the field.", 0.0),
+    right=Approach("Reports each as one sentence that names the field.", 0.0),
 )
 def _out_of_bounds() -> Measured:
     made, unexplained, rows = 0, 0, []

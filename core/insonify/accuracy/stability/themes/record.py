@@ -222,7 +222,7 @@ NOISY = {
     "level of the last tenth of the record above the bed's",
     "dB",
     failing=Approach("Applies 40 log r + 2αr at every range.", 20.0),
-    right=Approach("Holds the gain from the range where even a perfect bed is below the noise.", 3.0),
+    right=Approach("Keeps the gain constant from the range where even a perfect bed is below the noise.", 3.0),
 )
 def _gain() -> Measured:
     tvg = {"receiver.tvg": {"kind": "power", "spreading": 40.0}}
@@ -232,13 +232,13 @@ def _gain() -> Measured:
     plain = plain * 10.0 ** ((40.0 * np.log10(r) + 2.0 * ABSORPTION * r) / 10.0)
     return Measured.by(lambda one: 10.0 * np.log10(one[1350:].mean() / one[100:500].max()), plain, own, panel(
         common(r, 10.0 * np.log10(plain), "gain to the end of the range", linewidth=1.0),
-        ours(r, 10.0 * np.log10(own), "gain held where noise exceeds any bed", linewidth=1.0),
+        ours(r, 10.0 * np.log10(own), "constant gain where noise exceeds any bed", linewidth=1.0),
         x="slant range (m)", y="level (dB)",
     ))  # fmt: skip
 
 
 def _albedos(incidences: Values, shininess: float) -> tuple[Values, Values]:
-    """Shares of the energy from incidences that leave in all directions: as light has the lobe, and normalised."""
+    """Albedo by incidence, with the lobe as computer graphics defines it and with the normalised lobe."""
     cosine = (np.arange(120) + 0.5) / 120.0
     around = (np.arange(120) + 0.5) / 120.0 * 2.0 * math.pi
     cosines, angles = (grid.ravel() for grid in np.meshgrid(cosine, around))
@@ -246,7 +246,7 @@ def _albedos(incidences: Values, shininess: float) -> tuple[Values, Values]:
     plain, own = [], []
     for incidence in incidences:
         mirrored = cosines * math.cos(incidence) - np.sqrt(1.0 - cosines**2) * np.cos(angles) * math.sin(incidence)
-        # Lambert and Phong, k_d/π + k_s max(0, R·V)ⁿ with k_d = k_s = ½, times the cosine of what leaves.
+        # Lambert and Phong, k_d/π + k_s max(0, R·V)ⁿ with k_d = k_s = ½, times the cosine of the outgoing direction.
         lobe = (0.5 / math.pi + 0.5 * np.maximum(mirrored, 0.0) ** shininess) * cosines
         plain.append(float((lobe * solid_angle).sum()))
         arrives = math.cos(incidence)
@@ -268,10 +268,10 @@ def _lobe() -> Measured:
     for n, style in ((1.0, "-"), (4.0, "--")):
         plain, own = _albedos(np.radians(degrees), n)
         albedos.append((plain.max(), own.max()))
-        curves += [common(degrees, plain, f"as light has it, n = {n:g}", style)]
+        curves += [common(degrees, plain, f"lobe of computer graphics, n = {n:g}", style)]
         curves += [ours(degrees, own, f"normalised, n = {n:g}", style)]
     plain, own = np.array(albedos).T
     return Measured.by(lambda shares: max(*shares, 1.0) - 1.0, plain, own, panel(
         *curves, curve("black", None, 1.0, style=":", linewidth=0.8),
-        x="incidence (°)", y="share that leaves", ylim=(0.0, 1.7),
+        x="incidence (°)", y="share of the energy that is scattered", ylim=(0.0, 1.7),
     ))  # fmt: skip

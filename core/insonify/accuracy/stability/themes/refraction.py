@@ -319,7 +319,7 @@ RAYS, MANY_RAYS = 1 << 12, 1 << 20
 @LAYERED_ECHOES.case(
     "Pairs of paths binned one by one",
     "Where sound comes along several paths, each ray out and each path back puts its echo into one bin.",
-    "error of the record where all is heard several times",
+    "error of the record where every echo arrives along several paths",
     "%",
     failing=Approach("Puts the echo of each pair into the bin in which it arrives.", 10.0),
     right=Approach("Spreads it over the range between neighbouring rays.", 0.5),

@@ -123,7 +123,7 @@ def _below() -> Measured:
     own = [float(make_sound_speed_field(shallow).speed_at(0.0, 0.0, z)) for z in depth]
     return Measured.by(lambda speed: abs(speed[-1] - c1), extrapolated, own, panel(
         common(extrapolated, depth, "last gradient extrapolated"),
-        ours(own, depth, "outermost speed held", linewidth=2.0),
+        ours(own, depth, "speed of the outermost sample", linewidth=2.0),
         inked(shallow.sound_speed, shallow.depth, "samples", "o-", markersize=4),
         faint(0.0, None, style=":", linewidth=0.7),
         x="speed of sound (m/s)", y="depth (m)", legend="lower center", down=True,
@@ -173,7 +173,7 @@ BAD: tuple[dict[str, Any], ...] = (
     "profiles accepted without an error",
     "of 6",
     failing=Approach("Interpolates without a check.", 3.0),
-    right=Approach("Refuses each in one sentence.", 0.0),
+    right=Approach("Reports each as one sentence.", 0.0),
 )
 def _invalid_profiles() -> Measured:
     accepted, unexplained, rows = 0, 0, []
@@ -339,7 +339,7 @@ def _vertex() -> Measured:
 @KNOTS.case(
     "A kink met at grazing",
     "The ray tube changes by the jump of the gradient over the sine of the ray's angle, which can be 0.",
-    "rays whose tube diverges without a flag",
+    "rays with a diverging tube and without a flag",
     "%",
     failing=Approach("Takes p − qξ²Δg/|s| without a bound.", 50.0),
     right=Approach("Limits the angle and flags the ray.", 0.0),
