@@ -77,23 +77,23 @@ def gather_sheet(blocks: Iterable[SheetPings], relative: Relative, pings: int, l
     together = math.ceil(pings / MOST_ROWS)  # pings that share a row
     rows = np.zeros((math.ceil(pings / together), columns), dtype=np.float32)
     counts = np.zeros((len(rows), 1), dtype=np.float32)
-    done, axis, track = 0, None, _Length()
-    altitudes: list[NDArray[np.float64]] = []
+    done, axis = 0, None
+    track = [np.empty((3, 0))]  # x, y and altitude of successive pings
     for block in blocks:
         axis = axis or _axis(block, look)
         numbers = np.arange(done, done + len(block.intensity))
         _add_rows(rows, counts, numbers // together, _columns(block, numbers, relative, columns, axis, look))
-        track.add(block)
-        altitudes.append(block.altitude)
+        track.append(np.stack([block.x, block.y, block.altitude]))
         done += numbers.size
     rows /= np.maximum(counts, 1.0)
-    along = track.metres * (done / max(done - 1, 1))
+    x, y, altitude = np.concatenate(track, axis=1)
+    along = float(np.hypot(np.diff(x), np.diff(y)).sum()) * (done / max(done - 1, 1))
     reach = axis.reach if axis is not None else 0.0
     across = 2.0 * reach if look.side == "both" else reach
     height = int(np.clip(columns * along / across if across > 0.0 else 0, *HEIGHTS))
     sheet = resample_rows(rows, height)
     upwards = sheet if look.newest_on_top else sheet[::-1]
-    return RecordSheet(upwards, reach, along, done, np.concatenate(altitudes or [np.empty(0)]))
+    return RecordSheet(upwards, reach, along, done, altitude)
 
 
 def gather_record_sheet(record: xr.Dataset, look: DisplayOptions) -> RecordSheet:
@@ -116,21 +116,6 @@ def resample_rows(rows: NDArray[np.float32], height: int) -> NDArray[np.float32]
     """Resample rows to a number of rows, by their mean where there are more."""
     edges = np.broadcast_to(np.linspace(0.0, len(rows), height + 1), (rows.shape[1], height + 1))
     return average_columns(np.ascontiguousarray(rows.T), edges).T
-
-
-class _Length:
-    """Along-track length of successive blocks."""
-
-    def __init__(self) -> None:
-        self.metres = 0.0
-        self._last: tuple[float, float] | None = None
-
-    def add(self, block: SheetPings) -> None:
-        x, y = block.x, block.y
-        if self._last is not None:
-            x, y = np.append(self._last[0], x), np.append(self._last[1], y)
-        self.metres += float(np.hypot(np.diff(x), np.diff(y)).sum())
-        self._last = float(x[-1]), float(y[-1])
 
 
 def _axis(block: SheetPings, look: DisplayOptions) -> RangeAxis:

@@ -166,6 +166,6 @@ def athwart_parts(pixel: PixelParts) -> EchoParts:
     if not fans:
         return pixel.parts.take(np.zeros(0, np.int64))
     fan = take_central_plane(pixel.arrays, fans[0][1])
-    window = whole_window(pixel.arrays).window
+    window = whole_window(pixel.arrays)
     parts = find_direct_parts(pixel.arrays, pixel.pose, pixel.side, window, fan)
     return parts.take(parts.state == HEARD)

@@ -46,7 +46,7 @@ def cut_cross_section(simulation: Simulation, ping: int, side: int) -> CrossSect
     if fans and not folded.any():
         fan = take_central_plane(arrays, fans[0][1])
         azimuth = float(fan.azimuth[0])
-        parts = find_direct_parts(arrays, pose, side, whole_window(arrays).window, fan)
+        parts = find_direct_parts(arrays, pose, side, whole_window(arrays), fan)
     x = np.linspace(0.0, reach, SAMPLES)
     level = sonar.place[:2] + np.multiply.outer(x, sonar.direction(azimuth))
     bed = np.column_stack([x, simulation.ground.height_at(level[:, 0], level[:, 1])])

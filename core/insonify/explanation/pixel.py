@@ -98,7 +98,12 @@ def explain_pixel(simulation: Simulation, ping: int, side: int, pixel: int) -> P
     SceneError
         If the record has no such pixel, or the sonar is inside a target.
     """
-    _refuse_outside(simulation.reduced, ping, side, pixel)
+    if ping < 0:
+        raise SceneError(f"ping: {ping} is before the first; give a number from 0")
+    if side not in (0, 1):
+        raise SceneError(f"side: {side} is neither port (0) nor starboard (1); give one of both")
+    if not 0 <= pixel < simulation.reduced.bins:
+        raise SceneError(f"bin: {pixel} is outside the record; give one from 0 to {simulation.reduced.bins - 1}")
     parts = find_pixel_parts(simulation, ping, side, pixel)
     stages = record_by_stages(simulation, ping)
     contributions, obstructions = find_contributions(parts), find_obstructions(parts)
@@ -112,20 +117,11 @@ def explain_pixel(simulation: Simulation, ping: int, side: int, pixel: int) -> P
         terms=tuple(_with_receiver(terms, stages, side, pixel)),
         contributions=contributions,
         obstructions=obstructions,
-        unhidden=_unhidden(simulation, parts, pixel),
+        unhidden=decibels(float(parts.parts.value.sum()) * float(simulation.reception.gain[pixel])),
         sonar=parts.sonar,
         summary=summarise_pixel(parts, contributions, obstructions),
         approximations=_approximations(parts, contributions),
     )
-
-
-def _refuse_outside(arrays: SceneArrays, ping: int, side: int, pixel: int) -> None:
-    if ping < 0:
-        raise SceneError(f"ping: {ping} is before the first; give a number from 0")
-    if side not in (0, 1):
-        raise SceneError(f"side: {side} is neither port (0) nor starboard (1); give one of both")
-    if not 0 <= pixel < arrays.bins:
-        raise SceneError(f"bin: {pixel} is outside the record; give one from 0 to {arrays.bins - 1}")
 
 
 def _echo_terms(parts: PixelParts, contributions: Sequence[Contribution]) -> list[Term]:
@@ -176,7 +172,11 @@ def _local_terms(parts: EchoParts, normal: float, light: bool) -> list[Term]:
     incidence = math.degrees(math.acos(min(float(np.average(local.cosine, weights=local.value)), 1.0)))
     terms = [
         Term("beam along the track", decibels(beam / by_vertical), _off_axis(local)),
-        Term("beam vertically", decibels(by_vertical), f"{math.degrees(-_mean(local.launch, local.echo)):.1f}° down"),
+        Term(
+            "beam vertically",
+            decibels(by_vertical),
+            f"{-math.degrees(np.average(local.launch, weights=local.echo)):.1f}° down",
+        ),
         Term("material", decibels(normal), "strength at normal incidence"),
         Term("incidence", decibels(strength / normal), f"{incidence:.0f}° from the normal"),
     ]
@@ -187,14 +187,9 @@ def _local_terms(parts: EchoParts, normal: float, light: bool) -> list[Term]:
     return [*terms, of_area if light else Term("area", decibels(area), f"{area:.3g} m² in the pixel")]
 
 
-def _mean(values: Column, weights: Column) -> float:
-    """Weighted mean."""
-    return float(np.average(values, weights=weights))
-
-
 def _off_axis(parts: EchoParts) -> str:
     """Direction of the echo from athwart, in words."""
-    azimuth = math.degrees(_mean(parts.azimuth, parts.echo))
+    azimuth = math.degrees(np.average(parts.azimuth, weights=parts.echo))
     return "athwart" if abs(azimuth) < 0.005 else f"{abs(azimuth):.2f}° towards the {'bow' if azimuth > 0 else 'stern'}"
 
 
@@ -219,11 +214,6 @@ def _change(name: str, before: float, after: float, detail: str) -> Term | None:
     if before == SILENCE:
         return None if after == SILENCE else Term(name, after, f"{detail}; nothing else is there")
     return Term(name, after - before, detail)
-
-
-def _unhidden(simulation: Simulation, parts: PixelParts, pixel: int) -> float:
-    """Level of the mean echo without obstructions, with source level and gain, dB."""
-    return decibels(float(parts.parts.value.sum()) * float(simulation.reception.gain[pixel]))
 
 
 def _approximations(parts: PixelParts, contributions: Sequence[Contribution]) -> tuple[str, ...]:

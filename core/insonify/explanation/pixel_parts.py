@@ -46,9 +46,9 @@ def pixel_window(arrays: SceneArrays, taps: Taps, pixel: int) -> PixelWindow:
     return _weigh(arrays, first, share)
 
 
-def whole_window(arrays: SceneArrays) -> PixelWindow:
+def whole_window(arrays: SceneArrays) -> Window:
     """All range bins of one side, each with weight 1."""
-    return _weigh(arrays, 0, np.ones(arrays.bins))
+    return _weigh(arrays, 0, np.ones(arrays.bins)).window
 
 
 def _weigh(arrays: SceneArrays, first: int, share: NDArray[np.float64]) -> PixelWindow:

@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from insonify.inversion.bed_parameters import BedParameters, PowerLaw, set_bed, variance_of_looks
+from insonify.inversion.bed_parameters import USUAL_SPEED, BedParameters, PowerLaw, set_bed, variance_of_looks
 from insonify.inversion.footprint import footprint_of
 from insonify.inversion.recorded_sonar import RecordedSonar
 from insonify.inversion.roughness_fit import PowerLawFit, RoughnessFit, fit_roughness
@@ -147,7 +147,7 @@ class Matching:
 
 def speed_of_sound(scene: Scene) -> float:
     """Sound speed of the water at the sonar, in m/s."""
-    return float(scene.water.only_speed or 1500.0)
+    return float(scene.water.only_speed or USUAL_SPEED)
 
 
 def _correct(bed: BedParameters, target: RoughnessFit, found: RoughnessFit, step: float) -> BedParameters:

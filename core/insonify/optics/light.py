@@ -22,7 +22,7 @@ from insonify.optics.material_colours import LUMINANCE, hues
 from insonify.optics.optical_hits import OpticalHits, find_optical_hits, material_rows
 from insonify.packing.targets import pack_solids
 from insonify.parallel import in_parallel
-from insonify.scene.targets.shape import Solid, ball, frustum
+from insonify.scene.targets.shape import ball, frustum
 from insonify.tracers.rays import cast
 
 if TYPE_CHECKING:
@@ -149,17 +149,13 @@ def with_towfish(arrays: SceneArrays, cutaway: Cutaway, of_bed: int) -> SceneArr
         frustum(tail - 0.06 * length * ahead, tail + 0.1 * length * ahead, 0.12 * length, 0.02 * length),
         frustum(foot, cutaway.lamp, LINE * longer, LINE * longer),
     ]
+    row = len(arrays.reflectivity)  # of their material
+    own = pack_solids(bodies, np.full(len(bodies), row), np.full(len(bodies), row - of_bed))
     return arrays._replace(
-        solids=_added(arrays.solids, bodies, len(arrays.reflectivity), of_bed),
+        solids=Solids._make(np.concatenate(columns) for columns in zip(arrays.solids, own)),
         reflectivity=np.vstack([arrays.reflectivity, [0.3, 0.0, 1.0]]),
         interface=np.vstack([arrays.interface, [0.0, 1.0]]),
     )
-
-
-def _added(solids: Solids, bodies: list[Solid], row: int, of_bed: int) -> Solids:
-    """Append solids of one material."""
-    own = pack_solids(bodies, np.full(len(bodies), row), np.full(len(bodies), row - of_bed))
-    return Solids._make(np.concatenate(columns) for columns in zip(solids, own))
 
 
 def write_light(path: Path, optical: OpticalScene) -> tuple[int, int]:

@@ -101,7 +101,7 @@ def measure_statistics(record: xr.Dataset) -> RecordStatistics:
         (r >= ERROR_ALTITUDES * altitude[:, None]) & (np.sqrt(curve) >= STEPS * step), intensity.shape
     )
     patches = _even_patches(amplitude, bed & ~_clipped(intensity))
-    along = _spectrum(amplitude.swapaxes(1, 2), bed.swapaxes(1, 2), _ping_spacing(record))
+    along = _spectrum(amplitude.swapaxes(1, 2), bed.swapaxes(1, 2), measure_ping_spacing(record))
     across = _spectrum(amplitude, bed, 2.0 * float(r[0]))
     if patches.size == 0 or along is None or across is None:
         raise SceneError(
@@ -214,8 +214,8 @@ def _tiles(values: NDArray[np.generic], shape: tuple[int, int]) -> NDArray[np.ge
     return tiles.reshape(len(cut) * rows * columns, *shape)
 
 
-def _ping_spacing(record: xr.Dataset) -> float:
-    """Mean distance between pings, in metres."""
+def measure_ping_spacing(record: xr.Dataset) -> float:
+    """Measure the mean distance between pings, in metres."""
     x, y = record["platform_x"].values, record["platform_y"].values
     return float(np.hypot(np.diff(x), np.diff(y)).mean()) if len(x) > 1 else 0.0
 
