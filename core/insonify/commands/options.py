@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+import math
 import os
 import sys
 from collections.abc import Callable, Iterator
@@ -194,22 +195,6 @@ def tracked(blocks: Iterator[Block], pings: int, count: Callable[[Block], int]) 
             block = next(blocks, None)
 
 
-def decibels(text: str) -> float:
-    """Parse a number of decibels."""
-    value = _number(text)
-    if not abs(value) <= 200.0:
-        raise argparse.ArgumentTypeError(f"{text} is out of bounds; give decibels from -200 to 200")
-    return value
-
-
-def metres(text: str) -> float:
-    """Parse a length."""
-    value = _number(text)
-    if not 1e-3 <= value <= 1e6:
-        raise argparse.ArgumentTypeError(f"{text} is out of bounds; give metres from 0.001 to 1000000")
-    return value
-
-
 def say(line: str) -> None:
     """Write a line to standard output."""
     sys.stdout.write(f"{line}\n")
@@ -221,15 +206,25 @@ def _count(text: str) -> int:
     return int(text)
 
 
-def _share(text: str) -> float:
-    value = _number(text)
-    if not 0.0 < value <= 1.0:
-        raise argparse.ArgumentTypeError(f"{text} is out of bounds; give a number above 0 and at most 1, e.g. 0.03")
-    return value
-
-
 def _number(text: str) -> float:
     try:
         return float(text)
     except ValueError:
         raise argparse.ArgumentTypeError(f"{text!r} is not a number; give a plain number") from None
+
+
+def _bounded(low: float, high: float, remedy: str) -> Callable[[str], float]:
+    """Parser of a number between bounds."""
+
+    def parse(text: str) -> float:
+        value = _number(text)
+        if not low <= value <= high:
+            raise argparse.ArgumentTypeError(f"{text} is out of bounds; give {remedy}")
+        return value
+
+    return parse
+
+
+decibels = _bounded(-200.0, 200.0, "decibels from -200 to 200")
+metres = _bounded(1e-3, 1e6, "metres from 0.001 to 1000000")
+_share = _bounded(math.ulp(0.0), 1.0, "a number above 0 and at most 1, e.g. 0.03")
