@@ -285,7 +285,7 @@ def test_a_record_that_tells_too_little_is_refused(record, spoil, sentence):
     [
         (["line.npz", "-o", "s.toml", "--set", "seabed.relief.beta=1"], "is learned from the record"),
         (["line.npz", "-o", "s.toml", "--set", "sonar.beem=1"], "unknown key"),
-        (["default", "-o", "s.toml"], "is no record"),
+        (["default", "-o", "s.toml"], "is not a record"),
         (["none.xtf", "-o", "s.toml"], "does not exist"),
         (["text.xtf", "-o", "s.toml"], "is not an XTF file"),
         (["line.npz", "-o", "s.png"], "end the name in .toml"),
