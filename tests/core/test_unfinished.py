@@ -11,6 +11,7 @@ import threading
 import pytest
 
 from insonify.errors import FileWarning
+from insonify.io import atomic
 from insonify.io.atomic import FORMER, replacing, temporary_path
 
 WRITE = """
