@@ -26,7 +26,7 @@ for _library in ("trimesh", "rasterio", "PIL", "fiona"):
 
 
 class FileFault(Exception):
-    """What is wrong with a file, and the remedy; `guarded` makes a sentence of both."""
+    """Fault of a file with its remedy; `guarded` turns both into one sentence."""
 
     def __init__(self, fault: str, remedy: str) -> None:
         super().__init__(fault, remedy)
@@ -46,7 +46,7 @@ def guarded(refusal: Callable[[str, str], SceneError], remedy: str) -> Iterator[
         raise
     except FileFault as error:
         raise refusal(error.fault, error.remedy) from None
-    except Exception as error:  # every library fails in ways of its own
+    except Exception as error:  # libraries raise errors of many types
         raise refusal(f"cannot be read ({reason(error)})", remedy) from error
     for warning in caught:  # those of libraries are left out
         warnings.warn(warning.message, stacklevel=4)

@@ -87,7 +87,7 @@ def write_headings(figure: Figure, title: str, line: str, foot: str) -> None:
 
 
 def place_labels(axes: Axes, labels: Sequence[tuple[str, float, float, str]]) -> None:
-    """Write labels beside their points, with the least overlap with one another and with all points."""
+    """Write labels beside their points, where they least overlap one another and all points."""
     figure = axes.figure.get_figure(root=True)
     assert figure is not None
     renderer = figure.canvas.get_renderer()  # type: ignore[attr-defined]

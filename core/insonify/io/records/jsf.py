@@ -146,7 +146,7 @@ def _track(headers: NDArray[Any]) -> recording.RecordedTrack:
     """Navigation of the pings, and time and place of the first one where they are recorded."""
     clock = headers["milliseconds"].astype(np.float64) / 1e3
     whole = headers["time"].astype(np.float64)
-    # Seconds since 1970 and milliseconds of the day belong together where they name the same second.
+    # Seconds since 1970 and milliseconds of the day belong together where they give the same second.
     times = whole + np.where(np.abs(whole % recording.DAY - clock) < 1.5, clock - whole % recording.DAY, 0.0)
     fixes = _fixes(headers)
     x, y = fixes.positions(times) or (np.zeros_like(times), np.zeros_like(times))
@@ -173,7 +173,7 @@ def _fixes(headers: NDArray[Any]) -> recording.Fixes:
 
 
 def _valid(headers: NDArray[Any], bit: int) -> NDArray[np.bool_]:
-    """Which pings have a quantity; where no ping declares anything, all are taken to have all."""
+    """Which pings have a quantity; all of them if no ping declares anything."""
     declared = headers["validity"]
     return (declared >> bit & 1).astype(bool) if declared.any() else np.ones(declared.shape, dtype=bool)
 

@@ -164,7 +164,7 @@ class AccuracyChart(Chart):
         return min(times.items(), key=lambda item: math.inf if math.isnan(item[1]) else item[1])
 
     def describe_speedup(self, targets: bool) -> str:
-        """State how much faster the sweep reaches an error than exact rays; empty where either does not reach it.
+        """State how much faster than exact rays the sweep reaches an error; empty where either does not reach it.
 
         The sweep divides segments in the way that reaches that error first, as a plan would.
         """
@@ -216,7 +216,7 @@ class AccuracyFigure(NamedTuple):
     """Drawn accuracy chart."""
 
     figure: Figure  # figure with an Agg canvas
-    marks: dict[Line2D, list[AccuracyRow]]  # rows that the points of every line stand for, so that one can be picked
+    marks: dict[Line2D, list[AccuracyRow]]  # rows at the points of each line, for picking
 
 
 def draw_accuracy(chart: AccuracyChart) -> AccuracyFigure:
@@ -382,7 +382,7 @@ chart = measure_chart  # the public name of the package
 
 
 def _describe_triangles(targets: bool, scene: TracedScene) -> str:
-    """State the distance of a scene of triangles itself from the curved surfaces, or why Embree is left out."""
+    """State how far a scene of triangles differs from the curved surfaces, or why Embree is left out."""
     if scene.triangles is None:
         return explain_omission(scene.arrays, scene.poses)
     apart = compare_records(scene.arrays, scene.poses, scene.triangles.record, scene.reference.record).beyond
@@ -434,7 +434,7 @@ def _measure(
 
 
 def _trace_triangles(arrays: SceneArrays, poses: Poses, report: Callable[[], None]) -> Reference | None:
-    """Trace a scene of triangles and how far doubling the rays moves its record; None without Embree."""
+    """Trace a scene of triangles, and the change of its record when the rays are doubled; None without Embree."""
     if explain_omission(arrays, poses):
         return None
     scene = TriangulatedScene(arrays, poses)
