@@ -1,4 +1,4 @@
-"""Match of a simulated record to a recorded one: simulate, measure in the same way, correct the parameters of the bed."""
+"""Match of a simulated record to a recorded one: simulate, measure, and correct the parameters of the bed."""
 
 from __future__ import annotations
 
