@@ -31,6 +31,7 @@ SAMPLES = {2: "<u4", 3: "<u2", 5: "<f4", 8: "u1"}  # by SampleFormat
 BY_BYTES = {1: "u1", 2: "<u2", 4: "<u4"}  # by BytesPerSample, where SampleFormat is 0
 GROUND_RANGE = 2  # of CorrectionFlags
 WIDEST_BEAM = 60.0  # degrees, of a side-scan sonar
+GREATEST = 1e7  # of frequencies, in Hz or kHz
 
 
 class _Ping(NamedTuple):
@@ -63,9 +64,9 @@ def read_xtf(path: str | Path, frequency: float | None = None) -> xr.Dataset:
     band = list(frequencies)[chosen]
     pings = [ping for ping in pings if band in ping.bands]
     track = _track(header, [ping.header for ping in pings])
-    track.attributes.update(
-        recording.frequency_attributes(list(frequencies.values()), chosen) | _beam_width(header, band)
-    )
+    track.attributes.update(recording.frequency_attributes(list(frequencies.values()), chosen))
+    if width := _declared(header, band, "HorizBeamAngle", WIDEST_BEAM):
+        track.attributes["beam_width"] = width
     return recording.assemble(path, [ping.bands[band] for ping in pings], track)
 
 
@@ -246,11 +247,10 @@ def _bands(header: Any) -> dict[int, int]:
     return {number: kinds[:number].count(kind) for number, kind in enumerate(kinds) if kind is not None}
 
 
-def _beam_width(header: Any, band: int) -> dict[str, float]:
-    """Return the attribute of the horizontal beamwidth of a band in degrees; none where the file lacks it."""
-    given = [float(header.ChanInfo[number].HorizBeamAngle) for number, each in _bands(header).items() if each == band]
-    width = next((width for width in given if 0.0 < width <= WIDEST_BEAM), None)
-    return {} if width is None else {"beam_width": width}
+def _declared(header: Any, band: int, field: str, most: float) -> float:
+    """First plausible value of a field in the channels of a band, above 0 and up to a bound; 0 without any."""
+    values = [float(getattr(header.ChanInfo[number], field)) for number, each in _bands(header).items() if each == band]
+    return next((value for value in values if 0.0 < value <= most), 0.0)
 
 
 def _frequencies(header: Any, pings: list[_Ping]) -> dict[int, float]:
@@ -259,12 +259,9 @@ def _frequencies(header: Any, pings: list[_Ping]) -> dict[int, float]:
     Files have it in kHz, in the header or in the pings.
     """
     found: dict[int, float] = {}
-    bands = _bands(header)
     for band in sorted({band for ping in pings for band in ping.bands}):
-        numbers = [number for number, each in bands.items() if each == band]
-        given = [float(header.ChanInfo[number].Frequency) for number in numbers]
-        of_pings = next((ping.frequencies[band] for ping in pings if band in ping.frequencies), 0.0)
-        frequency = next((value for value in (*given, of_pings) if 0.0 < value < 1e7), 0.0)
+        of_pings = next(ping.frequencies[band] for ping in pings if band in ping.frequencies)
+        frequency = _declared(header, band, "Frequency", GREATEST) or (of_pings if 0.0 < of_pings <= GREATEST else 0.0)
         found[band] = 1e3 * frequency if frequency < 1e4 else frequency
     return found
 
