@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import errno
+import glob
 import logging
 import os
 import stat
@@ -126,7 +127,7 @@ def check_expansion(path: str | Path, expanded: int) -> None:
 def check_companions(path: str | Path) -> None:
     """Raise FileFault if a device or a pipe beside a file has the same stem: a library would open it."""
     file = Path(path)
-    for other in file.parent.glob(f"{_literal(file.stem)}.*"):
+    for other in file.parent.glob(f"{glob.escape(file.stem)}.*"):
         if not (other.is_file() or other.is_dir() or not other.exists()):
             raise FileFault(f"has {other.name!r} beside it, which is no regular file", "remove that")
 
@@ -138,10 +139,6 @@ def companion(path: str | Path, name: str) -> Path:
     if not found.is_relative_to(folder) or Path(name).is_absolute() or found == folder:
         raise FileFault(f"refers to {name[:80]!r}", "keep what it refers to beside it, under a relative path")
     return found
-
-
-def _literal(stem: str) -> str:
-    return "".join(f"[{mark}]" if mark in "*?[" else mark for mark in stem)
 
 
 def _open_at_once(path: str, flags: int) -> int:
