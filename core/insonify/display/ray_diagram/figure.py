@@ -123,8 +123,8 @@ def _labels(axes: Any, diagram: RayDiagram) -> None:
         if not at_edge and z > 0.5:
             offset, align = (0, -4), ("center", "top")
         axes.annotate(
-            f"{path.angle:g}°".replace("-", "−"), (path.range[-1], path.depth[-1]), xytext=offset, ha=align[0], va=align[1],
-            textcoords="offset points", fontsize=8, color=RAY, zorder=6, annotation_clip=False,
+            f"{path.angle:g}°".replace("-", "−"), (path.range[-1], path.depth[-1]), xytext=offset, ha=align[0],
+            va=align[1], textcoords="offset points", fontsize=8, color=RAY, zorder=6, annotation_clip=False,
         )  # fmt: skip
 
 
