@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+import math
 import os
 import sys
 from collections.abc import Callable, Iterator
@@ -208,6 +209,13 @@ def metres(text: str) -> float:
     if not 1e-3 <= value <= 1e6:
         raise argparse.ArgumentTypeError(f"{text} is out of bounds; give metres from 0.001 to 1000000")
     return value
+
+
+def level_line(name: str, level: float, detail: str = "") -> str:
+    """Line of a level in decibels with its name."""
+    # Rounded first, so that no "-0.00" is printed.
+    number = f"{round(level, 2) + 0.0:>10.2f} dB" if math.isfinite(level) else f"{'no echo':>10}"
+    return f"{name:<22}{number}  {detail}".rstrip()
 
 
 def say(line: str) -> None:
