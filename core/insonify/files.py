@@ -15,7 +15,7 @@ Reader = TypeVar("Reader", bound=Callable[..., Any])
 
 @cache
 def resources() -> Path:
-    """Return the folder of scenes, lessons, meshes, materials and palettes, in a wheel as in a checkout."""
+    """Return the folder of scenes, lessons, meshes, materials, palettes and pages, in a wheel as in a checkout."""
     spec = find_spec("insonify")
     if spec is None or spec.origin is None:
         raise FileNotFoundError("the insonify package is not installed")

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from insonify.accuracy.stability.themes.rays import exact_time
+from insonify.accuracy.stability.themes.refraction import exact_time
 from insonify.acoustics.paths import eigenrays
 from insonify.scene.water.profile import ProfileWater
 

@@ -1,4 +1,4 @@
-"""``insonify explain``: what one pixel of a record is made of, term by term in decibels."""
+"""``insonify explain``: the terms, in decibels, that add up to one pixel of a record."""
 
 from __future__ import annotations
 
@@ -29,8 +29,9 @@ def register(subparsers: Any) -> None:
     parser = subparsers.add_parser(
         "explain",
         help="explain one pixel of a scene's record",
-        description="Say what one pixel of a record shows or why it is dark. Print the terms in dB that add up to it, "
-        "what returns its echo and what hides the bed there. Example: insonify explain default --ping 230 --range 25",
+        description="Describe what one pixel of a record shows or why it is dark. Print the terms in dB that add up to "
+        "it, the sources of its echo and what hides the bed there. Example: insonify explain default --ping 230 "
+        "--range 25",
     )
     add_scene(parser)
     add_method(parser)

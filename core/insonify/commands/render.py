@@ -79,8 +79,10 @@ def run(arguments: argparse.Namespace) -> None:
     path = chosen_output(arguments)
     look = _display_options(arguments, path)
     if arguments.truth and path.suffix.lower() not in RECORDS.labelled():
-        held = ", ".join(RECORDS.labelled())
-        raise SceneError(f"--truth applies to {held}, not to {path.name}; leave it out or end the name in one of them")
+        labelled = ", ".join(RECORDS.labelled())
+        raise SceneError(
+            f"--truth applies to {labelled}, not to {path.name}; leave it out or end the name in one of them"
+        )
     choices = _write_options(arguments, path)
     if is_record(arguments.scene):
         pings, bins = _render_record(arguments, path, look, choices)
@@ -96,7 +98,7 @@ def run(arguments: argparse.Namespace) -> None:
 
 
 def _display_options(arguments: argparse.Namespace, path: Path) -> DisplayOptions:
-    """Return how a picture is drawn; refuse options of pictures for another file."""
+    """Return how a picture is drawn; raise SceneError for options of pictures with another file."""
     flags = {name: getattr(arguments, name, None) for name in DisplayOptions._fields}
     given = {name: value for name, value in flags.items() if value not in (None, False)}
     if (given or arguments.display) and not _is_picture(path):
@@ -106,14 +108,14 @@ def _display_options(arguments: argparse.Namespace, path: Path) -> DisplayOption
 
 
 def _write_options(arguments: argparse.Namespace, path: Path) -> dict[str, str]:
-    """Return the choices of a format that were given; refuse those of another format than the file's."""
+    """Return the given choices of the file's format; raise SceneError for choices of another format."""
     given = {
         option.name: value for option in RECORDS.options() if (value := getattr(arguments, option.name)) is not None
     }
     known = {option.name for option in RECORDS.options(path.suffix)}
     strange = next((name for name in given if name not in known), None)
     if strange is not None:
-        raise SceneError(f"--{strange} is no option of {path.suffix} files, such as {path.name}; leave it out")
+        raise SceneError(f"--{strange} is not an option of {path.suffix} files such as {path.name}; leave it out")
     return given
 
 
@@ -165,9 +167,9 @@ def write(
     from insonify.simulation import prepare, simulate_record_blocks
 
     pings = scene.track.pings
-    asked: dict[str, Any] = {"method": method, "tolerance": tolerance, "forced": forced, "threads": threads}
+    options: dict[str, Any] = {"method": method, "tolerance": tolerance, "forced": forced, "threads": threads}
     if not _is_picture(path):
-        blocks = one_ahead(simulate_record_blocks(scene, **asked, truth=truth))
+        blocks = one_ahead(simulate_record_blocks(scene, **options, truth=truth))
         write_record(path, track(blocks, pings, lambda block: block.sizes["ping_time"]), **(choices or {}))
         return
     # lazy: the other commands need no kernels
@@ -176,7 +178,7 @@ def write(
 
     # Without Datasets: importing xarray and pandas takes as long as the picture.
     with report_waiting():
-        simulation = prepare(scene, **asked)
+        simulation = prepare(scene, **options)
     shown = track(one_ahead(trace_sheet_pings(simulation)), pings, lambda block: len(block.intensity))
     sheet = gather_sheet(shown, LevelBed(simulation).normalise, pings, look)
     # lazy: Matplotlib takes as long to import as all before the first ping, and only the finished sheet needs it

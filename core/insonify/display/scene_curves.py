@@ -27,7 +27,7 @@ WIDEST_SPECTRUM, NARROWEST_SPECTRUM = 1.5, 8.0  # of the farthest peak; cycles a
 class Curve(NamedTuple):
     """A curve with its axes."""
 
-    title: str  # what it shows; the figure that a reader looks for
+    title: str  # quantity of the curve, and its main figure
     note: str
     x: NDArray[np.float64]  # (n,)
     y: NDArray[np.float64]
@@ -143,7 +143,7 @@ def _width_at(x: NDArray[np.float64], level: NDArray[np.float64]) -> float:
 
 
 def _crossing(x: NDArray[np.float64], height: NDArray[np.float64]) -> float:
-    """Where a height, which begins above zero, first falls below it; the last place if it never does."""
+    """Place where a height that begins above zero first falls below it; the last place if it never does."""
     below = np.flatnonzero(height < 0.0)
     if below.size == 0:
         return float(x[-1])

@@ -88,7 +88,7 @@ def _listen(
     if folded.any() or not fans:
         return []
     fan = fans[0][1]._replace(azimuth=np.array([azimuth]))
-    parts = find_direct_parts(arrays, pose, side, whole_window(arrays).window, fan)
+    parts = find_direct_parts(arrays, pose, side, whole_window(arrays), fan)
     low, high = np.minimum(parts.begin, parts.end) - BESIDE, np.maximum(parts.begin, parts.end) + BESIDE
     at = np.array([level, place[2]])
     near = (parts.state == HEARD) & (low <= at).all(axis=1) & (high >= at).all(axis=1)

@@ -21,7 +21,7 @@ from insonify.acoustics.flat_bed import scattering_strength
 from insonify.acoustics.pulses import spread_curve
 from insonify.acoustics.resolution_cell import axial_response, bin_centres, vertical_at
 from insonify.acoustics.water import absorption_coefficient
-from insonify.explanation.budget import Term
+from insonify.explanation.pixel import Term
 from insonify.io.atomic import replacing
 from insonify.packing.packed_scene import pack
 from insonify.packing.scene_arrays import range_factor

@@ -1,4 +1,4 @@
-"""Comparison of a learned scene with the record it was learned from, and what the record does not show."""
+"""Comparison of a learned scene with its record, and the fields that the record does not show."""
 
 from __future__ import annotations
 
@@ -23,8 +23,8 @@ MATCHED, DIFFERS, TAKEN, ESTIMATED, UNKNOWN = "matched", "differs", "as recorded
 class Finding(NamedTuple):
     """One line of the report."""
 
-    quantity: str  # what is compared
-    recorded: str  # its values, empty where there is none
+    quantity: str  # name of the quantity
+    recorded: str  # its values; empty if unknown
     simulated: str
     verdict: str  # ``matched``, ``differs``, ``as recorded``, ``estimated`` or ``not in the record``
 
@@ -32,7 +32,7 @@ class Finding(NamedTuple):
 def report_findings(
     record: xr.Dataset, own: xr.Dataset, sonar: RecordedSonar, scene: Scene, fit: RoughnessFit
 ) -> tuple[Finding, ...]:
-    """Compare a record with that of the scene learned from it."""
+    """Compare a record with the simulated record of the scene learned from it."""
     return (
         *_geometry(record, sonar, scene),
         *_sonar(sonar, scene),
@@ -50,7 +50,7 @@ def format_table(findings: tuple[Finding, ...]) -> list[str]:
 
 
 def _geometry(record: xr.Dataset, sonar: RecordedSonar, scene: Scene) -> Iterator[Finding]:
-    """Altitude, track and range, which are taken over."""
+    """Altitude, track and range, which the scene copies."""
     low, mean, high = (float(value(sonar.altitude)) for value in (np.min, np.mean, np.max))
     kept = f"{scene.altitude:.1f} m" if sonar.navigation is None else f"{low:.1f} to {high:.1f} m"
     yield Finding("altitude", f"{mean:.1f} m ({low:.1f} to {high:.1f})", kept, TAKEN)

@@ -1,4 +1,4 @@
-"""Bed from a record: a scene whose simulated record resembles a recording, found by simulation and comparison."""
+"""Bed from a record: a scene with a similar simulated record, found by simulation and comparison."""
 
 from __future__ import annotations
 
@@ -24,16 +24,21 @@ from insonify.scene.edit import edit
 from insonify.simulation import simulate
 
 LONGEST = 2048  # pings, from the middle of a longer record
+DESCRIPTION = (
+    "Relief, material and speckle are learned from a record. The landscape is another one of the same statistics, and "
+    "targets are left out: place your own. Change the seed for another bed of this kind."
+)
+Navigation = Mapping[str, NDArray[np.float64]]
 
 
 @dataclass(frozen=True)
 class Learned:
-    """A scene learned from a record, and how its own record compares."""
+    """A scene learned from a record, and the comparison of both records."""
 
     scene: Scene  # on a straight, level track
-    findings: tuple[Finding, ...]  # what matched, what did not, and what the record does not show
+    findings: tuple[Finding, ...]  # quantities that match, that differ, and that the record does not show
     # Time, x, y, altitude and heading of a track that is not straight and level.
-    navigation: Mapping[str, Any] | None = None
+    navigation: Navigation | None = None
 
     def lines(self) -> list[str]:
         """Lay out the findings as lines of a table."""
@@ -46,7 +51,16 @@ class Learned:
 
     def write(self, path: str | Path) -> list[Path]:
         """Write the scene as TOML, and its track as CSV beside it where that is not straight; return the files."""
-        return write_learned(path, self.scene, self.navigation)
+        path, scene = Path(path), self.scene
+        written = [path]
+        if self.navigation is not None:
+            beside = path.with_name(f"{path.stem}-track.csv")
+            with replacing(beside) as unfinished:
+                scene = _on_track(scene, self.navigation, unfinished, beside.name)
+            written.append(beside)
+        with replacing(path) as unfinished:
+            unfinished.write_text(scene_to_toml(scene), encoding="utf-8")
+        return written
 
 
 def learn(
@@ -57,9 +71,9 @@ def learn(
 ) -> Learned:
     """Learn a scene from a record.
 
-    Sonar and track are taken as declared. Relief, material, speckle and level are fitted; then the scene is simulated,
-    the same fit is made of its record, and the difference corrects the parameters (indirect inference: Gouriéroux,
-    Monfort and Renault 1993).
+    Sonar and track are those that the record declares. Relief, material, speckle and level are fitted. Then the scene
+    is simulated, the same fit is made of its record, and the difference corrects the parameters (indirect inference:
+    Gouriéroux, Monfort and Renault 1993).
 
     Parameters
     ----------
@@ -84,10 +98,11 @@ def learn(
     bed = sound_bed(record, sonar.altitude, separate=not sonar.simulated)
     spectra = measure_segment_spectra(bed)
     sonar = _estimate_sonar(sonar, bed, spectra)
-    with staged_track(sonar.scene, sonar.navigation) as scene:
+    with _staged_track(sonar.scene, sonar.navigation) as scene:
         candidate, fit = Matching(scene, sonar, bed, spectra, progress or (lambda share: None)).match()
         own = simulate(candidate.set_on(scene))
-    learned = edit(candidate.set_on(sonar.scene), _title(record))
+    title = f"Learned from {str(record.attrs.get('title', '')) or 'a record'}"[:200]
+    learned = edit(candidate.set_on(sonar.scene), {"title": title, "description": DESCRIPTION})
     return Learned(learned, report_findings(record, own, sonar, learned, fit), sonar.navigation)
 
 
@@ -100,8 +115,7 @@ def _middle(record: xr.Dataset) -> xr.Dataset:
 
 def _estimate_sonar(sonar: RecordedSonar, bed: SoundedBed, spectra: SegmentSpectra) -> RecordedSonar:
     """Estimate pulse and beam from the record where nothing declares them."""
-    speed = speed_of_sound(sonar.scene)
-    scene = sonar.scene
+    scene, speed = sonar.scene, speed_of_sound(sonar.scene)
     if "sonar.pulse" in sonar.assumed:
         scene = edit(scene, {"sonar.pulse": estimate_pulse(spectra, bed.bin_length, speed)})
     if "sonar.beam" in sonar.assumed:
@@ -109,48 +123,19 @@ def _estimate_sonar(sonar: RecordedSonar, bed: SoundedBed, spectra: SegmentSpect
     return sonar._replace(scene=scene)
 
 
-def _title(record: xr.Dataset) -> dict[str, str]:
-    """Title and description of a scene learned from a record."""
-    name = str(record.attrs.get("title", "")) or "a record"
-    return {
-        "title": f"Learned from {name}"[:200],
-        "description": "Relief, material and speckle are learned from a record. The landscape is another one of the "
-        "same statistics, and targets are left out: place your own. Change the seed for another bed of this kind.",
-    }
-
-
 @contextmanager
-def staged_track(scene: Scene, navigation: Mapping[str, NDArray[np.float64]] | None) -> Iterator[Scene]:
+def _staged_track(scene: Scene, navigation: Navigation | None) -> Iterator[Scene]:
     """Yield a scene on a recorded track, from a temporary file that is removed after the block."""
     if navigation is None:
         yield scene
         return
     with tempfile.TemporaryDirectory() as folder:
-        path = Path(folder) / "track.csv"
-        _write_columns(path, navigation)
-        yield _on_track(scene, str(path))
+        file = Path(folder) / "track.csv"
+        yield _on_track(scene, navigation, file, str(file))
 
 
-def write_learned(path: str | Path, scene: Scene, navigation: Mapping[str, NDArray[np.float64]] | None) -> list[Path]:
-    """Write a scene as TOML, and its track as CSV beside it."""
-    path, written = Path(path), []
-    if navigation is not None:
-        beside = path.with_name(f"{path.stem}-track.csv")
-        with replacing(beside) as unfinished:
-            _write_columns(unfinished, navigation)
-        scene = _on_track(scene, beside.name)
-        written.append(beside)
-    with replacing(path) as unfinished:
-        unfinished.write_text(scene_to_toml(scene), encoding="utf-8")
-    return [path, *written]
-
-
-def _on_track(scene: Scene, path: str) -> Scene:
-    """Scene that is towed along the track in a file."""
-    return edit(scene, {"track.motion": {"kind": "recorded", "path": path}})
-
-
-def _write_columns(path: Path, navigation: Mapping[str, NDArray[np.float64]]) -> None:
-    """Write columns as CSV."""
+def _on_track(scene: Scene, navigation: Navigation, file: Path, path: str) -> Scene:
+    """Write a track as CSV, and return the scene towed along it by the path of the finished file."""
     table = np.column_stack(list(navigation.values()))
-    np.savetxt(path, table, fmt="%.6g", delimiter=",", header=",".join(navigation), comments="")
+    np.savetxt(file, table, fmt="%.6g", delimiter=",", header=",".join(navigation), comments="")
+    return edit(scene, {"track.motion": {"kind": "recorded", "path": path}})

@@ -64,14 +64,14 @@ def _put(beside: Path, final: Path) -> None:
 
 @contextmanager
 def _terminated_cleanly() -> Iterator[None]:
-    """Turn requests to end the process into an exit that runs the clean-up, where nobody else handles them."""
+    """Turn requests to end the process into an exit that runs the clean-up, where no other handler is set."""
     is_main = threading.current_thread() is threading.main_thread()
     caught = [number for number in REQUESTS if is_main and signal.getsignal(number) is signal.SIG_DFL]
     reminders: list[threading.Timer] = []
 
     def leave(number: int, frame: object) -> NoReturn:
         del frame
-        # A library may have a bare `except` where the exit is raised, and go on: it is raised again.
+        # A bare `except` in a library may swallow the exit, so it is raised again.
         reminders.append(threading.Timer(AGAIN, _interrupt_main_thread, (number,)))
         reminders[-1].daemon = True
         reminders[-1].start()

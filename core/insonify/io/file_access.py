@@ -48,12 +48,12 @@ def guarded(refusal: Callable[[str, str], SceneError], remedy: str) -> Iterator[
         raise refusal(error.fault, error.remedy) from None
     except Exception as error:  # every library fails in ways of its own
         raise refusal(f"cannot be read ({reason(error)})", remedy) from error
-    for warning in caught:  # after the libraries' have been left out
+    for warning in caught:  # those of libraries are left out
         warnings.warn(warning.message, stacklevel=4)
 
 
 def one_at_a_time() -> threading.RLock:
-    """Return the lock for what two threads may not do at once: to use HDF5, or to change the filter of warnings."""
+    """Return the lock for HDF5 and for the filter of warnings, neither of which allows two threads at once."""
     return _lock
 
 
@@ -68,7 +68,7 @@ def reason(error: Exception) -> str:
 
 
 def check_regular(path: str | Path, remedy: str = "give the path of a file") -> None:
-    """Refuse folders, devices, pipes and files that do not exist, without opening them."""
+    """Raise FileFault for folders, devices, pipes and missing files, without opening them."""
     try:
         _check_mode(os.stat(path).st_mode, remedy)
     except (FileNotFoundError, NotADirectoryError):
@@ -76,7 +76,7 @@ def check_regular(path: str | Path, remedy: str = "give the path of a file") -> 
 
 
 def check_folder(path: str | Path, remedy: str = "give the path of a folder") -> None:
-    """Refuse what is no folder, and a folder that holds anything but folders and regular files."""
+    """Raise FileFault unless a path is a folder of folders and regular files alone."""
     if not os.path.isdir(path):
         raise FileFault(MISSING, remedy)
     for place, folders, files in os.walk(path):
@@ -115,7 +115,7 @@ def stored_bytes(path: str | Path) -> int:
 
 
 def check_expansion(path: str | Path, expanded: int) -> None:
-    """Refuse a file that announces far more than is stored of it, before memory is allocated."""
+    """Raise FileFault, before memory is allocated, for a file that declares far more data than it stores."""
     if expanded > largest_expansion(path):
         raise FileFault(
             f"announces {expanded / 1e9:.3g} GB, {EXPANSION} times more than it stores",
@@ -124,7 +124,7 @@ def check_expansion(path: str | Path, expanded: int) -> None:
 
 
 def check_companions(path: str | Path) -> None:
-    """Refuse a file beside which a device or a pipe has its name with another ending, which a library would open."""
+    """Raise FileFault if a device or a pipe beside a file has the same stem: a library would open it."""
     file = Path(path)
     for other in file.parent.glob(f"{_literal(file.stem)}.*"):
         if not (other.is_file() or other.is_dir() or not other.exists()):
@@ -168,5 +168,5 @@ def _renew_lock() -> None:
 
 
 if hasattr(os, "register_at_fork"):
-    # A thread that held the lock does not exist in the new process.
+    # The thread with the lock does not exist in the new process.
     os.register_at_fork(after_in_child=_renew_lock)

@@ -65,7 +65,7 @@ class Archive:
 
 
 def _check_header(file: IO[bytes], length: int) -> None:
-    """Raise FileFault for an array of objects or records, or of another size than that of the file."""
+    """Raise FileFault for an array of objects or records, or of a size that does not match the file."""
     remedy = "save it with numpy.save or numpy.savez as plain numbers"
     version = np.lib.format.read_magic(file)
     if version not in HEADERS:

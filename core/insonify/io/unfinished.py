@@ -1,4 +1,4 @@
-"""Files that are being written: their names, and what becomes of those that a process left unfinished."""
+"""Files that are being written: their names, and the removal of those that an ended process left unfinished."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from typing import NamedTuple
 
 from insonify.errors import FileWarning
 
-UNFINISHED, FORMER = "unfinished", "former"  # what is not complete yet, and a folder while it is being replaced
+UNFINISHED, FORMER = "unfinished", "former"  # an incomplete file, and a folder while it is being replaced
 LONGEST_NAME = 255  # bytes
 _numbers = itertools.count()
 
@@ -29,7 +29,7 @@ class Leftover(NamedTuple):
 
 
 def temporary_path(final: Path, kind: str = UNFINISHED) -> Path:
-    """Return a path beside a file for what becomes it or was it, such as ``.record.unfinished-host-123-0.nc``."""
+    """Return a path beside a file for its new or its former content, such as ``.record.unfinished-host-123-0.nc``."""
     end = f".{kind}-{_host()}-{os.getpid()}-{next(_numbers)}{final.suffix}"
     stem = final.stem
     while stem and len(os.fsencode(f".{stem}{end}")) > LONGEST_NAME:
@@ -38,7 +38,7 @@ def temporary_path(final: Path, kind: str = UNFINISHED) -> Path:
 
 
 def clear_leftovers(final: Path) -> None:
-    """Remove what ended processes of this user and machine left beside a file; warn of what others may be writing.
+    """Remove files that ended processes of this user and machine left beside a file; warn of files in use elsewhere.
 
     A folder that was being replaced when its writer was killed is put back.
     """
@@ -57,7 +57,7 @@ def clear_leftovers(final: Path) -> None:
 
 
 def clear_ended(folder: Path) -> None:
-    """Remove what ended processes of this user and machine left unfinished in a folder, whatever it belongs to."""
+    """Remove all unfinished files that ended processes of this user and machine left in a folder."""
     pattern = re.compile(rf"\..*\.{UNFINISHED}-(\w+)-(\d+)-\d+(\.\w+)?")
     for name in os.listdir(folder):
         match = pattern.fullmatch(name)

@@ -1,6 +1,6 @@
 """Ray-traced picture of a scene, lit by a lamp at the sonar.
 
-The rays of every pixel go to the first surface. Where the scene follows bounces (``sonar.bounces``), they go on
+The rays of every pixel go to the first surface. Where the scene follows bounces (``sonar.bounces``), they continue
 through mirrors and clear bodies. At each hit a ray to the lamp decides whether the hit lies in a shadow. A surface
 returns I = k_d cos θ_i + k_s max(0, R·V)ⁿ of the lamp's light (Lambert, Phong) with its own k_d, k_s and n, and a share
 of ambient light, so that no shadow is black.
@@ -17,16 +17,15 @@ from numpy.typing import NDArray
 
 from insonify.io.atomic import replacing
 from insonify.kernels.common.types import BED, SceneArrays, Solids
-from insonify.optics.cutaway import Camera, Cutaway, Vectors, make_camera, make_cutaway
+from insonify.optics.cutaway import Camera, Cutaway, OpticalScene, Vectors, make_camera, make_cutaway
 from insonify.optics.material_colours import LUMINANCE, hues
 from insonify.optics.optical_hits import OpticalHits, find_optical_hits, material_rows
 from insonify.packing.targets import pack_solids
 from insonify.parallel import in_parallel
-from insonify.scene.targets.shape import Solid, ball, frustum
+from insonify.scene.targets.shape import ball, frustum
 from insonify.tracers.rays import cast
 
 if TYPE_CHECKING:
-    from insonify.optics.optical_scene import OpticalScene
     from insonify.scene import Scene
 
 WIDTH = 1200
@@ -35,14 +34,14 @@ DEEP, CLEAR = np.array([0.008, 0.030, 0.050]), np.array([0.070, 0.185, 0.245])  
 STEEP, SLIGHT = -0.64, -0.45  # vertical components of directions that show these colours
 VEIL = 0.07  # share of a pixel that is light scattered by the water
 LAMP = np.array([1.0, 0.955, 0.86])
-AROUND = np.array([0.055, 0.085, 0.10])  # ambient light over that of the lamp
+AROUND = np.array([0.055, 0.085, 0.10])  # ambient light over the light of the lamp
 CUT = np.array([0.11, 0.075])  # share of it that the sides of the cutaway return, ahead and aside
 MIDDLE, WHITE = 0.22, 99.9  # brightness of the middle tone, percentile that is white
 GAMMA = 2.2
 OFF = 1e-4  # m above a surface, where the ray to the lamp starts
 FAR = 1e4  # m
 FISH = np.array([0.85, 0.47, 0.03])  # as shown
-SIZE = 0.045  # length over the longer side of the cutaway: larger than life, so that it shows
+SIZE = 0.045  # length over the longer side of the cutaway: larger than life, to be visible
 LINE = 0.0007  # of it: radius of the plumb line
 DPI = 100
 INSET = 26  # pixels from the left
@@ -58,7 +57,7 @@ def light_picture(optical: OpticalScene, cutaway: Cutaway, width: int = WIDTH) -
 
 
 class LightRenderer:
-    """Traces rays of sight through a cutaway and lights what they hit."""
+    """Traces rays of sight through a cutaway and lights the surfaces that they hit."""
 
     def __init__(self, optical: OpticalScene, cutaway: Cutaway) -> None:
         self._cutaway = cutaway
@@ -150,17 +149,13 @@ def with_towfish(arrays: SceneArrays, cutaway: Cutaway, of_bed: int) -> SceneArr
         frustum(tail - 0.06 * length * ahead, tail + 0.1 * length * ahead, 0.12 * length, 0.02 * length),
         frustum(foot, cutaway.lamp, LINE * longer, LINE * longer),
     ]
+    row = len(arrays.reflectivity)  # of their material
+    own = pack_solids(bodies, np.full(len(bodies), row), np.full(len(bodies), row - of_bed))
     return arrays._replace(
-        solids=_added(arrays.solids, bodies, len(arrays.reflectivity), of_bed),
+        solids=Solids._make(np.concatenate(columns) for columns in zip(arrays.solids, own)),
         reflectivity=np.vstack([arrays.reflectivity, [0.3, 0.0, 1.0]]),
         interface=np.vstack([arrays.interface, [0.0, 1.0]]),
     )
-
-
-def _added(solids: Solids, bodies: list[Solid], row: int, of_bed: int) -> Solids:
-    """Append solids of one material."""
-    own = pack_solids(bodies, np.full(len(bodies), row), np.full(len(bodies), row - of_bed))
-    return Solids._make(np.concatenate(columns) for columns in zip(solids, own))
 
 
 def write_light(path: Path, optical: OpticalScene) -> tuple[int, int]:

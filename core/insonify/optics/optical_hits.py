@@ -26,13 +26,13 @@ class OpticalHits(NamedTuple):
     normal: Vectors
     what: NDArray[np.int64]  # (n,) index of the target, or ``BED`` (-1)
     share: NDArray[np.float64]  # (n,) share of the surface's light that reaches the eye
-    escaped: NDArray[np.float64]  # (n,) share of the ray that goes on from here and hits nothing
+    escaped: NDArray[np.float64]  # (n,) share of the ray that continues from here and hits nothing
 
 
 def find_optical_hits(
     arrays: SceneArrays, starts: Vectors, ways: Vectors, reach: NDArray[np.float64], of_bed: int
 ) -> OpticalHits:
-    """Trace rays to their first hit within reach, and on where bounces are followed."""
+    """Trace rays to their first hit within reach, and further where the scene follows bounces."""
     distance, what, normal = cast(arrays, starts, ways, reach=float(reach.max(initial=0.0)))
     ray = np.flatnonzero(distance <= reach)
     if arrays.bounces > 0:
@@ -43,7 +43,7 @@ def find_optical_hits(
 
 
 def _followed(arrays: SceneArrays, starts: Vectors, ways: Vectors, ray: NDArray[np.int64], of_bed: int) -> OpticalHits:
-    """Follow rays that are known to hit something through their bounces."""
+    """Follow rays, each of which hits something, through their bounces."""
     paths = follow(arrays, starts, ways, arrays.bounces, reach=LONG)
     before = _before(paths)
     whence = np.where(paths.bounce[:, None] == 0, starts[paths.ray], paths.position[before])
@@ -71,7 +71,7 @@ def _before(paths: PathHits) -> NDArray[np.int64]:
 def _escaped(
     arrays: SceneArrays, paths: PathHits, before: NDArray[np.int64], within: NDArray[np.bool_], of_bed: int
 ) -> NDArray[np.float64]:
-    """Share of the ray that goes on from every hit and hits nothing."""
+    """Fraction of a ray's energy that escapes after each hit without hitting anything again."""
     rows = material_rows(arrays, paths.position, paths.what, of_bed)
     share, mirrored = paths.throughput, arrays.interface[rows, 0] ** 2
     later = paths.bounce > 0

@@ -26,8 +26,8 @@ class RecordErrors:
 
     all_bins: float  # ‖a − b‖ / ‖b‖ over all bins from the first return
     beyond: float  # the same over bins beyond 1.4 times the altitude: the error to which a tolerance refers
-    energy_bias: float  # energy of a over that of b, less 1
-    dark_leakage: float  # share of the energy of a in bins where b has none
+    energy_bias: float  # energy of a over energy of b, less 1
+    dark_leakage: float  # share of the energy of a in bins where b is 0
 
 
 def compute_errors(

@@ -184,13 +184,13 @@ def _write_headings(figure: Figure, diagram: RayDiagram) -> None:
 
 def _describe(diagram: RayDiagram) -> str:
     """State the place of the sonar, and the ranges of bed that no sound reaches."""
-    said = [f"sonar at {diagram.source_depth:.4g} m, mean bed at {diagram.bottom:.4g} m"]
-    said += [f"no sound on the bed {stretch}" for stretch in _stretches(diagram)]
+    parts = [f"sonar at {diagram.source_depth:.4g} m, mean bed at {diagram.bottom:.4g} m"]
+    parts += [f"no sound on the bed {stretch}" for stretch in _stretches(diagram)]
     if diagram.target is not None:
         count = len(diagram.eigenrays)
         place = f"{diagram.target[0]:g} m away at {diagram.target[1]:g} m"
-        said.append(f"{count or 'no'} ray{'s' * (count != 1)} to the point {place}")
-    return " · ".join(said)
+        parts.append(f"{count or 'no'} ray{'s' * (count != 1)} to the point {place}")
+    return " · ".join(parts)
 
 
 def _stretches(diagram: RayDiagram) -> Iterable[str]:

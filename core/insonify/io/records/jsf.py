@@ -13,16 +13,19 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from insonify.io.file_access import FileFault
 from insonify.io.formats import FileFormat
-from insonify.io.records.files import RECORDS
-from insonify.io.records.fixes import DAY, Fixes, fill_gaps, heading_from_compass
 from insonify.io.records.recording import (
+    DAY,
+    Fixes,
     RecordedTrack,
     SideEchoes,
     assemble,
     check_amplitude,
     choose_frequency,
+    fill_gaps,
     frequency_attributes,
+    heading_from_compass,
     plausible_speed,
     warn_of_cut,
 )
@@ -41,29 +44,24 @@ MINUTES = 2
 ANGLE = 180.0 / 32768.0  # degrees, of pitch and roll
 POSITION, HEADING, ATTITUDE, ALTITUDE, DEPTH = 0, 3, 5, 6, 9  # bits of validity
 
-MESSAGE = np.dtype(
-    {
-        "names": ["marker", "version", "type", "subsystem", "channel", "size"],
-        "formats": ["<u2", "u1", "<u2", "u1", "u1", "<u4"],
-        "offsets": [0, 2, 4, 7, 8, 12],
-        "itemsize": 16,
-    }
-)
-_FIELDS = {
+
+def _layout(size: int, fields: dict[str, tuple[str, int]]) -> np.dtype[Any]:
+    """Layout of a header of so many bytes, from the type and the offset of each field."""
+    types, offsets = zip(*fields.values())
+    return np.dtype({"names": list(fields), "formats": list(types), "offsets": list(offsets), "itemsize": size})
+
+
+MESSAGE = _layout(16, {
+    "marker": ("<u2", 0), "version": ("u1", 2), "type": ("<u2", 4), "subsystem": ("u1", 7), "channel": ("u1", 8),
+    "size": ("<u4", 12),
+})  # fmt: skip
+TRACE = _layout(240, {
     "time": ("<i4", 0), "skipped": ("<u4", 4), "ping": ("<u4", 8), "more": ("<u2", 16), "fraction": ("<u2", 18),
     "validity": ("<u2", 30), "format": ("<i2", 34), "x": ("<i4", 80), "y": ("<i4", 84), "units": ("<i2", 88),
     "samples": ("<u2", 114), "interval": ("<u4", 116), "start": ("<u2", 126), "end": ("<u2", 128),
     "depth": ("<i4", 136), "altitude": ("<i4", 144), "speed": ("<f4", 148), "weight": ("<i2", 168),
     "heading": ("<u2", 172), "pitch": ("<i2", 174), "roll": ("<i2", 176), "milliseconds": ("<u4", 200),
-}  # fmt: skip
-TRACE = np.dtype(
-    {
-        "names": list(_FIELDS),
-        "formats": [each[0] for each in _FIELDS.values()],
-        "offsets": [each[1] for each in _FIELDS.values()],
-        "itemsize": 240,
-    }
-)
+})  # fmt: skip
 
 
 class _Trace(NamedTuple):
@@ -84,10 +82,10 @@ def read_jsf(path: str | Path, frequency: float | None = None) -> xr.Dataset:
     path = Path(path)
     traces = list(_traces(path, np.fromfile(path, dtype=np.uint8)))
     if not traces:
-        raise RECORDS.refusal(path, "holds no side-scan pings", "give a recording of subsystem 20, 21 or 22")
+        raise FileFault("holds no side-scan pings", "give a recording of subsystem 20, 21 or 22")
     frequencies = {trace.subsystem: trace.frequency for trace in reversed(traces)}
     bands = sorted(frequencies)
-    chosen = choose_frequency(path, [frequencies[band] for band in bands], frequency)
+    chosen = choose_frequency([frequencies[band] for band in bands], frequency)
     sides: dict[int, dict[int, SideEchoes]] = {}
     headers: dict[int, Any] = {}
     for trace in traces:
@@ -109,62 +107,49 @@ def _traces(path: Path, content: NDArray[np.uint8]) -> Iterator[_Trace]:
         start = content[at : at + MESSAGE.itemsize]
         message = start.view(MESSAGE)[0] if start.size == MESSAGE.itemsize else None
         if message is not None and message["marker"] != MARKER:
-            raise RECORDS.refusal(path, f"holds no JSF message at byte {at}", "copy or export it again")
+            raise FileFault(f"holds no JSF message at byte {at}", "copy or export it again")
         if message is None or at + MESSAGE.itemsize + int(message["size"]) > content.size:
             warn_of_cut(path, at, whole)
             return
         body = content[at + MESSAGE.itemsize : at + MESSAGE.itemsize + int(message["size"])]
         if message["type"] == SONAR_DATA and message["subsystem"] in SIDE_SCAN and message["channel"] in (0, 1):
             whole += 1
-            yield _trace(path, message, body)
+            yield _trace(message, body)
         at += MESSAGE.itemsize + body.size
 
 
-def _trace(path: Path, message: Any, body: NDArray[np.uint8]) -> _Trace:
+def _trace(message: Any, body: NDArray[np.uint8]) -> _Trace:
     """Scale the samples of a message and determine their slant range."""
     if body.size < TRACE.itemsize:
-        raise RECORDS.refusal(path, "has a ping too short for its header", "export it again")
+        raise FileFault("has a ping too short for its header", "export it again")
     header = body[: TRACE.itemsize].view(TRACE)[0]
-    envelope = _envelope(path, header, _count(message, header), body[TRACE.itemsize :])
+    high = int(header["more"]) if message["version"] >= MORE_BITS else 0
+    envelope = _envelope(header, int(header["samples"]) + 65536 * (high >> 8 & 0xF), body[TRACE.itemsize :])
     skipped = int(header["skipped"])
-    step = 1e-9 * (
-        int(header["interval"]) + (int(header["fraction"] & 0xFF) / 256.0 if _has(message, FRACTIONS) else 0)
-    )
+    fraction = int(header["fraction"] & 0xFF) / 256.0 if message["version"] >= FRACTIONS else 0.0
+    step = 1e-9 * (int(header["interval"]) + fraction)
     speed = plausible_speed(float(header["speed"]))
     if skipped > MOST_SKIPPED or not 0.0 < step * (skipped + envelope.size) < 100.0:
-        raise RECORDS.refusal(path, f"has no sampling interval of ping {header['ping']}", "export it again")
+        raise FileFault(f"has no sampling interval of ping {header['ping']}", "export it again")
     # Samples of the time between transmission and recording are silent.
     amplitude = np.concatenate([np.zeros(skipped, dtype=np.float32), envelope])
-    check_amplitude(path, int(header["ping"]), amplitude)
-    high = int(header["more"]) if _has(message, MORE_BITS) else 0
+    check_amplitude(int(header["ping"]), amplitude)
     swept = int(header["start"]) + (high & 0xF) * 65536 + int(header["end"]) + (high >> 4 & 0xF) * 65536
     side = SideEchoes(amplitude, 0.5 * speed * step * amplitude.size, speed)
     return _Trace(int(message["subsystem"]), int(message["channel"]), header, 5.0 * swept, side)
 
 
-def _has(message: Any, version: int) -> bool:
-    """Whether a message follows a version of the protocol or a later one."""
-    return bool(message["version"] >= version)
-
-
-def _count(message: Any, header: Any) -> int:
-    """Return the number of samples of a message."""
-    high = int(header["more"]) >> 8 & 0xF if _has(message, MORE_BITS) else 0
-    return int(header["samples"]) + 65536 * high
-
-
-def _envelope(path: Path, header: Any, count: int, body: NDArray[np.uint8]) -> NDArray[np.float32]:
+def _envelope(header: Any, count: int, body: NDArray[np.uint8]) -> NDArray[np.float32]:
     """Return the amplitudes of a message."""
     kind = int(header["format"])
     if kind not in (ENVELOPE, ANALYTIC):
-        raise RECORDS.refusal(
-            path,
+        raise FileFault(
             f"has data of format {kind} in ping {header['ping']}, which is no envelope",
             "export it as envelope or as XTF",
         )
     values = (1 + (kind == ANALYTIC)) * count
     if count == 0 or 2 * values > body.size:
-        raise RECORDS.refusal(path, f"has a ping with less than the {count} samples it announces", "export it again")
+        raise FileFault(f"has a ping with less than the {count} samples it announces", "export it again")
     samples = body[: 2 * values].view("<i2").astype(np.float64)
     magnitude = np.abs(samples) if kind == ENVELOPE else np.hypot(samples[::2], samples[1::2])
     return np.ldexp(magnitude, -int(np.clip(header["weight"], -40, 40))).astype(np.float32)

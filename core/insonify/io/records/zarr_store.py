@@ -12,8 +12,8 @@ import numpy as np
 from insonify.io.file_access import check_expansion
 from insonify.io.formats import FileFormat
 from insonify.io.isolation import run_isolated
-from insonify.io.netcdf_files import NUMBER
 from insonify.io.record_schema import CONVENTIONS, join_blocks
+from insonify.io.records.netcdf import NUMBER
 
 if TYPE_CHECKING:
     import xarray as xr

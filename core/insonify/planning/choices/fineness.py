@@ -305,9 +305,7 @@ class Segments(Choice):
         whole = model._replace(misplaced=math.inf)
         share = percent(model.misplaced)
         choice = f"segments divided to {share} of a bin's echo" if model != whole else "whole segments of the bed"
-        reason = (
-            "one incidence serves each cell of the bed" if model == whole else "lobes, twists and slopes within cells"
-        )
+        reason = f"one angle of incidence{' for' if model == whole else ', which varies within'} each cell of the bed"
         if model.misplaced > float(self.offered[-1]):
             reason += f"; on {case.pings(_finest(case, model))} {percent(error)} from the finest division"
         cost = max(case.probe.seconds(model) - case.probe.seconds(whole), 0.0)

@@ -20,16 +20,20 @@ from insonify.accuracy.charts.method_settings import (
     sweep_settings,
 )
 from insonify.accuracy.charts.reference import Reference, refine_reference
-from insonify.accuracy.charts.series import (
+from insonify.accuracy.charts.style import (
     PowerLawFit,
     draw_series,
     finish_panel,
     fit_power_law,
     format_count,
+    format_percent,
+    get_colour,
+    get_mark,
     group_by,
     lay_out_panels,
+    scale_axes,
+    write_headings,
 )
-from insonify.accuracy.charts.style import format_percent, get_colour, get_mark, scale_axes, write_headings
 from insonify.accuracy.timing import describe_machine
 from insonify.display.style import FAINT, label_axes
 from insonify.kernels.common.types import Poses, SceneArrays
@@ -55,7 +59,7 @@ SYMBOLS = {"march, step in m": "step", "sweep, spacing in m": "spacing"}
 class ConvergencePoint(NamedTuple):
     """Error of one series at one size."""
 
-    series: str  # method and what is refined
+    series: str  # method and refined quantity
     size: float  # step or spacing in metres, or count
     error: float  # share of the record beyond 1.4 times the altitude
     resolved: bool  # whether the reference is fine enough to resolve the error

@@ -14,16 +14,18 @@ from matplotlib.figure import Figure
 
 from insonify.accuracy.charts.chart import Chart, ChartTable
 from insonify.accuracy.charts.method_settings import coarsen_bed, pack_for_chart
-from insonify.accuracy.charts.series import (
+from insonify.accuracy.charts.style import (
     PowerLawFit,
     draw_series,
     finish_panel,
     fit_power_law,
     format_count,
+    format_time,
     group_by,
     lay_out_panels,
+    scale_axes,
+    write_headings,
 )
-from insonify.accuracy.charts.style import format_time, scale_axes, write_headings
 from insonify.accuracy.timing import describe_machine, time_calls
 from insonify.display.style import FAINT, label_axes
 from insonify.kernels.common.types import Poses, SceneArrays
@@ -36,7 +38,7 @@ from insonify.tracers import rays, sweep
 PINGS = (16, 32, 64, 128, 256, 512)
 STREAMED = (1000, 10_000, 100_000, 1_000_000)  # pings of a record that is traced block by block
 LONGEST = 10.0  # s, greatest cost of such a record by its plan
-NODES = (8, 4, 2, 1)  # one node of so many of the bed is kept
+NODES = (8, 4, 2, 1)  # strides between the nodes of the bed that are kept
 SIDES = (1024, 2048, 4096, 8192)  # nodes of the bed
 BINS = (0.25, 0.5, 1.0, 2.0, 4.0, 8.0, 16.0)  # times the bins of the scene
 TARGETS = (1, 2, 5, 10, 20, 50, 100, 200)
@@ -60,7 +62,7 @@ class CostRow(NamedTuple):
     size: float  # value of that quantity
     microseconds: float  # median time: of all pings where their number grows, else of one
     spread: float  # half the distance between the quartiles, as a share of the median
-    megabytes: float  # memory of the scene's arrays, and the most that a call holds besides
+    megabytes: float  # memory of the scene's arrays plus the peak allocation of a call
 
 
 @dataclass(frozen=True)
@@ -111,7 +113,7 @@ class CostChart(Chart):
 class _Call(NamedTuple):
     """Call to be timed."""
 
-    trace: partial[Any]  # traces some pings; its first argument holds the arrays of the scene
+    trace: partial[Any]  # traces some pings; its first argument is the arrays of the scene
     pings: int  # number of these pings
 
 
@@ -164,7 +166,7 @@ def _rays(arrays: SceneArrays, poses: Poses, count: int = CAST_RAYS) -> _Call:
 
 
 def _memory_of(call: partial[Any]) -> float:
-    """Megabytes of the arrays of a call's scene, and the most that the call allocates besides."""
+    """Megabytes of the arrays of a call's scene plus the peak allocation of the call."""
     tracemalloc.start()
     try:
         call()
@@ -188,7 +190,7 @@ def _some(poses: Poses, count: int) -> Poses:
 
 
 def _stream_records(scene: Scene) -> Iterator[tuple[int, _Call]]:
-    """Whole records traced block by block, as they are written, if that is a matter of seconds."""
+    """Whole records traced block by block, as for a file, as long as the plan predicts a few seconds."""
     for n in STREAMED:
         simulation = prepare(edit(scene, {"track.pings": n}), threads=1)
         if n * simulation.plan.cost <= LONGEST:

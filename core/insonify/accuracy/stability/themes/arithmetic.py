@@ -24,7 +24,7 @@ from insonify.tow.poses import take_poses
 from insonify.tracers import rays, sweep
 
 THEME = StabilityTheme("Arithmetic", 11)
-Points = NDArray[np.float64]
+Values = NDArray[np.float64]
 
 
 @THEME.case(
@@ -53,7 +53,7 @@ def _terraces() -> Measured:
     ))  # fmt: skip
 
 
-def _next_hit(origin: Points, direction: Points, centre: Points, radius: float) -> Points:
+def _next_hit(origin: Values, direction: Values, centre: Values, radius: float) -> Values:
     """Distances to a sphere in front, by the quadratic formula; infinite where there is none."""
     offset = origin - centre
     half, rest = (offset * direction).sum(axis=1), (offset**2).sum(axis=1) - radius**2
@@ -103,7 +103,7 @@ def _self_hits() -> Measured:
     return Measured(percent(met), own, draw)
 
 
-def _mean_of_known(values: Points) -> float:
+def _mean_of_known(values: Values) -> float:
     """Mean of the values that are not NaN."""
     total, count = 0.0, 0
     for k in range(values.size):
@@ -149,7 +149,7 @@ def _missing_results() -> float:
     compiled = njit(_root)
 
     @njit(parallel=True)
-    def roots(values: Points, out: Points) -> None:
+    def roots(values: Values, out: Values) -> None:
         for k in prange(values.size):
             out[k] = compiled(values[k])  # type: ignore[call-overload]
 

@@ -11,7 +11,7 @@ from pydantic import model_validator
 
 from insonify.errors import SceneError
 from insonify.files import kept_until_changed
-from insonify.io.bathymetry.grid import Grid
+from insonify.io.bathymetry import Grid
 from insonify.io.bathymetry.rasters import read_raster
 from insonify.io.file_access import check_regular, guarded
 from insonify.io.georeference import Georeference, project

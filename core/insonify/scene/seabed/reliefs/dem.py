@@ -9,8 +9,7 @@ from numpy.typing import NDArray
 
 from insonify.errors import SceneError
 from insonify.files import kept_until_changed
-from insonify.io.bathymetry import BATHYMETRY, Grid, read_grid
-from insonify.io.bathymetry.grid import LARGEST_SIDE
+from insonify.io.bathymetry import BATHYMETRY, LARGEST_SIDE, Grid, read_grid
 from insonify.io.georeference import Georeference
 from insonify.scene.base import FilePath, parameter
 from insonify.scene.seabed.reliefs import AddableRelief, HeightGrid

@@ -1,4 +1,4 @@
-"""Failures of range bins: sums that do not cancel, areas without a bound, logarithms of zero."""
+"""Failures of range bins, the receiver and scattering: inexact sums, unbounded areas, gain on noise."""
 
 from __future__ import annotations
 
@@ -10,22 +10,35 @@ from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
 from insonify.accuracy.stability.case import Approach, Measured, StabilityTheme, percent
-from insonify.accuracy.stability.drawing import RIGHT, WRONG, add_legend, common, faint, inked, ours, panel, table
+from insonify.accuracy.stability.drawing import (
+    RIGHT,
+    WRONG,
+    add_legend,
+    common,
+    curve,
+    faint,
+    inked,
+    ours,
+    panel,
+    table,
+)
 from insonify.accuracy.stability.level_scenes import level_arrays, make_level_scene, make_pose, sweep_port
 from insonify.acoustics.flat_bed import flat_bed_curve
 from insonify.acoustics.resolution_cell import bin_centres
 from insonify.display.normalisation import LevelBed, normalise
 from insonify.display.picture import choose_contrast, colour_amplitudes
 from insonify.display.style import FAINT
+from insonify.kernels.common.scattering import bistatic_strength
+from insonify.kernels.common.types import SONAR
 from insonify.scene import edit, load_scene
 from insonify.simulation import prepare, simulate
 
-THEME = StabilityTheme("Range bins", 4)
-Curve = NDArray[np.float64]
+Values = NDArray[np.float64]
+RANGE_BINS = StabilityTheme("Range bins", 4)
 BINS, BIN = 3000, 0.05
 
 
-def _sum_in_single_precision(edges: Curve, density: Curve) -> Curve:
+def _sum_in_single_precision(edges: Values, density: Values) -> Values:
     """Add up in float32 the steps of a density at the edges of its pieces."""
     steps = np.zeros(BINS + 1, dtype=np.float32)
     place = np.minimum((edges / BIN).astype(np.int64), BINS)
@@ -34,7 +47,7 @@ def _sum_in_single_precision(edges: Curve, density: Curve) -> Curve:
     return np.cumsum(steps[:BINS], dtype=np.float32).astype(np.float64)
 
 
-def _level_bed(height: float, reach: float) -> tuple[Curve, Curve, Curve, Curve]:
+def _level_bed(height: float, reach: float) -> tuple[Values, Values, Values, Values]:
     """Pieces of a level bed: ends on the ground and in slant range, middles, and Lambert energy over their range."""
     x = np.arange(0.0, reach, 0.1)
     edges = np.hypot(x, height)
@@ -42,7 +55,7 @@ def _level_bed(height: float, reach: float) -> tuple[Curve, Curve, Curve, Curve]
     return x, edges, middle, (height / middle) ** 2 / math.pi * np.diff(x) / np.diff(edges)
 
 
-@THEME.case(
+@RANGE_BINS.case(
     "Range factors inside a float32 sum",
     "A float32 prefix sum includes spreading by r⁻⁴, so that far bins are smaller than the rounding errors of "
     "near ones.",
@@ -70,7 +83,7 @@ def _factors() -> Measured:
     ))  # fmt: skip
 
 
-@THEME.case(
+@RANGE_BINS.case(
     "Shadows that are not silent",
     "Floating-point steps that should cancel leave a remainder, so that shadows are bright or negative.",
     "bins of a shadow that are not zero",
@@ -108,7 +121,7 @@ def _cell_area(r: float, height: float, width: float, length: float) -> float:
     return width * r * length / cosine if cosine > 0.0 else math.inf
 
 
-@THEME.case(
+@RANGE_BINS.case(
     "Nadir",
     "The cell length cτ/(2 cos θ) is infinite at normal incidence.",
     "error of the first return's energy",
@@ -136,7 +149,7 @@ def _nadir() -> Measured:
     ))  # fmt: skip
 
 
-@THEME.case(
+@RANGE_BINS.case(
     "Range zero",
     "The first bin begins at slant range 0; neither 0 nor a silent bin has a logarithm.",
     "bins without a number",
@@ -169,7 +182,7 @@ EMPTY: tuple[dict[str, Any], ...] = (
 )
 
 
-@THEME.case(
+@RANGE_BINS.case(
     "An empty record",
     "A record of one bin or ping, or one that ends before the bed begins, has no maximum to normalise by.",
     "such records shown wrongly",
@@ -193,3 +206,72 @@ def _empty() -> Measured:
         rows.append((fields, f"{lost:.0f} % without a number", lit))
     heads = "scene", "brightest echo at 0 dB", "relative to a level bed"
     return Measured(float(plain), float(wrong), table(heads, rows))
+
+
+RECEIVER = StabilityTheme("The receiver", 10)
+ABSORPTION = 0.3  # dB/m, some 900 kHz
+NOISY = {
+    "sonar.range": 150.0, "sonar.bins": 1500, "sonar.ping_rate": 4.0, "track.pings": 24,
+    "water.absorption": 1e3 * ABSORPTION, "receiver.noise": {"kind": "ambient", "level": -120.0},
+}  # fmt: skip
+
+
+@RECEIVER.case(
+    "Gain over noise",
+    "Time-varied gain keeps rising where only noise is left.",
+    "level of the last tenth of the record above the bed's",
+    "dB",
+    failing=Approach("Applies 40 log r + 2αr at every range.", 20.0),
+    right=Approach("Keeps the gain constant from the range where even a perfect bed is below the noise.", 3.0),
+)
+def _gain() -> Measured:
+    tvg = {"receiver.tvg": {"kind": "power", "spreading": 40.0}}
+    bare, gained = (simulate(make_level_scene(NOISY | more)) for more in ({}, tvg))
+    r = bare.slant_range.values
+    plain, own = (one.intensity.values.astype(np.float64).mean(axis=(0, 1)) for one in (bare, gained))
+    plain = plain * 10.0 ** ((40.0 * np.log10(r) + 2.0 * ABSORPTION * r) / 10.0)
+    return Measured.by(lambda one: 10.0 * np.log10(one[1350:].mean() / one[100:500].max()), plain, own, panel(
+        common(r, 10.0 * np.log10(plain), "gain to the end of the range", linewidth=1.0),
+        ours(r, 10.0 * np.log10(own), "constant gain where noise exceeds any bed", linewidth=1.0),
+        x="slant range (m)", y="level (dB)",
+    ))  # fmt: skip
+
+
+def _albedos(incidences: Values, shininess: float) -> tuple[Values, Values]:
+    """Albedo by incidence, with the lobe as computer graphics defines it and with the normalised lobe."""
+    cosine = (np.arange(120) + 0.5) / 120.0
+    around = (np.arange(120) + 0.5) / 120.0 * 2.0 * math.pi
+    cosines, angles = (grid.ravel() for grid in np.meshgrid(cosine, around))
+    solid_angle = np.full(cosines.size, 2.0 * math.pi / cosines.size)
+    plain, own = [], []
+    for incidence in incidences:
+        mirrored = cosines * math.cos(incidence) - np.sqrt(1.0 - cosines**2) * np.cos(angles) * math.sin(incidence)
+        # Lambert and Phong, k_d/π + k_s max(0, R·V)ⁿ with k_d = k_s = ½, times the cosine of the outgoing direction.
+        lobe = (0.5 / math.pi + 0.5 * np.maximum(mirrored, 0.0) ** shininess) * cosines
+        plain.append(float((lobe * solid_angle).sum()))
+        arrives = math.cos(incidence)
+        leaves = [bistatic_strength(arrives, c, m, 0.5, 0.5, shininess, SONAR) for c, m in zip(cosines, mirrored)]
+        own.append(float((np.array(leaves) * solid_angle).sum() / arrives))
+    return np.array(plain), np.array(own)
+
+
+@RECEIVER.case(
+    "A lobe without its norm",
+    "Phong's lobe added to Lambert's law without a norm returns more energy than arrives.",
+    "surplus over the incident energy",
+    "",
+    failing=Approach("Takes k_d/π + k_s cosⁿ with k_d + k_s = 1.", 0.3),
+    right=Approach("Normalises the lobe by its integral: a factor (n + 2)/2π.", 0.002),
+)
+def _lobe() -> Measured:
+    degrees, curves, albedos = np.arange(0.0, 81.0, 10.0), [], []
+    for n, style in ((1.0, "-"), (4.0, "--")):
+        plain, own = _albedos(np.radians(degrees), n)
+        albedos.append((plain.max(), own.max()))
+        curves += [common(degrees, plain, f"lobe of computer graphics, n = {n:g}", style)]
+        curves += [ours(degrees, own, f"normalised, n = {n:g}", style)]
+    plain, own = np.array(albedos).T
+    return Measured.by(lambda shares: max(*shares, 1.0) - 1.0, plain, own, panel(
+        *curves, curve("black", None, 1.0, style=":", linewidth=0.8),
+        x="incidence (°)", y="share of the energy that is scattered", ylim=(0.0, 1.7),
+    ))  # fmt: skip
