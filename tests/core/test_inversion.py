@@ -21,8 +21,8 @@ from insonify.inversion.bed_parameters import (
     set_bed,
     variance_of_looks,
 )
-from insonify.inversion.findings import DIFFERS, MATCHED, UNKNOWN
 from insonify.inversion.footprint import footprint_of
+from insonify.inversion.learning import DIFFERS, MATCHED, UNKNOWN
 from insonify.inversion.roughness_fit import fit_roughness
 from insonify.inversion.segment_spectra import SEGMENT, AngleGroup, SegmentSpectra, fit_level_curve
 from insonify.io.records import read_record, write_record

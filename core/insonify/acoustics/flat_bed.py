@@ -32,13 +32,20 @@ def flat_bed_curve(
     reached = far > near
     r = np.where(reached, 0.5 * (near + far), 1.0)
     cos_incidence = altitude / r
-    mirrored = np.maximum(2.0 * cos_incidence**2 - 1.0, 0.0) ** shininess
     if arrays.law == LIGHT:
+        mirrored = np.maximum(2.0 * cos_incidence**2 - 1.0, 0.0) ** shininess
         shade = diffuse * cos_incidence + specular * mirrored
         return np.where(reached, shade * (far - near) / arrays.bin_length, 0.0) * arrays.range_factor
-    sigma = cos_incidence**2 * (diffuse / np.pi + specular * (shininess + 2.0) / (2.0 * np.pi) * mirrored)
+    sigma = scattering_strength(reflectivity or LAMBERT, cos_incidence)
     x = 0.5 * (x_near + x_far)
     return np.where(reached, sigma * (x_far - x_near) * along_track_width(arrays, x, r), 0.0) * arrays.range_factor
+
+
+def scattering_strength(reflectivity: Reflectivity, cos_incidence: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Backscattering cross section of a square metre, Lambert and Phong, by the cosine of the incidence."""
+    diffuse, specular, shininess = reflectivity[:3]
+    mirrored = np.maximum(2.0 * cos_incidence**2 - 1.0, 0.0) ** shininess
+    return cos_incidence**2 * (diffuse / np.pi + specular * (shininess + 2.0) / (2.0 * np.pi) * mirrored)
 
 
 def compute_flat_bed_curves(arrays: SceneArrays, poses: Poses) -> NDArray[np.float64]:

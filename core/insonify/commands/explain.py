@@ -6,7 +6,16 @@ import argparse
 import math
 from typing import TYPE_CHECKING, Any
 
-from insonify.commands.options import SIDES, add_method, add_scene, chosen_model, chosen_scene, find_pixel, say
+from insonify.commands.options import (
+    SIDES,
+    add_method,
+    add_scene,
+    chosen_model,
+    chosen_scene,
+    find_pixel,
+    level_line,
+    say,
+)
 from insonify.progress import report_waiting
 
 if TYPE_CHECKING:
@@ -51,19 +60,12 @@ def _table(explained: PixelExplanation) -> list[str]:
     """Lines that print an explanation."""
     side = SIDES[explained.side]
     lines = [f"ping {explained.ping}, {side}, {explained.slant_range:.2f} m: {explained.summary}", ""]
-    lines += [_line(term.name, term.decibels, term.detail) for term in explained.terms]
-    lines.append(_line("pixel", explained.level))
+    lines += [level_line(term.name, term.decibels, term.detail) for term in explained.terms]
+    lines.append(level_line("pixel", explained.level))
     for each in explained.contributions[:MOST]:
         lines.append(f"{100.0 * each.share:>6.1f} % {each.words}, at {each.ground_range:.2f} m")
     for hidden in explained.obstructions[:MOST]:
         lines.append(f"{100.0 * hidden.share:>6.1f} % hidden by {hidden.hider}")
     if explained.obstructions and math.isfinite(explained.unhidden):
-        lines.append(_line("with nothing hidden", explained.unhidden))
+        lines.append(level_line("with nothing hidden", explained.unhidden))
     return [*lines, *explained.approximations]
-
-
-def _line(name: str, level: float, detail: str = "") -> str:
-    """Line of a level with its name."""
-    # Rounded first, so that no "-0.00" is printed.
-    number = f"{round(level, 2) + 0.0:>10.2f} dB" if math.isfinite(level) else f"{'no echo':>10}"
-    return f"{name:<22}{number}  {detail}".rstrip()

@@ -195,6 +195,13 @@ def tracked(blocks: Iterator[Block], pings: int, count: Callable[[Block], int]) 
             block = next(blocks, None)
 
 
+def level_line(name: str, level: float, detail: str = "") -> str:
+    """Line of a level in decibels with its name."""
+    # Rounded first, so that no "-0.00" is printed.
+    number = f"{round(level, 2) + 0.0:>10.2f} dB" if math.isfinite(level) else f"{'no echo':>10}"
+    return f"{name:<22}{number}  {detail}".rstrip()
+
+
 def say(line: str) -> None:
     """Write a line to standard output."""
     sys.stdout.write(f"{line}\n")

@@ -23,9 +23,9 @@ WINDOW, MAX_LAG = 8, 96  # bins on either side of an echo, and bins by which it 
 class Displacement:
     """Displacement in slant range of the shadows and echoes of a record against its reference, in metres."""
 
-    # Mean distance between the edges of the reference's shadows and the record's; NaN if there are none.
+    # Mean distance between the edges of shadows in the reference and in the record; NaN without shadows.
     shadow_edge: float
-    echo: float  # mean distance between echoes that stand out from the bed's; NaN if there are none
+    echo: float  # mean distance between echoes that stand out from the bed; NaN without such echoes
     lost: int = 0  # echoes that stand out in the reference and are missing in the record; they have no distance
 
 

@@ -292,7 +292,7 @@ def _turning_angles() -> tuple[Values, Values]:
 
 @cache
 def _at_the_vertex() -> tuple[int, int]:
-    """Count the rays that have no number somewhere, and those with an unreliable tube that are not flagged."""
+    """Count the rays with NaN somewhere, and the rays with an unreliable tube and without a flag."""
     lost = unflagged = 0
     for speed, angle in zip(*_turning_angles()):
         water = profile([0.0, 20.0, 40.0], [1500.0, speed, speed + 40.0])
