@@ -47,6 +47,10 @@ VOLUME = {"receiver.reverberation": {"kind": "volume", "volume_strength": -30.0}
 SURFACE = {"receiver.reverberation": "surface", **BY_DEPTH}
 BOTH = {**SURFACE, "receiver.reverberation": {"kind": "both", "volume_strength": -30.0}}
 NOISE = {"receiver.noise": "ambient"}
+LOUD = {"receiver.source_level": 200.0}
+WHITE = LOUD | {"receiver.noise": "density"}
+SEA_NOISE = LOUD | {"sonar.frequency": 5e4, "receiver.noise": {"kind": "sea", "wind": 20.0}}
+SNR = {"receiver.noise": {"kind": "snr", "at": 20.0}}
 TVG = {"receiver.tvg": "power"}
 TABLE = {"receiver.tvg": {"kind": "table", "by": "bin", "gains": [[0.0, 0.0], [100.0, 20.0]]}}
 RINGING = {"receiver.ringing": "decay"}
@@ -222,6 +226,11 @@ CHANGES: dict[str, tuple[dict, dict]] = {
     "receiver.reverberation[both].surface_strength": (BOTH, {"receiver.reverberation.surface_strength": -10.0}),
     "receiver.noise": ({}, {"receiver.noise": {"kind": "ambient", "level": -80.0}}),
     "receiver.noise[ambient].level": (NOISE, {"receiver.noise.level": -80.0}),
+    "receiver.noise[density].level": (WHITE, {"receiver.noise.level": 50.0}),
+    "receiver.noise[sea].wind": (SEA_NOISE, {"receiver.noise.wind": 1.0}),
+    "receiver.noise[sea].rain": (SEA_NOISE, {"receiver.noise.rain": "heavy"}),
+    "receiver.noise[snr].value": (SNR, {"receiver.noise.value": 5.0}),
+    "receiver.noise[snr].at": (SNR, {"receiver.noise.at": 15.0}),
     "receiver.source_level": ({}, {"receiver.source_level": 200.0}),
     "receiver.tvg": ({}, TVG),
     "receiver.tvg[power].spreading": (TVG, {"receiver.tvg.spreading": 40.0}),

@@ -13,9 +13,8 @@ import pytest
 
 from beds import arrays_of, poses_of
 from insonify.accuracy.charts import reference
-from insonify.accuracy.charts.accuracy_chart import AccuracyChart, AccuracyRow, TracedScene
 from insonify.accuracy.charts.kinds import accuracy
-from insonify.accuracy.charts.kinds.accuracy import measure_chart
+from insonify.accuracy.charts.kinds.accuracy import AccuracyChart, AccuracyRow, TracedScene, measure_chart
 from insonify.accuracy.charts.method_settings import list_settings, pack_for_chart
 from insonify.accuracy.charts.reference import Reference, trace_exact_rays
 from insonify.accuracy.charts.style import SHADES

@@ -82,7 +82,10 @@ SMALL = ["pipe-span", "--set", "track.pings=3", "--set", "sonar.bins=100"]
         (["view", "a.xtf"], "a.xtf: does not exist; give the path of a record"),
         (["plan", "a.xtf"], "a.xtf: this is a record, not a scene; draw it with 'insonify render a.xtf"),
         (["chart", "-o", "x.png", "a.xtf"], "a.xtf: this is a record, not a scene; draw it with"),
-        (["render", "default", "-o", "x.nc", "--bits", "8"], "--bits is no option of .nc files, such as x.nc; leave"),
+        (
+            ["render", "default", "-o", "x.nc", "--bits", "8"],
+            "--bits is not an option of .nc files such as x.nc; leave",
+        ),
         (["render", "default", "-o", "x.png", "--frequency", "4e5"], "--frequency applies to recordings; write --set"),
         (["render", "default", "-o", "x.npz", "--display", "gain=3"], "--display applies to pictures"),
     ],

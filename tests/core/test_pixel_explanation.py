@@ -202,7 +202,7 @@ def test_a_pipe_hides_the_bed_behind_it():
 
 def test_the_cross_section_parts_the_bed_into_heard_and_hidden():
     section = cut_cross_section(flat(targets=[HIDING], sonar__beam="knife"), 50, 0)
-    heard = np.diff(section.heard[:, :, 0], axis=1).sum()
+    heard = np.diff(section.visible[:, :, 0], axis=1).sum()
     hidden = section.hidden[:, :, 0]
     assert heard + np.diff(hidden, axis=1).sum() == pytest.approx(math.sqrt(40.0**2 - 10.0**2), abs=0.5)
     assert hidden.max() == pytest.approx(HIDDEN_TO, abs=0.05)

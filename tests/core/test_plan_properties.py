@@ -81,10 +81,11 @@ def test_a_plan_of_a_rough_bed(seed, tmp_path):
         if entry.modelled is False:
             assert entry.options
     share = chosen.model.misplaced
-    forced = {"planes": str(chosen.planes), "spacing": str(chosen.every), "method": chosen.method}
+    forced = {"planes": str(chosen.planes), "spacing": str(chosen.model.every), "method": chosen.method}
     forced["segments"] = "whole" if math.isinf(share) else str(share)
     again = plan(scene, forced=forced)
-    assert (again.settings, again.every, again.bent) == (chosen.settings, chosen.every, chosen.bent)
+    assert again.settings == chosen.settings
+    assert (again.model.every, again.model.bent) == (chosen.model.every, chosen.model.bent)
     assert again.work == chosen.work
 
 

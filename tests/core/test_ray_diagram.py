@@ -10,8 +10,7 @@ from insonify.acoustics.rays import follow_paths
 from insonify.acoustics.water import make_water
 from insonify.cli import main
 from insonify.display.ray_diagram.figure import write_ray_diagram
-from insonify.display.ray_diagram.ray_fan import CELLS
-from insonify.display.ray_diagram.tracing import trace_ray_diagram
+from insonify.display.ray_diagram.tracing import CELLS, trace_ray_diagram
 from insonify.kernels.refraction.ray_paths import RayLimits
 from insonify.scene import SceneError, edit, load_scene
 

@@ -10,23 +10,22 @@ from numpy.lib.stride_tricks import sliding_window_view
 from numpy.typing import NDArray
 from scipy.ndimage import maximum_filter1d
 
-from insonify.acoustics.error_range import ERROR_ALTITUDES, find_first_bin
-from insonify.acoustics.flat_bed import compute_flat_bed_curves
+from insonify.acoustics.flat_bed import ERROR_ALTITUDES, compute_flat_bed_curves, find_first_bin
 from insonify.kernels.common.types import Poses, SceneArrays
 
 DARK, SHADOW_BINS = 0.1, 8  # share of the median, and length of the run, that make a shadow
 LOUD = 4.0  # medians above which an echo stands out
-LOST = 0.25  # share of an echo below which the record does not hold it
+LOST = 0.25  # share of an echo below which it counts as lost
 WINDOW, MAX_LAG = 8, 96  # bins on either side of an echo, and bins by which it may be displaced
 
 
 @dataclass(frozen=True)
 class Displacement:
-    """Distances in slant range between shadows and echoes of a record and those of its reference, in metres."""
+    """Displacement in slant range of the shadows and echoes of a record against its reference, in metres."""
 
-    # Mean distance between the edges of the reference's shadows and the record's; NaN if there are none.
+    # Mean distance between the edges of shadows in the reference and in the record; NaN without shadows.
     shadow_edge: float
-    echo: float  # mean distance between echoes that stand out from the bed's; NaN if there are none
+    echo: float  # mean distance between echoes that stand out from the bed; NaN without such echoes
     lost: int = 0  # echoes that stand out in the reference and are missing in the record; they have no distance
 
 
@@ -52,10 +51,10 @@ def find_edge_shifts(a: NDArray[np.floating], b: NDArray[np.floating]) -> list[f
     edge is where a record, from the middle of the shadow outwards, first rises to half of the reference's level just
     outside, interpolated between bin centres. Where a record has no shadow at all, the edge is the middle itself.
     """
-    heard = b[b > 0.0]
-    if heard.size == 0:
+    lit = b[b > 0.0]
+    if lit.size == 0:
         return []
-    dark = np.concatenate([[False], b < DARK * np.median(heard), [False]])
+    dark = np.concatenate([[False], b < DARK * np.median(lit), [False]])
     begins, ends = np.flatnonzero(dark[1:] & ~dark[:-1]), np.flatnonzero(~dark[1:] & dark[:-1])
     shifts = []
     for begin, end in zip(begins, ends):
@@ -88,10 +87,10 @@ def find_echo_shifts(a: NDArray[np.floating], b: NDArray[np.floating]) -> list[f
     correlation; the difference of the centroids there adds the fraction of a bin. The echo counts as lost where the
     record stays below `LOUD` / 2 medians or below `LOST` times the echo.
     """
-    heard = b[b > 0.0]
-    if heard.size == 0:
+    lit = b[b > 0.0]
+    if lit.size == 0:
         return []
-    loud = LOUD * float(np.median(heard))
+    loud = LOUD * float(np.median(lit))
     highest = maximum_filter1d(b, 2 * WINDOW + 1, mode="constant")
     peaks = np.flatnonzero((b == highest) & (b > loud))
     around = np.arange(-WINDOW, WINDOW + 1)

@@ -13,8 +13,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from insonify.acoustics.error_range import ERROR_ALTITUDES, find_first_bin
-from insonify.acoustics.flat_bed import compute_flat_bed_curves
+from insonify.acoustics.flat_bed import ERROR_ALTITUDES, compute_flat_bed_curves, find_first_bin
 from insonify.kernels.common.types import Poses, SceneArrays
 
 SSIM_COLUMNS = 7
@@ -26,8 +25,8 @@ class RecordErrors:
 
     all_bins: float  # ‖a − b‖ / ‖b‖ over all bins from the first return
     beyond: float  # the same over bins beyond 1.4 times the altitude: the error to which a tolerance refers
-    energy_bias: float  # energy of a over that of b, less 1
-    dark_leakage: float  # share of the energy of a in bins where b has none
+    energy_bias: float  # energy of a over energy of b, less 1
+    dark_leakage: float  # share of the energy of a in bins where b is 0
 
 
 def compute_errors(
