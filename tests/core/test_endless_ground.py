@@ -107,7 +107,7 @@ def _forbidden(row, column):
     raise AssertionError(f"tile {row}, {column} is made")
 
 
-@pytest.mark.parametrize("every", [1, 4])
+@pytest.mark.parametrize("every", [1, 2, pytest.param(4, marks=pytest.mark.slow)])
 def test_heights_of_a_few_places_need_no_tile(every):
     ground = build_ground(SCENE).thinned(every)
     x, y = np.random.default_rng(3).uniform(-60.0, 60.0, (2, 50))
@@ -126,7 +126,7 @@ def test_heights_beyond_an_excerpt_need_no_tile():
     np.testing.assert_allclose(excerpt.height_at_once(x, y), exact, rtol=0.0, atol=1e-6)
 
 
-@pytest.mark.parametrize("reach", [0.0, 30.0, 0.4 * TILE, 1.3 * 0.4 * TILE])
+@pytest.mark.parametrize("reach", [0.0, 30.0, pytest.param(0.4 * TILE, marks=pytest.mark.slow), 1.3 * 0.4 * TILE])
 def test_a_window_holds_each_node_at_its_place_whatever_window_is_held(reach):
     ground = build_ground(edit(SCENE, {"seabed.material": {"kind": "fractal", "of": ["fine_sand", "coarse_sand"]}}))
     assert isinstance(ground, EndlessGround)
