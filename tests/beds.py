@@ -80,6 +80,23 @@ def mesh_of(vertices: ArrayLike, faces: ArrayLike, *, target: int = 0) -> Mesh:
     return build_mesh(corners, rows, rows + target)
 
 
+# Faces of a box whose corners are in the order of `box_corners`.
+BOX_FACES = (
+    (0, 1, 3), (0, 3, 2), (4, 6, 7), (4, 7, 5), (0, 4, 5), (0, 5, 1),
+    (2, 3, 7), (2, 7, 6), (1, 5, 7), (1, 7, 3), (0, 2, 6), (0, 6, 4),
+)  # fmt: skip
+
+
+def box_corners(low: Sequence[float], high: Sequence[float]) -> np.ndarray:
+    """Corners of a box along the axes, (8, 3)."""
+    return np.array(list(itertools.product(*zip(low, high))))
+
+
+def box_mesh(low: Sequence[float], high: Sequence[float], *, target: int = 0) -> Mesh:
+    """Mesh of a box along the axes."""
+    return mesh_of(box_corners(low, high), BOX_FACES, target=target)
+
+
 def icosphere(halvings: int, radius: float = 1.0, centre: ArrayLike = (0.0, 0.0, 0.0)) -> tuple[np.ndarray, np.ndarray]:
     """Vertices and counter-clockwise faces of an icosahedron whose faces are quartered and pushed out to a sphere."""
     golden = 0.5 * (1.0 + 5.0**0.5)

@@ -21,7 +21,7 @@ from insonify.scene import Scene
 from insonify.simulation import prepare
 from insonify.statistics.record_errors import RecordErrors, compare_records
 from insonify.tracers import sweep
-from random_scenes import random_scene
+from random_scenes import dense_scene
 
 PLANES = 64  # of a fan
 ALL, BENT = range(50), range(30)
@@ -57,7 +57,7 @@ class Judged:
 
 def judge(seed: int, folder: Path, tolerance: float, *, bent: bool = False) -> Judged:
     """Trace a random scene by the sweep and by rays that have settled to a tolerance."""
-    scene, pings = random_scene(seed, folder, bent=bent)
+    scene, pings = dense_scene(seed, folder, bent=bent)
     simulation = prepare(scene, method="rays", forced={"bending": "on" if bent else "off"})
     assert simulation.arrays.water.bent == bent
     arrays, poses = simulation.arrays, simulation.poses(pings)

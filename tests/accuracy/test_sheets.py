@@ -11,15 +11,15 @@ from beds import arrays_of, bed_of, gaussian_pattern, poses_of, rough
 from insonify.accuracy.charts.method_settings import pack_for_chart
 from insonify.accuracy.charts.reference import name_rays, trace_exact_rays
 from insonify.acoustics.flat_bed import flat_bed_curve
-from insonify.kernels.common.types import LIGHT, SONAR, Water, no_surface_multipath
+from insonify.kernels.common.types import LIGHT, SONAR, no_surface_multipath
 from insonify.scene import SceneError, edit, load_scene
 from insonify.statistics.record_errors import compare_records
 from insonify.tracers import ray_sheets, rays, sweep
+from water import water_of
 
 FAN = math.radians(1.0)
 POSES = poses_of([0.0, 3.7], 1.3, 8.0)
-SPEEDS = np.array([[1490.0, 1490.0, 1500.0, 1500.0]])
-THERMOCLINE = Water(True, np.array([-5.0, 3.0, 5.0, 20.0]), SPEEDS, np.zeros(1), 1.0, 0.0, 1500.0, 25.0)
+THERMOCLINE = water_of([-5.0, 3.0, 5.0, 20.0], [1490.0, 1490.0, 1500.0, 1500.0], surface=25.0)
 BODIES = [((0.0, 12.0, 0.6), 0.6), ((-5.0, -15.0, 0.9), (9.0, -14.0, 0.9), 0.4)]
 
 
