@@ -7,7 +7,7 @@ import math
 import numpy as np
 import pytest
 
-from beds import BOX_FACES, NO_MESH, arrays_of, box_mesh, poses_of, rough, solids_of
+from beds import BOX_FACES, NO_MESH, arrays_of, box_corners, mesh_of, poses_of, rough, solids_of
 from insonify.accuracy.charts.embree import TriangulatedScene, explain_omission
 from insonify.kernels.rays.cell_walk import RayBundle, empty_hits, find_first_hits
 from insonify.scene import SceneError
@@ -80,11 +80,12 @@ def rays_towards(arrays, poses, target, wide, count=20_000):
 
 BOX = (-1.0, 8.0, 0.0), (1.0, 9.5, 1.2)
 BOX_ASIDE = (2.0, 8.0, 0.0), (4.0, 9.5, 1.2)
+FACES = BOX_FACES[:10]  # the box stands on the bed
 TARGETS = {
     "sphere": ({"solids": [((0.3, 9.0, 0.8), 0.7)]}, 2.0),
     "pipe": ({"solids": [((-3.0, 8.0, 0.5), (4.0, 10.0, 0.9), 0.4), ((4.0, 10.0, 0.9), 0.4)]}, 2.0),
     "cone": ({"solids": [((0.0, 9.0, 0.0), (0.0, 9.0, 1.8), 1.0, 0.0)]}, 2.0),
-    "box": ({"mesh": box_mesh(*BOX)}, 0.0),
+    "box": ({"mesh": mesh_of(box_corners(*BOX), FACES)}, 0.0),
 }
 
 
@@ -105,10 +106,10 @@ def test_a_target_is_hit_where_the_exact_walk_hits_it(name, degrees):
 
 
 def test_every_triangle_has_the_body_and_the_material_of_what_it_is_cut_from():
-    arrays = bed_arrays(solids=TARGETS["sphere"][0]["solids"], mesh=box_mesh(*BOX_ASIDE))
+    arrays = bed_arrays(solids=TARGETS["sphere"][0]["solids"], mesh=mesh_of(box_corners(*BOX_ASIDE), FACES))
     arrays = arrays._replace(
         solids=arrays.solids._replace(material=np.array([1])),
-        mesh=arrays.mesh._replace(material=np.full(len(BOX_FACES), 2)),
+        mesh=arrays.mesh._replace(material=np.full(len(FACES), 2)),
     )
     bundle = rays_towards(arrays, POSES, (1.5, 9.0, 0.6), 3.0)
     found, right = TriangulatedScene(arrays, POSES).cast(bundle), exact_hits(arrays, bundle)
@@ -120,7 +121,7 @@ def test_every_triangle_has_the_body_and_the_material_of_what_it_is_cut_from():
 def test_a_record_with_targets_is_that_of_exact_rays_but_for_the_surface():
     level = arrays_of(
         np.zeros((64, 64)), 1.0, periodic=True, half_width=FAN, bins=300, bin_length=0.1,
-        solids=TARGETS["sphere"][0]["solids"], mesh=box_mesh(*BOX_ASIDE),
+        solids=TARGETS["sphere"][0]["solids"], mesh=mesh_of(box_corners(*BOX_ASIDE), FACES),
     )  # fmt: skip
     poses = poses_of([0.3, 3.0], 0.0, 8.0, [0.0, 0.2])
     record, right = TriangulatedScene(level, poses).trace(poses, rays=1 << 17), rays.trace(level, poses, rays=1 << 17)
