@@ -47,9 +47,9 @@ def beam_options(beam):
 
 RESPONSES = {
     "knife": (brute_force.knife, [0.0]),
-    "fan": (brute_force.fan(DEGREE), np.linspace(-0.0106, 0.0106, 3001)),
-    "gaussian": (brute_force.gaussian(DEGREE), np.linspace(-0.034, 0.034, 2001)),
-    "array": (brute_force.line_array(LENGTH, SPEED / FREQUENCY), np.linspace(-0.13, 0.13, 1001)),
+    "fan": (brute_force.fan(DEGREE), np.linspace(-0.0106, 0.0106, 801)),
+    "gaussian": (brute_force.gaussian(DEGREE), np.linspace(-0.034, 0.034, 801)),
+    "array": (brute_force.line_array(LENGTH, SPEED / FREQUENCY), np.linspace(-0.13, 0.13, 801)),
 }
 BODIES = {
     "sphere": ({"solids": [BALL]}, [brute_force.sphere(*BALL)]),
