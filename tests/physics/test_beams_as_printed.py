@@ -183,46 +183,6 @@ def test_a_knife_never_merges_a_pair():
         assert dip_between(simulation, slant) > 0.99
 
 
-def level_record(vertical, **changes):
-    return simulate(edit(LEVEL, {"sonar.vertical": vertical, "track.pings": 1, **changes})).intensity.values[:, 0]
-
-
-def grazing():
-    return np.arcsin(np.minimum(10.0 / ((np.arange(480) + 0.5) * 0.1), 1.0))
-
-
-def test_a_vertical_top_hat_hears_what_is_within_it_and_nothing_else():
-    record, bare = level_record({"kind": "fan", "width": 30.0, "tilt": 30.0}), level_record("uniform")
-    off = np.abs(np.degrees(grazing()) - 30.0)
-    assert not record[:, off > 16.0].any()
-    inside = (off < 14.0) & (bare[0] > 0.0)
-    np.testing.assert_allclose(record[:, inside], bare[:, inside], rtol=3e-3)
-
-
-@pytest.mark.parametrize(("two_way", "passes"), [(False, 1.0), (True, 2.0)])
-def test_a_vertical_gaussian_weighs_a_level_bed_by_its_value(two_way, passes):
-    beam = {"kind": "gaussian", "width": 1.0, "two_way": two_way}
-    vertical = {"kind": "gaussian", "width": 40.0, "tilt": 25.0}
-    record, bare = level_record(vertical, **{"sonar.beam": beam}), level_record("uniform", **{"sonar.beam": beam})
-    off = np.sin(grazing() - math.radians(25.0)) / math.sin(math.radians(20.0))
-    far = slice(120, 480)
-    np.testing.assert_allclose(
-        record[:, far] / bare[:, far], np.tile(2.0 ** (-passes * off**2), (2, 1))[:, far], rtol=0.01
-    )
-
-
-def test_roll_tilts_one_side_up_and_the_other_down():
-    vertical = {"kind": "gaussian", "width": 40.0, "tilt": 25.0}
-    rolled = level_record(
-        vertical, **{"track.motion": {"kind": "roll", "amplitude": 8.0, "period": 1e5, "phase": 90.0}}
-    )
-    bare = level_record("uniform")
-    far = slice(120, 480)
-    for side, tilt in ((0, 17.0), (1, 33.0)):  # port up
-        off = np.sin(grazing() - math.radians(tilt)) / math.sin(math.radians(20.0))
-        np.testing.assert_allclose(rolled[side, far] / bare[side, far], 2.0 ** (-2.0 * off[far] ** 2), rtol=0.01)
-
-
 @pytest.mark.parametrize(("two_way", "decibels"), [(False, -13.26), (True, -26.52)])
 def test_a_ball_is_heard_in_the_sidelobes_as_the_pattern_has_them(two_way, decibels):
     # A far-field array of 3 degrees, as many planes as its plan lays; the sidelobes pass the ball without a comb.
