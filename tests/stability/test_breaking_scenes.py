@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import math
-
 import numpy as np
 import pytest
 
@@ -22,23 +20,6 @@ def test_every_scene_that_breaks_is_measured():
 @pytest.mark.parametrize("case", [case for case in EVERY if case.scene], ids=lambda case: case.name)
 def test_a_scene_names_the_case_that_measures_it(case):
     assert f'"{case.name}"' in " ".join(load_scene(case.scene).description.split())
-
-
-def test_few_planes_comb():
-    scene = load_scene("breaks-comb")
-    across, along = 36.0, 7.5
-    reach = math.hypot(across, 8.0 - 0.2)
-    half = math.asin(math.sin(math.radians(2.5)) * reach / across) * across
-    apart = scene.track.speed / scene.sonar.ping_rate
-    pings = np.arange(round((along - 0.6 * half) / apart), round((along + 0.6 * half) / apart))
-    bins = slice(int((reach - 0.3) / 0.05), int((reach + 0.1) / 0.05))
-    swing = {}
-    for tolerance in (1.0, 0.03):
-        simulation = prepare(edit(scene, {"targets": [scene.targets[3]]}), tolerance=tolerance)
-        echo = simulation.intensity(pings)[:, 0, bins].sum(axis=1)
-        swing[tolerance] = float(np.ptp(echo) / echo.mean())
-    assert swing[1.0] > 0.5
-    assert swing[0.03] < 0.5 * swing[1.0]
 
 
 def test_pings_beat_with_ripples():
