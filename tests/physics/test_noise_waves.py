@@ -78,16 +78,9 @@ def test_noise_adds_before_detection(speckle, ratio):
     n = record.size
     assert record.mean() == pytest.approx(energy, abs=4.0 * record.std() / math.sqrt(n))
     wanted = math.sqrt(energy / amplitude**2 - 1.0)
-    assert variation(record) == pytest.approx(wanted, abs=0.006)
-    if speckle == "rayleigh":
+    assert variation(record) == pytest.approx(wanted, abs=0.004 if speckle == "rayleigh" else 0.006)
+    if speckle == "rayleigh":  # the sum of two waves of this distribution has it, too
         assert wanted == pytest.approx(RAYLEIGH)
-
-
-def test_the_sum_of_two_rayleigh_waves_is_one():
-    for ratio in RATIOS:
-        noise = {"kind": "ambient", "level": 10.0 * math.log10(ECHO) + ratio}
-        record = receive(ready("rayleigh", receiver__noise=noise), even(), np.arange(PINGS))
-        assert variation(record) == pytest.approx(RAYLEIGH, abs=0.004)
 
 
 @pytest.mark.parametrize("ratio", RATIOS)
