@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import itertools
 from collections.abc import Sequence
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -216,3 +217,9 @@ def rough(ny: int, nx: int, rms: float = 0.05, seed: int = 1) -> np.ndarray:
     amplitude[0, 0] = 0.0
     heights = np.fft.irfft2(amplitude * np.exp(2j * np.pi * rng.random(amplitude.shape)), s=(ny, nx))
     return np.asarray(heights * (rms / heights.std()))
+
+
+def rough_arrays(half_width: float = 0.0, **options: Any) -> SceneArrays:
+    """Scene over a rough bed that repeats after 25.6 m, heard for 30 m."""
+    settings: dict[str, Any] = {"bins": 300, "bin_length": 0.1, "periodic": True, **options}
+    return arrays_of(rough(256, 256), 0.1, half_width=half_width, **settings)

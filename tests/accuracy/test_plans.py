@@ -21,6 +21,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from exact_rays import reference
 from insonify.accuracy.charts.reference import trace_exact_rays
 from insonify.kernels.common.types import Poses
 from insonify.packing.packed_scene import Model, PackedScene, pack
@@ -39,7 +40,7 @@ PLANNED = (300_001, 300_004, 300_009, 300_015, 300_022, 300_030, 300_048)
 MORE_PLANNED = (300_021, 300_024, 300_027, 300_032, 300_041, 300_042)
 WIDE, MORE_WIDE = range(800_000, 800_012), range(800_012, 800_024)
 TOLERANCES, FLOOR = (0.01, 0.15), 0.003
-SETTLED, FIRST_RAYS, MOST_RAYS = 0.3, 1 << 14, 1 << 19  # share of the tolerance; rays a side
+SETTLED = 0.3  # share of the tolerance by which more rays may move a reference
 PLANES, EVERY, RAYS = (1, 2, 4, 8, 16, 32, 64, 128), (1, 2, 4), 128_000
 SHARES = (math.inf, 0.03, 0.01, 0.003)  # that a segment may misplace
 TIMED, PINGS = 24, 512
@@ -143,13 +144,9 @@ def error_of(packed: PackedScene, groups: Groups, right: list[Record], records: 
 
 def trace_rays(packed: PackedScene, groups: Groups, tolerance: float) -> tuple[list[Record], float]:
     """Records of exact rays, four times as many until that moves them by no more than a share of the tolerance."""
-    count, moved = FIRST_RAYS, math.inf
-    records = [trace_exact_rays(packed.arrays, poses, count) for poses in groups]
-    while moved > SETTLED * tolerance and count < MOST_RAYS:
-        count *= 4
-        finer = [trace_exact_rays(packed.arrays, poses, count) for poses in groups]
-        moved, records = error_of(packed, groups, finer, records), finer
-    return records, moved
+    limits = {"tolerance": SETTLED * tolerance, "first": 1 << 14, "most": 1 << 19, "times": 4}
+    found = [reference(packed.arrays, poses, trace=trace_exact_rays, **limits) for poses in groups]
+    return [record for record, _ in found], max(moved for _, moved in found)
 
 
 def trace_finest(packed: PackedScene, groups: Groups, _: float) -> tuple[list[Record], float]:

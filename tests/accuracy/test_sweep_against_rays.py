@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 from beds import arrays_of, poses_of, rough
+from exact_rays import order
 from insonify.kernels.common.types import LIGHT, SONAR
 from insonify.scene import edit, load_scene
 from insonify.simulation import prepare
@@ -17,10 +18,6 @@ from insonify.tracers import march, rays, sweep
 
 POSES = poses_of(np.arange(6) * 1.37 + 0.1, 0.23, 7.0, 0.3)
 HEIGHTS = rough(64, 64, 0.1, 3)
-
-
-def order(counts, errors):
-    return -np.polyfit(np.log(counts), np.log(errors), 1)[0]
 
 
 def both(name, changes, pings, *, planes=1, count=1 << 18):
