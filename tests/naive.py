@@ -13,26 +13,8 @@ from insonify.kernels.common.types import BED, LIGHT, PORT, SPHERE, Bed, SceneAr
 NOTHING = -2
 
 
-def height(bed: Bed, x: float, y: float) -> float:
-    """Bilinear height above the datum, NaN where there is no bed."""
-    ny, nx = bed.heights.shape
-    u, v = (x - bed.x0) / bed.spacing, (y - bed.y0) / bed.spacing
-    i, j = math.floor(u), math.floor(v)
-    if bed.periodic:
-        i1, j1, i, j, fu, fv = (i + 1) % nx, (j + 1) % ny, i % nx, j % ny, u - i, v - j
-    else:
-        if not (0 <= u <= nx - 1 and 0 <= v <= ny - 1):
-            return math.nan
-        i, j = min(i, nx - 2), min(j, ny - 2)
-        i1, j1, fu, fv = i + 1, j + 1, u - i, v - j
-    z = bed.heights.astype(np.float64)
-    near = z[j, i] * (1 - fu) + z[j, i1] * fu
-    far = z[j1, i] * (1 - fu) + z[j1, i1] * fu
-    return float(near * (1 - fv) + far * fv)
-
-
 def heights(bed: Bed, x: np.ndarray, y: np.ndarray) -> np.ndarray:
-    """Bilinear heights at many places."""
+    """Bilinear heights above the datum, NaN where there is no bed."""
     ny, nx = bed.heights.shape
     u, v = (x - bed.x0) / bed.spacing, (y - bed.y0) / bed.spacing
     i, j = np.floor(u).astype(int), np.floor(v).astype(int)
@@ -45,6 +27,11 @@ def heights(bed: Bed, x: np.ndarray, y: np.ndarray) -> np.ndarray:
     near = z[j % ny, i % nx] * (1 - fu) + z[j % ny, (i + 1) % nx] * fu
     far = z[(j + 1) % ny, i % nx] * (1 - fu) + z[(j + 1) % ny, (i + 1) % nx] * fu
     return np.where(inside, near * (1 - fv) + far * fv, np.nan)
+
+
+def height(bed: Bed, x: float, y: float) -> float:
+    """Likewise at one place."""
+    return float(heights(bed, np.asarray(x), np.asarray(y)))
 
 
 def gradients(bed: Bed, x: np.ndarray, y: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
@@ -88,35 +75,30 @@ def _first_triangle(arrays: SceneArrays, o: np.ndarray, d: np.ndarray) -> tuple[
     return float(distances[nearest]), int(arrays.mesh.target[nearest])
 
 
+def inside(arrays: SceneArrays, points: np.ndarray) -> np.ndarray:
+    """What points (n, 3) lie in: a target, BED or NOTHING."""
+    what = np.full(len(points), NOTHING)
+    for k in range(arrays.solids.shape.size):
+        first = (what == NOTHING) & (body_depth(arrays.solids, k, points) <= 0)
+        what[first] = arrays.solids.target[k]
+    what[points[:, 2] <= heights(arrays.bed, points[:, 0], points[:, 1])] = BED
+    return what
+
+
 def _feel(arrays: SceneArrays, o: np.ndarray, d: np.ndarray, step: float) -> tuple[float, int]:
     reach = arrays.bins * arrays.bin_length
-
-    def below(t: float) -> int:
-        x, y, z = o + t * d
-        if z <= height(arrays.bed, x, y):
-            return BED
-        for k in range(arrays.solids.shape.size):
-            if body_depth(arrays.solids, k, o + t * d) <= 0:
-                return int(arrays.solids.target[k])
-        return NOTHING
-
     t = np.arange(0.0, reach + step, step)
-    points = o + t[:, None] * d
-    inside = points[:, 2] <= heights(arrays.bed, points[:, 0], points[:, 1])
-    for k in range(arrays.solids.shape.size):
-        inside |= body_depth(arrays.solids, k, points) <= 0
-    if not inside.any():
-        return math.inf, NOTHING
-    first = int(np.argmax(inside))
-    if first == 0:
+    met = inside(arrays, o + t[:, None] * d) != NOTHING
+    first = int(np.argmax(met))
+    if first == 0:  # from inside, or nowhere
         return math.inf, NOTHING
     near, far = t[first - 1], t[first]
     while far - near > 1e-13 * max(1.0, far):
         middle = 0.5 * (near + far)
         if middle in (near, far):
             break
-        near, far = (near, middle) if below(middle) != NOTHING else (middle, far)
-    return (float(far), below(far)) if far <= reach else (math.inf, NOTHING)
+        near, far = (near, middle) if inside(arrays, (o + middle * d)[None])[0] != NOTHING else (middle, far)
+    return (float(far), int(inside(arrays, (o + far * d)[None])[0])) if far <= reach else (math.inf, NOTHING)
 
 
 def plane_samples(

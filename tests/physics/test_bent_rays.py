@@ -198,10 +198,7 @@ def test_first_hits_are_those_of_tiny_steps():
 
     def met(x, z):
         points = np.column_stack([start[0] + x * math.cos(azimuth), start[1] + x * math.sin(azimuth), z])
-        what = np.where(z <= naive.heights(arrays.bed, points[:, 0], points[:, 1]), BED, -2)
-        for k in range(len(bodies)):
-            what[naive.body_depth(arrays.solids, k, points) <= 0.0] = k
-        return what
+        return naive.inside(arrays, points)
 
     found, what, _ = rays.cast(arrays, start, downwards(angles, azimuth), reach=reach)
     twin = bent.follow(arrays.water, start[2], -np.radians(angles), met, reach, 0.02)
