@@ -59,7 +59,7 @@ def compare(trace, name, way, law, material, half_width=0.0, **grid):
     return np.linalg.norm(record - right) / np.linalg.norm(right), abs(record.sum() / right.sum() - 1.0)
 
 
-EVERY = pytest.mark.parametrize(("name", "way"), itertools.product(BODIES, WAYS))
+EVERY = pytest.mark.parametrize(("name", "way"), list(itertools.product(BODIES, WAYS)))
 
 
 @pytest.mark.parametrize(
@@ -88,7 +88,7 @@ def test_rays_come_near_the_light_of_a_round_body(name, way):
 
 
 @pytest.mark.parametrize(("law", "bias"), [(LIGHT, 0.004), (SONAR, 0.001)])
-@pytest.mark.parametrize(("name", "way"), itertools.product(("ball", "pipe"), WAYS))
+@pytest.mark.parametrize(("name", "way"), list(itertools.product(("ball", "pipe"), WAYS)))
 def test_a_narrow_lobe_of_a_round_body_has_its_energy(name, way, law, bias):
     assert compare(sweep.trace, name, way, law, NARROW)[1] < bias
 
