@@ -72,11 +72,11 @@ class Word:
 
     def line(self) -> str:
         plan, scene = self.said.plan, self.scene
-        model = f"{plan.planes:3d} planes, every {plan.every:2d}, {'bent' if plan.bent else 'straight'}"
+        model = f"{plan.planes:3d} planes, every {plan.model.every:2d}, {'bent' if plan.model.bent else 'straight'}"
         verdict = f"{'' if self.kept else ' BROKEN'}{'' if self.foretold else ' unforetold'}"
         return (
             f"{scene.title} {scene.sonar.beam.kind:8} {scene.sonar.law:5} {scene.seabed.relief.kind:15} "
-            f"{scene.seabed.material.kind:8} {len(scene.targets)} targets, {len(plan.ways)} ways: {model}; "
+            f"{scene.seabed.material.kind:8} {len(scene.targets)} targets, {len(plan.model.ways)} ways: {model}; "
             f"tolerance {100 * self.tolerance:5.2f} %, predicted {100 * plan.error:5.2f} %, measured "
             f"{100 * self.measured:5.2f} % "
             f"(rays moved {100 * self.moved:4.2f} %), time × {self.ratio:4.2f}{verdict}"

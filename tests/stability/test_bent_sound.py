@@ -7,7 +7,7 @@ import pytest
 
 from insonify.accuracy.stability.themes.refraction import exact_time
 from insonify.acoustics.paths import eigenrays
-from insonify.scene.water.profile import ProfileWater
+from insonify.scene.water.layered import ProfileWater
 
 ONE_GRADIENT = ProfileWater(depth=(0.0, 8000.0), sound_speed=(1500.0, 1628.0))
 

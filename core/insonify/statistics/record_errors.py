@@ -15,8 +15,7 @@ import numpy as np
 from numpy.lib.stride_tricks import sliding_window_view
 from numpy.typing import NDArray
 
-from insonify.acoustics.error_range import ERROR_ALTITUDES, find_first_bin
-from insonify.acoustics.flat_bed import compute_flat_bed_curves
+from insonify.acoustics.flat_bed import ERROR_ALTITUDES, compute_flat_bed_curves, find_first_bin
 from insonify.kernels.common.types import Poses, SceneArrays
 
 SSIM_COLUMNS = 7

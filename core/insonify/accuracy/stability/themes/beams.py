@@ -29,8 +29,8 @@ from insonify.kernels.common.types import LIGHT, SceneArrays, still_water
 from insonify.planning import plan
 from insonify.scene import Scene, edit, load_scene
 from insonify.scene.seabed.reliefs.fractal import Fractal
-from insonify.scene.sonar.beams.fan import FanBeam
-from insonify.scene.targets.sphere import Sphere
+from insonify.scene.sonar.beams.top_hats import FanBeam
+from insonify.scene.targets.bodies import Sphere
 from insonify.scene.water.surfaces import WAYS, FlatSurface, RoughSurface
 from insonify.simulation import prepare, simulate
 

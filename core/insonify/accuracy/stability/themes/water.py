@@ -18,7 +18,7 @@ from insonify.acoustics.paths import ray_paths
 from insonify.acoustics.water import make_sound_speed_field
 from insonify.kernels.refraction.arcs import GRAZING
 from insonify.scene import edit, load_scene
-from insonify.scene.water.profile import ProfileWater
+from insonify.scene.water.layered import ProfileWater
 from insonify.scene.water.sound_speed import paper, teos10
 
 Values = NDArray[np.float64]
