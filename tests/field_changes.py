@@ -247,6 +247,7 @@ OF_RECEIVER: list[tuple[str, Any, Values]] = [  # choice, what it is at first, w
     ("reverberation[surface]", "surface", {"surface_strength": -20.0}),
     ("reverberation[both]", VOLUME | {"kind": "both"}, {"volume_strength": -40.0, "surface_strength": -10.0}),
     ("noise[ambient]", "ambient", {"level": -80.0}),
+    ("noise[snr]", {"kind": "snr", "at": 20.0}, {"value": 5.0, "at": 15.0}),
     ("tvg[power]", "power", {"spreading": 40.0, "absorption": 100.0}),
     ("tvg[table]", TABLE, {"by": "time", "gains": [GAINS[0], [100.0, 30.0]], "interpolation": "steps"}),
     ("interference[sonar]", FOREIGN, {"level": -50.0, "ping_rate": 13.0, "duration": 1e-2}),
@@ -255,6 +256,10 @@ for path, before, changes in OF_RECEIVER:
     choice = f"receiver.{path.partition('[')[0]}"
     needs = {choice: before} | (BY_DEPTH if path in ("reverberation[surface]", "reverberation[both]") else {})
     CHANGES |= fields(f"receiver.{path}", needs, **changes)
+LOUD = {"receiver.source_level": 200.0}
+SEA_NOISE = LOUD | {"sonar.frequency": 5e4, "receiver.noise": {"kind": "sea", "wind": 20.0}}
+CHANGES |= fields("receiver.noise[density]", LOUD | {"receiver.noise": "density"}, level=50.0)
+CHANGES |= fields("receiver.noise[sea]", SEA_NOISE, wind=1.0, rain="heavy")
 RECORDER = {"gain": [[0.0, 0.0], [0.5, 6.0]], "side_gain": 3.0, "bits": 8, "full_scale": -60.0, "dropped_pings": 0.5}
 CHANGES |= fields("receiver", {}, speckle="rayleigh", fluctuation="lognormal", reverberation=VOLUME, noise=NOISE)
 CHANGES |= fields(

@@ -72,7 +72,7 @@ class Viewer(QObject):
         self.targets = TargetEditor(self.session, self.window, self.simulator, self.files, added)
         self.window.mount(tuple(self.panels.values()))
         self.failure = ""
-        self.seabed = SeabedController(self.simulator, accelerated=accelerated)
+        self.seabed = SeabedController(self.simulator, self.inspection, accelerated=accelerated)
         self._number, self._fine, self._refused = 0, True, -1
         self._traced = (scene, self.session.modelling)
         self._answer: TracedPings | None = None  # the last one that fits the record
@@ -151,7 +151,7 @@ class Viewer(QObject):
     def look_back(self, pings: int) -> None:
         """Move the paused record along the tow."""
         if self.tow.running:
-            self.window.say("pause the tow (Space) to look back along it")
+            self.window.say("press Space to pause the tow, then scroll back along it")
             return
         self.tow.look_back(pings)
         self._show_top()
@@ -223,8 +223,6 @@ class Viewer(QObject):
         window.waterfall.clicked.connect(inspection.pin)
         inspection.pinned.connect(window.waterfall.show_pin)
         inspection.lit.connect(window.waterfall.show_lit)
-        inspection.drawn.connect(seabed.show_sound)
-        inspection.picked.connect(seabed.show_pick)
         seabed.picked.connect(inspection.pick)
         self.targets.handles.connect_seabed(self.seabed)
         self.seabed.failed.connect(window.complain)
@@ -250,7 +248,7 @@ class Viewer(QObject):
         self.jobs.changed.connect(lambda _: window.jobs.show_jobs(self.jobs.running))
         self.jobs.changed.connect(window.status.show_end)
         window.gain_changed.connect(lambda decibels: session.show(gain=decibels))
-        window.palette_changed.connect(lambda name: session.show(palette=name))
+        window.palettes.activated.connect(lambda _: session.show(palette=window.palettes.currentData()))
         session.displayed.connect(lambda look: window.show_display(look))
         session.displayed.connect(lambda _: self._show_sonar())
         window.speed_changed.connect(lambda speed: setattr(self.tow, "speed", speed))

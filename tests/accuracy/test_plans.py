@@ -78,11 +78,12 @@ class Verdict:
         return max(one / other, other / one)
 
     def line(self) -> str:
-        plan = self.plan
+        plan, model = self.plan, self.plan.model
         return (
-            f"{self.title} {plan.planes:3d} planes, every {plan.every:2d}, {'bent' if plan.bent else 'straight'}, "
-            f"{len(plan.targets)} targets, {len(plan.ways)} paths: tolerance {100 * self.tolerance:5.2f} %, predicted "
-            f"{100 * plan.error:5.2f} %, measured {100 * self.measured:5.2f} % (reference {100 * self.moved:4.2f} %), "
+            f"{self.title} {plan.planes:3d} planes, every {model.every:2d}, {'bent' if model.bent else 'straight'}, "
+            f"{len(model.targets)} targets, {len(model.ways)} paths: tolerance {100 * self.tolerance:5.2f} %, "
+            f"predicted {100 * plan.error:5.2f} %, measured {100 * self.measured:5.2f} % "
+            f"(reference {100 * self.moved:4.2f} %), "
             f"time × {self.ratio:4.2f}, plan {1e3 * self.seconds:5.1f} ms = {100 * self.share:4.1f} % of {PINGS} pings"
             f"{'' if self.kept else ' BROKEN' if self.resolved else ' unresolved'}"
         )

@@ -12,12 +12,11 @@ from PySide6.QtCore import Qt
 from PySide6.QtWidgets import QFileDialog
 from stand_in import StandIn
 
-from insonify.accuracy.charts.accuracy_chart import AccuracyChart, AccuracyRow, TracedScene
+from insonify.accuracy.charts.kinds.accuracy import AccuracyChart, AccuracyRow, TracedScene
 from insonify.accuracy.charts.method_settings import SettingKey
 from insonify.accuracy.charts.reference import Reference
 from insonify.scene import Scene, SceneError
-from insonify.statistics.displacement import measure_displacement
-from insonify.statistics.record_errors import compare_records
+from insonify.statistics.record_errors import compare_records, measure_displacement
 from insonify_viewer.panels.chart.chart_details import (
     ChartPoint,
     details_in_words,
@@ -71,7 +70,7 @@ def test_a_click_on_a_point_shows_its_record(window: Any, qtbot: Any) -> None:
     loud = next(point.row for point in window.panels["chart"]._picture.points if point.row.method == "rays")
     qtbot.mouseClick(view.picture, Qt.MouseButton.LeftButton, pos=view.picture.place_of(loud).toPoint())
     qtbot.waitUntil(lambda: bool(view._numbers.text()), timeout=20000)
-    assert "rms 10 % beyond" in view._numbers.text()
+    assert "error 10 % beyond" in view._numbers.text()
     assert "energy +10 %" in view._numbers.text()
     assert view._strips.isVisible()
     image = view._strips.grab().toImage()
@@ -194,5 +193,5 @@ def test_a_record_is_laid_out_as_it_is_read(small: Scene) -> None:
     assert judged.record.shape == (4, 200)
     np.testing.assert_array_equal(judged.record, judged.record[:, ::-1])
     np.testing.assert_array_equal(judged.record[0, 100:], chart.normalise_row(chart.rows[0])[0][3, 1])
-    assert "rms 0 % beyond 1.4 altitudes" in details_in_words(judged)
+    assert "error 0 % beyond 1.4 altitudes" in details_in_words(judged)
     assert "± 5 %" in details_in_words(judged)

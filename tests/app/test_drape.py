@@ -63,3 +63,18 @@ def test_the_option_lays_the_record_over_the_bed_and_takes_it_off(open_viewer: A
     viewer.session.show(draped=False)
     qtbot.waitUntil(lambda: len(shown) == 2)
     assert (shown[1] == viewer.seabed._patch.image).all()
+
+
+def test_the_record_stays_over_the_bed_when_the_window_of_the_bed_moves(
+    open_viewer: Any, small: Scene, qtbot: Any
+) -> None:
+    viewer = open_viewer(small)
+    seabed, bare = viewer.seabed, []
+    viewer.session.show(draped=True)
+    qtbot.waitUntil(lambda: seabed.complete)
+    show, patch = seabed.view.show_texture, seabed._patch
+    seabed.view.show_texture = lambda image: (bare.append((image == seabed._patch.image).all()), show(image))
+    viewer.go_to(viewer.tow.newest + 60)
+    qtbot.waitUntil(lambda: viewer.complete and seabed._patch is not patch)
+    assert bare, "the bed was drawn at its new place"
+    assert not any(bare), "never without the record"

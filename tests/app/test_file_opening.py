@@ -82,7 +82,7 @@ def test_a_bed_is_dropped_and_opened_again(open_viewer: Any, small: Scene, qtbot
     for attempt in (drop, lambda window, _: open_again(viewer, "bed.npy")):
         attempt(viewer.window, bed)
         qtbot.waitUntil(lambda: viewer.session.scene.seabed.relief.kind == "dem", timeout=20000)
-        assert said(viewer).endswith("the 3 targets of the scene before are removed (Undo brings all back)")
+        assert said(viewer).endswith("the 3 targets were removed with the scene before (Undo restores it)")
         assert Settings().recent == [str(bed)]
         viewer.session.undo()
         assert viewer.session.scene == small
@@ -228,7 +228,7 @@ def test_recent_files_are_kept_and_vanished_ones_said_so(open_viewer: Any, small
     assert [action.text() for action in menu.actions()[:2]] == ["one.toml", "two.toml  (no longer there)"]
     menu.actions()[1].trigger()
     said = viewer.window.status.sentence.text()
-    assert said.endswith("two.toml is no longer there; it was taken from the recent files")
+    assert said.endswith("two.toml is no longer there; it was removed from the recent files")
     assert Settings().recent == [str(paths[0])]
     menu.fill()
     next(action for action in menu.actions() if action.text() == "Clear the list").trigger()

@@ -178,7 +178,40 @@ def test_panels_at_both_sides_stay_within_the_window(
         assert 0 <= place.left() <= place.right() < width
         assert not any(place.intersects(other) for other in places[:one])
     assert window.waterfall.width() >= 200
-    assert window.seabed.isVisible() is (panel is None or width >= 1000)
+    assert window.seabed.isVisible()
     if panel is not None:
         window._buttons[panel].setChecked(False)
-        qtbot.waitUntil(window.seabed.isVisible)
+        qtbot.waitUntil(lambda: not viewer.panels[panel].widget.isVisible())
+        assert window.seabed.isVisible()
+
+
+@pytest.mark.parametrize("size", [(1280, 800), (1600, 1000)])
+def test_record_and_seabed_keep_room_beside_a_lesson_and_rays(
+    size: tuple[int, int], open_viewer: Any, small: Scene, qtbot: Any
+) -> None:
+    viewer = open_viewer(small)
+    window = viewer.window
+    window.resize(*size)
+    for panel in ("lessons", "water"):
+        window.open_panel(panel)
+    views = window._splitter
+    qtbot.waitUntil(lambda: views.width() * views.height() >= 0.45 * window.width() * window.height())
+    assert (window.width(), window.height()) == size
+    places = [viewer.panels[name].widget for name in ("parameters", "lessons", "water")]
+    assert all(not place.visibleRegion().isEmpty() for place in places), "none hides another"
+    for panel in ("lessons", "water"):
+        window._buttons[panel].setChecked(False)
+    window.open_panel("lessons")
+    qtbot.waitUntil(lambda: places[1].mapTo(window, QPoint(0, 0)).x() < (views.x() if size[0] > 1500 else size[0]))
+
+
+def test_the_window_lies_on_its_screen_with_its_frame(
+    open_viewer: Any, small: Scene, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    window = open_viewer(small).window
+    room = window.screen().availableGeometry()
+    monkeypatch.setattr(window, "frameGeometry", lambda: window.geometry().adjusted(-4, -30, 4, 4))
+    window.resize(room.size())
+    window.fit_screen()
+    assert window.frameGeometry().size().boundedTo(room.size()) == window.frameGeometry().size()
+    assert window.statusBar().isVisible()

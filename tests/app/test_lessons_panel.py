@@ -146,10 +146,10 @@ def test_the_fields_of_a_step_are_lit_and_in_view(open_viewer: Any, small: Scene
     panel.view.page.next.click()
     assert lit_rows(viewer) == set()
     plan = viewer.panels["plan"].view
-    assert plan._tolerance._row.label.property("lit")
-    assert not plan._tolerance._row.label.visibleRegion().isEmpty(), "the panel of the plan is in front"
+    assert plan._tolerance.label.property("lit")
+    assert not plan._tolerance.label.visibleRegion().isEmpty(), "the panel of the plan is in front"
     panel.view.page.left.click()
-    assert not plan._tolerance._row.label.property("lit")
+    assert not plan._tolerance.label.property("lit")
 
 
 @pytest.mark.usefixtures("lessons")

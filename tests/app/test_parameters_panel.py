@@ -147,7 +147,7 @@ def test_an_effect_goes_and_comes_back_as_it_was(open_viewer: Any, small: Scene,
     viewer = open_viewer(start)
     tick(viewer, "beam")
     assert viewer.session.scene.sonar.beam.kind == "knife"
-    assert viewer.session.undoable[0] == "beam taken out"
+    assert viewer.session.undoable[0] == "beam switched off"
     tick(viewer, "beam")
     assert viewer.session.scene == start
     tick(viewer, "speckle")
@@ -236,8 +236,8 @@ def test_grain_that_is_drawn_anew_counts_as_no_change_by_the_pulse(open_viewer: 
     )
     assert visible_share(one, other) > 3.0 * told.visible
     tips = {name: panel(viewer).view.effects.figures[name].toolTip() for name in ("pulse", "speckle")}
-    assert "Speckle is left out" in tips["pulse"]
-    assert "Speckle is left out" not in tips["speckle"]
+    assert "compared without speckle" in tips["pulse"]
+    assert "compared without speckle" not in tips["speckle"]
 
 
 def test_figures_are_measured_once(open_viewer: Any, small: Scene, qtbot: Any) -> None:
@@ -303,7 +303,7 @@ def test_undo_says_what_it_undoes(open_viewer: Any, small: Scene, qtbot: Any) ->
         ("sonar.beam.kind", "beam"),
         ("track.altitude", "altitude"),
         ("seabed.depth", "bed depth"),
-        ("seabed.relief.peaks.0.1", "relief peak 1 fy"),
+        ("seabed.relief.peaks.0.1", "relief peak 1 waves in y"),
         ("seabed.material.name", "material"),
         ("targets.0.gap.3.1", "pipe 1 gap 4 height"),
         ("targets.1.position.0", "sphere 2 position x"),

@@ -122,7 +122,7 @@ def test_it_plays_and_pauses_with_the_tow_and_begins_anew_at_its_end(viewer: Any
     viewer.run(True)
     qtbot.waitUntil(lambda: 5 <= viewer.recordings.top < 100)
     assert viewer.window.record_a.top == viewer.recordings.top
-    shown = viewer.panels["comparison"].view.point.rows()["ping"][0]
+    shown = viewer.panels["comparison"].view.point.rows["ping"][0]
     assert shown == f"{viewer.recordings.top} of {PINGS}", "the panel follows the ping on top"
     viewer.run(False)
     qtbot.wait(60)
@@ -140,7 +140,7 @@ def test_behind_a_tab_the_point_is_followed_as_soon_as_it_is_seen(viewer: Any, f
     bring_to_front(viewer.window, "parameters")
     viewer.recordings.go_to(57)
     bring_to_front(viewer.window, "comparison")
-    assert shown.rows()["ping"] == (f"57 of {PINGS}",)
+    assert shown.rows["ping"] == (f"57 of {PINGS}",)
 
 
 def test_rows_below_its_first_ping_are_empty(viewer: Any, folder: Path, qtbot: Any) -> None:
@@ -176,8 +176,8 @@ def test_a_point_tells_navigation(viewer: Any, folder: Path, qtbot: Any) -> None
     view = viewer.window.record_a
     mark = Mark(250, 1, 200)
     QTest.mouseMove(view, view.place_of(mark))
-    qtbot.waitUntil(lambda: "slant range" in viewer.panels["comparison"].view.point.rows())
-    told = {name: values[0] for name, values in viewer.panels["comparison"].view.point.rows().items()}
+    qtbot.waitUntil(lambda: "slant range" in viewer.panels["comparison"].view.point.rows)
+    told = {name: values[0] for name, values in viewer.panels["comparison"].view.point.rows.items()}
     ping = int(told["ping"].split()[0])
     assert abs(ping - mark.ping) <= 2
     assert told["ping"] == f"{ping} of {PINGS}"
@@ -204,14 +204,14 @@ def test_numbers_are_those_of_compare(open_viewer: Any, folder: Path, qtbot: Any
     scene = edit(load_scene("default"), {"track.pings": PINGS, "sonar.bins": BINS, "sonar.range": RANGE})
     viewer = open_viewer(scene, prepare=None)
     recording = open_recording(viewer, folder / "record.nc", qtbot)
-    rows = viewer.panels["comparison"].view.statistics.rows()
+    rows = viewer.panels["comparison"].view.statistics.rows
     expected = measure_statistics(read_record(folder / "record.nc")).described()
     assert rows.pop("") == ("recorded", "simulated")
     # The recording is the record of the scene.
     assert rows == {name: (text, text) for name, text in expected.items()}
     viewer.session.settle({"receiver.speckle": "rayleigh"})
     qtbot.waitUntil(lambda: viewer.complete, timeout=120000)
-    recorded, simulated = viewer.panels["comparison"].view.statistics.rows()["variation"]
+    recorded, simulated = viewer.panels["comparison"].view.statistics.rows["variation"]
     assert recorded == expected["variation"]
     assert float(simulated.split()[0]) == pytest.approx(0.52, abs=0.06)
     assert viewer.recordings.recording is recording
@@ -221,7 +221,7 @@ def test_a_record_with_too_little_bed_says_so(viewer: Any, tmp_path: Path, qtbot
     path = tmp_path / "short.nc"
     assert main(["render", "default", "--set", "track.pings=20", "--set", "sonar.bins=60", "-o", str(path)]) == 0
     open_recording(viewer, path, qtbot)
-    assert "too little bed" in viewer.panels["comparison"].view.statistics.said()
+    assert "too little bed" in viewer.panels["comparison"].view.statistics.said
 
 
 def test_a_broken_file_is_one_sentence_and_leaves_the_recording(
@@ -328,7 +328,7 @@ def test_a_recording_of_a_real_sonar_is_shown_with_its_navigation(viewer: Any, q
     assert told["altitude"] == "2.68 m"
     assert told["time"].startswith("2013-09-10 21:14:00")
     assert told["slant range"] == "29.97 m, port"
-    rows = viewer.panels["comparison"].view.statistics.rows()
+    rows = viewer.panels["comparison"].view.statistics.rows
     assert rows["shadows"][0] == "24.5 dB deep"
     assert len(np.unique(viewer.window.record_a.picture())) > 100
 
@@ -411,7 +411,7 @@ def test_targets_that_leave_the_simulated_record_do_not_stop_the_recording(
     viewer.run(True)
     qtbot.waitUntil(lambda: not viewer.tow.running, timeout=20000)
     stopped = viewer.tow.newest
-    assert "before the targets leave" in viewer.window.status.sentence.text()
+    assert "before the targets scroll out" in viewer.window.status.sentence.text()
     viewer.tow.restart(255)
     open_recording(viewer, folder / "record.xtf", qtbot)
     viewer.run(True)

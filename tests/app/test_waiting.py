@@ -22,11 +22,11 @@ from insonify_viewer.state.history import Modelling
 from insonify_viewer.widgets.painting import dimmed
 from insonify_viewer.work.ping_request import PingRequest
 from insonify_viewer.work.simulator import Simulator
-from insonify_viewer.work.waiting import DELAY, FEW, Activity, Waiting, WaitingWatch
+from insonify_viewer.work.waiting import DELAY, FEW, Waiting, WaitingWatch
 
 
 def look(watch: WaitingWatch, now: float, missing: int, **given: Any) -> Waiting | None:
-    state = {"number": 1, "arrived": 0, "shown": 512, "running": False, "activity": Activity()}
+    state = {"number": 1, "arrived": 0, "shown": 512, "running": False, "activity": Waiting()}
     return watch.look(now, missing=missing, **state | given)
 
 
@@ -34,8 +34,8 @@ def test_a_wait_is_told_after_a_moment_with_the_share_done() -> None:
     watch = WaitingWatch()
     assert look(watch, 0.0, 512) is None
     assert look(watch, DELAY / 2, 512) is None
-    assert look(watch, DELAY, 384) == Waiting("tracing pings, 128 of 512", 0.25)
-    assert look(watch, DELAY, 384, activity=Activity("building the bed")) == Waiting("building the bed", None)
+    assert look(watch, DELAY, 384) == Waiting("simulating pings, 128 of 512", 0.25)
+    assert look(watch, DELAY, 384, activity=Waiting("building the bed")) == Waiting("building the bed", None)
     assert look(watch, 1.0, 0) is None
     assert look(watch, 2.0, 512) is None, "the next wait begins anew"
 
@@ -43,8 +43,8 @@ def test_a_wait_is_told_after_a_moment_with_the_share_done() -> None:
 def test_the_share_is_that_of_the_present_edit() -> None:
     watch = WaitingWatch()
     look(watch, 0.0, 512)
-    assert look(watch, 1.0, 128) == Waiting("tracing pings, 384 of 512", 0.75)
-    assert look(watch, 1.1, 512, number=2) == Waiting("tracing pings, 0 of 512", 0.0), "and the wait goes on"
+    assert look(watch, 1.0, 128) == Waiting("simulating pings, 384 of 512", 0.75)
+    assert look(watch, 1.1, 512, number=2) == Waiting("simulating pings, 0 of 512", 0.0), "and the wait goes on"
 
 
 def test_a_record_that_follows_a_slider_is_not_waited_for() -> None:
@@ -84,8 +84,8 @@ def test_stale_rows_are_dimmed_until_the_new_ones_arrive(open_viewer: Any, small
     viewer.session.settle({"seed": 5})
     assert (waterfall.picture() == bright).all(), "a short wait changes nothing"
     # On a busy machine it may first wait for the plan.
-    qtbot.waitUntil(lambda: waterfall.waiting is not None and waterfall.waiting.what.startswith("tracing pings, 0"))
-    assert waterfall.waiting.what.startswith("tracing pings, 0 of 128")
+    qtbot.waitUntil(lambda: waterfall.waiting is not None and waterfall.waiting.what.startswith("simulating pings, 0"))
+    assert waterfall.waiting.what.startswith("simulating pings, 0 of 128")
     assert (waterfall.picture() == dimmed(bright)).all()
     plain = waterfall.grab().toImage().pixelColor(200, 26)
     going.set()
@@ -160,7 +160,9 @@ def test_the_new_bed_is_told_before_its_methods_are_chosen(small: Scene, qtbot: 
         for scene, beds in zip(scenes, (1, 1, 2)):
             going.clear()
             simulator.prepare(scene, Modelling(), ready.append)
-            qtbot.waitUntil(lambda: simulator.activity.what == "choosing the methods by a few pings", timeout=60000)
+            qtbot.waitUntil(
+                lambda: simulator.activity.what == "choosing the fastest method within the tolerance", timeout=60000
+            )
             qtbot.waitUntil(lambda beds=beds: len(told) >= beds)
             qtbot.wait(20)  # for one that is told twice
             going.set()
@@ -168,7 +170,7 @@ def test_the_new_bed_is_told_before_its_methods_are_chosen(small: Scene, qtbot: 
             ready.clear()
         assert [scene.seabed.relief.beta for _, scene in told] == [1.4, 2.0], "once for each bed"
         assert not any(prepared for prepared, _ in told)
-        assert simulator.activity == Activity()
+        assert simulator.activity == Waiting()
     finally:
         simulator.close()
 
@@ -181,10 +183,10 @@ def test_the_bar_tells_what_is_compiled(open_viewer: Any, small: Scene, qtbot: A
     qtbot.waitUntil(lambda: viewer.window.waterfall.waiting is not None)
     assert viewer.window.waterfall.waiting == ("compiling bent rays, once, about a minute left", 0.4)
     report_progress(None)
-    qtbot.waitUntil(lambda: viewer.window.waterfall.waiting.what.startswith("tracing pings"))
+    qtbot.waitUntil(lambda: viewer.window.waterfall.waiting.what.startswith("simulating pings"))
     viewer.window.close()
     report_progress(Compilation("bent rays", 0.5, 55.0))
-    assert viewer.simulator.activity == Activity(), "a closed window does not watch"
+    assert viewer.simulator.activity == Waiting(), "a closed window does not watch"
 
 
 def test_a_new_bed_is_shown_while_its_first_ping_is_awaited(open_viewer: Any, small: Scene, qtbot: Any) -> None:

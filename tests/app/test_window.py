@@ -100,7 +100,7 @@ def test_the_tow_pauses_once_before_the_targets_leave(open_viewer: Any, small: S
     qtbot.waitUntil(lambda: not viewer.tow.running, timeout=5000)
     # The pipe begins 12 m along the track, at ping 60; 124 of the 128 on screen lie above it.
     assert viewer.tow.newest == 60 + 123
-    assert "Space tows on" in viewer.window.status.sentence.text()
+    assert "press Space to go on" in viewer.window.status.sentence.text()
     assert viewer.window.pause.isChecked()
     viewer.open(edit(small, {"seed": 7}))
     assert viewer.tow.running
@@ -204,7 +204,7 @@ def test_a_slider_that_changes_nothing_stands_aside(open_viewer: Any, small: Sce
     viewer = open_viewer(small)
     row = number_row(viewer, "sonar.frequency")
     assert not row.slider.isEnabled()
-    assert "has no effect without" in row.slider.toolTip()
+    assert "changes nothing here" in row.slider.toolTip()
     assert number_row(viewer, "sonar.range").slider.isEnabled()
     for changes in (
         {"sonar.beam": "array"},
@@ -217,7 +217,7 @@ def test_a_slider_that_changes_nothing_stands_aside(open_viewer: Any, small: Sce
         assert "has no effect" not in row.field.toolTip()
         viewer.session.undo()
         assert not number_row(viewer, "sonar.frequency").field.isEnabled()
-    assert "without noise" in number_row(viewer, "receiver.source_level").slider.toolTip()
+    assert "it acts beside noise" in number_row(viewer, "receiver.source_level").slider.toolTip()
     viewer.session.settle({"receiver.noise": "ambient"})
     assert number_row(viewer, "receiver.source_level").slider.isEnabled()
 

@@ -9,7 +9,7 @@ import pytest
 from insonify.acoustics.water import make_sound_speed_field
 from insonify.io.sound_speed_casts import read_cast
 from insonify.scene import SceneError, edit, load_scene
-from insonify.scene.water.cast import CastWater
+from insonify.scene.water.layered import CastWater
 from insonify.scene.water.sound_speed import EQUATIONS
 
 REAL = Path(__file__).parents[3] / "shared" / "data" / "casts"

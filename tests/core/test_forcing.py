@@ -21,7 +21,7 @@ PINGS = np.arange(0, 512, 64)
 def test_what_is_forced_is_taken_and_marked():
     forced = {"planes": "16", "spacing": "2", "targets": "off"}
     chosen = plan(DEFAULT, forced=forced)
-    assert (chosen.planes, chosen.every, chosen.targets) == (16, 2, ())
+    assert (chosen.planes, chosen.model.every, chosen.model.targets) == (16, 2, ())
     marked = {entry.subject for entry in chosen.entries if entry.forced}
     assert marked == set(forced)
     assert not chosen.entry("targets").modelled

@@ -21,8 +21,8 @@ from insonify.inversion.bed_parameters import (
     set_bed,
     variance_of_looks,
 )
-from insonify.inversion.findings import DIFFERS, MATCHED, UNKNOWN
 from insonify.inversion.footprint import footprint_of
+from insonify.inversion.learning import DIFFERS, MATCHED, UNKNOWN
 from insonify.inversion.roughness_fit import fit_roughness
 from insonify.inversion.segment_spectra import SEGMENT, AngleGroup, SegmentSpectra, fit_level_curve
 from insonify.io.records import read_record, write_record
@@ -270,7 +270,7 @@ def silent(record: xr.Dataset) -> xr.Dataset:
         (lambda record: record.isel(ping_time=slice(0, 100)), "at least 128 pings that move on"),
         (lambda record: record.isel(range_sample=slice(0, 300)), "128 bins beyond 1.4 altitudes"),
         (still, "at least 128 pings that move on"),
-        (silent, "tells no altitude and shows no first echo of the bed"),
+        (silent, "has no altitude and shows no first echo of the bed"),
     ],
 )
 def test_a_record_that_tells_too_little_is_refused(record, spoil, sentence):
@@ -285,7 +285,7 @@ def test_a_record_that_tells_too_little_is_refused(record, spoil, sentence):
     [
         (["line.npz", "-o", "s.toml", "--set", "seabed.relief.beta=1"], "is learned from the record"),
         (["line.npz", "-o", "s.toml", "--set", "sonar.beem=1"], "unknown key"),
-        (["default", "-o", "s.toml"], "is no record"),
+        (["default", "-o", "s.toml"], "is not a record"),
         (["none.xtf", "-o", "s.toml"], "does not exist"),
         (["text.xtf", "-o", "s.toml"], "is not an XTF file"),
         (["line.npz", "-o", "s.png"], "end the name in .toml"),

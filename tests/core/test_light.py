@@ -13,11 +13,9 @@ import pytest
 from PIL import Image
 
 from insonify.cli import main
-from insonify.optics.cutaway import make_camera, make_cutaway
-from insonify.optics.light import LAMP, LightRenderer, light_picture
+from insonify.optics.cutaway import OpticalScene, make_camera, make_cutaway, make_optical_scene
+from insonify.optics.light import LAMP, LightRenderer, find_optical_hits, light_picture
 from insonify.optics.material_colours import hues
-from insonify.optics.optical_hits import find_optical_hits
-from insonify.optics.optical_scene import OpticalScene, make_optical_scene
 from insonify.scene import edit, load_scene
 
 LEVEL = {"seabed.relief": "flat", "seabed.material": {"name": "rock", "diffuse": 0.5, "specular": 0.0}, "targets": []}

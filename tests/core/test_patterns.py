@@ -8,8 +8,8 @@ from PIL import Image
 
 from insonify.scene import SceneError, build, load_scene, plain
 from insonify.scene.seabed.materials import MATERIALS, Material
-from insonify.scene.seabed.materials.image import ImageMap
 from insonify.scene.seabed.materials.pattern import GRADES, PatternMap
+from insonify.scene.seabed.materials.pictures import ImageMap
 from insonify.simulation import simulate
 from insonify.terrain import build_ground
 from insonify.terrain.materials import Lattice, material_indices

@@ -262,7 +262,7 @@ def test_pixels_outside_the_record_are_refused(where, said):
 def test_the_cross_section_parts_the_bed_into_heard_and_hidden():
     pipe = {"kind": "pipe", "position": [10.0, 15.0], "radius": 1.0, "length": 20.0, "material": "steel"}
     section = cut_cross_section(flat(targets=[pipe], sonar__beam="knife"), 50, 0)
-    heard = np.diff(section.heard[:, :, 0], axis=1).sum()
+    heard = np.diff(section.visible[:, :, 0], axis=1).sum()
     hidden = section.hidden[:, :, 0]
     assert heard + np.diff(hidden, axis=1).sum() == pytest.approx(math.sqrt(40.0**2 - 10.0**2), abs=0.5)
     top = math.atan2(9.0, 15.0) - math.asin(1.0 / math.hypot(9.0, 15.0))

@@ -92,10 +92,14 @@ def test_what_was_forced_as_it_was_chosen_changes_nothing(tmp_path):
         scene, _ = planned_scene(seed, tmp_path)
         chosen = plan(scene)
         share = chosen.model.misplaced
-        forced = {"planes": str(chosen.planes), "spacing": str(chosen.every), "method": chosen.method}
+        forced = {"planes": str(chosen.planes), "spacing": str(chosen.model.every), "method": chosen.method}
         forced["segments"] = "whole" if math.isinf(share) else str(share)
         again = plan(scene, forced=forced)
-        assert (again.settings, again.every, again.bent) == (chosen.settings, chosen.every, chosen.bent)
+        assert (again.settings, again.model.every, again.model.bent) == (
+            chosen.settings,
+            chosen.model.every,
+            chosen.model.bent,
+        )
         assert again.work == chosen.work
 
 

@@ -208,7 +208,7 @@ def test_a_column_without_a_number_is_none(tmp_path):
     [
         ("time,x,y\n0,0,0\n2,1,1\n1,2,2\n", "goes back in time at row 3"),
         ("time,x,y\n0,0,0\n0,1,1\n", "goes back in time at row 2"),
-        ("time,heave\n0,0\n1,1\n", "says nothing of the fish"),
+        ("time,heave\n0,0\n1,1\n", "has no column of position or attitude"),
         ("x,y\n0,0\n1,1\n", "has no column time"),
         ("time,x\n0,0\n1,1\n", "only one of x and y"),
         ("time,roll\n0,0\n1,nan\n", "no number for roll in row 2"),

@@ -10,8 +10,7 @@ from insonify.acoustics.rays import follow_paths
 from insonify.acoustics.water import make_water
 from insonify.cli import main
 from insonify.display.ray_diagram.figure import write_ray_diagram
-from insonify.display.ray_diagram.ray_fan import CELLS
-from insonify.display.ray_diagram.tracing import trace_ray_diagram
+from insonify.display.ray_diagram.tracing import CELLS, trace_ray_diagram
 from insonify.kernels.refraction.ray_paths import RayLimits
 from insonify.scene import SceneError, edit, load_scene
 
@@ -119,7 +118,7 @@ def test_a_section_of_equal_profiles_is_that_profile(diagram):
     "target", [(0.0, 10.0), (1e300, 10.0), (math.nan, 10.0), (-5.0, 10.0), (50.0, 41.0), (50.0, -1.0)]
 )
 def test_a_point_that_is_not_in_the_water_is_refused(target):
-    with pytest.raises(SceneError, match=r"target: .* no point of the water; give .* from 0 to 40 m"):
+    with pytest.raises(SceneError, match=r"target: .* is not in the water; give .* from 0 to 40 m"):
         trace_ray_diagram(scene_in(DUCT), target=target)
 
 

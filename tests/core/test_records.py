@@ -199,11 +199,11 @@ def test_a_record_is_read_as_it_was_written(tmp_path):
         (lambda r: r.isel(channel=[0]), r"it has 1 channels, 4 pings and 16 bins"),
         (lambda r: r.isel(ping_time=[]), r"it has 2 channels, 0 pings and 16 bins"),
         (lambda r: r.isel(range_sample=[]), r"it has 2 channels, 4 pings and 0 bins"),
-        (lambda r: r.assign(intensity=r.intensity * np.nan), r"intensity holds what is no number"),
+        (lambda r: r.assign(intensity=r.intensity * np.nan), r"intensity holds values that are not finite"),
         (lambda r: r.assign(intensity=r.intensity - 1.0), r"intensity is negative"),
         (lambda r: r.assign(intensity=r.intensity.astype(str)), r"intensity is not of numbers over channel, ping_time"),
         (lambda r: r.assign(intensity=r.intensity.transpose("ping_time", ...)), r"intensity is not of numbers over"),
-        (lambda r: r.assign(platform_y=r.platform_y * np.nan), r"platform_y holds what is no number"),
+        (lambda r: r.assign(platform_y=r.platform_y * np.nan), r"platform_y holds values that are not finite"),
         (lambda r: r.assign(slant_range=r.slant_range * 0.0), r"slant_range does not increase"),
     ],
 )

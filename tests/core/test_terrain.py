@@ -10,8 +10,7 @@ from insonify.packing.scene_arrays import make_bed
 from insonify.scene import SceneError, build, edit, load_scene
 from insonify.scene.seabed import Seabed
 from insonify.scene.seabed.materials import MATERIALS, Material
-from insonify.scene.seabed.materials.fractal import FractalMap
-from insonify.scene.seabed.materials.patches import Patches
+from insonify.scene.seabed.materials.random_maps import FractalMap, Patches
 from insonify.terrain import build_ground, relief, relief_picture
 from insonify.terrain.materials import Lattice, material_indices
 

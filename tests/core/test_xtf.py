@@ -12,7 +12,6 @@ from PIL import Image
 
 from insonify.cli import main
 from insonify.io.records import read_record, write_record
-from insonify.io.records.xtf import read_xtf
 from insonify.scene import SceneError, edit, load_scene
 from insonify.simulation import simulate
 from xtf_files import FAR_TO_NEAR, NEAR_TO_FAR, PING, PORT, STARBOARD, SUBBOTTOM, amplitudes, write_xtf
@@ -25,7 +24,7 @@ REAL = Path(__file__).parents[3] / "shared" / "data" / "xtf" / "scotsman-iver2.x
     [("u1", True), ("<u2", True), ("<u4", True), ("<f4", True), ("u1", False), ("<u2", False), ("<u4", False)],
 )
 def test_samples_of_every_format_are_amplitudes_near_to_far(tmp_path, kind, told):
-    record = read_xtf(write_xtf(tmp_path / "a.xtf", [PING, PING], kind=kind, told=told))
+    record = read_record(write_xtf(tmp_path / "a.xtf", [PING, PING], kind=kind, told=told))
     np.testing.assert_allclose(amplitudes(record)[:, 0], [[1, 2, 3, 4], [10, 20, 30, 40]])
     assert record["channel"].values.tolist() == ["port", "starboard"]
     np.testing.assert_allclose(record["slant_range"], [3.75, 11.25, 18.75, 26.25])
@@ -36,17 +35,17 @@ def test_samples_of_every_format_are_amplitudes_near_to_far(tmp_path, kind, told
 def test_sides_go_by_their_type_not_their_order(tmp_path):
     samples = {"samples": [[7, 7], NEAR_TO_FAR, FAR_TO_NEAR, [9] * 4]}
     order = (SUBBOTTOM, STARBOARD, PORT, STARBOARD)
-    record = read_xtf(write_xtf(tmp_path / "a.xtf", [samples], channels=order))
+    record = read_record(write_xtf(tmp_path / "a.xtf", [samples], channels=order))
     np.testing.assert_allclose(amplitudes(record)[:, 0], [[1, 2, 3, 4], [10, 20, 30, 40]])
 
 
 def test_one_side_alone_leaves_the_other_silent(tmp_path):
-    record = read_xtf(write_xtf(tmp_path / "a.xtf", [{"samples": [NEAR_TO_FAR]}], channels=(STARBOARD,)))
+    record = read_record(write_xtf(tmp_path / "a.xtf", [{"samples": [NEAR_TO_FAR]}], channels=(STARBOARD,)))
     np.testing.assert_allclose(amplitudes(record)[:, 0], [[0, 0, 0, 0], [10, 20, 30, 40]])
 
 
 def test_weights_are_taken_out(tmp_path):
-    record = read_xtf(write_xtf(tmp_path / "a.xtf", [PING, {**PING, "Weight": 3}]))
+    record = read_record(write_xtf(tmp_path / "a.xtf", [PING, {**PING, "Weight": 3}]))
     np.testing.assert_allclose(amplitudes(record)[:, 1], amplitudes(record)[:, 0] / 8.0)
 
 
@@ -57,7 +56,7 @@ def test_pings_of_other_lengths_and_ranges_share_the_usual_grid(tmp_path):
         {**short, "reaches": [15.0, 15.0]},  # the same samples, fewer
         {"samples": [ramp[::-1], ramp], "reaches": [60.0, 60.0]},  # twice as fine, twice as far
     ]
-    record = read_xtf(write_xtf(tmp_path / "a.xtf", pings))
+    record = read_record(write_xtf(tmp_path / "a.xtf", pings))
     assert record.sizes["range_sample"] == 8
     np.testing.assert_allclose(record["slant_range"], (np.arange(8) + 0.5) * 7.5)
     got = amplitudes(record)
@@ -75,7 +74,7 @@ def test_sound_speed_may_be_odd(tmp_path, given, speed):
     where = 1024 + ctypes.sizeof(pyxtf.XTFPingHeader) + pyxtf.XTFPingChanHeader.TimeDuration.offset
     content[where : where + 4] = bytes(4)  # else range and duration tell the speed
     path.write_bytes(content)
-    record = read_xtf(path)
+    record = read_record(path)
     np.testing.assert_allclose(2.0 * record["slant_range"] / record["travel_time"], speed)
 
 
@@ -93,7 +92,7 @@ def test_the_platform_in_the_conventions_of_scenes(tmp_path):
         }
         for x, y in zip(east, north)
     ]
-    record = read_xtf(write_xtf(tmp_path / "a.xtf", pings))
+    record = read_record(write_xtf(tmp_path / "a.xtf", pings))
     np.testing.assert_allclose(record["platform_x"], np.array([0, 0, 0.5, 1, 1]) * 74.6286, rtol=1e-4)
     np.testing.assert_allclose(record["platform_y"], np.array([0, 0, 0.5, 1, 1]) * 111.2, rtol=1e-3)
     np.testing.assert_allclose(record["platform_heading"], 0.0, atol=1e-9)  # east
@@ -102,7 +101,7 @@ def test_the_platform_in_the_conventions_of_scenes(tmp_path):
 
 
 def test_what_is_not_told_is_not_a_number_and_speed_gives_the_way(tmp_path):
-    record = read_xtf(write_xtf(tmp_path / "a.xtf", [{**PING, "SensorSpeed": 2.0}] * 3))
+    record = read_record(write_xtf(tmp_path / "a.xtf", [{**PING, "SensorSpeed": 2.0}] * 3))
     assert np.isnan(record["platform_altitude"]).all()
     assert np.isnan(record["platform_heading"]).all()
     np.testing.assert_allclose(record["platform_y"], np.arange(3) * 2.0 * 1852.0 / 3600.0)
@@ -110,7 +109,7 @@ def test_what_is_not_told_is_not_a_number_and_speed_gives_the_way(tmp_path):
 
 def test_wild_positions_do_not_count(tmp_path):
     xs = [-68.0, 1e300, -68.0, np.nan, -67.999]
-    record = read_xtf(
+    record = read_record(
         write_xtf(tmp_path / "a.xtf", [{**PING, "SensorXcoordinate": x, "SensorYcoordinate": 48.0} for x in xs])
     )
     np.testing.assert_allclose(record["platform_x"][[0, 4]], [0.0, 74.63], atol=0.01)
@@ -119,19 +118,19 @@ def test_wild_positions_do_not_count(tmp_path):
 
 def test_positions_may_be_in_metres(tmp_path):
     pings = [{**PING, "ShipXcoordinate": 5e5 + 2.0 * n, "ShipYcoordinate": 4e6} for n in range(4)]
-    record = read_xtf(write_xtf(tmp_path / "a.xtf", pings, NavUnits=0))
+    record = read_record(write_xtf(tmp_path / "a.xtf", pings, NavUnits=0))
     np.testing.assert_allclose(record["platform_x"], 2.0 * np.arange(4))
     np.testing.assert_allclose(record["platform_y"], 0.0)
 
 
 def test_time_runs_on_past_midnight(tmp_path):
     late, early = {"Hour": 23, "Minute": 59, "Second": 59, "HSeconds": 50}, {"Second": 0, "HSeconds": 25}
-    record = read_xtf(write_xtf(tmp_path / "a.xtf", [{**PING, **late}, {**PING, **early}]))
+    record = read_record(write_xtf(tmp_path / "a.xtf", [{**PING, **late}, {**PING, **early}]))
     np.testing.assert_allclose(record["ping_time"], [0.0, 0.75])
 
 
 def test_a_recording_without_a_clock_counts_seconds(tmp_path):
-    record = read_xtf(write_xtf(tmp_path / "a.xtf", [{**PING, "Second": 0}] * 3))
+    record = read_record(write_xtf(tmp_path / "a.xtf", [{**PING, "Second": 0}] * 3))
     np.testing.assert_allclose(record["ping_time"], [0.0, 1.0, 2.0])
 
 
@@ -141,16 +140,16 @@ def test_other_packets_and_padding_are_passed_over(tmp_path):
     other.NumBytesThisRecord = 64
     content = path.read_bytes()
     path.write_bytes(content[:1024] + bytes(other) + bytes(64 - ctypes.sizeof(other)) + content[1024:] + bytes(500))
-    assert read_xtf(path).sizes["ping_time"] == 2
+    assert read_record(path).sizes["ping_time"] == 2
 
 
 def test_an_index_beside_the_file_is_neither_read_nor_written(tmp_path):
     path = write_xtf(tmp_path / "a.xtf", [PING])
     index = tmp_path / "a.pyxtf_idx"
     index.write_bytes(pickle.dumps({}))
-    assert read_xtf(path).sizes["ping_time"] == 1
+    assert read_record(path).sizes["ping_time"] == 1
     index.unlink()
-    read_xtf(path)
+    read_record(path)
     assert list(tmp_path.iterdir()) == [path]
 
 
@@ -297,7 +296,7 @@ def test_a_recording_that_is_looked_at_has_to_be_there(capsys):
 @pytest.mark.skipif(not REAL.is_file(), reason="the recording is not here")
 def test_a_real_recording():
     before = sorted(REAL.parent.iterdir())
-    record = read_xtf(REAL)
+    record = read_record(REAL)
     assert sorted(REAL.parent.iterdir()) == before
     assert dict(record.sizes) == {"channel": 2, "ping_time": 461, "range_sample": 1024}
     np.testing.assert_allclose(float(record["slant_range"][-1]), 29.98, atol=0.03)

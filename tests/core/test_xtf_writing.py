@@ -214,7 +214,7 @@ def test_a_simulation_is_written_by_the_command(tmp_path, capsys, bits):
 
 def test_options_of_other_formats_are_refused(tmp_path, capsys):
     assert main(["render", "pipe-span", "-o", str(tmp_path / "a.nc"), "--bits", "8"]) == 2
-    assert "--bits is no option of .nc files, such as a.nc; leave it out" in capsys.readouterr().err
+    assert "--bits is not an option of .nc files such as a.nc; leave it out" in capsys.readouterr().err
     with pytest.raises(SystemExit):
         main(["render", "--help"])
     assert "--bits {16,8,32,float}" in capsys.readouterr().out

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from insonify.scene.seabed.reliefs.fractal import Fractal, power_spectrum
-from insonify.scene.seabed.reliefs.von_karman import VonKarman
+from insonify.scene.seabed.reliefs.roughness import VonKarman
 from insonify.terrain import endless_field
 from insonify.terrain.endless_field import TILE, Band, EndlessField, Nodes, gather_tiles
 from insonify.terrain.lattice_noise import lattice_noise

@@ -9,10 +9,9 @@ from scipy.optimize import minimize_scalar
 
 from insonify.scene import SceneError, build
 from insonify.scene.seabed import Seabed
-from insonify.scene.seabed.reliefs.power_law import PowerLaw
 from insonify.scene.seabed.reliefs.ripples import Ripples
-from insonify.scene.seabed.reliefs.von_karman import VonKarman
-from insonify.statistics.spectral_exponent import amplitude_exponent
+from insonify.scene.seabed.reliefs.roughness import PowerLaw, VonKarman
+from insonify.statistics.record_statistics import amplitude_exponent
 from insonify.terrain import relief
 from insonify.terrain.random_heights import periodic_heights
 

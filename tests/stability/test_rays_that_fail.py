@@ -9,7 +9,7 @@ import pytest
 from pydantic import TypeAdapter
 
 import insonify
-from insonify.accuracy.stability.themes.rays import exact_time
+from insonify.accuracy.stability.themes.refraction import exact_time
 from insonify.acoustics.paths import eigenrays
 from insonify.acoustics.rays import follow_paths, join_points
 from insonify.kernels.refraction.arcs import ENDLESS, GRAZING, HIGH, LOW, NODE, RANGE
@@ -17,7 +17,7 @@ from insonify.kernels.refraction.eigenray_search import ANGLE, TIME
 from insonify.kernels.refraction.eigenrays import FOUND, NONE
 from insonify.kernels.refraction.ray_paths import AT_RANGE, NOWHERE, TRAPPED, RayLimits
 from insonify.scene.water import AnyWater
-from insonify.scene.water.profile import ProfileWater
+from insonify.scene.water.layered import ProfileWater
 from water import NO_CEILING, NO_FLOOR, downward, followed, joined, layers, shot, stepped, water_of
 
 WEAK = (0.0, 1e-16, 1e-14, 1e-12, 1e-10, 1e-8)

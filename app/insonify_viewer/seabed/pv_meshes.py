@@ -82,9 +82,7 @@ def targets_mesh(solids: Solids, mesh: Mesh, colours: NDArray[np.uint8]) -> Any:
     """Return the targets as one surface; solids beyond `MAX_SOLIDS` are left out."""
     parts: list[Any] = []
     if len(mesh.corners):
-        corners = mesh.corners.reshape(-1, 3)
-        faces: Any = np.arange(len(corners)).reshape(-1, 3)
-        parts.append(pv.PolyData.from_regular_faces(corners, faces))
+        parts.append(triangles_mesh(mesh.corners))
         parts[0].cell_data["colour"] = colours[mesh.target]
     for row in range(min(len(solids.shape), MAX_SOLIDS)):
         start, axis = solids.start[row], solids.axis[row]

@@ -37,7 +37,6 @@ STEEPEST = math.radians(88.0)  # depression of the line of sight, at which the v
 NEAREST, FARTHEST = 0.05, 6.0  # distance of the camera from its focus, in slant ranges
 FADED = 0.25  # opacity of a bed of an earlier scene
 REST = 4.0  # pause between two drawings, in drawing times, which leaves time for the window
-# PyVista is untyped.
 
 Points = NDArray[np.float64]
 BLOCKED, HIDDEN = "#ff7a5c", "#2a0f0a"
@@ -82,11 +81,11 @@ class SeabedView(QWidget):
         self.keys = SeabedKeys(self._canvas.widget, self.turn, self.magnify)
         self._canvas.widget.setAccessibleName("Seabed in 3-D")
 
-    def show_bed(self, patch: BedPatch) -> None:
-        """Show another bed."""
+    def show_bed(self, patch: BedPatch, picture: NDArray[np.uint8] | None = None) -> None:
+        """Show another bed in its own colours or, from its first drawing on, under a picture."""
         self._bed.points = patch.points
         self._thinned_bed.points = pv_meshes.thinned_points(patch.points)
-        self.show_texture(patch.image)
+        self.show_texture(patch.image if picture is None else picture)
         self._bed_shown = True
         self._thin(self._held)
 
@@ -143,18 +142,16 @@ class SeabedView(QWidget):
 
     def show_mark(self, place: tuple[float, float, float] | None) -> None:
         """Mark a point of the bed; None removes the mark."""
-        self._mark_actor.visibility = place is not None
-        if place is not None:
-            self._mark_actor.position = place
-            self._mark_actor.scale = self._reach
-        self._later()
+        self._put_pin(self._mark_actor, place)
 
     def show_pick(self, place: tuple[float, float, float] | None) -> None:
         """Mark a picked place; None removes the mark."""
-        self._pick_actor.visibility = place is not None
+        self._put_pin(self._pick_actor, place)
+
+    def _put_pin(self, actor: Any, place: tuple[float, float, float] | None) -> None:
+        actor.visibility = place is not None
         if place is not None:
-            self._pick_actor.position = place
-            self._pick_actor.scale = self._reach
+            actor.position, actor.scale = place, self._reach
         self._later()
 
     def show_sound(self, drawing: SoundDrawing | None) -> None:
@@ -358,14 +355,11 @@ class SoundActors:
 
 def polylines(lines: Sequence[Points]) -> Any:
     """Mesh of several lines, each of (n, 3) points."""
-    mesh = pv.PolyData(np.concatenate(lines).astype(np.float32))
     first, cells = 0, []
     for line in lines:
         cells += [len(line), *range(first, first + len(line))]
         first += len(line)
-    mesh.lines = np.array(cells)
-    mesh.verts = np.empty(0, np.int64)
-    return mesh
+    return pv.PolyData(np.concatenate(lines).astype(np.float32), lines=np.array(cells))
 
 
 def _line() -> Any:

@@ -28,7 +28,7 @@ class StatusLine(QWidget):
         self.sentence = QLabel()
         self.sentence.setMinimumWidth(1)  # so that a long sentence does not widen the window
         self.copy = push_button(
-            "Copy details", "Copy versions, scene and what went wrong, to be sent with a report", style="small"
+            "Copy details", "Copy program versions, scene and error message, to send with a report", style="small"
         )
         self.copy.clicked.connect(self._copy)
         self.copy.hide()
@@ -97,7 +97,7 @@ class JobBar(QProgressBar):
         super().__init__()
         self.setObjectName("job")
         self.setAccessibleName("Jobs")
-        self.setToolTip("What runs beside the window; click for all of it (Ctrl+J), Delete stops the newest")
+        self.setToolTip("Jobs in the background; click to list them (Ctrl+J), Delete stops the newest")
         self.setFocusPolicy(Qt.FocusPolicy.TabFocus)
         self._newest: BackgroundJob | None = None
         self.setVisible(False)

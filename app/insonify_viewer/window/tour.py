@@ -167,23 +167,23 @@ def tour_steps(*parts: Callable[[], QWidget | None]) -> tuple[TourStep, ...]:
     scenes, parameters, record, seabed, menus = parts
     return (
         TourStep(
-            "Pick a scene", "Scenes holds pipes, wrecks, ripples, ghosts, bent sound … The first record is under way.",
+            "Pick a scene", "Scenes holds pipes, wrecks, ripples, ghosts, bent sound … The first record is being made.",
             scenes,
         ),
         TourStep(
             "Move a slider", "The record follows while it moves. Double-click a name to reset it; Ctrl+Z undoes. Ticks "
-            "take effects out, one at a time.", parameters,
+            "switch effects such as ghosts and noise on and off.", parameters,
         ),
         TourStep(
-            "Ask the record", "Space pauses the tow. Click a pixel, above all a dark one: what returns its echo, and "
-            "what hides the bed there, is told in decibels.", record,
+            "Ask the record", "Space pauses the tow. Click a pixel to see why it is bright or dark: what returns the "
+            "echo, or what hides the bed there.", record,
         ),
         TourStep(
             "Turn the seabed", "Drag to turn it, the wheel zooms. Click a target, then move, turn or stretch it by its "
             "handles.", seabed,
         ),
         TourStep(
-            "Go on", "Lessons lead through what sonar shows, step by step. Help lists the keys, and shows this again.",
+            "Learn more", "Lessons show step by step how a record comes about. Help lists the keys and this tour.",
             menus,
         ),
     )  # fmt: skip

@@ -14,7 +14,7 @@ from insonify_viewer.work.executor import Progress
 from insonify_viewer.work.jobs import BackgroundJob, State, ThreadJob
 
 if TYPE_CHECKING:
-    from insonify.accuracy.charts.accuracy_chart import AccuracyChart, AccuracyRow
+    from insonify.accuracy.charts.kinds.accuracy import AccuracyChart, AccuracyRow
 
 
 class ChartPanel(Panel):
@@ -26,7 +26,7 @@ class ChartPanel(Panel):
     name = "chart"
     title = "Chart"
     place = Place.WINDOW
-    button = Button("Chart…", "Measure every method on the scene as it stands", "", menu="Tools")
+    button = Button("Chart…", "Measure speed and error of every method on this scene", "", menu="Tools")
 
     def __init__(self, workbench: Workbench) -> None:
         self._workbench = workbench
@@ -41,9 +41,9 @@ class ChartPanel(Panel):
         """The window, made on first use."""
         if self.view is None:
             self.view = ChartWindow()
-            self.view.measure_wanted.connect(self.begin)
-            self.view.stop_wanted.connect(self.stop)
-            self.view.save_wanted.connect(self.save)
+            self.view.measure.clicked.connect(self.begin)
+            self.view.stop.clicked.connect(self.stop)
+            self.view.save.clicked.connect(self.save)
             self.view.picked.connect(self.pick)
         return self.view
 

@@ -71,12 +71,12 @@ class ComparisonPanel(Panel):
         self._player.wait_for(f"learning a {self._learning.title}")
 
     def _connect(self) -> None:
-        self.view.open_wanted.connect(lambda: self._player.open(self._workbench.ask_for_recording()))
-        self.view.keep_wanted.connect(self._comparison.keep)
-        self.view.partner_wanted.connect(self._comparison.open_partner)
+        self.view.open.clicked.connect(lambda: self._player.open(self._workbench.ask_for_recording()))
+        self.view.keep.clicked.connect(self._comparison.keep)
+        self.view.partner.clicked.connect(self._comparison.open_partner)
         self.view.pair_wanted.connect(self.open_pair)
-        self.view.back_wanted.connect(self._comparison.return_to_a)
-        self.view.close_wanted.connect(self._comparison.leave)
+        self.view.back.clicked.connect(self._comparison.return_to_a)
+        self.view.leave.clicked.connect(self._comparison.leave)
         self.view.arranged.connect(self._comparison.arrange)
         self._comparison.changed.connect(self._show_a)
         self._comparison.measured.connect(self._show_changes)

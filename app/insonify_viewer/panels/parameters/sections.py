@@ -23,7 +23,7 @@ from insonify.scene.seabed.reliefs.random_relief import RandomRelief
 from insonify.scene.targets import Target
 from insonify.scene.water import WaterKind
 from insonify.scene.water.absorptions import NEPER_PER_DB
-from insonify_viewer.state.fields import PLACES, ChoiceField, FileField, NumberField, Parameter, name_field
+from insonify_viewer.state.fields import PLACES, ChoiceField, FileField, NumberField, Parameter, name_field, spell
 
 SECTIONS = ("sonar", "seabed", "track", "targets", "volumes", "water", "receiver", "receiver.recorder")
 # Order of the pose fields of a target, after those of its shape.
@@ -144,7 +144,7 @@ def _rows(scene: Scene, part: BaseModel, name: str, path: str, indent: int) -> I
     field = type(part).model_fields[name]
     value = getattr(part, name)
     path = f"{path}.{name}" if path else name
-    label = name.replace("_", " ")
+    label = spell(name)
     tooltip = field.description or ""
     if isinstance(value, BaseModel) or (value is None and models_of(type(part), name)):
         yield from _of_declaration(scene, part, name, path, indent)
@@ -172,7 +172,7 @@ def _of_declaration(scene: Scene, part: BaseModel, name: str, path: str, indent:
     value: BaseModel | None = getattr(part, name)
     models = [model for model in models_of(type(part), name) if kind_name(model)]
     kinds = tuple(kind_name(model) or "" for model in models)
-    label = name.replace("_", " ")
+    label = spell(name)
     if len(kinds) > 1:
         tooltip = type(part).model_fields[name].description or ""
         meanings = tuple(map(_meaning, models))
@@ -289,7 +289,7 @@ def _idle(scene: Scene, path: str) -> str:
     beams, receiver = (scene.sonar.beam, scene.sonar.vertical), scene.receiver
     if any(part.by_frequency for part in (*beams, scene.water.absorption)) or receiver.speckle.speckled:
         return ""
-    return "has no effect without a line-array beam, Francois-Garrison absorption or speckle"
+    return "changes nothing here: it acts on a line-array beam, Francois-Garrison absorption and speckle"
 
 
 def _idle_source_level(scene: Scene) -> str:
@@ -297,7 +297,7 @@ def _idle_source_level(scene: Scene) -> str:
     receiver = scene.receiver
     if receiver.noise is not None or receiver.interference is not None or receiver.tvg.kind != "none":
         return ""
-    return "has no effect without noise, interference or time-varied gain"
+    return "changes nothing here: it acts beside noise, interference and time-varied gain"
 
 
 def known_speed(scene: Scene) -> float:

@@ -25,7 +25,7 @@ from insonify_viewer.record.measuring import (
 from insonify_viewer.record.projection import Zoom, row_factors
 from insonify_viewer.record.record import RecordGrowth
 from insonify_viewer.record.waterfall_view import WaterfallView
-from insonify_viewer.state.contacts import SIDES, Contact
+from insonify_viewer.state.contacts import Contact
 from insonify_viewer.state.inspection import Mark
 
 if TYPE_CHECKING:
@@ -93,13 +93,13 @@ class RecordPanel(Panel):
         self._workbench.comparison.changed.connect(self._show_marks)
         self.contacts.changed.connect(self._show_contacts)
         listed = view.contacts
-        listed.mark_wanted.connect(self._mark_pinned)
+        listed.mark.clicked.connect(self._mark_pinned)
         listed.remove_wanted.connect(self.contacts.remove)
         listed.jump_wanted.connect(self._jump)
         listed.chosen.connect(lambda _: self._show_marks())
         listed.edited.connect(self.contacts.edit)
-        listed.open_wanted.connect(self._workbench.open_contacts)
-        listed.save_wanted.connect(self._workbench.save_contacts)
+        listed.open.clicked.connect(self._workbench.open_contacts)
+        listed.save.clicked.connect(self._workbench.save_contacts)
 
     @property
     def _recording(self) -> Recording | None:
@@ -204,7 +204,7 @@ class RecordPanel(Panel):
         """Add a contact at a bin of one of the views."""
         location = None if at is None else self._locate(*at)
         if at is None or location is None:
-            self._workbench.say("point at the record and press C, or pin a pixel first")
+            self._workbench.say("point at the record and press C, or click a pixel first")
             return
         view, mark = at
         place = location.place or (None, None)
@@ -215,7 +215,7 @@ class RecordPanel(Panel):
                 note="",
                 source=self._source(view),
                 ping=mark.ping,
-                side=SIDES[mark.side],
+                side=mark.side_name,
                 range_bin=mark.bin,
                 slant_range=round(location.slant_range, 4),
                 ground_range=location.ground_range,

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
 from importlib.util import find_spec
 from typing import Any
 
@@ -75,7 +74,7 @@ class TriangulatedScene:
         hits.material[:] = self._material[triangle]
         normal = found["Ng"].astype(np.float64)
         normal /= np.maximum(np.linalg.norm(normal, axis=1, keepdims=True), 1e-300)
-        # The bed is seen from above, a target from whichever side the ray comes.
+        # Normals of the bed point up; those of a target point to the side of the ray.
         turned = np.where(hits.body == BED, normal[:, 2] < 0.0, np.einsum("ij,ij->i", normal, ways) > 0.0)
         hits.nx[:], hits.ny[:], hits.nz[:] = np.where(turned, -normal.T, normal.T)
         return hits
@@ -144,23 +143,17 @@ def _beam(arrays: SceneArrays, poses: Poses, ping: int, side: int) -> SideBeam:
 
 
 def tessellate_solids(solids: Solids) -> tuple[NDArray[np.float64], NDArray[np.int64]]:
-    """Triangles inscribed in spheres, cylinders and cones."""
-    parts = [np.empty((0, 3, 3)), *_each_body(solids)]
-    body = np.repeat(np.arange(-1, len(parts) - 1), [len(part) for part in parts])
-    return np.concatenate(parts), body
-
-
-def _each_body(solids: Solids) -> Iterator[NDArray[np.float64]]:
-    """Triangles of every body, (m, 3, 3) each."""
+    """Triangles inscribed in spheres, cylinders and cones, (m, 3, 3), and the solid of each."""
     import trimesh.creation  # slow to import, and needed only with Embree
 
     ball = trimesh.creation.icosphere(subdivisions=DIVISIONS_OF_SPHERE).triangles
+    parts = [np.empty((0, 3, 3))]
     for k, start in enumerate(solids.start):
-        radius = float(solids.radius[k])
+        radius, length = float(solids.radius[k]), float(solids.length[k])
         if solids.shape[k] == SPHERE:
-            yield start + radius * ball
+            parts.append(start + radius * ball)
             continue
-        length = float(solids.length[k])
         outline = np.array([[0.0, 0.0], [radius, 0.0], [radius + solids.taper[k] * length, length], [0.0, length]])
         turn = trimesh.geometry.align_vectors([0.0, 0.0, 1.0], solids.axis[k])[:3, :3]  # type: ignore[no-untyped-call]
-        yield start + trimesh.creation.revolve(outline, sections=FACETS_AROUND).triangles @ turn.T
+        parts.append(start + trimesh.creation.revolve(outline, sections=FACETS_AROUND).triangles @ turn.T)
+    return np.concatenate(parts), np.repeat(np.arange(-1, len(parts) - 1), [len(part) for part in parts])

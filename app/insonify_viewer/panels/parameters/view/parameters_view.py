@@ -240,7 +240,7 @@ class ParametersView(SidePanel):
         """Buttons beside the heading of a section."""
         key, tools = section.key, []
         if key.startswith("targets."):
-            tip = "Unlock this target" if section.locked else "Lock this target: neither mouse nor slider changes it"
+            tip = "Unlock this target" if section.locked else "Lock this target against mouse and sliders"
             copy = make_tool("copy", "", "Duplicate this target", lambda: self.duplicated.emit(key))
             lock = make_tool("lock", "", tip, lambda: self.locked.emit(key, not section.locked))
             set_icon(copy, "copy")
@@ -350,7 +350,7 @@ class AboutBox(FoldingBox):
         elif self._shown[1][int(number)]:
             self.label.setToolTip("Click to go back to the value before")
         else:
-            self.label.setToolTip(f"Click to try {links[int(number)].path} = {_shown(links[int(number)].value)}")
+            self.label.setToolTip(f"Click to try it: {links[int(number)].path} = {_shown(links[int(number)].value)}")
 
 
 def _shown(value: object) -> str:
