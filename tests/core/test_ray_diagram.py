@@ -113,7 +113,7 @@ def test_a_section_of_equal_profiles_is_that_profile(diagram):
 
 def test_a_point_that_is_not_in_the_water_is_refused():
     for target in ((0.0, 10.0), (1e300, 10.0), (math.nan, 10.0), (-5.0, 10.0), (50.0, 41.0), (50.0, -1.0)):
-        with pytest.raises(SceneError, match=r"target: .* no point of the water; give .* from 0 to 40 m"):
+        with pytest.raises(SceneError, match=r"target: .* is not in the water; give .* from 0 to 40 m"):
             trace_ray_diagram(scene_in(DUCT), target=target)
 
 
