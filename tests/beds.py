@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import itertools
 from collections.abc import Sequence
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -78,6 +79,23 @@ def mesh_of(vertices: ArrayLike, faces: ArrayLike, *, target: int = 0) -> Mesh:
     corners = np.asarray(vertices, dtype=np.float64)[np.asarray(faces)]
     rows = np.zeros(len(corners), np.int64)
     return build_mesh(corners, rows, rows + target)
+
+
+# Faces of a box whose corners are in the order of `box_corners`.
+BOX_FACES = (
+    (0, 1, 3), (0, 3, 2), (4, 6, 7), (4, 7, 5), (0, 4, 5), (0, 5, 1),
+    (2, 3, 7), (2, 7, 6), (1, 5, 7), (1, 7, 3), (0, 2, 6), (0, 6, 4),
+)  # fmt: skip
+
+
+def box_corners(low: Sequence[float], high: Sequence[float]) -> np.ndarray:
+    """Corners of a box along the axes, (8, 3)."""
+    return np.array(list(itertools.product(*zip(low, high))))
+
+
+def box_mesh(low: Sequence[float], high: Sequence[float], *, target: int = 0) -> Mesh:
+    """Mesh of a box along the axes."""
+    return mesh_of(box_corners(low, high), BOX_FACES, target=target)
 
 
 def icosphere(halvings: int, radius: float = 1.0, centre: ArrayLike = (0.0, 0.0, 0.0)) -> tuple[np.ndarray, np.ndarray]:
@@ -199,3 +217,9 @@ def rough(ny: int, nx: int, rms: float = 0.05, seed: int = 1) -> np.ndarray:
     amplitude[0, 0] = 0.0
     heights = np.fft.irfft2(amplitude * np.exp(2j * np.pi * rng.random(amplitude.shape)), s=(ny, nx))
     return np.asarray(heights * (rms / heights.std()))
+
+
+def rough_arrays(half_width: float = 0.0, **options: Any) -> SceneArrays:
+    """Scene over a rough bed that repeats after 25.6 m, heard for 30 m."""
+    settings: dict[str, Any] = {"bins": 300, "bin_length": 0.1, "periodic": True, **options}
+    return arrays_of(rough(256, 256), 0.1, half_width=half_width, **settings)

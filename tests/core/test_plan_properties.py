@@ -18,7 +18,7 @@ from insonify.planning.choices.base import Case
 from insonify.planning.selection import check_request, choose_for_case
 from insonify.scene import Scene, SceneError, edit, load_scene
 from insonify.simulation import prepare
-from planned_scenes import planned_scene
+from random_scenes import planned_scene
 
 TOLERANCES = st.floats(math.log(1e-4), math.log(0.5)).map(math.exp)
 KNIFE = {"sonar.beam": "knife", "targets": [], "water": {"kind": "uniform"}}

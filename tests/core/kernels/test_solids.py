@@ -7,6 +7,7 @@ import math
 import numpy as np
 import pytest
 
+import brute_force
 import naive
 from beds import arrays_of, poses_of, solids_of
 from insonify.compiler.jit import kernel
@@ -82,7 +83,8 @@ def test_brute_force_agrees(body):
     origins, directions = aimed(rng, centre, 2.5, 4000, 12.0)
     distance, normal = meet(body, origins, directions)
     ways = directions / np.linalg.norm(directions, axis=1, keepdims=True)
-    twin = [naive._meet(solids_of([body]), 0, origin, way[None]) for origin, way in zip(origins, ways)]
+    meet_body = brute_force.solid(solids_of([body]), 0)
+    twin = [meet_body(origin, way[None]) for origin, way in zip(origins, ways)]
     np.testing.assert_allclose(distance, [t[0][0] for t in twin], rtol=1e-11)
     hit = np.isfinite(distance)
     assert 0.1 < hit.mean() < 0.9
