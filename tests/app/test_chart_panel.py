@@ -12,12 +12,11 @@ from PySide6.QtCore import Qt
 from PySide6.QtWidgets import QFileDialog
 from stand_in import StandIn
 
-from insonify.accuracy.charts.accuracy_chart import AccuracyChart, AccuracyRow, TracedScene
+from insonify.accuracy.charts.kinds.accuracy import AccuracyChart, AccuracyRow, TracedScene
 from insonify.accuracy.charts.method_settings import SettingKey
 from insonify.accuracy.charts.reference import Reference
 from insonify.scene import Scene, SceneError
-from insonify.statistics.displacement import measure_displacement
-from insonify.statistics.record_errors import compare_records
+from insonify.statistics.record_errors import compare_records, measure_displacement
 from insonify_viewer.panels.chart.chart_details import (
     ChartPoint,
     details_in_words,

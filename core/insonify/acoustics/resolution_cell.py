@@ -39,6 +39,14 @@ def coherence_angle(arrays: SceneArrays) -> Curve:
     return angle**2 / _at_bins(arrays, squares)
 
 
+def axial_response(arrays: SceneArrays) -> Curve:
+    """Two-way response of the beam along the track on its axis, below 1 in the near field, of every bin."""
+    pattern = arrays.pattern
+    return (
+        _at_bins(arrays, pattern.energy[:, pattern.energy.shape[1] // 2]) if pattern.tabulated else np.ones(arrays.bins)
+    )
+
+
 def volume_echo(arrays: SceneArrays, altitude: float, depth: float) -> Curve:
     """Volume reverberation of one side for a scattering strength of 1 m⁻¹, of every bin."""
     r = bin_centres(arrays)

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from insonify.acoustics.beam_patterns import directivity
 from insonify.acoustics.flat_bed import flat_bed_curve
-from insonify.acoustics.pulses import Taps, coherent_taps, pulse_taps, samples_per_bin
+from insonify.acoustics.pulses import Taps, coherent_taps, pulse_taps, samples_per_bin, spread_curve
 from insonify.acoustics.resolution_cell import bin_centres, vertical_at
 from insonify.kernels.common.types import LIGHT, SceneArrays
 from insonify.kernels.receiver.pulse import convolve_pulse
@@ -81,7 +81,7 @@ class ReceiverSetup:
     @cached_property
     def level_bed(self) -> Curve:
         """Mean echo of a level bed of albedo 1 after the pulse, with the source level, (bins,)."""
-        return self._source * float(self.taps.weights.sum()) * flat_bed_curve(self.arrays, self.altitude)
+        return self.source * float(self.taps.weights.sum()) * flat_bed_curve(self.arrays, self.altitude)
 
     @property
     def bin_time(self) -> float:
@@ -96,20 +96,21 @@ class ReceiverSetup:
     @cached_property
     def mean_bed(self) -> Curve:
         """Mean echo of a level bed of the scene's materials, spread by the pulse, with the source level, (bins,)."""
-        arrays, curve = self.arrays, np.zeros(self.arrays.bins)
-        for row, share in enumerate(self.material_shares):
-            if share > 0.0:
-                curve += share * flat_bed_curve(arrays, self.altitude, Reflectivity(*arrays.reflectivity[row]))
-        grazing = np.arcsin(np.minimum(self.altitude / bin_centres(arrays), 1.0))
-        spread = np.convolve(curve * vertical_at(arrays, -grazing), self.taps.weights)
-        return self._source * spread[self.taps.before :][: arrays.bins]
+        curve = sum(share * flat_bed_curve(self.arrays, self.altitude, row) for row, share in self.materials)
+        return self.source * spread_curve(curve * vertical_at(self.arrays, -self.grazing), self.taps)
 
     @property
-    def material_shares(self) -> Curve:
-        """Share of the bed at the beginning of the track that is of each material, (materials,)."""
-        cells = self.arrays.bed.materials
-        counts = np.bincount(cells.ravel(), minlength=1) if self.arrays.bed.mapped else np.ones(1)
-        return counts / counts.sum()
+    def grazing(self) -> Curve:
+        """Angle of rays below the horizontal to a level bed, (bins,); straight down before its first echo."""
+        return np.arcsin(np.minimum(self.altitude / bin_centres(self.arrays), 1.0))
+
+    @property
+    def materials(self) -> list[tuple[Reflectivity, float]]:
+        """Materials of the bed at the beginning of the track, with the share of the bed of each."""
+        bed = self.arrays.bed
+        counts = np.bincount(bed.materials.ravel()) if bed.mapped else np.ones(1)
+        rows = np.flatnonzero(counts)
+        return [(Reflectivity(*self.arrays.reflectivity[row]), counts[row] / counts.sum()) for row in rows]
 
     @cached_property
     def noise(self) -> float:
@@ -132,8 +133,8 @@ class ReceiverSetup:
         return 10.0 * math.log10(level)
 
     @property
-    def _source(self) -> float:
-        """Factor of intensity by the source level."""
+    def source(self) -> float:
+        """Factor of intensity of the source level."""
         return power(self.scene.receiver.source_level)
 
     def field_of(self, stream: int) -> WaveField:

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from insonify_viewer.state.quantities import format_duration, nearest_within
 
 if TYPE_CHECKING:
-    from insonify.accuracy.charts.accuracy_chart import AccuracyChart, AccuracyRow
+    from insonify.accuracy.charts.kinds.accuracy import AccuracyChart, AccuracyRow
 
 DPI = 150.0
 
@@ -37,7 +37,7 @@ class ChartPicture:
 def draw_chart(chart: AccuracyChart) -> ChartPicture:
     """Draw a chart as it is saved to a file, with the positions of its points."""
     # lazy: the window opens before Matplotlib is loaded
-    from insonify.accuracy.charts.accuracy_chart import draw_accuracy
+    from insonify.accuracy.charts.kinds.accuracy import draw_accuracy
 
     figure, marks = draw_accuracy(chart)
     figure.set_dpi(DPI)

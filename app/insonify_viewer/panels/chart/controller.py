@@ -13,7 +13,7 @@ from insonify_viewer.work.executor import Progress
 from insonify_viewer.work.jobs import BackgroundJob, State, ThreadJob
 
 if TYPE_CHECKING:
-    from insonify.accuracy.charts.accuracy_chart import AccuracyChart, AccuracyRow
+    from insonify.accuracy.charts.kinds.accuracy import AccuracyChart, AccuracyRow
 
 
 class ChartPanel(Panel):
