@@ -163,7 +163,7 @@ def test_it_is_saved(window: Any, qtbot: Any, tmp_path: Any, monkeypatch: pytest
     assert "1,000 rays" in (tmp_path / "c.csv").read_text()
     monkeypatch.setattr(QFileDialog, "getSaveFileName", lambda *_: (str(tmp_path / "c.doc"), ""))
     view.save.click()
-    qtbot.waitUntil(lambda: "written" not in view._sentence.text(), timeout=20000)
+    qtbot.waitUntil(lambda: "saved" not in view._sentence.text(), timeout=20000)
     assert ".png" in view._sentence.text()
 
 

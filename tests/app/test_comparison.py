@@ -415,7 +415,7 @@ def test_the_panel_keeps_arranges_and_leaves(open_viewer: Any, small: Scene, qtb
     assert viewer.comparison.a is None
     assert viewer.window.record_a.record.pings == 1, "its memory is free"
     assert not viewer.window.overlay.isVisible()
-    assert panel.title.text().startswith("Keep this record as A")
+    assert panel.title.text().startswith("Compare two records")
 
 
 @pytest.mark.parametrize("name", ["figure-2b", "figure-4b", "figure-5-relief", "ghosts"])
