@@ -24,7 +24,7 @@ from insonify.kernels.common.types import BED, LIGHT, SceneArrays
 from insonify.kernels.geometry.cross_sections import HalfPlane
 from insonify.kernels.labels.bed_stretches import BEHIND_BED as BEHIND_BED
 from insonify.kernels.labels.bed_stretches import BEHIND_TARGET as BEHIND_TARGET
-from insonify.kernels.labels.bed_stretches import HEARD, empty_stretches, split_segment
+from insonify.kernels.labels.bed_stretches import VISIBLE, empty_stretches, split_segment
 from insonify.kernels.labels.shadows import NO_TARGET
 from insonify.kernels.refraction.apparent_positions import TableGrid, look_up_position, prepare_table
 from insonify.kernels.sweep.facets import deposit_facet, is_facet_met
@@ -147,7 +147,7 @@ def _list_bed(view, cells, count, stretches, n):
         seen = launch[i + 1] > horizon[i]
         if seen and not echoes.cut[i]:
             _deposit_whole_segment(i, echoes, oblique, arrays.bin_length, bins)
-            n = _list_stretch(view, segment, i, crest, x[i], x[i + 1], HEARD, NO_TARGET, n)
+            n = _list_stretch(view, segment, i, crest, x[i], x[i + 1], VISIBLE, NO_TARGET, n)
             continue
         risen = visible_from(segment, x[i], x[i + 1], launch[i], horizon[i]) if seen else x[i + 1]
         for k in range(split_segment(segment, x[i], x[i + 1], risen, occlusion, arrays, zbuffer, stretches)):
@@ -276,7 +276,7 @@ def _list_facet(view, cell, facet, sums, n):
     if n >= view.parts.rows.shape[0]:
         return n + 1
     row, r = view.parts.rows[n], facet.centre
-    row[STATE], row[AZIMUTH], row[TARGET], row[HIDER] = HEARD, view.azimuth, cell.target, NO_TARGET
+    row[STATE], row[AZIMUTH], row[TARGET], row[HIDER] = VISIBLE, view.azimuth, cell.target, NO_TARGET
     row[MATERIAL] = cell.row
     row[CREST_X] = row[CREST_Z] = math.nan
     for end, angle, distance in ((0, facet.low, facet.near), (1, facet.high, facet.far)):

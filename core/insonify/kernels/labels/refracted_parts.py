@@ -7,7 +7,7 @@ import math
 from insonify.compiler.jit import inlined, kernel
 from insonify.kernels.common.scattering import backscatter_strength
 from insonify.kernels.common.types import BED
-from insonify.kernels.labels.bed_stretches import BEHIND_TARGET, HEARD
+from insonify.kernels.labels.bed_stretches import BEHIND_TARGET, VISIBLE
 from insonify.kernels.labels.echo_parts import (
     AZIMUTH,
     COSINE,
@@ -54,7 +54,7 @@ def list_refracted_parts(arrays, bare, poses, ping, side, rays, window, rows):
     waveguide, aim = aim_refracted(arrays, beam, poses.pitch[ping], unaimed(rays))
     cast = cast_refracted(arrays, beam, waveguide, aim, 0.0)
     for m in range(cast.ray.size):
-        n = _list_echo(arrays, cast, ahead, m, HEARD, NO_TARGET, window, rows, n)
+        n = _list_echo(arrays, cast, ahead, m, VISIBLE, NO_TARGET, window, rows, n)
     if arrays.solids.shape.size + arrays.mesh.target.size > 0:
         # The bed's echoes of the rays that meet a target first.
         hidden, body = cast_refracted(bare, beam, waveguide, aim, 0.0), cast.rays.hits.body
