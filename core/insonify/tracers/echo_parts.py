@@ -15,8 +15,7 @@ from insonify.kernels.common.range_bins import FIXED_POINT
 from insonify.kernels.common.types import BED, Poses, SceneArrays
 from insonify.kernels.labels import echo_parts as kernels
 from insonify.kernels.labels.bed_stretches import VISIBLE
-from insonify.kernels.labels.echo_parts import PartList, Window, list_echo_parts
-from insonify.kernels.labels.refracted_parts import list_refracted_parts
+from insonify.kernels.labels.echo_parts import PartList, Window, list_echo_parts, list_refracted_parts
 from insonify.kernels.labels.shadows import NO_TARGET
 from insonify.kernels.multipath.echo_list import EchoSink
 from insonify.kernels.multipath.image_sources import (

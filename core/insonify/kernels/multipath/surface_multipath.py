@@ -47,8 +47,15 @@ from insonify.kernels.multipath.image_sources import (
     tilt_delay,
     wave_advance,
 )
-from insonify.kernels.multipath.paired_profile import PairedEchoes, deposit_paired_profile, empty_paired_echoes
-from insonify.kernels.multipath.paired_segments import PairedSegment, SegmentLine, echo_range, list_stretch
+from insonify.kernels.multipath.paired_segments import (
+    PairedEchoes,
+    PairedSegment,
+    SegmentLine,
+    deposit_paired_profile,
+    echo_range,
+    empty_paired_echoes,
+    list_stretch,
+)
 from insonify.kernels.multipath.target_multipath import list_target_echoes
 from insonify.kernels.rays.launch import orient_beam
 from insonify.kernels.refraction.apparent_positions import COLUMNS, straight_grid
