@@ -7,7 +7,7 @@ import math
 import numpy as np
 import pytest
 
-from beds import arrays_of, gaussian_pattern, mesh_of, poses_of, rough
+from beds import arrays_of, box_mesh, gaussian_pattern, mesh_of, poses_of, rough
 from brute_force import gaussian
 from insonify.kernels.common.types import GAUSSIAN, LIGHT, SONAR
 from insonify.scene.water.surfaces import RoughSurface
@@ -131,9 +131,6 @@ BODIES = [
     ((2.0, -12.0, 2.2), 0.8),
     ((3.0, -16.0, 0.0), (3.0, -16.0, 2.0), 1.0, 0.2),
 ]
-CORNERS = [(x, y, z) for z in (0.0, 1.5) for x, y in ((0.0, 18.0), (3.0, 18.0), (3.0, 20.0), (0.0, 20.0))]
-SIDES = [(0, 2, 1), (0, 3, 2), (4, 5, 6), (4, 6, 7), (0, 1, 5), (0, 5, 4), (1, 2, 6), (1, 6, 5), (2, 3, 7), (2, 7, 6),
-         (3, 0, 4), (3, 4, 7)]  # fmt: skip
 BEAMS = {
     "knife": {},
     "fan": {"half_width": 0.02},
@@ -151,7 +148,7 @@ BEAMS = {
 def test_the_sweep_is_as_near_to_rays_as_it_is_said_to_be(beam, way):
     arrays = arrays_of(
         rough(256, 256, 0.1), 0.125, periodic=True, bins=200, bin_length=0.2, reflectivity=[(0.6, 0.3, 5.0)],
-        spreading=True, solids=BODIES, mesh=mesh_of(CORNERS, SIDES, target=4), **BEAMS[beam],
+        spreading=True, solids=BODIES, mesh=box_mesh((0.0, 18.0, 0.0), (3.0, 20.0, 1.5), target=4), **BEAMS[beam],
     )  # fmt: skip
     poses = poses_of(1.6, 0.2, 7.0, 0.0, *((0.03, -0.1) if beam == "pattern" else (0.0, 0.0)))
     ours = ghost(lambda *args: sweep.trace(*args, planes=64), arrays, poses, 13.0, way)

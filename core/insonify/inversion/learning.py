@@ -53,8 +53,10 @@ class Learned:
     navigation: Navigation | None = None
 
     def lines(self) -> list[str]:
-        """Lay out the findings as lines of a table."""
-        return format_table(self.findings)
+        """Lay out the findings as lines of a table with a heading."""
+        rows = [("", "record", "scene", ""), *self.findings]
+        widths = [max(len(row[column]) for row in rows) for column in range(3)]
+        return ["  ".join([*(text.ljust(width) for text, width in zip(row, widths)), row[3]]).rstrip() for row in rows]
 
     def summarise(self) -> str:
         """Summarise in one clause how the record of the scene compares with the recording."""
@@ -164,13 +166,6 @@ def report_findings(
         *_statistics(measure_statistics(record), measure_statistics(own)),
         Finding("targets", "", "none", UNKNOWN),
     )
-
-
-def format_table(findings: tuple[Finding, ...]) -> list[str]:
-    """Lay out findings as lines of a table with a heading."""
-    rows = [("", "record", "scene", ""), *findings]
-    widths = [max(len(row[column]) for row in rows) for column in range(3)]
-    return ["  ".join([*(text.ljust(width) for text, width in zip(row, widths)), row[3]]).rstrip() for row in rows]
 
 
 def _geometry(record: xr.Dataset, sonar: RecordedSonar, scene: Scene) -> Iterator[Finding]:

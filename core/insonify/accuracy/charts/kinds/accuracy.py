@@ -28,8 +28,7 @@ from insonify.display.normalisation import extend_to_water_column, normalise
 from insonify.display.style import FAINT, INK, label_axes, make_figure
 from insonify.kernels.common.types import Poses, SceneArrays
 from insonify.scene import Scene, SceneError, edit
-from insonify.statistics.displacement import Displacement, measure_displacement
-from insonify.statistics.record_errors import RecordErrors, compare_records
+from insonify.statistics.record_errors import Displacement, RecordErrors, compare_records, measure_displacement
 from insonify.tow.poses import take_poses
 
 PINGS = 8
