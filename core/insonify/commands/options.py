@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+import math
 import os
 import sys
 from collections.abc import Callable, Iterable, Iterator
@@ -93,8 +94,8 @@ def add_specification(parser: argparse.ArgumentParser, folder: str, what: str) -
         "--scheduler",
         default="local",
         metavar="WHERE",
-        help="local:N for N workers on this machine, or tcp://HOST:PORT of an existing dask scheduler, whose workers "
-        "see the same folder (default: local, with one worker for each core that the process may use)",
+        help="local:N for N workers on this machine, or tcp://HOST:PORT of an existing dask scheduler with workers "
+        "that share the folder (default: local, with one worker for each core that the process may use)",
     )
 
 
@@ -175,13 +176,13 @@ def check_output(name: str, suffixes: tuple[str, ...], option: str = "-o") -> Pa
         raise SceneError(
             f"{where}: {path.suffix!r} is not written by this command; end the name in {' or '.join(suffixes)}"
         )
-    # What a link leads to is replaced: a scene, say, must not become a record.
+    # The target of a link is replaced, so it must have the same suffix: a scene must not become a record.
     leads_to = Path(os.path.realpath(path))
     if path.is_symlink() and (leads_to.is_symlink() or leads_to.suffix.lower() != path.suffix.lower()):
         raise SceneError(f"{where}: is a link to {os.readlink(path)!r}, which is no {path.suffix}; give another name")
     if not path.parent.is_dir():
         raise SceneError(f"{where}: there is no folder {str(path.parent)!r}; create it or give another name")
-    # Refused before the work starts. A protected file is left alone even where its folder would let it be replaced.
+    # Checked before the work starts. A protected file is kept even where its folder permits replacing it.
     locked = next((place for place in (path, path.parent) if place.exists() and not os.access(place, os.W_OK)), None)
     if locked is not None:
         raise SceneError(f"{where}: {str(locked)!r} is write-protected; allow writing or give another name")
@@ -224,20 +225,11 @@ def tracked(blocks: Iterator[Block], pings: int, count: Callable[[Block], int]) 
             block = next(blocks, None)
 
 
-def decibels(text: str) -> float:
-    """Parse a number of decibels."""
-    value = _number(text)
-    if not abs(value) <= 200.0:
-        raise argparse.ArgumentTypeError(f"{text} is out of bounds; give decibels from -200 to 200")
-    return value
-
-
-def metres(text: str) -> float:
-    """Parse a length."""
-    value = _number(text)
-    if not 1e-3 <= value <= 1e6:
-        raise argparse.ArgumentTypeError(f"{text} is out of bounds; give metres from 0.001 to 1000000")
-    return value
+def level_line(name: str, level: float, detail: str = "") -> str:
+    """Line of a level in decibels with its name."""
+    # Rounded first, so that no "-0.00" is printed.
+    number = f"{round(level, 2) + 0.0:>10.2f} dB" if math.isfinite(level) else f"{'no echo':>10}"
+    return f"{name:<22}{number}  {detail}".rstrip()
 
 
 def say(line: str) -> None:
@@ -251,15 +243,25 @@ def _count(text: str) -> int:
     return int(text)
 
 
-def _share(text: str) -> float:
-    value = _number(text)
-    if not 0.0 < value <= 1.0:
-        raise argparse.ArgumentTypeError(f"{text} is out of bounds; give a number above 0 and at most 1, e.g. 0.03")
-    return value
-
-
 def _number(text: str) -> float:
     try:
         return float(text)
     except ValueError:
         raise argparse.ArgumentTypeError(f"{text!r} is not a number; give a plain number") from None
+
+
+def _bounded(low: float, high: float, remedy: str) -> Callable[[str], float]:
+    """Parser of a number between bounds."""
+
+    def parse(text: str) -> float:
+        value = _number(text)
+        if not low <= value <= high:
+            raise argparse.ArgumentTypeError(f"{text} is out of bounds; give {remedy}")
+        return value
+
+    return parse
+
+
+decibels = _bounded(-200.0, 200.0, "decibels from -200 to 200")
+metres = _bounded(1e-3, 1e6, "metres from 0.001 to 1000000")
+_share = _bounded(math.ulp(0.0), 1.0, "a number above 0 and at most 1, e.g. 0.03")

@@ -20,11 +20,11 @@ from insonify.compiler.progress import report_progress
 from insonify.cores import VARIABLE, default_threads
 
 WORKER = "insonify.compiler.worker"
-TRIES = 2  # a process may end for want of work just when it gets a request
+TRIES = 2  # an idle process may end just when it gets a request
 
 
 class CompilationStoppedError(RuntimeError):
-    """The process that should compile a kernel has been ended, because nobody needs it any more."""
+    """The process that should compile a kernel has been ended, because its kernels are no longer needed."""
 
 
 class CompilingProcess:
@@ -54,7 +54,7 @@ class CompilingProcess:
             return name not in self.pending
 
     def finish(self) -> None:
-        """Let the process end when all that was requested is compiled."""
+        """Let the process end when all requested kernels are compiled."""
         self._send(None)
 
     def stop(self) -> None:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import tomllib
+import warnings
 from collections.abc import Callable, Mapping
 from functools import partial
 from pathlib import Path
@@ -10,7 +11,7 @@ from typing import Any
 
 import tomli_w
 
-from insonify.errors import SceneError
+from insonify.errors import FileWarning, SceneError
 from insonify.files import bundled_meshes, bundled_scenes
 from insonify.io.file_access import MISSING, guarded, read_text
 from insonify.scene.edit import build, edit, plain, read_setting
@@ -43,7 +44,11 @@ def load_scene(name_or_path: str | Path) -> Scene:
         text = read_text(path, largest=LARGEST)
     if "\0" in text:
         raise SceneError(f"scene {str(name_or_path)!r}: is a binary file, not text; give a TOML file")
-    return scene_from_toml(text, source=path)
+    scene = scene_from_toml(text, source=path)
+    noise = scene.receiver.noise
+    if noise is not None and noise.advice and path not in bundled_scenes().values():
+        warnings.warn(FileWarning(f"{path.name}: {noise.advice}"), stacklevel=2)
+    return scene
 
 
 def load_partner(scene: Scene) -> Scene | None:

@@ -20,8 +20,7 @@ from queue import Empty, SimpleQueue
 from typing import Any, NamedTuple, Protocol
 
 from insonify.errors import SceneError
-from insonify.io.atomic import replacing
-from insonify.io.unfinished import clear_ended, clear_leftovers, remove, temporary_path
+from insonify.io.atomic import clear_ended, clear_leftovers, remove, replacing, temporary_path
 from insonify.progress import open_progress
 from insonify.surveys.schedulers import connected
 from insonify.surveys.workers import Workers

@@ -15,7 +15,7 @@ import pytest
 
 from insonify.compiler.build import own_build
 from insonify.errors import SceneError
-from insonify.io.unfinished import temporary_path
+from insonify.io.atomic import temporary_path
 from insonify.surveys.engine import (
     FLAGS,
     Ended,

@@ -13,9 +13,9 @@ from numpy.typing import NDArray
 from insonify.io.file_access import FileFault, companion, open_regular
 from insonify.io.formats import FileFormat
 from insonify.io.isolation import run_isolated
+from insonify.io.meshes import MOST_TRIANGLES
 
 REMEDY = "export it again as OBJ, STL, PLY or glTF"
-MOST_TRIANGLES = 2_000_000  # a larger file is refused: it should be decimated first
 HEADER = 2**14  # bytes, which hold the number of triangles of a binary STL, or of a PLY
 OTHER_DOCUMENT = "model.gltf"  # which trimesh reads instead of a document that is no JSON
 
@@ -52,7 +52,7 @@ def read_z_up(path: str) -> NDArray[np.float64]:
 
 def read_with_trimesh(path: str) -> NDArray[np.float64]:
     """Read the corners in this process, which a damaged file may block for ever."""
-    import trimesh  # half a second, which only scenes with meshes pay for
+    import trimesh  # slow to import, and only meshes need it
 
     with open_regular(path) as file:
         _check_count(file.read(HEADER), os.path.getsize(path))
