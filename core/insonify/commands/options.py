@@ -161,8 +161,9 @@ def chosen_output(arguments: argparse.Namespace) -> Path:
     """Return the path of the file to write, checked as in `check_output`."""
     named = [value for name, value in vars(arguments).items() if name != "output"]
     words = (word for value in named for word in (value if isinstance(value, list) else [value]))
+    path = check_output(arguments.output, arguments.suffixes)
     _refuse_overwriting(arguments.output, (word for word in words if isinstance(word, str)))
-    return check_output(arguments.output, arguments.suffixes)
+    return path
 
 
 def check_output(name: str, suffixes: tuple[str, ...], option: str = "-o") -> Path:

@@ -49,6 +49,8 @@ def _fault(folder: Path) -> str:
         status = folder.stat()
     except OSError:
         return ""
+    if not stat.S_ISDIR(status.st_mode):  # nothing can be put there
+        return ""
     if status.st_uid not in (0, user):
         return f"{folder} belongs to another user"
     # Many systems give each user a group of the same number, with nobody else in it.
