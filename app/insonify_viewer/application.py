@@ -39,6 +39,7 @@ from insonify_viewer.work.gc_policy import collected_by_hand, limit_free_memory
 SNAPSHOT_SIZE = (1600, 1000)
 COLLECTION_INTERVAL = 200  # ms
 REST = 20.0  # s, for what is measured in the background before a snapshot
+FRAMED = 100  # ms, from the window to its frame, which the system draws around it
 TOUR = 2000  # ms, from the first start of all to the tour, by when the seabed mostly is in view
 PATIENCE = 240.0  # s, for a snapshot, from the last sign that a kernel is being compiled
 
@@ -60,6 +61,7 @@ def open_window(
         keep_display(viewer)
         keep_place(viewer)
         viewer.window.show()
+        QTimer.singleShot(FRAMED, viewer.window.fit_screen)
         _begin(viewer, pin, lesson, recording, pair, panel)
         QTimer.singleShot(0, viewer.start)
         recovery = CrashRecovery(viewer.window, viewer.session, viewer.contacts, viewer.open)

@@ -72,7 +72,7 @@ class Viewer(QObject):
         self.targets = TargetEditor(self.session, self.window, self.simulator, self.files, added)
         self.window.mount(tuple(self.panels.values()))
         self.failure = ""
-        self.seabed = SeabedController(self.simulator, accelerated=accelerated)
+        self.seabed = SeabedController(self.simulator, self.inspection, accelerated=accelerated)
         self._number, self._fine, self._refused = 0, True, -1
         self._traced = (scene, self.session.modelling)
         self._answer: TracedPings | None = None  # the last one that fits the record
@@ -151,7 +151,7 @@ class Viewer(QObject):
     def look_back(self, pings: int) -> None:
         """Move the paused record along the tow."""
         if self.tow.running:
-            self.window.say("pause the tow (Space) to look back along it")
+            self.window.say("press Space to pause the tow, then scroll back along it")
             return
         self.tow.look_back(pings)
         self._show_top()
@@ -221,10 +221,8 @@ class Viewer(QObject):
         window, session = self.window, self.session
         inspection, seabed = self.inspection, self.seabed
         window.waterfall.clicked.connect(inspection.pin)
-        inspection.pinned.connect(window.waterfall.show_pin)
-        inspection.lit.connect(window.waterfall.show_lit)
-        inspection.drawn.connect(seabed.show_sound)
-        inspection.picked.connect(seabed.show_pick)
+        inspection.pinned.connect(lambda mark: window.waterfall.show_marks(pin=mark))
+        inspection.lit.connect(lambda marks: window.waterfall.show_marks(lit=marks))
         seabed.picked.connect(inspection.pick)
         self.targets.handles.connect_seabed(self.seabed)
         self.seabed.failed.connect(window.complain)
@@ -250,7 +248,7 @@ class Viewer(QObject):
         self.jobs.changed.connect(lambda _: window.jobs.show_jobs(self.jobs.running))
         self.jobs.changed.connect(window.status.show_end)
         window.gain_changed.connect(lambda decibels: session.show(gain=decibels))
-        window.palette_changed.connect(lambda name: session.show(palette=name))
+        window.palettes.activated.connect(lambda _: session.show(palette=window.palettes.currentData()))
         session.displayed.connect(lambda look: window.show_display(look))
         session.displayed.connect(lambda _: self._show_sonar())
         window.speed_changed.connect(lambda speed: setattr(self.tow, "speed", speed))
@@ -343,7 +341,8 @@ class Viewer(QObject):
         rows = self.record.put(answer.pings[some], answer.amplitude[some], stamp, answer.altitude[some])
         self._settle_levels()
         self.window.waterfall.show_rows(rows, answer.alike if whole else 1, answer.reach)
-        self.window.waterfall.show_top(self._newest_held())
+        newest = int(self.record.ping.max())  # while the tow runs, the newest ping that has arrived is on top
+        self.window.waterfall.show_top(min(self.tow.top, newest) if self.tow.running else self.tow.top)
         if answer.fine:
             self._show_sonar()
         else:
@@ -359,10 +358,6 @@ class Viewer(QObject):
         if not self._started:
             self._started = True
             self.window.say(scene.title)
-
-    def _newest_held(self) -> int:
-        """Ping to show on top: while the tow runs, the newest that has arrived."""
-        return min(self.tow.top, int(self.record.ping.max())) if self.tow.running else self.tow.top
 
     def _refuse(self, number: int, failure: Failure) -> None:
         """Return from a scene that the core refused to the one before it."""
@@ -393,7 +388,7 @@ class Viewer(QObject):
 
     def _show_point(self, point: MarkedPoint | None) -> None:
         self.panels.point_marked.emit(point)
-        self.window.waterfall.show_mark(None if point is None else point.mark)
+        self.window.waterfall.show_marks(cross=None if point is None else point.mark)
         self.seabed.show_mark(None if point is None else point.position)
 
     def _show_sonar(self) -> None:

@@ -11,7 +11,7 @@ class SceneError(ValueError):
 
 
 class FileWarning(UserWarning):
-    """What of a file is used although not all of it can be, in one sentence."""
+    """What to know of a file that is used: a part that cannot be, or a better way to write it, in one sentence."""
 
 
 @contextmanager

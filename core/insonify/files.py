@@ -15,7 +15,7 @@ Reader = TypeVar("Reader", bound=Callable[..., Any])
 
 @cache
 def resources() -> Path:
-    """Return the folder of scenes, lessons, meshes, materials and palettes, in a wheel as in a checkout."""
+    """Return the folder of scenes, lessons, meshes, materials, palettes and pages, in a wheel as in a checkout."""
     spec = find_spec("insonify")
     if spec is None or spec.origin is None:
         raise FileNotFoundError("the insonify package is not installed")
@@ -59,7 +59,7 @@ def bundled_specifications(folder: str) -> dict[str, Path]:
 
 
 def file_version(path: str | Path) -> tuple[int, int]:
-    """Return numbers that change with the content of a file; zeros for anything else, which the reader refuses."""
+    """Return numbers that change with the content of a file; zeros for anything else, which the reader rejects."""
     if not os.path.isfile(path):  # unlike the method of Path, no error for a name that is too long
         return 0, 0
     status = os.stat(path)

@@ -11,16 +11,18 @@ import numpy as np
 from insonify.acoustics.water import make_sound_speed_field, speed_at_sonar
 from insonify.scene import Scene, SceneError, edit
 from insonify.scene.edit import part_at
+from insonify.scene.receiver.noises import NOISES, NoiseKind
 from insonify.scene.seabed.materials import MATERIAL_MAPS, MATERIALS, Material, MaterialMap, Reflectivity
 from insonify.scene.seabed.materials.pattern import PatternMap
 from insonify.scene.seabed.reliefs.fractal import Fractal
 from insonify.scene.seabed.reliefs.mimic import Mimic, mean_diffuse
 from insonify.scene.seabed.reliefs.random_relief import RandomRelief
 from insonify.scene.seabed.reliefs.sum import SumOfReliefs
-from insonify.scene.track.motions.straight import Straight
+from insonify.scene.track.motions.lines import Straight
 from insonify.scene.track.motions.sum import SumOfMotions
 
 Changes = dict[str, Any]
+SOURCE_LEVEL = 210.0  # dB re 1 µPa at 1 m, usual for a side-scan sonar
 SLOWEST = 1e-3  # Hz, a ping rate that any range allows
 SWINGS = ("surge", "sway", "heave", "yaw", "pitch", "roll")
 RELIEF = "seabed.relief"
@@ -44,6 +46,7 @@ def add_dependent_edits(scene: Scene, changes: Mapping[str, Any]) -> tuple[Chang
         _dunes,
         _sum,
         _law,
+        _source_level,
     ):
         extra, remark = rule(scene, changes)
         complete |= extra
@@ -117,6 +120,14 @@ def _law(scene: Scene, changes: Mapping[str, Any]) -> tuple[Changes, str]:
     if changes.get("sonar.law") != "light" or scene.receiver.reverberation.kind == "none":
         return {}, ""
     return {"receiver.reverberation": "none"}, "reverberation is off: the law of light has no scattering in the water"
+
+
+def _source_level(scene: Scene, changes: Mapping[str, Any]) -> tuple[Changes, str]:
+    """Give a source level to noise in dB re 1 µPa, which needs one."""
+    kind = NOISES.models(NoiseKind).get(str(changes.get("receiver.noise.kind", changes.get("receiver.noise"))))
+    if kind is None or not kind.absolute or scene.receiver.source_level > 0.0:
+        return {}, ""
+    return {"receiver.source_level": SOURCE_LEVEL}, f"the noise is in dB re 1 µPa: source level {SOURCE_LEVEL:g} dB"
 
 
 def _material_map(scene: Scene, changes: Mapping[str, Any]) -> tuple[Changes, str]:

@@ -161,11 +161,11 @@ def _asked(base: Any) -> str:
 
 
 def _formats() -> list[str]:
-    from insonify.io.bathymetry.grid import BATHYMETRY
-    from insonify.io.meshes.mesh import MESHES
-    from insonify.io.navigation.recorded import NAVIGATION
-    from insonify.io.records.files import RECORDS
-    from insonify.io.sound_speed_casts.cast import CASTS
+    from insonify.io.bathymetry import BATHYMETRY
+    from insonify.io.meshes import MESHES
+    from insonify.io.navigation import NAVIGATION
+    from insonify.io.records import RECORDS
+    from insonify.io.sound_speed_casts import CASTS
 
     rows = []
     for each in (RECORDS, BATHYMETRY, CASTS, NAVIGATION, MESHES):

@@ -13,16 +13,14 @@ import pytest
 
 from beds import arrays_of, poses_of
 from insonify.accuracy.charts import reference
-from insonify.accuracy.charts.accuracy_chart import AccuracyChart, AccuracyRow, TracedScene
 from insonify.accuracy.charts.kinds import accuracy
-from insonify.accuracy.charts.kinds.accuracy import measure_chart
+from insonify.accuracy.charts.kinds.accuracy import AccuracyChart, AccuracyRow, TracedScene, measure_chart
 from insonify.accuracy.charts.method_settings import list_settings, pack_for_chart
 from insonify.accuracy.charts.reference import Reference, trace_exact_rays
 from insonify.accuracy.charts.style import SHADES
 from insonify.kernels.common.types import no_surface_multipath
 from insonify.scene import SceneError, edit, load_scene
-from insonify.statistics.displacement import Displacement
-from insonify.statistics.record_errors import RecordErrors, compare_records, measure_similarity
+from insonify.statistics.record_errors import Displacement, RecordErrors, compare_records, measure_similarity
 
 
 def row(method, setting, microseconds, error, targets=False):

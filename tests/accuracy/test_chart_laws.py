@@ -13,7 +13,7 @@ from insonify.accuracy.charts.kinds import convergence, cost
 from insonify.accuracy.charts.kinds.convergence import ConvergenceChart, ConvergencePoint
 from insonify.accuracy.charts.kinds.cost import CostChart, CostRow
 from insonify.accuracy.charts.reference import Reference
-from insonify.accuracy.charts.series import fit_power_law
+from insonify.accuracy.charts.style import fit_power_law
 from insonify.scene import edit, load_scene
 
 SMALL = edit(

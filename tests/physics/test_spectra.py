@@ -7,7 +7,7 @@ from insonify.kernels.common.streams import RELIEF
 from insonify.scene import SceneError
 from insonify.scene.seabed import Seabed
 from insonify.scene.seabed.reliefs.fractal import Fractal, power_spectrum
-from insonify.statistics.spectral_exponent import amplitude_exponent
+from insonify.statistics.record_statistics import amplitude_exponent
 from insonify.terrain import relief
 from insonify.terrain.periodic_waves import WaveGrid, frequencies
 from insonify.terrain.random_heights import unmasked_heights

@@ -182,16 +182,10 @@ class PanelSet(dict[str, Panel]):
 
     def __init__(self, workbench: Workbench) -> None:
         super().__init__({panel.name: panel(workbench) for panel in find_panels()})
+        events = [name for name, event in vars(PanelSet).items() if isinstance(event, Signal)]
         for panel in self.values():
-            self.scene_changed.connect(panel.scene_changed)
-            self.scene_refused.connect(panel.scene_refused)
-            self.plan_made.connect(panel.plan_made)
-            self.record_grown.connect(panel.record_grown)
-            self.point_marked.connect(panel.point_marked)
-            self.part_added.connect(panel.part_added)
-            self.fields_lit.connect(panel.fields_lit)
-            self.projected.connect(panel.projected)
-            self.closing.connect(panel.closing)
+            for name in events:
+                getattr(self, name).connect(getattr(panel, name))
             if not panel.widget.accessibleName():
                 panel.widget.setAccessibleName(panel.title)
         self._planned: Simulation | None = None  # the one whose plan they show

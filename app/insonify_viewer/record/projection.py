@@ -112,7 +112,7 @@ class Projection:
     def place_of(self, mark: Mark, *, beside: float = 0.5) -> tuple[float, float]:
         """Place of a bin, at a share of its width; outside the plot where the picture leaves it out."""
         distance = float(self.axis.distance_of(np.array([mark.bin + beside]), self._altitude(mark.ping))[0])
-        if math.isnan(distance) or (self.side != "both" and self.side != ("port", "starboard")[mark.side]):
+        if math.isnan(distance) or (self.side != "both" and self.side != mark.side_name):
             return -1.0, -1.0
         signed = distance if mark.side else -distance
         return float(self.across(np.array(signed))), float(self.down(np.array(mark.ping - 0.5)))

@@ -17,7 +17,7 @@ from insonify_viewer.errors import Failure
 from insonify_viewer.record.drape import RecordStrip, drape_record
 from insonify_viewer.seabed.fan_sheet import fan_sheet
 from insonify_viewer.seabed.handle_geometry import meet_bed
-from insonify_viewer.state.inspection import SoundDrawing
+from insonify_viewer.state.inspection import Inspection
 from insonify_viewer.work.gc_policy import leave_out_libraries
 from insonify_viewer.work.ping_request import is_same_ground
 from insonify_viewer.work.simulator import Simulator
@@ -32,6 +32,7 @@ if TYPE_CHECKING:
     Grip = tuple[tuple[float, float, float], str, bool]
     _Bed = tuple[AnyGround, tuple[float, float], float]
     _Bodies = tuple[Solids, Mesh, NDArray[np.uint8]]
+    _Made = tuple[BedPatch, NDArray[np.uint8], Any]  # bed, its colours, and the targets
     from insonify_viewer.seabed.seabed_view import SeabedView
 
 VIEW = "insonify_viewer.seabed.seabed_view"
@@ -49,8 +50,8 @@ class SeabedController:
     released = Signal()
     failed = Signal(object)  # a `Failure` or an exception
 
-    def __init__(self, simulator: Simulator, *, accelerated: bool) -> None:
-        self._simulator, self._accelerated = simulator, accelerated
+    def __init__(self, simulator: Simulator, inspection: Inspection, *, accelerated: bool) -> None:
+        self._simulator, self._inspection, self._accelerated = simulator, inspection, accelerated
         self.view: SeabedView | None = None  # None until it is loaded
         self._latest: tuple[PackedScene, int, NDArray[np.float32], bool] | None = None
         self._bed: _Bed | None = None
@@ -93,7 +94,9 @@ class SeabedController:
         reach = simulation.arrays.bins * simulation.arrays.bin_length
         bed = simulation.ground, window_centre(line, reach), reach
         bodies = (simulation.arrays.solids, simulation.arrays.mesh, target_colours(simulation.scene))
-        if not _is_same_bed(self._bed, bed) or not _same(self._bodies, bodies):
+        known = self._bed
+        same = known is not None and known[1:] == bed[1:] and is_same_ground(known[0], bed[0])
+        if not same or not _same(self._bodies, bodies):
             self._bed, self._bodies = bed, bodies
             self._bake(bed, bodies, at_once=at_once)
         if not at_once:  # pings of the scene are on screen
@@ -118,36 +121,23 @@ class SeabedController:
         self._drape_asked += 1
         number = self._drape_asked
 
-        def make() -> NDArray[np.uint8]:
-            return patch.image if strip is None else drape_record(patch.image, patch.centre, patch.half, strip)
-
         def show(image: NDArray[np.uint8] | None) -> None:
             self._drape_shown = number
             if self.view is not None and image is not None and patch is self._patch:
                 self.view.show_texture(image)
 
-        self._executor.submit("drape", make, show)
+        self._executor.submit("drape", lambda: _picture_of(patch, strip), show)
 
     def show_mark(self, place: tuple[float, float, float] | None) -> None:
         """Mark a point of the bed; None removes the mark."""
         if self.view is not None:
             self.view.show_mark(place)
 
-    def show_pick(self, place: tuple[float, float, float] | None) -> None:
-        """Mark a picked place; None removes the mark."""
-        if self.view is not None:
-            self.view.show_pick(place)
-
     def show_handles(self, grips: Sequence[Grip]) -> None:
         """Show handles of targets: place, what a drag does, and whether it belongs to the chosen target."""
         self._grips = grips
         if self.view is not None:
             self.view.handles.show(grips)
-
-    def show_sound(self, drawing: SoundDrawing | None) -> None:
-        """Draw the sound of a pixel; None removes it."""
-        if self.view is not None:
-            self.view.show_sound(drawing)
 
     def reset_camera(self) -> None:
         """Reset the camera to its place behind and above the fish."""
@@ -157,9 +147,7 @@ class SeabedController:
     def reset_view(self) -> None:
         """Put the camera behind and above the fish now."""
         self.reset_camera()
-        if self._latest is not None:
-            simulation, ping, tones, at_once = self._latest
-            self.show_sonar(simulation, ping, tones, at_once=at_once)
+        self._show_latest()
 
     def draw_now(self) -> None:
         """Draw immediately, for a picture of the window."""
@@ -173,11 +161,9 @@ class SeabedController:
             self.view = None
 
     def _import(self) -> None:
-        # These imports take a second or two.
-        # lazy: the window opens before PyVista is loaded
-        from insonify_viewer.seabed.seabed_view import load_libraries
-
-        load_libraries(accelerated=self._accelerated)
+        import_module(VIEW)  # takes a second or two
+        if self._accelerated:
+            import_module("pyvistaqt")
 
     def _build(self, put: Callable[[SeabedView], None]) -> None:
         # lazy: the window opens before PyVista is loaded
@@ -187,12 +173,17 @@ class SeabedController:
             leave_out_libraries()
         self.view = SeabedView(accelerated=self._accelerated)
         self.view.sighted.connect(self._pick)
+        self._inspection.drawn.connect(self.view.show_sound)
+        self._inspection.picked.connect(self.view.show_pick)
         handles = self.view.handles
         handles.taken.connect(lambda number: self.taken.emit(number))
         handles.pulled.connect(self._pull)
         handles.released.connect(lambda: self.released.emit())
         handles.show(self._grips)
         put(self.view)
+        self._show_latest()
+
+    def _show_latest(self) -> None:
         if self._latest is not None:
             simulation, ping, tones, at_once = self._latest
             self.show_sonar(simulation, ping, tones, at_once=at_once)
@@ -259,10 +250,12 @@ class SeabedController:
         self._asked += 1
         number = self._asked
 
-        def make() -> tuple[BedPatch, Any]:
-            return bed_patch(*bed), targets_mesh(*bodies)
+        def make() -> _Made:
+            patch = bed_patch(*bed)
+            # With the record from the first drawing on: without it, the bed would be bare until the record is laid.
+            return patch, _picture_of(patch, self._strip), targets_mesh(*bodies)
 
-        def show(made: tuple[BedPatch, Any] | SceneError | Failure) -> None:
+        def show(made: _Made | SceneError | Failure) -> None:
             self._lay(number, made)
 
         if at_once:
@@ -273,7 +266,7 @@ class SeabedController:
         else:
             self._simulator.send(make, show)
 
-    def _lay(self, number: int, made: tuple[BedPatch, Any] | SceneError | Failure) -> None:
+    def _lay(self, number: int, made: _Made | SceneError | Failure) -> None:
         """Show meshes, unless newer ones are on screen."""
         if self.view is None or number < self._shown:
             return
@@ -282,18 +275,18 @@ class SeabedController:
             self.failed.emit(made)
             return
         self._patch = made[0]
-        self.view.show_bed(made[0])
+        self.view.show_bed(*made[:2])
         if number >= self._owed:
             self._owed = 0
             self.view.fade_bed(False)
         if self._strip is not None:
             self.drape(self._strip)
-        self.view.show_targets(made[1])
+        self.view.show_targets(made[2])
 
 
-def _is_same_bed(first: _Bed | None, second: _Bed) -> bool:
-    """Whether two windows show the same ground at the same place."""
-    return first is not None and first[1:] == second[1:] and is_same_ground(first[0], second[0])
+def _picture_of(patch: BedPatch, strip: RecordStrip | None) -> NDArray[np.uint8]:
+    """Colours of a bed, with a record laid over them unless it is None."""
+    return patch.image if strip is None else drape_record(patch.image, patch.centre, patch.half, strip)
 
 
 def _same(first: _Bodies | None, second: _Bodies) -> bool:

@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from insonify.scene import Scene
 from insonify.scene.targets import Target
 from insonify_viewer.state.inspection import Mark
+from insonify_viewer.state.quantities import nearest_within
 
 if TYPE_CHECKING:
     from insonify.simulation import Simulation
@@ -81,9 +82,7 @@ def half_width(target: Target) -> float:
 def target_at(scene: Scene, x: float, y: float) -> int | None:
     """Find the target nearest to a place, if it is within its plan or close to it."""
     margin = NEAR * scene.sonar.range
-    distances = [_distance(target, x, y) for target in scene.targets]
-    nearest = min(range(len(distances)), key=distances.__getitem__, default=None)
-    return nearest if nearest is not None and distances[nearest] <= margin else None
+    return nearest_within([_distance(target, x, y) for target in scene.targets], margin)
 
 
 def drag_edit(scene: Scene, handle: Handle, begun: Place, now: Place) -> dict[str, Any]:

@@ -6,7 +6,6 @@ import math
 import time
 from collections.abc import Callable, Sequence
 from functools import cache
-from importlib import import_module
 from typing import Any
 
 import numpy as np
@@ -37,17 +36,10 @@ STEEPEST = math.radians(88.0)  # depression of the line of sight, at which the v
 NEAREST, FARTHEST = 0.05, 6.0  # distance of the camera from its focus, in slant ranges
 FADED = 0.25  # opacity of a bed of an earlier scene
 REST = 4.0  # pause between two drawings, in drawing times, which leaves time for the window
-# PyVista is untyped.
 
 Points = NDArray[np.float64]
 BLOCKED, HIDDEN = "#ff7a5c", "#2a0f0a"
 LIFT = 0.002  # share of the slant range by which stretches of the bed are drawn above it
-
-
-def load_libraries(*, accelerated: bool) -> None:
-    """Import the libraries of the view in advance, so that it is made quickly."""
-    if accelerated:
-        import_module("pyvistaqt")
 
 
 class SeabedView(QWidget):
@@ -67,7 +59,7 @@ class SeabedView(QWidget):
         self._heading = 0.0
         self._bed_shown = self._held = False
         self._fan = ScanFan()
-        self._path = pv_meshes.path_mesh()
+        self._path = pv.MultipleLines(np.zeros((pv_meshes.PATH_POINTS, 3)))
         self._bed, self._thinned_bed = pv_meshes.bed_mesh(), pv_meshes.bed_mesh(thinned=True)
         self._furnish()
         self._canvas.on_turn(self._clip)
@@ -82,11 +74,12 @@ class SeabedView(QWidget):
         self.keys = SeabedKeys(self._canvas.widget, self.turn, self.magnify)
         self._canvas.widget.setAccessibleName("Seabed in 3-D")
 
-    def show_bed(self, patch: BedPatch) -> None:
-        """Show another bed."""
+    def show_bed(self, patch: BedPatch, picture: NDArray[np.uint8] | None = None) -> None:
+        """Show another bed in its own colours or, from its first drawing on, under a picture."""
         self._bed.points = patch.points
-        self._thinned_bed.points = pv_meshes.thinned_points(patch.points)
-        self.show_texture(patch.image)
+        nodes = patch.points.reshape(pv_meshes.MESH_NODES, pv_meshes.MESH_NODES, 3)  # its edges stay when it is thinned
+        self._thinned_bed.points = nodes[:: pv_meshes.THINNED, :: pv_meshes.THINNED].reshape(-1, 3)
+        self.show_texture(patch.image if picture is None else picture)
         self._bed_shown = True
         self._thin(self._held)
 
@@ -143,18 +136,16 @@ class SeabedView(QWidget):
 
     def show_mark(self, place: tuple[float, float, float] | None) -> None:
         """Mark a point of the bed; None removes the mark."""
-        self._mark_actor.visibility = place is not None
-        if place is not None:
-            self._mark_actor.position = place
-            self._mark_actor.scale = self._reach
-        self._later()
+        self._put_pin(self._mark_actor, place)
 
     def show_pick(self, place: tuple[float, float, float] | None) -> None:
         """Mark a picked place; None removes the mark."""
-        self._pick_actor.visibility = place is not None
+        self._put_pin(self._pick_actor, place)
+
+    def _put_pin(self, actor: Any, place: tuple[float, float, float] | None) -> None:
+        actor.visibility = place is not None
         if place is not None:
-            self._pick_actor.position = place
-            self._pick_actor.scale = self._reach
+            actor.position, actor.scale = place, self._reach
         self._later()
 
     def show_sound(self, drawing: SoundDrawing | None) -> None:
@@ -358,14 +349,11 @@ class SoundActors:
 
 def polylines(lines: Sequence[Points]) -> Any:
     """Mesh of several lines, each of (n, 3) points."""
-    mesh = pv.PolyData(np.concatenate(lines).astype(np.float32))
     first, cells = 0, []
     for line in lines:
         cells += [len(line), *range(first, first + len(line))]
         first += len(line)
-    mesh.lines = np.array(cells)
-    mesh.verts = np.empty(0, np.int64)
-    return mesh
+    return pv.PolyData(np.concatenate(lines).astype(np.float32), lines=np.array(cells))
 
 
 def _line() -> Any:

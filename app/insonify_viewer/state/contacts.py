@@ -3,20 +3,18 @@
 from __future__ import annotations
 
 import base64
-import binascii
 import csv
 import io
 import json
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
 from dataclasses import asdict, dataclass, fields
 from pathlib import Path
 from typing import Any
 
 from insonify.io.atomic import replacing
 from insonify.scene import SceneError
-from insonify_viewer.state.inspection import Mark
+from insonify_viewer.state.inspection import SIDES, Mark
 
-SIDES = ("port", "starboard")
 GEOJSON, CSV = ".geojson", ".csv"
 FORMATS = (("Contacts with snapshots (GeoJSON)", GEOJSON), ("Table of contacts (CSV)", CSV))
 HEADER = 10_000  # characters, of the longest line of names
@@ -61,7 +59,11 @@ def write_contacts(path: Path, contacts: Iterable[Contact]) -> None:
     GeoJSON follows RFC 7946: geometries hold longitude and latitude, and are null where these are not known. All fields
     are properties, the snapshot as base64.
     """
-    text = _as_csv(contacts) if path.suffix.lower() == CSV else _as_geojson(contacts)
+    if path.suffix.lower() == CSV:
+        text = _as_csv(contacts)
+    else:
+        collection = {"type": "FeatureCollection", "features": [_feature(contact) for contact in contacts]}
+        text = json.dumps(collection, indent=1, ensure_ascii=False) + "\n"
     with replacing(path) as beside:
         beside.write_text(text, encoding="utf-8", newline="")
 
@@ -83,7 +85,10 @@ def read_contacts(path: Path) -> tuple[Contact, ...]:
     """Read contacts by the suffix of a file."""
     try:
         text = path.read_text(encoding="utf-8-sig")
-        rows = _rows_of_csv(text) if path.suffix.lower() == CSV else _rows_of_geojson(text)
+        if path.suffix.lower() == CSV:
+            rows = _rows_of_csv(text)
+        else:
+            rows = [dict(feature["properties"]) for feature in json.loads(text)["features"]]
     except OSError as error:
         raise SceneError(f"{path.name}: cannot be read ({error.strerror}); choose another file") from error
     except (ValueError, LookupError, TypeError, AttributeError) as error:
@@ -97,11 +102,6 @@ def _as_csv(contacts: Iterable[Contact]) -> str:
     writer.writeheader()
     writer.writerows(asdict(contact) for contact in contacts)
     return text.getvalue()
-
-
-def _as_geojson(contacts: Iterable[Contact]) -> str:
-    collection = {"type": "FeatureCollection", "features": [_feature(contact) for contact in contacts]}
-    return json.dumps(collection, indent=1, ensure_ascii=False) + "\n"
 
 
 def _feature(contact: Contact) -> dict[str, Any]:
@@ -118,19 +118,19 @@ def _rows_of_csv(text: str) -> list[dict[str, Any]]:
     return list(reader)
 
 
-def _rows_of_geojson(text: str) -> list[dict[str, Any]]:
-    return [dict(feature["properties"]) for feature in json.loads(text)["features"]]
-
-
 def _contact(path: Path, number: int, row: dict[str, Any]) -> Contact:
     """Contact of one row, with every value checked."""
-    try:
-        values: dict[str, Any] = {name: str(row.get(name) or "") for name in ("name", "note", "source")}
-        values |= {name: int(row[name]) for name in WHOLE}
-        values |= {name: None if row.get(name) in (None, "") else float(row[name]) for name in REAL}
-        values |= {"snapshot": base64.b64decode(row.get("snapshot") or "", validate=True)}
-    except (KeyError, TypeError, ValueError, binascii.Error) as error:
-        raise SceneError(f"{path.name}: contact {number} has no valid {_culprit(row)}; mend the file") from error
+
+    def read(name: str, kind: Callable[[Any], Any]) -> Any:
+        try:
+            return kind(row.get(name))
+        except (TypeError, ValueError) as error:
+            raise SceneError(f"{path.name}: contact {number} has no valid {name}; mend the file") from error
+
+    values: dict[str, Any] = {name: str(row.get(name) or "") for name in ("name", "note", "source")}
+    values |= {name: read(name, int) for name in WHOLE}
+    values |= {name: None if row.get(name) in (None, "") else read(name, float) for name in REAL}
+    values |= {"snapshot": read("snapshot", lambda text: base64.b64decode(text or "", validate=True))}
     if row.get("side") not in SIDES:
         raise SceneError(f"{path.name}: contact {number} has side {row.get('side')!r}; write port or starboard")
     if values["slant_range"] is None:
@@ -138,15 +138,3 @@ def _contact(path: Path, number: int, row: dict[str, Any]) -> Contact:
     if min(values["ping"], values["range_bin"]) < 0:
         raise SceneError(f"{path.name}: contact {number} has a negative ping or range_bin; count them from 0")
     return Contact(side=row["side"], **values)
-
-
-def _culprit(row: dict[str, Any]) -> str:
-    """Name of the first field of a row that cannot be read."""
-    for kind, names in ((int, WHOLE), (float, REAL)):
-        for name in names:
-            try:
-                if kind is int or row.get(name) not in (None, ""):
-                    kind(row.get(name))  # type: ignore[arg-type]
-            except (TypeError, ValueError):
-                return name
-    return "snapshot"

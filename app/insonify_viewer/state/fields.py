@@ -13,7 +13,7 @@ from insonify_viewer.state.quantities import format_quantity
 
 # Names of the places within a pair or a row, by field.
 PLACES = {
-    "peaks": ("fx", "fy"),
+    "peaks": ("waves in x", "waves in y"),
     "points": ("lag", "value"),
     "gap": ("along", "height"),
     "gain": ("from", "level"),
@@ -29,7 +29,13 @@ SILENT = ("sonar", "seabed", "track", "water", "receiver", "recorder")
 AMBIGUOUS = {("seabed", "depth"): "bed depth", ("track", "depth"): "fish depth", ("track", "heading"): "track heading"}
 # Display options whose names are not those of the window.
 OPTIONS = {"side": "sides", "reverse": "reversed colours", "levels": "contrast", "draped": "draping in 3-D"}
-SPELLED = {"tvg": "TVG"}
+# Names of fields in plain words, where their own are short for the scene file.
+SPELLED = {"tvg": "TVG", "rms": "rms height", "law": "echo law", "mask": "covered area"}
+
+
+def spell(name: str) -> str:
+    """Write the name of a field as people read it."""
+    return SPELLED.get(name, name.replace("_", " "))
 
 
 @dataclass(frozen=True)
@@ -113,9 +119,9 @@ def name_field(scene: Scene, path: str) -> str:
     words: list[str] = []
     for k, step in enumerate(steps):
         if step.isdigit():
-            words = [*words[:-1], *_name_item(scene, steps[: k + 1], words[-1] if words else "")]
+            words = _name_item(scene, steps[: k + 1], words)
         elif step not in ("kind", "name") or k == 0:
-            words.append(SPELLED.get(step, step.replace("_", " ")))
+            words.append(spell(step))
     while len(words) > 1 and words[0] in SILENT:
         words = words[1:]
     return " ".join(words)
@@ -141,16 +147,13 @@ def name_display(before: DisplayOptions, after: DisplayOptions) -> str:
     return ", ".join(OPTIONS.get(name, name.replace("_", " ")) for name in changed) if len(changed) < 3 else "display"
 
 
-def _name_item(scene: Scene, steps: list[str], of: str) -> tuple[str, ...]:
-    """Name an item of a list: a part by its kind and number, a number by its place."""
+def _name_item(scene: Scene, steps: list[str], words: list[str]) -> list[str]:
+    """Name an item of a list: a part by its kind and number alone, a number by its place after the words so far."""
     number, owner = int(steps[-1]) + 1, steps[-2]
     item = part_at(scene, ".".join(steps))
-    kind = getattr(item, "kind", "")
-    if kind:
-        return (f"{kind.replace('_', ' ')} {number}",)
-    if owner.isdigit():  # a place within a pair of a list of pairs
-        place = PLACES.get(steps[-3], ())
-        return (of, place[number - 1]) if number <= len(place) else (of, str(number))
-    if owner in PLACES and not isinstance(item, tuple):
-        return (of, PLACES[owner][number - 1]) if number <= len(PLACES[owner]) else (of, str(number))
-    return (f"{of.removesuffix('s')} {number}",)
+    if kind := getattr(item, "kind", ""):
+        return [f"{'material' if kind == 'uniform' else kind.replace('_', ' ')} {number}"]
+    if owner.isdigit() or (owner in PLACES and not isinstance(item, tuple)):  # a place within a pair or a row
+        place = PLACES.get(steps[-3] if owner.isdigit() else owner, ())
+        return [*words, place[number - 1] if number <= len(place) else str(number)]
+    return [*words[:-1], f"{words[-1].removesuffix('s')} {number}"]

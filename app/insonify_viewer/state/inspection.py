@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 from psygnal import Signal
 
+SIDES = ("port", "starboard")
 Points = NDArray[np.float64]
 Place = tuple[float, float, float]
 
@@ -19,6 +20,11 @@ class Mark:
     ping: int  # number of the ping
     side: int  # 0 for port, 1 for starboard
     bin: int  # range bin, counted from the sonar
+
+    @property
+    def side_name(self) -> str:
+        """Name of the side."""
+        return SIDES[self.side]
 
 
 @dataclass(frozen=True, eq=False)

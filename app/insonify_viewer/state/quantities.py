@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 import re
+from collections.abc import Sequence
 
 # By the unit of a value: what else people write, and its factor.
 UNITS = {
@@ -86,3 +87,9 @@ def slider_value(part: float, ends: tuple[float, float], *, log: bool, integer: 
     step = abs(value) / 200.0 if log else (high - low) / 1000.0
     digits = -math.floor(math.log10(step)) if step > 0.0 else 3
     return min(max(round(value, digits), low), high)
+
+
+def nearest_within(distances: Sequence[float], reach: float) -> int | None:
+    """Position of the least distance, if it is within reach."""
+    nearest = min(range(len(distances)), key=distances.__getitem__, default=None)
+    return nearest if nearest is not None and distances[nearest] <= reach else None

@@ -86,12 +86,12 @@ def next_pause(
     if not (isinstance(ground, EndlessGround) or ground.periodic):
         pose = simulation.poses(np.array([newest - 1, newest], dtype=np.int64))
         left = leaves_grid(ground, pose)
-        return AutoPause(newest, "the tow has left the measured bed and is paused") if left else None
+        return AutoPause(newest, "paused because the tow has left the measured bed") if left else None
     first = _first_abeam(simulation) if for_targets else None
     if first is None:
         return None
     last = max(first + held - 1 - round(MARGIN * held), held - 1 + round(GLIMPSE * held))
-    why = "paused before the targets leave the record; Space tows on"
+    why = "paused before the targets scroll out of the record; press Space to go on"
     return AutoPause(last, why) if before < last <= newest else None
 
 

@@ -1,13 +1,13 @@
-"""Push buttons, and icons of buttons and actions in the colours of the theme."""
+"""Makers of push buttons, labels and actions, and icons in the colours of the theme."""
 
 from __future__ import annotations
 
 from functools import cache
 
 from PySide6.QtCore import QByteArray, QRectF, Qt
-from PySide6.QtGui import QAction, QIcon, QImage, QPainter, QPalette, QPixmap
+from PySide6.QtGui import QAction, QIcon, QImage, QKeySequence, QPainter, QPalette, QPixmap
 from PySide6.QtSvg import QSvgRenderer
-from PySide6.QtWidgets import QApplication, QPushButton, QSizePolicy, QToolButton, QWidget
+from PySide6.QtWidgets import QApplication, QLabel, QPushButton, QSizePolicy, QToolButton, QWidget
 
 from insonify.files import resources
 
@@ -24,6 +24,32 @@ def push_button(text: str, tip: str, *, style: str = "tool", wide: bool = False)
     if wide:
         button.setSizePolicy(QSizePolicy.Policy.Expanding, QSizePolicy.Policy.Fixed)
     return button
+
+
+def make_label(style: str, text: str = "", *, form: Qt.TextFormat = Qt.TextFormat.PlainText) -> QLabel:
+    """Make a label that wraps its text and lets the person copy it."""
+    label = QLabel(text)
+    label.setObjectName(style)
+    label.setWordWrap(True)
+    label.setTextFormat(form)
+    label.setTextInteractionFlags(Qt.TextInteractionFlag.TextSelectableByMouse)
+    return label
+
+
+def make_action(
+    owner: QWidget, text: str, tip: str, key: QKeySequence | QKeySequence.StandardKey | str = ""
+) -> QAction:
+    """Make an action with its shortcut, which the tooltip names as the system writes it."""
+    action = QAction(text, owner)
+    action.setShortcut(QKeySequence(key))
+    action.setToolTip(with_key(tip, action.shortcut()))
+    return action
+
+
+def with_key(tip: str, shortcut: QKeySequence) -> str:
+    """Append a shortcut to a tooltip, as the system writes it."""
+    key = shortcut.toString(QKeySequence.SequenceFormat.NativeText)
+    return f"{tip} ({key})" if key else tip
 
 
 def light(widget: QWidget, lit: bool) -> None:

@@ -1,4 +1,4 @@
-"""Colour tables, polylines, marks and round values for rulers."""
+"""Widgets that keep their picture, colour tables, polylines, marks and round values for rulers."""
 
 from __future__ import annotations
 
@@ -8,10 +8,12 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
-from PySide6.QtCore import QPoint, QPointF, QRectF, Qt
-from PySide6.QtGui import QColor, QPainter, QPen, QPolygonF
+from PySide6.QtCore import QEvent, QPoint, QPointF, QRectF, Qt
+from PySide6.QtGui import QColor, QPainter, QPaintEvent, QPen, QPixmap, QPolygonF, QResizeEvent
+from PySide6.QtWidgets import QWidget
 from shiboken6 import VoidPtr
 
+from insonify_viewer.errors import guard_override
 from insonify_viewer.widgets.theme import ACCENT, GROUND, HALO, MARK, MARK_IN_WATER
 
 KNEE = 0.75  # tone up to which tones are linear
@@ -20,6 +22,62 @@ POINT = 16  # bytes of a QPointF, two doubles
 wrap_memory: Any = VoidPtr  # its types leave out that it makes a writable buffer of an object
 RING, DOT = 7.0, 3.0  # px
 LIT = "#ff5fd2"  # distinct from the mark and from every palette
+
+
+class PaintedOnce(QWidget):
+    """A widget that keeps its picture until its size, its theme or what it shows changes."""
+
+    def __init__(self, parent: QWidget | None = None) -> None:
+        super().__init__(parent)
+        self._picture: QPixmap | None = None
+
+    def paint_anew(self) -> None:
+        """Paint anew soon."""
+        self._picture = None
+        self.update()
+
+    def paint_picture(self, painter: QPainter) -> None:
+        """Paint the picture that is kept."""
+        raise NotImplementedError
+
+    def draw_picture(self, painter: QPainter) -> None:
+        """Draw the picture, which is painted first if it is not there."""
+        if self._picture is None:
+            ratio = self.devicePixelRatioF()
+            self._picture = QPixmap(round(self.width() * ratio), round(self.height() * ratio))
+            self._picture.setDevicePixelRatio(ratio)
+            self._picture.fill(QColor(GROUND))
+            with QPainter(self._picture) as inner:
+                inner.setFont(self.font())
+                self.paint_picture(inner)
+        painter.drawPixmap(0, 0, self._picture)
+
+    @guard_override(None)
+    def paintEvent(self, event: QPaintEvent) -> None:
+        """Draw the picture."""
+        del event
+        with QPainter(self) as painter:
+            self.draw_picture(painter)
+
+    @guard_override(None)
+    def resizeEvent(self, event: QResizeEvent) -> None:
+        """Fit the picture to the new size."""
+        self._picture = None
+        super().resizeEvent(event)
+
+    @guard_override(None)
+    def changeEvent(self, event: QEvent) -> None:
+        """Paint anew in another theme."""
+        if event.type() is QEvent.Type.PaletteChange:
+            self._picture = None
+        super().changeEvent(event)
+
+
+def rounded_pen(colour: QColor | str, width: float, alpha: int = 255) -> QPen:
+    """Pen with round ends, opaque or not."""
+    mixed = QColor(colour)
+    mixed.setAlpha(alpha)
+    return QPen(mixed, width, Qt.PenStyle.SolidLine, Qt.PenCapStyle.RoundCap)
 
 
 def column_means(amplitude: NDArray[np.float32], width: int) -> NDArray[np.float32]:

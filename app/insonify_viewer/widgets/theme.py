@@ -107,8 +107,8 @@ QComboBox::down-arrow {{ image: url({ARROW}); width: 0.8em; height: 0.8em; }}
 QComboBox:hover {{ border-color: {ACCENT}; }}
 QComboBox QAbstractItemView {{ background: {RAISED}; color: {TEXT}; selection-background-color: {EDGE};
     selection-color: {TEXT}; outline: 0; }}
-QTreeWidget#budget {{ background: {GROUND}; color: {TEXT}; border: 0; selection-background-color: {EDGE};
-    selection-color: {TEXT}; outline: 0; }}
+QTextBrowser#budget {{ background: {GROUND}; color: {TEXT}; border: 0; selection-background-color: {EDGE};
+    selection-color: {TEXT}; }}
 QListWidget#contacts, QListWidget#scenes {{ background: {GROUND}; border: 1px solid {EDGE}; border-radius: 4px; }}
 QListWidget#contacts::item:selected, QListWidget#scenes::item:hover, QListWidget#scenes::item:selected {{
     background: {EDGE}; color: {TEXT}; }}

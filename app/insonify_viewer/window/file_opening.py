@@ -106,7 +106,7 @@ class FileOpening:
             self.open(path)
         else:
             self._window.settings.forget_recent(path)
-            self._window.say(f"{path} is no longer there; it was taken from the recent files")
+            self._window.say(f"{path} is no longer there; it was removed from the recent files")
 
     def open_scene(self, path: str) -> None:
         """Open a scene file, after the question about unsaved changes."""
@@ -223,8 +223,8 @@ class FileOpening:
         self._opened(result, "")
         self.keep_recent(path)
         if removed:
-            targets = "target of the scene before is" if removed == 1 else f"{removed} targets of the scene before are"
-            self._window.say(f"bed of {Path(path).name}; the {targets} removed (Undo brings all back)")
+            were = "target was" if removed == 1 else f"{removed} targets were"
+            self._window.say(f"bed of {Path(path).name}; the {were} removed with the scene before (Undo restores it)")
 
 
 def _read_part(path: str) -> Cast | RecordedNavigation:

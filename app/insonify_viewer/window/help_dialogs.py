@@ -29,7 +29,7 @@ OTHER_KEYS: tuple[tuple[str, tuple[tuple[str, str], ...]], ...] = (
             ("move ten bins or pings", "Shift+← → ↓ ↑"),
             ("look back and forward by a page, outside lessons", "PgDown PgUp"),
             ("go to the upper and the lower end of the tow", "Ctrl+Home Ctrl+End"),
-            ("explain the pixel at the cursor, or let it go", "Return"),
+            ("explain the pixel at the cursor, or release it", "Return"),
             ("begin and end a measured line, after M", "Return"),
             ("move the line between A and B (wiped)", "Alt+← →"),
         ),
@@ -38,7 +38,7 @@ OTHER_KEYS: tuple[tuple[str, tuple[tuple[str, str], ...]], ...] = (
     (
         "Record, with the mouse",
         (
-            ("explain a pixel, or let it go", "click"),
+            ("explain a pixel, or release it", "click"),
             ("look back along a paused record", "wheel"),
             ("zoom about the mouse", "Ctrl+wheel"),
             ("move a zoomed record across", "Shift+wheel"),
@@ -56,7 +56,7 @@ OTHER_KEYS: tuple[tuple[str, tuple[tuple[str, str], ...]], ...] = (
             ("turn", "drag"),
             ("move", "Shift+drag"),
             ("zoom", "wheel"),
-            ("light up the pixels that hear a place", "click"),
+            ("light up the pixels that receive an echo from a place", "click"),
         ),
     ),
     (

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from functools import partial
 
-from PySide6.QtCore import QEvent, QObject, QSize, Qt, Signal
+from PySide6.QtCore import QSize, Qt, Signal
 from PySide6.QtGui import QAction, QCloseEvent, QDragEnterEvent, QDropEvent, QKeySequence
 from PySide6.QtWidgets import (
     QAbstractButton,
@@ -27,7 +27,7 @@ from insonify_viewer.record.comparison.comparison_overlay import ComparisonOverl
 from insonify_viewer.record.comparison.record_a_view import RecordAView, RecordsSideBySide
 from insonify_viewer.record.waterfall_view import WaterfallView
 from insonify_viewer.state.tow_clock import SPEEDS
-from insonify_viewer.widgets.buttons import set_icon
+from insonify_viewer.widgets.buttons import make_action, set_icon, with_key
 from insonify_viewer.widgets.theme import scaled
 from insonify_viewer.window.help_dialogs import OTHER_KEYS, AboutDialog, KeysDialog
 from insonify_viewer.window.menus import (
@@ -39,7 +39,6 @@ from insonify_viewer.window.menus import (
     SaveMenu,
     button_of,
     make_combo,
-    with_key,
 )
 from insonify_viewer.window.panel_docks import PanelDocks, PanelRoom
 from insonify_viewer.window.scene_menu import SceneMenu
@@ -58,7 +57,6 @@ class MainWindow(QMainWindow):
     """Holds views and panels, and signals the person's requests."""
 
     gain_changed = Signal(float)
-    palette_changed = Signal(str)
     speed_changed = Signal(float)
     running_changed = Signal(bool)
     target_wanted = Signal(str)
@@ -73,9 +71,9 @@ class MainWindow(QMainWindow):
         self.resize(QSize(*USUAL).expandedTo(screen * ROOMY).boundedTo(screen))
         self.setMinimumSize(*SMALLEST)
         self.waterfall = WaterfallView(native=native)
-        self.trace = self._action("Echo", "Echo of one ping under the record", QKeySequence("E"))
+        self.trace = make_action(self, "Echo", "Show the echo of one ping as a curve below the record", "E")
         self.trace.triggered.connect(self.waterfall.toggle_trace)
-        self._placeholder = QLabel("setting up the seabed …")
+        self._placeholder = QLabel("loading the 3-D view …")
         self._placeholder.setAlignment(Qt.AlignmentFlag.AlignCenter)
         self._splitter = QSplitter(Qt.Orientation.Horizontal)
         self._splitter.addWidget(self._placeholder)
@@ -102,7 +100,7 @@ class MainWindow(QMainWindow):
         self.tour = Tour(self, tour_steps(*parts))
         self._fill_menus()
         self._add_status()
-        take_drops(self, self.files_wanted.emit)
+        self.setAcceptDrops(True)
         application = QApplication.instance()
         assert isinstance(application, QApplication)
         application.focusChanged.connect(self._share_space)
@@ -117,6 +115,16 @@ class MainWindow(QMainWindow):
                 self.statusBar().addPermanentWidget(panel.widget)
             if panel.button is not None:
                 self._add_button(panel)
+
+    def fit_screen(self) -> None:
+        """Shrink and move the window, with its frame, into the room that its screen leaves to windows."""
+        if self.isMaximized() or self.isFullScreen():
+            return
+        room, beside = self.screen().availableGeometry(), self.frameGeometry().size() - self.size()
+        self.resize(self.size().boundedTo(room.size() - beside))
+        frame = self.frameGeometry()
+        left, top = room.right() + 1 - frame.width(), room.bottom() + 1 - frame.height()
+        self.move(max(min(frame.left(), left), room.left()), max(min(frame.top(), top), room.top()))
 
     def open_panel(self, name: str) -> None:
         """Open a panel, or bring it to the front."""
@@ -170,7 +178,7 @@ class MainWindow(QMainWindow):
         self.pause.setChecked(not running)
         self.pause.setText("Pause" if running else "Play")
         set_icon(self.pause, "pause" if running else "play")
-        tip = "Pause the tow; the mouse wheel then looks back" if running else "Tow on from the ping on top"
+        tip = "Pause the tow; the mouse wheel then scrolls back" if running else "Continue the tow from the ping on top"
         self.pause.setToolTip(with_key(tip, self.pause.shortcut()))
 
     @guard_override(None)
@@ -186,6 +194,17 @@ class MainWindow(QMainWindow):
         self.hide()
         self.closing.emit()
         super().closeEvent(event)
+
+    @guard_override(None)
+    def dragEnterEvent(self, event: QDragEnterEvent) -> None:
+        """Accept a drag with local files."""
+        _dropped_files(event)
+
+    @guard_override(None)
+    def dropEvent(self, event: QDropEvent) -> None:
+        """Signal the files that are dropped."""
+        if paths := _dropped_files(event):
+            self.files_wanted.emit(paths)
 
     def _share_space(self, _left: QWidget | None, focused: QWidget | None) -> None:
         """Leave Space to the button or tick that has the keyboard; anywhere else it is a key of the window."""
@@ -205,7 +224,7 @@ class MainWindow(QMainWindow):
     def _add_button(self, panel: Panel) -> None:
         """Put the command of a panel into its menu and, if it has an icon, among the tools before the palettes."""
         assert panel.button is not None
-        action = self._action(panel.button.text, panel.button.tooltip, QKeySequence(panel.button.shortcut))
+        action = make_action(self, panel.button.text, panel.button.tooltip, panel.button.shortcut)
         self.menus.named(panel.button.menu).addAction(action)
         if panel.place is Place.WINDOW:
             action.triggered.connect(lambda: self._open_window(panel))
@@ -234,26 +253,23 @@ class MainWindow(QMainWindow):
         bar.setContextMenuPolicy(Qt.ContextMenuPolicy.PreventContextMenu)
         self.addToolBar(bar)
         key = QKeySequence.StandardKey
-        self.open_scene = QAction("Open a file…", self)
-        self.open_scene.setShortcut(QKeySequence(key.Open))
-        self.addAction(self.open_scene)
-        self.open_recording = QAction("Open a recording…", self)
-        self.open_recording.setShortcut(QKeySequence("Ctrl+Shift+O"))
-        self.addAction(self.open_recording)
+        self.open_scene = make_action(self, "Open a file…", "Open a scene", key.Open)
+        self.open_recording = make_action(self, "Open a recording…", "Open a recording", "Ctrl+Shift+O")
+        self.addActions([self.open_scene, self.open_recording])
         self.scenes = SceneMenu(self.open_scene, self.open_recording)
         bar.addWidget(self.scenes)
         tip = "Replace the bed by a grid of measured heights"
-        self.open_dem = self._action("Open a measured bed…", tip, QKeySequence("Ctrl+D"))
+        self.open_dem = make_action(self, "Open a measured bed…", tip, "Ctrl+D")
         self._add_targets(bar)
         self.save = SaveMenu(self)
         bar.addWidget(self.save)
         bar.addSeparator()
-        self.undo = self._tool(bar, "Undo", "Undo the last edit", QKeySequence(key.Undo))
-        self.redo = self._tool(bar, "Redo", "Redo the edit that was undone", QKeySequence(key.Redo))
+        self.undo = self._tool(bar, "Undo", "Undo the last edit", key.Undo)
+        self.redo = self._tool(bar, "Redo", "Redo the edit that was undone", key.Redo)
         undo, redo = ((action, button_of(bar, action)) for action in (self.undo, self.redo))
         self.history = HistoryMenus(undo, redo)
         bar.addSeparator()
-        self.pause = self._tool(bar, "Pause", "Pause the tow; the mouse wheel then looks back", QKeySequence("Space"))
+        self.pause = self._tool(bar, "Pause", "Pause the tow; the mouse wheel then scrolls back", "Space")
         self.pause.setCheckable(True)
         self.pause.toggled.connect(lambda paused: self.running_changed.emit(not paused))
         speeds = [(f"{speed:g}×" if speed >= 1 else f"1/{1 / speed:g}×", speed) for speed in SPEEDS]
@@ -263,10 +279,9 @@ class MainWindow(QMainWindow):
         bar.addWidget(self.speed)
         bar.addSeparator()
         self.palettes = make_combo([(name, name) for name in palettes], "Palette of the record")
-        self.palettes.activated.connect(lambda: self.palette_changed.emit(self.palettes.currentData()))
         tip = "Reset view: put the camera behind and above the fish again"
-        self.reset_view = self._tool(bar, "Reset view", tip, QKeySequence("Home"))
-        self.projector = self._action("Projector", "Full screen, in large type", QKeySequence("F11"))
+        self.reset_view = self._tool(bar, "Reset view", tip, "Home")
+        self.projector = make_action(self, "Projector", "Full screen, in large type", "F11")
         self.projector.setCheckable(True)
         self.projector.toggled.connect(self._project)
         self._bar, self._after_buttons = bar, bar.addWidget(self.palettes)
@@ -300,7 +315,7 @@ class MainWindow(QMainWindow):
     def _add_gain(self, bar: QToolBar) -> None:
         self.gain = GainSlider()
         self.gain.setRange(-10 * GAIN_REACH, 10 * GAIN_REACH)
-        self.gain.setToolTip(f"Gain of the picture, −{GAIN_REACH} to +{GAIN_REACH} dB; the record stays as it is")
+        self.gain.setToolTip(f"Gain of the picture, −{GAIN_REACH} to +{GAIN_REACH} dB; the data stay as they are")
         self.gain.setAccessibleName("Display gain")
         self._gain_text = QLabel("0 dB")
         self._gain_text.setMinimumWidth(self.fontMetrics().horizontalAdvance("-30.0 dB") + 4)
@@ -308,7 +323,7 @@ class MainWindow(QMainWindow):
         bar.addWidget(QLabel("gain"))
         bar.addWidget(self.gain)
         bar.addWidget(self._gain_text)
-        self.levels = self._tool(bar, "Auto", "Set gain and contrast from the record on screen", QKeySequence("A"))
+        self.levels = self._tool(bar, "Auto", "Set gain and contrast from the record on screen", "A")
 
     def _gain_moved(self, tenths: int) -> None:
         self._gain_text.setText(f"{tenths / 10:g} dB")
@@ -329,7 +344,7 @@ class MainWindow(QMainWindow):
         menus = self.menus
         menus.file.addMenu(self.scenes.menu()).setText("Scenes")
         menus.group("File", [self.open_scene, self.open_recording, self.open_dem])
-        contacts = menus.add("File", "Open contacts…", "Open a file of contacts in place of those in the list")
+        contacts = menus.add("File", "Open contacts…", "Open a file of contacts, which replaces the list")
         contacts.triggered.connect(lambda: self.contacts_wanted.emit())
         menus.file.addMenu(self.recent)
         menus.group("File", [self.save.scene, self.save.record, self.save.picture])
@@ -344,9 +359,9 @@ class MainWindow(QMainWindow):
         menus.group("View", [self.projector, self.reset_view])
         self.looks = LooksMenu(self, menus.view, self.settings, self.say)
         menus.view.addSeparator()
-        keys = menus.add("Help", "Keyboard shortcuts", "Every command that has a key, and the keys of views", "?")
+        keys = menus.add("Help", "Keyboard shortcuts", "Every command that has a key", "?")
         keys.triggered.connect(lambda: KeysDialog(self, menus.all, OTHER_KEYS).show())
-        menus.add("Help", "Tour", "Five steps through the window").triggered.connect(self.tour.begin)
+        menus.add("Help", "Tour", "See the window in five steps").triggered.connect(self.tour.begin)
         about = menus.add("Help", "About insonify", "Versions, licence, citation")
         about.triggered.connect(lambda: AboutDialog(self).show())
         self._show_icons()
@@ -361,15 +376,9 @@ class MainWindow(QMainWindow):
         for button in self.findChildren(QToolButton):
             name_button(button)
 
-    def _tool(self, bar: QToolBar, text: str, tip: str, shortcut: QKeySequence) -> QAction:
-        action = self._action(text, tip, shortcut)
+    def _tool(self, bar: QToolBar, text: str, tip: str, key: QKeySequence | QKeySequence.StandardKey | str) -> QAction:
+        action = make_action(self, text, tip, key)
         bar.addAction(action)
-        return action
-
-    def _action(self, text: str, tip: str, shortcut: QKeySequence) -> QAction:
-        action = QAction(text, self)
-        action.setShortcut(shortcut)
-        action.setToolTip(with_key(tip, shortcut))
         return action
 
 
@@ -379,29 +388,9 @@ def name_button(button: QToolButton) -> None:
     button.setAccessibleName(button.toolTip())
 
 
-def take_drops(window: QWidget, opened: Callable[[list[str]], None]) -> None:
-    """Let a window take files that are dropped anywhere on it, and pass on their paths."""
-    window.setAcceptDrops(True)
-    window.installEventFilter(_Drops(window, opened))
-
-
-class _Drops(QObject):
-    """Takes the drops of a window, of which it is a child."""
-
-    def __init__(self, window: QWidget, opened: Callable[[list[str]], None]) -> None:
-        super().__init__(window)
-        self._opened = opened
-
-    @guard_override(False)
-    def eventFilter(self, watched: QObject, event: QEvent) -> bool:
-        """Accept a drag with local files, and pass them on when they are dropped."""
-        if event.type() not in (QEvent.Type.DragEnter, QEvent.Type.Drop):
-            return False
-        assert isinstance(event, QDragEnterEvent | QDropEvent)
-        paths = [url.toLocalFile() for url in event.mimeData().urls() if url.isLocalFile()]
-        if not paths:
-            return False
+def _dropped_files(event: QDropEvent) -> list[str]:
+    """Accept a drag or a drop with local files; return their paths."""
+    paths = [url.toLocalFile() for url in event.mimeData().urls() if url.isLocalFile()]
+    if paths:
         event.acceptProposedAction()
-        if event.type() is QEvent.Type.Drop:
-            self._opened(paths)
-        return True
+    return paths

@@ -10,7 +10,7 @@ from PySide6.QtGui import QAction, QActionGroup, QGuiApplication, QKeySequence
 from PySide6.QtWidgets import QApplication, QComboBox, QMainWindow, QMenu, QSlider, QToolBar, QToolButton, QWidget
 
 from insonify_viewer.errors import guard_override
-from insonify_viewer.widgets.buttons import refresh_icons
+from insonify_viewer.widgets.buttons import make_action, refresh_icons
 from insonify_viewer.widgets.theme import Theme, apply_theme
 from insonify_viewer.window.settings import SIZES, Settings
 
@@ -42,9 +42,7 @@ class Menus(QObject):
     def add(self, title: str, text: str, tip: str, key: str = "") -> QAction:
         """Append a command to the menu of a title and return its action."""
         menu = self.named(title)
-        action = QAction(text, menu)
-        action.setShortcut(QKeySequence(key))
-        action.setToolTip(tip)
+        action = make_action(menu, text, tip, key)
         menu.addAction(action)
         return action
 
@@ -142,21 +140,17 @@ class SaveMenu(QToolButton):
         self.setPopupMode(QToolButton.ToolButtonPopupMode.InstantPopup)
         menu = QMenu(self)
         menu.setToolTipsVisible(True)
-        self.scene = _action(menu, "Save scene…", "The scene as a TOML file, to be opened again", "Ctrl+S")
-        self.record = _action(menu, "Save record…", "Every ping of the track, as data or as a picture", "Ctrl+Shift+S")
-        self.picture = _action(menu, "Save picture of the window…", "The window as it stands", "Ctrl+P")
+        self.scene = make_action(menu, "Save scene…", "Save the scene as a TOML file", "Ctrl+S")
+        tip = "Save every ping of the track as data or as a picture"
+        self.record = make_action(menu, "Save record…", tip, "Ctrl+Shift+S")
+        self.picture = make_action(menu, "Save picture of the window…", "Save a picture of this window", "Ctrl+P")
+        tip = "Charts, data sets and records that are made in the background"
+        self.jobs = make_action(menu, "Jobs…", tip, "Ctrl+J")
+        menu.addActions([self.scene, self.record, self.picture])
         menu.addSeparator()
-        self.jobs = _action(menu, "Jobs…", "Charts, data sets and records that are made beside the window", "Ctrl+J")
+        menu.addAction(self.jobs)
         window.addActions(menu.actions())
         self.setMenu(menu)
-
-
-def _action(menu: QMenu, text: str, tip: str, key: str) -> QAction:
-    action = QAction(text, menu)
-    action.setToolTip(tip)
-    action.setShortcut(QKeySequence(key))
-    menu.addAction(action)
-    return action
 
 
 class LooksMenu(QObject):
@@ -186,7 +180,7 @@ class LooksMenu(QObject):
 
     def _keep_size(self, size: int) -> None:
         self._settings.size = size
-        self._say(f"text of {size} % from the next start of the viewer")
+        self._say(f"the text will have {size} % of its usual size from the next start")
 
 
 def _choices(menu: QMenu, entries: list[tuple[str, object]], chosen: object) -> list[QAction]:
@@ -224,12 +218,6 @@ def make_combo(entries: Sequence[tuple[str, object]], name: str) -> QComboBox:
     for text, data in entries:
         combo.addItem(text, data)
     return combo
-
-
-def with_key(tip: str, shortcut: QKeySequence) -> str:
-    """Append a shortcut to a tooltip, as the system writes it."""
-    key = shortcut.toString(QKeySequence.SequenceFormat.NativeText)
-    return f"{tip} ({key})" if key else tip
 
 
 def button_of(bar: QToolBar, action: QAction) -> QToolButton:

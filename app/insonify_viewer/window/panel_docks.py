@@ -6,13 +6,15 @@ from collections.abc import Sequence
 from itertools import pairwise
 
 from PySide6.QtCore import QEvent, QObject, Qt
-from PySide6.QtWidgets import QDockWidget, QMainWindow, QSplitter, QTabBar, QTabWidget, QWidget
+from PySide6.QtWidgets import QDockWidget, QMainWindow, QSplitter, QTabBar, QTabWidget, QToolBar, QWidget
 
 from insonify_viewer.errors import guard_override
 from insonify_viewer.panels.panel import Panel, Place
 from insonify_viewer.widgets.theme import scaled
 
 HANDLES = 24  # px, of the lines between the parts
+STACKED = 220  # px at the usual size of the text, least height of one of two panels that stand one below the other
+LEAST = 0.45  # of the window, that the 3-D view and the record keep beside the panels
 SIDE = 332  # px at the usual size of the text, width of the panels at the side
 BELOW = 0.32  # of the height of the window, of the panels below when one is first opened
 
@@ -24,18 +26,72 @@ AREAS = {
 
 
 class PanelRoom(QObject):
-    """Leaves out the 3-D view while the panels at the sides and the record need its room."""
+    """Keeps room for the 3-D view and the record beside the panels.
+
+    A panel at the left side stands below those at the right one, and panels below are lower, where the two views would
+    have less than `LEAST` of the window. The 3-D view is left out where panels and record need its room even so.
+    """
 
     def __init__(self, window: QMainWindow, splitter: QSplitter) -> None:
         super().__init__(window)
         self._window, self._splitter = window, splitter
+        self._homes: dict[QDockWidget, Place] = {}
+        self._making = False
         window.installEventFilter(self)
 
-    def watch(self, dock: QDockWidget) -> None:
+    def watch(self, dock: QDockWidget, place: Place) -> None:
         """Make room whenever a dock opens or closes."""
+        self._homes[dock] = place
         dock.installEventFilter(self)
 
     def make(self) -> None:
+        """Place the panels anew, and show the 3-D view where there is room for it."""
+        if not self._making:
+            self._making = True
+            self._stack()
+            self._lower()
+            self._show_solid()
+            self._making = False
+
+    def _open(self, place: Place) -> list[QDockWidget]:
+        return [dock for dock, home in self._homes.items() if home is place and not dock.isHidden()]
+
+    def _height_beside(self, left: int) -> int:
+        """Height that the views need beside panels at the right side and some width at the left one."""
+        window = self._window
+        wide = window.width() - left - scaled(window, SIDE) - HANDLES
+        return round(LEAST * window.width() * window.height() / max(wide, 1))
+
+    def _room_for_views(self) -> int:
+        """Height of the window without its bars."""
+        window = self._window
+        bars = window.menuBar(), window.statusBar(), *window.findChildren(QToolBar)
+        return window.height() - sum(bar.sizeHint().height() for bar in bars)
+
+    def _stack(self) -> None:
+        """Place the panels of the left side there, or below those at the right one."""
+        lefts, belows = self._open(Place.LEFT), self._open(Place.BELOW)
+        wide = max((dock.sizeHint().width() for dock in lefts), default=0)
+        below = round(BELOW * self._window.height()) if belows else 0
+        room, least = self._room_for_views(), 2 * scaled(self._window, STACKED)
+        stacked = room >= least and self._height_beside(wide) > room - below
+        area, upright = AREAS[Place.SIDE if stacked else Place.LEFT], Qt.Orientation.Vertical
+        for dock in lefts:
+            if self._window.dockWidgetArea(dock) is not area:
+                self._window.addDockWidget(area, dock, upright)
+                if stacked:
+                    self._window.resizeDocks([*self._open(Place.SIDE)[:1], dock], [100, 100], upright)
+
+    def _lower(self) -> None:
+        """Make the panels below as low as the views need."""
+        lefts = self._open(Place.LEFT)
+        beside = [dock for dock in lefts if self._window.dockWidgetArea(dock) is AREAS[Place.LEFT]]
+        wide = max((dock.sizeHint().width() for dock in beside), default=0)
+        most = self._room_for_views() - self._height_beside(wide)
+        docks = [dock for dock in self._open(Place.BELOW) if dock.height() > max(most, dock.minimumSizeHint().height())]
+        self._window.resizeDocks(docks, [max(most, 1)] * len(docks), Qt.Orientation.Vertical)
+
+    def _show_solid(self) -> None:
         """Show the 3-D view, unless the window is too narrow for it beside the panels and the record."""
         views = [self._splitter.widget(place) for place in range(self._splitter.count())]
         solid, *others, live = [view for view in views if view is not None]
@@ -138,7 +194,7 @@ class PanelDocks:
         dock.setTitleBarWidget(QWidget())
         dock.setWidget(panel.widget)
         self._window.addDockWidget(area, dock)
-        self._room.watch(dock)
+        self._room.watch(dock, panel.place)
         self._docks[panel.name] = dock
         return dock
 

@@ -166,7 +166,7 @@ class CrashRecovery(QObject):
             self._recovery.keep(session.scene if session.unsaved else None, contacts.all if contacts.unsaved else ())
         except OSError as error:
             self._clock.stop()  # one sentence, not one every two seconds
-            sentence = f"scene and contacts cannot be kept against a crash ({error.strerror}); save them"
+            sentence = f"scene and contacts cannot be backed up against a crash ({error.strerror}); save them"
             self._window.complain(Failure(sentence, format_trace(error)))
 
     def _end(self) -> None:

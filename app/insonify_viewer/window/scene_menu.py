@@ -28,7 +28,7 @@ class SceneMenu(QToolButton):
         self.setPopupMode(QToolButton.ToolButtonPopupMode.InstantPopup)
         self._files = (from_file, recording)
         self.pictures = QAction("Show pictures of all…", self)
-        self.pictures.setToolTip("The record of every bundled scene, to pick one")
+        self.pictures.setToolTip("Pick a scene by its record")
         self.pictures.triggered.connect(self._show_pictures)
         menu = QMenu(self)
         menu.setToolTipsVisible(True)

@@ -18,7 +18,7 @@ from insonify_viewer.errors import describe_error
 from insonify_viewer.state.history import Modelling
 from insonify_viewer.work.executor import Executor, Lane, Receive, Work
 from insonify_viewer.work.ping_request import PingRequest, SimulatedScene, TracedPings, find_altitude, is_same_ground
-from insonify_viewer.work.waiting import Activity
+from insonify_viewer.work.waiting import Waiting
 
 if TYPE_CHECKING:
     from insonify.display.normalisation import LevelBed
@@ -54,7 +54,7 @@ class Simulator:
         self.executor = Executor()  # threads of what else works beside the window
         self._prepare = prepare or _prepare
         self._pack = pack or (None if prepare else _pack)
-        self._activity = Activity()
+        self._activity = Waiting()
         self._compilation: Compilation | None = None
         self._watching = ExitStack()
         self._watching.enter_context(watch_compilation(partial(setattr, self, "_compilation")))
@@ -64,13 +64,13 @@ class Simulator:
         self._last: dict[bool, tuple[Scene, Modelling, Simulation, LevelBed]] = {}
 
     @property
-    def activity(self) -> Activity:
+    def activity(self) -> Waiting:
         """What the worker does besides tracing pings, first of all compiling kernels."""
         reported = self._compilation
         if reported is None:
             return self._activity
         compilation = reported.by_now
-        return Activity(compilation.sentence, compilation.done)
+        return Waiting(compilation.sentence, compilation.done)
 
     def ask(self, request: PingRequest) -> None:
         """Trace these pings next, instead of a request that still waits."""
@@ -93,11 +93,11 @@ class Simulator:
 
         An exception is passed on as a `SceneError`.
         """
-        self._lane.put(object(), lambda: _result(work), receive, rank=0)
+        self._lane.put(object(), lambda: result_of(work), receive, rank=0)
 
     def send_patiently(self, key: str, work: Work, receive: Receive) -> None:
         """Run work like `send` once no request came for a moment; it replaces work of its key that still waits."""
-        self._lane.put(key, lambda: _result(work), receive, rank=3, patient=True)
+        self._lane.put(key, lambda: result_of(work), receive, rank=3, patient=True)
 
     def trace_beside(self, scene: Scene, modelling: Modelling, pings: NDArray[np.int64]) -> NDArray[np.float32]:
         """Trace pings of another scene on the calling thread alone, beside the worker."""
@@ -211,7 +211,7 @@ class Simulator:
             kept: dict[str, Any] = {} if fine or known is None else {"plan": known[2].plan}
             with self._doing("building the bed"):
                 kept |= self._packed(scene, number, beneath, tell=fine)
-            with self._doing("choosing the methods by a few pings"):
+            with self._doing("choosing the fastest method within the tolerance"):
                 simulation = self._prepare(scene, tolerance=modelling.tolerance, forced=dict(modelling.forced), **kept)
                 last = self._last[fine] = (scene, modelling, simulation, LevelBed(simulation))
         return last[2:]
@@ -231,11 +231,11 @@ class Simulator:
     @contextmanager
     def _doing(self, what: str) -> Iterator[None]:
         """Note the worker's activity until the block ends."""
-        self._activity = Activity(what)
+        self._activity = Waiting(what)
         try:
             yield
         finally:
-            self._activity = Activity()
+            self._activity = Waiting()
 
     def _deliver(self, answer: TracedPings) -> None:
         """Pass an answer on, unless it is a coarse picture and that of a later edit waits behind it."""
@@ -269,7 +269,8 @@ def _reach(simulation: Simulation) -> NDArray[np.float64] | None:
     return coherence_angle(arrays) * bin_centres(arrays) / step
 
 
-def _result(work: Work) -> Any:
+def result_of(work: Work) -> Any:
+    """Return the result of work, or why there is none as a `SceneError`."""
     try:
         return work()
     except SceneError as error:

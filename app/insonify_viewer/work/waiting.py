@@ -10,17 +10,10 @@ FEW = 16  # missing pings that a running tow always has
 
 
 class Waiting(NamedTuple):
-    """A wait that the person sees."""
+    """What the worker does at present, for which the record waits."""
 
-    what: str  # what is waited for
+    what: str = ""  # in words; empty for nothing
     share: float | None = None  # share done; None while it is not known
-
-
-class Activity(NamedTuple):
-    """What the worker does at present, in words, and the share done if it is known."""
-
-    what: str = ""
-    share: float | None = None
 
 
 @dataclass
@@ -33,7 +26,7 @@ class WaitingWatch:
     _at_first: int = 0
 
     def look(
-        self, now: float, *, number: int, arrived: int, missing: int, shown: int, running: bool, activity: Activity
+        self, now: float, *, number: int, arrived: int, missing: int, shown: int, running: bool, activity: Waiting
     ) -> Waiting | None:
         """Return what the record waits for; None while it does not wait, or not for long."""
         if missing <= (FEW if running else 0):
@@ -48,5 +41,5 @@ class WaitingWatch:
         if now - self._since < DELAY:
             return None
         if activity.what:
-            return Waiting(*activity)
-        return Waiting(f"tracing pings, {shown - missing} of {shown}", 1.0 - missing / self._at_first)
+            return activity
+        return Waiting(f"simulating pings, {shown - missing} of {shown}", 1.0 - missing / self._at_first)

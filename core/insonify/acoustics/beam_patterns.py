@@ -9,9 +9,12 @@ from numpy.typing import NDArray
 
 from insonify.kernels.common.types import EVERY_GRAZING, GAUSSIAN, TABLE, TOP_HAT, BeamPattern, plain_pattern
 from insonify.scene import Scene
+from insonify.scene.sonar import Sonar
 from insonify.scene.sonar.beams import BeamConditions
 from insonify.scene.sonar.vertical_beams import VerticalBeamKind
 
+FAR = 1e7  # m, where waves from the array are flat
+ANGLES = 8193  # of half a turn about the track
 SHAPES = {"every_grazing": EVERY_GRAZING, "top_hat": TOP_HAT, "gaussian": GAUSSIAN, "table": TABLE}
 
 
@@ -69,3 +72,20 @@ def vertical_energy(
     share = np.sin(off) / math.sin(math.radians(response.width) / 2.0)
     lobe = np.abs(share) <= 1.0 if response.shape == "top_hat" else np.exp2(-passes * share * share)
     return np.where(ahead, lobe, 0.0)
+
+
+def directivity(sonar: Sonar, sound_speed: float) -> float:
+    """Response of one side's array to isotropic noise, 4π / ∫ b dΩ, as a ratio of at least 1.
+
+    Directions are the sine s along the track and the angle ψ about it: dΩ = ds dψ. A knife has no aperture that would
+    make it narrow, so it counts as even along the track.
+    """
+    beam, conditions = sonar.beam, BeamConditions(sound_speed, sonar.frequency, FAR)
+    along = 2.0
+    if beam.has_width:
+        table = beam.at_range(conditions)
+        s = np.linspace(-table.extent[0], table.extent[0], table.energy.shape[1])
+        along = float(np.trapezoid(table.energy[0] ** (1.0 / beam.passes), s))
+    about = np.linspace(-0.5 * math.pi, 0.5 * math.pi, ANGLES) + math.radians(sonar.vertical.response.tilt)
+    vertical = vertical_energy(sonar.vertical, conditions.wavelength, 1, about)
+    return max(4.0 * math.pi / (along * float(np.trapezoid(vertical, about))), 1.0)

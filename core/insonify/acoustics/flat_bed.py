@@ -1,9 +1,13 @@
-"""Record of a level bed in closed form, the curve by which errors and pictures are normalised.
+"""Record of a level bed in closed form, by which errors and pictures are normalised, and the bins that errors count in.
+
+Nearer than `ERROR_ALTITUDES` bins have strong echoes near nadir, to which no tolerance applies.
 
 Theory: docs/theory/error.md.
 """
 
 from __future__ import annotations
+
+import math
 
 import numpy as np
 from numpy.typing import NDArray
@@ -12,6 +16,7 @@ from insonify.kernels.beam.pattern import ring_responses
 from insonify.kernels.common.types import LIGHT, Poses, SceneArrays
 from insonify.scene.seabed.materials import Reflectivity
 
+ERROR_ALTITUDES = 1.4  # altitudes of the sonar above the mean bed
 LAMBERT = Reflectivity(1.0, 0.0, 1.0)
 
 
@@ -27,13 +32,20 @@ def flat_bed_curve(
     reached = far > near
     r = np.where(reached, 0.5 * (near + far), 1.0)
     cos_incidence = altitude / r
-    mirrored = np.maximum(2.0 * cos_incidence**2 - 1.0, 0.0) ** shininess
     if arrays.law == LIGHT:
+        mirrored = np.maximum(2.0 * cos_incidence**2 - 1.0, 0.0) ** shininess
         shade = diffuse * cos_incidence + specular * mirrored
         return np.where(reached, shade * (far - near) / arrays.bin_length, 0.0) * arrays.range_factor
-    sigma = cos_incidence**2 * (diffuse / np.pi + specular * (shininess + 2.0) / (2.0 * np.pi) * mirrored)
+    sigma = scattering_strength(reflectivity or LAMBERT, cos_incidence)
     x = 0.5 * (x_near + x_far)
     return np.where(reached, sigma * (x_far - x_near) * along_track_width(arrays, x, r), 0.0) * arrays.range_factor
+
+
+def scattering_strength(reflectivity: Reflectivity, cos_incidence: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Backscattering cross section of a square metre, Lambert and Phong, by the cosine of the incidence."""
+    diffuse, specular, shininess = reflectivity[:3]
+    mirrored = np.maximum(2.0 * cos_incidence**2 - 1.0, 0.0) ** shininess
+    return cos_incidence**2 * (diffuse / np.pi + specular * (shininess + 2.0) / (2.0 * np.pi) * mirrored)
 
 
 def compute_flat_bed_curves(arrays: SceneArrays, poses: Poses) -> NDArray[np.float64]:
@@ -61,3 +73,8 @@ def along_track_width(arrays: SceneArrays, x: NDArray[np.float64], r: NDArray[np
         return x * angles
     reach = np.sin(arrays.half_width) * r / np.maximum(x, 1e-300)
     return 2.0 * x * np.arcsin(np.minimum(reach, 1.0))
+
+
+def find_first_bin(altitudes: float, arrays: SceneArrays, poses: Poses) -> int:
+    """First bin that lies beyond a number of altitudes under every pose, at most the number of bins."""
+    return min(math.ceil(altitudes * float(poses.z.max(initial=0.0)) / arrays.bin_length), arrays.bins)

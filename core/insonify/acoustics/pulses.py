@@ -64,6 +64,12 @@ def _integrated_taps(pulse: PulseKind, sound_speed: float, bin_length: float) ->
     return Taps(weights, before)
 
 
+def spread_curve(curve: NDArray[np.float64], taps: Taps) -> NDArray[np.float64]:
+    """Mean energies of bins, (bins,), spread by a pulse; beyond the last bin they are those of the last."""
+    beyond = np.pad(curve, (0, taps.before), "edge")
+    return np.convolve(beyond, taps.weights)[taps.before :][: curve.size]
+
+
 def coherence(pulse: PulseKind, sound_speed: float, bin_length: float) -> NDArray[np.float64]:
     """Correlation of the amplitudes of range bins, for many small scatterers."""
     exact = pulse.coherence(0.5 * sound_speed * pulse.length / bin_length)

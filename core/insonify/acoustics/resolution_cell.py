@@ -39,11 +39,19 @@ def coherence_angle(arrays: SceneArrays) -> Curve:
     return angle**2 / _at_bins(arrays, squares)
 
 
+def axial_response(arrays: SceneArrays) -> Curve:
+    """Two-way response of the beam along the track on its axis, below 1 in the near field, of every bin."""
+    pattern = arrays.pattern
+    return (
+        _at_bins(arrays, pattern.energy[:, pattern.energy.shape[1] // 2]) if pattern.tabulated else np.ones(arrays.bins)
+    )
+
+
 def volume_echo(arrays: SceneArrays, altitude: float, depth: float) -> Curve:
     """Volume reverberation of one side for a scattering strength of 1 m⁻¹, of every bin."""
     r = bin_centres(arrays)
     elevation = np.linspace(-0.5 * math.pi, 0.5 * math.pi, ELEVATIONS + 1)
-    response = _vertical(arrays, 0.5 * (elevation[1:] + elevation[:-1]))
+    response = vertical_at(arrays, 0.5 * (elevation[1:] + elevation[:-1]))
     below = np.concatenate([[0.0], np.cumsum(response)]) * math.pi / ELEVATIONS
     top, bottom = np.arcsin(np.minimum(max(depth, 0.0) / r, 1.0)), -np.arcsin(np.minimum(altitude / r, 1.0))
     about = np.interp(top, elevation, below) - np.interp(bottom, elevation, below)
@@ -57,7 +65,7 @@ def surface_echo(arrays: SceneArrays, depth: float) -> Curve:
     x = np.sqrt((edges - height) * (edges + height))  # never of a negative number, as a difference of squares may be
     centre, r = 0.5 * (x[1:] + x[:-1]), np.maximum(0.5 * (edges[1:] + edges[:-1]), 1e-9)
     width = along_track_width(arrays, centre, r)
-    return width * _vertical(arrays, np.arcsin(np.minimum(height / r, 1.0))) * np.diff(x) * arrays.range_factor
+    return width * vertical_at(arrays, np.arcsin(np.minimum(height / r, 1.0))) * np.diff(x) * arrays.range_factor
 
 
 def _at_bins(arrays: SceneArrays, values: NDArray[np.float64]) -> Curve:
@@ -67,7 +75,7 @@ def _at_bins(arrays: SceneArrays, values: NDArray[np.float64]) -> Curve:
     return np.interp(np.minimum(place, values.size - 1.0), np.arange(values.size), values)
 
 
-def _vertical(arrays: SceneArrays, elevation: NDArray[np.float64]) -> NDArray[np.float64]:
+def vertical_at(arrays: SceneArrays, elevation: NDArray[np.float64]) -> NDArray[np.float64]:
     """Two-way response of the vertical beam at elevations above the horizontal."""
     if arrays.pattern.vertical == EVERY_GRAZING:
         return np.ones_like(elevation)

@@ -17,8 +17,8 @@ def register(subparsers: Any) -> None:
     parser = subparsers.add_parser(
         "dataset",
         help="make a labelled data set by its specification",
-        description="Draw scenes, simulate them, and cut their records into images with masks and annotations. What is "
-        "done already is not done again: the same command goes on after an interruption, and more scenes are added.",
+        description="Draw scenes, simulate them, and cut their records into images with masks and annotations. "
+        "Finished jobs are not repeated: the same command continues after an interruption, or adds scenes.",
         epilog=EXAMPLES,
     )
     add_specification(parser, "datasets", "data set")
@@ -27,7 +27,7 @@ def register(subparsers: Any) -> None:
 
 
 def run(arguments: argparse.Namespace) -> int:
-    """Do the jobs that are missing, then write what concerns the whole data set."""
+    """Do the missing jobs, then write the files about the whole data set."""
     # lazy: the other commands need none of it
     from insonify.scene import load_scene
     from insonify.surveys.datasets.assembly import assemble

@@ -1,4 +1,4 @@
-"""``insonify explain``: what one pixel of a record is made of, term by term in decibels."""
+"""``insonify explain``: the terms, in decibels, that add up to one pixel of a record."""
 
 from __future__ import annotations
 
@@ -6,7 +6,16 @@ import argparse
 import math
 from typing import TYPE_CHECKING, Any
 
-from insonify.commands.options import SIDES, add_method, add_scene, chosen_model, chosen_scene, find_pixel, say
+from insonify.commands.options import (
+    SIDES,
+    add_method,
+    add_scene,
+    chosen_model,
+    chosen_scene,
+    find_pixel,
+    level_line,
+    say,
+)
 from insonify.progress import report_waiting
 
 if TYPE_CHECKING:
@@ -20,8 +29,9 @@ def register(subparsers: Any) -> None:
     parser = subparsers.add_parser(
         "explain",
         help="explain one pixel of a scene's record",
-        description="Say what one pixel of a record shows or why it is dark. Print the terms in dB that add up to it, "
-        "what returns its echo and what hides the bed there. Example: insonify explain default --ping 230 --range 25",
+        description="Describe what one pixel of a record shows or why it is dark. Print the terms in dB that add up to "
+        "it, the sources of its echo and what hides the bed there. Example: insonify explain default --ping 230 "
+        "--range 25",
     )
     add_scene(parser)
     add_method(parser)
@@ -50,19 +60,12 @@ def _table(explained: PixelExplanation) -> list[str]:
     """Lines that print an explanation."""
     side = SIDES[explained.side]
     lines = [f"ping {explained.ping}, {side}, {explained.slant_range:.2f} m: {explained.summary}", ""]
-    lines += [_line(term.name, term.decibels, term.detail) for term in explained.terms]
-    lines.append(_line("pixel", explained.level))
+    lines += [level_line(term.name, term.decibels, term.detail) for term in explained.terms]
+    lines.append(level_line("pixel", explained.level))
     for each in explained.contributions[:MOST]:
         lines.append(f"{100.0 * each.share:>6.1f} % {each.words}, at {each.ground_range:.2f} m")
     for hidden in explained.obstructions[:MOST]:
         lines.append(f"{100.0 * hidden.share:>6.1f} % hidden by {hidden.hider}")
     if explained.obstructions and math.isfinite(explained.unhidden):
-        lines.append(_line("with nothing hidden", explained.unhidden))
+        lines.append(level_line("with nothing hidden", explained.unhidden))
     return [*lines, *explained.approximations]
-
-
-def _line(name: str, level: float, detail: str = "") -> str:
-    """Line of a level with its name."""
-    # Rounded first, so that no "-0.00" is printed.
-    number = f"{round(level, 2) + 0.0:>10.2f} dB" if math.isfinite(level) else f"{'no echo':>10}"
-    return f"{name:<22}{number}  {detail}".rstrip()

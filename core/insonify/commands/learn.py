@@ -21,7 +21,7 @@ def register(subparsers: Any) -> None:
         help="make a scene whose record resembles a recording",
         description="Take sonar and track from a record, learn relief, material, speckle and level of its bed, and "
         "write a scene whose own record resembles it. Print what matches, what differs, and what the record does not "
-        "tell.",
+        "show.",
         epilog=EXAMPLE,
     )
     parser.add_argument("record", metavar="RECORD", help=f"a record: {RECORDS.describe(RECORDS.readable())}")
@@ -31,7 +31,7 @@ def register(subparsers: Any) -> None:
         action="append",
         default=[],
         metavar="PATH=VALUE",
-        help="what the record does not tell of sonar, water and receiver, e.g. sonar.beam.width=0.5; repeatable",
+        help="a field of sonar, water or receiver that the record lacks, e.g. sonar.beam.width=0.5; repeatable",
     )
     add_frequency(parser)
     parser.set_defaults(run=run)
@@ -42,7 +42,7 @@ def run(arguments: argparse.Namespace) -> None:
     path, name = chosen_output(arguments), arguments.record
     changes = dict(read_setting(text) for text in arguments.set)
     if not is_record(name):
-        raise SceneError(f"{name}: is no record; give {RECORDS.describe(RECORDS.readable())}")
+        raise SceneError(f"{name}: is not a record; give {RECORDS.describe(RECORDS.readable())}")
     record = read_record(name, arguments.frequency)
     # lazy: the other commands need neither SciPy nor the kernels
     from insonify.inversion.learning import learn

@@ -27,8 +27,8 @@ def run(arguments: argparse.Namespace) -> None:
     path = chosen_output(arguments)
     scene = chosen_scene(arguments)
     # lazy: the other commands need neither Matplotlib nor the kernels
+    from insonify.optics.cutaway import make_optical_scene
     from insonify.optics.light import write_light
-    from insonify.optics.optical_scene import make_optical_scene
     from insonify.parallel import limited_threads
 
     with limited_threads(arguments.threads):

@@ -3,18 +3,23 @@
 from __future__ import annotations
 
 import argparse
+import math
 import os
 import sys
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterable, Iterator
+from itertools import chain, count, repeat
 from pathlib import Path
 from typing import TypeVar
 
 from insonify.files import bundled_specifications
 from insonify.io.records import RECORDS
 from insonify.progress import report_progress, report_waiting
-from insonify.scene import DEFAULT_SCENE, Scene, SceneError, edit, load_scene, read_setting
+from insonify.scene import DEFAULT_SCENE, Scene, SceneError, edit, load_scene, plain, read_setting
+from insonify.scene.files import named_paths
 
 Block = TypeVar("Block")
+NO_WINDOW = 3  # exit code where a picture stands in for the window that cannot be opened
+FALLBACK = "insonify.png"  # its name, if none is given and there is no such file
 
 
 def add_scene(parser: argparse.ArgumentParser, *, optional: bool = False) -> None:
@@ -89,8 +94,8 @@ def add_specification(parser: argparse.ArgumentParser, folder: str, what: str) -
         "--scheduler",
         default="local",
         metavar="WHERE",
-        help="local:N for N workers on this machine, or tcp://HOST:PORT of an existing dask scheduler, whose workers "
-        "see the same folder (default: local, with one worker for each core that the process may use)",
+        help="local:N for N workers on this machine, or tcp://HOST:PORT of an existing dask scheduler with workers "
+        "that share the folder (default: local, with one worker for each core that the process may use)",
     )
 
 
@@ -136,6 +141,9 @@ def chosen_scene(arguments: argparse.Namespace) -> Scene:
         raise SceneError(f"{name}: this is a record, not a scene; draw it with 'insonify render {name} -o OUT.png'")
     scene = load_scene(arguments.scene)
     changes = dict(read_setting(text) for text in arguments.set)
+    written = getattr(arguments, "output", None) or getattr(arguments, "snapshot", None)
+    if written:
+        _refuse_overwriting(written, named_paths(plain(scene)))
     seed = getattr(arguments, "seed", None)  # the viewer's own commands may lack it
     if seed is not None:
         changes |= dict([read_setting(f"seed={seed}")])
@@ -151,7 +159,11 @@ def add_output(parser: argparse.ArgumentParser, suffixes: tuple[str, ...], expla
 
 def chosen_output(arguments: argparse.Namespace) -> Path:
     """Return the path of the file to write, checked as in `check_output`."""
-    return check_output(arguments.output, arguments.suffixes)
+    named = [value for name, value in vars(arguments).items() if name != "output"]
+    words = (word for value in named for word in (value if isinstance(value, list) else [value]))
+    path = check_output(arguments.output, arguments.suffixes)
+    _refuse_overwriting(arguments.output, (word for word in words if isinstance(word, str)))
+    return path
 
 
 def check_output(name: str, suffixes: tuple[str, ...], option: str = "-o") -> Path:
@@ -165,17 +177,37 @@ def check_output(name: str, suffixes: tuple[str, ...], option: str = "-o") -> Pa
         raise SceneError(
             f"{where}: {path.suffix!r} is not written by this command; end the name in {' or '.join(suffixes)}"
         )
-    # What a link leads to is replaced: a scene, say, must not become a record.
+    # The target of a link is replaced, so it must have the same suffix: a scene must not become a record.
     leads_to = Path(os.path.realpath(path))
     if path.is_symlink() and (leads_to.is_symlink() or leads_to.suffix.lower() != path.suffix.lower()):
         raise SceneError(f"{where}: is a link to {os.readlink(path)!r}, which is no {path.suffix}; give another name")
     if not path.parent.is_dir():
         raise SceneError(f"{where}: there is no folder {str(path.parent)!r}; create it or give another name")
-    # Refused before the work starts. A protected file is left alone even where its folder would let it be replaced.
+    # Checked before the work starts. A protected file is kept even where its folder permits replacing it.
     locked = next((place for place in (path, path.parent) if place.exists() and not os.access(place, os.W_OK)), None)
     if locked is not None:
         raise SceneError(f"{where}: {str(locked)!r} is write-protected; allow writing or give another name")
     return path
+
+
+def _refuse_overwriting(output: str, read: Iterable[str]) -> None:
+    """Refuse an output that is one of the files that are read."""
+    if any(map(_is_same_file, repeat(output), read)):
+        raise SceneError(f"-o {output}: is read by this command; give another name")
+
+
+def _is_same_file(one: str, other: str) -> bool:
+    try:
+        return os.path.samefile(one, other)
+    except (OSError, ValueError):  # one of them is no file
+        return False
+
+
+def free_name(name: str) -> str:
+    """Return the name of a file that does not exist yet: the given one, or one with a number."""
+    stem, suffix = os.path.splitext(name)
+    numbered = (f"{stem}-{number}{suffix}" for number in count(2))
+    return next(free for free in chain([name], numbered) if not os.path.lexists(free))
 
 
 def _is_store(path: Path) -> bool:
@@ -194,20 +226,11 @@ def tracked(blocks: Iterator[Block], pings: int, count: Callable[[Block], int]) 
             block = next(blocks, None)
 
 
-def decibels(text: str) -> float:
-    """Parse a number of decibels."""
-    value = _number(text)
-    if not abs(value) <= 200.0:
-        raise argparse.ArgumentTypeError(f"{text} is out of bounds; give decibels from -200 to 200")
-    return value
-
-
-def metres(text: str) -> float:
-    """Parse a length."""
-    value = _number(text)
-    if not 1e-3 <= value <= 1e6:
-        raise argparse.ArgumentTypeError(f"{text} is out of bounds; give metres from 0.001 to 1000000")
-    return value
+def level_line(name: str, level: float, detail: str = "") -> str:
+    """Line of a level in decibels with its name."""
+    # Rounded first, so that no "-0.00" is printed.
+    number = f"{round(level, 2) + 0.0:>10.2f} dB" if math.isfinite(level) else f"{'no echo':>10}"
+    return f"{name:<22}{number}  {detail}".rstrip()
 
 
 def say(line: str) -> None:
@@ -221,15 +244,25 @@ def _count(text: str) -> int:
     return int(text)
 
 
-def _share(text: str) -> float:
-    value = _number(text)
-    if not 0.0 < value <= 1.0:
-        raise argparse.ArgumentTypeError(f"{text} is out of bounds; give a number above 0 and at most 1, e.g. 0.03")
-    return value
-
-
 def _number(text: str) -> float:
     try:
         return float(text)
     except ValueError:
         raise argparse.ArgumentTypeError(f"{text!r} is not a number; give a plain number") from None
+
+
+def _bounded(low: float, high: float, remedy: str) -> Callable[[str], float]:
+    """Parser of a number between bounds."""
+
+    def parse(text: str) -> float:
+        value = _number(text)
+        if not low <= value <= high:
+            raise argparse.ArgumentTypeError(f"{text} is out of bounds; give {remedy}")
+        return value
+
+    return parse
+
+
+decibels = _bounded(-200.0, 200.0, "decibels from -200 to 200")
+metres = _bounded(1e-3, 1e6, "metres from 0.001 to 1000000")
+_share = _bounded(math.ulp(0.0), 1.0, "a number above 0 and at most 1, e.g. 0.03")

@@ -18,8 +18,8 @@ def register(subparsers: Any) -> None:
         "survey",
         help="simulate a survey of many lines by its specification",
         description="Tow over one scene along parallel lines that cover an area, or along given lines, and write a "
-        "record for each line, their mosaic (.tif), the coverage (.tif) and a page that sums it up. What is done "
-        "already is not done again: the same command goes on after an interruption.",
+        "record for each line, their mosaic (.tif), the coverage (.tif) and a page that sums it up. Finished "
+        "lines are not repeated: the same command continues after an interruption.",
         epilog=EXAMPLES,
     )
     add_specification(parser, "surveys", "survey")
@@ -27,7 +27,7 @@ def register(subparsers: Any) -> None:
 
 
 def run(arguments: argparse.Namespace) -> int:
-    """Simulate the lines that are missing, then write what concerns the whole survey."""
+    """Simulate the missing lines, then write the files about the whole survey."""
     # lazy: the other commands need none of it
     from insonify.scene import load_scene
     from insonify.surveys.engine import INTERRUPTED, work_on

@@ -53,7 +53,7 @@ class _Progress:
             self.left.pop(finished, None)
 
     def report(self) -> Compilation:
-        """Return the share done, and the time left if the rest goes on at the same rate."""
+        """Return the share done, and the time left if the rest takes as long per share."""
         done = (1.0 - ROOT) * (1.0 - sum(self.left.values()) / self.whole)
         now = time.monotonic()
         left = (now - self.start) * (1.0 / done - 1.0) if done > UNSURE else None
@@ -61,14 +61,14 @@ class _Progress:
 
 
 class CompilationListener(event.Listener):
-    """Tells the watchers of compilation what Numba compiles; all events come under Numba's lock, from one thread."""
+    """Reports compilations to the watchers; Numba sends all events under its lock, from one thread at a time."""
 
     def __init__(self) -> None:
         self.depth = 0
         self.progress: _Progress | None = None
 
     def on_start(self, event: Any) -> None:
-        """Begin a kernel, unless the function is a part of one."""
+        """Begin a kernel, unless the function is part of a kernel that is being compiled."""
         function = event.data["dispatcher"].py_func
         if self.depth == 0 and function.__module__.startswith(f"{PACKAGE}."):
             self.progress = _Progress(function)
@@ -78,7 +78,7 @@ class CompilationListener(event.Listener):
         self.depth += 1
 
     def on_end(self, event: Any) -> None:
-        """Report a function that is finished; with the outermost, its kernel is."""
+        """Report a function that is finished; the outermost function ends its kernel."""
         self.depth -= 1
         if self.progress is None:
             return
@@ -106,11 +106,11 @@ def called_functions(function: FunctionType) -> set[FunctionType]:
 
 
 def _subject(kernel: FunctionType) -> str:
-    """Return what a kernel calculates, by its module's folder."""
+    """Name the calculation of a kernel, by its module's folder."""
     folder = kernel.__module__.removeprefix(f"{PACKAGE}.").partition(".")[0]
     return WORDS.get(folder, "kernels")
 
 
 def report_compilations() -> None:
-    """Report what Numba compiles from now on."""
+    """Report all compilations of Numba from now on."""
     event.register("numba:compile", CompilationListener())

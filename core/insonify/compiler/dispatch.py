@@ -81,7 +81,7 @@ class _Entry(CPUDispatcher):
 
 
 def let_compile(code: Any, form: str, arguments: tuple[Any, ...]) -> None:
-    """Let another process compile a form of a kernel, if that is wanted and its machine code is not on disk."""
+    """Have another process compile a form of a kernel, if one is to be used and the machine code is not on disk."""
     function = code.py_func
     if elsewhere.wanted and "<locals>" not in function.__qualname__ and arguments not in code.overloads:
         if code._cache.lacks(arguments, code.targetctx):

@@ -15,15 +15,16 @@ import threading
 from collections.abc import Iterator
 
 from insonify.child_process import ChildProcess
+from insonify.compiler import digests
 from insonify.compiler.progress import report_progress
 from insonify.cores import VARIABLE, default_threads
 
 WORKER = "insonify.compiler.worker"
-TRIES = 2  # a process may end for want of work just when it gets a request
+TRIES = 2  # an idle process may end just when it gets a request
 
 
 class CompilationStoppedError(RuntimeError):
-    """The process that should compile a kernel has been ended, because nobody needs it any more."""
+    """The process that should compile a kernel has been ended, because its kernels are no longer needed."""
 
 
 class CompilingProcess:
@@ -53,7 +54,7 @@ class CompilingProcess:
             return name not in self.pending
 
     def finish(self) -> None:
-        """Let the process end when all that was requested is compiled."""
+        """Let the process end when all requested kernels are compiled."""
         self._send(None)
 
     def stop(self) -> None:
@@ -99,7 +100,7 @@ class _Helper:
     def start(self) -> None:
         """Start the process, if there is a second core for it."""
         with contextlib.suppress(OSError):
-            if default_threads() > 1 and sys.executable:
+            if digests.PRIVATE and default_threads() > 1 and sys.executable:
                 self.process = CompilingProcess(reports=False, **{VARIABLE: "1"})
 
     def finish(self) -> None:

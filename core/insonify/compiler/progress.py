@@ -26,14 +26,14 @@ NEARLY = 0.98  # greatest share of the predicted time that is taken as passed
 class Compilation(NamedTuple):
     """How far the compilation of one kernel has come."""
 
-    subject: str  # what the kernel calculates, in words: "bent rays"
+    subject: str  # calculation of the kernel in words: "bent rays"
     done: float  # share of its time, 0 to 1; never falls
     seconds_left: float | None  # about; None at the beginning
     reported: float = math.inf  # when, by `time.monotonic`
 
     @property
     def by_now(self) -> Compilation:
-        """The progress at present, if all goes as predicted since the report.
+        """Progress at present, as predicted by the last report.
 
         The longest step comes last, when a kernel is optimised as a whole: nothing is reported meanwhile.
         """
@@ -77,7 +77,7 @@ def report_progress(compilation: Compilation | None) -> None:
 
 
 def _about(seconds: float | None) -> str:
-    """Round a time to what people say."""
+    """Round a time and put it in words."""
     if seconds is None:
         return "this takes a while"
     if seconds < 0.75 * MINUTE:

@@ -19,6 +19,9 @@ def main() -> None:
 
 
 def _answer(name: bytes, send: Callable[[Any], None]) -> None:
-    with watch_compilation(send), contextlib.suppress(Exception):  # the parent finds no code and meets the error
+    with (
+        watch_compilation(send),
+        contextlib.suppress(Exception),
+    ):  # the parent then finds no code and raises the error itself
         compile_named(name)
     send(name)

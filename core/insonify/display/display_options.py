@@ -51,8 +51,8 @@ class DisplayOptions(NamedTuple):
     newest_on_top: bool = True  # whether later pings stand above earlier ones
     bottom_line: bool = False  # whether the first echo of the bed, and lines of equal range, are drawn
     range_lines: bool = False
-    # Of the window: ``fit`` for true scale where most of the room is filled, ``true`` for true scale with a part
-    # of the track where the whole does not fill the room, ``fill`` for all of the room.
+    # Of the window: ``true`` for true scale, with a part of the track where the whole does not fill the view; ``fill``
+    # to fill the view; ``fit`` for true scale where that fills most of the view.
     scale: str = SCALES[0]
     draped: bool = False  # of the window: whether the record is laid over the bed of the 3-D view
 
@@ -64,12 +64,12 @@ def read_display(settings: Sequence[str]) -> dict[str, Any]:
         name, value = read_setting(setting, "--display")
         if name not in DisplayOptions._fields:
             raise SceneError(
-                f"--display {name}: there is no such option; take one of {', '.join(DisplayOptions._fields)}"
+                f"--display {name}: there is no such option; choose one of {', '.join(DisplayOptions._fields)}"
             )
         usual: Any = (0.0, 0.0) if name == "levels" else DisplayOptions._field_defaults[name]
         if not _fits(value, usual) or (name in CHOICES and value not in CHOICES[name]):
             known = " or ".join(CHOICES[name]) if name in CHOICES else EXAMPLES[type(usual)]
-            raise SceneError(f"--display {name}={value!r} is no value of this option; write for example {known}")
+            raise SceneError(f"--display {name}={value!r} is not a valid value; write for example {known}")
         options[name] = tuple(map(float, value)) if isinstance(usual, tuple) else type(usual)(value)
     return options
 
@@ -81,7 +81,7 @@ def display_settings(look: DisplayOptions) -> list[str]:
 
 
 def _fits(value: Any, usual: Any) -> bool:
-    """Whether a value is of the type of the usual one; a whole number passes for any other."""
+    """Whether a value has the type of the default; a whole number counts as a number of any type."""
     if isinstance(usual, tuple):
         return isinstance(value, list) and len(value) == len(usual) and all(_fits(one, 0.0) for one in value)
     if isinstance(usual, bool) or not isinstance(usual, float):
@@ -90,7 +90,7 @@ def _fits(value: Any, usual: Any) -> bool:
 
 
 def side_factors(look: DisplayOptions, bins: int) -> NDArray[np.float32] | None:
-    """Factors on the amplitudes of both sides, (2, bins), port first; None where both sides stay as they are."""
+    """Factors on the amplitudes of both sides, (2, bins), port first; None where neither side is changed."""
     if not any((*look.side_gains, *look.side_slopes)):
         return None
     decades = np.log10((np.arange(bins) + 0.5) / (0.5 * bins))

@@ -27,7 +27,7 @@ _ENOUGH = 200_000  # amplitudes that suffice for a percentile
 
 @cache
 def load_palette(name: str) -> NDArray[np.uint8]:
-    """Read a palette: its file holds one colour per line, ``#rrggbb``, evenly spaced from silence to the maximum."""
+    """Read a palette: its file has one colour per line, ``#rrggbb``, evenly spaced from silence to the maximum."""
     palettes = find_palettes()
     if name not in palettes:
         raise SceneError(f"palette {name!r} is not known; choose one of {', '.join(palettes)}")
@@ -126,7 +126,7 @@ def average_columns(
 
     # Rows that share their edges are views of one row.
     grids = edges[:1] if edges.strides[0] == 0 else edges
-    # Of one type whatever rows and edges are views of, so that one kernel serves them all.
+    # Contiguous arrays have one type, so that one compiled kernel serves all callers.
     places = np.arange(len(rows)) if picked is None else np.ascontiguousarray(picked)
     which = np.minimum(np.arange(len(places)), len(grids) - 1)
     values, at = np.ascontiguousarray(rows), np.require(grids, requirements=("C", "W"))

@@ -31,7 +31,7 @@ class RangeAxis(NamedTuple):
     def bins_at(self, distance: Values, altitude: Values) -> Values:
         """Position in bins, from 0 at the sonar to ``bins``, of distances under a sonar at altitudes.
 
-        An altitude below 0, as damaged recordings hold, leads to no bin before the first.
+        An altitude below 0, as in damaged recordings, gives no bin before the first.
         """
         if self.kind == GROUND:
             slant = np.hypot(distance, altitude)

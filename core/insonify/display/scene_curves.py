@@ -27,7 +27,7 @@ WIDEST_SPECTRUM, NARROWEST_SPECTRUM = 1.5, 8.0  # of the farthest peak; cycles a
 class Curve(NamedTuple):
     """A curve with its axes."""
 
-    title: str  # what it shows; the figure that a reader looks for
+    title: str  # quantity of the curve, and its main figure
     note: str
     x: NDArray[np.float64]  # (n,)
     y: NDArray[np.float64]
@@ -131,19 +131,19 @@ def _ways(title: str, passes: int) -> str:
 
 
 def _decibels(energy: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Levels, the least of them `FLOOR`."""
+    """Levels in dB, at least `FLOOR`."""
     return 10.0 * np.log10(np.maximum(energy, 10.0 ** (0.1 * FLOOR)))
 
 
 def _width_at(x: NDArray[np.float64], level: NDArray[np.float64]) -> float:
-    """Span about the peak within which a level is not 3 dB below it, with straight lines between points."""
+    """Width of a peak 3 dB below its top, with straight lines between points."""
     peak = int(np.argmax(level))
     below = level - level[peak] + 3.0
     return abs(_crossing(x[peak:], below[peak:]) - _crossing(x[peak::-1], below[peak::-1]))
 
 
 def _crossing(x: NDArray[np.float64], height: NDArray[np.float64]) -> float:
-    """Where a height, which begins above zero, first falls below it; the last place if it never does."""
+    """Place where a height that begins above zero first falls below it; the last place if it never does."""
     below = np.flatnonzero(height < 0.0)
     if below.size == 0:
         return float(x[-1])

@@ -40,7 +40,7 @@ class RecordSheet(NamedTuple):
 
 
 class SheetPings(NamedTuple):
-    """Successive pings, with what a picture shows of them."""
+    """Data of successive pings that a picture shows."""
 
     intensity: Record  # (n, 2, bins) linear, port first
     x: NDArray[np.float64]  # (n,) position of the sonar, in metres
@@ -50,7 +50,7 @@ class SheetPings(NamedTuple):
 
 
 def take_sheet_pings(record: xr.Dataset) -> SheetPings:
-    """Take from a record what a picture shows."""
+    """Take the data of a record that a picture shows."""
     return SheetPings(
         record["intensity"].transpose("ping_time", "channel", "range_sample").values,
         record["platform_x"].values,
@@ -61,7 +61,7 @@ def take_sheet_pings(record: xr.Dataset) -> SheetPings:
 
 
 def trace_sheet_pings(simulation: Simulation) -> Iterator[SheetPings]:
-    """Trace the record of a simulation block by block, with what a picture shows of it."""
+    """Trace the record of a simulation block by block and yield the data that a picture shows."""
     sonar = simulation.scene.sonar
     bin_length = sonar.range / sonar.bins
     for block in simulation.record_blocks():
@@ -77,23 +77,23 @@ def gather_sheet(blocks: Iterable[SheetPings], relative: Relative, pings: int, l
     together = math.ceil(pings / MOST_ROWS)  # pings that share a row
     rows = np.zeros((math.ceil(pings / together), columns), dtype=np.float32)
     counts = np.zeros((len(rows), 1), dtype=np.float32)
-    done, axis, track = 0, None, _Length()
-    altitudes: list[NDArray[np.float64]] = []
+    done, axis = 0, None
+    track = [np.empty((3, 0))]  # x, y and altitude of successive pings
     for block in blocks:
         axis = axis or _axis(block, look)
         numbers = np.arange(done, done + len(block.intensity))
         _add_rows(rows, counts, numbers // together, _columns(block, numbers, relative, columns, axis, look))
-        track.add(block)
-        altitudes.append(block.altitude)
+        track.append(np.stack([block.x, block.y, block.altitude]))
         done += numbers.size
     rows /= np.maximum(counts, 1.0)
-    along = track.metres * (done / max(done - 1, 1))
+    x, y, altitude = np.concatenate(track, axis=1)
+    along = float(np.hypot(np.diff(x), np.diff(y)).sum()) * (done / max(done - 1, 1))
     reach = axis.reach if axis is not None else 0.0
     across = 2.0 * reach if look.side == "both" else reach
     height = int(np.clip(columns * along / across if across > 0.0 else 0, *HEIGHTS))
     sheet = resample_rows(rows, height)
     upwards = sheet if look.newest_on_top else sheet[::-1]
-    return RecordSheet(upwards, reach, along, done, np.concatenate(altitudes or [np.empty(0)]))
+    return RecordSheet(upwards, reach, along, done, altitude)
 
 
 def gather_record_sheet(record: xr.Dataset, look: DisplayOptions) -> RecordSheet:
@@ -118,21 +118,6 @@ def resample_rows(rows: NDArray[np.float32], height: int) -> NDArray[np.float32]
     return average_columns(np.ascontiguousarray(rows.T), edges).T
 
 
-class _Length:
-    """Along-track length of successive blocks."""
-
-    def __init__(self) -> None:
-        self.metres = 0.0
-        self._last: tuple[float, float] | None = None
-
-    def add(self, block: SheetPings) -> None:
-        x, y = block.x, block.y
-        if self._last is not None:
-            x, y = np.append(self._last[0], x), np.append(self._last[1], y)
-        self.metres += float(np.hypot(np.diff(x), np.diff(y)).sum())
-        self._last = float(x[-1]), float(y[-1])
-
-
 def _axis(block: SheetPings, look: DisplayOptions) -> RangeAxis:
     """Distance across the picture, to the farthest that the lowest ping of the first block receives."""
     kind = choose_kind(ground_range=look.ground_range, water_column=look.water_column)
@@ -149,7 +134,7 @@ def _axis(block: SheetPings, look: DisplayOptions) -> RangeAxis:
 
 
 def fill_altitude(block: xr.Dataset) -> NDArray[np.float64]:
-    """Altitudes of pings as `find_altitude` has them, in metres; 0 where the record shows no bed."""
+    """Altitudes of pings by `find_altitude`, in metres; 0 where the record shows no bed."""
     return np.nan_to_num(find_altitude(block))
 
 
@@ -159,7 +144,7 @@ def _bin_length(block: xr.Dataset) -> float:
 
 
 def _add_rows(rows: Record, counts: Record, row: NDArray[np.int64], newest_first: Record) -> None:
-    """Add the columns of successive pings to the rows that they share, the oldest of which is the last."""
+    """Add the columns of successive pings to the rows that they share; the oldest ping is in the last row."""
     upwards = row[::-1]
     starts = np.flatnonzero(np.diff(upwards, prepend=upwards[0] + 1))
     places = len(rows) - 1 - upwards[starts]

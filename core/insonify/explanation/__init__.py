@@ -1,1 +1,1 @@
-"""Explanation of one pixel of a record: its budget in decibels, what returns it, and what hides the bed there."""
+"""Explanation of one pixel of a record: its budget in decibels, its sources, and what hides the bed there."""

@@ -1,4 +1,4 @@
-"""What returns the echo in one pixel, what hides bed that would echo there, and both in a sentence."""
+"""Sources of the echo in one pixel, obstructions that hide bed there, and a sentence about both."""
 
 from __future__ import annotations
 
@@ -11,35 +11,35 @@ from numpy.typing import NDArray
 
 from insonify.explanation.names import PATH_NAMES
 from insonify.explanation.pixel_parts import PixelParts, whole_window
-from insonify.kernels.labels.bed_stretches import BEHIND_BED, HEARD
+from insonify.kernels.labels.bed_stretches import BEHIND_BED, VISIBLE
 from insonify.tracers.azimuth_fan import lay_planes_of_images
 from insonify.tracers.echo_parts import EchoParts, find_direct_parts, take_central_plane
 from insonify.tracers.labels import PATHS
 
 Points = NDArray[np.float64]
 SHADOW = 0.5  # share of the echo that is hidden from which a pixel counts as shadow
-SPREAD = 0.95  # share of the echo of the first contributor up to which the next one is named
+SPREAD = 0.95  # share of the first source below which the second is named too
 
 
 @dataclass(frozen=True, eq=False)
 class Contribution:
-    """What returns a part of the pixel's echo."""
+    """Source of a part of the pixel's echo."""
 
     source: str  # ``pipe 1``, ``bed``, ``sea surface``
     material: str  # empty where there is none
     path: str  # of `insonify.tracers.labels.PATHS`
-    target: int  # index of the declared target, -1 for what is none
-    row: int  # of the material among those of the scene, -1 where there is none
+    target: int  # index of the declared target, -1 for the bed and the sea surface
+    row: int  # index among the materials of the scene, -1 without a material
     share: float  # of the mean echo in the pixel
     ground_range: float  # means weighted by the echo, m and degrees
     incidence: float
     parts: EchoParts  # of which it is made
-    places: Points  # (n, 2, 3) where the sound goes: beginnings and ends of the parts, in local coordinates, m
-    rays: tuple[Points, ...]  # the way of the sound to the loudest of them, and back where that is another one
+    places: Points  # (n, 2, 3) beginnings and ends of the parts, in local coordinates, m
+    rays: tuple[Points, ...]  # path of the sound to the loudest parts, and the way back where it differs
 
     @property
     def words(self) -> str:
-        """Source, material and path as they are read."""
+        """Source, material and path in words."""
         what = ", ".join(filter(None, (self.source, self.material)))
         if self.path == "direct":
             return what
@@ -47,8 +47,8 @@ class Contribution:
 
 
 def find_contributions(pixel: PixelParts) -> tuple[Contribution, ...]:
-    """Find what returns the echo in a pixel."""
-    echoing = pixel.parts.take((pixel.parts.state == HEARD) & (pixel.parts.value > 0.0))
+    """Find the sources of the echo in a pixel, the greatest first."""
+    echoing = pixel.parts.take((pixel.parts.state == VISIBLE) & (pixel.parts.value > 0.0))
     if not echoing.value.size:
         return ()
     kinds = np.column_stack([echoing.path, echoing.target, echoing.material])
@@ -78,16 +78,16 @@ def _contribution(pixel: PixelParts, parts: EchoParts, total: float) -> Contribu
 
 @dataclass(frozen=True, eq=False)
 class Obstruction:
-    """What hides a part of the bed that would echo in the pixel."""
+    """Target or crest that hides a part of the bed from the pixel."""
 
     hider: str  # ``pipe 1``, or ``crest of the bed``
     target: int  # index of the declared target, -1 for the bed
     place: Points  # (3,) crest of the bed, or middle of the bed that a target hides, in local coordinates, m
     ground_range: float  # of that place, m
-    share: float  # of what the pixel would echo if nothing hid anything
+    share: float  # of the echo that the pixel would have without obstructions
     echo: float  # mean echo that the hidden bed would add, in the units of the parts
     places: Points  # (n, 2, 3) the hidden bed
-    rays: tuple[Points, ...]  # from the sonar to the hidden bed, through what hides it
+    rays: tuple[Points, ...]  # from the sonar to the hidden bed, through the obstruction
 
     @property
     def faces_away(self) -> bool:
@@ -96,9 +96,9 @@ class Obstruction:
 
 
 def find_obstructions(pixel: PixelParts) -> tuple[Obstruction, ...]:
-    """Find what hides bed that would echo in a pixel."""
+    """Find the obstructions that hide bed from a pixel, the greatest first."""
     parts = pixel.parts
-    hidden = parts.take(parts.state != HEARD)
+    hidden = parts.take(parts.state != VISIBLE)
     whole = float(parts.value.sum())
     hiders = np.where(hidden.state == BEHIND_BED, -1, hidden.hider)
     found = [_obstruction(pixel, hidden.take(hiders == who), int(who), whole) for who in np.unique(hiders)]
@@ -124,7 +124,7 @@ def _obstruction(pixel: PixelParts, parts: EchoParts, who: int, whole: float) ->
 def summarise_pixel(
     pixel: PixelParts, contributions: Sequence[Contribution], obstructions: Sequence[Obstruction]
 ) -> str:
-    """Sentence on what a pixel shows, or why it is dark."""
+    """Describe in one sentence what a pixel shows, or why it is dark."""
     hiding = sum(each.share for each in obstructions)
     if obstructions and (hiding >= SHADOW or not contributions):
         return _shadow(obstructions[0], bool(contributions))
@@ -138,7 +138,7 @@ def summarise_pixel(
 
 
 def _shadow(greatest: Obstruction, echoing: bool) -> str:
-    """Sentence on what hides the bed there."""
+    """Sentence that names the greatest obstruction."""
     if greatest.faces_away:
         return f"no echo: the slope behind the crest at {greatest.ground_range:.1f} m faces away from the sonar"
     mostly = "mostly in the shadow" if echoing else "in the shadow"
@@ -148,7 +148,7 @@ def _shadow(greatest: Obstruction, echoing: bool) -> str:
 
 
 def _silence(pixel: PixelParts) -> str:
-    """Sentence on why nothing returns an echo although nothing is hidden."""
+    """Sentence that explains a pixel without an echo where nothing is hidden."""
     if pixel.folded:
         return "no echo: no ray lands there"
     echoing = athwart_parts(pixel)
@@ -166,6 +166,6 @@ def athwart_parts(pixel: PixelParts) -> EchoParts:
     if not fans:
         return pixel.parts.take(np.zeros(0, np.int64))
     fan = take_central_plane(pixel.arrays, fans[0][1])
-    window = whole_window(pixel.arrays).window
+    window = whole_window(pixel.arrays)
     parts = find_direct_parts(pixel.arrays, pixel.pose, pixel.side, window, fan)
-    return parts.take(parts.state == HEARD)
+    return parts.take(parts.state == VISIBLE)

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from insonify.explanation.names import name_part
 from insonify.explanation.pixel_parts import arrays_at, whole_window
 from insonify.explanation.sound_paths import SonarPose, locate_sonar
-from insonify.kernels.labels.bed_stretches import BEHIND_BED, HEARD
+from insonify.kernels.labels.bed_stretches import BEHIND_BED, VISIBLE
 from insonify.packing.apparent_tables import make_apparent_tables
 from insonify.simulation import Simulation
 from insonify.tracers.azimuth_fan import lay_planes_of_images
@@ -22,7 +22,7 @@ SAMPLES = 1024  # of the bed's profile
 
 @dataclass(frozen=True, eq=False)
 class CrossSection:
-    """What one plane cuts, as ground range and height above the datum, m."""
+    """Section of a scene by one vertical plane: ground ranges and heights above the datum, m."""
 
     ping: int
     side: int
@@ -30,10 +30,10 @@ class CrossSection:
     sonar: SonarPose
     reach: float  # ground range to which the section is drawn, m
     bed: Points  # (n, 2) profile of the bed, NaN where there is none
-    heard: Points  # (m, 2, 2) stretches of the bed that the sonar sees, and that other bed or targets hide from it
+    visible: Points  # (m, 2, 2) stretches of the bed that are visible from the sonar, and stretches that are hidden
     hidden: Points
-    targets: tuple[tuple[str, Points], ...]  # names of the targets, and what the sonar sees of each
-    horizon: Points  # (k, 2, 2) from each crest of the bed that hides bed to the end of what it hides
+    targets: tuple[tuple[str, Points], ...]  # names of the targets, and the visible part of each
+    horizon: Points  # (k, 2, 2) lines from each crest that hides bed to the end of its shadow
 
 
 def cut_cross_section(simulation: Simulation, ping: int, side: int) -> CrossSection:
@@ -46,7 +46,7 @@ def cut_cross_section(simulation: Simulation, ping: int, side: int) -> CrossSect
     if fans and not folded.any():
         fan = take_central_plane(arrays, fans[0][1])
         azimuth = float(fan.azimuth[0])
-        parts = find_direct_parts(arrays, pose, side, whole_window(arrays).window, fan)
+        parts = find_direct_parts(arrays, pose, side, whole_window(arrays), fan)
     x = np.linspace(0.0, reach, SAMPLES)
     level = sonar.place[:2] + np.multiply.outer(x, sonar.direction(azimuth))
     bed = np.column_stack([x, simulation.ground.height_at(level[:, 0], level[:, 1])])
@@ -58,10 +58,10 @@ def cut_cross_section(simulation: Simulation, ping: int, side: int) -> CrossSect
 def _stretches(
     simulation: Simulation, parts: EchoParts
 ) -> tuple[Points, Points, tuple[tuple[str, Points], ...], Points]:
-    """Stretches seen and hidden, targets, and horizons behind crests."""
+    """Visible and hidden stretches, targets, and horizons behind crests."""
     ends = np.stack([parts.begin, parts.end], axis=1)
     of_bed = parts.target < 0
-    seen, targets = parts.state == HEARD, simulation.scene.targets
+    seen, targets = parts.state == VISIBLE, simulation.scene.targets
     named = tuple(
         (name_part(targets, int(k)), ends[seen & (parts.target == k)]) for k in np.unique(parts.target[~of_bed])
     )

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from insonify.explanation.pixel_parts import arrays_at, whole_window
 from insonify.explanation.sound_paths import SURFACE, locate_sonar, path_range
 from insonify.kernels.common.types import Poses, SceneArrays
-from insonify.kernels.labels.bed_stretches import HEARD
+from insonify.kernels.labels.bed_stretches import VISIBLE
 from insonify.kernels.labels.echo_parts import Window
 from insonify.packing.apparent_tables import make_apparent_tables
 from insonify.simulation import Simulation
@@ -21,7 +21,7 @@ from insonify.tracers.labels import PATHS
 
 FAINT = 0.01  # two-way response of the beam below which a place counts as outside
 STRIP = 0.5  # m, half the width of a knife along the track
-BESIDE = 0.3  # m by which a place may lie off the surface that echoes
+BESIDE = 0.3  # m, greatest distance of a place from the surface that echoes
 WIDE = 0.03  # share of its ground range by which an echo by way of the sea surface may lie beside a place
 SURFACE_BOTTOM = PATHS.index("surface_bottom")
 
@@ -88,10 +88,10 @@ def _listen(
     if folded.any() or not fans:
         return []
     fan = fans[0][1]._replace(azimuth=np.array([azimuth]))
-    parts = find_direct_parts(arrays, pose, side, whole_window(arrays).window, fan)
+    parts = find_direct_parts(arrays, pose, side, whole_window(arrays), fan)
     low, high = np.minimum(parts.begin, parts.end) - BESIDE, np.maximum(parts.begin, parts.end) + BESIDE
     at = np.array([level, place[2]])
-    near = (parts.state == HEARD) & (low <= at).all(axis=1) & (high >= at).all(axis=1)
+    near = (parts.state == VISIBLE) & (low <= at).all(axis=1) & (high >= at).all(axis=1)
     found = []
     if near.any():
         off = np.linalg.norm(parts.middle - at, axis=1)

@@ -1,4 +1,4 @@
-"""Names of what returns or hides an echo, as people read them."""
+"""Names of paths, targets, volumes and materials in words."""
 
 from __future__ import annotations
 

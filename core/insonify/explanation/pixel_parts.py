@@ -25,7 +25,7 @@ MOST_RAYS = 12  # to the parts of one contributor
 
 
 class PixelWindow(NamedTuple):
-    """Bins that echo in one pixel."""
+    """Range bins with echoes that arrive in one pixel."""
 
     # Weights of each bin: share that the pulse brings into the pixel; the same with spreading; and with
     # absorption.
@@ -37,7 +37,7 @@ class PixelWindow(NamedTuple):
 def pixel_window(arrays: SceneArrays, taps: Taps, pixel: int) -> PixelWindow:
     """Range bins with echoes that the pulse brings into a pixel."""
     late = np.arange(taps.weights.size) - taps.before
-    # Beyond the last bin the echo goes on at its last value, as in the receiver.
+    # Beyond the last bin the echo keeps its last value, as in the receiver.
     source = np.minimum(pixel - late, arrays.bins - 1)
     within = source >= 0
     first, last = int(source[within].min()), int(source[within].max())
@@ -46,9 +46,9 @@ def pixel_window(arrays: SceneArrays, taps: Taps, pixel: int) -> PixelWindow:
     return _weigh(arrays, first, share)
 
 
-def whole_window(arrays: SceneArrays) -> PixelWindow:
-    """All range bins of one side, each as loud as it is."""
-    return _weigh(arrays, 0, np.ones(arrays.bins))
+def whole_window(arrays: SceneArrays) -> Window:
+    """All range bins of one side, each with weight 1."""
+    return _weigh(arrays, 0, np.ones(arrays.bins)).window
 
 
 def _weigh(arrays: SceneArrays, first: int, share: NDArray[np.float64]) -> PixelWindow:
@@ -74,7 +74,7 @@ class PixelParts:
     parts: EchoParts
 
     def name(self, target: int, path: int = DIRECT) -> str:
-        """Name of what echoes: a target, the bed or the sea surface."""
+        """Name of a source: a target, the bed or the sea surface."""
         if path == SURFACE:
             return "sea surface"
         return name_part(self.simulation.scene.targets, target) if target >= 0 else "bed"
@@ -91,7 +91,7 @@ class PixelParts:
         return np.array(ends).reshape(-1, 2, 3)
 
     def rays(self, some: EchoParts) -> tuple[Points, ...]:
-        """Ways of the sound to the loudest of some parts, in local coordinates."""
+        """Paths of the sound to the loudest of some parts, in local coordinates."""
         loudest = np.argsort(some.value)[::-1][:MOST_RAYS]
         chosen = loudest[some.value[loudest] >= LOUD * some.value.sum()]
         rays = []
@@ -120,7 +120,7 @@ def arrays_at(simulation: Simulation, ping: int) -> tuple[SceneArrays, Poses]:
 
 
 def _place_surface_parts(simulation: Simulation, sonar: SonarPose, parts: EchoParts) -> EchoParts:
-    """Parts with the heights of those by way of the sea surface: of the bed there, or by the slant range."""
+    """Parts with heights for those by way of the sea surface: the height of the bed there, or by the slant range."""
     unknown = np.flatnonzero(np.isnan(parts.begin[:, 1]))
     if not unknown.size:
         return parts

@@ -1,4 +1,4 @@
-"""Ways of the sound from the sonar to a place and back: straight, bent, or by the sea surface, as lines of points."""
+"""Paths of sound from the sonar to a place and back: straight, bent, or by the sea surface, as lines of points."""
 
 from __future__ import annotations
 
@@ -59,7 +59,7 @@ def locate_sonar(simulation: Simulation, pose: Poses, side: int) -> SonarPose:
 def trace_path(
     arrays: SceneArrays, sonar: SonarPose, path: int, azimuth: float, launch: float, place: Points
 ) -> Points:
-    """Way of the sound out and back in the plane of an azimuth."""
+    """Path of the sound out and back in the plane of an azimuth."""
     start = np.array([0.0, sonar.place[2]])
     if path == SURFACE:
         return np.array([start, [0.0, sonar.surface], start])
@@ -123,7 +123,7 @@ def height_by_range(sonar: SonarPose, path: int, ground_range: float, slant_rang
 
 
 def path_range(sonar: SonarPose, path: int, ground_range: float, height: float) -> float:
-    """Slant range of an echo by way of the sea surface: half the way by both images of the sonar."""
+    """Slant range of an echo by way of the sea surface: half the path by both images of the sonar."""
     up, rise = sonar.surface - float(sonar.place[2]), height - float(sonar.place[2])
     images = {SURFACE_BOTTOM_SURFACE: (2.0 * up, 2.0 * up), SECOND_BOTTOM: (0.0, 2.0 * (sonar.surface - sonar.below))}
     one, other = images.get(path, (0.0, 2.0 * up))

@@ -1,1 +1,1 @@
-"""Inversion of a record: relief, material and speckle of a bed whose simulated record resembles it."""
+"""Inversion of a record: relief, material and speckle of a bed with a similar simulated record."""

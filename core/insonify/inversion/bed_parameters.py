@@ -43,7 +43,7 @@ class BedParameters:
     patches: PowerLaw | None  # logarithm of the backscatter; None for an even material
     speckle: float  # variance of the relative amplitude by speckle
     diffuse: float  # Lambert's share of the material, in the middle of its patches
-    mirrors: bool  # whether the material has the mirror lobe of the sediment that is nearest in level, rather than none
+    mirrors: bool  # whether the material has a mirror lobe: that of the sediment nearest in level
 
     def scaled(self, decibels: float) -> BedParameters:
         """Material with its backscatter scaled by a gain, limited so that the albedo stays at most 1."""

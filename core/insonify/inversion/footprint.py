@@ -1,4 +1,4 @@
-"""Footprint of a sonar in the spectra of its record: what beam, pulse and bins average, and the spectrum of speckle."""
+"""Footprint of a sonar in the spectra of its record: averaging by beam, pulse and bins, and the spectrum of speckle."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from insonify.scene.sonar.pulses import PulseKind
 
 Field = NDArray[np.float64]
 DIRECTIONS = 64  # of the beam that are summed
-FAINTEST = 0.05  # of the spectrum of speckle over its mean, where a pulse lets nothing pass
+FAINTEST = 0.05  # least spectrum of speckle over its mean, at frequencies that the pulse suppresses
 
 
 class Footprint(NamedTuple):
@@ -33,7 +33,7 @@ class Footprint(NamedTuple):
         return max(self.bin_length, self.pulse.cell(self.sound_speed))
 
     def average_along(self, frequency: Field, slant_range: float) -> Field:
-        """Share of the power of waves along the track (cycles a metre) that the beam leaves."""
+        """Share of the power of waves along the track (cycles a metre) that remains after averaging over the beam."""
         if self.directions.size == 0:
             return np.ones_like(frequency)
         phase = 2.0 * np.pi * slant_range * np.multiply.outer(frequency, self.directions)
@@ -42,7 +42,7 @@ class Footprint(NamedTuple):
         return np.asarray(real**2 + imaginary**2)
 
     def average_across(self, frequency: Field) -> Field:
-        """Share of the power of waves in slant range (cycles a metre) that pulse and bins leave."""
+        """Share of the power of waves in slant range (cycles a metre) that remains after averaging over a bin."""
         taps = pulse_taps(self.pulse, self.sound_speed, self.bin_length).weights
         lags = np.arange(taps.size)[:, None] * self.bin_length
         waves = (taps[:, None] * np.exp(-2j * np.pi * lags * frequency)).sum(axis=0) / taps.sum()

@@ -1,4 +1,4 @@
-"""Match of a simulated record to a recorded one: simulate, measure alike, correct the parameters of the bed."""
+"""Match of a simulated record to a recorded one: simulate, measure, and correct the parameters of the bed."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from insonify.inversion.bed_parameters import BedParameters, PowerLaw, set_bed, variance_of_looks
+from insonify.inversion.bed_parameters import USUAL_SPEED, BedParameters, PowerLaw, set_bed, variance_of_looks
 from insonify.inversion.footprint import footprint_of
 from insonify.inversion.recorded_sonar import RecordedSonar
 from insonify.inversion.roughness_fit import PowerLawFit, RoughnessFit, fit_roughness
@@ -20,8 +20,8 @@ from insonify.scene.edit import edit
 from insonify.simulation import simulate
 
 Pairs = tuple[tuple[float, float], ...]
-# Altitudes between which the level counts: no mirror lobe reaches as far, and long slopes of the bed, which change the
-# level by cot θ times their slope, have little effect.
+# Slant ranges in altitudes between which levels are compared: mirror lobes do not reach as far, and slopes of the bed,
+# which change the level by cot θ times the slope, have little effect.
 FROM, TO = 1.5, 2.2
 GAIN_KNOTS = 24  # of a table of gains
 MOST_GAIN = 190.0  # dB, of a gain or the level of a beam
@@ -34,14 +34,14 @@ LARGEST_STEP = 2.0  # of a logarithm of a level
 EXPONENTS = (0.1, 3.0)
 SIGNIFICANT, PATCHIER = 20.0, 3.0  # gain of log likelihood that patches must bring, also over that of an even bed
 UNDETERMINED = 0.7  # standard error of ln A from which there is no relief that rises above the speckle
-FIRST_DIFFUSE = 0.19  # of medium sand, to begin with
+FIRST_DIFFUSE = 0.19  # of medium sand, of the first candidate
 MOST_PINGS = 1024  # of a simulation
 EVERY_NODE = {"spacing": "1"}  # nodes left out would make the relief smoother
 
 
 @dataclass(frozen=True)
 class Candidate:
-    """Bed, speckle, gains and vertical beam of a scene that is tried."""
+    """Bed, speckle, gains and vertical beam of a scene to try."""
 
     bed: BedParameters
     gains: Pairs | None  # time-varied gain, where that of the sonar is unknown
@@ -60,7 +60,7 @@ class Candidate:
 
 
 class Matching:
-    """Search for the bed whose simulated record has the fit and the level of a recorded one."""
+    """Search for the bed with a simulated record of the same fit and level as a recorded one."""
 
     def __init__(
         self,
@@ -88,7 +88,7 @@ class Matching:
         return self._refine(candidate, fit, STEPS)[0], fit
 
     def _first(self, fit: RoughnessFit) -> Candidate:
-        """Candidate to begin with: the record's own fit."""
+        """First candidate: the record's own fit."""
         relief = None
         if fit.relief.log_level_error < UNDETERMINED:
             relief = PowerLaw(fit.relief.log_level, float(np.clip(fit.relief.exponent, *EXPONENTS)))
@@ -127,7 +127,7 @@ class Matching:
         return sound_bed(record, altitude, separate=not self._sonar.simulated)
 
     def _leveled(self, candidate: Candidate, simulated: SoundedBed, step: float) -> Candidate:
-        """Candidate as loud as the record: by its material where gains are known, else by gains and vertical beam."""
+        """Candidate at the record's level: by its material where gains are known, else by gains and vertical beam."""
         if candidate.gains is None:
             return replace(candidate, bed=candidate.bed.scaled(step * level_difference(self._recorded, simulated)))
         vertical = candidate.vertical
@@ -137,7 +137,7 @@ class Matching:
         return replace(candidate, gains=gains, vertical=vertical)
 
     def _has_patches(self, gain: float, simulated: SegmentSpectra) -> bool:
-        """Whether patches of material explain the record far better than they explain that of an even bed."""
+        """Whether patches of material improve the fit far more than they improve the fit of an even bed."""
         if gain < SIGNIFICANT:
             return False
         even = fit_roughness(simulated, self._footprint)
@@ -147,11 +147,11 @@ class Matching:
 
 def speed_of_sound(scene: Scene) -> float:
     """Sound speed of the water at the sonar, in m/s."""
-    return float(scene.water.only_speed or 1500.0)
+    return float(scene.water.only_speed or USUAL_SPEED)
 
 
 def _correct(bed: BedParameters, target: RoughnessFit, found: RoughnessFit, step: float) -> BedParameters:
-    """Correct parameters by a share of what the fit of their own record differs from the target."""
+    """Correct parameters by a share of the difference between the target and the fit of their own record."""
     patches = bed.patches
     if patches is not None and target.patches is not None and found.patches is not None:
         patches = _moved(patches, target.patches, found.patches, step)
@@ -186,7 +186,7 @@ def correct_gains(gains: Pairs, recorded: SoundedBed, simulated: SoundedBed) -> 
 
 
 def correct_beam(levels: Pairs, recorded: SoundedBed, simulated: SoundedBed, passes: int) -> Pairs:
-    """One-way levels in dB of a vertical beam by the angle below the horizontal, changed likewise."""
+    """One-way levels in dB of a vertical beam by the angle below the horizontal, corrected in the same way."""
     angles = recorded.level.angles
     own = np.interp(angles, simulated.level.angles, simulated.level.by_angle)
     return _added(levels, angles, (recorded.level.by_angle - own) / passes)

@@ -1,4 +1,4 @@
-"""Sonar and track of a record: what the record declares, what it shows, and what has to be assumed."""
+"""Sonar and track of a record, from its declarations, from its echoes, and by assumptions."""
 
 from __future__ import annotations
 
@@ -20,7 +20,13 @@ LEVEL = 0.05  # change of altitude, over the mean, that a level track may show
 STRAIGHT = 0.5  # m, or half the distance between pings if that is more, off a straight and even track
 ASSUMED_BEAM = {"kind": "gaussian", "width": 0.7}
 ASSUMED_RATE = 10.0  # Hz
-LEARNED = ("seabed", "receiver.speckle", "targets", "volumes", "track.pings")  # fields that nobody may set beforehand
+LEARNED = (
+    "seabed",
+    "receiver.speckle",
+    "targets",
+    "volumes",
+    "track.pings",
+)  # fields that may not be set, because they are learned
 CARRIED = ("sonar", "water", "track", "receiver")  # parts of a simulated record's scene that are kept
 
 Column = NDArray[np.float64]
@@ -68,7 +74,7 @@ def _altitude(record: xr.Dataset) -> Column:
     if not (np.isfinite(altitude).all() and altitude.max() > 0.0):
         title = record.attrs.get("title", "record")
         raise SceneError(
-            f"{title}: tells no altitude and shows no first echo of the bed; give a record with a water column"
+            f"{title}: has no altitude and shows no first echo of the bed; give a record with a water column"
         )
     return altitude
 
@@ -132,7 +138,7 @@ def _course(record: xr.Dataset) -> float:
 
 
 def _depth(record: xr.Dataset, altitude: Column) -> float:
-    """Depth of the water, in metres; deep enough for the altitude where the record has none."""
+    """Depth of the water, in metres; deep enough for the altitude if the record has no depth."""
     below = record["platform_depth"].values if "platform_depth" in record else np.full(altitude.shape, np.nan)
     depth = float(np.mean(below + altitude))
     least = 1.05 * float(altitude.max()) + 1.0

@@ -22,10 +22,10 @@ ALIASES = np.arange(-2, 3)  # bands that pings far apart fold into one
 COARSEST = 2  # cycles per segment that a wave needs, along or across; fewer are removed with the mean plane
 STARTS = (0.8, 1.4, 2.0, 2.6)  # exponents from which the fit starts
 LEVELS, EXPONENTS = (-60.0, 20.0), (0.0, 4.0)
-SILENT = 1e-3  # speckle over the mean power of the record, at least: leakage and aliases rule fainter waves
-WIDTHS = (0.2, 0.3, 0.4, 0.55, 0.75, 1.0, 1.4, 2.0)  # degrees, of beams that are tried
+SILENT = 1e-3  # speckle over the mean power of the record, at least: fainter waves are leakage and aliases
+WIDTHS = (0.2, 0.3, 0.4, 0.55, 0.75, 1.0, 1.4, 2.0)  # degrees, of beams to try
 LEAST_CORRELATION = 0.01  # of neighbouring bins, below which they are independent
-SHORTEST_WAVES = 0.75  # of the highest frequency along the track, from which waves hold speckle alone
+SHORTEST_WAVES = 0.75  # of the highest frequency along the track, above which waves are speckle alone
 
 
 class PowerLawFit(NamedTuple):
@@ -38,7 +38,7 @@ class PowerLawFit(NamedTuple):
 
 
 class RoughnessFit(NamedTuple):
-    """What explains the spectra of a record."""
+    """Relief, patches and speckle that explain the spectra of a record."""
 
     relief: PowerLawFit  # heights, in m⁴ (cycles a metre)^2β
     patches: PowerLawFit | None  # logarithm of the backscatter by patches of material; None if none are fitted
@@ -63,8 +63,8 @@ def fit_roughness(
 
     A slope p along the line of sight changes the amplitude by κ p, see `Footprint.respond_to_slope`; patches change it
     by half the logarithm of their backscatter in every direction alike. Beam, pulse and bins average both. Speckle is
-    white but for the pulse. Whittle's likelihood, Σ ln S + I/S over frequencies, weighs each frequency by what it
-    tells (Whittle 1953).
+    white but for the pulse. Whittle's likelihood, Σ ln S + I/S over frequencies, weighs each frequency by its
+    information (Whittle 1953).
     """
     models = [_group_model(group, spectra, footprint, patches) for group in spectra.groups]
     laws = len(models[0].transfers)
@@ -118,7 +118,7 @@ def _densities(parameters: Field, level: float, model: _GroupModel) -> tuple[Fie
 
 
 def _places(parameters: Field, models: list[_GroupModel], number: int) -> list[int]:
-    """Places of a group's own parameters: those of all power laws, and its level of speckle."""
+    """List the indices of a group's parameters: those of all power laws, and its level of speckle."""
     laws = 2 * len(models[0].transfers)
     return [*range(laws), laws + number]
 

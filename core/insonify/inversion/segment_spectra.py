@@ -9,13 +9,14 @@ import xarray as xr
 from numpy.typing import NDArray
 from scipy.sparse import csr_array
 
-from insonify.acoustics.error_range import ERROR_ALTITUDES
+from insonify.acoustics.flat_bed import ERROR_ALTITUDES
 from insonify.display.normalisation import estimate_median_curve, normalise
 from insonify.scene import SceneError
+from insonify.statistics.record_statistics import measure_ping_spacing
 
 Field = NDArray[np.float64]
-RISE = 1.5  # highest over lowest altitude from which range and angle can be told apart
-BLOCK = (16, 4)  # pings and bins whose median counts
+RISE = 1.5  # ratio of the highest to the lowest altitude above which effects of range and angle are separable
+BLOCK = (16, 4)  # pings and bins of a block, which counts by its median
 RANGE_KNOTS, ANGLE_KNOTS = 24, 20
 RIDGE = 0.3  # weight of a prior of no effect, in blocks, at every knot
 ROUNDS, SPREAD = 12, 1.0  # of reweighting, and the residual in dB from which blocks count less: targets, shadows
@@ -28,7 +29,7 @@ EFFICIENCY = 0.48 * 0.5
 
 
 class LevelCurve(NamedTuple):
-    """Level of a record, in dB: that of its range plus that of its grazing angle, besides Lambert's sin² θ."""
+    """Level of a record, in dB: that of its range plus that of its grazing angle, on top of Lambert's sin² θ."""
 
     by_range: Field  # (bins,) gain, spreading, absorption and material
     # (n,) vertical beam and the bed's own law of scattering, by the grazing angle in degrees; zero throughout for
@@ -46,7 +47,7 @@ class LevelCurve(NamedTuple):
 def fit_level_curve(
     intensity: NDArray[np.float32], altitude: Field, bin_length: float, *, separate: bool
 ) -> LevelCurve:
-    """Fit the level of a record: its median at every slant range, and what follows the grazing angle instead."""
+    """Fit the level of a record: its median at every slant range, and its dependence on the grazing angle."""
     r = np.asarray((np.arange(intensity.shape[2]) + 0.5) * bin_length)
     lowest = int(np.argmin(altitude))
     median = estimate_median_curve(intensity, altitude, bin_length)[lowest, 0]
@@ -145,15 +146,13 @@ class SegmentSpectra(NamedTuple):
 
 
 def sound_bed(record: xr.Dataset, altitude: Field, *, separate: bool) -> SoundedBed:
-    """Take from a record what its bed is learned from."""
-    x, y = record["platform_x"].values, record["platform_y"].values
-    spacing = float(np.hypot(np.diff(x), np.diff(y)).mean()) if len(x) > 1 else 0.0
+    """Take the data of a record from which a bed is learned."""
     intensity = record["intensity"].transpose("channel", "ping_time", "range_sample").values
     title = str(record.attrs.get("title", "record"))
     bin_length = 2.0 * float(record["slant_range"].values[0])
     altitude = np.maximum(altitude, bin_length)  # of a sonar in a trough of a rough bed
     level = fit_level_curve(intensity, altitude, bin_length, separate=separate)
-    return SoundedBed(title, intensity, altitude, bin_length, spacing, level)
+    return SoundedBed(title, intensity, altitude, bin_length, measure_ping_spacing(record), level)
 
 
 def measure_segment_spectra(bed: SoundedBed) -> SegmentSpectra:
@@ -164,23 +163,18 @@ def measure_segment_spectra(bed: SoundedBed) -> SegmentSpectra:
     """
     sine, ranges, power = _measure_periodograms(bed)
     order = np.argsort(sine, kind="stable")
-    groups = tuple(
-        AngleGroup(float(sine[part].mean()), float(ranges[part].mean()), _median_power(power[part]), part.size)
-        for part in np.array_split(order, min(GROUPS, order.size))
-    )
+    groups = []
+    for part in np.array_split(order, min(GROUPS, order.size)):
+        median = np.median(power[part], axis=0) / np.log(2.0)  # the median of an exponential variable is ln 2 means
+        groups.append(AngleGroup(float(sine[part].mean()), float(ranges[part].mean()), np.asarray(median), part.size))
     along, across = np.fft.fftfreq(SEGMENT, bed.ping_spacing), np.fft.rfftfreq(SEGMENT, bed.bin_length)
-    return SegmentSpectra(np.asarray(along), np.asarray(across), groups, bed.ping_spacing * bed.bin_length)
-
-
-def _median_power(power: NDArray[np.float32]) -> Field:
-    """Mean of exponential variables by their median, ln 2 times that."""
-    return np.asarray(np.median(power, axis=0) / np.log(2.0))
+    return SegmentSpectra(np.asarray(along), np.asarray(across), tuple(groups), bed.ping_spacing * bed.bin_length)
 
 
 def _measure_periodograms(bed: SoundedBed) -> tuple[Field, Field, NDArray[np.float32]]:
     """Sines of the grazing angles, slant ranges and periodograms of all segments."""
     amplitude = bed.amplitude()
-    grazing = np.minimum(bed.altitude[:, None] / bed.slant_range, 1.0)
+    grazing = _sine(bed.altitude, bed.slant_range)
     found = [
         (float(grazing[part[1:]].mean()), float(bed.slant_range[part[2]].mean()), _periodogram(amplitude[part], bed))
         for part in _segments(bed)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import errno
+import glob
 import logging
 import os
 import stat
@@ -21,12 +22,12 @@ LARGEST_TEXT = 2**28  # bytes of a text file
 MISSING = "does not exist"
 _lock = threading.RLock()
 # A logger without a handler writes to standard error.
-for _library in ("trimesh", "rasterio", "PIL", "fiona"):
+for _library in ("trimesh", "rasterio", "PIL", "fiona", "matplotlib"):
     logging.getLogger(_library).addHandler(logging.NullHandler())
 
 
 class FileFault(Exception):
-    """What is wrong with a file, and the remedy; `guarded` makes a sentence of both."""
+    """Fault of a file with its remedy; `guarded` turns both into one sentence."""
 
     def __init__(self, fault: str, remedy: str) -> None:
         super().__init__(fault, remedy)
@@ -46,14 +47,14 @@ def guarded(refusal: Callable[[str, str], SceneError], remedy: str) -> Iterator[
         raise
     except FileFault as error:
         raise refusal(error.fault, error.remedy) from None
-    except Exception as error:  # every library fails in ways of its own
+    except Exception as error:  # libraries raise errors of many types
         raise refusal(f"cannot be read ({reason(error)})", remedy) from error
-    for warning in caught:  # after the libraries' have been left out
+    for warning in caught:  # those of libraries are left out
         warnings.warn(warning.message, stacklevel=4)
 
 
 def one_at_a_time() -> threading.RLock:
-    """Return the lock for what two threads may not do at once: to use HDF5, or to change the filter of warnings."""
+    """Return the lock for HDF5 and for the filter of warnings, neither of which allows two threads at once."""
     return _lock
 
 
@@ -68,7 +69,7 @@ def reason(error: Exception) -> str:
 
 
 def check_regular(path: str | Path, remedy: str = "give the path of a file") -> None:
-    """Refuse folders, devices, pipes and files that do not exist, without opening them."""
+    """Raise FileFault for folders, devices, pipes and missing files, without opening them."""
     try:
         _check_mode(os.stat(path).st_mode, remedy)
     except (FileNotFoundError, NotADirectoryError):
@@ -76,7 +77,7 @@ def check_regular(path: str | Path, remedy: str = "give the path of a file") -> 
 
 
 def check_folder(path: str | Path, remedy: str = "give the path of a folder") -> None:
-    """Refuse what is no folder, and a folder that holds anything but folders and regular files."""
+    """Raise FileFault unless a path is a folder of folders and regular files alone."""
     if not os.path.isdir(path):
         raise FileFault(MISSING, remedy)
     for place, folders, files in os.walk(path):
@@ -115,7 +116,7 @@ def stored_bytes(path: str | Path) -> int:
 
 
 def check_expansion(path: str | Path, expanded: int) -> None:
-    """Refuse a file that announces far more than is stored of it, before memory is allocated."""
+    """Raise FileFault, before memory is allocated, for a file that declares far more data than it stores."""
     if expanded > largest_expansion(path):
         raise FileFault(
             f"announces {expanded / 1e9:.3g} GB, {EXPANSION} times more than it stores",
@@ -124,9 +125,9 @@ def check_expansion(path: str | Path, expanded: int) -> None:
 
 
 def check_companions(path: str | Path) -> None:
-    """Refuse a file beside which a device or a pipe has its name with another ending, which a library would open."""
+    """Raise FileFault if a device or a pipe beside a file has the same stem: a library would open it."""
     file = Path(path)
-    for other in file.parent.glob(f"{_literal(file.stem)}.*"):
+    for other in file.parent.glob(f"{glob.escape(file.stem)}.*"):
         if not (other.is_file() or other.is_dir() or not other.exists()):
             raise FileFault(f"has {other.name!r} beside it, which is no regular file", "remove that")
 
@@ -138,10 +139,6 @@ def companion(path: str | Path, name: str) -> Path:
     if not found.is_relative_to(folder) or Path(name).is_absolute() or found == folder:
         raise FileFault(f"refers to {name[:80]!r}", "keep what it refers to beside it, under a relative path")
     return found
-
-
-def _literal(stem: str) -> str:
-    return "".join(f"[{mark}]" if mark in "*?[" else mark for mark in stem)
 
 
 def _open_at_once(path: str, flags: int) -> int:
@@ -168,5 +165,5 @@ def _renew_lock() -> None:
 
 
 if hasattr(os, "register_at_fork"):
-    # A thread that held the lock does not exist in the new process.
+    # The thread with the lock does not exist in the new process.
     os.register_at_fork(after_in_child=_renew_lock)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import os
 from collections.abc import Callable, Iterable, Iterator
-from contextlib import contextmanager
+from contextlib import AbstractContextManager, contextmanager
 from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
@@ -106,8 +106,7 @@ class FormatRegistry(Generic[Content]):
     def read(self, path: str, alternative: str = "", **selected: Any) -> Content:
         """Read a file by its suffix."""
         found = self.format_of(path, alternative)
-        refusal = partial(self.refusal, path)
-        with guarded(refusal, found.remedy):
+        with self.guarded(path, found.remedy):
             check = check_folder if found.folder else check_regular
             check(path, f"give the path of {self.contents}{alternative}")
             check_expansion(path, 0 if found.folder else os.path.getsize(path))  # sparse files
@@ -148,6 +147,10 @@ class FormatRegistry(Generic[Content]):
     def writer_of(self, path: Path) -> FileFormat[Content]:
         """Return the format in which a file is written; its suffix must be one of `writable`."""
         return next(each for each in self.formats() if each.write and path.suffix.lower() in each.suffixes)
+
+    def guarded(self, path: str | Path, remedy: str = "export it again") -> AbstractContextManager[None]:
+        """Turn every error of a block that reads or checks a file into one sentence about that file."""
+        return guarded(partial(self.refusal, path), remedy)
 
     def refusal(self, path: str | Path, fault: str, remedy: str) -> SceneError:
         """Return one sentence with the fault of a file and the remedy."""

@@ -24,7 +24,7 @@ SLOWEST = 1e6  # bytes per second of a large one
 COPIES = 3  # of the content, which readers have in memory at once
 GRACE = 5.0  # s beyond the greatest time, in which the parent ends the process if both still run
 IDLE = 60.0  # s without a request after which the process ends
-# GDAL reads companions of a file in any format that it knows: none that names other files, calls a server or runs code.
+# GDAL also reads files beside a raster, in any format. These formats may name other files, call a server or run code.
 SKIPPED = (
     "VRT DERIVED GTI STACTA STACIT WMS WCS WMTS HTTP OGCAPI DAAS EEDA EEDAI PLMOSAIC NGW RDA JPIPKAK CAD WFS OAPIF "
     "Rasterlite GeoRaster PostGISRaster TileDB Zarr SENTINEL2 S102 S104 S111 PDF netCDF HDF4 HDF4Image"
@@ -87,12 +87,12 @@ def main() -> None:
 
 
 def _read(module: str, name: str, path: str, memory: int, seconds: float) -> Any:
-    """Call a reader within its limits; returns what it returns, or the error that the caller shall raise."""
+    """Call a reader within its limits; return its result, or an error for the parent process to raise."""
     try:
         read = getattr(import_module(module), name)
         with limited_memory(memory), ended_after(STARVED * seconds + GRACE):
             return read(path)
     except (SceneError, FileFault) as error:
         return error
-    except Exception as error:  # every library fails in ways of its own
+    except Exception as error:  # libraries raise errors of many types
         return RuntimeError(reason(error))

@@ -2,16 +2,11 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, BinaryIO
-
 import numpy as np
 from numpy.typing import NDArray
 
 from insonify.io.file_access import FileFault, check_expansion, check_regular, open_regular
 from insonify.io.isolation import run_isolated
-
-if TYPE_CHECKING:
-    from PIL import Image
 
 FORMATS = ("PNG", "TIFF")
 LARGEST_SIDE = 16384
@@ -20,29 +15,23 @@ COLOURED = ("LA", "RGB", "RGBA", "CMYK", "YCbCr", "HSV", "LAB")
 
 
 def read_pixels(path: str) -> tuple[str, NDArray[np.integer]]:
-    """Read a picture; colours become the grey that an eye sees."""
+    """Read a picture; colours become grey by their luminance."""
     check_regular(path)
     return run_isolated(decode_picture, path)
 
 
 def decode_picture(path: str) -> tuple[str, NDArray[np.integer]]:
     """Decode a picture in this process, which the decoder may crash."""
-    from PIL import Image  # which only beds with a picture pay for
+    from PIL import Image, UnidentifiedImageError  # lazy: only beds with a picture need it
 
     Image.MAX_IMAGE_PIXELS = None  # the limits below count
-    with open_regular(path) as file, _identified(file) as picture:
+    with open_regular(path) as file:
+        try:
+            picture = Image.open(file, formats=FORMATS)  # by its content; the suffix does not count
+        except UnidentifiedImageError:
+            raise FileFault(f"is no picture in {' or '.join(FORMATS)}", "save it as one") from None
         if max(picture.size) > LARGEST_SIDE:
             raise FileFault("is too large to be read", "thin it to 8192 pixels a side")
         check_expansion(path, picture.width * picture.height * PIXEL)
         plain = picture.convert("L") if picture.mode in COLOURED else picture
         return plain.mode, np.asarray(plain)
-
-
-def _identified(file: BinaryIO) -> Image.Image:
-    """Open a picture by its content; the suffix does not count."""
-    from PIL import Image, UnidentifiedImageError  # lazy, as above
-
-    try:
-        return Image.open(file, formats=FORMATS)
-    except UnidentifiedImageError:
-        raise FileFault(f"is no picture in {' or '.join(FORMATS)}", "save it as one") from None

@@ -1,4 +1,4 @@
-"""Successive pings of a record as plain arrays: what a Dataset holds, without the time that xarray takes to import."""
+"""Successive pings of a record as plain arrays: the data of a Dataset, without the time that xarray takes to import."""
 
 from __future__ import annotations
 

@@ -109,11 +109,11 @@ def label_variables(
         "shadow_id": _flags("target that hides most of it", {-2: "nothing"} | bodies),
         "ground_range": labels("m", "ground range of that contributor's strongest piece"),
         "incidence": labels("degree", "incidence on that piece, from its normal"),
-        "path": _flags("how the sound went", _count_from(-1, "none", *paths)),
-        "caustic": {"long_name": "whether sound of a caustic is heard, its level held to what waves allow"},
+        "path": _flags("propagation path of the sound", _count_from(-1, "none", *paths)),
+        "caustic": {"long_name": "whether the sound passes near a caustic, with its level limited by wave theory"},
     }
     if volumes:
-        text = "volume of the water column whose mean echo is greater than that contributor's"
+        text = "volume of the water column with a greater mean echo than that contributor"
         attributes["volume_id"] = _flags(text, {-2: "nothing"} | _count_from(0, *volumes))
     for name, each in attributes.items():
         if "flag_values" in each:

@@ -19,7 +19,7 @@ _TOKEN = re.compile(
     r"""|(?P<name>[A-Za-z_]\w*(?:\.\w+)*)|(?P<sign>==|!=|<=|>=|[<>+\-*/()]))"""
 )
 _CONSTANTS: dict[str, Value] = {"true": True, "false": False}
-_NOT, _COMPARISON, _SIGN = 3, 4, 7  # ranks of operators: those of a higher rank bind closer
+_NOT, _COMPARISON, _SIGN = 3, 4, 7  # precedence of operators
 
 
 class _NoValue(Exception):

@@ -117,7 +117,7 @@ def _step(title: str, body: str, where: str) -> Step:
         if not parts.get(key):
             raise SceneError(f"{where}: has no paragraph '{name}: …'; add it")
     if not text.strip():
-        raise SceneError(f"{where}: does not say what to move; begin with a sentence")
+        raise SceneError(f"{where}: has no text about what to move; begin with a sentence")
     return Step(title=title, text=text.strip(), **parts, **dict(head))
 
 

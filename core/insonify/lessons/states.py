@@ -14,7 +14,7 @@ from insonify.lessons.lesson import Lesson, Step
 from insonify.scene import Scene, edit, load_scene
 from insonify.scene.base import Declaration
 
-AUTOMATIC = "auto"  # choice of a plan that is not forced
+AUTOMATIC = "auto"  # value of a choice that the plan makes itself
 USUAL_TOLERANCE = 0.03
 SIDES = ("port", "starboard")
 WINDOW_FIELDS = {
@@ -94,13 +94,13 @@ def _check_window_value(path: str, value: Any, scene: Scene) -> None:
             raise SceneError(f"{path}: {value!r} is out of bounds; give a number above 0 and at most 1")
     elif path == "point.side":
         if value not in SIDES:
-            raise SceneError(f"{path}: {value!r} is no side; choose one of {', '.join(SIDES)}")
+            raise SceneError(f"{path}: {value!r} is not a side; choose one of {', '.join(SIDES)}")
     elif path == "point.slant_range":
         if isinstance(value, bool | str) or not 0.0 <= value < scene.sonar.range:
             raise SceneError(f"{path}: {value!r} is outside the record; give 0 up to {scene.sonar.range:g} m")
     elif path == "point.ping":
         if not isinstance(value, int) or value < 0:
-            raise SceneError(f"{path}: {value!r} is no number of a ping; give a whole number from 0")
+            raise SceneError(f"{path}: {value!r} is not the number of a ping; give a whole number from 0")
     elif path.startswith("plan."):
         _check_choice(scene, path.removeprefix("plan."), value)
     else:
@@ -141,11 +141,13 @@ def _check_step(step: Step, start: LessonState, end: LessonState) -> None:
     condition = step.condition
     for path in step.fields:
         if start.value(path) is None and end.value(path) is None:
-            raise SceneError(f"{path}: is no number, text or truth value of this scene; name one, such as sonar.range")
+            raise SceneError(
+                f"{path}: is not a number, text or truth value of this scene; name one, such as sonar.range"
+            )
     if condition.holds(start.value):
         raise SceneError(f"done: {step.done!r} is true before the move; ask for a change")
     if not condition.holds(end.value):
-        raise SceneError(f"done: {step.done!r} is not true after the move {step.move}; mend one of the two")
+        raise SceneError(f"done: {step.done!r} is not true after the move {step.move}; correct one of them")
 
 
 @contextmanager

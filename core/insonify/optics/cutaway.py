@@ -1,22 +1,22 @@
-"""Box of seabed and water that a light picture shows, and the camera that looks at it."""
+"""Box of seabed and water that a light picture shows, packed for rays of light, and the camera that looks at it."""
 
 from __future__ import annotations
 
 import math
 from dataclasses import dataclass
 from itertools import product
-from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
-if TYPE_CHECKING:
-    from insonify.kernels.common.types import Mesh, Solids
-    from insonify.optics.optical_scene import OpticalScene
-    from insonify.terrain import Ground
+from insonify.kernels.common.types import Mesh, Poses, Solids, still_water
+from insonify.packing.packed_scene import PackedScene, pack
+from insonify.packing.scene_arrays import make_bed
+from insonify.scene import Scene
+from insonify.terrain import Ground
 
 Vectors = NDArray[np.float64]
-MARGIN = 0.07  # of the longer side, around what must be shown
+MARGIN = 0.07  # of the longer side, around everything that must be shown
 SLENDER = 0.62  # shorter side over the longer one, at least
 SHADOW = 1.4  # times the distance of a target, to which its shadow is shown
 THICK = 0.035  # of the longer side, below the lowest bed
@@ -26,6 +26,27 @@ AZIMUTH, DEPRESSION = math.radians(38.0), math.radians(33.0)  # of the view: ast
 AWAY = 2.6  # of the diagonal of the cutaway
 EDGE, HEADROOM = 0.02, 0.065  # of a picture's width, around the cutaway and above it, for a title
 SHAPE = (0.42, 0.8)  # height of a picture over its width
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class OpticalScene(PackedScene):
+    """The bed around the sonar and the targets, packed for rays of light, which are straight."""
+
+    ground: Ground
+    pose: Poses  # the sonar half way along the track
+    heading: float  # heading of the track there in radians
+
+
+def make_optical_scene(scene: Scene) -> OpticalScene:
+    """Build and pack a scene for rays of light."""
+    packed = pack(scene)
+    middle = np.array([scene.track.pings // 2], dtype=np.int64)
+    pose, arrays = packed.poses(middle), packed.arrays
+    reach = arrays.bins * arrays.bin_length
+    ground = packed.ground.around((float(pose.x[0]), float(pose.y[0])), 1.5 * reach)  # to the corners of the cutaway
+    straight = arrays._replace(bed=make_bed(ground), water=still_water())
+    heading = float(packed.line(middle).heading[0])
+    return OpticalScene(scene=scene, ground=ground, arrays=straight, pose=pose, heading=heading)
 
 
 @dataclass(frozen=True, eq=False)
@@ -129,7 +150,7 @@ def _heights(ground: Ground, axes: Vectors, low: Vectors, high: Vectors) -> tupl
 
 @dataclass(frozen=True, eq=False)
 class Camera:
-    """A pinhole camera: where it stands, and the window that it looks through."""
+    """A pinhole camera: its place, axes and window."""
 
     place: Vectors  # (3,) local coordinates, in metres
     axes: Vectors  # (3, 3) rows: to the right, up, ahead

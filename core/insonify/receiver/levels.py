@@ -11,7 +11,6 @@ from insonify.acoustics.water import absorption_coefficient
 from insonify.kernels.common.streams import REVERBERATION
 from insonify.receiver.stage import Curve, ReceiverSetup, Sound, Stage, power
 from insonify.receiver.waves import WaveField
-from insonify.scene import Scene
 from insonify.scene.receiver.gains import RangeBins
 
 SMALLEST = float(np.finfo(np.float32).tiny)  # intensity that stands for the noise floor where there is no noise
@@ -78,8 +77,7 @@ class Noise(Stage):
     @classmethod
     def prepare(cls, setup: ReceiverSetup) -> Noise | None:
         """None where there is no noise."""
-        level = noise_level(setup.scene)
-        return cls(level, setup.arrays.bins) if level > 0.0 else None
+        return cls(setup.noise, setup.arrays.bins) if setup.noise > 0.0 else None
 
     @property
     def added(self) -> float:
@@ -117,19 +115,13 @@ class TimeVariedGain(Stage):
         sound.energy = sound.energy * self.curve.astype(np.float32)
 
 
-def noise_level(scene: Scene) -> float:
-    """Mean intensity of the ambient noise before the time-varied gain."""
-    noise = scene.receiver.noise
-    return 0.0 if noise is None else power(noise.level)
-
-
 def time_varied_gain(setup: ReceiverSetup) -> Curve:
     """Factor of intensity by which the time-varied gain raises every bin, (bins,)."""
     scene, declared = setup.scene, setup.scene.receiver.tvg
     r = bin_centres(setup.arrays)
     bins = RangeBins(np.arange(r.size, dtype=np.float64), r, 2.0 * r / setup.arrays.water.reference)
     if declared.stops_at_noise:
-        audible = np.flatnonzero(setup.level_bed > max(noise_level(scene), SMALLEST))
+        audible = np.flatnonzero(setup.level_bed > max(setup.noise, SMALLEST))
         last = audible[-1] if audible.size else 0
         bins = RangeBins(*(np.minimum(column, column[last]) for column in bins))
     absorption = absorption_coefficient(scene.water.absorption, scene.sonar.frequency, abs(setup.depth))

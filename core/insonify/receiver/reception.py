@@ -5,7 +5,6 @@ Theory: docs/theory/speckle.md.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from typing import TypeVar
@@ -97,13 +96,18 @@ class Reception:
 
 def prepare_reception(scene: Scene, ground: AnyGround, arrays: SceneArrays) -> Reception:
     """Prepare the receiver of a scene for the height of its first ping."""
+    return _assemble(prepare_setup(scene, ground, arrays))
+
+
+def prepare_setup(scene: Scene, ground: AnyGround, arrays: SceneArrays) -> ReceiverSetup:
+    """Gather what the stages of a receiver are prepared from, for the height of a scene's first ping."""
     first = np.zeros(1, dtype=np.int64)
     z = make_poses(scene, ground, first).z
     altitude = max(float((z - bed_beneath(scene, ground, first))[0]), arrays.bin_length)
     materials = (*ground.reflectivities, *(target.material.reflectivity for target in scene.targets))
     k_shapes = [material.speckle_shape for material in materials]
     depth = -float(z[0] + ground.datum)
-    return make_reception(scene, arrays, altitude=altitude, depth=depth, k_shapes=k_shapes, ground=ground)
+    return ReceiverSetup(scene, arrays, altitude, depth, k_shapes, ground)
 
 
 def make_reception(
@@ -112,14 +116,16 @@ def make_reception(
     *,
     altitude: float,
     depth: float,
-    k_shapes: Sequence[float | None] = (),
-    ground: AnyGround | None = None,
 ) -> Reception:
-    """Prepare the receiver of a scene."""
-    setup = ReceiverSetup(scene, arrays, altitude, depth, k_shapes, ground)
+    """Prepare the receiver of a scene without a bed."""
+    return _assemble(ReceiverSetup(scene, arrays, altitude, depth))
+
+
+def _assemble(setup: ReceiverSetup) -> Reception:
+    """Receiver with the stages that change the record."""
     prepared = (kind.prepare(setup) for kind in stage_kinds())
     stages = tuple(stage for stage in prepared if stage is not None)
-    return Reception(setup.taps, arrays.bins, stages, setup.field_of(AMBIENT_NOISE))
+    return Reception(setup.taps, setup.arrays.bins, stages, setup.field_of(AMBIENT_NOISE))
 
 
 def record_echoes(

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from insonify.kernels.common.streams import DROPPED_PINGS
 from insonify.kernels.receiver.foreign_pings import fill_uniform
-from insonify.receiver.levels import SMALLEST, noise_level, time_varied_gain
+from insonify.receiver.levels import SMALLEST, time_varied_gain
 from insonify.receiver.stage import ReceiverSetup, Sound, Stage, power
 from insonify.scene.receiver.recorder import Recorder
 
@@ -44,7 +44,7 @@ class Recording(Stage):
             steps = 2**declared.bits - 1
             step = math.sqrt(full_scale) / steps
             if declared.full_scale is None:
-                loudest = float(((setup.level_bed + noise_level(scene)) * time_varied_gain(setup)).max())
+                loudest = float(((setup.level_bed + setup.noise) * time_varied_gain(setup)).max())
                 step = 2.0 ** math.ceil(math.log2(math.sqrt(max(loudest, SMALLEST)) / steps))
                 full_scale = (steps * step) ** 2
         return cls(

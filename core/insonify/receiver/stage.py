@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from abc import ABC, abstractmethod
 from collections.abc import Sequence
 from dataclasses import dataclass, field
@@ -11,13 +12,17 @@ from typing import ClassVar
 import numpy as np
 from numpy.typing import NDArray
 
+from insonify.acoustics.beam_patterns import directivity
 from insonify.acoustics.flat_bed import flat_bed_curve
-from insonify.acoustics.pulses import Taps, coherent_taps, pulse_taps, samples_per_bin
+from insonify.acoustics.pulses import Taps, coherent_taps, pulse_taps, samples_per_bin, spread_curve
+from insonify.acoustics.resolution_cell import bin_centres, vertical_at
 from insonify.kernels.common.types import LIGHT, SceneArrays
 from insonify.kernels.receiver.pulse import convolve_pulse
 from insonify.plugins import announced, modules_in
 from insonify.receiver.waves import WaveField, Waves, make_field, no_waves, split_waves
-from insonify.scene import Scene
+from insonify.scene import Scene, SceneError
+from insonify.scene.receiver.noises import NoiseConditions
+from insonify.scene.seabed.materials import Reflectivity
 from insonify.terrain import AnyGround
 
 Record = NDArray[np.float32]
@@ -76,8 +81,61 @@ class ReceiverSetup:
     @cached_property
     def level_bed(self) -> Curve:
         """Mean echo of a level bed of albedo 1 after the pulse, with the source level, (bins,)."""
-        source = power(self.scene.receiver.source_level)
-        return source * float(self.taps.weights.sum()) * flat_bed_curve(self.arrays, self.altitude)
+        return self.source * float(self.taps.weights.sum()) * flat_bed_curve(self.arrays, self.altitude)
+
+    @property
+    def bin_time(self) -> float:
+        """Travel time of a bin, there and back, in seconds."""
+        return float(2.0 * self.arrays.bin_length / self.arrays.water.reference)
+
+    @cached_property
+    def directivity(self) -> float:
+        """Response to a wave on the axis over that to isotropic noise, as a ratio."""
+        return directivity(self.scene.sonar, self.arrays.water.reference)
+
+    @cached_property
+    def mean_bed(self) -> Curve:
+        """Mean echo of a level bed of the scene's materials, spread by the pulse, with the source level, (bins,)."""
+        curve = sum(share * flat_bed_curve(self.arrays, self.altitude, row) for row, share in self.materials)
+        return self.source * spread_curve(curve * vertical_at(self.arrays, -self.grazing), self.taps)
+
+    @property
+    def grazing(self) -> Curve:
+        """Angle of rays below the horizontal to a level bed, (bins,); straight down before its first echo."""
+        return np.arcsin(np.minimum(self.altitude / bin_centres(self.arrays), 1.0))
+
+    @property
+    def materials(self) -> list[tuple[Reflectivity, float]]:
+        """Materials of the bed at the beginning of the track, with the share of the bed of each."""
+        bed = self.arrays.bed
+        counts = np.bincount(bed.materials.ravel()) if bed.mapped else np.ones(1)
+        rows = np.flatnonzero(counts)
+        return [(Reflectivity(*self.arrays.reflectivity[row]), counts[row] / counts.sum()) for row in rows]
+
+    @cached_property
+    def noise(self) -> float:
+        """Mean intensity of the noise before the time-varied gain; 0 without noise."""
+        sonar, declared = self.scene.sonar, self.scene.receiver.noise
+        if declared is None:
+            return 0.0
+        bandwidth, gain = sonar.pulse.noise_bandwidth(self.bin_time), 10.0 * math.log10(self.directivity)
+        return power(declared.received(NoiseConditions(sonar.frequency, bandwidth, gain, self._bed_level)))
+
+    def _bed_level(self, slant_range: float) -> float:
+        """Mean level of the bed's echo at a slant range, in dB."""
+        place = slant_range / self.scene.sonar.range * self.arrays.bins - 0.5
+        level = float(np.interp(place, np.arange(self.arrays.bins), self.mean_bed))
+        if not (slant_range <= self.scene.sonar.range and level > 0.0):
+            raise SceneError(
+                f"receiver.noise: there is no echo of the bed at {slant_range:g} m; give a slant range from the first, "
+                f"at {self.altitude:.4g} m, up to {self.scene.sonar.range:g} m"
+            )
+        return 10.0 * math.log10(level)
+
+    @property
+    def source(self) -> float:
+        """Factor of intensity of the source level."""
+        return power(self.scene.receiver.source_level)
 
     def field_of(self, stream: int) -> WaveField:
         """Waves that the receiver's filter correlates along range and that are new in every ping.

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 
 import numpy as np
@@ -74,12 +74,18 @@ class WaterColumn(Stage):
 
 def _reverberation(setup: ReceiverSetup) -> Curve:
     """Mean intensity of volume and surface reverberation for a pulse of one bin, (bins,)."""
-    echo, declared = np.zeros(setup.arrays.bins), setup.scene.receiver.reverberation
+    return np.zeros(setup.arrays.bins) + sum(echo for _, _, echo in reverberation_curves(setup))
+
+
+def reverberation_curves(setup: ReceiverSetup) -> Iterator[tuple[str, float, Curve]]:
+    """Yield name, strength (dB) and mean intensity for a pulse of one bin, (bins,), of each declared reverberation."""
+    declared = setup.scene.receiver.reverberation
     if declared.of_volume is not None:
-        echo += power(declared.of_volume) * volume_echo(setup.arrays, setup.altitude, setup.depth)
+        echo = power(declared.of_volume) * volume_echo(setup.arrays, setup.altitude, setup.depth)
+        yield "volume reverberation", declared.of_volume, echo
     if declared.of_surface is not None:
-        echo += power(declared.of_surface) * surface_echo(setup.arrays, setup.depth)
-    return echo
+        echo = power(declared.of_surface) * surface_echo(setup.arrays, setup.depth)
+        yield "surface reverberation", declared.of_surface, echo
 
 
 def _make_volume_echoes(setup: ReceiverSetup) -> VolumeEchoes | None:

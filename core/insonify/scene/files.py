@@ -3,13 +3,15 @@
 from __future__ import annotations
 
 import tomllib
+import warnings
+from collections.abc import Callable, Mapping
 from functools import partial
 from pathlib import Path
 from typing import Any
 
 import tomli_w
 
-from insonify.errors import SceneError
+from insonify.errors import FileWarning, SceneError
 from insonify.files import bundled_meshes, bundled_scenes
 from insonify.io.file_access import MISSING, guarded, read_text
 from insonify.scene.edit import build, edit, plain, read_setting
@@ -42,7 +44,11 @@ def load_scene(name_or_path: str | Path) -> Scene:
         text = read_text(path, largest=LARGEST)
     if "\0" in text:
         raise SceneError(f"scene {str(name_or_path)!r}: is a binary file, not text; give a TOML file")
-    return scene_from_toml(text, source=path)
+    scene = scene_from_toml(text, source=path)
+    noise = scene.receiver.noise
+    if noise is not None and noise.advice and path not in bundled_scenes().values():
+        warnings.warn(FileWarning(f"{path.name}: {noise.advice}"), stacklevel=2)
+    return scene
 
 
 def load_partner(scene: Scene) -> Scene | None:
@@ -87,16 +93,29 @@ def scene_to_toml(scene: Scene) -> str:
     return tomli_w.dumps(plain(scene))
 
 
-def with_paths_beside(source: Path, value: Any) -> Any:
-    """Resolve every relative ``path`` of nested values against the folder of the file they were read from."""
-    if isinstance(value, list):
-        return [with_paths_beside(source, item) for item in value]
-    if not isinstance(value, dict):
-        return value
-    return {
-        key: _beside(source, child) if key == "path" and isinstance(child, str) else with_paths_beside(source, child)
-        for key, child in value.items()
-    }
+def with_paths_beside(source: Path, values: Mapping[str, Any]) -> dict[str, Any]:
+    """Resolve every relative path of nested values against the folder of the file they were read from."""
+    resolved: dict[str, Any] = _with_paths(values, partial(_beside, source))
+    return resolved
+
+
+def named_paths(values: Mapping[str, Any]) -> list[str]:
+    """List every path of nested values: of a scene, or of what its fields are set to or drawn from."""
+    paths: list[str] = []
+    _with_paths(values, paths.append)
+    return paths
+
+
+def _with_paths(value: Any, change: Callable[[str], Any], is_path: bool = False) -> Any:
+    """Change the fields named ``path``, also at the end of a dotted one, and the choices that are drawn for them."""
+    if isinstance(value, Mapping):
+        return {
+            key: _with_paths(child, change, key.rpartition(".")[2] == "path" or (is_path and key == "of"))
+            for key, child in value.items()
+        }
+    if isinstance(value, (list, tuple)):
+        return [_with_paths(item, change, is_path) for item in value]
+    return change(value) if is_path and isinstance(value, str) else value
 
 
 def scene_beside(source: Path, name: str) -> str:

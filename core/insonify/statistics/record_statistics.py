@@ -13,17 +13,18 @@ import xarray as xr
 from numpy.lib.stride_tricks import sliding_window_view
 from numpy.typing import NDArray
 
-from insonify.acoustics.error_range import ERROR_ALTITUDES
+from insonify.acoustics.flat_bed import ERROR_ALTITUDES
 from insonify.display.normalisation import normalise
 from insonify.display.sheet import compute_median_curve, fill_altitude
 from insonify.scene import SceneError
+from insonify.terrain.periodic_waves import frequencies
 
 PATCH = 16  # pings and bins of a patch
 EVENEST = 0.25  # share of the patches that count as even
-SEGMENT = 128  # samples of a segment whose spectrum is taken
+SEGMENT = 128  # samples of a segment for a spectrum
 ENOUGH = 20_000  # segments that settle a spectrum, or amplitudes that settle a step
 BLOCK = (4, 16)  # pings and bins of a block that may lie in shadow
-BAND = 1024  # blocks at neighbouring ranges, at least, whose darkest give the noise floor there
+BAND = 1024  # least number of blocks at neighbouring ranges; the darkest of them give the noise floor
 DARKEST = 4e-3  # share of them
 FEWEST = 1e-3  # least share of all blocks; fewer are due to chance, not shadows
 SPREADS = 5.0  # below the median, in spreads of the bed's own levels, that chance does not reach
@@ -31,7 +32,9 @@ LEAST_DEPTH = 3.0  # dB
 SILENCE = -60.0  # dB; nothing counts as darker
 STEPS = 4.0  # least median amplitude, in steps of the record, from which it is measured
 OFF_STEP = 0.02  # greatest distance of an amplitude from a multiple of the step: 16 bits in single precision
-CLIPPED = 1e-4  # share of samples at the greatest amplitude from which it is taken for full scale
+CLIPPED = 1e-4  # share of samples at the greatest amplitude above which it counts as full scale
+LOWEST_WAVE = 4.0  # cycles per period; lower frequencies have few waves and are clamped
+LEAST_SPAN = 16.0  # cycles per period between the lowest and the highest frequency
 
 
 class AmplitudeSpectrum(NamedTuple):
@@ -98,7 +101,7 @@ def measure_statistics(record: xr.Dataset) -> RecordStatistics:
         (r >= ERROR_ALTITUDES * altitude[:, None]) & (np.sqrt(curve) >= STEPS * step), intensity.shape
     )
     patches = _even_patches(amplitude, bed & ~_clipped(intensity))
-    along = _spectrum(amplitude.swapaxes(1, 2), bed.swapaxes(1, 2), _ping_spacing(record))
+    along = _spectrum(amplitude.swapaxes(1, 2), bed.swapaxes(1, 2), measure_ping_spacing(record))
     across = _spectrum(amplitude, bed, 2.0 * float(r[0]))
     if patches.size == 0 or along is None or across is None:
         raise SceneError(
@@ -142,7 +145,7 @@ def _spectrum(amplitude: NDArray[np.float32], bed: NDArray[np.bool_], step: floa
 def _periodograms(segments: NDArray[np.float64], step: float) -> NDArray[np.float64]:
     """Power per frequency of segments less their linear trends and under a Hann window; the middle ones count twice.
 
-    As `scipy.signal.periodogram`, whose import takes 0.3 s and 40 MB: also in a window that compares two records.
+    The same as `scipy.signal.periodogram`; importing that would take 0.3 s and 40 MB.
     """
     count = segments.shape[-1]
     window = 0.5 - 0.5 * np.cos(2.0 * np.pi * np.arange(count) / count)
@@ -163,7 +166,7 @@ def _amplitude_step(intensity: NDArray[np.float32]) -> float:
 
 
 def _clipped(intensity: NDArray[np.float32]) -> NDArray[np.bool_]:
-    """Find samples at full scale; none where the greatest intensity is rare."""
+    """Find samples at full scale; an empty mask where the greatest intensity is rare."""
     at_most = intensity >= intensity.max()
     return at_most if at_most.sum() > CLIPPED * intensity.size else np.zeros(intensity.shape, dtype=np.bool_)
 
@@ -211,7 +214,29 @@ def _tiles(values: NDArray[np.generic], shape: tuple[int, int]) -> NDArray[np.ge
     return tiles.reshape(len(cut) * rows * columns, *shape)
 
 
-def _ping_spacing(record: xr.Dataset) -> float:
-    """Mean distance between pings, in metres."""
+def measure_ping_spacing(record: xr.Dataset) -> float:
+    """Measure the mean distance between pings, in metres."""
     x, y = record["platform_x"].values, record["platform_y"].values
     return float(np.hypot(np.diff(x), np.diff(y)).mean()) if len(x) > 1 else 0.0
+
+
+def amplitude_exponent(heights: NDArray[np.floating]) -> float:
+    """Exponent β of the amplitude spectrum f^−β of a field, by maximum likelihood."""
+    from scipy.optimize import minimize_scalar
+
+    highest = min(heights.shape) / 2.0
+    if highest - LOWEST_WAVE < LEAST_SPAN:
+        raise SceneError(
+            f"heights: {heights.shape} samples hold too few waves to measure an exponent; "
+            f"give at least {2 * int(LOWEST_WAVE + LEAST_SPAN)} a side"
+        )
+    fx, fy = frequencies((heights.shape[0], heights.shape[1]))
+    radius = np.hypot(fx, fy)
+    power = np.abs(np.fft.rfft2(heights)) ** 2
+    inside = (radius >= LOWEST_WAVE) & (radius < highest) & (fx > 0)
+    log_radius, power = np.log(radius[inside]), power[inside]
+
+    def misfit(exponent: float) -> float:
+        return float(np.log((power * np.exp(exponent * log_radius)).mean()) - exponent * log_radius.mean())
+
+    return float(0.5 * minimize_scalar(misfit, bounds=(-0.5, 11.0), method="bounded").x)

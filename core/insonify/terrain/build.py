@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from insonify.array_cache import keep_arrays
 from insonify.errors import located
-from insonify.io.bathymetry.grid import LARGEST_SIDE
+from insonify.io.bathymetry import LARGEST_SIDE
 from insonify.io.georeference import Georeference
 from insonify.scene import Scene, SceneError
 from insonify.scene.seabed.materials import Map, MaterialMap

@@ -9,10 +9,10 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from insonify_viewer.state.quantities import format_duration
+from insonify_viewer.state.quantities import format_duration, nearest_within
 
 if TYPE_CHECKING:
-    from insonify.accuracy.charts.accuracy_chart import AccuracyChart, AccuracyRow
+    from insonify.accuracy.charts.kinds.accuracy import AccuracyChart, AccuracyRow
 
 DPI = 150.0
 
@@ -37,7 +37,7 @@ class ChartPicture:
 def draw_chart(chart: AccuracyChart) -> ChartPicture:
     """Draw a chart as it is saved to a file, with the positions of its points."""
     # lazy: the window opens before Matplotlib is loaded
-    from insonify.accuracy.charts.accuracy_chart import draw_accuracy
+    from insonify.accuracy.charts.kinds.accuracy import draw_accuracy
 
     figure, marks = draw_accuracy(chart)
     figure.set_dpi(DPI)
@@ -55,8 +55,8 @@ def draw_chart(chart: AccuracyChart) -> ChartPicture:
 def nearest_row(points: tuple[ChartPoint, ...], x: float, y: float, shape: float, within: float) -> AccuracyRow | None:
     """Find the row nearest to a position in the picture."""
     distances = [math.hypot(point.x - x, shape * (point.y - y)) for point in points]
-    best = min(range(len(points)), key=distances.__getitem__, default=None)
-    return points[best].row if best is not None and distances[best] <= within else None
+    best = nearest_within(distances, within)
+    return None if best is None else points[best].row
 
 
 @dataclass(frozen=True, eq=False)
@@ -96,13 +96,13 @@ def details_in_words(details: RowDetails) -> str:
     row, errors, moved = details.row, details.row.errors, details.row.displacement
     parts = (
         f"{format_duration(1e-6 * row.microseconds)} a ping (± {100.0 * row.spread:.2g} %)",
-        f"rms {_percent(errors.beyond)} beyond 1.4 altitudes, {_percent(errors.all_bins)} of all bins",
-        f"SSIM {details.similarity:.3f}",
+        f"error {_percent(errors.beyond)} beyond 1.4 altitudes, {_percent(errors.all_bins)} at all ranges (rms)",
+        f"likeness {details.similarity:.3f} (SSIM, 1 is equal)",
         _metres("shadow edges off by", moved.shadow_edge),
         _metres("echoes off by", moved.echo),
         f"{moved.lost} echo{'es' * (moved.lost > 1)} lost" if moved.lost else "",
         f"energy {100.0 * errors.energy_bias:+.2g} %",
-        f"{_percent(errors.dark_leakage)} leaked into the dark",
+        f"{_percent(errors.dark_leakage)} of the energy lies in shadows",
     )
     return " · ".join(part for part in parts if part)
 

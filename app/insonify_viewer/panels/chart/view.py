@@ -6,22 +6,14 @@ import numpy as np
 from numpy.typing import NDArray
 from PySide6.QtCore import QPointF, QRect, QRectF, Qt, Signal
 from PySide6.QtGui import QColor, QImage, QKeyEvent, QMouseEvent, QPainter, QPaintEvent, QPen
-from PySide6.QtWidgets import (
-    QFileDialog,
-    QHBoxLayout,
-    QLabel,
-    QProgressBar,
-    QSplitter,
-    QVBoxLayout,
-    QWidget,
-)
+from PySide6.QtWidgets import QFileDialog, QHBoxLayout, QProgressBar, QSplitter, QVBoxLayout, QWidget
 
 from insonify.display.display_options import PALETTES
 from insonify.display.picture import choose_contrast, colour_rows, load_palette
 from insonify_viewer.errors import guard_override
 from insonify_viewer.panels.chart.chart_details import ChartPicture, RowDetails, details_in_words, nearest_row
 from insonify_viewer.state.quantities import format_time_left
-from insonify_viewer.widgets.buttons import push_button
+from insonify_viewer.widgets.buttons import make_label, push_button
 from insonify_viewer.widgets.painting import colour_table, column_means, round_steps, two_sided_table
 from insonify_viewer.widgets.theme import ACCENT, EDGE, GROUND, MARK, QUIET, TEXT
 
@@ -30,22 +22,19 @@ STRIPS, MOST = 320, 0.42  # px, first height of the strips, and their greatest s
 GRASP = 14.0  # px, greatest distance at which a point is picked
 FORMATS = "Picture (*.png);;Drawing (*.svg);;Table (*.csv);;Table (*.json)"
 INVITATION = (
-    "“Measure here” times every method on this scene and compares its record with a converged reference. "
-    "It takes a minute or two."
+    "“Measure here” runs every simulation method on this scene. The chart then shows how long each takes, and how far "
+    "its record is from an exact one. It takes a minute or two."
 )
-BUSY = "measuring; the tow is paused; other programs that run here lengthen the times …"
-HINT = "Click a point, or press ← → in the chart, for its record, the reference and the difference."
+BUSY = "measuring with the tow paused; other programs that run now make the times longer …"
+HINT = "Click a point, or press ← → in the chart, to see its record beside the exact one, and their difference."
 LEFT, RIGHT, TITLE, RULER = 12, 12, 18, 28  # px
 LARGE = 0.5  # of the span of the palette: the difference drawn in full colour
 
 
 class ChartWindow(QWidget):
-    """Shows a chart, and signals the person's requests."""
+    """Shows a chart, and signals the point that the person picks."""
 
-    measure_wanted = Signal()
-    stop_wanted = Signal()
-    save_wanted = Signal()
-    picked = Signal(object)  # Row
+    picked = Signal(object)  # AccuracyRow
 
     def __init__(self) -> None:
         super().__init__()
@@ -53,27 +42,15 @@ class ChartWindow(QWidget):
         self.setWindowTitle("Chart · insonify")
         self.resize(*SIZE)
         self.setMinimumSize(*SMALLEST)
-        self.measure = push_button("Measure here", "Measure every method on the scene as it is now")
+        self.measure = push_button("Measure here", "Measure speed and error of every method on this scene")
         self.stop = push_button("Stop", "Stop the measurement")
-        self.save = push_button("Save…", "Write the chart as .png, .svg, .csv or .json")
+        self.save = push_button("Save…", "Save the chart as a picture or a table: .png, .svg, .csv or .json")
         self._progress = QProgressBar()
         self._progress.setRange(0, 1000)
         self._progress.setTextVisible(False)
-        self._sentence = QLabel(INVITATION)
-        self._sentence.setObjectName("name")
-        self._sentence.setWordWrap(True)
+        self._sentence, self._numbers = make_label("name", INVITATION), make_label("numbers")
         self._picture, self._strips = _ChartPictureView(), StripsView()
-        self._numbers = QLabel()
-        self._numbers.setObjectName("numbers")
-        self._numbers.setWordWrap(True)
-        self._numbers.setTextInteractionFlags(Qt.TextInteractionFlag.TextSelectableByMouse)
         self._lay_out()
-        for button, wanted in (
-            (self.measure, self.measure_wanted),
-            (self.stop, self.stop_wanted),
-            (self.save, self.save_wanted),
-        ):
-            button.clicked.connect(wanted)
         self._picture.picked.connect(self.picked)
         self.save.setEnabled(False)
         self.show_busy(False)
@@ -159,7 +136,7 @@ class _ChartPictureView(QWidget):
         self.setMouseTracking(True)
         self.setFocusPolicy(Qt.FocusPolicy.TabFocus)
         self.setAccessibleName("Chart")
-        self.setToolTip("Click a point, or step through the points with ← →, for the record behind it")
+        self.setToolTip("Click a point, or step through the points with ← →, to see its record")
 
     def show_chart(self, chart_picture: ChartPicture) -> None:
         height, width = chart_picture.pixels.shape[:2]
@@ -260,10 +237,15 @@ class StripsView(QWidget):
                             (low, high),
                             shades,
                         ),
-                        (((f"reference: {details.rays:,} rays a side", TEXT),), details.reference, (low, high), shades),
+                        (
+                            ((f"exact: {details.rays:,} rays a side", TEXT),),
+                            details.reference,
+                            (low, high),
+                            shades,
+                        ),
                         (
                             (
-                                ("difference, full colour at half the picture's span: ", TEXT),
+                                ("difference, in full colour where it is half the span of the picture: ", TEXT),
                                 ("too bright", ACCENT),
                                 (" or ", TEXT),
                                 ("too dark", MARK),

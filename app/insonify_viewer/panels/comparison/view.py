@@ -2,43 +2,33 @@
 
 from __future__ import annotations
 
+import html
 from collections.abc import Mapping, Sequence
 
 from PySide6.QtCore import Qt, Signal
 from PySide6.QtGui import QAction
-from PySide6.QtWidgets import (
-    QGridLayout,
-    QHBoxLayout,
-    QLabel,
-    QMenu,
-    QWidget,
-)
+from PySide6.QtWidgets import QHBoxLayout, QLabel, QMenu, QWidget
 
 from insonify.scene import Scene
 from insonify_viewer.record.comparison.arrangement import Arrangement, find_pairs
 from insonify_viewer.record.comparison.kept_record import Change
 from insonify_viewer.record.comparison.recording import Recording
-from insonify_viewer.widgets.buttons import push_button
+from insonify_viewer.widgets.buttons import make_label, push_button
 from insonify_viewer.widgets.field_rows import Combo
 from insonify_viewer.widgets.save_dialogs import ask_where_to_save
 from insonify_viewer.widgets.side_panel import FoldingBox, SidePanel
 
 HINT = (
-    "Keep this record as A, then change the scene or its plan, or open another scene: the live record is B. Hold X to "
-    "see A in its place.\nOr open a recording as A: of a real sonar (XTF, JSF) or written here (.nc, .npz, .zarr)."
+    "Compare two records: keep this one as A, then change the scene or open another one. The live record is B. Hold X "
+    "to see A in its place.\nA can also be a recording of a real sonar (XTF, JSF) or a saved record (.nc, .npz, .zarr)."
 )
 PARTS = ("recorded", "simulated")
 MOST = 8  # changes that are listed
 
 
 class ComparisonView(SidePanel):
-    """Shows what is known of record A and its differences, and signals the person's requests."""
+    """Shows what is known of record A and its differences, and signals the person's choices."""
 
-    open_wanted = Signal()
-    close_wanted = Signal()
-    keep_wanted = Signal()
-    back_wanted = Signal()
-    partner_wanted = Signal()
     pair_wanted = Signal(str)  # name of a scene that is opened with its partner
     arranged = Signal(object)  # Arrangement
     frequency_wanted = Signal(float)
@@ -46,28 +36,19 @@ class ComparisonView(SidePanel):
 
     def __init__(self, parent: QWidget | None = None) -> None:
         super().__init__(parent)
-        self.title = _words("about")
-        self.changes = _words("change")
+        self.title, self.changes = make_label("about"), make_label("change")
         self.keep = push_button("Keep as A", "Keep this record as A, to compare others with it (K)")
         self.open = push_button("Open…", "Open a recording as A (Ctrl+Shift+O)")
-        self.back = push_button("Return to A", "Return to the scene of A (Shift+K); undo comes back")
-        self.leave = push_button("Close A", "Leave record A")
-        self.partner = push_button("Partner as A", "Trace the partner that this scene names, as A (P)")
-        self.pairs = push_button("Pairs", "Scenes that are opened together with their partners")
+        self.back = push_button("Return to A", "Go back to the scene of A (Shift+K); Undo reverses it")
+        self.leave = push_button("Close A", "End the comparison")
+        self.partner = push_button("Partner as A", "Simulate the other scene of the pair as A (P)")
+        self.pairs = push_button("Pairs", "Scenes that are made to be compared in pairs")
         self._pairs_menu = QMenu(self.pairs)
-        self._pairs_menu.aboutToShow.connect(self._fill_pairs)
+        self._pairs_menu.aboutToShow.connect(lambda: self.show_pairs(find_pairs()))
         self._pairs_menu.triggered.connect(lambda action: self.pair_wanted.emit(action.data()))
         self.pairs.setMenu(self._pairs_menu)
-        for button, wanted in (
-            (self.keep, self.keep_wanted),
-            (self.partner, self.partner_wanted),
-            (self.open, self.open_wanted),
-            (self.back, self.back_wanted),
-            (self.leave, self.close_wanted),
-        ):
-            button.clicked.connect(wanted)
         self.learn = push_button(
-            "Make a scene like this…", "Learn a scene whose record resembles the recording, and open it"
+            "Make a scene like this…", "Fit a scene whose record resembles this recording, and open it"
         )
         self.learn.clicked.connect(self._ask_for_scene)
         self.arrangement, self.frequency = _combo("Arrangement of the two records"), _combo("Frequency of the sonar")
@@ -75,7 +56,7 @@ class ComparisonView(SidePanel):
             self.arrangement.addItem(arrangement.value)
         self.arrangement.activated.connect(lambda index: self.arranged.emit(list(Arrangement)[index]))
         self.frequency.activated.connect(lambda: self.frequency_wanted.emit(self.frequency.currentData()))
-        self.point, self.statistics = _Table(1), _Table(len(PARTS))
+        self.point, self.statistics = _Table(), _Table()
         self._point_box = FoldingBox("Point", self.point, unfolded=True)
         self._statistics_box = FoldingBox("Statistics", self.statistics, unfolded=True)
         self._found: dict[str, dict[str, str] | str] = {}
@@ -105,30 +86,18 @@ class ComparisonView(SidePanel):
         elif not self.back.isHidden():
             self.show_recording(None)
 
-    def show_partner(self, there: bool) -> None:
-        """Offer the partner of the scene, if it names one."""
-        self.partner.setEnabled(there)
-
-    def show_arrangement(self, arrangement: Arrangement) -> None:
-        """Show how both records are arranged."""
-        self.arrangement.setCurrentIndex(list(Arrangement).index(arrangement))
-
     def show_changes(self, changes: Sequence[Change], difference: str) -> None:
         """List what differs in B from A, and what that changes of the record."""
         listed = [change.in_words() for change in changes[:MOST]]
         if len(changes) > MOST:
             listed.append(f"and {len(changes) - MOST} more")
         named = "B: " + "\n     ".join(listed)
-        self.changes.setText(f"{named}\n{difference}" if changes else "B is the same")
+        self.changes.setText(f"{named}\n{difference}" if changes else "B equals A")
 
     def show_point(self, point: dict[str, str], *, at_mouse: bool) -> None:
         """Show what is known of a point; only the ping where the mouse is elsewhere."""
         shown = {name: text for name, text in point.items() if at_mouse or name not in ("slant range", "level")}
         self.point.show_rows({name: (text,) for name, text in shown.items()})
-
-    def show_measuring(self, part: str) -> None:
-        """Show that a record is being measured."""
-        self.show_measured(part, "measuring …")
 
     def show_measured(self, part: str, found: dict[str, str] | str) -> None:
         """Show the statistics of the recorded or the simulated record, or a sentence instead."""
@@ -138,10 +107,6 @@ class ComparisonView(SidePanel):
         said = [f"{part}: {each}" for part, each in self._found.items() if isinstance(each, str)]
         self.statistics.show_rows(rows, "\n".join(said))
 
-    def show_learning(self, learning: bool) -> None:
-        """Show whether a scene is being learned; one at a time is."""
-        self.learn.setEnabled(not learning)
-
     def show_pairs(self, pairs: Mapping[str, Scene] | None) -> None:
         """List the bundled pairs in their menu, once."""
         if self._pairs_menu.actions():
@@ -150,11 +115,6 @@ class ComparisonView(SidePanel):
             action = QAction(f"{name}\t{scene.title}", self._pairs_menu)
             action.setData(name)
             self._pairs_menu.addAction(action)
-
-    def _fill_pairs(self) -> None:
-        """List the bundled pairs now if the menu opens before they are read, which takes a moment."""
-        if not self._pairs_menu.actions():
-            self.show_pairs(find_pairs())
 
     def _ask_for_scene(self) -> None:
         """Let the person name the file of the scene to be learned."""
@@ -193,52 +153,25 @@ class ComparisonView(SidePanel):
         self.column.addStretch(1)
 
 
-class _Table(QWidget):
+class _Table(QLabel):
     """Rows of a name and its values, with a sentence below."""
 
-    def __init__(self, columns: int) -> None:
+    def __init__(self) -> None:
         super().__init__()
-        self._grid = QGridLayout(self)
-        self._grid.setContentsMargins(6, 6, 2, 6)
-        self._grid.setHorizontalSpacing(10)
-        for column in range(columns + 1):
-            self._grid.setColumnStretch(column, 2 if column else 1)
-        self._columns = columns
-        self._labels: list[list[QLabel]] = []
-        self._said = _words("about")
-
-    def rows(self) -> dict[str, tuple[str, ...]]:
-        """Values as they are read, by their names."""
-        return {
-            row[0].text(): tuple(label.text() for label in row[1:]) for row in self._labels if row[0].isVisibleTo(self)
-        }
-
-    def said(self) -> str:
-        """Return the sentence below."""
-        return self._said.text()
+        self.setObjectName("numbers")
+        self.setWordWrap(True)
+        self.setMargin(6)
+        self.setTextFormat(Qt.TextFormat.RichText)
+        self.setTextInteractionFlags(Qt.TextInteractionFlag.TextSelectableByMouse)
+        self.rows: dict[str, tuple[str, ...]] = {}
+        self.said = ""
 
     def show_rows(self, rows: dict[str, tuple[str, ...]], said: str = "") -> None:
-        """Show rows; labels of earlier ones are used again."""
-        while len(self._labels) < len(rows):
-            self._add_row()
-        texts = [(name, *values) for name, values in rows.items()]
-        for labels, row in zip(self._labels, texts):
-            for label, text in zip(labels, row):
-                label.setText(text)
-        for number, labels in enumerate(self._labels):
-            for label in labels:
-                label.setVisible(number < len(rows))
-        self._said.setText(said)
-        self._said.setVisible(bool(said))
-        self._grid.addWidget(self._said, len(self._labels), 0, 1, self._columns + 1)
-
-    def _add_row(self) -> None:
-        row = [_words("name"), *(_words("numbers") for _ in range(self._columns))]
-        for column, label in enumerate(row):
-            if column:
-                label.setTextInteractionFlags(Qt.TextInteractionFlag.TextSelectableByMouse)
-            self._grid.addWidget(label, len(self._labels), column, Qt.AlignmentFlag.AlignTop)
-        self._labels.append(row)
+        """Show rows and a sentence."""
+        self.rows, self.said = rows, said
+        lines = ["".join(f"<td>{html.escape(text)}</td>" for text in (name, *texts)) for name, texts in rows.items()]
+        table = f'<table width="100%" cellpadding="2">{"".join(f"<tr>{line}</tr>" for line in lines)}</table>'
+        self.setText(f"{table}<p>{html.escape(said)}</p>")
 
 
 def _about(recording: Recording) -> str:
@@ -252,13 +185,6 @@ def _about(recording: Recording) -> str:
 def _frequencies(recording: Recording) -> list[float]:
     """Frequencies of a recording with several, in Hz."""
     return [float(text) for text in str(recording.dataset.attrs.get("frequencies", "")).split(",") if text.strip()]
-
-
-def _words(name: str) -> QLabel:
-    label = QLabel()
-    label.setObjectName(name)
-    label.setWordWrap(True)
-    return label
 
 
 def _combo(tooltip: str) -> Combo:

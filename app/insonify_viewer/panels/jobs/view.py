@@ -18,7 +18,6 @@ from PySide6.QtWidgets import (
     QFrame,
     QGridLayout,
     QHBoxLayout,
-    QLabel,
     QLineEdit,
     QMenu,
     QProgressBar,
@@ -31,7 +30,7 @@ from PySide6.QtWidgets import (
 from insonify.accuracy.charts.kinds import list_chart_kinds
 from insonify_viewer.errors import guard_override
 from insonify_viewer.state.quantities import format_time_left
-from insonify_viewer.widgets.buttons import push_button
+from insonify_viewer.widgets.buttons import make_label, push_button
 from insonify_viewer.widgets.save_dialogs import Formats, ask_where_to_save, record_formats
 from insonify_viewer.widgets.side_panel import ScrollColumn
 from insonify_viewer.work.jobs import BackgroundJob, State
@@ -41,7 +40,10 @@ MOST_SCENES, USUAL_SCENES = 1_000_000, 20
 SIZE, SMALLEST = (620, 420), (420, 240)
 CHARTS: Formats = (("Pictures", ".png"), ("Drawings", ".svg"), ("Tables", ".csv"), ("Tables", ".json"))
 PAGES: Formats = (("Pages", ".html"),)
-HINT = "Jobs run beside the window, which stays free. What a command makes here is the same as in a shell, to the bit."
+HINT = (
+    "Jobs run in the background while you go on working. Their results equal, bit for bit, those of the command "
+    "insonify in a terminal."
+)
 
 
 class JobRow(QFrame):
@@ -56,18 +58,16 @@ class JobRow(QFrame):
         self.setObjectName("job")
         self.setFocusPolicy(Qt.FocusPolicy.TabFocus)
         self._job = job
-        self.title, self.words = QLabel(job.title), QLabel()
-        self.title.setObjectName("choice")
-        self.words.setObjectName("name")
-        self.words.setWordWrap(True)
-        self.words.setTextInteractionFlags(Qt.TextInteractionFlag.TextSelectableByMouse)
+        self.title, self.words = make_label("choice", job.title), make_label("name")
         self.bar = QProgressBar()
         self.bar.setTextVisible(False)
-        self.stop = push_button("Stop", "End this job (Delete); nothing half-written is left")
+        self.stop = push_button("Stop", "Stop this job (Delete); no half-written file is left")
         self.stop.clicked.connect(job.stop)
-        self.show_result = push_button("Show", "Open the folder of what was made")
-        self.show_result.clicked.connect(lambda: _show_folder(job.result))
-        self.copy = push_button("Copy details", "Copy versions, scene and what went wrong, to be sent with a report")
+        self.show_result = push_button("Show", "Open the folder of the result")
+        self.show_result.clicked.connect(
+            lambda: QDesktopServices.openUrl(QUrl.fromLocalFile(str(Path(str(job.result)).parent)))
+        )
+        self.copy = push_button("Copy details", "Copy program versions, scene and error message, to send with a report")
         self.copy.clicked.connect(lambda: self.details_wanted.emit(job))
         self.bar.setAccessibleName(f"progress of {job.title}")
         for button in self.buttons:
@@ -117,11 +117,6 @@ class JobRow(QFrame):
             super().keyPressEvent(event)
 
 
-def _show_folder(result: Path | None) -> None:
-    if result is not None:
-        QDesktopServices.openUrl(QUrl.fromLocalFile(str(result.parent)))
-
-
 def _words(job: BackgroundJob) -> str:
     """State what the job does now, how much of it is done, and the time left."""
     if job.state is State.STOPPING:
@@ -154,10 +149,10 @@ class DatasetQuestion(QDialog):
         self.scenes = QSpinBox()
         self.scenes.setRange(1, MOST_SCENES)
         self.scenes.setValue(USUAL_SCENES)
-        self.scenes.setToolTip(f"Number of scenes that are drawn at random, 1 to {MOST_SCENES}")
+        self.scenes.setToolTip(f"Number of random scenes, 1 to {MOST_SCENES}")
         self.folder = QLineEdit(str(Path.home() / (bundled[0] if bundled else "dataset")))
         self.folder.setObjectName("line")
-        self.folder.setToolTip("Folder to make, or one in which a stopped data set goes on")
+        self.folder.setToolTip("A new folder, or that of a stopped data set, which is then continued")
         for name, field in (("Specification", self.specification), ("Scenes", self.scenes), ("Folder", self.folder)):
             field.setAccessibleName(name)
         self.buttons = QDialogButtonBox(QDialogButtonBox.StandardButton.Ok | QDialogButtonBox.StandardButton.Cancel)
@@ -226,15 +221,20 @@ class JobsView(QWidget):
         self.resize(*SIZE)
         self.setMinimumSize(*SMALLEST)
         self._specifications = specifications
-        self.record = _button("&Record…", "Every ping of the scene, as data or as a picture", self._ask_for_record)
-        self.chart = _button("&Chart…", "Error, cost or convergence, measured on this machine")
+        self.record = _button(
+            "&Record…",
+            "Save every ping of the scene as data or as a picture",
+            partial(self._ask, "Save the record", "record.nc", record_formats(), self.record_wanted.emit),
+        )
+        self.chart = _button("&Chart…", "Measure error, time or convergence of the methods on this computer")
         self.chart.setMenu(self._charts())
-        self.dataset = _button("&Data set…", "Labelled images of many scenes", self._ask_for_dataset)
-        self.stability = _button("S&tability…", "The known numerical failures, measured, as a page", self._ask_for_page)
-        self.forget = _button("C&lear", "Leave the jobs that have ended out of this list", self.forget_wanted.emit)
-        self._hint = QLabel(HINT)
-        self._hint.setObjectName("name")
-        self._hint.setWordWrap(True)
+        self.dataset = _button("&Data set…", "Make labelled pictures to train a detector", self._ask_for_dataset)
+        self.stability = _button(
+            "S&tability…",
+            "Write a page on where methods fail",
+            partial(self._ask, "Save the stability page", "stability.html", PAGES, self.stability_wanted.emit),
+        )
+        self.forget = _button("C&lear", "Remove finished jobs from the list", self.forget_wanted.emit)
         self._rows: dict[BackgroundJob, JobRow] = {}
         self._lay_out()
 
@@ -286,29 +286,27 @@ class JobsView(QWidget):
         here = next((k for k, row in enumerate(rows) if row.hasFocus()), 0)
         rows[min(max(here + step, 0), len(rows) - 1)].setFocus()
 
-    def _ask_for_record(self) -> None:
-        if path := ask_where_to_save(self, "Write the record", "record.nc", record_formats()):
-            self.record_wanted.emit(path)
+    def _ask(self, title: str, suggestion: str, formats: Formats, wanted: Callable[[Path], None]) -> None:
+        """Begin what makes a file, once the person has named it."""
+        if path := ask_where_to_save(self, title, suggestion, formats):
+            wanted(path)
 
     def _charts(self) -> QMenu:
         """Make a menu of the kinds of charts."""
         menu = QMenu(self)
         for kind in list_chart_kinds():
-            menu.addAction(f"{kind.capitalize()}…", partial(self._ask_for_chart, kind))
+            wanted = partial(self._want_chart, kind)
+            question = partial(self._ask, f"Save the chart of {kind}", f"{kind}.png", CHARTS, wanted)
+            menu.addAction(f"{kind.capitalize()}…", question)
         return menu
 
-    def _ask_for_chart(self, kind: str) -> None:
-        if path := ask_where_to_save(self, f"Measure a chart of {kind}", f"{kind}.png", CHARTS):
-            self.chart_wanted.emit(WantedChart(kind, path))
+    def _want_chart(self, kind: str, path: Path) -> None:
+        self.chart_wanted.emit(WantedChart(kind, path))
 
     def _ask_for_dataset(self) -> None:
         question = DatasetQuestion(self._specifications, self)
         if question.exec():
             self.dataset_wanted.emit(question.answer)
-
-    def _ask_for_page(self) -> None:
-        if path := ask_where_to_save(self, "Write the page of stability", "stability.html", PAGES):
-            self.stability_wanted.emit(path)
 
     def _lay_out(self) -> None:
         tools = QHBoxLayout()
@@ -322,7 +320,7 @@ class JobsView(QWidget):
         self._list.addStretch(1)
         column = QVBoxLayout(self)
         column.addLayout(tools)
-        column.addWidget(self._hint)
+        column.addWidget(make_label("name", HINT))
         column.addWidget(self._scroll, 1)
 
 

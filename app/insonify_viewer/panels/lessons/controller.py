@@ -34,12 +34,13 @@ class LessonsPanel(Panel):
         self._open_now = False
         self._left: Scene | None = None  # as a lesson left it, which is not the person's own work
         self.view = view = LessonsView()
-        view.started.connect(self.start)
-        view.left.connect(self.leave)
-        view.moved.connect(self.move)
-        view.back.connect(self.back)
-        view.next.connect(self.next)
-        view.projected.connect(workbench.project)
+        view.list.started.connect(self.start)
+        view.page.left.clicked.connect(self.leave)
+        view.page.show_me.clicked.connect(self.move)
+        view.page.back.clicked.connect(self.back)
+        view.page.next.clicked.connect(self.next)
+        for page in (view.list, view.page):
+            page.projector.toggled.connect(workbench.project)
 
     def opened(self, shown: bool) -> None:
         """Read the lessons when the panel first opens; light no field while it is closed."""
@@ -166,22 +167,24 @@ class LessonsPanel(Panel):
         window |= {f"plan.{subject}": choice for subject, choice in modelling.forced}
         if point is not None:
             mark = point.mark
-            window |= {"point.ping": mark.ping, "point.side": SIDES[mark.side], "point.slant_range": point.slant_range}
+            window |= {"point.ping": mark.ping, "point.side": mark.side_name, "point.slant_range": point.slant_range}
         return LessonState(self._session.scene, window)
 
     def _notice(self) -> None:
         if self.course is not None and self.course.notice(self._state):
-            self.view.show_done(True)
+            self.view.page.show_done(True)
 
     def _show_step(self, course: Course) -> None:
         """Show the present step, and light what it speaks of."""
         self.course = course
-        self.view.show_step(course.lesson, course.index)
+        self.view.page.show_step(course.lesson, course.index)
+        self.view.setCurrentWidget(self.view.page)
         self._light()
         self._notice()
 
     def _show_list(self) -> None:
-        self.view.show_list(self._lessons, self._finished)
+        self.view.list.show_lessons(self._lessons, self._finished)
+        self.view.setCurrentWidget(self.view.list)
 
     def _light(self) -> None:
         """Light the fields of the present step, with the panel that shows them in front."""

@@ -20,7 +20,7 @@ from PySide6.QtWidgets import (
 
 from insonify.lessons import Lesson
 from insonify_viewer.errors import guard_override
-from insonify_viewer.widgets.buttons import light, push_button
+from insonify_viewer.widgets.buttons import light, make_label, push_button
 from insonify_viewer.widgets.side_panel import ScrollColumn
 
 USUAL, LARGE = 1.2, 1.9  # factors on the size of the text, without and with a projector
@@ -29,14 +29,7 @@ NARROWEST, WIDE = 230, 300  # px, least and preferred width at the usual size
 
 
 class LessonsView(QStackedWidget):
-    """Shows lessons, and signals the person's requests."""
-
-    started = Signal(str)  # name of a lesson
-    left = Signal()
-    moved = Signal()
-    back = Signal()
-    next = Signal()
-    projected = Signal(bool)
+    """Shows lessons; its pages hold the buttons."""
 
     def __init__(self, parent: QWidget | None = None) -> None:
         super().__init__(parent)
@@ -45,29 +38,8 @@ class LessonsView(QStackedWidget):
         self.page = StepPage()
         self.addWidget(self.list)
         self.addWidget(self.page)
-        self.list.started.connect(self.started)
-        self.page.left.clicked.connect(self.left)
-        self.page.show_me.clicked.connect(self.moved)
-        self.page.back.clicked.connect(self.back)
-        self.page.next.clicked.connect(self.next)
-        for page in (self.list, self.page):
-            page.projector.toggled.connect(self.projected)
         self._size = self.font().pointSizeF()
         self.enlarge(False)
-
-    def show_list(self, lessons: Sequence[Lesson], finished: Collection[str]) -> None:
-        """Show the lessons; those that were finished are ticked."""
-        self.list.show_lessons(lessons, finished)
-        self.setCurrentWidget(self.list)
-
-    def show_step(self, lesson: Lesson, index: int) -> None:
-        """Show a step of a lesson, not yet done."""
-        self.page.show_step(lesson, index)
-        self.setCurrentWidget(self.page)
-
-    def show_done(self, done: bool) -> None:
-        """Tick the step that is shown."""
-        self.page.show_done(done)
 
     @guard_override(QSize())
     def sizeHint(self) -> QSize:
@@ -133,11 +105,11 @@ class StepPage(QWidget):
 
     def __init__(self) -> None:
         super().__init__()
-        self.left = push_button("‹ Lessons", "Leave this lesson; the scene stays as it is", wide=True)
+        self.left = push_button("‹ Lessons", "Leave this lesson; the scene stays as it is now", wide=True)
         self.projector = _projector()
         self.lesson, self.step, self.introduction, self.text = _words("lesson"), _words("step"), _words(), _words()
         self.tick, self.look_for, self.question, self.answer = _words("tick"), _words(), _words(), _words()
-        self.show_me = push_button("Show me", "Move it as this step asks", wide=True)
+        self.show_me = push_button("Show me", "Make the change that this step describes", wide=True)
         self.reveal = push_button("Show the answer", "Show the answer to the question", wide=True)
         self.reveal.clicked.connect(lambda: self._show_answer(True))
         self.back = push_button("Back", "Return to the step before (Page Up)", wide=True)
@@ -200,12 +172,7 @@ def _row(left: QWidget, right: QWidget) -> QHBoxLayout:
 
 
 def _words(name: str = "") -> QLabel:
-    label = QLabel()
-    label.setObjectName(name)
-    label.setWordWrap(True)
-    label.setTextFormat(Qt.TextFormat.MarkdownText)
-    label.setTextInteractionFlags(Qt.TextInteractionFlag.TextSelectableByMouse)
-    return label
+    return make_label(name, form=Qt.TextFormat.MarkdownText)
 
 
 def _projector() -> QPushButton:

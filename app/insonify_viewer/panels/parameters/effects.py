@@ -35,7 +35,7 @@ KEPT = 32  # scenes whose figures are kept, for undo and redo
 FEWEST = 48  # pings
 SECONDS = 0.1  # predicted, for the pings of one effect by the present plan
 GRAIN = "receiver.speckle"  # drawn anew by most edits, which changes almost every bin and nothing that is seen
-GRAIN_APART = " Speckle is left out of these figures: its grain is drawn anew, which changes single bins and no shape."
+GRAIN_APART = " Both records are compared without speckle, whose random grain changes single pixels but no shape."
 AUDIBLE = 0.05  # dB, the least change of the mean level that is shown
 
 
@@ -89,14 +89,19 @@ class Bending(Effect):
 
 
 EFFECTS = (
-    Effect("beam", "the width of the horizontal beam; without it a knife edge", "sonar.beam", "knife", "fan"),
-    Effect("pulse", "the length of the pulse; without it shorter than a bin", "sonar.pulse", "ideal", "tone"),
-    Bending("bending", "rays bent where the sound speed varies; without it straight", "water", "uniform", "profile"),
-    Effect("ghosts", "multipath by the sea surface", "water.surface", "none", "flat"),
-    Effect("speckle", "interference of scatterers within a cell", "receiver.speckle", "none", "rayleigh"),
-    Effect("noise", "noise received besides the echoes", "receiver.noise", "none", "ambient"),
-    Effect("TVG", "time-varied gain; a record is shown relative to a level bed under the same gain", "receiver.tvg",
-           "none", "power"),
+    Effect("beam", "The beam widens with range and blurs targets along the track; without it, it is infinitely narrow",
+           "sonar.beam", "knife", "fan"),
+    Effect("pulse", "The pulse has a length, which blurs echoes in range; without it, it is shorter than a range bin",
+           "sonar.pulse", "ideal", "tone"),
+    Bending("bending", "Sound bends where its speed changes with depth; without it, sound travels straight",
+            "water", "uniform", "profile"),
+    Effect("ghosts", "Echoes that return by way of the sea surface (multipath), later than the direct one",
+           "water.surface", "none", "flat"),
+    Effect("speckle", "Grain: echoes of many scatterers within one pixel interfere", "receiver.speckle", "none",
+           "rayleigh"),
+    Effect("noise", "Noise of the sea and of the receiver, added to the echoes", "receiver.noise", "none", "ambient"),
+    Effect("TVG", "Time-varied gain amplifies late echoes; the picture is relative to a level bed under the same gain",
+           "receiver.tvg", "none", "power"),
 )  # fmt: skip
 
 
@@ -247,12 +252,12 @@ class EffectTicks:
         self, name: str, on: bool, differences: Mapping[str, RecordDifference | None], scene: Scene
     ) -> tuple[str, str]:
         if not on and name not in self._settings:
-            return "", "This scene has had no such effect; tick it to add one with usual settings"
+            return "", "Not in this scene; tick it to add it with usual settings"
         if name not in differences:
-            return "…", "what it changes is being measured"
+            return "…", "measuring how much of the record it changes"
         difference = differences[name]
         if difference is None:
-            return "–", "what it changes cannot be measured here"
+            return "–", "how much it changes cannot be measured in this scene"
         grain = GRAIN_APART if has_grain(scene) and name != "speckle" else ""
         return say_difference(difference), explain_difference(difference, on) + grain
 
@@ -270,12 +275,12 @@ def explain_difference(difference: RecordDifference, on: bool) -> str:
     if abs(difference.decibels) >= AUDIBLE:
         level = f", the mean level by {difference.decibels:+.1f} dB".replace("-", "−")
     return (
-        f"{'Without' if on else 'With'} it {say_percent(difference.visible)} of the picture would be fainter or louder "
-        f"by {VISIBLE:g} dB or more{level}. The rms of the record, which "
-        f"strong echoes rule and by which the plan measures errors, would differ by {say_percent(difference.share)}."
+        f"{'Without' if on else 'With'} it, {say_percent(difference.visible)} of the picture would change by "
+        f"{VISIBLE:g} dB or more{level}. The whole record, in which strong echoes count most, would change by "
+        f"{say_percent(difference.share)} (rms)."
     )
 
 
 def describe_tick(name: str, on: bool) -> str:
     """Name of the edit that a tick makes."""
-    return f"{name} brought back" if on else f"{name} taken out"
+    return f"{name} switched {'on' if on else 'off'}"

@@ -23,7 +23,7 @@ from insonify.scene.seabed.reliefs.random_relief import RandomRelief
 from insonify.scene.targets import Target
 from insonify.scene.water import WaterKind
 from insonify.scene.water.absorptions import NEPER_PER_DB
-from insonify_viewer.state.fields import PLACES, ChoiceField, FileField, NumberField, Parameter, name_field
+from insonify_viewer.state.fields import PLACES, ChoiceField, FileField, NumberField, Parameter, name_field, spell
 
 SECTIONS = ("sonar", "seabed", "track", "targets", "volumes", "water", "receiver", "receiver.recorder")
 # Order of the pose fields of a target, after those of its shape.
@@ -76,13 +76,8 @@ def sections_of(scene: Scene) -> tuple[FieldSection, ...]:
             if name == "seabed":
                 parameters += tuple(_of_field(scene, scene, "seed", "", 0))
             found.append(FieldSection(name, name.rpartition(".")[2].capitalize(), parameters))
-    return tuple(_with_names(scene, section) for section in found if section.parameters)
-
-
-def _with_names(scene: Scene, section: FieldSection) -> FieldSection:
-    """Section whose fields have full names."""
-    named = tuple(replace(each, name=name_field(scene, each.path)) for each in section.parameters)
-    return replace(section, parameters=named)
+    named = [tuple(replace(each, name=name_field(scene, each.path)) for each in one.parameters) for one in found]
+    return tuple(replace(one, parameters=rows) for one, rows in zip(found, named, strict=True) if rows)
 
 
 def pinned_section(scene: Scene, sections: tuple[FieldSection, ...]) -> FieldSection | None:
@@ -144,7 +139,7 @@ def _rows(scene: Scene, part: BaseModel, name: str, path: str, indent: int) -> I
     field = type(part).model_fields[name]
     value = getattr(part, name)
     path = f"{path}.{name}" if path else name
-    label = name.replace("_", " ")
+    label = spell(name)
     tooltip = field.description or ""
     if isinstance(value, BaseModel) or (value is None and models_of(type(part), name)):
         yield from _of_declaration(scene, part, name, path, indent)
@@ -172,7 +167,7 @@ def _of_declaration(scene: Scene, part: BaseModel, name: str, path: str, indent:
     value: BaseModel | None = getattr(part, name)
     models = [model for model in models_of(type(part), name) if kind_name(model)]
     kinds = tuple(kind_name(model) or "" for model in models)
-    label = name.replace("_", " ")
+    label = spell(name)
     if len(kinds) > 1:
         tooltip = type(part).model_fields[name].description or ""
         meanings = tuple(map(_meaning, models))
@@ -289,7 +284,7 @@ def _idle(scene: Scene, path: str) -> str:
     beams, receiver = (scene.sonar.beam, scene.sonar.vertical), scene.receiver
     if any(part.by_frequency for part in (*beams, scene.water.absorption)) or receiver.speckle.speckled:
         return ""
-    return "has no effect without a line-array beam, Francois-Garrison absorption or speckle"
+    return "changes nothing here: it acts on a line-array beam, Francois-Garrison absorption and speckle"
 
 
 def _idle_source_level(scene: Scene) -> str:
@@ -297,7 +292,7 @@ def _idle_source_level(scene: Scene) -> str:
     receiver = scene.receiver
     if receiver.noise is not None or receiver.interference is not None or receiver.tvg.kind != "none":
         return ""
-    return "has no effect without noise, interference or time-varied gain"
+    return "changes nothing here: it acts beside noise, interference and time-varied gain"
 
 
 def known_speed(scene: Scene) -> float:

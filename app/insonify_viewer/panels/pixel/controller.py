@@ -2,15 +2,16 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import astuple, dataclass
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from insonify.explanation.brightness import describe_brightness
 from insonify.scene import Scene, SceneError
 from insonify_viewer.panels.panel import Button, Panel, Place, Workbench
 from insonify_viewer.panels.pixel.view import PixelView
-from insonify_viewer.record.record import RecordGrowth
+from insonify_viewer.record.record import Record, RecordGrowth
 from insonify_viewer.state.inspection import Mark, SoundDrawing
 from insonify_viewer.state.inspection import Place as ScenePlace
 
@@ -37,7 +38,7 @@ class PixelPanel(Panel):
     name = "pixel"
     title = "Pixel"
     place = Place.BELOW
-    button = Button("Explain a pixel", "Explain the pixel of the record that is clicked", "Ctrl+E", icon="explain")
+    button = Button("Explain a pixel", "See why a pixel that you click is bright or dark", "Ctrl+E", icon="explain")
 
     def __init__(self, workbench: Workbench) -> None:
         self._workbench = workbench
@@ -46,6 +47,7 @@ class PixelPanel(Panel):
         self._simulation: Simulation | None = None
         self._shown: tuple[Simulation, Mark] | None = None
         self._asked: tuple[Simulation, Mark] | None = None
+        self._record: Record | None = None
         self._newest = 0
         self.view = PixelView()
         workbench.inspection.pinned.connect(self._pin)
@@ -63,7 +65,7 @@ class PixelPanel(Panel):
 
     def record_grown(self, growth: RecordGrowth) -> None:
         """Explain the pinned pixel anew once another scene is traced at full accuracy."""
-        self._newest = int(growth.record.ping.max())
+        self._record, self._newest = growth.record, int(growth.record.ping.max())
         if growth.current and growth.answer.simulation is not self._simulation:
             self._simulation = growth.answer.simulation
             self._explain()
@@ -110,20 +112,22 @@ class PixelPanel(Panel):
             return
         self._shown = asked
         if isinstance(found, ExplainedPixel):
-            self.view.show_pixel(found.explanation, found.section)
+            amplitude = None if self._record is None else self._record.amplitude_at(*astuple(asked[1]))
+            sentence = describe_brightness(found.explanation, amplitude)
+            self.view.show_pixel(found.explanation, found.section, sentence)
             self._workbench.inspection.drawn.emit(_drawing(found.explanation))
         else:
             self.view.show_nothing()
-            self._workbench.complain(found or SceneError("this pixel cannot be explained; pin another one"))
+            self._workbench.complain(found or SceneError("this pixel cannot be explained; click another one"))
 
     def _pick(self, place: ScenePlace | None) -> None:
-        """Light up the pixels that hear a picked place."""
+        """Light up the pixels that receive an echo from a picked place."""
         simulation = self._simulation
         if place is None or simulation is None:
             return
         last = self._newest
         pings = np.arange(max(last - 2 * AROUND, 0), last + 1, dtype=np.int64)
-        self._workbench.say("looking for the pixels that hear this place …")
+        self._workbench.say("looking for the pixels that receive an echo from this place …")
         self._executor.submit("pixel", lambda: _listeners(simulation, place, pings), self._light)
 
     def _light(self, found: tuple[Listener, ...] | None) -> None:
@@ -137,9 +141,9 @@ class PixelPanel(Panel):
 def _words(direct: int, ghosts: int) -> str:
     """Sentence with the number of pixels that receive echoes of a place."""
     if not direct + ghosts:
-        return "no pixel of the record hears this place: it is hidden or outside the beam"
-    told = f"{direct} {'pixel hears' if direct == 1 else 'pixels hear'} this place"
-    return told + (f", and {ghosts} by way of the sea surface" if ghosts else "")
+        return "no pixel of the record receives an echo from this place: it is hidden or outside the beam"
+    told = f"{direct} {'pixel receives' if direct == 1 else 'pixels receive'} a direct echo from this place"
+    return told + (f", and {ghosts} an echo by way of the sea surface" if ghosts else "")
 
 
 def _compile(simulation: Simulation) -> None:

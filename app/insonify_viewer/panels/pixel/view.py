@@ -2,37 +2,29 @@
 
 from __future__ import annotations
 
+import html
 import math
-from collections.abc import Iterable
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 from PySide6.QtCore import QEvent, QPointF, QRectF, QSizeF, Qt
-from PySide6.QtGui import QColor, QPainter, QPaintEvent, QPen, QPixmap, QPolygonF, QResizeEvent
-from PySide6.QtWidgets import (
-    QHeaderView,
-    QLabel,
-    QSplitter,
-    QTreeWidget,
-    QTreeWidgetItem,
-    QTreeWidgetItemIterator,
-    QVBoxLayout,
-    QWidget,
-)
+from PySide6.QtGui import QColor, QPainter, QPen, QPolygonF
+from PySide6.QtWidgets import QSplitter, QTextBrowser, QVBoxLayout, QWidget
 
 from insonify_viewer.errors import guard_override
-from insonify_viewer.state.inspection import Mark
-from insonify_viewer.widgets.painting import round_steps
+from insonify_viewer.state.inspection import SIDES, Mark
+from insonify_viewer.widgets.buttons import make_label
+from insonify_viewer.widgets.painting import PaintedOnce, round_steps
 from insonify_viewer.widgets.theme import (
     ACCENT,
     ACCENT_IN_WATER,
-    GROUND,
+    MARK,
     MARK_IN_WATER,
     OVER_WATER,
     QUIET,
-    scaled,
+    TEXT,
     text_scale,
 )
 
@@ -40,8 +32,10 @@ if TYPE_CHECKING:
     from insonify.explanation.cross_section import CrossSection
     from insonify.explanation.pixel import PixelExplanation
 
-HINT = "Click a pixel of the record to explain it. Click a place in the 3-D view to light up the pixels that hear it."
-SIDES = ("port", "starboard")
+HINT = (
+    "Click a pixel of the record to see why it is bright or dark. Click a place in the 3-D view to light up the pixels "
+    "that receive its echo."
+)
 LEFT, RIGHT, TOP, BOTTOM = 46.0, 22.0, 10.0, 22.0  # px at the usual size of the text
 BELOW, ABOVE = 0.12, 0.08  # of the water's height, drawn below the bed and above the sonar
 FLATTEST = 1e-9  # least extent of heights as a share of them, so that their edges are two numbers
@@ -52,11 +46,11 @@ BLOCKED, RING, TARGET = "#ff7a5c", "#5b7d99", "#e8eef2"
 ARC = 96  # points of the ring of equal slant range
 
 MOST = 6  # contributions, and what hides, that are listed
-LEVEL, NAME, DETAIL = 0, 1, 2  # columns
-NARROW = 205  # px, which hold levels and names
-WIDE = 330  # px at the usual size of the text, from which on details have a column; else they are in the tips of names
+NARROW = 205  # px, which hold levels, bars and names
+LONGEST = 6  # letters, of a bar
 
-Row = tuple[str, str, str]
+Row = tuple[str, str, str, float]  # name, level, detail, and the number of its bar
+Group = tuple[Row, list[Row]]  # a heading and its rows
 
 
 class PixelView(QWidget):
@@ -65,9 +59,7 @@ class PixelView(QWidget):
     def __init__(self, parent: QWidget | None = None) -> None:
         super().__init__(parent)
         self.setObjectName("panel")
-        self.summary = QLabel(HINT)
-        self.summary.setWordWrap(True)
-        self.summary.setTextInteractionFlags(Qt.TextInteractionFlag.TextSelectableByMouse)
+        self.sentence, self.summary = make_label("choice", HINT), make_label("name")
         self.budget, self.section = BudgetList(), SectionView()
         splitter = QSplitter(Qt.Orientation.Horizontal)
         splitter.addWidget(self.budget)
@@ -77,25 +69,31 @@ class PixelView(QWidget):
         layout = QVBoxLayout(self)
         layout.setContentsMargins(6, 4, 6, 4)
         layout.setSpacing(3)
+        layout.addWidget(self.sentence)
         layout.addWidget(self.summary)
         layout.addWidget(splitter, 1)
 
     def show_nothing(self) -> None:
         """Show that no pixel is pinned."""
-        self.summary.setText(HINT)
-        self.budget.clear()
+        self._say(HINT)
+        self.budget.show_explanation(None)
         self.section.show_section(None, None)
 
     def show_waiting(self, mark: Mark) -> None:
         """Show that a pixel is being explained."""
-        self.summary.setText(f"explaining ping {mark.ping}, {SIDES[mark.side]} …")
+        self._say(f"explaining ping {mark.ping}, {mark.side_name} …")
 
-    def show_pixel(self, explanation: PixelExplanation, section: CrossSection) -> None:
-        """Show the explanation of a pixel."""
+    def show_pixel(self, explanation: PixelExplanation, section: CrossSection, sentence: str) -> None:
+        """Show the explanation of a pixel: a sentence on its brightness first."""
         where = f"ping {explanation.ping}, {SIDES[explanation.side]}, {explanation.slant_range:.2f} m"
-        self.summary.setText(f"{where}: {explanation.summary}")
+        self._say(sentence, f"{where}: {explanation.summary}")
         self.budget.show_explanation(explanation)
         self.section.show_section(explanation, section)
+
+    def _say(self, sentence: str, summary: str = "") -> None:
+        self.sentence.setText(sentence)
+        self.summary.setText(summary)
+        self.summary.setVisible(bool(summary))
 
 
 @dataclass(frozen=True)
@@ -134,7 +132,7 @@ class SectionScales:
         return QPolygonF([self.at(x, z) for x, z in points.tolist()])
 
 
-class SectionView(QWidget):
+class SectionView(PaintedOnce):
     """Paints a cross-section with the rays of a pixel."""
 
     def __init__(self, parent: QWidget | None = None) -> None:
@@ -142,47 +140,17 @@ class SectionView(QWidget):
         self.setMinimumSize(100, 110)
         self.setAccessibleName("Cross-section of the beam")
         self._shown: tuple[PixelExplanation, CrossSection] | None = None
-        self._picture: QPixmap | None = None
 
     def show_section(self, explanation: PixelExplanation | None, section: CrossSection | None) -> None:
         """Show a pixel in its cross-section; None clears it."""
         self._shown = None if explanation is None or section is None else (explanation, section)
-        self._picture = None
-        self.update()
+        self.paint_anew()
 
-    @guard_override(None)
-    def resizeEvent(self, event: QResizeEvent) -> None:
-        """Fit the section to the new size."""
-        self._picture = None
-        super().resizeEvent(event)
-
-    @guard_override(None)
-    def paintEvent(self, event: QPaintEvent) -> None:
-        """Paint the section once for its size."""
-        del event
-        if self._picture is None:
-            self._picture = self._painted()
-        with QPainter(self) as painter:
-            painter.drawPixmap(0, 0, self._picture)
-
-    @guard_override(None)
-    def changeEvent(self, event: QEvent) -> None:
-        """Paint anew in another theme."""
-        if event.type() is QEvent.Type.PaletteChange:
-            self._picture = None
-        super().changeEvent(event)
-
-    def _painted(self) -> QPixmap:
-        ratio = self.devicePixelRatioF()
-        picture = QPixmap(int(self.width() * ratio), int(self.height() * ratio))
-        picture.setDevicePixelRatio(ratio)
-        picture.fill(QColor(GROUND))
+    def paint_picture(self, painter: QPainter) -> None:
+        """Paint the section."""
         if self._shown is not None:
-            with QPainter(picture) as painter:
-                painter.setFont(self.font())
-                painter.setRenderHint(QPainter.RenderHint.Antialiasing)
-                _paint(painter, *self._shown, (self.width(), self.height()), text_scale(self))
-        return picture
+            painter.setRenderHint(QPainter.RenderHint.Antialiasing)
+            _paint(painter, *self._shown, (self.width(), self.height()), text_scale(self))
 
 
 def _paint(
@@ -214,7 +182,7 @@ def _paint_bed(painter: QPainter, scales: SectionScales, section: CrossSection) 
     painter.setBrush(Qt.BrushStyle.NoBrush)
     painter.setPen(QPen(QColor(RING), 1.0, Qt.PenStyle.DotLine))
     painter.drawLines(_lines(scales, section.horizon))
-    for stretches, colour, width in ((section.heard, HEARD, 2.0), (section.hidden, HIDDEN, 3.5)):
+    for stretches, colour, width in ((section.visible, HEARD, 2.0), (section.hidden, HIDDEN, 3.5)):
         painter.setPen(_pen(colour, width))
         painter.drawLines(_lines(scales, stretches))
     for name, face in section.targets:
@@ -292,87 +260,76 @@ def _pen(colour: str, width: float) -> QPen:
     return pen
 
 
-class BudgetList(QTreeWidget):
-    """Lists the budget of a pixel."""
+class BudgetList(QTextBrowser):
+    """Lists the budget of a pixel with bars: terms in decibels, and shares of what returns and hides its sound."""
 
     def __init__(self, parent: QWidget | None = None) -> None:
         super().__init__(parent)
         self.setObjectName("budget")
         self.setAccessibleName("Budget of the pixel")
-        self.setColumnCount(3)
-        self.setHeaderHidden(True)
-        self.setIndentation(10)
-        self.setRootIsDecorated(False)
-        self.setUniformRowHeights(True)
         self.setToolTip("Terms in decibels that add up to the level of the pixel")
         self.setMinimumWidth(NARROW)
-        self.setHorizontalScrollBarPolicy(Qt.ScrollBarPolicy.ScrollBarAlwaysOff)
-        self.header().setSectionResizeMode(LEVEL, QHeaderView.ResizeMode.ResizeToContents)
-        self._give_details_room()
-
-    @guard_override(None)
-    def resizeEvent(self, event: QResizeEvent) -> None:
-        """Give details a column where the list is wide enough."""
-        super().resizeEvent(event)
-        self._give_details_room()
+        self._groups: list[Group] = []
+        self._notes: tuple[str, ...] = ()
 
     @guard_override(None)
     def changeEvent(self, event: QEvent) -> None:
-        """Show headings in the accent of the theme."""
+        """Write anew in the colours of another theme."""
         super().changeEvent(event)
         if event.type() is QEvent.Type.StyleChange:
-            for k in range(self.topLevelItemCount()):
-                self._colour_heading(self.topLevelItem(k))
+            self._write()
 
-    def show_explanation(self, explanation: PixelExplanation) -> None:
-        """List the budget of a pixel."""
-        self.clear()
-        terms = [(term.name, _level(term.decibels), term.detail) for term in explanation.terms]
-        self._add_group("pixel", _level(explanation.level), "the sum of" if terms else "", terms)
-        self._add_group("returned by", "", "", _contributions(explanation))
-        self._add_group("hidden by", "", "", _obstructions(explanation))
-        for said in explanation.approximations:
-            QTreeWidgetItem(self, [said]).setFirstColumnSpanned(True)
-        self.expandAll()
+    def show_explanation(self, explanation: PixelExplanation | None) -> None:
+        """List the budget of a pixel; None clears it."""
+        self._groups, self._notes = [], ()
+        if explanation is not None:
+            terms = [(term.name, _level(term.decibels), term.detail, term.decibels) for term in explanation.terms]
+            whole = ("pixel", _level(explanation.level), "the sum of" if terms else "", 0.0)
+            groups = (
+                (whole, terms),
+                (("returned by", "", "", 0.0), _contributions(explanation)),
+                (("hidden by", "", "", 0.0), _obstructions(explanation)),
+            )
+            self._groups = [(head, rows) for head, rows in groups if rows or head[1]]
+            self._notes = explanation.approximations
+        self._write()
 
-    def rows(self) -> list[Row]:
+    def rows(self) -> list[tuple[str, str, str]]:
         """Name, level and detail of all rows, each group before its own."""
-        found: list[Row] = []
-        iterator = QTreeWidgetItemIterator(self)
-        while (item := iterator.value()) is not None:
-            found.append((item.text(NAME), item.text(LEVEL), item.text(DETAIL)))
-            iterator += 1
-        return found
+        return [row[:3] for head, rows in self._groups for row in (head, *rows)]
 
-    def _add_group(self, name: str, level: str, detail: str, rows: Iterable[Row]) -> None:
-        """Add a heading with its rows; one without level and rows is left out."""
-        rows = list(rows)
-        if not rows and not level:
-            return
-        group = QTreeWidgetItem(self, [level, name, detail])
-        self._colour_heading(group)
-        own = [QTreeWidgetItem(group, [level, name, detail]) for name, level, detail in rows]
-        for row in (group, *own):
-            row.setTextAlignment(LEVEL, Qt.AlignmentFlag.AlignRight | Qt.AlignmentFlag.AlignVCenter)
-            tip = ": ".join(filter(None, (row.text(NAME), row.text(DETAIL))))
-            for column in (NAME, DETAIL):
-                row.setToolTip(column, tip)
+    def _write(self) -> None:
+        lines = []
+        for head, rows in self._groups:
+            lines.append(_line(head, "", ACCENT))
+            most = max((abs(row[3]) for row in rows if math.isfinite(row[3])), default=0.0)
+            lines += [_line(row, _bar(row[3], most), TEXT) for row in rows]
+        notes = "".join(f'<p style="color:{QUIET.name()}">{html.escape(note)}</p>' for note in self._notes)
+        self.setHtml(f'<table cellspacing="3">{"".join(lines)}</table>{notes}')
 
-    def _give_details_room(self) -> None:
-        wide = self.viewport().width() >= scaled(self, WIDE)
-        modes = QHeaderView.ResizeMode
-        self.setColumnHidden(DETAIL, not wide)
-        self.header().setStretchLastSection(wide)
-        self.header().setSectionResizeMode(NAME, modes.ResizeToContents if wide else modes.Stretch)
 
-    def _colour_heading(self, heading: QTreeWidgetItem | None) -> None:
-        if heading is not None and heading.text(NAME):
-            heading.setForeground(NAME, QColor(ACCENT))
+def _line(row: Row, bar: str, colour: QColor) -> str:
+    """Row of a table: level, bar, name and detail."""
+    name, level, detail = map(html.escape, row[:3])
+    return (
+        f'<tr><td align="right" style="white-space:nowrap">{level}</td><td style="white-space:nowrap">{bar}</td>'
+        f'<td><span style="color:{colour.name()}">{name}</span> '
+        f'<span style="color:{QUIET.name()}">{detail}</span></td></tr>'
+    )
+
+
+def _bar(value: float, most: float) -> str:
+    """Bar as long as a number beside the greatest one; losses have another colour than gains and shares."""
+    if not math.isfinite(value) or most == 0.0:
+        return ""
+    eighths = round(8 * LONGEST * abs(value) / most)
+    blocks = "█" * (eighths // 8) + ("", *"▏▎▍▌▋▊▉")[eighths % 8]
+    return f'<span style="color:{(MARK if value < 0.0 else ACCENT).name()}">{blocks}</span>'
 
 
 def _contributions(explanation: PixelExplanation) -> list[Row]:
     return [
-        (each.words, f"{100.0 * each.share:.1f} %", f"at {each.ground_range:.1f} m, incidence {each.incidence:.0f}°")
+        (each.words, _percent(each.share), f"at {each.ground_range:.1f} m, incidence {each.incidence:.0f}°", each.share)
         for each in explanation.contributions[:MOST]
     ]
 
@@ -382,12 +339,17 @@ def _obstructions(explanation: PixelExplanation) -> list[Row]:
     hiders = [
         (
             each.hider,
-            f"{100.0 * each.share:.1f} %",
+            _percent(each.share),
             "a slope that faces away" if each.faces_away else f"at {each.ground_range:.1f} m",
+            each.share,
         )
         for each in explanation.obstructions[:MOST]
     ]
-    return [*hiders, ("with nothing hidden", _level(explanation.unhidden), "")] if hiders else []
+    return [*hiders, ("if nothing hid it", _level(explanation.unhidden), "", math.nan)] if hiders else []
+
+
+def _percent(share: float) -> str:
+    return f"{100.0 * share:.1f} %"
 
 
 def _level(level: float) -> str:

@@ -34,8 +34,8 @@ class PlanPanel(Panel):
         session = workbench.session
         view.forced.connect(lambda subject, choice: session.model(session.modelling.forcing(subject, choice)))
         view.tolerated.connect(lambda share: session.model(session.modelling.tolerating(share)))
-        view.left_to_plan.connect(lambda: session.model(session.modelling.automatic))
-        view.chart_wanted.connect(lambda: workbench.open_panel("chart"))
+        view.automatic.clicked.connect(lambda: session.model(session.modelling.automatic))
+        view.chart.clicked.connect(lambda: workbench.open_panel("chart"))
 
     def plan_made(self, plan: Plan) -> None:
         """Show another plan."""

@@ -1,4 +1,4 @@
-"""Entries of the plan, modelled or left out, each with its reason and a combo box that forces it."""
+"""Entries of the plan, modelled or left out, in the words of physics, each with a combo box that forces it."""
 
 from __future__ import annotations
 
@@ -6,18 +6,12 @@ from collections.abc import Callable
 from typing import TYPE_CHECKING
 
 from PySide6.QtCore import Qt, Signal
-from PySide6.QtWidgets import (
-    QGridLayout,
-    QHBoxLayout,
-    QLabel,
-    QVBoxLayout,
-    QWidget,
-)
+from PySide6.QtWidgets import QGridLayout, QHBoxLayout, QVBoxLayout, QWidget
 
 from insonify_viewer.state.fields import NumberField
 from insonify_viewer.state.history import Modelling
 from insonify_viewer.state.quantities import format_duration
-from insonify_viewer.widgets.buttons import light, push_button
+from insonify_viewer.widgets.buttons import light, make_label, push_button
 from insonify_viewer.widgets.field_rows import Combo, NumberRow
 from insonify_viewer.widgets.side_panel import FoldingBox, SidePanel
 from insonify_viewer.widgets.theme import scaled
@@ -25,6 +19,28 @@ from insonify_viewer.widgets.theme import scaled
 if TYPE_CHECKING:
     from insonify.planning import Plan, PlanEntry
 
+# What a subject of the plan is in the sea, by its name.
+PHYSICS = {
+    "method": "How the sound is followed",
+    "planes": "Width of the beam along the track",
+    "rays": "Rays that are followed one by one",
+    "step": "Step along a ray",
+    "fineness": "Fineness of the method",
+    "segments": "Angle of incidence within a cell of the bed",
+    "spacing": "Detail of the bed",
+    "bending": "Sound bent by the water",
+    "bounces": "Echoes that are reflected more than once",
+    "targets": "Targets",
+    "far_targets": "Targets out of reach",
+    "surface_bottom": "Paths by way of the sea surface",
+    "surface_bottom_surface": "Paths by way of the sea surface, out and back",
+    "second_bottom": "Second echo of the bed, by way of the surface",
+    "surface_echo": "Echo of the sea surface itself",
+    "precision": "Rounding of numbers",
+    "speckle": "Speckle: the grain of interfering echoes",
+    "motion": "Motion of the fish",
+    "pings": "Distance between pings",
+}
 Force = Callable[[str, str | None], None]
 AUTOMATIC = "automatic"
 TOLERANCES = (0.2, 50.0)  # %
@@ -35,28 +51,28 @@ class PlanView(SidePanel):
 
     forced = Signal(str, object)  # subject, and a choice or None
     tolerated = Signal(float)
-    left_to_plan = Signal()
-    chart_wanted = Signal()
 
     def __init__(self, parent: QWidget | None = None) -> None:
         super().__init__(parent)
-        self._tolerance = ToleranceRow(self.tolerated.emit)
-        self._totals = _words("about")
-        self._change = _words("change")
+        self._percent = 3.0  # the tolerance that is shown
+        self._tolerance = NumberRow(_number(self._percent), self._drag_tolerance, self._settle_tolerance)
+        tolerance = QGridLayout()
+        tolerance.setContentsMargins(6, 0, 2, 0)
+        self._tolerance.place(tolerance, 0)
+        self.column.addLayout(tolerance)
+        self._totals, self._change = make_label("about"), make_label("change")
         self.automatic = push_button(
-            "Back to automatic", "Leave every choice to the plan again", style="file", wide=True
+            "Back to automatic", "Let the program choose everything again", style="file", wide=True
         )
-        self.automatic.clicked.connect(self.left_to_plan)
         self.chart = push_button(
-            "Chart…", "Measure speed and accuracy of every method on this scene", style="file", wide=True
+            "Chart…", "Measure speed and error of every method on this scene", style="file", wide=True
         )
-        self.chart.clicked.connect(self.chart_wanted)
         buttons = QHBoxLayout()
         buttons.addWidget(self.automatic)
         buttons.addWidget(self.chart)
         self._groups = {True: PlanGroup("Modelled"), False: PlanGroup("Left out")}
-        for part in (self._tolerance, self._totals, self._change):
-            self.column.addWidget(part)
+        self.column.addWidget(self._totals)
+        self.column.addWidget(self._change)
         self.column.addLayout(buttons)
         for group in self._groups.values():
             self.column.addWidget(group)
@@ -67,7 +83,7 @@ class PlanView(SidePanel):
 
     def show_plan(self, plan: Plan, modelling: Modelling) -> None:
         """Show a plan, with its tolerance and forced choices."""
-        self._tolerance.show_share(modelling.tolerance)
+        self._drag_tolerance("", 100.0 * modelling.tolerance)
         self.automatic.setEnabled(bool(modelling.forced))
         self._predicted = f"predicted: error {_share(plan.error)}, {format_duration(plan.cost)} a ping on one thread"
         self._totals.setText(self._predicted)
@@ -85,10 +101,23 @@ class PlanView(SidePanel):
         self._light_lines()
 
     def _light_lines(self) -> None:
-        self._tolerance.light("tolerance" in self._lit)
+        light(self._tolerance.label, "tolerance" in self._lit)
         for group in self._groups.values():
             for name, line in group.lines.items():
                 line.light(name in self._lit)
+
+    def _drag_tolerance(self, _: str, percent: float) -> None:
+        """Show a tolerance in percent; it is final when the slider is released."""
+        self._percent = percent
+        self._tolerance.show_value(_number(percent))
+
+    def _settle_tolerance(self, path: str, percent: object) -> None:
+        """Signal a final tolerance: the number that is given, or the one to which the slider was dragged."""
+        value = percent if path else self._percent
+        if isinstance(value, (int, float)) and value > 0.0:
+            self.tolerated.emit(value / 100.0)
+        else:
+            self._drag_tolerance("", self._percent)
 
     def show_measured(self, seconds: float) -> None:
         """Show the measured time of a ping below the predicted one."""
@@ -146,9 +175,7 @@ class PlanLine(QWidget):
     def __init__(self, force: Force) -> None:
         super().__init__()
         self._subject = ""
-        self._choice, self._reason, self._numbers, self._change = (
-            _words(name) for name in ("choice", "name", "numbers", "change")
-        )
+        self._choice, self._numbers, self._change = (make_label(name) for name in ("choice", "name", "change"))
         self.combo = Combo()
         self.combo.setFocusPolicy(Qt.FocusPolicy.TabFocus)
         self.combo.setFixedWidth(scaled(self.combo, 104))
@@ -159,19 +186,22 @@ class PlanLine(QWidget):
         grid.setColumnStretch(0, 1)
         grid.addWidget(self._choice, 0, 0)
         grid.addWidget(self.combo, 0, 1, Qt.AlignmentFlag.AlignTop)
-        for row, words in enumerate((self._reason, self._numbers, self._change), 1):
+        for row, words in enumerate((self._numbers, self._change), 1):
             grid.addWidget(words, row, 0, 1, 2)
 
     def show_entry(self, entry: PlanEntry, forced: str | None) -> None:
-        """Show a choice, its reason and its numbers."""
+        """Show what the choice is in the sea, how it is made and what it changes; the reason is in the tooltip."""
         self._subject = entry.subject
-        self._choice.setText(entry.choice)
-        self._reason.setText(entry.reason)
-        error = f"error {_share(entry.error)}" if entry.error > 0.0 else ""
+        self._choice.setText(PHYSICS.get(entry.subject, entry.subject.replace("_", " ").capitalize()))
+        share = _share(entry.error) if entry.error > 0.0 else ""
         duration = f"{format_duration(entry.cost)} a ping" if entry.cost > 0.0 else ""
-        cost = duration if entry.modelled or not duration else f"would take {duration}"
-        self._numbers.setText(" · ".join(part for part in (error, cost) if part))
-        self._numbers.setVisible(bool(error or cost))
+        if entry.modelled:
+            error, cost = share and f"error {share}", duration
+        else:
+            error, cost = share and f"would change the record by {share}", duration and f"would take {duration}"
+        what = entry.choice if entry.options else entry.reason  # without a choice, the reason says more
+        self._numbers.setText(" · ".join(filter(None, (what, error, cost))))
+        self.setToolTip(f"{entry.reason} (plan.{entry.subject})")
         options = [*entry.options, *([forced] if forced and forced not in entry.options else [])]
         self.combo.clear()
         self.combo.addItem(AUTOMATIC, None)
@@ -180,7 +210,7 @@ class PlanLine(QWidget):
         self.combo.setCurrentIndex(0 if forced is None else self.combo.findData(forced))
         self.combo.setVisible(bool(options))
         self.combo.setAccessibleName(entry.subject)
-        self.combo.setToolTip(f"Force {entry.subject}, or leave it to the plan")
+        self.combo.setToolTip(f"Choose it yourself, or let the program choose (plan.{entry.subject})")
 
     def light(self, lit: bool) -> None:
         """Light the choice, or let it be as usual."""
@@ -192,42 +222,8 @@ class PlanLine(QWidget):
         self._change.setVisible(bool(words))
 
 
-class ToleranceRow(QWidget):
-    """Slider of the tolerance; final when it is released."""
-
-    def __init__(self, settled: Callable[[float], None]) -> None:
-        super().__init__()
-        self._settled = settled
-        self._value = 0.0
-        self._row = NumberRow(_number(3.0), self._dragged, self._final)
-        grid = QGridLayout(self)
-        grid.setContentsMargins(6, 0, 2, 0)
-        grid.setColumnStretch(1, 1)
-        self._row.place(grid, 0)
-        self.slider = self._row.slider
-
-    def show_share(self, share: float) -> None:
-        """Show a tolerance, as a share of the record."""
-        self._value = 100.0 * share
-        self._row.show_value(_number(self._value))
-
-    def light(self, lit: bool) -> None:
-        """Light the row, or let it be as usual."""
-        light(self._row.label, lit)
-
-    def _dragged(self, _: str, percent: float) -> None:
-        self.show_share(percent / 100.0)
-
-    def _final(self, path: str, percent: object) -> None:
-        value = percent if path else self._value
-        if isinstance(value, (int, float)) and value > 0.0:
-            self._settled(value / 100.0)
-        else:
-            self.show_share(self._value / 100.0)
-
-
 def _number(percent: float) -> NumberField:
-    tooltip = "Greatest error of the plan beyond 1.4 altitudes"
+    tooltip = "Largest error of the record that you accept, at ranges beyond 1.4 altitudes; more is faster"
     return NumberField("tolerance", "tolerance", tooltip, "%", 0, percent, TOLERANCES, log=True, integer=False)
 
 
@@ -241,12 +237,3 @@ def _names(entries: list[PlanEntry]) -> list[str]:
 
 def _share(error: float) -> str:
     return f"{100.0 * error:.2g} %" if error < 0.995 else f"{100.0 * error:.0f} %"
-
-
-def _words(name: str) -> QLabel:
-    label = QLabel()
-    label.setObjectName(name)
-    label.setWordWrap(True)
-    label.setTextFormat(Qt.TextFormat.PlainText)
-    label.setTextInteractionFlags(Qt.TextInteractionFlag.TextSelectableByMouse)
-    return label

@@ -5,12 +5,10 @@ from __future__ import annotations
 import math
 
 from insonify_viewer.panels.panel import Panel, Place, Workbench
-from insonify_viewer.panels.readout.view import ReadoutView
 from insonify_viewer.record.comparison.recording import summarise_point
 from insonify_viewer.record.marked_point import MarkedPoint
 from insonify_viewer.state.inspection import Mark
-
-SIDES = ("port", "starboard")
+from insonify_viewer.widgets.buttons import make_label
 
 
 class ReadoutPanel(Panel):
@@ -21,7 +19,8 @@ class ReadoutPanel(Panel):
     place = Place.STATUS
 
     def __init__(self, workbench: Workbench) -> None:
-        self.view = ReadoutView()
+        self.view = make_label("")
+        self.view.setWordWrap(False)
         self._recordings = workbench.recordings
         self._recordings.pointed.connect(self._show_recorded)
 
@@ -37,7 +36,7 @@ class ReadoutPanel(Panel):
 
 def described(point: MarkedPoint) -> str:
     """Write a point as ping, side, ranges, what it shows, and intensity."""
-    parts = [f"ping {point.mark.ping}", SIDES[point.mark.side], f"slant {point.slant_range:.2f} m"]
+    parts = [f"ping {point.mark.ping}", point.mark.side_name, f"slant {point.slant_range:.2f} m"]
     parts += _what_is_there(point)
     if point.intensity > 0.0:
         parts.append(f"{point.intensity:.3g} ({10.0 * math.log10(point.intensity):.1f} dB)")
@@ -53,11 +52,7 @@ def _what_is_there(point: MarkedPoint) -> list[str]:
     parts = ([] if across is None else [f"ground {across:.2f} m"]) + label.words
     if label.source == "bed" and not label.ghost and point.position is not None:
         parts.append(f"bed {point.position[2]:+.2f} m")
-    return parts if label.words else [*parts, _reason_of_silence(point)]
-
-
-def _reason_of_silence(point: MarkedPoint) -> str:
-    """Why a bin holds no echo although no target hides the bed."""
-    if point.ground_range is None:
-        return "water column"
-    return "no bed" if point.position is None else "hidden by the bed"
+    if label.words:
+        return parts
+    without_bed = "water column" if point.ground_range is None else "no bed"
+    return [*parts, without_bed if point.position is None else "hidden by the bed"]

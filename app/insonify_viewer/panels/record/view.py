@@ -14,7 +14,6 @@ from PySide6.QtGui import (
     QIcon,
     QImage,
     QKeyEvent,
-    QKeySequence,
     QMouseEvent,
     QPainter,
     QPaintEvent,
@@ -38,43 +37,63 @@ from insonify_viewer.errors import guard_override
 from insonify_viewer.record.tone_map import ToneMap
 from insonify_viewer.state.contacts import Contact
 from insonify_viewer.state.fields import ChoiceField, NumberField
-from insonify_viewer.widgets.buttons import push_button
+from insonify_viewer.widgets.buttons import make_action, make_label, push_button
 from insonify_viewer.widgets.field_rows import ChoiceRow, NumberRow
 from insonify_viewer.widgets.side_panel import FoldingBox, SidePanel
 from insonify_viewer.widgets.theme import ACCENT, GROUND, QUIET, RAISED, TEXT
 
 REACH = 30.0  # dB either way
 TICKS = (  # option, label, key, what it does
-    ("ground_range", "Ground range", "G", "Ground range of a level bed in place of slant range"),
-    ("water_column", "Water column", "Shift+W", "Begin slant range at the sonar; else at the first echo of the bed"),
-    ("bottom_line", "Bottom line", "B", "The slant range of the bed beneath the sonar"),
+    ("ground_range", "Ground range", "G", "Distance along a level bed instead of slant range"),
+    (
+        "water_column",
+        "Water column",
+        "Shift+W",
+        "Show the water between sonar and bed",
+    ),
+    ("bottom_line", "Bottom line", "B", "Line at the slant range of the bed beneath the sonar"),
     ("range_lines", "Range lines", "L", "Lines of equal range"),
-    ("newest_on_top", "Newest on top", "N", "Later pings above earlier ones; else below"),
-    ("decibels", "Decibels", "Shift+D", "Colours linear in decibels; else in amplitude"),
-    ("reverse", "Reversed colours", "I", "From bright to dark"),
+    ("newest_on_top", "Newest on top", "N", "Newest pings at the top instead of at the bottom"),
+    ("decibels", "Decibels", "Shift+D", "Colours follow the level in decibels instead of the amplitude"),
+    ("reverse", "Reversed colours", "I", "Strong echoes dark, shadows bright"),
     (
         "draped",
         "Draped in 3-D",
         "Shift+B",
-        "The record over the bed of the 3-D view, by ground range",
+        "Lay the record over the bed of the 3-D view",
     ),
 )
 CHOICES = (
     ("side", "sides", SIDES, "Sides that are shown (keys 1, 2 and 3)"),
-    ("scale", "scale", SCALES, "True scale where it fills most of the room, true scale always, or all of the room (T)"),
+    (
+        "scale",
+        "scale",
+        SCALES,
+        "true: a metre along the track is as long as one across; fill: all of the room (T)",
+    ),
     ("palette", "palette", PALETTES, "Colours of the record"),
 )
 GAINS = (  # option, place in it, label, what it does
     ("gain", None, "gain", "Gain of both sides"),
     ("side_gains", 0, "port", "Gain of port alone"),
     ("side_gains", 1, "starboard", "Gain of starboard alone"),
-    ("side_slopes", 0, "port slope", "Time-varied gain of port per decade of range, 0 dB at half the range"),
-    ("side_slopes", 1, "starb. slope", "Time-varied gain of starboard per decade of range, 0 dB at half the range"),
+    (
+        "side_slopes",
+        0,
+        "port slope",
+        "More gain with range: dB for ten times the range, port",
+    ),
+    (
+        "side_slopes",
+        1,
+        "starb. slope",
+        "More gain with range: dB for ten times the range, starboard",
+    ),
 )
 MEASURE = "Drag over the record, or press Return at both ends, to measure"
 KEYS = (("1", "both"), ("2", "port"), ("3", "starboard"))
 ICON = 56  # px
-HINT = "Point at the record and press C, or pin a pixel and click Mark."
+HINT = "Point at the record and press C, or click a pixel, then Mark."
 LOWEST, HIGHEST, STEP = -40.0, 40.0, 20.0  # dB re level bed
 BAR, SCALE, MARGIN = 14, 16, 8  # px
 GRIP = 9.0  # px beside an end in which it is taken hold of
@@ -97,16 +116,13 @@ class RecordView(SidePanel):
         self.ticks: dict[str, QCheckBox] = {}
         self.choices = {name: ChoiceRow(_choice(name, self._look), self._settle) for name, *_ in CHOICES}
         self.gains = [NumberRow(_gain(row, self._look), self._settle, self._settle) for row in range(len(GAINS))]
-        self.usual = push_button("Usual display", "Put all display options back, gains and contrast too", wide=True)
+        self.usual = push_button("Usual display", "Reset all display options, gains and contrast too", wide=True)
         self.usual.clicked.connect(self._show_usual)
         self.histogram = HistogramView()
         self.measure = self._tick("Measure a line", "M", MEASURE, self.measuring)
-        self.measured = QLabel()
-        self.measured.setObjectName("about")
-        self.measured.setWordWrap(True)
+        self.measured = make_label("about")
         self.measured.setMinimumHeight(5 * self.fontMetrics().lineSpacing())  # of the longest words, wrapped
         self.measured.setAlignment(Qt.AlignmentFlag.AlignTop)
-        self.measured.setTextInteractionFlags(Qt.TextInteractionFlag.TextSelectableByMouse)
         self.contacts = ContactListView()
         self._lay_out()
         self._add_keys()
@@ -128,7 +144,7 @@ class RecordView(SidePanel):
 
     def show_measured(self, words: str) -> None:
         """Show what was measured last, or how to measure."""
-        self.measured.setText(words or "Drag over the record: distance, and the height of a target from its shadow.")
+        self.measured.setText(words or "Drag over the record: a distance and, over a shadow, the height of its target.")
 
     def _show_usual(self) -> None:
         """Put every display option back, the contrast to that of the record."""
@@ -208,7 +224,8 @@ class RecordView(SidePanel):
             self._key(label, key, lambda name=name: self.changed.emit({name: not getattr(self._look, name)}))
         for key, side in KEYS:
             self._key(f"Show {side}", key, lambda side=side: self.changed.emit({"side": side}))
-        self._key("True scale", "T", lambda: self.changed.emit({"scale": _other_scale(self._look)}))
+        other = {"true": "fit"}
+        self._key("True scale", "T", lambda: self.changed.emit({"scale": other.get(self._look.scale, "true")}))
         self._key("Zoom in", "+", lambda: self.zoomed.emit(1.5))
         self._key("Zoom out", "-", lambda: self.zoomed.emit(1.0 / 1.5))
         self._key("Whole record", "0", lambda: self.zoomed.emit(0.0))
@@ -216,14 +233,9 @@ class RecordView(SidePanel):
         self._key("Usual display", "", self._show_usual)
 
     def _key(self, text: str, key: str, act: Any) -> None:
-        action = QAction(text, self)
-        action.setShortcut(QKeySequence(key))
+        action = make_action(self, text, text, key)
         action.triggered.connect(lambda: act())
         self.keys.append(action)
-
-
-def _other_scale(look: DisplayOptions) -> str:
-    return "fit" if look.scale == "true" else "true"
 
 
 def _choice(name: str, look: DisplayOptions) -> ChoiceField:
@@ -241,13 +253,10 @@ def _gain(row: int, look: DisplayOptions) -> NumberField:
 class ContactListView(QWidget):
     """Lists contacts, and signals what the person does to them."""
 
-    mark_wanted = Signal()
     remove_wanted = Signal(int)
     jump_wanted = Signal(int)
     chosen = Signal(int)  # -1 for none
     edited = Signal(int, str, str)  # which, name of the field, text
-    open_wanted = Signal()
-    save_wanted = Signal()
 
     def __init__(self, parent: QWidget | None = None) -> None:
         super().__init__(parent)
@@ -262,19 +271,14 @@ class ContactListView(QWidget):
         self.name, self.note = _line("Name of the contact"), _line("Note on the contact")
         self.name.editingFinished.connect(lambda: self._edit("name", self.name))
         self.note.editingFinished.connect(lambda: self._edit("note", self.note))
-        self.mark = push_button("Mark", "Mark a contact at the pinned pixel; C marks one under the mouse")
+        self.mark = push_button("Mark", "Mark a contact at the clicked pixel; C marks one under the mouse")
         self.jump = push_button("Show", "Show the contact in its record")
         self.remove = push_button("Remove", "Remove the contact from the list")
-        self.open = push_button("Open…", "Open a file of contacts in place of these")
+        self.open = push_button("Open…", "Open a file of contacts, which replaces this list")
         self.save = push_button("Save…", "Save the contacts as GeoJSON with their pictures, or as a CSV table")
-        self.hint = QLabel(HINT)
-        self.hint.setObjectName("about")
-        self.hint.setWordWrap(True)
-        self.mark.clicked.connect(self.mark_wanted)
+        self.hint = make_label("about", HINT)
         self.jump.clicked.connect(lambda: self.jump_wanted.emit(self.list.currentRow()))
         self.remove.clicked.connect(lambda: self.remove_wanted.emit(self.list.currentRow()))
-        self.open.clicked.connect(self.open_wanted)
-        self.save.clicked.connect(self.save_wanted)
         self._contacts: Sequence[Contact] = ()
         self._lay()
         self.show_contacts(())
@@ -365,8 +369,8 @@ class HistogramView(QWidget):
         self.setFocusPolicy(Qt.FocusPolicy.TabFocus)
         self.setAccessibleName("Contrast: levels of the record over the colour bar")
         self.setToolTip(
-            "How often each level occurs. Drag the two ends of the colour bar; by keys, ← → move the upper end "
-            "and Shift ← → the lower one."
+            "How often each level occurs in the record. Drag the ends of the colour bar to set the contrast. Keys: "
+            "← → upper end, Shift+← → lower end."
         )
         self._counts: NDArray[np.float64] = np.zeros(1)
         self._due: Callable[[], NDArray[np.floating]] | None = None  # gives the levels to count

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
-from PySide6.QtCore import QEvent, QPointF, QRectF, Qt, Signal
+from PySide6.QtCore import QPointF, QRectF, Qt, Signal
 from PySide6.QtGui import (
     QColor,
     QFocusEvent,
@@ -16,7 +16,6 @@ from PySide6.QtGui import (
     QPainter,
     QPaintEvent,
     QPen,
-    QPixmap,
     QPolygonF,
     QResizeEvent,
 )
@@ -25,8 +24,9 @@ from PySide6.QtWidgets import QWidget
 from insonify.display.ray_diagram.diagram import RayDiagram, compute_speed_limits, describe_eigenray, place_along_axis
 from insonify_viewer.errors import guard_override
 from insonify_viewer.record.record_overlays import draw_cross
+from insonify_viewer.state.quantities import nearest_within
 from insonify_viewer.widgets.arrow_keys import ENTER, modifiers_of, steps_of
-from insonify_viewer.widgets.painting import round_steps
+from insonify_viewer.widgets.painting import PaintedOnce, round_steps, rounded_pen
 from insonify_viewer.widgets.theme import (
     ACCENT,
     ACCENT_IN_WATER,
@@ -44,8 +44,8 @@ KEY_STEP = 0.01  # of the range and of the depth, by which a key moves the cross
 FORTH, BACK = Qt.FocusReason.TabFocusReason, Qt.FocusReason.BacktabFocusReason
 GRASP = 9.0  # px, greatest distance at which a point is grasped
 HINT = (
-    "Drag the points of the profile. Click into the water to find the rays that reach that point. By keys, Tab goes "
-    "from point to point and into the water, arrow keys move what is chosen, and Return finds the rays."
+    "Drag the points of the sound-speed profile. Click in the water to see which rays reach that place. Keys: Tab "
+    "chooses a point or the cross in the water, arrow keys move it, Return finds the rays to the cross."
 )
 LEFT, GAP, RIGHT, TOP, BOTTOM = 46.0, 14.0, 34.0, 24.0, 30.0  # px around and between the two plots
 SHARE, NARROWEST, WIDEST = 0.18, 110.0, 220.0  # of the profile: share of the width, px
@@ -60,7 +60,7 @@ LABEL = 34.0  # px, least distance of two angle labels
 HANDLE = 4.5  # px, radius of a point that can be dragged
 
 
-class WaterView(QWidget):
+class WaterView(PaintedOnce):
     """Shows a ray diagram, and signals drags and clicks, which keys do as well.
 
     The Tab key goes from point to point of the profile, then to a cross in the water; arrow keys move what is chosen.
@@ -79,9 +79,8 @@ class WaterView(QWidget):
         self.setToolTip(HINT)
         self._diagram: RayDiagram | None = None
         self._points: tuple[tuple[float, float], ...] = ()
-        self._newest: tuple[tuple[float, float], ...] = ()
+        self.newest: tuple[tuple[float, float], ...] = ()  # of the present profile, whose rays may still be traced
         self._pictures: tuple[QImage, QImage] | None = None
-        self._rays: QPixmap | None = None
         self._held: int | None = None
         self._scale: PlotScales | None = None  # fixed while a point is dragged or moved by a key
         self._chosen = 0  # point that keys move; their number stands for the cross in the water
@@ -91,15 +90,11 @@ class WaterView(QWidget):
     def show_diagram(self, diagram: RayDiagram, points: tuple[tuple[float, float], ...]) -> None:
         """Show a diagram; ``points`` are those of the profile that can be dragged, depth and speed each."""
         self._diagram = diagram
-        self._rays = self._pictures = None
+        self._pictures = None
         if self._held is None and not self._moved:
             self._scale = None
         self._points = points
-        self.update()
-
-    def follow_points(self, points: tuple[tuple[float, float], ...]) -> None:
-        """Note the points of the present profile, which keys move; its rays may still be traced."""
-        self._newest = points
+        self.paint_anew()
 
     def place_of(self, distance: float, depth: float) -> QPointF:
         """Pixel of a range and a depth in metres."""
@@ -120,9 +115,7 @@ class WaterView(QWidget):
                 painter.drawText(self.rect(), Qt.AlignmentFlag.AlignCenter, "tracing rays …")
                 return
             frame = self._frame()
-            if self._rays is None:
-                self._rays = self._painted(self._diagram, frame)
-            painter.drawPixmap(0, 0, self._rays)
+            self.draw_picture(painter)
             points = [frame.of_speed(speed, depth) for depth, speed in self._points if depth <= frame.bottom]
             chosen = min(self._chosen, len(points)) if self.hasFocus() else None
             paint_profile(painter, self._diagram, frame, points, chosen if self._held is None else self._held)
@@ -132,7 +125,7 @@ class WaterView(QWidget):
     @guard_override(None)
     def resizeEvent(self, event: QResizeEvent) -> None:
         """Fit the rays to the new size."""
-        self._rays = self._scale = None
+        self._scale = None
         super().resizeEvent(event)
 
     def mousePressEvent(self, event: QMouseEvent) -> None:
@@ -163,9 +156,8 @@ class WaterView(QWidget):
         del event
         if self._held is not None:
             self._held = self._scale = None
-            self._rays = None
             self.point_settled.emit()
-            self.update()
+            self.paint_anew()
 
     @guard_override(False)
     def focusNextPrevChild(self, forth: bool) -> bool:
@@ -228,17 +220,17 @@ class WaterView(QWidget):
             distance, depth = self._cross[0] + KEY_STEP * across, self._cross[1] + KEY_STEP * down
             self._cross = min(max(distance, KEY_STEP), 1.0), min(max(depth, 0.0), 1.0)
             self.update()
-        elif self._chosen < len(self._newest):
-            frame, (depth, speed) = self._frame(), self._newest[self._chosen]
+        elif self._chosen < len(self.newest):
+            frame, (depth, speed) = self._frame(), self.newest[self._chosen]
             self._scale, self._moved = frame, True
             depth = min(max(depth + DEPTH * down, 0.0), frame.bottom)
             self.point_dragged.emit(self._chosen, depth, speed + SPEED * across)
 
     def _settle(self) -> None:
         if self._moved:
-            self._moved, self._scale, self._rays = False, None, None
+            self._moved, self._scale = False, None
             self.point_settled.emit()
-            self.update()
+            self.paint_anew()
 
     def _point_under(self, place: QPointF) -> int | None:
         """Nearest point of the profile within grasp."""
@@ -247,31 +239,19 @@ class WaterView(QWidget):
             (place - frame.of_speed(speed, depth)).manhattanLength() if depth <= frame.bottom else float("inf")
             for depth, speed in self._points
         ]
-        nearest = min(range(len(distances)), key=distances.__getitem__, default=None)
-        return nearest if nearest is not None and distances[nearest] <= GRASP else None
+        return nearest_within(distances, GRASP)
 
     def _frame(self) -> PlotScales:
         assert self._diagram is not None
         return self._scale or PlotScales.of(self._diagram, self.width(), self.height())
 
-    @guard_override(None)
-    def changeEvent(self, event: QEvent) -> None:
-        """Paint anew in another theme."""
-        if event.type() is QEvent.Type.PaletteChange:
-            self._rays = None
-        super().changeEvent(event)
-
-    def _painted(self, diagram: RayDiagram, frame: PlotScales) -> QPixmap:
+    def paint_picture(self, painter: QPainter) -> None:
+        """Paint the rays."""
+        assert self._diagram is not None
+        frame = self._frame()
         if self._pictures is None:
-            self._pictures = water_picture(diagram, frame.slowest, frame.fastest), shadow_picture(diagram)
-        ratio = self.devicePixelRatioF()
-        pixmap = QPixmap(round(self.width() * ratio), round(self.height() * ratio))
-        pixmap.setDevicePixelRatio(ratio)
-        pixmap.fill(GROUND)
-        with QPainter(pixmap) as painter:
-            painter.setFont(self.font())
-            paint_water(painter, diagram, frame, *self._pictures)
-        return pixmap
+            self._pictures = water_picture(self._diagram, frame.slowest, frame.fastest), shadow_picture(self._diagram)
+        paint_water(painter, self._diagram, frame, *self._pictures)
 
 
 @dataclass(frozen=True)
@@ -361,24 +341,24 @@ def paint_water(painter: QPainter, diagram: RayDiagram, frame: PlotScales, water
     painter.drawImage(frame.water, shadow)
     painter.setRenderHint(QPainter.RenderHint.Antialiasing)
     painter.setClipRect(frame.rays)
-    painter.setPen(_pen(RAY, 1.0, 150))
+    painter.setPen(rounded_pen(RAY, 1.0, 150))
     for path in diagram.rays:
         painter.drawPolyline(_polygon(frame, path.range, path.depth))
-    painter.setPen(_pen(MARK_IN_WATER, 2.0))
+    painter.setPen(rounded_pen(MARK_IN_WATER, 2.0))
     painter.drawPoints(_polygon(frame, *diagram.caustics.T))
     for number, path in enumerate(diagram.eigenrays):
-        painter.setPen(_pen(EIGENRAYS[number % len(EIGENRAYS)], 2.4))
+        painter.setPen(rounded_pen(EIGENRAYS[number % len(EIGENRAYS)], 2.4))
         painter.drawPolyline(_polygon(frame, path.range, path.depth))
     painter.setClipping(False)
     _paint_bed(painter, frame, frame.rays)
-    painter.setPen(_pen("#000000", 4.0))
+    painter.setPen(rounded_pen("#000000", 4.0))
     for begin, end in diagram.dark:
         painter.drawLine(frame.at(begin, frame.bottom), frame.at(end, frame.bottom))
-    painter.setPen(_pen(DARK, 1.0))
+    painter.setPen(rounded_pen(DARK, 1.0))
     painter.setBrush(QColor(OVER_WATER))
     painter.drawEllipse(frame.at(0.0, diagram.source_depth), 5.0, 5.0)
     if diagram.target is not None:
-        painter.setPen(_pen(OVER_WATER, 1.6))
+        painter.setPen(rounded_pen(OVER_WATER, 1.6))
         painter.setBrush(QColor(DARK))
         painter.drawEllipse(frame.at(*diagram.target), 4.5, 4.5)
     _label_rays(painter, diagram, frame)
@@ -401,12 +381,12 @@ def paint_profile(
     depth = np.concatenate([[0.0], within, [diagram.bottom]])
     for number, profile in enumerate(layers.speed):
         share = number / max(len(layers.speed) - 1, 1)
-        painter.setPen(_pen(TEXT, 2.0 - share, 255 - int(90 * share)))
+        painter.setPen(rounded_pen(TEXT, 2.0 - share, 255 - int(90 * share)))
         speeds = np.interp(depth, layers.depth, profile)
         painter.drawPolyline(QPolygonF([frame.of_speed(c, d) for c, d in zip(speeds, depth)]))
     _paint_bed(painter, frame, area)
     for number, point in enumerate(points):
-        painter.setPen(_pen(GROUND, 1.0))
+        painter.setPen(rounded_pen(GROUND, 1.0))
         painter.setBrush(QColor(ACCENT if number == held else MARK))
         painter.drawEllipse(point, HANDLE, HANDLE)
 
@@ -414,7 +394,7 @@ def paint_profile(
 def _paint_bed(painter: QPainter, frame: PlotScales, area: QRectF) -> None:
     y = frame.height_of(frame.bottom)
     painter.fillRect(QRectF(area.left(), y, area.width(), area.bottom() - y), QColor(BED))
-    painter.setPen(_pen(BED_EDGE, 1.0))
+    painter.setPen(rounded_pen(BED_EDGE, 1.0))
     painter.drawLine(QPointF(area.left(), y), QPointF(area.right(), y))
 
 
@@ -479,11 +459,3 @@ def _polygon(frame: PlotScales, distance: NDArray[np.float64], depth: NDArray[np
     x = area.left() + np.asarray(distance) / frame.reach * area.width()
     y = area.top() + np.asarray(depth) / frame.bottom * area.height()
     return QPolygonF([QPointF(a, b) for a, b in zip(x.tolist(), y.tolist())])
-
-
-def _pen(colour: QColor | str, width: float, alpha: int = 255) -> QPen:
-    mixed = QColor(colour)
-    mixed.setAlpha(alpha)
-    pen = QPen(mixed, width)
-    pen.setCapStyle(Qt.PenCapStyle.RoundCap)
-    return pen

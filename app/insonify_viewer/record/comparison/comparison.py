@@ -19,7 +19,7 @@ from insonify_viewer.record.record import Record, RecordGrowth
 from insonify_viewer.state.history import Modelling
 from insonify_viewer.state.session import Session
 from insonify_viewer.work.ping_request import SimulatedScene, TracedPings
-from insonify_viewer.work.simulator import Simulator
+from insonify_viewer.work.simulator import Simulator, result_of
 from insonify_viewer.work.waiting import Waiting
 
 MOVED = 64  # pings by which a running tow moves on before the difference is measured again
@@ -85,7 +85,7 @@ class Comparison:
         """Keep the live record as A."""
         growth = self._growth
         if growth is None or self._traced != (self._session.scene, self._session.modelling):
-            self._window.say("the record is not traced yet; keep it as A in a moment")
+            self._window.say("the record is not complete yet; keep it as A in a moment")
             return
         self._show_kept(KeptRecord.of(growth.record, self._session.modelling, growth.answer))
         self._window.say("kept as A: hold X to see it, W wipes it over the record, D shows the difference")
@@ -102,7 +102,7 @@ class Comparison:
             self._window.complain(error)
             return
         if partner is None:
-            self._window.say("this scene names no partner; press K to keep its record as A")
+            self._window.say("this scene is not one of a pair; press K to keep its record as A")
         else:
             self.keep_scene(partner)
 
@@ -233,11 +233,11 @@ class Comparison:
         if kept is None or self._asked:
             return
         missing = kept.missing(self._window.waterfall.top)
-        self._view.show_waiting(Waiting(f"tracing A, {kept.scene.title}") if missing.size else None, -1)
+        self._view.show_waiting(Waiting(f"simulating A: {kept.scene.title}") if missing.size else None, -1)
         if kept.simulated is None:
             self._asked = True
             prepare = partial(self._simulator.simulate_beside, kept.scene, kept.modelling)
-            self._executor.submit("record A", partial(_result_of, prepare), partial(self._take_scene, kept))
+            self._executor.submit("record A", partial(result_of, prepare), partial(self._take_scene, kept))
         elif missing.size:
             self._asked = True
             self._executor.submit("record A", partial(kept.trace, missing), partial(self._take_pings, kept, missing))
@@ -259,7 +259,7 @@ class Comparison:
         self._asked = False
         if traced is None:
             self._view.show_waiting(None, -1)
-            self._window.complain(Failure("record A cannot be traced any further; keep another one"))
+            self._window.complain(Failure("record A cannot be simulated any further; keep another one"))
             return
         self._view.show_rows(kept.put(pings, *traced))
         self._fill()
@@ -301,13 +301,6 @@ class Comparison:
             what = named if len(changes) <= TOLD else f"A → B, {len(changes)} fields"
             self._window.say(f"{what}: {self.difference}")
         self.measured.emit()
-
-
-def _result_of(prepare: partial[SimulatedScene]) -> SimulatedScene | SceneError:
-    try:
-        return prepare()
-    except SceneError as error:
-        return error
 
 
 def _compare(kept: KeptRecord, scene: Scene, record: Record) -> str:

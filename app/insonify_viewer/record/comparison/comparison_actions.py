@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 
 from PySide6.QtCore import QEvent, QObject, Qt, Signal
-from PySide6.QtGui import QAction, QKeyEvent, QKeySequence
+from PySide6.QtGui import QAction, QKeyEvent
 from PySide6.QtWidgets import (
     QAbstractSpinBox,
     QApplication,
@@ -19,6 +19,7 @@ from shiboken6 import isValid
 
 from insonify_viewer.errors import guard_override
 from insonify_viewer.record.comparison.arrangement import Arrangement
+from insonify_viewer.widgets.buttons import make_action
 
 TEXTS = QLineEdit, QAbstractSpinBox, QTextEdit, QPlainTextEdit  # in which the key is a letter
 
@@ -33,8 +34,8 @@ class ComparisonActions(QObject):
         super().__init__(window)
         self.actions: list[QAction] = []
         self.keep = self._action(window, "Keep as A", "Keep this record as A, to compare others with it", "K")
-        self.partner = self._action(window, "Partner as A", "Trace the partner that the scene names, as A", "P")
-        self.back = self._action(window, "Return to A", "Return to the scene of A; undo comes back", "Shift+K")
+        self.partner = self._action(window, "Partner as A", "Simulate the other scene of the pair as A", "P")
+        self.back = self._action(window, "Return to A", "Go back to the scene of A; Undo reverses it", "Shift+K")
         for text, tip, key, arrangement in (
             ("Wipe A and B", "A left of a line that is dragged, B right of it", "W", Arrangement.WIPED),
             ("Difference of A and B", "Level of B over A, in dB", "D", Arrangement.DIFFERENCE),
@@ -44,9 +45,7 @@ class ComparisonActions(QObject):
         HeldKey(window, Qt.Key.Key_X, self.held.emit)
 
     def _action(self, window: QWidget, text: str, tip: str, key: str) -> QAction:
-        action = QAction(text, window)
-        action.setToolTip(f"{tip} ({key})")
-        action.setShortcut(QKeySequence(key))
+        action = make_action(window, text, tip, key)
         window.addAction(action)
         self.actions.append(action)
         return action
@@ -77,7 +76,8 @@ class HeldKey(QObject):
             return False
         if event.type() is QEvent.Type.KeyRelease and not event.isAutoRepeat():
             self._set(False)
-        elif event.type() is QEvent.Type.KeyPress and not event.modifiers() and not _takes_text(watched):
+        typed = isinstance(watched, TEXTS) or (isinstance(watched, QComboBox) and watched.isEditable())
+        if event.type() is QEvent.Type.KeyPress and not event.modifiers() and not typed:
             self._set(True)
             return True
         return False
@@ -95,8 +95,3 @@ class HeldKey(QObject):
         if held != self._held:
             self._held = held
             self._tell(held)
-
-
-def _takes_text(widget: QObject) -> bool:
-    """Whether letters are typed into a widget."""
-    return isinstance(widget, TEXTS) or (isinstance(widget, QComboBox) and widget.isEditable())

@@ -19,7 +19,6 @@ from insonify_viewer.state.inspection import Mark
 if TYPE_CHECKING:
     import xarray as xr
 
-SIDES = ("port", "starboard")
 UNKNOWN = "not recorded"
 
 
@@ -107,7 +106,7 @@ def describe_point(recording: Recording, mark: Mark) -> dict[str, str]:
         "position": _position(recording, mark.ping),
         "heading": _quantity(compass_heading(recording.value("heading", mark.ping)), ".1f", "°"),
         "altitude": _quantity(recording.value("altitude", mark.ping), ".2f", " m"),
-        "slant range": f"{recording.slant_range_of(mark.bin):.2f} m, {SIDES[mark.side]}",
+        "slant range": f"{recording.slant_range_of(mark.bin):.2f} m, {mark.side_name}",
         "level": f"{20.0 * math.log10(level):+.1f} dB re median".replace("-", "−") if level > 0.0 else "no echo",
     }
 

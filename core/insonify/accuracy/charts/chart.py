@@ -1,4 +1,4 @@
-"""Charts measured on this machine, and how one becomes a file: a picture, or a table with what it was measured on."""
+"""Charts measured on this machine, written as a picture or as a table with the facts of the measurement."""
 
 from __future__ import annotations
 
@@ -71,7 +71,7 @@ class Chart(ABC):
 
 
 def _write_csv(path: Path, table: ChartTable) -> None:
-    """Write the rows; each fact has a column of its own, so that any reader of CSV keeps it."""
+    """Write the rows; each fact has a column of its own, so that it survives any reader of CSV."""
     facts = [_text(value) for value in table.facts.values()]
     with path.open("w", newline="", encoding="utf-8") as file:
         lines = csv.writer(file)

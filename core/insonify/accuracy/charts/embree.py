@@ -3,17 +3,16 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
 from importlib.util import find_spec
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from insonify.kernels.common.types import BED, PORT, SPHERE, Bed, Poses, SceneArrays, Solids
+from insonify.kernels.common.types import BED, SPHERE, Bed, Poses, SceneArrays, Solids
 from insonify.kernels.rays.cast import add_ray_echoes, aim_straight, arrive_straight, unaimed
 from insonify.kernels.rays.cell_walk import NOTHING, Hits, RayBundle, empty_bundle, empty_hits
-from insonify.kernels.rays.launch import SideBeam, rotate_to_world
+from insonify.kernels.rays.launch import orient_beam, rotate_to_world
 from insonify.scene import SceneError
 
 MOST_TRIANGLES = 8_000_000
@@ -75,7 +74,7 @@ class TriangulatedScene:
         hits.material[:] = self._material[triangle]
         normal = found["Ng"].astype(np.float64)
         normal /= np.maximum(np.linalg.norm(normal, axis=1, keepdims=True), 1e-300)
-        # The bed is seen from above, a target from whichever side the ray comes.
+        # Normals of the bed point up; those of a target point to the side of the ray.
         turned = np.where(hits.body == BED, normal[:, 2] < 0.0, np.einsum("ij,ij->i", normal, ways) > 0.0)
         hits.nx[:], hits.ny[:], hits.nz[:] = np.where(turned, -normal.T, normal.T)
         return hits
@@ -88,7 +87,7 @@ class TriangulatedScene:
         near = np.empty(arrays.solids.shape.size, np.int64)
         for ping in range(poses.x.size):
             for side in range(2):
-                beam = _beam(arrays, poses, ping, side)
+                beam = orient_beam(arrays, poses, ping, side)
                 _, aim = aim_straight(arrays, beam, 0.0, near, aim)
                 rotate_to_world(aim.launch, beam, bundle)
                 sums[:] = 0.0
@@ -131,36 +130,18 @@ def _nodes(arrays: SceneArrays, poses: Poses) -> tuple[tuple[int, int], tuple[in
     return spans[0], spans[1]
 
 
-def _beam(arrays: SceneArrays, poses: Poses, ping: int, side: int) -> SideBeam:
-    """Beam of one side of one level ping."""
-    ahead_x, ahead_y = math.cos(poses.heading[ping]), math.sin(poses.heading[ping])
-    to_side = 1.0 if side == PORT else -1.0
-    x, y, z = float(poses.x[ping]), float(poses.y[ping]), float(poses.z[ping])
-    side_x, side_y, s = -to_side * ahead_y, to_side * ahead_x, math.sin(arrays.half_width)
-    return SideBeam(
-        x, y, z, ahead_x, ahead_y, side_x, side_y, ahead_x, ahead_y, 0.0, -s, s,
-        side_x, side_y, 0.0, 0.0, 0.0, 1.0, arrays.bins * arrays.bin_length,
-    )  # fmt: skip
-
-
 def tessellate_solids(solids: Solids) -> tuple[NDArray[np.float64], NDArray[np.int64]]:
-    """Triangles inscribed in spheres, cylinders and cones."""
-    parts = [np.empty((0, 3, 3)), *_each_body(solids)]
-    body = np.repeat(np.arange(-1, len(parts) - 1), [len(part) for part in parts])
-    return np.concatenate(parts), body
-
-
-def _each_body(solids: Solids) -> Iterator[NDArray[np.float64]]:
-    """Triangles of every body, (m, 3, 3) each."""
+    """Triangles inscribed in spheres, cylinders and cones, (m, 3, 3), and the solid of each."""
     import trimesh.creation  # slow to import, and needed only with Embree
 
     ball = trimesh.creation.icosphere(subdivisions=DIVISIONS_OF_SPHERE).triangles
+    parts = [np.empty((0, 3, 3))]
     for k, start in enumerate(solids.start):
-        radius = float(solids.radius[k])
+        radius, length = float(solids.radius[k]), float(solids.length[k])
         if solids.shape[k] == SPHERE:
-            yield start + radius * ball
+            parts.append(start + radius * ball)
             continue
-        length = float(solids.length[k])
         outline = np.array([[0.0, 0.0], [radius, 0.0], [radius + solids.taper[k] * length, length], [0.0, length]])
         turn = trimesh.geometry.align_vectors([0.0, 0.0, 1.0], solids.axis[k])[:3, :3]  # type: ignore[no-untyped-call]
-        yield start + trimesh.creation.revolve(outline, sections=FACETS_AROUND).triangles @ turn.T
+        parts.append(start + trimesh.creation.revolve(outline, sections=FACETS_AROUND).triangles @ turn.T)
+    return np.concatenate(parts), np.repeat(np.arange(-1, len(parts) - 1), [len(part) for part in parts])

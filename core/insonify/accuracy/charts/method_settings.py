@@ -41,7 +41,7 @@ def pack_for_chart(scene: Scene, pings: int) -> tuple[SceneArrays, Poses]:
     ground = build_ground(scene)
     arrays = pack_scene(scene, ground)
     # These effects exclude refraction; the plan decides which of both is modelled.
-    if arrays.water.bent and (arrays.multipath.enabled or arrays.bounces) and not prepare(scene).plan.bent:
+    if arrays.water.bent and (arrays.multipath.enabled or arrays.bounces) and not prepare(scene).plan.model.bent:
         arrays = arrays._replace(water=still_water(arrays.water.reference, arrays.water.surface))
     poses = make_poses(scene, ground, np.unique(np.linspace(0, scene.track.pings - 1, pings).astype(np.int64)))
     tiles = TerrainTiles(ground, arrays.bins * arrays.bin_length).split(arrays, poses)
@@ -54,7 +54,7 @@ class SettingKey(NamedTuple):
 
     method: str  # name of the method
     setting: str  # setting as text
-    targets: bool  # whether the scene holds its targets
+    targets: bool  # whether the scene includes its targets
 
 
 class MethodSetting(NamedTuple):
@@ -94,7 +94,7 @@ def list_settings(arrays: SceneArrays, poses: Poses) -> list[MethodSetting]:
 
 
 def coarsen_bed(bed: Bed, every: int) -> Bed | None:
-    """Keep one node of so many of a bed; None where its period would change or no bed would be left."""
+    """Keep every n-th node of a bed; None where its period would change or no bed would be left."""
     heights = np.ascontiguousarray(bed.heights[::every, ::every])
     finite = heights[np.isfinite(heights)]
     if min(heights.shape) < 2 or finite.size == 0 or (bed.periodic and any(n % every for n in bed.heights.shape)):
@@ -110,7 +110,7 @@ def coarsen_bed(bed: Bed, every: int) -> Bed | None:
 
 
 def march_settings(arrays: SceneArrays, cells: Sequence[float]) -> list[MethodSetting]:
-    """List marches with steps of so many cells, with as many rays per side as there are bins."""
+    """List marches by their steps in cells of the bed; each has one ray per bin and side."""
     steps = [one * arrays.bed.spacing for one in cells]
     return [
         MethodSetting("march", f"{step:.3g} m", step, _bound(march.trace, arrays, step=step, rays=arrays.bins))
@@ -119,14 +119,14 @@ def march_settings(arrays: SceneArrays, cells: Sequence[float]) -> list[MethodSe
 
 
 def ray_settings(method: str, arrays: SceneArrays, counts: Sequence[int]) -> list[MethodSetting]:
-    """List exact ray tracings with so many rays per side."""
+    """List exact ray tracings by their numbers of rays per side."""
     return [MethodSetting(method, f"{count:,} rays", count, _bound(rays.trace, arrays, rays=count)) for count in counts]
 
 
 def sweep_settings(
     method: str, arrays: SceneArrays, counts: Sequence[int], *, double: bool = False
 ) -> list[MethodSetting]:
-    """List sweeps with so many planes, in single or double precision; a knife-edge beam has one."""
+    """List sweeps by their numbers of planes, in single or double precision; a knife-edge beam has one plane."""
     return [
         MethodSetting(
             method,

@@ -37,7 +37,7 @@ class Reference(NamedTuple):
     moved: float
     rays: int  # number of rays per side
     moved_all: float = math.nan  # the same change over all bins from the first return; NaN where it is not known
-    kind: str = "single rays"  # what the rays are, in words
+    kind: str = "single rays"  # kind of the rays, in words
 
     @property
     def floor(self) -> float:

@@ -1,19 +1,20 @@
-"""Style of charts: colours and marks of methods, logarithmic axes, and labels that keep clear of one another."""
+"""Drawing of charts: colours and marks of methods, logarithmic axes, labels, and power laws through series."""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from typing import Any
+import math
+from collections.abc import Callable, Iterable, Sequence
+from typing import Any, NamedTuple, TypeVar
 
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.patheffects import withStroke
 from matplotlib.text import Annotation
-from matplotlib.ticker import FuncFormatter
+from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
 from matplotlib.transforms import Bbox
 
-from insonify.display.style import BLUE, BROWN, FAINT, GREEN, INK, VIOLET, style_axes
+from insonify.display.style import BLUE, BROWN, FAINT, GREEN, INK, VIOLET, make_figure, style_axes
 
 COLOURS = {"march": BROWN, "rays": BLUE, "sweep": GREEN, "embree": VIOLET}
 MARKS = {"march": "s", "rays": "o", "sweep": "D", "embree": "^"}
@@ -44,6 +45,11 @@ PLACES = (
     (-20, 14),
 )
 OUTLINE = [withStroke(linewidth=2.2, foreground="white")]
+WIDE, HIGH = 3.9, 3.2  # inches of a panel
+ABOVE, BELOW, LEFT = 1.15, 0.95, 0.85
+ROOM = 0.75  # inches between panels
+Row = TypeVar("Row")
+Key = TypeVar("Key")
 
 
 def get_colour(method: str) -> str:
@@ -81,7 +87,7 @@ def write_headings(figure: Figure, title: str, line: str, foot: str) -> None:
 
 
 def place_labels(axes: Axes, labels: Sequence[tuple[str, float, float, str]]) -> None:
-    """Write labels beside their points, with the least overlap with one another and with all points."""
+    """Write labels beside their points, where they least overlap one another and all points."""
     figure = axes.figure.get_figure(root=True)
     assert figure is not None
     renderer = figure.canvas.get_renderer()  # type: ignore[attr-defined]
@@ -99,7 +105,7 @@ def place_labels(axes: Axes, labels: Sequence[tuple[str, float, float, str]]) ->
                 path_effects=OUTLINE,
             )  # fmt: skip
             box = note.get_window_extent(renderer)
-            cost = sum(_overlap(box, other) for other in others) + 4.0 * (_area(box) - _overlap(box, frame))
+            cost = sum(_overlap(box, other) for other in others) + 4.0 * (box.width * box.height - _overlap(box, frame))
             if best is None or cost < best[0]:
                 if best is not None:
                     best[1].remove()
@@ -118,10 +124,6 @@ def _overlap(one: Bbox, other: Bbox) -> float:
     return float(max(wide, 0.0) * max(high, 0.0))
 
 
-def _area(box: Bbox) -> float:
-    return float(box.width * box.height)
-
-
 def format_time(microseconds: float) -> str:
     """Format a time in s, ms or µs."""
     for unit, size in (("s", 1e6), ("ms", 1e3)):
@@ -133,3 +135,92 @@ def format_time(microseconds: float) -> str:
 def format_percent(share: float) -> str:
     """Format a share in percent with two digits."""
     return f"{np.format_float_positional(100.0 * share, 2, fractional=False, trim='-')} %"
+
+
+class PowerLawFit(NamedTuple):
+    """Power law y = scale · x^exponent fitted to points."""
+
+    exponent: float  # slope of the straight line through the logarithms; NaN with fewer than two points
+    spread: float  # standard error of the exponent; NaN with fewer than three points
+    scale: float  # value of y at x = 1
+
+    def format_exponent(self) -> str:
+        """Format the exponent with its standard error; empty where there is none."""
+        if math.isnan(self.exponent):
+            return ""
+        exponent = f"{self.exponent:.2f}".replace("-", "−")
+        return exponent + (f" ± {self.spread:.2f}" if math.isfinite(self.spread) else "")
+
+
+def fit_power_law(x: Sequence[float], y: Sequence[float]) -> PowerLawFit:
+    """Fit a power law by least squares in the logarithms."""
+    points = np.array([(a, b) for a, b in zip(x, y) if 0.0 < a < math.inf and 0.0 < b < math.inf]).reshape(-1, 2)
+    if len(np.unique(points[:, 0])) < 2:
+        return PowerLawFit(math.nan, math.nan, math.nan)
+    along, up = np.log(points).T
+    off, high = along - along.mean(), up - up.mean()
+    width = float(off @ off)
+    exponent = float(off @ high) / width
+    left = high - exponent * off
+    spread = math.sqrt(float(left @ left) / (len(points) - 2) / width) if len(points) > 2 else math.nan
+    return PowerLawFit(exponent, spread, math.exp(float(up.mean() - exponent * along.mean())))
+
+
+def group_by(rows: Iterable[Row], key: Callable[[Row], Key]) -> dict[Key, list[Row]]:
+    """Group rows by a key, in their order."""
+    groups: dict[Key, list[Row]] = {}
+    for row in rows:
+        groups.setdefault(key(row), []).append(row)
+    return groups
+
+
+def lay_out_panels(count: int, across: int) -> tuple[Figure, list[Axes]]:
+    """Figure with a number of panels, and how many of them stand in a row."""
+    rows = math.ceil(count / across)
+    width, height = LEFT + across * WIDE - ROOM + 0.3, ABOVE + rows * (HIGH + ROOM) - ROOM + BELOW
+    figure = make_figure(width, height)
+    panels = []
+    for k in range(count):
+        row, column = divmod(k, across)
+        left, bottom = LEFT + column * WIDE, height - ABOVE - row * (HIGH + ROOM) - HIGH
+        panels.append(figure.add_axes((left / width, bottom / height, (WIDE - ROOM) / width, HIGH / height)))
+    return figure, panels
+
+
+def draw_series(
+    axes: Axes,
+    method: str,
+    x: Sequence[float],
+    y: Sequence[float],
+    fit: PowerLawFit,
+    symbol: str,
+    bars: Sequence[float] | None = None,
+) -> None:
+    """Draw the points of a method and the power law through them."""
+    colour = get_colour(method)
+    law = f"{method} ∝ {symbol} to the {fit.format_exponent()}" if fit.format_exponent() else method
+    axes.errorbar(
+        x, y, yerr=bars, fmt=get_mark(method), color=colour, markersize=6.5, markeredgecolor="white", elinewidth=1.0,
+        zorder=3, label=law,
+    )  # fmt: skip
+    if fit.format_exponent() and x:
+        ends = np.array([min(x), max(x)])
+        axes.plot(ends, fit.scale * ends**fit.exponent, color=colour, linewidth=1.2, alpha=0.6, zorder=2)
+
+
+def finish_panel(axes: Axes) -> None:
+    """Make room for the legend, and set ticks at 1, 2 and 5 where an axis spans few decades."""
+    axes.margins(0.1)
+    low, high = axes.get_ylim()
+    axes.set_ylim(low, high * (high / low) ** 0.18)
+    short = high < 30.0 * low
+    for axis, every in ((axes.xaxis, True), (axes.yaxis, short)):
+        axis.set_major_locator(LogLocator(base=10.0, subs=(1.0, 2.0, 5.0) if every else (1.0,), numticks=20))
+        axis.set_minor_formatter(NullFormatter())
+    axes.tick_params(labelsize=8.5)
+    axes.legend(loc="upper left", frameon=False, fontsize=8.5, labelcolor=INK, handletextpad=0.4)
+
+
+def format_count(value: float) -> str:
+    """Format a count, of ten thousand or more in thousands."""
+    return f"{value:g}" if value < 10_000 else f"{value / 1000:g}k"

@@ -1,6 +1,6 @@
 """Cases of numerical failure of common methods, each measured beside the method that avoids it.
 
-Every module in ``themes`` that defines a ``THEME`` adds its cases, without being listed.
+Every `StabilityTheme` at the top level of a module in ``themes`` adds its cases, without being listed.
 """
 
 from __future__ import annotations
@@ -13,8 +13,8 @@ __all__ = ["CASES", "Approach", "Outcome", "StabilityCase", "find_themes"]
 
 def find_themes() -> list[StabilityTheme]:
     """Import the modules of ``themes`` and return their themes in the order of the page."""
-    modules = modules_in("insonify.accuracy.stability.themes")
-    return sorted((module.THEME for module in modules), key=lambda theme: theme.place)
+    values = (value for module in modules_in("insonify.accuracy.stability.themes") for value in vars(module).values())
+    return sorted((value for value in values if isinstance(value, StabilityTheme)), key=lambda theme: theme.place)
 
 
 CASES: dict[str, list[StabilityCase]] = {theme.title: theme.cases for theme in find_themes()}

@@ -32,9 +32,9 @@ class Measured(NamedTuple):
 
 
 class Approach(NamedTuple):
-    """Method of a case, and the bound that the failing method exceeds and the right one keeps."""
+    """Method of a case with its bound, which the failing method exceeds and the right one keeps."""
 
-    does: str  # what the method does, as a sentence
+    does: str  # the method in one sentence
     bound: float
 
 
@@ -81,7 +81,7 @@ class Outcome(NamedTuple):
 
     @property
     def is_shown(self) -> bool:
-        """Whether the failing method exceeds its bound; a method without a number does."""
+        """Whether the failing method exceeds its bound or gives no number."""
         return not self.measured.failing <= self.case.failing.bound
 
     @property

@@ -85,7 +85,7 @@ def add_legend(axes: Any, place: str = "best", **options: Any) -> None:
 
 
 def table(heads: tuple[str, str, str], rows: Sequence[tuple[str, str, str]]) -> Picture:
-    """Table of three columns: the input, what the common method does, what this program does."""
+    """Table of three columns: the input, the result of the common method, the result of this program."""
 
     def draw(figure: Figure) -> None:
         axes = figure.add_subplot()

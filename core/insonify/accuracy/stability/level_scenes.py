@@ -65,7 +65,7 @@ def ball_at(x: float, y: float, z: float, radius: float, **fields: Any) -> dict[
 
 
 def error_message(make: Callable[[], object]) -> str:
-    """Message with which a scene is refused; empty if it is accepted."""
+    """Message of the error that a scene raises; empty without an error."""
     try:
         make()
     except SceneError as error:

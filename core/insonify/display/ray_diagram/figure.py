@@ -33,7 +33,7 @@ WATER_MAP = LinearSegmentedColormap.from_list("water", [f"#{r:02x}{g:02x}{b:02x}
 LEFT, RIGHT, BOTTOM, TOP = (0.065, 0.155), (0.262, 0.683), 0.165, 0.855  # shares of the figure
 ROW = 0.034  # share of the figure that a row of the legend takes
 MARGIN = 0.075  # share of the depth, above the surface and below the bed
-FAINTEST = 1e-3  # share of the water in shadow from which the legend names it
+FAINTEST = 1e-3  # least share of the water in shadow that the legend names
 LABELS = 0.036  # share of the axes' width and height that a label of a ray needs
 COLUMNS = ("kind", "number", "launch_angle", "range", "depth", "time")
 SUFFIXES = (".png", ".csv")
@@ -123,18 +123,14 @@ def _labels(axes: Any, diagram: RayDiagram) -> None:
         if not at_edge and z > 0.5:
             offset, align = (0, -4), ("center", "top")
         axes.annotate(
-            _degrees(path.angle), (path.range[-1], path.depth[-1]), xytext=offset, textcoords="offset points",
-            ha=align[0], va=align[1], fontsize=8, color=RAY, zorder=6, annotation_clip=False,
+            f"{path.angle:g}°".replace("-", "−"), (path.range[-1], path.depth[-1]), xytext=offset, ha=align[0],
+            va=align[1], textcoords="offset points", fontsize=8, color=RAY, zorder=6, annotation_clip=False,
         )  # fmt: skip
 
 
 def _roundness(angle: float) -> int:
     """Rank of an angle by its roundness, 0 for multiples of ten."""
     return next((k for k, unit in enumerate((10.0, 5.0, 2.0, 1.0, 0.5)) if abs(angle / unit % 1.0) < 1e-9), 5)
-
-
-def _degrees(angle: float) -> str:
-    return f"{angle:g}°".replace("-", "−")
 
 
 def _eigenrays(axes: Any, diagram: RayDiagram) -> None:
@@ -184,13 +180,13 @@ def _write_headings(figure: Figure, diagram: RayDiagram) -> None:
 
 def _describe(diagram: RayDiagram) -> str:
     """State the place of the sonar, and the ranges of bed that no sound reaches."""
-    said = [f"sonar at {diagram.source_depth:.4g} m, mean bed at {diagram.bottom:.4g} m"]
-    said += [f"no sound on the bed {stretch}" for stretch in _stretches(diagram)]
+    parts = [f"sonar at {diagram.source_depth:.4g} m, mean bed at {diagram.bottom:.4g} m"]
+    parts += [f"no sound on the bed {stretch}" for stretch in _stretches(diagram)]
     if diagram.target is not None:
         count = len(diagram.eigenrays)
         place = f"{diagram.target[0]:g} m away at {diagram.target[1]:g} m"
-        said.append(f"{count or 'no'} ray{'s' * (count != 1)} to the point {place}")
-    return " · ".join(said)
+        parts.append(f"{count or 'no'} ray{'s' * (count != 1)} to the point {place}")
+    return " · ".join(parts)
 
 
 def _stretches(diagram: RayDiagram) -> Iterable[str]:

@@ -1,38 +1,116 @@
-"""Measured bathymetry: a format is one module here that holds a `FileFormat`."""
+"""Measured bathymetry: grids of heights in files, and the checks that every format shares.
+
+A format is one module here that holds a `FileFormat`.
+"""
 
 from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from insonify.io.bathymetry.arrays import SAMPLE, read_sample
-from insonify.io.bathymetry.grid import BATHYMETRY, Grid
+from insonify.io.file_access import FileFault
+from insonify.io.formats import FormatRegistry
 
 __all__ = ["BATHYMETRY", "Grid", "read_grid"]
 
+# A bed of 16384² float32 nodes takes 1 GB.
+LARGEST_SIDE = 16384
+HEIGHT = 8  # bytes of a height
 # Values that programs write where there is no height.
 NODATA = frozenset(
     sign * value for value in (9999.0, 99999.0, 999999.0, 32767.0, 32768.0, 1e6, 1e20) for sign in (-1.0, 1.0)
 )
 FAR = 1000.0  # m: a customary value closer than that to another height may be a height
+SAMPLE = "sample:"
+# File, array, and whether its first row is the northernmost.
+SAMPLES = {
+    "jacksboro": ("jacksboro_fault_dem.npz", "elevation", True),
+    "topobathy": ("topobathy.npz", "topo", False),
+}
+
+
+@dataclass(frozen=True, eq=False)
+class Grid:
+    """Heights on a grid."""
+
+    # (ny, nx) metres, positive up unless they are depths, NaN where there are none; axis 0 is y, axis 1 is x,
+    # both increasing.
+    heights: NDArray[np.float64]
+    # (float, float) metres between nodes along x and y; None if the file has none.
+    spacing: tuple[float, float] | None = None
+    # (float, float) map coordinates of node (0, 0); None if the file has none.
+    corner: tuple[float, float] | None = None
+    crs: str = ""  # coordinate reference system of the map, as PROJ takes it; empty if the file names none
+    # Whether the file declares its numbers as depths, positive down, as ``heights`` then are too.
+    depths: bool = False
+
+
+BATHYMETRY: FormatRegistry[Grid] = FormatRegistry(
+    "a grid of heights",
+    "insonify.io.bathymetry",
+    "insonify.bathymetry_formats",
+    "seabed.relief.path: {path!r} {fault}; {remedy}",
+)
 
 
 def read_grid(path: str) -> Grid:
     """Read a grid of heights."""
-    grid = read_sample(path) if path.startswith(SAMPLE) else BATHYMETRY.read(path)
-    if not np.isfinite(grid.heights).any():
-        raise BATHYMETRY.refusal(path, "holds no valid height", "check its nodata value")
-    _refuse_nodata(path, grid.heights[np.isfinite(grid.heights)])
+    with BATHYMETRY.guarded(path):
+        grid = _read_sample(path) if path.startswith(SAMPLE) else BATHYMETRY.read(path)
+        if not np.isfinite(grid.heights).any():
+            raise FileFault("holds no valid height", "check its nodata value")
+        _check_nodata(grid.heights[np.isfinite(grid.heights)])
     return grid
 
 
-def _refuse_nodata(path: str, heights: NDArray[np.float64]) -> None:
-    """Refuse a customary nodata value, alone or far from all other heights, that the file does not declare."""
+def _read_sample(path: str) -> Grid:
+    """Read a digital elevation model that comes with matplotlib: ``sample:jacksboro`` or ``sample:topobathy``."""
+    from matplotlib import cbook
+
+    name = path.removeprefix(SAMPLE)
+    if name not in SAMPLES:
+        raise FileFault("is not a sample known here", f"choose {' or '.join(SAMPLE + name for name in SAMPLES)}")
+    file, key, northern_first = SAMPLES[name]
+    with np.load(Path(str(cbook.get_sample_data(file, asfileobj=False)))) as stored:
+        heights = check_heights(stored[key])
+    return Grid(np.ascontiguousarray(heights[::-1]) if northern_first else heights)
+
+
+def _check_nodata(heights: NDArray[np.float64]) -> None:
+    """Raise FileFault for an undeclared customary nodata value that stands alone or far from all other heights."""
     for value in (heights.min(), heights.max()):
         others = heights[heights != value]
         if value in NODATA and np.abs(others - value).min(initial=np.inf) > FAR:
-            raise BATHYMETRY.refusal(
-                path,
+            raise FileFault(
                 f"has {heights.size - others.size} cells of {value:g}, which it does not declare as nodata",
                 f"declare it, for example with gdal_edit.py -a_nodata {value:g}, or set those cells to NaN",
             )
+
+
+def check_heights(array: NDArray[Any]) -> NDArray[np.float64]:
+    """Check an array of heights and replace infinite values by NaN."""
+    if array.ndim != 2:
+        raise FileFault(f"has {array.ndim} dimensions", "save the heights as a 2-D array")
+    check_type(array.dtype)
+    check_size(array.shape)
+    heights = array.astype(np.float64)
+    heights[~np.isfinite(heights)] = np.nan
+    return heights
+
+
+def check_size(shape: tuple[int, ...]) -> None:
+    """Raise FileFault for a grid too small to span a cell or too large to hold."""
+    if min(shape) < 2:
+        raise FileFault(f"is only {shape[1]} by {shape[0]} heights", "give at least 2 by 2")
+    if max(shape) > LARGEST_SIDE:
+        raise FileFault(f"is {shape[1]} by {shape[0]} heights", f"crop or thin it to {LARGEST_SIDE} a side")
+
+
+def check_type(stored: np.dtype[Any]) -> None:
+    """Raise FileFault for values that are not real numbers: complex numbers, booleans, text."""
+    if stored.kind not in "fiu":
+        raise FileFault(f"holds {stored} values", "save the heights as real numbers")

@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from insonify.io.bathymetry.grid import HEIGHT, Grid, check_size, check_type
+from insonify.io.bathymetry import HEIGHT, Grid, check_size, check_type
 from insonify.io.file_access import FileFault, check_companions, check_expansion
 from insonify.io.formats import FileFormat
 from insonify.io.georeference import DEGREES, utm_zone
@@ -110,7 +110,7 @@ def _read_metres(raster: Any, depths: bool) -> Grid:
 
 
 def _check_transform(transform: Any) -> None:
-    """Refuse pixels and corners of sizes that no map has."""
+    """Raise FileFault for pixels and corners of sizes that no map has."""
     if not all(SPACINGS[0] <= abs(side) <= SPACINGS[1] for side in (transform.a, transform.e)):
         sizes = f"has pixels of {transform.a:g} by {-transform.e:g} m"
         raise FileFault(sizes, f"give a size from {SPACINGS[0]:g} to {SPACINGS[1]:g} m")
@@ -127,7 +127,7 @@ def _flipped(band: Any) -> NDArray[np.float64]:
 
 
 def _check_metres(raster: Any) -> None:
-    """Refuse coordinates that are not in metres; a grid without a reference system is taken to be."""
+    """Raise FileFault for coordinates not in metres; a grid without a reference system counts as in metres."""
     if raster.crs is None:
         return
     if raster.crs.is_projected and abs(raster.crs.linear_units_factor[1] - 1.0) > 1e-9:

@@ -1,5 +1,111 @@
-"""Meshes of triangles: a format is one module here that holds a `FileFormat`."""
+"""Meshes: the triangles of a file, checked, wound alike, and outwards where their surface is closed.
 
-from insonify.io.meshes.mesh import MESHES, has_area, read_mesh
+A format is one module here that holds a `FileFormat`.
+"""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from insonify.files import bundled_meshes, kept_until_changed
+from insonify.io.file_access import FileFault
+from insonify.io.formats import FormatRegistry
 
 __all__ = ["MESHES", "has_area", "read_mesh"]
+
+MESHES: FormatRegistry[NDArray[np.float64]] = FormatRegistry(
+    "a mesh", "insonify.io.meshes", "insonify.mesh_formats", "{path!r} {fault}; {remedy}"
+)
+MOST_TRIANGLES = 2_000_000  # more must be decimated first
+FARTHEST = 1e15  # units of a file from its origin; squares of squares of it are still numbers
+FLAT = 1e-12  # height of a triangle over its longest side, below which its area is rounding error
+
+
+def read_mesh(path: str) -> NDArray[np.float64]:
+    """Read the triangles of a file."""
+    return _read_triangles(str(bundled_meshes().get(path, Path(path))))
+
+
+@kept_until_changed(maxsize=8)
+def _read_triangles(path: str) -> NDArray[np.float64]:
+    with MESHES.guarded(path):
+        corners = MESHES.read(path, f", or the name of a bundled mesh ({', '.join(bundled_meshes())})")
+        if len(corners) > MOST_TRIANGLES:
+            raise FileFault(f"has {len(corners)} triangles", f"thin it to at most {MOST_TRIANGLES}")
+        if not (np.abs(corners) < FARTHEST).all():
+            raise FileFault(f"has corners that are not finite or lie beyond {FARTHEST:g}", "export it again")
+        corners = corners[has_area(corners)]
+        if not len(corners):
+            raise FileFault("holds no triangles", "check that it is whole and holds surfaces")
+    return _wind_outwards(corners)
+
+
+def has_area(corners: NDArray[np.float64]) -> NDArray[np.bool_]:
+    """Whether triangles have an area beyond rounding error."""
+    edges = corners - np.roll(corners, 1, axis=1)
+    longest_squared = (edges**2).sum(axis=2).max(axis=1)
+    area = np.linalg.norm(np.cross(edges[:, 0], edges[:, 1]), axis=1)
+    return np.asarray(area > FLAT * longest_squared)
+
+
+def _wind_outwards(corners: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Wind neighbouring triangles alike, and closed surfaces counter-clockwise as seen from outside."""
+    n = len(corners)
+    first, second, alike = _neighbours(_numbered(corners.reshape(-1, 3)).reshape(n, 3))
+    surface = _components(first, second, n)
+    flipped = _flips(first, second, alike, surface)
+    wound = np.where(flipped[:, None, None], corners[:, ::-1], corners)
+    inside_out = _volumes(wound, surface) < 0.0
+    inside_out &= np.bincount(surface[first], minlength=inside_out.size) * 2 == np.bincount(surface) * 3  # closed
+    return np.where(inside_out[surface][:, None, None], wound[:, ::-1], wound)
+
+
+def _numbered(points: NDArray[np.float64]) -> NDArray[np.int64]:
+    """Return the number of each point among the distinct points, from 0."""
+    order = np.lexsort(points.T)
+    is_new = np.any(np.diff(points[order], axis=0) != 0.0, axis=1)
+    number = np.empty(len(points), dtype=np.int64)
+    number[order] = np.concatenate([[0], np.cumsum(is_new)])
+    return number
+
+
+def _neighbours(faces: NDArray[np.int64]) -> tuple[NDArray[np.int64], NDArray[np.int64], NDArray[np.bool_]]:
+    """Pairs of triangles with an edge that no third one shares, and whether they run along it in opposite senses."""
+    begin, end = faces.ravel(), np.roll(faces, -1, axis=1).ravel()
+    forward = begin < end
+    edge = np.minimum(begin, end) * (faces.max() + 1) + np.maximum(begin, end)
+    _, edge, times = np.unique(edge, return_inverse=True, return_counts=True)
+    order = np.argsort(edge, kind="stable")
+    pairs = order[times[edge[order]] == 2].reshape(-1, 2)
+    return pairs[:, 0] // 3, pairs[:, 1] // 3, forward[pairs[:, 0]] != forward[pairs[:, 1]]
+
+
+def _flips(
+    first: NDArray[np.int64], second: NDArray[np.int64], alike: NDArray[np.bool_], surface: NDArray[np.int64]
+) -> NDArray[np.bool_]:
+    """Triangles to reverse, found on the double cover, which holds every triangle once in either winding."""
+    n = surface.size
+    side = np.where(alike, 0, n)
+    cover = _components(np.concatenate([first, first + n]), np.concatenate([second + side, second + n - side]), 2 * n)
+    _, leaders = np.unique(surface, return_index=True)
+    one_sided = cover[:n] == cover[n:]
+    return np.asarray((cover[:n] != cover[leaders][surface]) & ~one_sided)
+
+
+def _components(first: NDArray[np.int64], second: NDArray[np.int64], n: int) -> NDArray[np.int64]:
+    """Find the connected component of each of n nodes with links between pairs."""
+    # lazy: SciPy's sparse graphs, which only meshes need
+    from scipy.sparse import coo_array
+    from scipy.sparse.csgraph import connected_components
+
+    links = coo_array((np.ones(first.size, np.int8), (first, second)), shape=(n, n))
+    return np.asarray(connected_components(links, directed=False)[1], dtype=np.int64)
+
+
+def _volumes(corners: NDArray[np.float64], surface: NDArray[np.int64]) -> NDArray[np.float64]:
+    """Signed volume of each surface, summed over tetrahedra from the centroid."""
+    a, b, c = np.moveaxis(corners - corners.mean(axis=(0, 1)), 1, 0)
+    return np.bincount(surface, weights=(a * np.cross(b, c)).sum(axis=1)) / 6.0

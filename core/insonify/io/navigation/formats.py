@@ -10,18 +10,20 @@ import numpy as np
 from insonify.io.file_access import FileFault, read_text
 from insonify.io.formats import FileFormat
 from insonify.io.isolation import run_isolated
-from insonify.io.navigation.recorded import LIMITS, Columns, find_columns
-from insonify.io.netcdf_files import check_variables
+from insonify.io.navigation import LIMITS, Columns
 from insonify.io.records import read_record
+from insonify.io.records.netcdf import check_variables
 
 ON_EARTH = {"x": "longitude", "y": "latitude"}  # what a recording with a place has instead
 CSV_REMEDY, GPX_REMEDY = "give one number in every column of every row", "export the track again as GPX 1.1"
+PREFIXES = ("platform_", "ping_")  # of the same names in a record
+ALIASES = {"lon": "longitude", "long": "longitude", "lng": "longitude", "lat": "latitude"}
 
 
 def read_csv(path: str) -> Columns:
     """Read the columns of navigation in a CSV file."""
     lines = read_text(path).splitlines()
-    places = find_columns(lines[0].split(",")) if lines else {}
+    places = _find_columns(lines[0].split(",")) if lines else {}
     if not places:
         return {}
     try:
@@ -50,6 +52,15 @@ def _seconds(text: str) -> float:
     """Seconds since 1970 of a time in ISO 8601, in UTC unless it has a zone."""
     time = datetime.fromisoformat(text)
     return (time if time.tzinfo else time.replace(tzinfo=UTC)).timestamp()
+
+
+def _find_columns(names: list[str]) -> dict[str, int]:
+    """Places of the columns of navigation among the names in a file."""
+    bare = [name.strip().strip('"').lower() for name in names]
+    for prefix in PREFIXES:
+        bare = [name.removeprefix(prefix) for name in bare]
+    bare = [ALIASES.get(name, name) for name in bare]
+    return {name: bare.index(name) for name in LIMITS if name in bare}
 
 
 def read_gpx(path: str) -> Columns:
@@ -82,7 +93,7 @@ def read_columns(path: str) -> Columns:
 
     with netCDF4.Dataset(path) as file:
         names = [str(name) for name in file.variables]
-        found = {name: file.variables[names[place]] for name, place in find_columns(names).items()}
+        found = {name: file.variables[names[place]] for name, place in _find_columns(names).items()}
         check_variables(path, found.values())
         return {
             name: np.ma.filled(np.ma.asarray(column[:], dtype=np.float64), np.nan).ravel()

@@ -13,10 +13,10 @@ if TYPE_CHECKING:
 
 BOTTOM_TRACK = "bottom_track"  # variable of a record
 BEHIND = 0.05  # of the bins: length behind the edge that the bed must fill
-STEADY = 1.0  # bins of the wrong kind that a change of altitude by one bin, from ping to ping, must save
-FAINTEST = 1e-8  # of the strongest echo of a ping; below it there is silence
+STEADY = 1.0  # cost, in misclassified bins, of a change of altitude by one bin from ping to ping
+FAINTEST = 1e-8  # of the strongest echo of a ping; below it counts as silence
 GROUP = 16  # pings that are split into loud and quiet bins together
-FAINT = 3.0  # dB: an edge of less contrast, in the middle of the pings, is none
+FAINT = 3.0  # dB: median contrast at the edges, over all pings, below which there is no bottom track
 
 
 def find_altitude(record: xr.Dataset) -> NDArray[np.float64]:
@@ -44,9 +44,9 @@ def track_bottom(intensity: NDArray[np.float32], bin_length: float) -> NDArray[n
     """Slant range of the first echo of the bed at every ping, which over an even bed is the altitude of the sonar.
 
     Bins are quiet or loud, by Otsu's threshold of the levels in decibels of some successive pings. The edge has quiet
-    bins before it and loud ones behind. Its course along the track is the one with the fewest bins of the wrong kind,
+    bins before it and loud ones behind. Its course along the track is the one with the fewest misclassified bins,
     plus a cost for every change from ping to ping (dynamic programming), so that an object in the water column, the
-    transmitted pulse, or a shadow at nadir does not carry it away.
+    transmitted pulse, or a shadow at nadir does not displace it.
     """
     width = max(round(BEHIND * intensity.shape[2]), 1)
     edges = _steadiest(_scores(intensity, width), intensity.shape[1])
@@ -85,7 +85,7 @@ def _kinds(intensity: NDArray[np.float32]) -> NDArray[np.float64]:
 
 
 def _score(kinds: NDArray[np.float64], width: int) -> NDArray[np.float64]:
-    """Bins of the right kind less those of the wrong kind, for an edge before every bin."""
+    """Correctly classified bins less misclassified ones, for an edge before every bin."""
     pings, bins = kinds.shape
     total = np.concatenate([np.zeros((pings, 1)), np.cumsum(kinds, axis=1)], axis=1)
     at = np.arange(bins - width + 1)

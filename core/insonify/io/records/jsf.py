@@ -13,19 +13,9 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from insonify.io.file_access import FileFault
 from insonify.io.formats import FileFormat
-from insonify.io.records.files import RECORDS
-from insonify.io.records.fixes import DAY, Fixes, fill_gaps, heading_from_compass
-from insonify.io.records.recording import (
-    RecordedTrack,
-    SideEchoes,
-    assemble,
-    check_amplitude,
-    choose_frequency,
-    frequency_attributes,
-    plausible_speed,
-    warn_of_cut,
-)
+from insonify.io.records import recording
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -41,29 +31,24 @@ MINUTES = 2
 ANGLE = 180.0 / 32768.0  # degrees, of pitch and roll
 POSITION, HEADING, ATTITUDE, ALTITUDE, DEPTH = 0, 3, 5, 6, 9  # bits of validity
 
-MESSAGE = np.dtype(
-    {
-        "names": ["marker", "version", "type", "subsystem", "channel", "size"],
-        "formats": ["<u2", "u1", "<u2", "u1", "u1", "<u4"],
-        "offsets": [0, 2, 4, 7, 8, 12],
-        "itemsize": 16,
-    }
-)
-_FIELDS = {
+
+def _layout(size: int, fields: dict[str, tuple[str, int]]) -> np.dtype[Any]:
+    """Layout of a header of so many bytes, from the type and the offset of each field."""
+    types, offsets = zip(*fields.values())
+    return np.dtype({"names": list(fields), "formats": list(types), "offsets": list(offsets), "itemsize": size})
+
+
+MESSAGE = _layout(16, {
+    "marker": ("<u2", 0), "version": ("u1", 2), "type": ("<u2", 4), "subsystem": ("u1", 7), "channel": ("u1", 8),
+    "size": ("<u4", 12),
+})  # fmt: skip
+TRACE = _layout(240, {
     "time": ("<i4", 0), "skipped": ("<u4", 4), "ping": ("<u4", 8), "more": ("<u2", 16), "fraction": ("<u2", 18),
     "validity": ("<u2", 30), "format": ("<i2", 34), "x": ("<i4", 80), "y": ("<i4", 84), "units": ("<i2", 88),
     "samples": ("<u2", 114), "interval": ("<u4", 116), "start": ("<u2", 126), "end": ("<u2", 128),
     "depth": ("<i4", 136), "altitude": ("<i4", 144), "speed": ("<f4", 148), "weight": ("<i2", 168),
     "heading": ("<u2", 172), "pitch": ("<i2", 174), "roll": ("<i2", 176), "milliseconds": ("<u4", 200),
-}  # fmt: skip
-TRACE = np.dtype(
-    {
-        "names": list(_FIELDS),
-        "formats": [each[0] for each in _FIELDS.values()],
-        "offsets": [each[1] for each in _FIELDS.values()],
-        "itemsize": 240,
-    }
-)
+})  # fmt: skip
 
 
 class _Trace(NamedTuple):
@@ -73,7 +58,7 @@ class _Trace(NamedTuple):
     row: int  # 0 port, 1 starboard
     header: Any  # record of TRACE
     frequency: float  # Hz
-    side: SideEchoes
+    side: recording.SideEchoes
 
 
 def read_jsf(path: str | Path, frequency: float | None = None) -> xr.Dataset:
@@ -84,11 +69,11 @@ def read_jsf(path: str | Path, frequency: float | None = None) -> xr.Dataset:
     path = Path(path)
     traces = list(_traces(path, np.fromfile(path, dtype=np.uint8)))
     if not traces:
-        raise RECORDS.refusal(path, "holds no side-scan pings", "give a recording of subsystem 20, 21 or 22")
+        raise FileFault("holds no side-scan pings", "give a recording of subsystem 20, 21 or 22")
     frequencies = {trace.subsystem: trace.frequency for trace in reversed(traces)}
     bands = sorted(frequencies)
-    chosen = choose_frequency(path, [frequencies[band] for band in bands], frequency)
-    sides: dict[int, dict[int, SideEchoes]] = {}
+    chosen = recording.choose_frequency([frequencies[band] for band in bands], frequency)
+    sides: dict[int, dict[int, recording.SideEchoes]] = {}
     headers: dict[int, Any] = {}
     for trace in traces:
         if trace.subsystem == bands[chosen]:
@@ -98,8 +83,8 @@ def read_jsf(path: str | Path, frequency: float | None = None) -> xr.Dataset:
     if len(sides[last]) < len(next(iter(sides.values()))):  # the recording ends between port and starboard
         del sides[last], headers[last]
     track = _track(np.array(list(headers.values()), dtype=TRACE))
-    track.attributes.update(frequency_attributes([frequencies[band] for band in bands], chosen))
-    return assemble(path, list(sides.values()), track)
+    track.attributes.update(recording.frequency_attributes([frequencies[band] for band in bands], chosen))
+    return recording.assemble(path, list(sides.values()), track)
 
 
 def _traces(path: Path, content: NDArray[np.uint8]) -> Iterator[_Trace]:
@@ -109,99 +94,86 @@ def _traces(path: Path, content: NDArray[np.uint8]) -> Iterator[_Trace]:
         start = content[at : at + MESSAGE.itemsize]
         message = start.view(MESSAGE)[0] if start.size == MESSAGE.itemsize else None
         if message is not None and message["marker"] != MARKER:
-            raise RECORDS.refusal(path, f"holds no JSF message at byte {at}", "copy or export it again")
+            raise FileFault(f"holds no JSF message at byte {at}", "copy or export it again")
         if message is None or at + MESSAGE.itemsize + int(message["size"]) > content.size:
-            warn_of_cut(path, at, whole)
+            recording.warn_of_cut(path, at, whole)
             return
         body = content[at + MESSAGE.itemsize : at + MESSAGE.itemsize + int(message["size"])]
         if message["type"] == SONAR_DATA and message["subsystem"] in SIDE_SCAN and message["channel"] in (0, 1):
             whole += 1
-            yield _trace(path, message, body)
+            yield _trace(message, body)
         at += MESSAGE.itemsize + body.size
 
 
-def _trace(path: Path, message: Any, body: NDArray[np.uint8]) -> _Trace:
+def _trace(message: Any, body: NDArray[np.uint8]) -> _Trace:
     """Scale the samples of a message and determine their slant range."""
     if body.size < TRACE.itemsize:
-        raise RECORDS.refusal(path, "has a ping too short for its header", "export it again")
+        raise FileFault("has a ping too short for its header", "export it again")
     header = body[: TRACE.itemsize].view(TRACE)[0]
-    envelope = _envelope(path, header, _count(message, header), body[TRACE.itemsize :])
+    high = int(header["more"]) if message["version"] >= MORE_BITS else 0
+    envelope = _envelope(header, int(header["samples"]) + 65536 * (high >> 8 & 0xF), body[TRACE.itemsize :])
     skipped = int(header["skipped"])
-    step = 1e-9 * (
-        int(header["interval"]) + (int(header["fraction"] & 0xFF) / 256.0 if _has(message, FRACTIONS) else 0)
-    )
-    speed = plausible_speed(float(header["speed"]))
+    fraction = int(header["fraction"] & 0xFF) / 256.0 if message["version"] >= FRACTIONS else 0.0
+    step = 1e-9 * (int(header["interval"]) + fraction)
+    speed = recording.plausible_speed(float(header["speed"]))
     if skipped > MOST_SKIPPED or not 0.0 < step * (skipped + envelope.size) < 100.0:
-        raise RECORDS.refusal(path, f"has no sampling interval of ping {header['ping']}", "export it again")
+        raise FileFault(f"has no sampling interval of ping {header['ping']}", "export it again")
     # Samples of the time between transmission and recording are silent.
     amplitude = np.concatenate([np.zeros(skipped, dtype=np.float32), envelope])
-    check_amplitude(path, int(header["ping"]), amplitude)
-    high = int(header["more"]) if _has(message, MORE_BITS) else 0
+    recording.check_amplitude(int(header["ping"]), amplitude)
     swept = int(header["start"]) + (high & 0xF) * 65536 + int(header["end"]) + (high >> 4 & 0xF) * 65536
-    side = SideEchoes(amplitude, 0.5 * speed * step * amplitude.size, speed)
+    side = recording.SideEchoes(amplitude, 0.5 * speed * step * amplitude.size, speed)
     return _Trace(int(message["subsystem"]), int(message["channel"]), header, 5.0 * swept, side)
 
 
-def _has(message: Any, version: int) -> bool:
-    """Whether a message follows a version of the protocol or a later one."""
-    return bool(message["version"] >= version)
-
-
-def _count(message: Any, header: Any) -> int:
-    """Return the number of samples of a message."""
-    high = int(header["more"]) >> 8 & 0xF if _has(message, MORE_BITS) else 0
-    return int(header["samples"]) + 65536 * high
-
-
-def _envelope(path: Path, header: Any, count: int, body: NDArray[np.uint8]) -> NDArray[np.float32]:
+def _envelope(header: Any, count: int, body: NDArray[np.uint8]) -> NDArray[np.float32]:
     """Return the amplitudes of a message."""
     kind = int(header["format"])
     if kind not in (ENVELOPE, ANALYTIC):
-        raise RECORDS.refusal(
-            path,
+        raise FileFault(
             f"has data of format {kind} in ping {header['ping']}, which is no envelope",
             "export it as envelope or as XTF",
         )
     values = (1 + (kind == ANALYTIC)) * count
     if count == 0 or 2 * values > body.size:
-        raise RECORDS.refusal(path, f"has a ping with less than the {count} samples it announces", "export it again")
+        raise FileFault(f"has a ping with less than the {count} samples it announces", "export it again")
     samples = body[: 2 * values].view("<i2").astype(np.float64)
     magnitude = np.abs(samples) if kind == ENVELOPE else np.hypot(samples[::2], samples[1::2])
     return np.ldexp(magnitude, -int(np.clip(header["weight"], -40, 40))).astype(np.float32)
 
 
-def _track(headers: NDArray[Any]) -> RecordedTrack:
+def _track(headers: NDArray[Any]) -> recording.RecordedTrack:
     """Navigation of the pings, and time and place of the first one where they are recorded."""
     clock = headers["milliseconds"].astype(np.float64) / 1e3
     whole = headers["time"].astype(np.float64)
-    # Seconds since 1970 and milliseconds of the day belong together where they name the same second.
-    times = whole + np.where(np.abs(whole % DAY - clock) < 1.5, clock - whole % DAY, 0.0)
+    # Seconds since 1970 and milliseconds of the day belong together where they give the same second.
+    times = whole + np.where(np.abs(whole % recording.DAY - clock) < 1.5, clock - whole % recording.DAY, 0.0)
     fixes = _fixes(headers)
     x, y = fixes.positions(times) or (np.zeros_like(times), np.zeros_like(times))
     attitude, depth, altitude = _valid(headers, ATTITUDE), headers["depth"] / 1e3, headers["altitude"] / 1e3
     columns = (
-        x, y, fill_gaps(depth, _valid(headers, DEPTH) & (depth > 0.0)),
-        fill_gaps(altitude, _valid(headers, ALTITUDE) & (altitude > 0.0)),
-        heading_from_compass(headers["heading"] / 100.0, _valid(headers, HEADING)),
-        fill_gaps(ANGLE * headers["pitch"], attitude), fill_gaps(ANGLE * headers["roll"], attitude),
+        x, y, recording.fill_gaps(depth, _valid(headers, DEPTH) & (depth > 0.0)),
+        recording.fill_gaps(altitude, _valid(headers, ALTITUDE) & (altitude > 0.0)),
+        recording.heading_from_compass(headers["heading"] / 100.0, _valid(headers, HEADING)),
+        recording.fill_gaps(ANGLE * headers["pitch"], attitude), recording.fill_gaps(ANGLE * headers["roll"], attitude),
     )  # fmt: skip
     start = datetime.fromtimestamp(times[0], tz=UTC).replace(tzinfo=None).isoformat()
     attributes = {"time_coverage_start": start} | (fixes.place.attributes() if fixes.place else {})
-    return RecordedTrack(times - times[0], columns, attributes)
+    return recording.RecordedTrack(times - times[0], columns, attributes)
 
 
-def _fixes(headers: NDArray[Any]) -> Fixes:
+def _fixes(headers: NDArray[Any]) -> recording.Fixes:
     """Positions of the pings, in the units of most of them."""
     units, number = np.unique(headers["units"], return_counts=True)
     unit = int(units[np.argmax(number)])
     scale = MINUTE_OF_ARC if unit == MINUTES else METRES.get(unit, 0.0)
     known = _valid(headers, POSITION) & (headers["units"] == unit)
     x, y = (np.where(known, scale * headers[axis], 0.0) for axis in ("x", "y"))
-    return Fixes(x, y, unit == MINUTES)
+    return recording.Fixes(x, y, unit == MINUTES)
 
 
 def _valid(headers: NDArray[Any], bit: int) -> NDArray[np.bool_]:
-    """Which pings have a quantity; where no ping declares anything, all are taken to have all."""
+    """Which pings have a quantity; all of them if no ping declares anything."""
     declared = headers["validity"]
     return (declared >> bit & 1).astype(bool) if declared.any() else np.ones(declared.shape, dtype=bool)
 

@@ -12,10 +12,10 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from insonify.io.file_access import one_at_a_time
+from insonify.io.file_access import FileFault, check_expansion, one_at_a_time
 from insonify.io.formats import FileFormat, WriteOption
-from insonify.io.netcdf_files import read_stored
-from insonify.io.record_block import RecordBlock, RecordVariable
+from insonify.io.isolation import run_isolated
+from insonify.io.record_block import RecordBlock, RecordVariable, make_record_block
 from insonify.io.record_schema import CONVENTIONS, TARGET_TRUTH
 
 if TYPE_CHECKING:
@@ -24,6 +24,8 @@ if TYPE_CHECKING:
 ALONG = "ping_time"
 CHUNK_BYTES = 1e6
 EPOCH = "nanoseconds since 1970-01-01"
+TEXT = 64  # bytes taken for a text of unknown length
+NUMBER = 8  # bytes that a number may take after it is decoded
 
 
 def write_netcdf(path: str | Path, blocks: Iterable[RecordBlock], *, compression: str = "none") -> None:
@@ -45,7 +47,35 @@ def read_netcdf(path: str | Path) -> xr.Dataset:
     """Read a record written by `write_netcdf`."""
     import xarray as xr  # slow to import too
 
-    return xr.decode_cf(read_stored(str(path)).to_dataset())
+    return xr.decode_cf(run_isolated(read_with_netcdf, str(path)).to_dataset())
+
+
+def read_with_netcdf(path: str) -> RecordBlock:
+    """Read the variables of the root group as they are stored, in this process, which the library may crash."""
+    import netCDF4  # slow to import
+
+    with netCDF4.Dataset(path) as file:
+        file.set_auto_maskandscale(False)
+        check_variables(path, file.variables.values())
+        variables = {
+            str(name): (each.dimensions, np.asarray(each[...]), _stored_attributes(each))
+            for name, each in file.variables.items()
+        }
+        return make_record_block(variables, {}, _stored_attributes(file))
+
+
+def check_variables(path: str, variables: Iterable[Any]) -> None:
+    """Raise FileFault for variables that take too much memory, or hold anything but numbers and text."""
+    variables = list(variables)
+    for variable in variables:
+        if variable.dtype is not str and not isinstance(variable.datatype, np.dtype):
+            raise FileFault(f"holds values of a type of its own in {variable.name[:80]!r}", "save plain numbers")
+    sizes = (math.prod(each.shape) * (TEXT if each.dtype is str else NUMBER) for each in variables)
+    check_expansion(path, sum(sizes))
+
+
+def _stored_attributes(holder: Any) -> dict[str, Any]:
+    return {str(name): holder.getncattr(name) for name in holder.ncattrs()}
 
 
 @contextmanager

@@ -1,4 +1,4 @@
-"""Assembly of recordings of real sonars: the pings of one frequency on a common grid of slant range."""
+"""Recordings of real sonars: positions with gaps, and the pings of one frequency on a common grid of slant range."""
 
 from __future__ import annotations
 
@@ -12,11 +12,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from insonify.errors import FileWarning
-from insonify.io.georeference import find_georeference
+from insonify.io.file_access import FileFault
+from insonify.io.georeference import Georeference, find_georeference, from_degrees, local_georeference
 from insonify.io.record_block import make_record_block
 from insonify.io.record_schema import ACROSS, coordinates, labels, platform
 from insonify.io.records.bottom_track import BOTTOM_TRACK, track_bottom
-from insonify.io.records.files import RECORDS
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -25,7 +25,11 @@ DEFAULT_SPEED = 1500.0  # m/s, where the file has no plausible one
 PLAUSIBLE_SPEEDS = (1300.0, 1700.0)  # m/s
 WIDEST = 8  # bins per sample of the longest ping; a corrupt range gives more
 LOUDEST = 1e18  # the square of an amplitude must fit a float32
-NEAR = 0.1  # relative difference of frequencies that still mean the same
+NEAR = 0.1  # relative difference of two frequencies that count as the same
+FARTHEST = 1e8  # m, of any map's coordinates
+DAY = 86400.0  # s
+
+Column = NDArray[np.float64]
 
 
 class SideEchoes(NamedTuple):
@@ -33,14 +37,14 @@ class SideEchoes(NamedTuple):
 
     amplitude: NDArray[np.float32]  # (samples,) near to far
     slant_range: float  # m, of its last edge
-    sound_speed: float  # m/s, as the sonar took it
+    sound_speed: float  # m/s, as the sonar assumed it
 
 
 class RecordedTrack(NamedTuple):
     """Time, position and attitude of pings, and further attributes of a recording."""
 
-    times: NDArray[np.float64]  # (pings,) s since the first
-    columns: Sequence[NDArray[np.float64]]  # in the order and units of PLATFORM
+    times: Column  # (pings,) s since the first
+    columns: Sequence[Column]  # in the order and units of PLATFORM
     attributes: dict[str, Any]
 
 
@@ -50,23 +54,23 @@ def plausible_speed(*speeds: float) -> float:
     return next((speed for speed in speeds if low <= speed <= high), DEFAULT_SPEED)
 
 
-def check_amplitude(path: Path, ping: int, amplitude: NDArray[np.float32]) -> None:
-    """Refuse samples that are no echoes: not finite, or too large for their square to be stored."""
+def check_amplitude(ping: int, amplitude: NDArray[np.float32]) -> None:
+    """Raise FileFault for samples that are not finite, or too large for their square to be stored."""
     if not (np.isfinite(amplitude).all() and amplitude.max() < LOUDEST):
-        raise RECORDS.refusal(path, f"has samples in ping {ping} that are no echoes", "export it again")
+        raise FileFault(f"has samples in ping {ping} that are not echoes", "export it again")
 
 
 def warn_of_cut(path: Path, at: int, whole: int) -> None:
-    """Warn that a recording ends within a packet, at a byte; raise SceneError if no packet before has echoes."""
+    """Warn that a recording ends within a packet, at a byte; raise FileFault if no packet before has echoes."""
     if whole == 0:
-        raise RECORDS.refusal(path, f"ends within the packet at byte {at}, before one ping is whole", "copy it again")
+        raise FileFault(f"ends within the packet at byte {at}, before one ping is whole", "copy it again")
     warnings.warn(
         FileWarning(f"{path}: ends within the packet at byte {at}; the whole pings before are read"), stacklevel=2
     )
 
 
-def choose_frequency(path: Path, frequencies: Sequence[float], wanted: float | None) -> int:
-    """Return which of the frequencies of a recording is meant."""
+def choose_frequency(frequencies: Sequence[float], wanted: float | None) -> int:
+    """Return the index of the wanted frequency among those of a recording."""
     if wanted is None:
         return 0
     near = [abs(frequency - wanted) for frequency in frequencies]
@@ -74,7 +78,7 @@ def choose_frequency(path: Path, frequencies: Sequence[float], wanted: float | N
     if near[best] > NEAR * wanted:
         known = " or ".join(f"{frequency:g}" for frequency in frequencies if frequency > 0.0)
         remedy = f"choose {known}" if known else "leave it out"
-        raise RECORDS.refusal(path, f"has no channels of {wanted:g} Hz", remedy)
+        raise FileFault(f"has no channels of {wanted:g} Hz", remedy)
     return best
 
 
@@ -84,6 +88,64 @@ def frequency_attributes(frequencies: Sequence[float], chosen: int) -> dict[str,
     return {"frequency": frequencies[chosen]} | several
 
 
+class Fixes(NamedTuple):
+    """Positions as a recording has them."""
+
+    # (pings,) longitude and latitude in degrees, or easting and northing in metres; both 0 or not finite without
+    # a fix.
+    x: Column
+    y: Column
+    degrees: bool
+
+    @property
+    def known(self) -> NDArray[np.bool_]:
+        """Which pings have a fix: not zero, and within the map."""
+        widest, highest = (180.0, 90.0) if self.degrees else (FARTHEST, FARTHEST)
+        inside = (np.abs(self.x) <= widest) & (np.abs(self.y) <= highest)
+        return ((self.x != 0.0) | (self.y != 0.0)) & inside
+
+    @property
+    def place(self) -> Georeference | None:
+        """Place of the first fix; None without any. Metres have no map."""
+        known = self.known
+        if not known.any():
+            return None
+        first = float(self.x[np.argmax(known)]), float(self.y[np.argmax(known)])
+        return local_georeference(*first) if self.degrees else Georeference("", first)
+
+    def positions(self, times: Column) -> tuple[Column, Column] | None:
+        """Metres east and north of the first fix at every ping; None without any.
+
+        Fixes repeat because they are rarer than pings; positions between them are interpolated over time.
+        """
+        place, moved = self.place, self.known
+        if place is None:
+            return None
+        first = int(np.argmax(moved))
+        moved[1:] &= (self.x[1:] != self.x[:-1]) | (self.y[1:] != self.y[:-1])
+        moved[first] = True
+        east, north = np.zeros_like(self.x), np.zeros_like(self.y)
+        if self.degrees:
+            east[moved], north[moved] = from_degrees(place, self.x[moved], self.y[moved])
+        else:
+            east[moved], north[moved] = self.x[moved] - place.origin[0], self.y[moved] - place.origin[1]
+        return fill_gaps(east, moved, times), fill_gaps(north, moved, times)
+
+
+def fill_gaps(values: Column, known: NDArray[np.bool_], at: Column | None = None) -> Column:
+    """Interpolate unknown values; NaN if all are unknown."""
+    if not known.any():
+        return np.full(values.shape, np.nan)
+    at = np.arange(values.size, dtype=np.float64) if at is None else at
+    return np.interp(at, at[known], values[known])
+
+
+def heading_from_compass(compass: Column, known: NDArray[np.bool_]) -> Column:
+    """Return headings counter-clockwise from east, within 180° of it, from bearings clockwise from north; degrees."""
+    heading = 90.0 - np.degrees(np.unwrap(np.radians(fill_gaps(compass, known))))
+    return (heading + 180.0) % 360.0 - 180.0
+
+
 def assemble(path: Path, pings: Sequence[dict[int, SideEchoes]], track: RecordedTrack) -> xr.Dataset:
     """Lay the pings of a recording on a common grid of slant range, with the median bin length."""
     sides = [side for ping in pings for side in ping.values()]
@@ -91,8 +153,8 @@ def assemble(path: Path, pings: Sequence[dict[int, SideEchoes]], track: Recorded
     bins = max(round(side.slant_range / bin_length) for side in sides)
     most = max(side.amplitude.size for side in sides)
     if bins > WIDEST * most:
-        raise RECORDS.refusal(
-            path, f"has slant ranges up to {bins * bin_length:.3g} m in bins of {bin_length:.3g} m", "export it again"
+        raise FileFault(
+            f"has slant ranges up to {bins * bin_length:.3g} m in bins of {bin_length:.3g} m", "export it again"
         )
     amplitude = np.zeros((2, len(pings), bins), dtype=np.float32)
     for number, ping in enumerate(pings):

@@ -6,28 +6,20 @@ the file (a pickle), on lengths that may be zero, and on the order of channels.
 
 from __future__ import annotations
 
+import contextlib
 import ctypes
 from collections.abc import Iterator
+from datetime import datetime
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
+from insonify.io.file_access import FileFault
 from insonify.io.formats import FileFormat, WriteOption
-from insonify.io.records.files import RECORDS
-from insonify.io.records.recording import (
-    RecordedTrack,
-    SideEchoes,
-    assemble,
-    check_amplitude,
-    choose_frequency,
-    frequency_attributes,
-    plausible_speed,
-    warn_of_cut,
-)
-from insonify.io.records.xtf_track import fixes, platform_columns, seconds, start_time
-from insonify.io.records.xtf_writer import PROGRAM, SAMPLE_TYPES, counts, write_xtf
+from insonify.io.records import recording
+from insonify.io.records.xtf_writer import DEGREES, KNOT, PROGRAM, SAMPLE_TYPES, counts, write_xtf
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -39,11 +31,12 @@ SAMPLES = {2: "<u4", 3: "<u2", 5: "<f4", 8: "u1"}  # by SampleFormat
 BY_BYTES = {1: "u1", 2: "<u2", 4: "<u4"}  # by BytesPerSample, where SampleFormat is 0
 GROUND_RANGE = 2  # of CorrectionFlags
 WIDEST_BEAM = 60.0  # degrees, of a side-scan sonar
+GREATEST = 1e7  # of frequencies, in Hz or kHz
 
 
 class _Ping(NamedTuple):
     header: Any  # pyxtf.XTFPingHeader
-    bands: dict[int, dict[int, SideEchoes]]  # port and starboard of each frequency
+    bands: dict[int, dict[int, recording.SideEchoes]]  # port and starboard of each frequency
     frequencies: dict[int, float]  # of the bands, as the ping has them
 
 
@@ -55,36 +48,26 @@ def read_xtf(path: str | Path, frequency: float | None = None) -> xr.Dataset:
     of the samples, in the units of the recorder.
     """
     path = Path(path)
-    content = _content(path)
+    if path.stat().st_size < BLOCK:
+        raise FileFault(f"has {path.stat().st_size} bytes, less than the header of an XTF file", "copy it again")
+    content = np.memmap(path, dtype=np.uint8, mode="r")
+    if content[0] != FORMAT:
+        raise FileFault("is not an XTF file (its first byte is not 123)", "give a recording in XTF")
     from pyxtf import XTFFileHeader  # its import is not needed by other commands
 
     header = XTFFileHeader.from_buffer_copy(content[:BLOCK])
     pings = list(_pings(path, content, header))
     if not pings:
-        raise RECORDS.refusal(path, "holds no side-scan pings", "give a recording with port or starboard channels")
+        raise FileFault("holds no side-scan pings", "give a recording with port or starboard channels")
     frequencies = _frequencies(header, pings)
-    chosen = choose_frequency(path, list(frequencies.values()), frequency)
+    chosen = recording.choose_frequency(list(frequencies.values()), frequency)
     band = list(frequencies)[chosen]
     pings = [ping for ping in pings if band in ping.bands]
     track = _track(header, [ping.header for ping in pings])
-    track.attributes.update(frequency_attributes(list(frequencies.values()), chosen) | _beam_width(header, band))
-    return assemble(path, [ping.bands[band] for ping in pings], track)
-
-
-def _content(path: Path) -> NDArray[np.uint8]:
-    """Map the content of a file that begins like an XTF file."""
-    if not path.is_file():
-        raise RECORDS.refusal(
-            path, "does not exist" if not path.exists() else "is no file", "give the path of a recording"
-        )
-    if path.stat().st_size < BLOCK:
-        raise RECORDS.refusal(
-            path, f"has {path.stat().st_size} bytes, less than the header of an XTF file", "copy it again"
-        )
-    content = np.memmap(path, dtype=np.uint8, mode="r")
-    if content[0] != FORMAT:
-        raise RECORDS.refusal(path, "is not an XTF file (its first byte is not 123)", "give a recording in XTF")
-    return content
+    track.attributes.update(recording.frequency_attributes(list(frequencies.values()), chosen))
+    if width := _declared(header, band, "HorizBeamAngle", WIDEST_BEAM):
+        track.attributes["beam_width"] = width
+    return recording.assemble(path, [ping.bands[band] for ping in pings], track)
 
 
 def _pings(path: Path, content: NDArray[np.uint8], header: Any) -> Iterator[_Ping]:
@@ -99,16 +82,16 @@ def _pings(path: Path, content: NDArray[np.uint8], header: Any) -> Iterator[_Pin
             return  # padding
         packet = XTFPacketStart.from_buffer_copy(start) if start.size == smallest else None
         if packet is not None and (packet.MagicNumber != MAGIC or packet.NumBytesThisRecord < smallest):
-            raise RECORDS.refusal(path, f"holds no XTF packet at byte {at}", "copy or export it again")
+            raise FileFault(f"holds no XTF packet at byte {at}", "copy or export it again")
         if packet is None or at + packet.NumBytesThisRecord > content.size:
-            warn_of_cut(path, at, whole)
+            recording.warn_of_cut(path, at, whole)
             return
         body = content[at : at + packet.NumBytesThisRecord]
         if packet.HeaderType == SONAR_PACKET:
             if body.size < ctypes.sizeof(XTFPingHeader):
-                raise RECORDS.refusal(path, f"has a ping too short for its header at byte {at}", "export it again")
+                raise FileFault(f"has a ping too short for its header at byte {at}", "export it again")
             ping = XTFPingHeader.from_buffer_copy(body[: ctypes.sizeof(XTFPingHeader)])
-            found = _read_ping(path, header, ping, body[ctypes.sizeof(XTFPingHeader) :])
+            found = _read_ping(header, ping, body[ctypes.sizeof(XTFPingHeader) :])
             if found.bands:
                 whole += 1
                 yield found
@@ -122,7 +105,7 @@ def _channels(header: Any) -> int:
     return arrays + sum(int(getattr(header, f"NumberOf{kind}Channels")) for kind in kinds)
 
 
-def _read_ping(path: Path, header: Any, ping: Any, body: NDArray[np.uint8]) -> _Ping:
+def _read_ping(header: Any, ping: Any, body: NDArray[np.uint8]) -> _Ping:
     """Read the port and starboard channels of a ping."""
     from pyxtf import XTFPingChanHeader
 
@@ -130,34 +113,33 @@ def _read_ping(path: Path, header: Any, ping: Any, body: NDArray[np.uint8]) -> _
     found = _Ping(ping, {}, {})
     for _ in range(ping.NumChansToFollow):
         if at + size > body.size:
-            raise RECORDS.refusal(path, f"declares more channels than ping {ping.PingNumber} has", "export it again")
+            raise FileFault(f"declares more channels than ping {ping.PingNumber} has", "export it again")
         channel = XTFPingChanHeader.from_buffer_copy(body[at : at + size])
         number = channel.ChannelNumber % len(header.ChanInfo)
         info = header.ChanInfo[number]
-        samples, length = _samples(path, info, channel, body[at + size :])
+        samples, length = _samples(info, channel, body[at + size :])
         at += size + length
         if number in known and samples.size:
             row, band = SIDES[info.TypeOfChannel], known[number]
             near_to_far = samples[::-1] if row == 0 else samples
-            side = _side(path, ping, (info, channel), near_to_far, _unit(header, info, samples.dtype))
+            side = _side(ping, (info, channel), near_to_far, _unit(header, info, samples.dtype))
             found.bands.setdefault(band, {}).setdefault(row, side)
             found.frequencies[band] = float(channel.Frequency)
     return found
 
 
-def _samples(path: Path, info: Any, channel: Any, body: NDArray[np.uint8]) -> tuple[NDArray[Any], int]:
+def _samples(info: Any, channel: Any, body: NDArray[np.uint8]) -> tuple[NDArray[Any], int]:
     """Return the samples of a channel in stored order, and their length in bytes."""
     kind = SAMPLES.get(info.SampleFormat) if info.SampleFormat else BY_BYTES.get(info.BytesPerSample)
     if kind is None:
-        raise RECORDS.refusal(
-            path,
+        raise FileFault(
             f"has samples of format {info.SampleFormat} and {info.BytesPerSample} bytes, which is not read here",
             "export it with integers or IEEE floats",
         )
     count = int(channel.NumSamples or info.Reserved)  # the field that old files use
     length = count * np.dtype(kind).itemsize
     if length > body.size:
-        raise RECORDS.refusal(path, f"has a ping with less than the {count} samples it announces", "export it again")
+        raise FileFault(f"has a ping with less than the {count} samples it announces", "export it again")
     return body[:length].view(kind), length
 
 
@@ -166,34 +148,97 @@ def _unit(header: Any, info: Any, dtype: np.dtype[Any]) -> float:
     return float(info.VoltScale) / counts(dtype) if header.RecordingProgramName == PROGRAM else 1.0
 
 
-def _side(path: Path, ping: Any, headers: tuple[Any, Any], samples: NDArray[Any], unit: float) -> SideEchoes:
+def _side(ping: Any, headers: tuple[Any, Any], samples: NDArray[Any], unit: float) -> recording.SideEchoes:
     """Scale the samples of a channel and determine their slant range."""
     info, channel = headers
     if info.CorrectionFlags == GROUND_RANGE:
-        raise RECORDS.refusal(path, "is corrected to ground range", "export it in slant range")
+        raise FileFault("is corrected to ground range", "export it in slant range")
     # A weight N means that the samples were multiplied by 2^N.
     scaled = np.abs(samples.astype(np.float64)) * unit
     amplitude = np.ldexp(scaled, -int(np.clip(channel.Weight, -40, 40))).astype(np.float32)
-    check_amplitude(path, ping.PingNumber, amplitude)
+    recording.check_amplitude(ping.PingNumber, amplitude)
     reach, lasts = float(channel.SlantRange), float(channel.TimeDuration)
     given = float(ping.SoundVelocity)
     given = 2.0 * given if 650.0 <= given <= 850.0 else given  # one-way, as half the speed
     known = 2.0 * reach / lasts if reach > 0.0 and lasts > 0.0 else given
-    speed = plausible_speed(known, given)
+    speed = recording.plausible_speed(known, given)
     reach = reach if reach > 0.0 else speed * lasts / 2.0
     if not 0.0 < reach < 1e5:
-        raise RECORDS.refusal(path, f"has no slant range of ping {ping.PingNumber}", "export it with SlantRange set")
-    return SideEchoes(amplitude, reach, speed)
+        raise FileFault(f"has no slant range of ping {ping.PingNumber}", "export it with SlantRange set")
+    return recording.SideEchoes(amplitude, reach, speed)
 
 
-def _track(header: Any, headers: list[Any]) -> RecordedTrack:
+def _track(header: Any, headers: list[Any]) -> recording.RecordedTrack:
     """Navigation of the pings, and time and place of the first one where they are recorded."""
-    times = seconds(headers)
-    start, place = start_time(headers[0]), fixes(header, headers).place
-    attributes: dict[str, Any] = {} if start is None else {"time_coverage_start": start}
-    return RecordedTrack(
-        times, platform_columns(header, headers, times), attributes | ({} if place is None else place.attributes())
+    times, fixes, first = _seconds(headers), _fixes(header, headers), headers[0]
+    attributes: dict[str, Any] = {} if fixes.place is None else fixes.place.attributes()
+    clock = first.Hour, first.Minute, first.Second, 10_000 * first.HSeconds
+    with contextlib.suppress(ValueError):  # a date that the calendar does not have
+        attributes = {
+            "time_coverage_start": datetime(first.Year, first.Month, first.Day, *clock).isoformat()
+        } | attributes
+    return recording.RecordedTrack(times, _platform_columns(headers, times, fixes), attributes)
+
+
+def _seconds(headers: list[Any]) -> recording.Column:
+    """Seconds from the first ping to each, by the time of day, because dates are often wrong.
+
+    The clock resolves 10 ms; a recording without a clock gets one ping a second.
+    """
+    clock = (
+        3600.0 * _column(headers, "Hour")
+        + 60.0 * _column(headers, "Minute")
+        + _column(headers, "Second")
+        + 0.01 * _column(headers, "HSeconds")
     )
+    if not np.ptp(clock) > 0.0:
+        return np.arange(len(headers), dtype=np.float64)
+    return np.unwrap(clock, period=recording.DAY) - clock[0]
+
+
+def _platform_columns(
+    headers: list[Any], times: recording.Column, fixes: recording.Fixes
+) -> tuple[recording.Column, ...]:
+    """Position, depth, altitude and attitude of the sonar at every ping."""
+    names = ("SensorXcoordinate", "SensorYcoordinate", "SensorHeading", "SensorPitch", "SensorRoll", "SensorDepth")
+    recorded = np.any([_column(headers, name) != 0.0 for name in (*names, "ShipGyro", "SensorPrimaryAltitude")], axis=0)
+    depth, height = (
+        _first_of(headers, "SensorDepth"),
+        _first_of(headers, "SensorPrimaryAltitude", "SensorAuxAltitude"),
+    )
+    compass = _first_of(headers, "SensorHeading", "ShipGyro")
+    pitch, roll = _column(headers, "SensorPitch"), _column(headers, "SensorRoll")
+    x, y = fixes.positions(times) or _dead_reckoning(headers, times)
+    return (
+        x, y, recording.fill_gaps(depth, depth > 0.0), recording.fill_gaps(height, height > 0.0),
+        recording.heading_from_compass(compass, recorded & (compass != 0.0)),
+        recording.fill_gaps(pitch, recorded), recording.fill_gaps(roll, recorded),
+    )  # fmt: skip
+
+
+def _fixes(header: Any, headers: list[Any]) -> recording.Fixes:
+    """Positions of the fish, or of the ship where those are all zero."""
+    x = _first_of(headers, "SensorXcoordinate", "ShipXcoordinate", unknown=np.inf)
+    y = _first_of(headers, "SensorYcoordinate", "ShipYcoordinate", unknown=np.inf)
+    return recording.Fixes(x, y, header.NavUnits == DEGREES)
+
+
+def _dead_reckoning(headers: list[Any], times: recording.Column) -> tuple[recording.Column, recording.Column]:
+    """Positions along +y from the recorded speed, of a recording without a fix."""
+    speed = _first_of(headers, "SensorSpeed", "ShipSpeed") * KNOT
+    run = np.concatenate([[0.0], np.cumsum(0.5 * (speed[1:] + speed[:-1]) * np.diff(times))])
+    return np.zeros_like(run), run
+
+
+def _column(headers: list[Any], name: str, unknown: float = 0.0) -> recording.Column:
+    values = np.array([getattr(header, name) for header in headers], dtype=np.float64)
+    return np.where(np.isfinite(values), values, unknown)
+
+
+def _first_of(headers: list[Any], *names: str, unknown: float = 0.0) -> recording.Column:
+    """First of several columns that is not all zero."""
+    columns = [_column(headers, name, unknown) for name in names]
+    return next((column for column in columns if column.any()), columns[0])
 
 
 def _bands(header: Any) -> dict[int, int]:
@@ -202,11 +247,10 @@ def _bands(header: Any) -> dict[int, int]:
     return {number: kinds[:number].count(kind) for number, kind in enumerate(kinds) if kind is not None}
 
 
-def _beam_width(header: Any, band: int) -> dict[str, float]:
-    """Return the attribute of the horizontal beamwidth of a band in degrees; none where the file lacks it."""
-    given = [float(header.ChanInfo[number].HorizBeamAngle) for number, each in _bands(header).items() if each == band]
-    width = next((width for width in given if 0.0 < width <= WIDEST_BEAM), None)
-    return {} if width is None else {"beam_width": width}
+def _declared(header: Any, band: int, field: str, most: float) -> float:
+    """First plausible value of a field in the channels of a band, above 0 and up to a bound; 0 without any."""
+    values = [float(getattr(header.ChanInfo[number], field)) for number, each in _bands(header).items() if each == band]
+    return next((value for value in values if 0.0 < value <= most), 0.0)
 
 
 def _frequencies(header: Any, pings: list[_Ping]) -> dict[int, float]:
@@ -215,12 +259,9 @@ def _frequencies(header: Any, pings: list[_Ping]) -> dict[int, float]:
     Files have it in kHz, in the header or in the pings.
     """
     found: dict[int, float] = {}
-    bands = _bands(header)
     for band in sorted({band for ping in pings for band in ping.bands}):
-        numbers = [number for number, each in bands.items() if each == band]
-        given = [float(header.ChanInfo[number].Frequency) for number in numbers]
-        of_pings = next((ping.frequencies[band] for ping in pings if band in ping.frequencies), 0.0)
-        frequency = next((value for value in (*given, of_pings) if 0.0 < value < 1e7), 0.0)
+        of_pings = next(ping.frequencies[band] for ping in pings if band in ping.frequencies)
+        frequency = _declared(header, band, "Frequency", GREATEST) or (of_pings if 0.0 < of_pings <= GREATEST else 0.0)
         found[band] = 1e3 * frequency if frequency < 1e4 else frequency
     return found
 

@@ -1,13 +1,130 @@
-"""Sound-speed casts: a format is one module here that holds a `FileFormat`."""
+"""Sound-speed casts: properties of the water by depth, cleaned from the rows that an instrument wrote.
+
+A format is one module here that holds a `FileFormat`.
+"""
 
 from __future__ import annotations
 
-from insonify.io.sound_speed_casts.cast import CASTS, Cast
-from insonify.io.sound_speed_casts.cleaning import clean_cast
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from insonify.io.file_access import FileFault
+from insonify.io.formats import FormatRegistry
 
 __all__ = ["CASTS", "Cast", "read_cast"]
+
+ENCODING = "latin-1"  # accepts any byte
+BIN = 0.5  # m of depth over which rows are averaged
+# Values outside come from sensors in air or broken sensors.
+PLAUSIBLE = {"depth": (0.0, 12000.0), "temperature": (-3.0, 45.0), "salinity": (0.0, 45.0)}
+DEEPEST_SOAK = 30.0  # m, above which an instrument may wait until its sensors have settled
+PAUSE = 10.0  # times the median duration of a bin of depth that counts as waiting
+DESCENT = 0.5  # share of the range of depths that a descent covers at least
+
+Values = NDArray[np.float64]
+# Columns of a file by name: depth (m) and any of time (s), sound_speed (m/s), temperature (°C), salinity (practical).
+# NaN where a row has no value.
+Columns = dict[str, Values]
+
+
+@dataclass(frozen=True, eq=False)
+class Cast:
+    """A measured cast with sound speed, or temperature and salinity, or all three."""
+
+    depth: Values  # (n,) metres, increasing; at least two
+    sound_speed: Values | None  # (n,) m/s
+    temperature: Values | None  # (n,) °C, ITS-90
+    salinity: Values | None  # (n,) practical salinity
+
+
+CASTS: FormatRegistry[Columns] = FormatRegistry(
+    "a measured cast",
+    "insonify.io.sound_speed_casts",
+    "insonify.sound_speed_cast_formats",
+    "water.path: {path!r} {fault}; {remedy}",
+)
 
 
 def read_cast(path: str) -> Cast:
     """Read a measured cast."""
-    return clean_cast(path, CASTS.read(path))
+    with CASTS.guarded(path):
+        return clean_cast(CASTS.read(path))
+
+
+def clean_cast(columns: Columns) -> Cast:
+    """Make a cast of the columns of a file."""
+    used = _used(columns)
+    rows = np.flatnonzero(_plausible({name: columns[name] for name in used}))
+    if rows.size:
+        time = columns["time"][rows] if "time" in columns else None
+        rows = rows[_way_down(columns["depth"][rows], time)]
+    depth = columns["depth"][rows]
+    means = {name: _binned(depth, columns[name][rows]) for name in used}
+    if means["depth"].size < 2:
+        raise FileFault(
+            f"holds {means['depth'].size} usable depths of {columns['depth'].size} rows", "give two or more"
+        )
+    return Cast(means["depth"], *(means.get(name) for name in ("sound_speed", "temperature", "salinity")))
+
+
+def _used(columns: Columns) -> tuple[str, ...]:
+    """Names of the columns that make up the cast."""
+    known = {name for name, column in columns.items() if np.isfinite(column).any()}
+    if "depth" not in known:
+        raise FileFault("has no depth", "name a column depth (m)")
+    whole = ("sound_speed", *(("temperature", "salinity") if {"temperature", "salinity"} <= known else ()))
+    used = tuple(name for name in whole if name in known)
+    if not used:
+        raise FileFault(
+            "has neither the speed of sound nor temperature and salinity", "name a column sound_speed (m/s)"
+        )
+    return ("depth", *used)
+
+
+def _plausible(columns: Columns) -> NDArray[np.bool_]:
+    """Rows in which every value is present and plausible for sea water."""
+    fine = np.ones(columns["depth"].shape, dtype=bool)
+    for name, column in columns.items():
+        low, high = PLAUSIBLE.get(name, (-np.inf, np.inf))
+        fine &= np.isfinite(column) & (column >= low) & (column <= high)
+    return fine
+
+
+def _way_down(depth: Values, time: Values | None) -> slice:
+    """Rows of the descent: from its last start to the deepest row; all rows if there is none."""
+    deepest = int(depth.argmax())
+    # The last of the shallowest rows: rows before it belong to an ascent.
+    start = deepest - int(depth[deepest::-1].argmin())
+    if depth[deepest] - depth[start] < DESCENT * (depth.max() - depth.min()) or deepest == start:
+        return slice(None)
+    if time is not None:
+        start += _after_soak(depth[start : deepest + 1], time[start : deepest + 1])
+    return slice(start, deepest + 1)
+
+
+def _after_soak(depth: Values, time: Values) -> int:
+    """Row at which the descent continues after the last soak near the surface; 0 if there is none.
+
+    An instrument soaks below the surface until its pump runs, and is often raised again before the descent.
+    """
+    levels = np.arange(depth[0], depth[-1], BIN)
+    if levels.size < 2:
+        return 0
+    reached = np.searchsorted(np.maximum.accumulate(depth), levels)
+    taken = np.diff(time[reached])
+    waits = np.flatnonzero((taken > PAUSE * np.median(taken)) & (levels[1:] < min(DEEPEST_SOAK, 0.5 * depth[-1])))
+    if waits.size == 0:
+        return 0
+    first, last = int(reached[waits[-1]]) + 1, int(reached[waits[-1] + 1]) + 1
+    return first + int(depth[first:last].argmin())
+
+
+def _binned(depth: Values, column: Values) -> Values:
+    """Means over the bins of depth that hold rows, which removes noise and repeated or unsorted depths.
+
+    Depths are averaged like the other columns, which keeps gradients and the place of sparse rows.
+    """
+    _, step = np.unique(np.floor(depth / BIN), return_inverse=True)
+    return np.bincount(step, weights=column) / np.bincount(step)

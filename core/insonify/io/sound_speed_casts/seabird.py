@@ -6,11 +6,11 @@ import re
 
 import numpy as np
 
-from insonify.io.file_access import read_text
+from insonify.io.file_access import FileFault, read_text
 from insonify.io.formats import FileFormat
-from insonify.io.sound_speed_casts.cast import CASTS, ENCODING, Columns, Values
+from insonify.io.sound_speed_casts import ENCODING, Columns, Values
 
-WIDTH = 11  # characters of a column, for tables whose numbers run together
+WIDTH = 11  # characters of a column, for tables without spaces between numbers
 BAD = -9.99e-29  # marks a missing value
 LATITUDE = 45.0  # degrees, for depth from pressure
 # Names of columns and their units in seconds.
@@ -24,8 +24,8 @@ def read_seabird(path: str) -> Columns:
     text = read_text(path, ENCODING)
     names = [match.group(1) for match in re.finditer(r"^# name \d+ = ([^:\r\n]+)", text, flags=re.MULTILINE)]
     if not names:
-        raise CASTS.refusal(path, "names no columns as Sea-Bird does", "give a converted cast")
-    table = _table(path, text, names)
+        raise FileFault("names no columns as Sea-Bird does", "give a converted cast")
+    table = _table(text, names)
     bad = re.search(r"^# bad_flag = (\S+)", text, flags=re.MULTILINE)
     # A float of an old file may have lost some of its digits.
     table[np.isclose(table, float(bad.group(1)) if bad else BAD, rtol=1e-3, atol=0.0)] = np.nan
@@ -36,7 +36,7 @@ def read_seabird(path: str) -> Columns:
     return _identified(known)
 
 
-def _table(path: str, text: str, names: list[str]) -> Values:
+def _table(text: str, names: list[str]) -> Values:
     rows = []
     for number, line in enumerate(text.splitlines(), start=1):
         if not line.strip() or line[0] in "*#":
@@ -47,11 +47,9 @@ def _table(path: str, text: str, names: list[str]) -> Values:
         try:
             rows.append([float(cell) for cell in cells])
         except ValueError:
-            raise CASTS.refusal(path, f"has no numbers in line {number}", "convert the cast again") from None
+            raise FileFault(f"has no numbers in line {number}", "convert the cast again") from None
         if len(cells) != len(names):
-            raise CASTS.refusal(
-                path, f"has {len(cells)} columns in line {number}, not {len(names)}", "convert it again"
-            )
+            raise FileFault(f"has {len(cells)} columns in line {number}, not {len(names)}", "convert it again")
     return np.array(rows, dtype=np.float64).reshape(-1, len(names))
 
 

@@ -1,4 +1,8 @@
-"""Casts as text: sound-speed profiles of echo sounders, and tables."""
+"""Casts as text: sound-speed profiles of echo sounders, tables, and logs of instruments.
+
+Logs of Valeport (Swift and MIDAS), of AML Oceanographic and of the Castaway have a heading, a line with the names of
+the columns, and a row for each sample.
+"""
 
 from __future__ import annotations
 
@@ -8,9 +12,10 @@ from collections.abc import Mapping
 import numpy as np
 from numpy.typing import NDArray
 
-from insonify.io.file_access import read_text
+from insonify.io.file_access import FileFault, read_text
 from insonify.io.formats import FileFormat
-from insonify.io.sound_speed_casts.cast import CASTS, ENCODING, Columns, Values
+from insonify.io.sound_speed_casts import ENCODING, Columns, Values
+from insonify.io.sound_speed_casts.seabird import depth_of_pressure
 
 BYTE_ORDER_MARK = "\u00ef\u00bb\u00bf"  # read as Latin-1
 SPEEDS = (1300.0, 1700.0)
@@ -22,6 +27,17 @@ NAMES = {
     "temperature": r"temperature|temp|t",
     "salinity": r"(practical )?salinity|sal|psal|s",
 }
+PREFIX = "Columns="  # of AML, before the names
+PRESSURE = r"pressure|pres|prs"  # dbar
+CLOCK = re.compile(r"(\d{1,2}):(\d{2}):(\d{2}(?:\.\d+)?)\s*$")
+DAY = 86400.0  # s
+LOG_REMEDY = "export it as CSV with the columns depth and sound_speed"
+LOG_NAMES = {
+    **NAMES,
+    "temperature": NAMES["temperature"] + "|tempct",
+    "time": r"time|date ?/ ?time",
+    "pressure": PRESSURE,
+}
 
 
 def read_profile(path: str) -> Columns:
@@ -32,16 +48,16 @@ def read_profile(path: str) -> Columns:
     text = read_text(path, ENCODING)
     sections = len(re.findall(r"^\s*section\b", text, flags=re.MULTILINE | re.IGNORECASE))
     if sections > 1:
-        raise CASTS.refusal(path, f"holds {sections} casts", "keep one of its sections")
+        raise FileFault(f"holds {sections} casts", "keep one of its sections")
     rows = [row for row in map(_numbers, text.splitlines()) if row.size >= 2 and np.isfinite(row).all()]
     if not rows:
-        raise CASTS.refusal(path, "holds no rows of depth and sound speed", "give two numbers in every line")
+        raise FileFault("holds no rows of depth and sound speed", "give two numbers in every line")
     depth, speed = np.array([row[:2] for row in rows]).T
     return {"depth": depth, "sound_speed": speed}
 
 
 def read_table(path: str) -> Columns:
-    """Read a table with a header of column names, or one whose columns are recognised by their values."""
+    """Read a table with a header of column names, or a table without one, by the values in its columns."""
     whole = read_text(path, ENCODING).removeprefix(BYTE_ORDER_MARK).splitlines()
     lines = [line for line in whole if line.strip(" ,;\t") and line[0] not in "#%"]
     rows = [_numbers(line) for line in lines]
@@ -49,10 +65,10 @@ def read_table(path: str) -> Columns:
     rows = rows[names is not None :]
     width = max((row.size for row in rows), default=0)
     if width < 2:
-        raise CASTS.refusal(path, "holds no table", "give columns depth and sound_speed with a line for each depth")
+        raise FileFault("holds no table", "give columns depth and sound_speed with a line for each depth")
     table = np.array([np.pad(row, (0, width - row.size), constant_values=np.nan) for row in rows])
     if names is None:
-        return _by_values(path, table)
+        return _by_values(table)
     return {name: table[:, place] for name, place in names.items() if place < width}
 
 
@@ -62,7 +78,7 @@ def _cells(line: str) -> list[str]:
 
 
 def _numbers(line: str) -> Values:
-    """Return the numbers of a line, NaN for cells that are none."""
+    """Return the numbers of a line, NaN for cells without one."""
     return np.array([number_or_nan(cell) for cell in _cells(line)])
 
 
@@ -77,28 +93,24 @@ def find_columns(cells: list[str], names: Mapping[str, str]) -> dict[str, int]:
 
 
 def number_or_nan(cell: str) -> float:
-    """Return the number in a cell, NaN if it holds none."""
+    """Return the number in a cell, NaN if there is none."""
     try:
         return float(cell)
     except ValueError:
         return float("nan")
 
 
-def _by_values(path: str, table: Values) -> Columns:
+def _by_values(table: Values) -> Columns:
     """Find the columns of depth and sound speed in a table without a header."""
     remedy = "put a line with the names of the columns first, depth and sound_speed among them"
     whole = [place for place in range(table.shape[1]) if np.isfinite(table[:, place]).all()]
-    speeds = [place for place in whole if _is_speed(table[:, place])]
+    speeds = [place for place in whole if SPEEDS[0] <= table[:, place].min() and table[:, place].max() <= SPEEDS[1]]
     depths = [place for place in whole if place not in speeds and _is_depth(table[:, place])]
     if len(speeds) != 1 or len(depths) != 1:
         what = "depth" if len(speeds) == 1 else "sound speed"
         count = len(depths) if len(speeds) == 1 else len(speeds)
-        raise CASTS.refusal(path, f"has {count or 'no'} columns that look like {what}", remedy)
+        raise FileFault(f"has {count or 'no'} columns that look like {what}", remedy)
     return {"depth": table[:, depths[0]], "sound_speed": table[:, speeds[0]]}
-
-
-def _is_speed(column: NDArray[np.float64]) -> bool:
-    return bool(((column >= SPEEDS[0]) & (column <= SPEEDS[1])).all())
 
 
 def _is_depth(column: NDArray[np.float64]) -> bool:
@@ -107,5 +119,65 @@ def _is_depth(column: NDArray[np.float64]) -> bool:
     return bool(column.min() >= -1.0 and steps.sum() >= 0.9 * np.ptp(column) > 0.0 and (steps > 0.0).mean() > 0.5)
 
 
+def read_log(path: str) -> Columns:
+    """Read the columns of a logged cast; depth is derived from pressure where the file lacks it."""
+    lines = read_text(path, ENCODING).splitlines()
+    heads = (
+        (number, find_columns(_log_cells(line.removeprefix(PREFIX)), LOG_NAMES)) for number, line in enumerate(lines)
+    )
+    number, places = next(((number, places) for number, places in heads if _suffices(places)), (0, {}))
+    if not places:
+        raise FileFault("has no line that names the columns of depth or pressure, and of sound speed", LOG_REMEDY)
+    numbers = {name: place for place, name in enumerate(places)}
+    rows = (_row(line, places) for line in lines[number + 1 :])
+    table = np.array([row for row in rows if np.isfinite(row).all()]).reshape(-1, len(places))
+    if not table.size:
+        raise FileFault("has no row of numbers under the names of its columns", LOG_REMEDY)
+    found = {name: table[:, place] for name, place in numbers.items()}
+    if "time" in found:
+        found["time"] = np.unwrap(found["time"], period=DAY)
+    pressure = found.pop("pressure", None)
+    if "depth" not in found and pressure is not None:
+        found["depth"] = depth_of_pressure(pressure)
+    return found
+
+
+def _log_cells(line: str) -> list[str]:
+    return [cell.strip() for cell in line.split("\t" if "\t" in line else ",")]
+
+
+def _suffices(places: dict[str, int]) -> bool:
+    return bool(places.keys() & {"depth", "pressure"} and places.keys() & {"sound_speed", "temperature"})
+
+
+def _row(line: str, places: dict[str, int]) -> NDArray[np.float64]:
+    """Return the numbers of a row in the order of the columns, NaN for cells without a number."""
+    cells = _log_cells(line)
+    used = (cells[place] if place < len(cells) else "" for place in places.values())
+    return np.array([_seconds(cell) if name == "time" else number_or_nan(cell) for name, cell in zip(places, used)])
+
+
+def _seconds(cell: str) -> float:
+    """Time of day, from a time with or without a date before it."""
+    found = CLOCK.search(cell)
+    if found is None:
+        return number_or_nan(cell)
+    hours, minutes, seconds = (float(part) for part in found.groups())
+    return 3600.0 * hours + 60.0 * minutes + seconds
+
+
 PROFILE = FileFormat("sound-speed profile of an echo sounder", (".asvp", ".svp", ".vel", ".calc"), read_profile)
 TABLE = FileFormat("table", (".csv",), read_table)
+LOG = FileFormat("log of Valeport or AML", (".vp2", ".000", ".aml"), read_log, remedy=LOG_REMEDY)
+
+# Formats that are known by name alone: another program converts them.
+MANAGER = "convert it to .asvp or .csv, for example with Sound Speed Manager of HydrOffice"
+
+RBR: FileFormat[Columns] = FileFormat("RBR Ruskin", (".rsk",), converter="export it as CSV from Ruskin")
+MVP: FileFormat[Columns] = FileFormat(
+    "Moving Vessel Profiler", (".m1", ".s10", ".s12", ".s52", ".raw"), converter=MANAGER
+)
+VALEPORT: FileFormat[Columns] = FileFormat("Valeport DataLog", (".vpd",), converter=MANAGER)
+SIPPICAN: FileFormat[Columns] = FileFormat("Sippican", (".edf",), converter=MANAGER)
+SONARDYNE: FileFormat[Columns] = FileFormat("Sonardyne", (".pro",), converter=MANAGER)
+ELAC: FileFormat[Columns] = FileFormat("ELAC", (".sva",), converter=MANAGER)

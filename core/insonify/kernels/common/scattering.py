@@ -15,13 +15,7 @@ from insonify.kernels.common.types import LIGHT, SONAR
 
 INVERSE_PI = 1.0 / math.pi
 LEAST_MIRRORED = 0.1  # R·V below which a lobe is too faint for its steepness to count
-HIGHEST_POWER = 128  # one more than the greatest exponent of a lobe whose power is taken for many segments at once
-
-
-@inlined_uncounted
-def _phong_lobe(cos_squared, shininess):
-    """Phong's lobe for sound that returns the way it came, from cos²α: R·V = cos 2α = 2 cos²α − 1."""
-    return _phong(2.0 * cos_squared - 1.0, shininess)  # docs/theory/scattering.md
+HIGHEST_POWER = 128  # one more than the greatest exponent for which lobes of many segments are computed at once
 
 
 @inlined_uncounted
@@ -45,7 +39,8 @@ def _phong(mirrored, shininess):
 @inlined_uncounted
 def _specular_strength(cos_squared, specular, shininess, law):
     """Specular part of the monostatic strength of either law, from cos²α."""
-    value = specular * _phong_lobe(cos_squared, shininess)
+    # Sound returns the way it came: R·V = cos 2α = 2 cos²α − 1, docs/theory/scattering.md.
+    value = specular * _phong(2.0 * cos_squared - 1.0, shininess)
     return value if law == LIGHT else value * cos_squared * (shininess + 2.0) * (0.5 * INVERSE_PI)
 
 

@@ -23,7 +23,7 @@ class Bed(NamedTuple):
 
     heights: NDArray[np.float32]  # (ny, nx), node (j, i) at (x0 + i spacing, y0 + j spacing)
     transposed: NDArray[np.float32]  # (nx, ny), the same heights laid out the other way
-    materials: NDArray[np.uint8]  # (ny, nx), of the cell whose low corner is node (j, i)
+    materials: NDArray[np.uint8]  # (ny, nx), of the cell with its low corner at node (j, i)
     x0: float
     y0: float
     spacing: float
@@ -71,7 +71,7 @@ class Mesh(NamedTuple):
     high: NDArray[np.float64]  # (nodes, 3) and the opposite one
     skip: NDArray[np.int64]  # (nodes,) node after this one's whole branch
     first: NDArray[np.int64]  # (nodes,) first triangle of the branch
-    held: NDArray[np.int64]  # (nodes,) triangles of a leaf, 0 for an inner node
+    leaf_size: NDArray[np.int64]  # (nodes,) triangles of a leaf, 0 for an inner node
 
 
 class BeamPattern(NamedTuple):

@@ -24,7 +24,7 @@ from insonify.kernels.common.contributors import (
 from insonify.kernels.common.range_bins import FIXED_POINT, accumulate_bins
 from insonify.kernels.common.scattering import backscatter_strength
 from insonify.kernels.common.types import LIGHT
-from insonify.kernels.labels.bed_stretches import BEHIND_TARGET, HEARD, empty_stretches, split_segment
+from insonify.kernels.labels.bed_stretches import BEHIND_TARGET, VISIBLE, empty_stretches, split_segment
 from insonify.kernels.labels.shadows import label_shadows, open_shadow
 from insonify.kernels.multipath.echo_list import EchoSink
 from insonify.kernels.multipath.surface_multipath import add_multipath
@@ -43,7 +43,7 @@ from insonify.kernels.sweep.target_echoes import BedHorizon, load_cell, visible_
 from insonify.kernels.targets.angular_zbuffer import NO_PRIMITIVE
 from insonify.kernels.targets.occlusion import occlusion_of
 
-HALVES = 2  # parts of a facet at least, whose energies its labels add up
+HALVES = 2  # least number of parts of a facet; labels add up their energies
 
 
 class BinLabels(NamedTuple):
@@ -239,7 +239,7 @@ def _note_stretches(contributions, shadows, labelled, stretches, n):
         while state == BEHIND_TARGET and k < n and stretches.hider[k] == target and stretches.x_from[k] == stop:
             stop, k = stretches.x_to[k], k + 1
         foot = nearest_ground_range(labelled.segment, start, stop)
-        if state == HEARD:
+        if state == VISIBLE:
             _note_stretch(contributions, labelled, start, foot)
             _note_stretch(contributions, labelled, foot, stop)
         elif state == BEHIND_TARGET:

@@ -31,10 +31,10 @@ class Precision(Remark):
         """Entry of the precision."""
         rounding = find_tracer(model.method).rounding
         if rounding > 0.0:
-            reason = "heights and strengths in 32 bits, times and sums in 64 bits"
-            yield self.entry(case, "32 and 64 bits", reason, error=rounding)
+            reason = "heights and strengths are rounded to 7 digits, times and sums to 16"
+            yield self.entry(case, "7 and 16 digits", reason, error=rounding)
         else:
-            yield self.entry(case, "64 bits", "rays are traced in 64 bits")
+            yield self.entry(case, "16 digits", "rays are rounded to 16 digits")
 
 
 class Speckle(Remark):

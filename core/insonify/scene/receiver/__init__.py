@@ -4,18 +4,19 @@ from __future__ import annotations
 
 from typing import Annotated
 
+from pydantic import model_validator
+
 from insonify.scene.base import Declaration, KindOf, parameter
 from insonify.scene.receiver.effects import (
     FLUCTUATIONS,
     INTERFERENCES,
-    NOISES,
     RINGINGS,
-    AmbientNoise,
     DecayingRinging,
     Lognormal,
     OtherSonar,
 )
 from insonify.scene.receiver.gains import GAINS, GainKind, NoTvg
+from insonify.scene.receiver.noises import NOISES, NoiseKind
 from insonify.scene.receiver.recorder import Recorder
 from insonify.scene.receiver.reverberations import REVERBERATIONS, NoReverberation, ReverberationKind
 from insonify.scene.receiver.speckles import SPECKLES, NoSpeckle, SpeckleKind
@@ -33,7 +34,7 @@ class Receiver(Declaration):
     reverberation: Annotated[ReverberationKind, KindOf(REVERBERATIONS, default="none")] = parameter(
         NoReverberation(), description="echoes of the water and its surface"
     )
-    noise: Annotated[AmbientNoise | None, KindOf(NOISES, optional=True)] = parameter(
+    noise: Annotated[NoiseKind | None, KindOf(NOISES, optional=True)] = parameter(
         None, description="noise received besides the echoes"
     )
     interference: Annotated[OtherSonar | None, KindOf(INTERFERENCES, optional=True)] = parameter(
@@ -61,6 +62,15 @@ class Receiver(Declaration):
         rare=True,
     )
     recorder: Recorder = parameter(Recorder(), description="amplifier and converter")
+
+    @model_validator(mode="after")
+    def _noise_in_micropascals_needs_a_source(self) -> Receiver:
+        if self.noise is not None and self.noise.absolute and self.source_level == 0.0:
+            raise ValueError(
+                f"receiver.noise {self.noise.kind!r} is in dB re 1 µPa and receiver.source_level 0 is relative; "
+                "give the level of the source, such as 210, or a noise of the kind 'snr'"
+            )
+        return self
 
     @property
     def steady(self) -> bool:

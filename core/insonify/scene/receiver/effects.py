@@ -1,4 +1,4 @@
-"""Effects that a receiver has or lacks, one kind each: fluctuation, noise, interference and ringing."""
+"""Effects that a receiver has or lacks, one kind each: fluctuation, interference and ringing."""
 
 from __future__ import annotations
 
@@ -11,7 +11,6 @@ from numpy.typing import NDArray
 from insonify.scene.base import Family, Kind, parameter
 
 FLUCTUATIONS = Family("fluctuations", "insonify.scene.receiver")
-NOISES = Family("noises", "insonify.scene.receiver")
 INTERFERENCES = Family("interferences", "insonify.scene.receiver")
 RINGINGS = Family("ringings", "insonify.scene.receiver")
 
@@ -40,21 +39,6 @@ class Lognormal(Kind):
         ge=0.0,
         le=0.01,
         slider=(0.0, 1e-3),
-    )
-
-
-class AmbientNoise(Kind):
-    """Noise of the sea and the receiver: a Gaussian wave, of exponential intensity where there is no echo."""
-
-    family = NOISES
-    kind: Literal["ambient"] = "ambient"
-    level: float = parameter(
-        -110.0,
-        unit="dB",
-        description="mean level in the receiver's band, dB re the source at 1 m, or re 1 µPa with a source level",
-        ge=-300.0,
-        le=200.0,
-        slider=(-150.0, 120.0),
     )
 
 

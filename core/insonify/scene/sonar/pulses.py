@@ -40,6 +40,31 @@ class PulseKind(Kind):
         """Time between two echoes that can be resolved, in seconds."""
         return self.length
 
+    @property
+    def filter_loss(self) -> float:
+        """Noise behind the receiver's filter over that behind a matched one, as a ratio of at least 1."""
+        return 1.0
+
+    def sent_for(self, bin_time: float) -> float:
+        """Time in seconds over which the energy is sent; a pulse shorter than any bin stands for one of a bin."""
+        return self.length or bin_time
+
+    def band(self, bin_time: float) -> float:
+        """Width in Hz of the receiver's band."""
+        return 1.0 / (self.resolution or bin_time)
+
+    def noise_bandwidth(self, bin_time: float) -> float:
+        """Bandwidth in Hz of the noise in the record, the receiver's band less the processing gain.
+
+        The filter is matched to the pulse and scaled so that a point's echo keeps its level. Noise of the density N₀
+        then has the power N₀/T, so that the echo of energy E stands E/N₀ above it (Urick 1983, 12.1).
+        """
+        return self.filter_loss / self.sent_for(bin_time)
+
+    def processing_gain(self, bin_time: float) -> float:
+        """Rise of a point's echo over the noise by compression, as a ratio: BT for a uniform chirp, 1 for a tone."""
+        return self.band(bin_time) / self.noise_bandwidth(bin_time)
+
     def cell(self, sound_speed: float) -> float:
         """Slant range between two echoes that can be resolved, in metres."""
         return 0.5 * sound_speed * self.resolution
@@ -88,9 +113,7 @@ class Tone(PulseKind):
 
     rank = 20
     kind: Literal["tone"] = "tone"
-    duration: float = parameter(
-        1e-4, unit="s", description="length of the pulse", gt=0.0, le=0.1, slider=(1e-5, 1e-3), log=True
-    )
+    duration: float = parameter(1e-4, "length of the pulse", "s", gt=0.0, le=0.1, slider=(1e-5, 1e-3), log=True)
 
     @property
     def length(self) -> float:
@@ -116,14 +139,10 @@ class Chirp(PulseKind):
     rank = 30
     two_sided = True
     kind: Literal["chirp"] = "chirp"
-    duration: float = parameter(
-        1e-3, unit="s", description="length of the pulse", gt=0.0, le=0.1, slider=(1e-4, 1e-2), log=True
-    )
-    bandwidth: float = parameter(
-        30e3, unit="Hz", description="frequencies swept", gt=0.0, le=1e6, slider=(5e3, 2e5), log=True
-    )
+    duration: float = parameter(1e-3, "length of the pulse", "s", gt=0.0, le=0.1, slider=(1e-4, 1e-2), log=True)
+    bandwidth: float = parameter(30e3, "frequencies swept", "Hz", gt=0.0, le=1e6, slider=(5e3, 2e5), log=True)
     window: Literal["uniform", "hamming", "hann"] = parameter(
-        "hamming", description="weight of the frequencies; a tapered one has lower sidelobes and resolves less"
+        "hamming", "weight of the frequencies; a tapered one has lower sidelobes and resolves less"
     )
 
     @model_validator(mode="after")
@@ -144,6 +163,12 @@ class Chirp(PulseKind):
     def resolution(self) -> float:
         """Time between two echoes that can be resolved, in seconds."""
         return 1.0 / self.bandwidth
+
+    @property
+    def filter_loss(self) -> float:
+        """Noise that the window of the spectrum W costs, ⟨W²⟩/⟨W⟩²: 1 if uniform, 1.36 Hamming, 1.5 Hann."""
+        a, b = WINDOWS[self.window]
+        return 1.0 + 0.5 * (b / a) ** 2
 
     def cell(self, sound_speed: float) -> float:
         """Slant range between two echoes that can be resolved, in metres, c/2B."""

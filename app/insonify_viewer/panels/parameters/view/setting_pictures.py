@@ -24,6 +24,7 @@ from insonify.display.scene_curves import (
 from insonify.scene import Scene, SceneError
 from insonify.scene.seabed.reliefs.fractal import Fractal
 from insonify_viewer.errors import guard_override
+from insonify_viewer.state.quantities import nearest_within
 from insonify_viewer.widgets.painting import make_polyline, round_steps
 from insonify_viewer.widgets.theme import ACCENT, EDGE, GROUND, MARK, QUIET, RAISED, TEXT
 
@@ -175,7 +176,9 @@ class SpectrumPicture(SettingPicture):
     def __init__(self) -> None:
         super().__init__(SPECTRUM_HEIGHT)
         self.setMouseTracking(True)
-        self.setToolTip("Drag a peak: far from the middle for short waves, towards the side that the waves run")
+        self.setToolTip(
+            "Drag a peak to shape the bed: its direction is that of the waves, farther out they are shorter"
+        )
         self._drawn: tuple[Scene, ReliefSpectrum, QImage] | None = None
         self._held: int | None = None
         self._reach = 0.0  # cycles a period, while a peak is dragged
@@ -237,7 +240,7 @@ class SpectrumPicture(SettingPicture):
         left = self.area.right() + 8.0
         relief = self._scene.seabed.relief if self._scene is not None else None
         period = relief.period if isinstance(relief, Fractal) else 0.0
-        lines = [f"±{spectrum.reach:.3g} cycles a period", f"shades of {-FLOOR:g} dB", ""]
+        lines = [f"edge: {spectrum.reach:.3g} waves in a period", f"black: −{-FLOOR:g} dB", ""]
         for fx, fy in spectrum.peaks[:5]:
             away = float(np.hypot(fx, fy))
             lines.append(f"{fx:g}, {fy:g}" + (f": {period / away:.3g} m" if away > 0.0 else ": long waves"))
@@ -276,8 +279,7 @@ class SpectrumPicture(SettingPicture):
         if self.spectrum is None:
             return None
         away = [(self.place_of(peak) - position).manhattanLength() for peak in self.spectrum.peaks]
-        nearest = int(np.argmin(away))
-        return nearest if away[nearest] <= NEAR else None
+        return nearest_within(away, NEAR)
 
     def _moved(self, position: QPointF) -> list[list[float]]:
         """Return all peaks, with the dragged one at the mouse, in whole cycles a period."""

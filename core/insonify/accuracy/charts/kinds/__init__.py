@@ -1,7 +1,7 @@
 """Kinds of charts, one module each, found by their names.
 
 A module of this package is a kind of chart. It defines ``measure_chart(scene, *, progress=None)``, which returns a
-`Chart`; the first line of its docstring says what is measured.
+`Chart`; the first line of its docstring names the measured quantities.
 """
 
 from __future__ import annotations
@@ -13,7 +13,7 @@ from typing import Any
 
 
 def list_chart_kinds() -> tuple[str, ...]:
-    """Names of the kinds of charts, none of which is imported."""
+    """Names of the kinds of charts, found without importing them."""
     return tuple(sorted(module.name for module in pkgutil.iter_modules(__path__)))
 
 

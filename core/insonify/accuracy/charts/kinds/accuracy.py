@@ -1,31 +1,34 @@
-"""Speed against accuracy of every method on one scene, measured from start to end on this machine."""
+"""Speed against accuracy of every method on one scene, measured from start to end on this machine.
+
+The chart is a table or a figure of the time and the error of every method.
+"""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
 from functools import partial
+from textwrap import wrap
 from time import thread_time
+from typing import Any, NamedTuple
 
 import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
 
-from insonify.accuracy.charts.accuracy_chart import AccuracyChart, AccuracyRow, TracedScene
+from insonify.accuracy.charts import method_settings, style
+from insonify.accuracy.charts.chart import Chart, ChartTable
 from insonify.accuracy.charts.embree import TriangulatedScene, explain_omission
-from insonify.accuracy.charts.method_settings import (
-    EMBREE,
-    EMBREE_OWN,
-    MethodSetting,
-    Record,
-    SettingKey,
-    list_settings,
-    pack_for_chart,
-)
 from insonify.accuracy.charts.reference import Reference, refine_reference
 from insonify.accuracy.timing import describe_machine, time_calls
+from insonify.acoustics.flat_bed import compute_flat_bed_curves
+from insonify.display.normalisation import extend_to_water_column, normalise
+from insonify.display.style import FAINT, INK, label_axes, make_figure
 from insonify.kernels.common.types import Poses, SceneArrays
 from insonify.scene import Scene, SceneError, edit
-from insonify.statistics.displacement import measure_displacement
-from insonify.statistics.record_errors import compare_records
+from insonify.statistics.record_errors import Displacement, RecordErrors, compare_records, measure_displacement
 from insonify.tow.poses import take_poses
 
 PINGS = 8
@@ -34,6 +37,299 @@ TIMING = 8.0  # s
 SHORTEST_CALL = 0.01  # s that a timed call takes at least; a quick method traces the pings again and again
 MOST_PINGS = 512  # pings of a timed call
 RAYS_OF_TRIANGLES = 1 << 20
+FLOOR, CEILING = 1e-5, 10.0  # errors beyond these are drawn there
+WIDE, HIGH = 5.6, 6.4  # inches of one panel with its margins, and of the whole without notes
+LEFT, NAMES = 1.0, 2.75  # inches to the left of the panels and, for the names of the methods, to their right
+BELOW, NOTE, LETTERS = 0.95, 0.16, 15.5  # inches below the panels without notes, of a line of one; letters an inch
+LONGEST = 24  # letters of a method's name in one line
+COUNTED = {"march": "step", "rays": "rays per side", "sweep": "planes", "embree": "rays per side"}
+COMPARED_ERROR = 0.02  # error at which the times of methods are compared
+TINY = 1e-9  # errors below it count as this
+
+
+@dataclass(frozen=True)
+class AccuracyRow:
+    """Time and error of one method with one setting."""
+
+    method: str  # name of the method
+    setting: str  # setting as text
+    size: float  # the setting as a number: step in metres, rays per side, or planes
+    targets: bool  # whether the scene includes its targets
+    microseconds: float  # median time per ping, both sides, on one thread
+    spread: float  # half the distance between the quartiles of the times, as a share of the median
+    errors: RecordErrors  # errors against the reference, as shares of the record
+    displacement: Displacement  # displacement of shadows and echoes, in metres
+
+    @property
+    def key(self) -> method_settings.SettingKey:
+        """Method, setting and targets, which together identify the row."""
+        return method_settings.SettingKey(self.method, self.setting, self.targets)
+
+    @property
+    def label(self) -> str:
+        """Setting without the unit that its method implies."""
+        return self.setting.removesuffix("s").removesuffix(" plane").removesuffix(" ray")
+
+
+# Columns of the table by name, each with its value for a row and the reference of its method.
+COLUMNS: dict[str, Callable[[AccuracyRow, Reference], object]] = {
+    "method": lambda row, _: row.method,
+    "setting": lambda row, _: row.setting,
+    "targets": lambda row, _: "with" if row.targets else "without",
+    "microseconds_per_ping": lambda row, _: row.microseconds,
+    "spread": lambda row, _: row.spread,
+    "error_beyond": lambda row, _: row.errors.beyond,
+    "error_all_bins": lambda row, _: row.errors.all_bins,
+    "energy_bias": lambda row, _: row.errors.energy_bias,
+    "dark_leakage": lambda row, _: row.errors.dark_leakage,
+    "shadow_edge_m": lambda row, _: row.displacement.shadow_edge,
+    "echo_position_m": lambda row, _: row.displacement.echo,
+    "echoes_lost": lambda row, _: row.displacement.lost,
+    "reference_moved": lambda _, reference: reference.moved,
+    "reference_moved_all_bins": lambda _, reference: reference.moved_all,
+    "resolved": lambda row, reference: "yes" if row.errors.beyond >= reference.floor else "no",
+}
+
+
+class TracedScene(NamedTuple):
+    """Arrays, poses and references of a scene with its targets or without them."""
+
+    arrays: SceneArrays  # scene as kernels read it
+    poses: Poses  # poses of the n pings that are compared
+    reference: Reference  # record by exact rays
+    triangles: Reference | None = None  # record by exact rays over a scene of triangles
+
+    def reference_of(self, method: str) -> Reference:
+        """Return the reference against which a method's errors are computed."""
+        return self.triangles if method == method_settings.EMBREE_OWN and self.triangles is not None else self.reference
+
+
+@dataclass(frozen=True)
+class AccuracyChart(Chart):
+    """Error of every method against its time per ping, on one scene."""
+
+    title: str  # title of the scene
+    rows: tuple[AccuracyRow, ...]  # all methods and settings
+    pings: int  # number of pings that were compared
+    machine: str  # processor and versions of the measurement
+    # Scene with its targets (``True``) and without (``False``); a scene without targets has only ``False``.
+    scenes: Mapping[bool, TracedScene] = field(repr=False)
+    records: Mapping[method_settings.SettingKey, method_settings.Record] = field(repr=False)  # record of every row
+    notes: tuple[str, ...] = ()  # methods that were left out, and why
+
+    def rows_of(self, targets: bool) -> list[AccuracyRow]:
+        """Rows of the scene with its targets, or without."""
+        return [row for row in self.rows if row.targets == targets]
+
+    def find_front(self, targets: bool) -> list[AccuracyRow]:
+        """Pareto front, fastest first: rows with a smaller error than all faster rows.
+
+        Differences no greater than the change of the reference by the last doubling of its rays do not count.
+        """
+        front: list[AccuracyRow] = []
+        resolved = self.scenes[targets].reference.moved
+        rows = (row for row in self.rows_of(targets) if row.method != method_settings.EMBREE_OWN)
+        for row in sorted(rows, key=lambda row: (row.microseconds, row.errors.beyond)):
+            if not front or row.errors.beyond < front[-1].errors.beyond - resolved:
+                front.append(row)
+        return front
+
+    def time_to_error(self, method: str, error: float, targets: bool) -> float:
+        """Microseconds per ping after which a method's error falls to a bound.
+
+        Between two settings the error is a power of the time. NaN where no setting reaches the bound, or where the
+        reference does not resolve it.
+        """
+        if error < self.scenes[targets].reference.floor:
+            return math.nan
+        before: AccuracyRow | None = None
+        rows = [row for row in self.rows_of(targets) if row.method == method]
+        for row in sorted(rows, key=lambda row: row.microseconds):
+            if row.errors.beyond <= error:
+                if before is None:
+                    return row.microseconds
+                fall = math.log(before.errors.beyond / max(row.errors.beyond, TINY))
+                share = math.log(before.errors.beyond / error) / fall
+                return before.microseconds * (row.microseconds / before.microseconds) ** share
+            before = row
+        return math.nan
+
+    def fastest_sweep(self, error: float, targets: bool) -> tuple[str, float]:
+        """Find the division of segments by which the sweep reaches an error first: method and microseconds per ping.
+
+        NaN where none reaches it, or where the reference does not resolve it.
+        """
+        times = {method: self.time_to_error(method, error, targets) for method in method_settings.SWEEPS}
+        return min(times.items(), key=lambda item: math.inf if math.isnan(item[1]) else item[1])
+
+    def describe_speedup(self, targets: bool) -> str:
+        """State how much faster than exact rays the sweep reaches an error; empty where either does not reach it.
+
+        The sweep divides segments in the way that reaches that error first, as a plan would.
+        """
+        method, sweep = self.fastest_sweep(COMPARED_ERROR, targets)
+        exact = self.time_to_error("rays", COMPARED_ERROR, targets)
+        if not exact / sweep > 0.0:
+            return ""
+        times = f"{exact / sweep:,.0f}" if exact > 10.0 * sweep else f"{exact / sweep:.2g}"
+        division = method.removeprefix("sweep").removeprefix(", ")
+        how = f"the sweep ({division})" if division else "the sweep"
+        bound = style.format_percent(COMPARED_ERROR)
+        return f"{bound} in {style.format_time(sweep)} by {how}, in {style.format_time(exact)} by exact rays: × {times}"
+
+    def summarise(self) -> tuple[str, ...]:
+        """State how much faster the sweep is, and which methods were left out."""
+        which = {False: "without targets: ", True: "with targets: "} if len(self.scenes) > 1 else {}
+        speedups = {targets: self.describe_speedup(targets) for targets in sorted(self.scenes)}
+        return (*(which.get(targets, "") + line for targets, line in speedups.items() if line), *self.notes)
+
+    def normalise_row(self, row: AccuracyRow) -> tuple[method_settings.Record, method_settings.Record]:
+        """Amplitudes of a row's record and of its reference, relative to a level Lambert bed."""
+        scene = self.scenes[row.targets]
+        curves = compute_flat_bed_curves(scene.arrays, scene.poses)[:, 0]
+        curve = np.array([extend_to_water_column(one) for one in curves])[:, None, :]
+        return normalise(self.records[row.key], curve), normalise(scene.reference_of(row.method).record, curve)
+
+    def tabulate(self) -> ChartTable:
+        """Lay the rows out with all errors, displacements and the resolution of the reference."""
+        best = {row.key for targets in self.scenes for row in self.find_front(targets)}
+        facts = {
+            "title": self.title,
+            "machine": self.machine,
+            "pings": self.pings,
+            "notes": "; ".join(self.summarise()),
+        }
+        rows = []
+        for row in self.rows:
+            reference = self.scenes[row.targets].reference_of(row.method)
+            cells = [value(row, reference) for value in COLUMNS.values()]
+            rows.append((*cells, "yes" if row.key in best else "no"))
+        return ChartTable(facts, (*COLUMNS, "best_for_its_time"), rows)
+
+    def draw(self) -> Figure:
+        """Draw error against time per ping, with the Pareto front."""
+        return draw_accuracy(self).figure
+
+
+class AccuracyFigure(NamedTuple):
+    """Drawn accuracy chart."""
+
+    figure: Figure  # figure with an Agg canvas
+    marks: dict[Line2D, list[AccuracyRow]]  # rows at the points of each line, for picking
+
+
+def draw_accuracy(chart: AccuracyChart) -> AccuracyFigure:
+    """Draw error against time per ping and the Pareto front, a panel with targets and one without."""
+    panels = len(chart.scenes)
+    width = LEFT + WIDE * panels + NAMES
+    notes = [line for note in chart.notes for line in wrap(note, int((width - LEFT) * LETTERS))]
+    height = HIGH + NOTE * len(notes)
+    figure = make_figure(width, height)
+    pings = f"{chart.pings} ping{'s' * (chart.pings != 1)}"
+    style.write_headings(
+        figure, "Speed against accuracy", f"{chart.title or 'untitled scene'} · {pings}", chart.machine
+    )
+    grid = figure.subplots(1, panels, sharex=True, sharey=True, squeeze=False)[0]
+    bottom = (BELOW + NOTE * len(notes)) / height
+    figure.subplots_adjust(LEFT / width, bottom, 1.0 - NAMES / width, 1.0 - 1.25 / height, wspace=0.09)
+    figure.text(0.85 / width, 0.36 / height, "\n".join(notes), va="bottom", fontsize=8.5, color=FAINT)
+    marks: dict[Line2D, list[AccuracyRow]] = {}
+    for axes, targets in zip(grid, sorted(chart.scenes)):
+        marks |= _draw_panel(axes, chart, targets)
+    _limit(grid, chart)
+    _name_methods(figure, grid)
+    for axes, targets in zip(grid, sorted(chart.scenes)):
+        _mark_floor(axes, chart, targets)
+        _write(axes, 0.988, 0.985, chart.describe_speedup(targets), INK, ha="right", va="top")
+        labels = [
+            (row.label, row.microseconds, _height(row), style.get_colour(row.method))
+            for row in chart.rows_of(targets)
+            if row.method != method_settings.EMBREE_OWN
+        ]
+        style.place_labels(axes, labels)
+    label_axes(grid[0], y="error beyond 1.4 × altitude", size=10.5, pad=6)
+    return AccuracyFigure(figure, marks)
+
+
+def _draw_panel(axes: Axes, chart: AccuracyChart, targets: bool) -> dict[Line2D, list[AccuracyRow]]:
+    """Draw one scene: the front, then every method's points with a line through them."""
+    style.scale_axes(axes, x=style.format_time, y=style.format_percent)
+    label_axes(axes, "time per ping, both sides, one thread", size=10.5, pad=6)
+    if len(chart.scenes) > 1:
+        axes.set_title("with its targets" if targets else "without targets", fontsize=11, color=INK, loc="left")
+    front = chart.find_front(targets)
+    axes.plot(
+        [row.microseconds for row in front], [_height(row) for row in front],
+        color=INK, linewidth=7.0, alpha=0.10, solid_capstyle="round", solid_joinstyle="round", zorder=1,
+        label="best for its time",
+    )  # fmt: skip
+    rows = chart.rows_of(targets)
+    marks: dict[Line2D, list[AccuracyRow]] = {}
+    for method in dict.fromkeys(row.method for row in rows):
+        of_method = [row for row in rows if row.method == method]
+        marks[_draw_method(axes, method, of_method)] = of_method
+    return marks
+
+
+def _draw_method(axes: Axes, method: str, rows: list[AccuracyRow]) -> Line2D:
+    """Draw a line through the settings of a method and a mark for each."""
+    x, y, colour = [row.microseconds for row in rows], [_height(row) for row in rows], style.get_colour(method)
+    axes.errorbar(
+        x, y, xerr=[row.spread * row.microseconds for row in rows], fmt="none", ecolor=colour, elinewidth=1.0, zorder=2
+    )
+    (line,) = axes.plot(
+        x, y, color=colour, linewidth=1.2, linestyle="--" if "," in method else "-",
+        marker=style.get_mark(method), markersize=6.5, markeredgecolor="white", zorder=3,
+        label=_name_method(method), picker=5,
+    )  # fmt: skip
+    return line
+
+
+def _name_method(method: str) -> str:
+    """Name of a method with the unit of its labels; a long variant in two lines."""
+    family, _, variant = method.partition(", ")
+    if not variant:
+        return f"{family} ({COUNTED[family]})"
+    return method if len(method) <= LONGEST else f"{family},\n{variant}"
+
+
+def _name_methods(figure: Figure, grid: list[Axes]) -> None:
+    """Write the legend of all panels to their right, each method once."""
+    named: dict[str, Any] = {}
+    for axes in grid:
+        for handle, label in zip(*axes.get_legend_handles_labels()):
+            named.setdefault(label, handle)
+    place = grid[-1].get_position()
+    figure.legend(
+        list(named.values()), list(named), loc="upper left", bbox_to_anchor=(place.x1 + 0.003, place.y1), frameon=False,
+        fontsize=9, labelcolor=INK, handlelength=1.8, labelspacing=0.9,
+    )  # fmt: skip
+
+
+def _limit(grid: list[Axes], chart: AccuracyChart) -> None:
+    """Leave room for labels."""
+    floors = [max(scene.reference.floor, FLOOR) for scene in chart.scenes.values()]
+    heights = [_height(row) for row in chart.rows] + floors
+    grid[0].margins(x=0.08)
+    grid[0].set_ylim(0.3 * min(heights), 4.0 * max(heights))
+
+
+def _mark_floor(axes: Axes, chart: AccuracyChart, targets: bool) -> None:
+    """Shade the errors that the reference does not resolve."""
+    reference = chart.scenes[targets].reference
+    axes.axhspan(FLOOR / 10.0, max(reference.floor, FLOOR), color=FAINT, alpha=0.10, linewidth=0, zorder=0)
+    doubled = f"doubling to {reference.rays:,} rays per side\n({reference.kind})"
+    text = f"not resolved: {doubled} changed the reference by {style.format_percent(reference.moved)}"
+    _write(axes, 0.012, 0.012, text, FAINT, ha="left", va="bottom")
+
+
+def _write(axes: Axes, x: float, y: float, text: str, colour: str, **align: Any) -> None:
+    """Write a remark at a place of a panel, in shares of its width and height."""
+    axes.text(x, y, text, transform=axes.transAxes, fontsize=8.0, color=colour, path_effects=style.OUTLINE, **align)
+
+
+def _height(row: AccuracyRow) -> float:
+    return min(max(row.errors.beyond, FLOOR), CEILING)
 
 
 def measure_chart(
@@ -65,14 +361,14 @@ def measure_chart(
     scenes |= {bool(scene.targets): scene}
     rows: list[AccuracyRow] = []
     traced: dict[bool, TracedScene] = {}
-    records: dict[SettingKey, Record] = {}
+    records: dict[method_settings.SettingKey, method_settings.Record] = {}
     for number, (targets, one) in enumerate(scenes.items()):
 
         def share(done: float, before: int = number) -> None:
             if progress is not None:
                 progress((before + done) / len(scenes))
 
-        arrays, poses = pack_for_chart(one, pings)
+        arrays, poses = method_settings.pack_for_chart(one, pings)
         measured, traced[targets], found = _measure(targets, arrays, poses, share)
         rows += measured
         records |= found
@@ -85,7 +381,7 @@ chart = measure_chart  # the public name of the package
 
 
 def _describe_triangles(targets: bool, scene: TracedScene) -> str:
-    """State the distance of a scene of triangles itself from the curved surfaces, or why Embree is left out."""
+    """State how far a scene of triangles differs from the curved surfaces, or why Embree is left out."""
     if scene.triangles is None:
         return explain_omission(scene.arrays, scene.poses)
     apart = compare_records(scene.arrays, scene.poses, scene.triangles.record, scene.reference.record).beyond
@@ -98,10 +394,13 @@ def _describe_triangles(targets: bool, scene: TracedScene) -> str:
 
 def _measure(
     targets: bool, arrays: SceneArrays, poses: Poses, progress: Callable[[float], None]
-) -> tuple[list[AccuracyRow], TracedScene, dict[SettingKey, Record]]:
+) -> tuple[list[AccuracyRow], TracedScene, dict[method_settings.SettingKey, method_settings.Record]]:
     """Trace all methods, refine the reference until it resolves their errors, time them and compare."""
-    named = {SettingKey(one.method, one.setting, targets): one for one in list_settings(arrays, poses)}
-    records: dict[SettingKey, Record] = {}
+    named = {
+        method_settings.SettingKey(one.method, one.setting, targets): one
+        for one in method_settings.list_settings(arrays, poses)
+    }
+    records: dict[method_settings.SettingKey, method_settings.Record] = {}
     for number, (key, one) in enumerate(named.items()):
         progress(0.2 * number / len(named))
         records[key] = one.trace(poses)
@@ -122,22 +421,24 @@ def _measure(
     rows = []
     for key, one in named.items():
         per_ping = 1e6 * timings[key].median / timed[key][1]
-        for method in (one.method, EMBREE_OWN) if one.method == EMBREE else (one.method,):
+        for method in (
+            (one.method, method_settings.EMBREE_OWN) if one.method == method_settings.EMBREE else (one.method,)
+        ):
             records[key._replace(method=method)] = records[key]
             pair = records[key], scene.reference_of(method).record
             errors, moved = compare_records(arrays, poses, *pair), measure_displacement(arrays, poses, *pair)
             spread = timings[key].spread
             rows.append(AccuracyRow(method, one.setting, one.size, targets, per_ping, spread, errors, moved))
-    return sorted(rows, key=lambda row: row.method == EMBREE_OWN), scene, records
+    return sorted(rows, key=lambda row: row.method == method_settings.EMBREE_OWN), scene, records
 
 
 def _trace_triangles(arrays: SceneArrays, poses: Poses, report: Callable[[], None]) -> Reference | None:
-    """Trace a scene of triangles and how far doubling the rays moves its record; None without Embree."""
+    """Trace a scene of triangles, and the change of its record when the rays are doubled; None without Embree."""
     if explain_omission(arrays, poses):
         return None
     scene = TriangulatedScene(arrays, poses)
 
-    def trace(rays: int) -> Record:
+    def trace(rays: int) -> method_settings.Record:
         records = []
         for ping in range(poses.x.size):
             records.append(scene.trace(take_poses(poses, slice(ping, ping + 1)), rays=rays))
@@ -149,7 +450,9 @@ def _trace_triangles(arrays: SceneArrays, poses: Poses, report: Callable[[], Non
     return Reference(whole, moved.beyond, RAYS_OF_TRIANGLES, moved.all_bins)
 
 
-def _lengthen_call(one: MethodSetting, poses: Poses) -> tuple[Callable[[], Record], int]:
+def _lengthen_call(
+    one: method_settings.MethodSetting, poses: Poses
+) -> tuple[Callable[[], method_settings.Record], int]:
     """Call that traces the poses often enough to be timed, and the number of pings that it traces."""
     began = thread_time()
     one.trace(poses)

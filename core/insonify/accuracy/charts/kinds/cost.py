@@ -12,18 +12,9 @@ from typing import Any, NamedTuple
 import numpy as np
 from matplotlib.figure import Figure
 
+from insonify.accuracy.charts import style
 from insonify.accuracy.charts.chart import Chart, ChartTable
 from insonify.accuracy.charts.method_settings import coarsen_bed, pack_for_chart
-from insonify.accuracy.charts.series import (
-    PowerLawFit,
-    draw_series,
-    finish_panel,
-    fit_power_law,
-    format_count,
-    group_by,
-    lay_out_panels,
-)
-from insonify.accuracy.charts.style import format_time, scale_axes, write_headings
 from insonify.accuracy.timing import describe_machine, time_calls
 from insonify.display.style import FAINT, label_axes
 from insonify.kernels.common.types import Poses, SceneArrays
@@ -36,7 +27,7 @@ from insonify.tracers import rays, sweep
 PINGS = (16, 32, 64, 128, 256, 512)
 STREAMED = (1000, 10_000, 100_000, 1_000_000)  # pings of a record that is traced block by block
 LONGEST = 10.0  # s, greatest cost of such a record by its plan
-NODES = (8, 4, 2, 1)  # one node of so many of the bed is kept
+NODES = (8, 4, 2, 1)  # strides between the nodes of the bed that are kept
 SIDES = (1024, 2048, 4096, 8192)  # nodes of the bed
 BINS = (0.25, 0.5, 1.0, 2.0, 4.0, 8.0, 16.0)  # times the bins of the scene
 TARGETS = (1, 2, 5, 10, 20, 50, 100, 200)
@@ -60,7 +51,7 @@ class CostRow(NamedTuple):
     size: float  # value of that quantity
     microseconds: float  # median time: of all pings where their number grows, else of one
     spread: float  # half the distance between the quartiles, as a share of the median
-    megabytes: float  # memory of the scene's arrays, and the most that a call holds besides
+    megabytes: float  # memory of the scene's arrays plus the peak allocation of a call
 
 
 @dataclass(frozen=True)
@@ -73,12 +64,12 @@ class CostChart(Chart):
 
     def group(self) -> dict[tuple[str, str], list[CostRow]]:
         """Rows by axis and method."""
-        return group_by(self.rows, lambda row: (row.axis, row.method))
+        return style.group_by(self.rows, lambda row: (row.axis, row.method))
 
-    def fits(self) -> dict[tuple[str, str], PowerLawFit]:
+    def fits(self) -> dict[tuple[str, str], style.PowerLawFit]:
         """Power law of the time for every axis and method."""
         return {
-            key: fit_power_law([row.size for row in rows], [row.microseconds for row in rows])
+            key: style.fit_power_law([row.size for row in rows], [row.microseconds for row in rows])
             for key, rows in self.group().items()
         }
 
@@ -92,10 +83,10 @@ class CostChart(Chart):
         """Draw time against size, a panel for each axis, with the fitted power laws."""
         fits, groups = self.fits(), self.group()
         names = list(dict.fromkeys(axis for axis, _ in groups))
-        figure, panels = lay_out_panels(len(names), 3)
-        write_headings(figure, "Cost against size", self.title or "untitled scene", self.machine)
+        figure, panels = style.lay_out_panels(len(names), 3)
+        style.write_headings(figure, "Cost against size", self.title or "untitled scene", self.machine)
         for axes, axis in zip(panels, names):
-            scale_axes(axes, x=format_count, y=format_time)
+            style.scale_axes(axes, x=style.format_count, y=style.format_time)
             label_axes(axes, axis)
             what = "time of all pings" if axis in WHOLE else "time per ping"
             axes.set_title(what, fontsize=9.5, color=FAINT, loc="left")
@@ -103,15 +94,15 @@ class CostChart(Chart):
                 if of == axis:
                     x, y = [row.size for row in rows], [row.microseconds for row in rows]
                     bars = [row.spread * row.microseconds for row in rows]
-                    draw_series(axes, method, x, y, fits[axis, method], "size", bars)
-            finish_panel(axes)
+                    style.draw_series(axes, method, x, y, fits[axis, method], "size", bars)
+            style.finish_panel(axes)
         return figure
 
 
 class _Call(NamedTuple):
     """Call to be timed."""
 
-    trace: partial[Any]  # traces some pings; its first argument holds the arrays of the scene
+    trace: partial[Any]  # traces some pings; its first argument is the arrays of the scene
     pings: int  # number of these pings
 
 
@@ -164,7 +155,7 @@ def _rays(arrays: SceneArrays, poses: Poses, count: int = CAST_RAYS) -> _Call:
 
 
 def _memory_of(call: partial[Any]) -> float:
-    """Megabytes of the arrays of a call's scene, and the most that the call allocates besides."""
+    """Megabytes of the arrays of a call's scene plus the peak allocation of the call."""
     tracemalloc.start()
     try:
         call()
@@ -188,7 +179,7 @@ def _some(poses: Poses, count: int) -> Poses:
 
 
 def _stream_records(scene: Scene) -> Iterator[tuple[int, _Call]]:
-    """Whole records traced block by block, as they are written, if that is a matter of seconds."""
+    """Whole records traced block by block, as for a file, as long as the plan predicts a few seconds."""
     for n in STREAMED:
         simulation = prepare(edit(scene, {"track.pings": n}), threads=1)
         if n * simulation.plan.cost <= LONGEST:

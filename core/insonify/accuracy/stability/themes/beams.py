@@ -1,4 +1,4 @@
-"""Failures of beams: too few planes, too few pings, a cone taken for a wedge."""
+"""Failures of beams and of paths by the sea surface: too few planes and pings, a cone taken for a wedge, two legs."""
 
 from __future__ import annotations
 
@@ -12,36 +12,46 @@ from numpy.typing import NDArray
 
 from insonify.accuracy.stability.case import Approach, Measured, StabilityTheme
 from insonify.accuracy.stability.drawing import RIGHT, WRONG, add_legend, common, inked, ours, panel
-from insonify.accuracy.stability.level_scenes import level_arrays, make_level_scene, make_pose, sweep_port
+from insonify.accuracy.stability.level_scenes import (
+    arrays_over,
+    ball_at,
+    level_arrays,
+    make_level_scene,
+    make_pose,
+    sweep_port,
+)
 from insonify.acoustics.flat_bed import along_track_width
 from insonify.acoustics.resolution_cell import bin_centres
+from insonify.acoustics.sea_surface import make_surface_multipath
 from insonify.display.style import FAINT
 from insonify.kernels.beam.pattern import ring_responses
+from insonify.kernels.common.types import LIGHT, SceneArrays, still_water
 from insonify.planning import plan
 from insonify.scene import Scene, edit, load_scene
 from insonify.scene.seabed.reliefs.fractal import Fractal
-from insonify.scene.sonar.beams.fan import FanBeam
-from insonify.scene.targets.sphere import Sphere
+from insonify.scene.sonar.beams.top_hats import FanBeam
+from insonify.scene.targets.bodies import Sphere
+from insonify.scene.water.surfaces import WAYS, FlatSurface, RoughSurface
 from insonify.simulation import prepare, simulate
 
-THEME = StabilityTheme("Beams", 8)
-Curve = NDArray[np.float64]
-FARTHEST = 3  # which of the balls of the scene that combs
-LAX = 1.0  # tolerance with which planes may lie farther apart than a ball is wide
+Values = NDArray[np.float64]
+BEAMS = StabilityTheme("Beams", 8)
+FARTHEST = 3  # index of the farthest ball of the scene
+LAX = 1.0  # tolerance at which planes may lie farther apart than a ball is wide
 
 
-def _worst_error(values: Curve, exact: Curve | float) -> float:
+def _worst_error(values: Values, exact: Values | float) -> float:
     """Greatest deviation from exact values, in per cent."""
     return float(100.0 * np.abs(values / exact - 1.0).max())
 
 
-@THEME.case(
+@BEAMS.case(
     "Too few planes across a fan",
     "A target narrower than the distance between two planes returns an echo only where a plane meets it.",
     "variation of a small sphere's echo within the beam",
     "%",
     failing=Approach("Uses as few planes as a tolerance of 1 allows.", 100.0),
-    right=Approach("Lets the plan choose by the size of the sphere and the beam width there.", 30.0),
+    right=Approach("Chooses the planes in the plan, by the size of the sphere and the beam width there.", 30.0),
     scene="breaks-comb",
 )
 def _few_planes() -> Measured:
@@ -70,13 +80,13 @@ def _few_planes() -> Measured:
 FAR_BINS = 200
 
 
-def _contrast(scene: Scene) -> Curve:
+def _contrast(scene: Scene) -> Values:
     """Far bins of the port record over their mean, less 1, pings by bins."""
     record = simulate(scene).intensity.values[0, :, -FAR_BINS:].astype(np.float64)
     return np.asarray(record / record.mean(axis=0) - 1.0)
 
 
-@THEME.case(
+@BEAMS.case(
     "Pings that beat with ripples",
     "A knife-edge beam samples one line per ping; ripples about as long as the distance between lines alias to "
     "bands many times as long.",
@@ -93,7 +103,7 @@ def _beats() -> Measured:
     fan = {"sonar.beam": {"kind": "fan", "width": width}}
     records = [_contrast(edit(scene, change)) for change in ({}, fan, {"track.speed": slowly * scene.track.speed})]
 
-    def contrast(record: Curve) -> float:
+    def contrast(record: Values) -> float:
         """Contrast of all wavelengths beyond four ripples, in per cent."""
         waves = np.fft.rfft(record, axis=0)
         long = np.abs(np.fft.rfftfreq(record.shape[0], apart)) < 0.25 / (relief.period / relief.peaks[0][0])
@@ -115,7 +125,7 @@ def _beats() -> Measured:
     return Measured.by(contrast, records[0], records[1], draw)
 
 
-@THEME.case(
+@BEAMS.case(
     "Pings too far apart",
     "The sonar moves by more than its beam width between two pings.",
     "targets missed without a message",
@@ -150,7 +160,7 @@ def _sparse() -> Measured:
     return Measured(missed, 0.0 if reason else missed, draw)
 
 
-@THEME.case(
+@BEAMS.case(
     "A cone taken for a wedge",
     "A beam is a cone about the track: at slant range r it covers r θ of the bed, not x θ.",
     "error of the along-track width",
@@ -173,12 +183,12 @@ def _wedge() -> Measured:
     ))  # fmt: skip
 
 
-ALTITUDE, SQUINT = 10.0, 15.0  # m, °
+ALTITUDE, SQUINT = 10.0, 15.0  # m above the bed, °
 
 
-@THEME.case(
+@BEAMS.case(
     "Light through a beam that squints",
-    "Law light averages over the beam, and off athwart equal steps of the sine are unequal steps of azimuth.",
+    "Law light averages over azimuths; in a squinting beam, equal steps of the sine are unequal steps of azimuth.",
     f"error of the light of a level bed, squint of {SQUINT:g}°",
     "%",
     failing=Approach("Divides by the integral of the response over sines.", 5.0),
@@ -209,9 +219,9 @@ def _light() -> Measured:
 LENGTH = 1.0  # m, of an array
 
 
-@THEME.case(
+@BEAMS.case(
     "The near field of a line array",
-    "Nearer than the square of its length over the wavelength, an array hears a stretch as wide as itself.",
+    "Nearer than the square of its length over the wavelength, the beam of an array is as wide as the array itself.",
     f"error of the width of the beam of an array of {LENGTH:g} m, from 10 m to 90 m",
     "%",
     failing=Approach("Takes the pattern of the far field.", 50.0),
@@ -237,3 +247,152 @@ def _near_field() -> Measured:
         inked(r, np.degrees(exact), "element by element", "o", markersize=3),
         x="slant range (m)", y="width of the beam, two ways (°)", title=f"array of {LENGTH:g} m", log="y",
     ))  # fmt: skip
+
+
+SEA_SURFACE = StabilityTheme("Paths by the sea surface", 13)
+DEPTH = 20.0  # m, of the sonar beneath the sea surface
+RAISED = 2.0 * DEPTH  # m, of the sonar's image in the surface above the sonar
+
+
+def _surface_echo(arrays: SceneArrays, wind_speed: float = 0.0) -> Values:
+    """Echo of one side out by the surface and back straight, (bins,), without the record's spreading."""
+    switches = {way: way == "surface_bottom" for way in WAYS}
+    sea = RoughSurface(**switches, wind_speed=wind_speed) if wind_speed > 0.0 else FlatSurface(**switches)
+    bare = arrays._replace(range_factor=np.ones(arrays.bins))
+    under = bare._replace(water=still_water(surface=ALTITUDE + DEPTH), multipath=make_surface_multipath(sea))
+    pose = make_pose(0.0, 0.0, ALTITUDE)
+    return sweep_port(under, pose, planes=1) - sweep_port(bare, pose, planes=1)
+
+
+def _pair_range(x: Values | float) -> Values:
+    """Slant range of a level bed's echo out by the surface and back straight."""
+    return 0.5 * np.asarray(np.hypot(x, ALTITUDE) + np.hypot(x, ALTITUDE + RAISED))
+
+
+END, LAST, WIND = 40.0, 0.5, 8.0  # m, end of a record, and how much of it counts; m/s
+
+
+@SEA_SURFACE.case(
+    "Waves at a record's end",
+    "A wave trough shortens the path of an echo that would arrive after the end of the record over a calm sea.",
+    f"echo missing from the last {LAST:g} m of the record",
+    "%",
+    failing=Approach("Follows the bed up to the end of the record over a calm sea.", 5.0),
+    right=Approach("Follows it up to the last echo that the lowest facet of the sea returns in time.", 0.1),
+)
+def _waves() -> Measured:
+    def over(heights: Values, end: float) -> SceneArrays:
+        changes = {"sonar.range": end, "sonar.bins": round(20.0 * end)}
+        return arrays_over(heights, 0.1, x0=-0.2, y0=0.0, changes=changes)
+
+    level = np.zeros((1201, 4))
+    seen = np.where(_pair_range(0.1 * np.arange(1201, dtype=np.float64)) <= END, 0.0, np.nan)
+    calm, short, long = over(np.tile(seen[:, None], 4), END), over(level, END), over(level, END + 20.0)
+    plain, own, exact = (_surface_echo(arrays, WIND)[: short.bins] for arrays in (calm, short, long))
+    r, lit = bin_centres(short), exact > 0.0
+    last = r > END - LAST
+    return Measured.by(lambda one: 100.0 * abs(one[last].sum() / exact[last].sum() - 1.0), plain, own, panel(
+        common(r[lit], plain[lit] / exact[lit], "bed up to the end over a calm sea"),
+        ours(r[lit], own[lit] / exact[lit], "bed as far as waves bring it in"),
+        x="slant range (m)", y="echo by the surface over that of a longer record", xlim=(END - 5.0, END),
+        ylim=(0.0, 1.2), legend="lower left",
+    ))  # fmt: skip
+
+
+PAIR_WIDTH, PAIR_SQUINT = 4.0, 10.0  # °
+
+
+@SEA_SURFACE.case(
+    "Two legs of a squinting beam",
+    "On a path out by the surface and straight back, a squinting beam covers different azimuths on its two legs.",
+    "error of the energy",
+    "%",
+    failing=Approach("Takes the root of the product of the azimuths of each leg alone.", 100.0),
+    right=Approach("Integrates the root of both responses over their common azimuths.", 0.05),
+)
+def _squint() -> Measured:
+    beam = {"kind": "gaussian", "width": PAIR_WIDTH, "squint": PAIR_SQUINT, "two_way": True}
+    arrays = level_arrays({"sonar.beam": beam, "sonar.range": 60.0, "sonar.bins": 600})
+    edges = np.linspace(0.0, 70.0, 7001)
+    x = 0.5 * (edges[1:] + edges[:-1])
+    near, far = np.hypot(x, ALTITUDE), np.hypot(x, ALTITUDE + RAISED)
+    azimuth = math.pi * ((np.arange(2001) + 0.5) / 2001 - 0.5)
+    half, extent = math.sin(math.radians(0.5 * PAIR_WIDTH)), arrays.pattern.extent[0]
+    off = [(x / leg)[:, None] * np.sin(azimuth) - math.sin(math.radians(PAIR_SQUINT)) for leg in (near, far)]
+    beams = [2.0 ** (-2.0 * (sine / half) ** 2) * (np.abs(sine) < extent) for sine in off]
+    common_azimuths = math.pi * np.sqrt(beams[0] * beams[1]).mean(axis=1)
+    apart = math.pi * np.sqrt(beams[0].mean(axis=1) * beams[1].mean(axis=1))
+    density = 2.0 * ALTITUDE * (ALTITUDE + RAISED) / math.pi * x * _pair_range(x) ** 4 / (near * far) ** 3
+    borders = arrays.bin_length * np.arange(arrays.bins + 1)
+    plain, exact = (
+        np.diff(np.interp(borders, _pair_range(edges), np.concatenate([[0.0], np.cumsum(density * taken * 0.01)])))
+        for taken in (apart, common_azimuths)
+    )
+    own, r = _surface_echo(arrays), bin_centres(arrays)
+    shown = r > _pair_range(0.0)
+    return Measured.by(lambda one: 100.0 * abs(one.sum() / exact.sum() - 1.0), plain, own, panel(
+        common(r[shown], plain[shown], "azimuths of each leg alone"),
+        ours(r[shown], own[shown], "one plane of this program"),
+        inked(r[shown], exact[shown], "azimuths that both legs have", ":"),
+        x="slant range (m)", y="echo by the surface", log="y", ylim=(exact.max() * 1e-4, plain.max() * 2.0),
+    ))  # fmt: skip
+
+
+CENTRE, RADIUS = (12.0, -9.0), 0.6  # m, of a ball: ground range, height above the sonar
+FACETS, FINE_FACETS = 24, 100_000
+
+
+def _radiances(facets: int) -> tuple[Values, Values, float]:
+    """Slant ranges at the ends of facets of a ball, Lambert's radiance for both images in their middles, and its sum.
+
+    Facets are denser towards the edges; the radiance is 0 where the facet is hidden from the higher image.
+    """
+    x, z = CENTRE
+    distance, middle = math.hypot(x, z), math.atan2(z, x)
+    edge = math.asin(RADIUS / distance)
+    borders = -edge * np.cos(np.pi * np.arange(facets + 1) / facets)
+    off = 0.5 * (borders[1:] + borders[:-1])
+
+    def legs(angle: Values) -> tuple[Values, Values, Values]:
+        root = np.sqrt(np.clip(RADIUS**2 - (distance * np.sin(angle)) ** 2, 0.0, None))
+        near = distance * np.cos(angle) - root
+        px, pz = near * np.cos(middle + angle), near * np.sin(middle + angle)
+        far = np.hypot(px, pz - RAISED)
+        facing = -((px - x) * px + (pz - z) * (pz - RAISED)) / (RADIUS * far)
+        return 0.5 * (near + far), root / RADIUS, facing
+
+    _, one, other = legs(off)
+    ends, radiance = legs(borders)[0], np.where(other > 0.0, one + other, 0.0)
+    return ends, radiance, float((radiance * np.abs(np.diff(ends))).sum())
+
+
+@SEA_SURFACE.case(
+    "Light at a body's edge",
+    "Under law light an echo is weighted by the range that it spans, which is large at the edge of a round body.",
+    "error of the energy of a ball",
+    "%",
+    failing=Approach(
+        f"Takes the radiance in the middle of each of {FACETS} facets, and the whole facet if that is visible.",
+        0.5,
+    ),
+    right=Approach(
+        "Cuts facets at the edge of what an image illuminates, and takes the mean radiance of their ends.", 0.05
+    ),
+)
+def _light_at_an_edge() -> Measured:
+    ball = ball_at(0.0, CENTRE[0], CENTRE[1] - DEPTH, RADIUS)
+    changes = {"targets": [ball], "sonar.range": 60.0, "sonar.bins": 1200}
+    arrays = arrays_over(np.zeros((2, 2)), 1.0, x0=-1000.0, changes=changes)  # the bed is out of reach
+    arrays = arrays._replace(law=LIGHT, reflectivity=np.tile([1.0, 0.0, 1.0], (arrays.reflectivity.shape[0], 1)))
+    (ends, radiance, plain), (fine_ends, fine_radiance, exact) = _radiances(FACETS), _radiances(FINE_FACETS)
+    own = float(_surface_echo(arrays).sum() * arrays.bin_length)
+    return Measured.by(lambda energy: 100.0 * abs(energy / exact - 1.0), plain, own, panel(
+        common(_corners(ends), np.repeat(radiance, 2), f"{FACETS} facets, each as in its middle"),
+        ours(_corners(fine_ends), np.repeat(fine_radiance, 2), "the ball itself"),
+        x="slant range (m)", y="radiance for both images", title="a ball, surface-bottom path",
+    ))  # fmt: skip
+
+
+def _corners(ends: Values) -> Values:
+    """Both ends of each facet, facet by facet."""
+    return np.ravel(np.column_stack([ends[:-1], ends[1:]]))

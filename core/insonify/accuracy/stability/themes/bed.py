@@ -1,36 +1,39 @@
-"""Failures over relief: steps that are too long, a sonar above a knot, a wrong order of convergence."""
+"""Failures over relief, and of generated reliefs: long steps, knots, orders of convergence, lobes, aliases, seeds."""
 
 from __future__ import annotations
 
 import math
+from typing import Any
 
 import numpy as np
 from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
 from insonify.accuracy.stability.case import Approach, Measured, StabilityTheme, percent
-from insonify.accuracy.stability.drawing import add_legend, common, inked, ours, panel
-from insonify.accuracy.stability.level_scenes import arrays_over, make_pose, sweep_port
+from insonify.accuracy.stability.drawing import add_legend, common, faint, inked, ours, panel, side_by_side, table
+from insonify.accuracy.stability.level_scenes import arrays_over, error_message, make_level_scene, make_pose, sweep_port
 from insonify.acoustics.resolution_cell import bin_centres
 from insonify.display.style import FAINT
 from insonify.kernels.common.types import Poses, SceneArrays
-from insonify.scene import edit, load_scene
+from insonify.scene import Scene, edit, load_scene
 from insonify.simulation import prepare
 from insonify.statistics.record_errors import compare_records
-from insonify.tracers import march, rays, sweep
+from insonify.statistics.record_statistics import amplitude_exponent
+from insonify.terrain import relief, relief_picture
+from insonify.tracers import march, ray_sheets, rays, sweep
 
-THEME = StabilityTheme("The bed", 5)
-Record = NDArray[np.float64]
-SONAR = 5.0  # m, height of the sonar
+Values = NDArray[np.float64]
+THE_BED = StabilityTheme("The bed", 5)
+HEIGHT = 5.0  # m, height of the sonar
 STEP = 2.0
 FINE = 20_000  # rays by which shadows are found
 BORDER = 3  # bins beside the ends of a shadow, which are partly lit
 
 
-@THEME.case(
+@THE_BED.case(
     "Steps too long",
-    "A ray that is sampled every few metres steps over whatever is thinner.",
-    "energy in shadows, over that of a level bed there",
+    "A ray that is sampled every few metres steps over narrower crests.",
+    "energy in shadows over the energy of a level bed there",
     "%",
     failing=Approach(f"Marches in steps of {STEP:g} m.", 5.0),
     right=Approach("Walks every segment of the bed once under a running horizon.", 0.0),
@@ -71,7 +74,7 @@ def _steps() -> Measured:
     return Measured.by(lambda record: 100.0 * record[dark].sum() / without, long, own, draw)
 
 
-def _ray_through_a_crest(across: Record, bed: Record, height: float) -> tuple[Record, float, int]:
+def _ray_through_a_crest(across: Values, bed: Values, height: float) -> tuple[Values, float, int]:
     """Deepest ray through a crest with no sample inside it: samples, slope, and number up to the bed."""
     top = int(np.argmax(np.where((across > 15.0) & (across < 25.0), bed, -np.inf)))
     places = np.arange(0.0, 45.0, STEP)
@@ -83,19 +86,19 @@ def _ray_through_a_crest(across: Record, bed: Record, height: float) -> tuple[Re
     return places, slope, seen
 
 
-def _lost_by_division(x: Record) -> float:
+def _lost_by_division(x: Values) -> float:
     """Percentage of values lost by a running sum over the cosines of incidence on a level bed, by slopes z / x."""
     with np.errstate(invalid="ignore", divide="ignore"):
-        slope = -SONAR / x
+        slope = -HEIGHT / x
         return percent(~np.isfinite(np.cumsum(-slope * x / np.hypot(x, slope * x))))
 
 
-@THEME.case(
+@THE_BED.case(
     "A fish over a knot",
     "The line of sight straight down has the slope 0/0, and every later value of a running sum is lost.",
     "bins or knots without a number",
     "%",
-    failing=Approach("Divides by ground range from the fish on.", 50.0),
+    failing=Approach("Divides by ground range, starting at the fish.", 50.0),
     right=Approach("Starts beneath the fish without dividing by ground range.", 0.0),
 )
 def _knot() -> Measured:
@@ -110,7 +113,7 @@ def _knot() -> Measured:
     for place in off:
         ahead = x[x >= place - 1e-12] - round(place, 10)
         plain.append(_lost_by_division(np.where(np.abs(ahead) < 1e-9, 0.0, ahead)))
-    passing = [percent(~np.isfinite(sweep.trace(level, make_pose(0.0, y, SONAR)))) for y in off]
+    passing = [percent(~np.isfinite(sweep.trace(level, make_pose(0.0, y, HEIGHT)))) for y in off]
     return Measured(_lost_by_division(np.arange(0.0, 20.0, 0.1)), own, panel(
         common(off, plain, "division by ground range", "o", markersize=4),
         ours(off, passing, "walk that starts beneath the fish", ".", markersize=4),
@@ -119,7 +122,7 @@ def _knot() -> Measured:
     ))  # fmt: skip
 
 
-def _smooth(spacing: float) -> SceneArrays:
+def _smooth_waves(spacing: float) -> SceneArrays:
     """Smooth waves sampled at a spacing."""
     place = np.arange(0.0, 64.0 + 0.5 * spacing, spacing)
     waves = 0.15 * np.sin(2.0 * math.pi * place / 12.8)
@@ -144,24 +147,24 @@ def _trace_points(arrays: SceneArrays, pose: Poses, spacing: float) -> NDArray[n
     return out * arrays.range_factor.astype(np.float32)
 
 
-@THEME.case(
+@THE_BED.case(
     "A wrong order of convergence",
-    "A method claims second order: halving its step should quarter its error.",
+    "Halving the step of a second-order method should quarter its error.",
     "deviation of the observed order from 2",
     "%",
     failing=Approach("Treats every sample of the bed as a point scatterer.", 20.0),
     right=Approach("Spreads the energy of each segment over the bins that it spans.", 10.0),
 )
 def _order() -> Measured:
-    spacings, pose, finest, errors = np.array([0.8, 0.4, 0.2]), make_pose(0.0, 12.8, 8.0), _smooth(0.025), []
+    spacings, pose, finest, errors = np.array([0.8, 0.4, 0.2]), make_pose(0.0, 12.8, 8.0), _smooth_waves(0.025), []
     exact = sweep.trace(finest, pose)
     for spacing in map(float, spacings):
-        arrays = _smooth(spacing)
+        arrays = _smooth_waves(spacing)
         records = _trace_points(arrays, pose, spacing), sweep.trace(arrays, pose)
         errors.append([compare_records(finest, pose, record, exact).beyond for record in records])
     points, own = np.array(errors).T
 
-    def off_second_order(errors: Record) -> float:
+    def off_second_order(errors: Values) -> float:
         return float(100.0 * abs(np.polyfit(np.log(spacings), np.log(errors), 1)[0] / 2.0 - 1.0))
 
     return Measured.by(off_second_order, points, own, panel(
@@ -169,4 +172,178 @@ def _order() -> Measured:
         ours(spacings, own, "segments spread over the bins that they span", "D-"),
         inked(spacings, own[0] * (spacings / spacings[0]) ** 2, "second order", "--", linewidth=0.8),
         x="spacing of samples (m)", y="error of the record", log="xy",
+    ))  # fmt: skip
+
+
+ROUGH_BEDS = StabilityTheme("Rough beds", 6)
+ROUGH = {
+    "seabed.relief": {"kind": "fractal", "beta": 1.2, "peaks": [[0.0, 0.0]], "period": 51.2, "rms": 0.16},
+    "seabed.spacing": 0.1,
+    "seabed.material": {"name": "fine_sand"},
+    "sonar.range": 40.0,
+    "sonar.bins": 800,
+}
+
+
+@ROUGH_BEDS.case(
+    "A lobe narrower than a cell's twist",
+    "Within one cell of a rough bed the surface turns by more than the width of a specular lobe.",
+    "error of the record against exact rays",
+    "%",
+    failing=Approach("Takes the incidence at the middle of each cell's segment.", 5.0),
+    right=Approach("Divides a segment until lobe, slope and density change little within each part.", 1.0),
+)
+def _lobe() -> Measured:
+    simulation = prepare(make_level_scene(ROUGH))
+    arrays, pose = simulation.arrays, simulation.poses(np.zeros(1, dtype=np.int64))
+    whole, divided = (  # share of a bin's echo that a segment may misplace
+        sweep.trace(arrays._replace(limits=arrays.limits._replace(misplaced=share)), pose, planes=1)
+        for share in (math.inf, 0.01)
+    )
+    exact = ray_sheets.trace(arrays, pose, rays=1 << 14)
+    lit = exact[0, 0] > 0.01 * np.median(exact[0, 0][exact[0, 0] > 0.0])
+    r, ratios = bin_centres(arrays)[lit], [record[0, 0][lit] / exact[0, 0][lit] for record in (whole, divided)]
+    return Measured.by(lambda one: 100.0 * compare_records(arrays, pose, one, exact).beyond, whole, divided, panel(
+        common(r, ratios[0], "one incidence a cell", ".", markersize=3),
+        ours(r, ratios[1], "cells divided", ".", markersize=3),
+        inked(None, 1.0, linewidth=0.6),
+        x="slant range (m)", y="echo over that of exact rays", log="y", ylim=(0.1, 10.0), xlim=(10.0, 40.0),
+        legend="upper right",
+    ))  # fmt: skip
+
+
+GENERATED_RELIEFS = StabilityTheme("Generated reliefs", 9)
+CELLS = 256
+SHARED = 40  # waves that grids of 128 and of 256 nodes both resolve
+
+
+def _fractal(**options: Any) -> Scene:
+    declared = {"kind": "fractal", "period": 25.6, "rms": 0.05} | options
+    return make_level_scene({"seabed.spacing": 0.1, "seabed.relief": declared})
+
+
+def _filter_noise(shape: tuple[int, int], beta: float, peak: tuple[float, float] = (0.0, 0.0)) -> Values:
+    """White noise filtered by the distance of array indices from a peak: its real part."""
+    noise = np.fft.fft2(np.random.default_rng(1).normal(size=shape))
+    rows, columns = np.indices(shape)
+    away = np.hypot(columns - peak[0] % shape[1], rows - peak[1] % shape[0])
+    return np.asarray(np.fft.ifft2(noise * np.maximum(away, 1.0) ** -beta).real)
+
+
+BAD: tuple[dict[str, Any], ...] = ({"peaks": [[200.0, 0.0]]}, {"peaks": [[0.0, 128.0]]}, {"beta": 5.0}, {"beta": -1.0})
+
+
+@GENERATED_RELIEFS.case(
+    "Peaks and exponents out of bounds",
+    "A peak at or above the Nyquist frequency aliases; an exponent below 0, or of 5 and more, gives no relief.",
+    "such beds made without an error",
+    "of 4",
+    failing=Approach("Filters by array indices without a check.", 3.0),
+    right=Approach("Reports each as one sentence that names the field.", 0.0),
+)
+def _out_of_bounds() -> Measured:
+    made, unexplained, rows = 0, 0, []
+    for wrong in BAD:
+        peak = wrong.get("peaks", [[0.0, 0.0]])[0]
+        field = _filter_noise((64, 64), float(wrong.get("beta", 1.4)), (peak[0], peak[1]))
+        made += bool(np.isfinite(field).all())
+        message = error_message(lambda wrong=wrong: _fractal(**wrong))  # type: ignore[misc]
+        unexplained += "\n" in message or "relief" not in message
+        fields = ", ".join(f"{name} = {value}" for name, value in wrong.items())
+        rows.append((fields, f"heights from {field.min():.2g} to {field.max():.2g}", message))
+    return Measured(float(made), float(unexplained), table(("relief", "filtered without a check", "message"), rows))
+
+
+@GENERATED_RELIEFS.case(
+    "Undersampled ripples",
+    "Waves too short for a coarse grid alias to longer ones.",
+    "energy of aliased waves",
+    "%",
+    failing=Approach("Takes every second sample.", 50.0),
+    right=Approach("Synthesises the same relief on the coarse grid from the waves that it resolves.", 1e-9),
+)
+def _undersampled() -> Measured:
+    keep, x = CELLS // 2, np.arange(CELLS) * 0.1
+    seabed = _fractal(beta=3.0, peaks=[[90.0, 0.0]]).seabed  # more cycles per period than a grid of 128 resolves
+    fine = relief(seabed, (CELLS, CELLS))
+    sampled, made = fine[::2, ::2], relief(seabed, (keep, keep))
+    waves = np.fft.fft2(fine, norm="forward")
+    index = (np.arange(keep) + keep // 2) % keep - keep // 2
+
+    def aliased(coarse: Values) -> float:
+        """Energy of waves that the landscape does not have, over all its energy, in per cent."""
+        alias = np.abs(np.fft.fft2(coarse, norm="forward") - waves[np.ix_(index, index)]) ** 2
+        alias[keep // 2], alias[:, keep // 2] = 0.0, 0.0
+        return float(100.0 * alias.sum() / (np.abs(waves) ** 2).sum())
+
+    return Measured.by(aliased, sampled, made, panel(
+        faint(x, fine[10], "ripples of 28 cm, sampled every 10 cm", linewidth=0.7),
+        common(x[::2], sampled[5], "every second sample: 67 cm", ".-", linewidth=1.2, markersize=3),
+        ours(x[::2], made[5], "relief that a grid of 20 cm resolves", linewidth=1.6),
+        x="along x (m)", y="height (m)", xlim=(0.0, 8.0), ylim=(-0.18, 0.30), legend="upper right",
+    ))  # fmt: skip
+
+
+def _resolved_waves(field: Values) -> Values:
+    """Relief low-passed to the waves that both grids resolve, over its rms."""
+    half = np.fft.rfft2(field, norm="forward")
+    half[SHARED:-SHARED], half[:, SHARED:] = 0.0, 0.0
+    wave = np.fft.irfft2(half, field.shape, norm="forward")
+    return np.asarray(wave / wave.std())
+
+
+def _difference(fields: list[Values]) -> float:
+    """Relative difference of the waves that both grids resolve, in per cent."""
+    a, b = (np.fft.rfft2(field, norm="forward")[:SHARED, 1:SHARED] for field in fields)
+    return float(100.0 * np.linalg.norm(a / np.linalg.norm(a) - b / np.linalg.norm(b)))
+
+
+@GENERATED_RELIEFS.case(
+    "The same seed on another grid",
+    "Random numbers drawn per sample give another relief on every grid; array indices give another shape on a "
+    "grid that is not square.",
+    "difference between the waves that both grids resolve",
+    "%",
+    failing=Approach("Draws noise for each grid and filters it by indices.", 100.0),
+    right=Approach("Hashes each wave's coefficient from the seed and its frequency.", 1e-9),
+)
+def _same_seed() -> Measured:
+    seabed, shapes, y = _fractal(beta=1.4).seabed, ((CELLS, CELLS), (CELLS, 128)), np.arange(CELLS) * 0.1
+    plain, own = [_filter_noise(shape, 1.4) for shape in shapes], [relief(seabed, shape) for shape in shapes]
+
+    def curves(draw: Any, fields: list[Values]) -> list[Any]:
+        square, narrow = (_resolved_waves(field)[:, 0] for field in fields)
+        return [
+            draw(y, square, f"{CELLS} columns", linewidth=1.0),
+            draw(y, narrow, "128 columns", "--", linewidth=1.6),
+        ]
+
+    labels: dict[str, Any] = {"x": "along y (m)", "y": "height over its rms"}
+    return Measured.by(_difference, plain, own, side_by_side(
+        panel(*curves(common, plain), title="noise per sample", place=121, **labels),
+        panel(*curves(ours, own), title="hashed waves", place=122, **labels),
+    ))  # fmt: skip
+
+
+@GENERATED_RELIEFS.case(
+    "β measured on a picture",
+    "Rounding to 256 greys adds white noise, which flattens a spectrum that falls steeply.",
+    "error of the measured β",
+    "",
+    failing=Approach("Fits the spectrum of a picture in 256 greys.", 0.2),
+    right=Approach("Fits the spectrum of the heights themselves.", 0.02),
+    scene="breaks-greys",
+)
+def _greys() -> Measured:
+    scene, curves, slopes = load_scene("breaks-greys"), [], []
+    heights, picture = relief(scene.seabed), relief_picture(scene)[::-1].astype(np.float64)
+    for field, draw, words in ((heights, ours, "heights"), (picture, common, "picture in 256 greys")):
+        power = np.abs(np.fft.rfft2(field / field.std(), norm="forward")) ** 2
+        fy = np.fft.fftfreq(field.shape[0], 1.0 / field.shape[0])[:, None]
+        radius = np.rint(np.hypot(fy, np.arange(power.shape[1]))).astype(np.int64).ravel()
+        mean = np.bincount(radius, power.ravel())[1:250] / np.bincount(radius)[1:250]
+        slopes.append(amplitude_exponent(field))
+        curves.append(draw(np.arange(1, 250), 10.0 * np.log10(mean), f"{words}: β = {slopes[-1]:.2f}"))
+    return Measured(abs(slopes[1] - 2.0), abs(slopes[0] - 2.0), panel(
+        *curves, x="cycles per period", y="mean power (dB)", log="x",
     ))  # fmt: skip

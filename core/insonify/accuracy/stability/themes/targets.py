@@ -22,11 +22,11 @@ from insonify.simulation import simulate
 from insonify.tracers import rays, sweep
 
 THEME = StabilityTheme("Targets", 7)
-Vectors = NDArray[np.float64]
+Values = NDArray[np.float64]
 RADIUS = 1.0
 
 
-def _count_triangles(corners: Vectors, origin: Vectors, direction: Vectors) -> int:
+def _count_triangles(corners: Values, origin: Values, direction: Values) -> int:
     """Count the triangles that a ray meets (Möller and Trumbore), in float32, borders included."""
     a, b, c = (corners[:, k].astype(np.float32) for k in range(3))
     way, start = direction.astype(np.float32), origin.astype(np.float32)
@@ -96,7 +96,7 @@ def _shadow_interval(across: float, above: float, altitude: float) -> tuple[floa
 
 
 def _is_right(name: str, record: NDArray[np.float32], bare: NDArray[np.float32]) -> bool:
-    """Whether the record of a ball at a place is right, given that of the bare bed."""
+    """Whether the record of a ball at a place is right, compared with the record of the bare bed."""
     port, starboard = record
     if not (np.isfinite(port).all() and (record >= 0.0).all()):
         return False
@@ -114,7 +114,7 @@ def _is_right(name: str, record: NDArray[np.float32], bare: NDArray[np.float32])
     "places with a wrong record",
     "of 5",
     failing=Approach("Hides the bed from H / sin(φ + α) to H / sin(φ − α).", 2.0),
-    right=Approach("Traces what is in sight, and refuses a sonar inside a target in one sentence.", 0.0),
+    right=Approach("Traces visible targets only, and reports a sonar inside a target as one sentence.", 0.0),
 )
 def _places() -> Measured:
     plain, own, rows = 0, 0, []
@@ -154,7 +154,7 @@ def _echo_by_facets(exponent: float, facets: int) -> float:
 
 
 def _echo_by_sweep(exponent: float) -> float:
-    """Energy of the same echo by the sweep, the bed out of reach."""
+    """Energy of the same echo by the sweep, with the bed out of reach."""
     changes = {"targets": [ball_at(0.0, CENTRE[0], CENTRE[1] - 30.0, RADIUS)]}
     arrays = arrays_over(np.zeros((2, 2)), 1.0, x0=-1000.0, changes=changes)
     lobes = np.tile([0.2, 0.8, exponent], (arrays.reflectivity.shape[0], 1))
@@ -164,11 +164,11 @@ def _echo_by_sweep(exponent: float) -> float:
 
 @THEME.case(
     "A lobe narrower than a facet",
-    "On a round target the incidence changes along a facet by more than a narrow specular lobe is wide.",
+    "Along a facet of a round target the incidence changes by more than the width of a narrow specular lobe.",
     "error of the energy, exponents from 10 to 1000",
     "%",
     failing=Approach("Takes the incidence in the middle of each facet.", 5.0),
-    right=Approach("Averages the lobe, in as many parts as it asks for.", 0.1),
+    right=Approach("Averages the lobe over as many parts of a facet as its width requires.", 0.1),
 )
 def _glints() -> Measured:
     facets, exponents = 64, (10.0, 25.0, 100.0, 300.0, 1000.0)

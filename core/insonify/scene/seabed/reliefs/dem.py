@@ -9,8 +9,7 @@ from numpy.typing import NDArray
 
 from insonify.errors import SceneError
 from insonify.files import kept_until_changed
-from insonify.io.bathymetry import BATHYMETRY, Grid, read_grid
-from insonify.io.bathymetry.grid import LARGEST_SIDE
+from insonify.io.bathymetry import BATHYMETRY, LARGEST_SIDE, Grid, read_grid
 from insonify.io.georeference import Georeference
 from insonify.scene.base import FilePath, parameter
 from insonify.scene.seabed.reliefs import AddableRelief, HeightGrid
@@ -28,14 +27,10 @@ class Dem(AddableRelief):
     kind: Literal["dem"] = "dem"
     path: FilePath = parameter(description="grid of heights or depths: GeoTIFF, BAG, .asc, .npy or .npz", min_length=1)
     positive: Literal["auto", "up", "down"] = parameter(
-        "auto",
-        description="sign of the numbers of the file: heights (up), depths (down), or as the file states (auto)",
-        rare=True,
+        "auto", "sign of the numbers of the file: heights (up), depths (down), or as the file states (auto)", rare=True
     )
-    datum: float = parameter(
-        0.0, unit="m", description="height that is added to every height of the file", ge=-2e4, le=2e4
-    )
-    scale: float = parameter(1.0, description="factor of every height, before the datum is added", gt=0.0, le=1e3)
+    datum: float = parameter(0.0, "height that is added to every height of the file", "m", ge=-2e4, le=2e4)
+    scale: float = parameter(1.0, "factor of every height, before the datum is added", gt=0.0, le=1e3)
 
     def sample(
         self, spacing: float, origin: tuple[float, float] | None = None, shape: tuple[int, int] | None = None

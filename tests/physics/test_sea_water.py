@@ -1,0 +1,95 @@
+"""Absorption and speed of sound in sea water, against published tables and through to the record."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+
+from insonify.scene import edit, load_scene
+from insonify.scene.water.absorptions import francois_garrison
+from insonify.scene.water.sound_speed import EQUATIONS, mackenzie, paper, teos10
+from insonify.simulation import prepare
+
+# dB/km at pH 8, depth 0, 35 g/kg, by frequency and temperature: Francois & Garrison 1982.
+TABLE = {
+    100e3: {4.0: 27.536, 10.0: 33.630, 20.0: 38.059},
+    400e3: {4.0: 94.257, 10.0: 96.114, 20.0: 123.625},
+    900e3: {4.0: 357.095, 10.0: 299.463, 20.0: 274.234},
+}
+CASES = [(frequency, t, decibels) for frequency, row in TABLE.items() for t, decibels in row.items()]
+QUIET = {"seabed.relief": "flat", "targets": [], "sonar.pulse": "ideal", "track.pings": 1, "sonar.beam": "knife"}
+
+
+@pytest.mark.parametrize(("frequency", "temperature", "decibels"), CASES)
+def test_against_the_table(frequency, temperature, decibels):
+    assert francois_garrison(frequency, temperature) == pytest.approx(decibels, rel=1e-3)
+
+
+def test_pieces_of_pure_water_meet_at_20_degrees():
+    below, above = (francois_garrison(900e3, t) for t in (20.0, 20.0 + 1e-9))
+    assert above == pytest.approx(below, rel=1e-3)
+
+
+def test_pressure_lessens_and_salt_increases_it():
+    surface = francois_garrison(100e3, 10.0)
+    assert francois_garrison(100e3, 10.0, depth=1000.0) < surface
+    assert francois_garrison(100e3, 10.0, salinity=38.0) > surface
+    # Boric acid, the only part that knows pH, rules low frequencies.
+    assert francois_garrison(1e3, 10.0, acidity=8.3) > 1.5 * francois_garrison(1e3, 10.0, acidity=7.9)
+    assert 0.0 < francois_garrison(100e3, 10.0, salinity=0.0) < 0.2 * surface
+
+
+def record(changes):
+    return prepare(edit(load_scene("default"), {**QUIET, **changes})).intensity(np.array([0]))[0, 0].astype(float)
+
+
+@pytest.mark.parametrize("law", ["sonar", "light"])
+def test_a_record_loses_twice_the_way(law):
+    clear, absorbing = record({"sonar.law": law}), record({"sonar.law": law, "water.absorption": 100.0})
+    r = (np.arange(1000) + 0.5) * 0.05
+    heard = clear > 0.0
+    loss = 10.0 * np.log10(absorbing[heard] / clear[heard])
+    np.testing.assert_allclose(loss, -2.0 * r[heard] * 0.1, atol=1e-4)
+
+
+def test_a_record_takes_the_sonars_own_depth_and_frequency():
+    changes = {"water.absorption": {"kind": "francois_garrison", "temperature": 4.0}, "sonar.frequency": 900e3}
+    ratio = record(changes)[900] / record({})[900]
+    decibels = francois_garrison(900e3, 4.0, depth=20.0)
+    assert -10.0 * math.log10(ratio) == pytest.approx(2.0 * decibels * 900.5 * 0.05 / 1e3, rel=1e-5)
+
+
+AT_THE_SURFACE = {
+    "paper": (1449.000, 1489.800, 1521.400),
+    "mackenzie": (1448.960, 1489.803, 1521.463),
+    "teos10": (1449.025, 1489.789, 1521.480),
+}
+
+
+@pytest.mark.parametrize("name", AT_THE_SURFACE)
+def test_the_speed_at_the_surface_is_as_printed(name):
+    np.testing.assert_allclose(EQUATIONS[name]([0.0, 10.0, 20.0], 35.0, 0.0), AT_THE_SURFACE[name], atol=5.1e-4)
+
+
+def test_mackenzie_at_depth_is_as_printed():
+    assert mackenzie(25.0, 35.0, 1000.0) == pytest.approx(1550.744, abs=5e-4)
+
+
+def test_the_paper_at_50_m():
+    np.testing.assert_allclose(paper([10.0, 20.0], 35.0, 50.0), [1490.62, 1522.22], atol=5e-3)
+
+
+def test_the_paper_without_its_misprint_grows_with_temperature():
+    t = np.linspace(0.0, 30.0, 61)
+    assert (np.diff(paper(t, 35.0, 0.0)) > 0.0).all()
+    misprinted = paper(t, 35.0, 0.0) + (0.055 - 0.55) * t**2
+    assert misprinted[20] - paper(10.0, 35.0, 0.0) == pytest.approx(-49.5)
+    assert np.diff(misprinted)[-1] < 0.0
+
+
+def test_the_three_agree_over_the_sea():
+    t, s, d = (axis.ravel() for axis in np.meshgrid([2.0, 12.0, 25.0], [30.0, 35.0, 38.0], [0.0, 100.0, 1000.0]))
+    assert np.abs(paper(t, s, d) - teos10(t, s, d)).max() < 0.8
+    assert np.abs(mackenzie(t, s, d) - teos10(t, s, d)).max() < 0.35
