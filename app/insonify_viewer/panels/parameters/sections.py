@@ -284,7 +284,9 @@ def _idle(scene: Scene, path: str) -> str:
     beams, receiver = (scene.sonar.beam, scene.sonar.vertical), scene.receiver
     if any(part.by_frequency for part in (*beams, scene.water.absorption)) or receiver.speckle.speckled:
         return ""
-    return "changes nothing here: it acts on a line-array beam, Francois-Garrison absorption and speckle"
+    if scene.water.kind != "uniform":
+        return ""  # where water focuses sound, the frequency limits the level
+    return "changes nothing here: it acts on a line-array beam, Francois-Garrison absorption, caustics and speckle"
 
 
 def _idle_source_level(scene: Scene) -> str:

@@ -29,7 +29,7 @@ from insonify.kernels.refraction.arcs import NODE, RANGE, RayState
 from insonify.kernels.refraction.section_arcs import SectionPlane, advance_ray, launch_ray
 
 MOST_ARCS = 4096  # of one ray; a trapped one ends there
-FAR = 4.0  # ρ beyond which the fringes average to two separate rays within 1 %
+FAR = 4.0  # ρ beyond which the fringes average to two separate rays within 2 %
 OCTAVE = 0.35  # standard deviation of the logarithm of frequency over which fringes are averaged
 STEPS = 32  # samples of the table per unit of ρ
 ASIDE = 1e-6  # rad between a ray and the neighbour that tells how its tube changes
@@ -51,9 +51,10 @@ def _airy(z: NDArray[np.float64]) -> NDArray[np.float64]:
 def _averaged_squares() -> NDArray[np.float64]:
     """Ai²(-ρ) averaged over an octave of frequency, at equal steps of ρ from -FAR to FAR."""
     rho = np.linspace(-FAR, FAR, int(2 * FAR * STEPS) + 1)
-    nodes, weights = np.polynomial.hermite_e.hermegauss(8)
+    nodes, weights = np.polynomial.hermite_e.hermegauss(24)
     ratio = np.exp(OCTAVE * nodes)  # of frequency: ρ grows with its power of ⅔, intensity with that of ⅓
-    square = _airy(-rho[:, None] * ratio ** (2.0 / 3.0)) ** 2
+    # Beyond 10, where the series loses its digits, there is no weight.
+    square = _airy(np.clip(-rho[:, None] * ratio ** (2.0 / 3.0), -10.0, 10.0)) ** 2
     return np.ascontiguousarray((square * ratio ** (1.0 / 3.0)) @ (weights / weights.sum()))
 
 

@@ -106,6 +106,14 @@ def _pair_paths(waveguide, z, landings, rays, weight):
             if angle == angle and _is_new(found, ways, angle):
                 found[ways] = angle
                 ways += 1
+        if arrivals.dark[k] > 0.0 and ways <= MOST_WAYS:
+            # Nearer to a caustic than any probe ray: the other path is as far beyond it.
+            for beyond in (-2.0, 2.0):
+                guess = found[0] + beyond * arrivals.shift[k] / arrivals.tube[k]
+                angle = _find_other_path(waveguide, z, guess, x, height)
+                if angle == angle and _is_new(found, ways, angle) and ways <= MOST_WAYS:
+                    found[ways] = angle
+                    ways += 1
         if count + ways > pairs.size:
             pairs, numbers, angles = _enlarge_row(pairs), _enlarge_row(numbers), _enlarge_row(angles)
         found[1:ways].sort()

@@ -25,6 +25,9 @@ CROWD = 6.0  # concentration of the first probe rays about the horizontal, where
 APART = 1.0 / 512.0  # share of the range by which two probe rays may land apart; farther apart others go between
 CLOSE = 1e-9  # rad between two probe rays that land far apart, or one nowhere, below which none goes between
 MOST_PROBE_RAYS = 8192
+FOLD_HALVINGS = (
+    8  # of the elevations between probe rays about a fold, so that both paths to a place beside it are found
+)
 
 
 class Waveguide(NamedTuple):
@@ -99,6 +102,8 @@ def _weigh_elevations(waveguide, z):
                 waiting.append(_send_probe(waveguide, z, 0.5 * (last.angle + following.angle)))
             else:
                 probes.append(waiting.pop())
+    for _ in range(FOLD_HALVINGS):
+        probes = _halve_about_folds(waveguide, z, probes)
     share, on_bed, aloft = np.zeros(len(probes) - 1), 0.0, 0.0
     for i in range(share.size):
         one, other = probes[i], probes[i + 1]
@@ -133,6 +138,26 @@ def _landings(probes):
                 fold = min(fold, probe.x)
             farthest = max(farthest, probe.x)
     return Landings(landings.angle, landings.range, landings.x, landings.flat, fold)
+
+
+@kernel
+def _halve_about_folds(waveguide, z, probes):
+    """Probe rays with others halfway to their neighbours where their ground range is least or greatest."""
+    more = [probes[0]]
+    for i in range(1, len(probes)):
+        if _is_fold(probes, i - 1) or _is_fold(probes, i):
+            more.append(_send_probe(waveguide, z, 0.5 * (probes[i - 1].angle + probes[i].angle)))
+        more.append(probes[i])
+    return more
+
+
+@inlined
+def _is_fold(probes, i):
+    """Whether both neighbours of a probe ray land nearer than it, or both farther."""
+    if i == 0 or i == len(probes) - 1:
+        return False
+    one, here, other = probes[i - 1].x, probes[i].x, probes[i + 1].x
+    return max(one, here, other) < math.inf and (here - one) * (other - here) < 0.0
 
 
 @inlined

@@ -49,8 +49,8 @@ DIRECT = -1  # way of a first echo, back along the ray itself
 KINKED = 0.02  # share by which growths differ on both sides of a kink
 FINE = 1.0 / 64.0  # share of a bin by which neighbours may land apart without being halved
 FINEST = 1e-9  # rad, the least angle between neighbours
-ROUNDED = 0.03  # share by which the echoes of neighbours on a round body may differ without being halved
-FINEST_ROUNDED = 1e-6  # rad, the least angle between neighbours on one
+ROUNDED = 0.03  # share by which echoes of neighbours on a round body or at a caustic may differ without being halved
+FINEST_ROUNDED = 1e-6  # rad, the least angle between neighbours on one or at a caustic
 OF_NADIR = 4  # rays of a sheet per extra ray about nadir
 OF_THREE = 3  # rays of a gap: both ends and the middle
 REVERSED = 1 << 32  # marks surfaces with mixed echoes that count for both orders of their paths
@@ -75,6 +75,7 @@ class SheetEchoes(NamedTuple):
     growth: NDArray[np.float64]  # (n,) of slant range, m per radian of elevation
     dark: NDArray[np.float64]  # (n,) value of the echo from the dark side of a caustic
     mirrored: NDArray[np.float64]  # (n,) and its slant range, m
+    at_caustic: NDArray[np.bool_]  # (n,) whether a caustic is near
 
 
 @kernel
@@ -139,10 +140,11 @@ def _add_sheets(arrays, beam, pitch, near, sheets, rays, sums):
 def _add_sheet(arrays, beam, fan, angle, place, way, sums):
     """Sum the echoes of one sheet back by one path; return whether there are any."""
     together, landed = angle.size, _trace_sheet(arrays, beam, fan, angle, place, way)
+    folds = fan.landings.fold < math.inf
     if way != DIRECT and not np.any(landed.value > 0.0):
         return False
     while landed.angle.size > 0:
-        gaps = _spread_or_split(landed, together, arrays.solids.shape.size, arrays.bin_length, sums)
+        gaps = _spread_or_split(landed, together, arrays.solids.shape.size, folds, arrays.bin_length, sums)
         halfway = 0.5 * (landed.angle[gaps] + landed.angle[gaps + 1])
         middles = _trace_sheet(arrays, beam, fan, halfway, place, way)
         landed, together = _insert_middles(landed, gaps, middles), OF_THREE
@@ -169,8 +171,9 @@ def _trace_sheet(arrays, beam, fan, angle, place, way):
     n, solids = angle.size, arrays.solids.shape.size
     bundle, density = _send(arrays, beam, fan.pitch, angle, place)
     landed = SheetEchoes(
-        angle, np.full(n, math.inf), np.full(n, NOTHING), np.zeros(n), np.zeros(n), np.zeros(n), np.zeros(n)
-    )
+        angle, np.full(n, math.inf), np.full(n, NOTHING), np.zeros(n), np.zeros(n), np.zeros(n), np.zeros(n),
+        np.zeros(n, np.bool_),
+    )  # fmt: skip
     if arrays.water.bent:
         rays = LandedRays(bundle, empty_hits(n), empty_arrivals(n))
         find_refracted_hits(arrays, bundle, beam.reach, 0.0, rays.hits, rays.arrivals)
@@ -179,6 +182,8 @@ def _trace_sheet(arrays, beam, fan, angle, place, way):
         find_first_hits(arrays.bed, arrays.solids, fan.near, fan.near.size, arrays.mesh, bundle, beam.reach, hits)
         rays = arrive_straight(bundle, hits, arrays.water.reference)
     hits = rays.hits
+    if arrays.water.bent:
+        landed.at_caustic[:] = rays.arrivals.dark > 0.0
     if way == DIRECT:
         if arrays.pattern.tabulated:
             density = weigh_by_pattern(arrays, beam, rays, density)
@@ -189,7 +194,7 @@ def _trace_sheet(arrays, beam, fan, angle, place, way):
             landed.dark[dark.ray], landed.mirrored[dark.ray] = dark.value, dark.distance
         return SheetEchoes(
             angle, hits.distance, np.minimum(hits.body, solids), echoes.value, landed.growth, landed.dark,
-            landed.mirrored,
+            landed.mirrored, landed.at_caustic,
         )  # fmt: skip
     mixed = find_mixed_echoes(arrays, beam, fan.waveguide, fan.landings, density, rays)
     for m in range(mixed.ray.size):
@@ -246,11 +251,12 @@ def _azimuth(centre, extent, main, level, place):
 
 
 @kernel
-def _spread_or_split(landed, together, solids, bin_length, sums):
+def _spread_or_split(landed, together, solids, folds, bin_length, sums):
     """Spread the energy between neighbouring rays over the bins that it spans; list the gaps that must be halved.
 
     Each run of ``together`` rays is a row of neighbours. Surfaces below ``solids`` are round bodies: the echo changes
-    between two neighbours even where their landings fit an even spread.
+    between two neighbours even where their landings fit an even spread. So it does at a caustic, of water that
+    ``folds`` the bed.
     """
     n = landed.angle.size
     gaps, count = np.empty(n, np.int64), 0
@@ -261,10 +267,12 @@ def _spread_or_split(landed, together, solids, bin_length, sums):
         one, other = landed.growth[k] * angle, landed.growth[k + 1] * angle
         apart = abs(landed.distance[k + 1] - landed.distance[k])
         alike = landed.surface[k] == landed.surface[k + 1] and landed.value[k] > 0.0 and landed.value[k + 1] > 0.0
-        is_round = landed.surface[k] >= 0 and landed.surface[k] < solids and angle > FINEST_ROUNDED
+        is_round = landed.surface[k] >= 0 and landed.surface[k] < solids
         change = abs(landed.value[k] - landed.value[k + 1]) / max(landed.value[k], landed.value[k + 1])
+        at_caustic = landed.at_caustic[k] or landed.at_caustic[k + 1]
         # Ranges that differ by less than both growths lie on either side of the nearest point, where the echo peaks.
-        if alike and is_round and (change > ROUNDED or apart < 0.25 * (one + other)):
+        turned = apart < 0.25 * (one + other) and (is_round or folds)
+        if alike and angle > FINEST_ROUNDED and (turned or ((is_round or at_caustic) and change > ROUNDED)):
             gaps[count] = k
             count += 1
         elif alike and abs(apart - 0.5 * (one + other)) <= 0.5 * max(one, other):
@@ -324,6 +332,7 @@ def _insert_middles(landed, gaps, middles):
         _insert_between(landed.growth, gaps, middles.growth),
         _insert_between(landed.dark, gaps, middles.dark),
         _insert_between(landed.mirrored, gaps, middles.mirrored),
+        _insert_between(landed.at_caustic, gaps, middles.at_caustic),
     )
 
 
