@@ -47,6 +47,7 @@ VOLUME = {"receiver.reverberation": {"kind": "volume", "volume_strength": -30.0}
 SURFACE = {"receiver.reverberation": "surface", **BY_DEPTH}
 BOTH = {**SURFACE, "receiver.reverberation": {"kind": "both", "volume_strength": -30.0}}
 NOISE = {"receiver.noise": "ambient"}
+PRESET = {"sonar.preset": "kayak-455"}
 LOUD = {"receiver.source_level": 200.0}
 WHITE = LOUD | {"receiver.noise": "density"}
 SEA_NOISE = LOUD | {"sonar.frequency": 5e4, "receiver.noise": {"kind": "sea", "wind": 20.0}}
@@ -209,6 +210,7 @@ CHANGES: dict[str, tuple[dict, dict]] = {
     **_of_motions("track.motion", {}),
     "track.motion[sum].of": (SUM, {"track.motion.of": ["straight", "sway"]}),
     **_of_motions("track.motion[sum].of", SUM),
+    "sonar.preset": ({}, PRESET),
     "receiver.speckle": ({}, RAYLEIGH),
     "receiver.speckle[rayleigh].looks": (RAYLEIGH, {"receiver.speckle.looks": 2}),
     "receiver.speckle[k].shape": (K, {"receiver.speckle.shape": 1.0}),

@@ -18,6 +18,9 @@ MOST_BINS = 100_000  # greatest number of bins per side of a record, and of bins
 class Sonar(Declaration):
     """A side-scan sonar with a port and a starboard channel."""
 
+    preset: str | None = parameter(
+        None, description="preset of a sonar, of which numbers apply where none are given; a bare name stands for it"
+    )
     frequency: float = parameter(
         400e3, unit="Hz", description="carrier frequency", ge=1e3, le=2e6, slider=(5e4, 1.2e6), log=True
     )
