@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import itertools
+import math
 from collections.abc import Sequence
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -80,6 +82,23 @@ def mesh_of(vertices: ArrayLike, faces: ArrayLike, *, target: int = 0) -> Mesh:
     return build_mesh(corners, rows, rows + target)
 
 
+# Faces of a box whose corners are in the order of `box_corners`.
+BOX_FACES = (
+    (0, 1, 3), (0, 3, 2), (4, 6, 7), (4, 7, 5), (0, 4, 5), (0, 5, 1),
+    (2, 3, 7), (2, 7, 6), (1, 5, 7), (1, 7, 3), (0, 2, 6), (0, 6, 4),
+)  # fmt: skip
+
+
+def box_corners(low: Sequence[float], high: Sequence[float]) -> np.ndarray:
+    """Corners of a box along the axes, (8, 3)."""
+    return np.array(list(itertools.product(*zip(low, high))))
+
+
+def box_mesh(low: Sequence[float], high: Sequence[float], *, target: int = 0) -> Mesh:
+    """Mesh of a box along the axes."""
+    return mesh_of(box_corners(low, high), BOX_FACES, target=target)
+
+
 def icosphere(halvings: int, radius: float = 1.0, centre: ArrayLike = (0.0, 0.0, 0.0)) -> tuple[np.ndarray, np.ndarray]:
     """Vertices and counter-clockwise faces of an icosahedron whose faces are quartered and pushed out to a sphere."""
     golden = 0.5 * (1.0 + 5.0**0.5)
@@ -109,6 +128,36 @@ def icosphere(halvings: int, radius: float = 1.0, centre: ArrayLike = (0.0, 0.0,
     return radius * np.array(vertices) + np.asarray(centre), np.array(faces)
 
 
+def tabulated_pattern(
+    extent: ArrayLike,
+    energy: ArrayLike,
+    *,
+    centre: float = 0.0,
+    first_range: float = 1.0,
+    per_octave: float = 1.0,
+    vertical: int = EVERY_GRAZING,
+    tilt: float = 0.0,
+    s_vertical: float = 1.0,
+    two_way: bool = True,
+) -> BeamPattern:
+    """Beam of energies (rows, columns), a row per range, at sines evenly spaced within an extent about its centre."""
+    extent, energy = np.atleast_1d(np.asarray(extent, float)), np.atleast_2d(np.asarray(energy, float))
+    steps = (energy[:, 1:] + energy[:, :-1]) * (extent[:, None] / (energy.shape[1] - 1))
+    return BeamPattern(
+        tabulated=True,
+        centre=centre,
+        extent=extent,
+        energy=energy,
+        integral=np.concatenate([np.zeros((len(extent), 1)), np.cumsum(steps, axis=1)], axis=1),
+        first_range=first_range,
+        per_octave=per_octave,
+        vertical=vertical,
+        tilt=tilt,
+        s_vertical=s_vertical,
+        two_way=two_way,
+    )
+
+
 def gaussian_pattern(
     width: float,
     *,
@@ -120,25 +169,17 @@ def gaussian_pattern(
     near_width: float | None = None,
 ) -> BeamPattern:
     """Gaussian beam of a one-way -3 dB width in radians; ``near_width`` is its width at 5 m and nearer."""
-    sines = np.sin(
-        [w / 2.0 for w in ([width] if near_width is None else [near_width, 0.5 * (near_width + width), width])]
-    )
-    extent = 4.0 * sines
-    offset = extent[:, None] * np.linspace(-1.0, 1.0, 401)
-    energy = 2.0 ** (-(2.0 if two_way else 1.0) * (offset / sines[:, None]) ** 2)
-    steps = 0.5 * (energy[:, 1:] + energy[:, :-1]) * np.diff(offset, axis=1)
-    return BeamPattern(
-        tabulated=True,
+    widths = [width] if near_width is None else [near_width, 0.5 * (near_width + width), width]
+    sines = np.sin(0.5 * np.array(widths))
+    energy = 2.0 ** (-(2.0 if two_way else 1.0) * (4.0 * np.linspace(-1.0, 1.0, 401)) ** 2)
+    vertically = {"vertical": vertical, "tilt": tilt, "s_vertical": float(np.sin(0.5 * vertical_width))}
+    return tabulated_pattern(
+        4.0 * sines,
+        np.tile(energy, (len(sines), 1)),
         centre=float(np.sin(squint)),
-        extent=extent,
-        energy=energy,
-        integral=np.concatenate([np.zeros((len(sines), 1)), np.cumsum(steps, axis=1)], axis=1),
         first_range=5.0,
-        per_octave=1.0,
-        vertical=vertical,
-        tilt=tilt,
-        s_vertical=float(np.sin(0.5 * vertical_width)),
         two_way=two_way,
+        **vertically,
     )
 
 
@@ -199,3 +240,21 @@ def rough(ny: int, nx: int, rms: float = 0.05, seed: int = 1) -> np.ndarray:
     amplitude[0, 0] = 0.0
     heights = np.fft.irfft2(amplitude * np.exp(2j * np.pi * rng.random(amplitude.shape)), s=(ny, nx))
     return np.asarray(heights * (rms / heights.std()))
+
+
+def pipe_edges(
+    gap: float, *, altitude: float = 10.0, offset: float = 30.0, radius: float = 0.5
+) -> tuple[float, float, float, float]:
+    """Slant ranges of a pipe over a level bed: its near side and tangent, the beginning and end of its shadow."""
+    drop = altitude - gap - radius
+    distance = math.hypot(offset, drop)
+    angle, half = math.atan2(drop, offset), math.asin(radius / distance)
+    begins = altitude / math.sin(angle + half) if angle + half < math.pi / 2.0 else altitude
+    ends = altitude / math.sin(angle - half) if angle > half else math.inf
+    return distance - radius, math.sqrt(distance**2 - radius**2), begins, ends
+
+
+def rough_arrays(half_width: float = 0.0, **options: Any) -> SceneArrays:
+    """Scene over a rough bed that repeats after 25.6 m, heard for 30 m."""
+    settings: dict[str, Any] = {"bins": 300, "bin_length": 0.1, "periodic": True, **options}
+    return arrays_of(rough(256, 256), 0.1, half_width=half_width, **settings)

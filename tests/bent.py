@@ -14,13 +14,6 @@ Disc = tuple[float, float, float]  # ground range and height of the centre above
 BED = -1
 
 
-def layered(heights: ArrayLike, speeds: ArrayLike, sonar: float, surface: float = 1e4) -> Water:
-    """Water of nodes at ascending heights, whose reference is the speed at the sonar."""
-    h, c = np.array(heights, float), np.array(speeds, float)
-    reference = float(np.interp(sonar, h, c))
-    return Water(True, h, c[None, :].copy(), np.zeros(1), 1.0, 0.0, reference, surface)
-
-
 def speed_and_gradient(water: Water, z: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Speed of sound at heights, which is linear between the nodes and level beyond them, and how it grows upwards."""
     speeds, heights = water.speed[0], water.height

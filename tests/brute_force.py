@@ -7,6 +7,8 @@ from collections.abc import Callable
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from insonify.kernels.common.types import LIGHT, SONAR, SPHERE, SceneArrays, Solids
+
 Array = NDArray[np.float64]
 # Takes an origin (3,) and unit directions (..., 3); gives distances, infinite where nothing is met, and the cosines of
 # the incidence.
@@ -24,10 +26,12 @@ def norm(vectors: Array) -> Array:
     return np.sqrt(dot(vectors, vectors))
 
 
-def strength(cosine: Array, material: Material) -> Array:
-    """Backscattering strength of law `sonar` from the cosine of the incidence."""
+def strength(cosine: Array, material: Material, law: int = SONAR) -> Array:
+    """Backscattering strength or radiance from the cosine of the incidence."""
     diffuse, specular, shininess = material
     lobe = np.clip(2.0 * cosine * cosine - 1.0, 0.0, None) ** shininess
+    if law == LIGHT:
+        return diffuse * cosine + specular * lobe
     return cosine * cosine * (diffuse / np.pi + specular * (shininess + 2.0) / (2.0 * np.pi) * lobe)
 
 
@@ -39,26 +43,8 @@ def sphere(centre: ArrayLike, radius: float) -> Meeting:
         along = way @ to_centre
         past = to_centre @ to_centre - along * along
         depth = np.sqrt(np.clip(radius * radius - past, 0.0, None))
-        return np.where(past < radius * radius, along - depth, np.inf), depth / radius
-
-    return meet
-
-
-def cylinder(start: ArrayLike, end: ArrayLike, radius: float) -> Meeting:
-    """Meeting of rays with the side of a cylinder whose ends are out of sight."""
-
-    def meet(origin: Array, way: Array) -> tuple[Array, Array]:
-        first = np.asarray(start, dtype=float) - origin
-        axis = np.asarray(end, dtype=float) - np.asarray(start, dtype=float)
-        length = np.linalg.norm(axis)
-        axis = axis / length
-        foot, along = first - (first @ axis) * axis, way @ axis
-        a, b = 1.0 - along * along, way @ foot
-        root = np.sqrt(np.clip(b * b - a * (foot @ foot - radius * radius), 0.0, None))
-        distance = (b - root) / a
-        place = distance * along - first @ axis
-        met = (root > 0.0) & (place >= 0.0) & (place <= length)
-        return np.where(met, distance, np.inf), root / radius
+        met = (past < radius * radius) & (along > depth)
+        return np.where(met, along - depth, np.inf), depth / radius
 
     return meet
 
@@ -111,6 +97,36 @@ def box(centre: ArrayLike, axes: Array, half: ArrayLike) -> Meeting:
         return np.where((distance < leaves) & (distance > 0.0), distance, np.inf), cosine
 
     return meet
+
+
+def triangle(corners: Array) -> Meeting:
+    """Meeting of rays with a triangle, seen from either side: Möller and Trumbore (1997)."""
+    one, two = corners[1] - corners[0], corners[2] - corners[0]
+    normal = np.cross(one, two)
+
+    def meet(origin: Array, way: Array) -> tuple[Array, Array]:
+        across, turned = np.cross(way, two), np.cross(origin - corners[0], one)
+        with np.errstate(invalid="ignore", divide="ignore"):
+            inverse = 1.0 / (across @ one)
+            u, v, t = (across @ (origin - corners[0])) * inverse, (way @ turned) * inverse, (two @ turned) * inverse
+            hit = np.isfinite(inverse) & (u >= 0) & (v >= 0) & (u + v <= 1) & (t > 0)
+        return np.where(hit, t, np.inf), np.where(hit, abs(way @ normal) / np.linalg.norm(normal), 0.0)
+
+    return meet
+
+
+def solid(solids: Solids, k: int) -> Meeting:
+    """Meeting of rays with one of a scene's spheres, cylinders and cones."""
+    start, radius, length = solids.start[k], float(solids.radius[k]), float(solids.length[k])
+    if solids.shape[k] == SPHERE:
+        return sphere(start, radius)
+    return frustum(start, start + length * solids.axis[k], radius, radius + solids.taper[k] * length)
+
+
+def bodies_of(arrays: SceneArrays) -> list[Meeting]:
+    """Meetings of rays with every solid of a scene, then with every triangle."""
+    solids = [solid(arrays.solids, k) for k in range(arrays.solids.shape.size)]
+    return solids + [triangle(corners) for corners in arrays.mesh.corners]
 
 
 def target_record(

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import subprocess
 import sys
 from typing import Any
@@ -29,3 +30,10 @@ def run_python(*words: str, **options: Any) -> tuple[int, str, str]:
     """Run Python in a process of its own; return its exit code and what it wrote to both streams."""
     done = subprocess.run([sys.executable, *words], capture_output=True, text=True, check=False, **options)
     return done.returncode, done.stdout, done.stderr
+
+
+def output_of(*words: str, **environment: str) -> list[str]:
+    """Run Python in a process of its own, with more environment variables; return the words that it writes."""
+    command = [sys.executable, *words]
+    done = subprocess.run(command, env=os.environ | environment, capture_output=True, check=True, text=True)
+    return done.stdout.split()

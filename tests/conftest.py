@@ -14,11 +14,8 @@ os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 
 # Tests of 8 s of processor time and more. They begin first, so that none of them is the last that others wait for.
 LONG = (
-    "test_plans_keep_to_their_tolerances",
-    "test_more_tolerance_never_means_more_work",
+    "test_plans_keep_to_their_tolerances[first]",
     "test_a_real_recording_is_learned",
-    "test_a_record_is_what_it_was[double-image]",
-    "test_a_plan_keeps_to_its_tolerance[300048]",
     "test_any_mistake_is_one_sentence",
     "test_any_scene_makes_a_record_or_says_why_not",
     "test_what_comes_back_by_other_paths_is_spread_over_its_bins",

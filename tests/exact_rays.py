@@ -1,24 +1,43 @@
-"""Records by exact rays, refined until they are good enough to judge others."""
+"""Records by exact rays, refined until they are good enough to judge others, and orders of convergence."""
 
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 
+import numpy as np
+
+from insonify.kernels.common.types import Poses, SceneArrays
 from insonify.statistics.record_errors import compare_records
 from insonify.tracers import rays
 
-FIRST_RAYS = 1 << 15
-MOST_RAYS = 1 << 22
+Trace = Callable[[SceneArrays, Poses, int], np.ndarray]
 
 
-def reference(arrays, poses, *, tolerance):
-    """Trace with twice as many rays until that moves the record by less than a tolerance; the record and its move."""
-    count = FIRST_RAYS
-    record = rays.trace(arrays, poses, rays=count)
-    moved = math.inf
-    while moved >= tolerance and count < MOST_RAYS:
-        count *= 2
-        finer = rays.trace(arrays, poses, rays=count)
-        moved = compare_records(arrays, poses, record, finer).beyond
-        record = finer
+def trace_single_rays(arrays: SceneArrays, poses: Poses, count: int) -> np.ndarray:
+    return rays.trace(arrays, poses, rays=count)
+
+
+def reference(
+    arrays: SceneArrays,
+    poses: Poses,
+    *,
+    tolerance: float,
+    trace: Trace = trace_single_rays,
+    first: int = 1 << 15,
+    most: int = 1 << 22,
+    times: int = 2,
+) -> tuple[np.ndarray, float]:
+    """Trace with more rays until that moves the record by less than a tolerance; the record and its move."""
+    count, moved = first, math.inf
+    record = trace(arrays, poses, count)
+    while moved >= tolerance and count < most:
+        count *= times
+        finer = trace(arrays, poses, count)
+        moved, record = compare_records(arrays, poses, record, finer).beyond, finer
     return record, moved
+
+
+def order(counts: np.ndarray, errors: list[float]) -> float:
+    """Order at which errors fall with counts."""
+    return float(-np.polyfit(np.log(counts), np.log(errors), 1)[0])

@@ -2,348 +2,272 @@
 
 from __future__ import annotations
 
-from insonify.scene.water.surfaces import WAYS
-from relief_fields import PERIOD, alone, of_fractals, of_made, summed
+import re
+from collections.abc import Callable
+from typing import Any
 
-DEM = {"seabed.relief": {"kind": "dem", "path": "BED"}, "targets": []}
-DETAILED = {
-    "seabed.relief": {"kind": "sum", "of": [{"kind": "dem", "path": "BED"}, {"kind": "fractal", "period": 12.8}]},
-    "targets": [],
+from insonify.scene.water.surfaces import WAYS
+
+Values = dict[str, Any]
+# Path of a field, the kinds on the way in brackets -> (what the scene needs to have it, what changes it).
+Changes = dict[str, tuple[Values, Values]]
+
+
+def fields(path: str, needs: Values, place: str | None = None, /, **values: Any) -> Changes:
+    """What changes the fields of a declaration, which stands at the path without its kinds if at no other place."""
+    place = place or re.sub(r"\[\w+\]", "", path)
+    return {f"{path}.{name}": (needs, {f"{place}.{name}": value}) for name, value in values.items()}
+
+
+MATERIAL = {"name": "rock", "diffuse": 0.1, "specular": 0.1, "shininess": 3.0}
+COBBLE = MATERIAL | {"name": "cobble"}
+PERIOD, PATCHY = 16.0, {"kind": "patches", "size": 3.0}
+# Every kind of made relief: what it needs, and what changes it; a mask and a period belong to all.
+FRACTAL = {"kind": "fractal", "period": PERIOD, "beta": 1.6, "peaks": [[6.0, 3.0]], "rms": 0.1}
+MADE: dict[str, tuple[Values, Values]] = {
+    "fractal": (FRACTAL, {}),
+    "power_law": ({}, {"strength": 0.02, "exponent": 3.0}),
+    "von_karman": (
+        {"across": 2.0, "along": 5.0, "rms": 0.1},
+        {"rms": 0.11, "across": 3.0, "along": 4.0, "heading": 20.0, "hurst": 0.5},
+    ),
+    "ripples": (
+        {"wavelength": 2.0, "height": 0.2},
+        {"wavelength": 2.5, "heading": 50.0, "height": 0.22, "sharpness": 0.3}
+        | {"bandwidth": 0.2, "bandwidth_along": 0.2},
+    ),
+    "cascade": ({"rms": 0.1}, {"rms": 0.11, "intermittency": 0.3, "hurst": 0.9}),
+    "autocorrelation": ({"rms": 0.1}, {"rms": 0.11, "function": "gaussian"}),
 }
-BY_DEPTH = {"track.altitude": None, "track.depth": 22.0}  # an altitude counts from the bed's own mean
-PATCHES = {"seabed.material": {"kind": "patches", "of": ["silt", "rock"], "size": 4.0}}
-BANDS = {"seabed.material": {"kind": "fractal", "of": ["silt", "rock"]}}
-PATTERN = {"seabed.material": {"kind": "pattern", "of": ["silt", "rock"], "shape": "checks", "period": 5.0}}
-RASTER = {
-    "world.origin": [1002.0, 2002.0],
-    "seabed.material": {"kind": "backscatter", "path": "MAP", "of": ["silt", "rock"]},
-}
-PICTURE = {"seabed.material": {"kind": "image", "path": "PICTURE", "of": ["silt", "rock"], "width": 12.0}}
+CORRELATIONS = [
+    ("exponential", "length", 1.0, 1.5),
+    ("gaussian", "length", 1.0, 1.5),
+    ("table", "points", [[0.0, 1.0], [1.0, 0.4], [3.0, 0.0]], [[0.0, 1.0], [1.0, 0.3], [3.0, 0.0]]),
+    ("file", "path", "CORRELATION", "OTHER_CORRELATION"),
+]
+ENDLESS_FRACTAL = {"extent": "endless", "clamp": "soft", "coefficients": "gaussian"}
+# Names in capitals stand for files, which the test writes.
+DETAIL = {"kind": "fractal", "period": 12.8}
+
+
+def _reliefs(path: str, place: str, within: Callable[..., Values]) -> Changes:
+    """What changes reliefs at a place of the seabed, given how one comes to stand there."""
+    found: Changes = {}
+    for kind, (given, changes) in MADE.items():
+        base, here = {"kind": kind, "period": PERIOD, **given}, f"{path}[{kind}]"
+        found |= fields(here, within(base), place, mask=PATCHY, **changes)
+        found[f"{here}.period"] = (within(base), within(base | {"period": 20.0}))
+        masked = within(base | {"mask": PATCHY})
+        found |= fields(f"{here}.mask[patches]", masked, f"{place}.mask", share=0.3, size=4.0, softness=1.0)
+        if kind != "cascade":
+            softly = ENDLESS_FRACTAL if kind == "fractal" else {}
+            found |= fields(here, within(base | softly | {"extent": "periodic"}), place, extent="endless")
+    for kind, name, before, after in CORRELATIONS:
+        correlated = {"kind": "autocorrelation", "period": PERIOD, "rms": 0.1, "function": {"kind": kind, name: before}}
+        here = f"{path}[autocorrelation].function[{kind}]"
+        found |= fields(here, within(correlated), f"{place}.function", **{name: after})
+    without_beta = {name: value for name, value in FRACTAL.items() if name != "beta"}
+    rotated = within(without_beta | {"beta_x": 1.2, "beta_y": 1.6, "decay": "rotated"})
+    two_peaks = within(FRACTAL | {"peaks": [[6.0, 3.0], [4.0, -2.0]]})
+    here, plain = f"{path}[fractal]", within(FRACTAL)
+    found |= fields(here, plain, place, beta=1.7, rms=0.11, quadrants=4, clamp="soft", coefficients="gaussian")
+    found |= fields(here, plain, place, peaks=[[6.0, 4.0]])
+    found |= fields(here, rotated, place, beta_x=1.3, beta_y=1.7, decay="elliptic")
+    found |= fields(here, two_peaks, place, combine="max")
+    dem = {"kind": "dem", "path": "BED"}
+    for needs, changes in (
+        ({}, {"path": "OTHER", "scale": 1.1}),
+        ({"datum": -60.0}, {"positive": "down"}),
+    ):
+        found |= fields(f"{path}[dem]", within(dem | needs, DETAIL) | {"targets": []}, place, **changes)
+    return found | fields(f"{path}[dem]", within(dem, DETAIL) | {"targets": []} | BY_DEPTH, place, datum=-1.0)
+
+
+def _alone(relief: Values, *_: Values) -> Values:
+    return {"seabed.relief": relief}
+
+
+def _summed(*of: Values) -> Values:
+    return {"seabed.relief": {"kind": "sum", "of": list(of)}}
+
+
+BY_DEPTH: Values = {"track.altitude": None, "track.depth": 22.0}  # an altitude counts from the bed's own mean
 DARK, BRIGHT = {"diffuse": 0.3, "specular": 0.0}, {"diffuse": 0.5, "specular": 0.0}
 MIMIC = {"seabed.relief": {"kind": "mimic", "of": {"of": [DARK, BRIGHT]}, "altitude": 7.0, "reach": 30.0}}
-BELL = {"sonar.beam": {"kind": "gaussian", "width": 4.0}}
-ARRAY = {"sonar.beam": {"kind": "array", "length": 0.1}}
-SCHOOLS = {"volumes": [{"kind": "school", "position": [2.0, 8.0, -25.0]}]}
-UPRIGHT = {"sonar.vertical": {"kind": "array", "height": 0.01}}
-SEA = {"water.absorption": "francois_garrison"}
-THERMOCLINE = {"depth": [5.0, 22.0, 26.0], "sound_speed": [1520.0, 1518.0, 1500.0]}
-WATERS = {
-    "uniform": {},
-    "profile": THERMOCLINE,
-    "hydrography": {"depth": [5.0, 22.0, 26.0], "temperature": [18.0, 17.0, 10.0], "salinity": [34.0, 34.5, 36.0]},
-    "cast": {"path": "CAST"},
-    "section": {
-        "distance": [0.0, 10.0],
-        "depth": [5.0, 26.0],
-        "sound_speed": [[1520.0, 1500.0], [1505.0, 1501.0]],
-    },
-}
-CHIRP = {"sonar.pulse": {"kind": "chirp", "bandwidth": 6e3}}
-RAYLEIGH = {"receiver.speckle": "rayleigh"}
-K = {"receiver.speckle": "k"}
-COHERENT = {"receiver.speckle": "coherent"}
-FLUCTUATION = {"receiver.fluctuation": "lognormal"}
-VOLUME = {"receiver.reverberation": {"kind": "volume", "volume_strength": -30.0}}
-SURFACE = {"receiver.reverberation": "surface", **BY_DEPTH}
-BOTH = {**SURFACE, "receiver.reverberation": {"kind": "both", "volume_strength": -30.0}}
-NOISE = {"receiver.noise": "ambient"}
-PRESET = {"sonar.preset": "kayak-455"}
-LOUD = {"receiver.source_level": 200.0}
-WHITE = LOUD | {"receiver.noise": "density"}
-SEA_NOISE = LOUD | {"sonar.frequency": 5e4, "receiver.noise": {"kind": "sea", "wind": 20.0}}
-SNR = {"receiver.noise": {"kind": "snr", "at": 20.0}}
-TVG = {"receiver.tvg": "power"}
-TABLE = {"receiver.tvg": {"kind": "table", "by": "bin", "gains": [[0.0, 0.0], [100.0, 20.0]]}}
-RINGING = {"receiver.ringing": "decay"}
-FOREIGN = {"receiver.interference": {"kind": "sonar", "ping_rate": 20.0, "duration": 5e-3}}
-TURN = {"track.motion": {"kind": "turn", "rate": 20.0, "begin": 0.2, "duration": 0.5}}
-SUM = {"track.motion": {"kind": "sum", "of": ["straight", "heave"]}}
-RECORDED = {"track.motion": {"kind": "recorded", "path": "TOW"}}
-
-
-def _of_motions(path: str, needs: dict) -> dict[str, tuple[dict, dict]]:
-    """What changes each kind of motion, alone or as the last of a sum."""
-    place = "track.motion.of.1" if needs else "track.motion"
-
-    def within(changes: dict) -> dict:
-        return needs | {key.replace("track.motion", place): value for key, value in changes.items()}
-
-    found = {}
-    for kind in ("surge", "sway", "heave", "yaw", "pitch", "roll"):
-        # A roll is heard by a vertical beam alone.
-        swinging = within({"track.motion": {"kind": kind, "amplitude": 2.0}}) | {"sonar.vertical": "gaussian"}
-        for name, value in (("amplitude", 3.0), ("period", 4.0), ("phase", 90.0)):
-            found[f"{path}[{kind}].{name}"] = (swinging, {f"{place}.{name}": value})
-    for name, value in (("rate", -20.0), ("begin", 0.4), ("duration", 0.3)):
-        found[f"{path}[turn].{name}"] = (within(TURN), {f"{place}.{name}": value})
-    found[f"{path}[recorded].path"] = (within(RECORDED), {f"{place}.path": "OTHER_TOW"})
-    return found
-
-
-# Path of a field, the kinds on the way in brackets -> (what the scene needs to have it, what changes it).
-CHANGES: dict[str, tuple[dict, dict]] = {
+DUNES = {"kind": "fractal", "period": PERIOD}
+CHANGES: Changes = {
     "seed": ({}, {"seed": 2}),
-    "world.origin": ({**DEM, "seabed.relief.path": "MAP"}, {"world.origin": [1003.0, 2001.0]}),
-    "seabed.depth": ({}, {"seabed.depth": 31.0}),
-    "seabed.spacing": ({}, {"seabed.spacing": 0.25}),
-    "seabed.relief": ({}, {"seabed.relief": "flat"}),
-    **of_made("seabed.relief", "seabed.relief", alone),
-    **of_fractals("seabed.relief", "seabed.relief", alone),
-    "seabed.relief[sum].of": (
-        summed({"kind": "fractal", "period": PERIOD}),
-        {"seabed.relief.of": [{"kind": "fractal", "period": PERIOD}, {"kind": "power_law", "period": PERIOD}]},
-    ),
-    **of_made("seabed.relief[sum].of", "seabed.relief.of.0", summed),
-    **of_fractals("seabed.relief[sum].of", "seabed.relief.of.0", summed),
-    "seabed.relief[dem].path": (DEM, {"seabed.relief.path": "OTHER"}),
-    "seabed.relief[dem].positive": ({**DEM, "seabed.relief.datum": -60.0}, {"seabed.relief.positive": "down"}),
-    "seabed.relief[dem].datum": ({**DEM, **BY_DEPTH}, {"seabed.relief.datum": -1.0}),
-    "seabed.relief[dem].scale": (DEM, {"seabed.relief.scale": 1.1}),
-    "seabed.relief[sum].of[dem].path": (DETAILED, {"seabed.relief.of.0.path": "OTHER"}),
-    "seabed.relief[sum].of[dem].positive": (
-        {**DETAILED, "seabed.relief.of.0.datum": -60.0},
-        {"seabed.relief.of.0.positive": "down"},
-    ),
-    "seabed.relief[sum].of[dem].datum": ({**DETAILED, **BY_DEPTH}, {"seabed.relief.of.0.datum": -1.0}),
-    "seabed.relief[sum].of[dem].scale": (DETAILED, {"seabed.relief.of.0.scale": 1.1}),
-    "seabed.material": ({}, PATCHES),
-    "seabed.material[uniform].name": ({}, {"seabed.material.name": "silt"}),
-    "seabed.material[uniform].diffuse": ({}, {"seabed.material.diffuse": 0.2}),
-    "seabed.material[uniform].specular": ({}, {"seabed.material.specular": 0.1}),
-    "seabed.material[uniform].shininess": ({}, {"seabed.material.shininess": 4.0}),
-    "seabed.material[uniform].speckle_shape": (K, {"seabed.material.speckle_shape": 0.3}),
-    "seabed.material[patches].of": (PATCHES, {"seabed.material.of.1": "cobble"}),
-    "seabed.material[patches].size": (PATCHES, {"seabed.material.size": 3.0}),
-    "seabed.material[fractal].of": (BANDS, {"seabed.material.of.1": "cobble"}),
-    "seabed.material[pattern].of": (PATTERN, {"seabed.material.of.1": "cobble"}),
-    "seabed.material[pattern].shape": (PATTERN, {"seabed.material.shape": "waves"}),
-    "seabed.material[pattern].period": (PATTERN, {"seabed.material.period": 4.0}),
-    "seabed.material[pattern].heading": (PATTERN, {"seabed.material.heading": 60.0}),
-    "seabed.material[image].path": (PICTURE, {"seabed.material.path": "NEGATIVE"}),
-    "seabed.material[image].of": (PICTURE, {"seabed.material.of.1": "cobble"}),
-    "seabed.material[image].width": (PICTURE, {"seabed.material.width": 8.0}),
-    "seabed.material[backscatter].path": (RASTER, {"seabed.material.path": "OTHER_MAP"}),
-    "seabed.material[backscatter].of": (RASTER, {"seabed.material.of.1": "cobble"}),
-    "seabed.material[backscatter].levels": (RASTER, {"seabed.material.levels": [-30.15]}),
-    "seabed.relief[mimic].of": (MIMIC, {"seabed.relief.of": {"of": [DARK, BRIGHT, DARK]}}),
-    "seabed.relief[mimic].of[pattern].of": (MIMIC, {"seabed.relief.of.of": [BRIGHT, DARK]}),
-    "seabed.relief[mimic].of[pattern].of[uniform].diffuse": (MIMIC, {"seabed.relief.of.of.0.diffuse": 0.4}),
-    "seabed.relief[mimic].of[pattern].shape": (MIMIC, {"seabed.relief.of.shape": "waves"}),
-    "seabed.relief[mimic].of[pattern].period": (MIMIC, {"seabed.relief.of.period": 6.0}),
-    "seabed.relief[mimic].altitude": (MIMIC, {"seabed.relief.altitude": 9.0}),
-    "seabed.relief[mimic].reach": (MIMIC, {"seabed.relief.reach": 20.0}),
-    "seabed.relief[mimic].law": (MIMIC, {"seabed.relief.law": "sonar"}),
-    "seabed.material[fractal].beta": (BANDS, {"seabed.material.beta": 1.2}),
-    "targets": ({}, {"targets": []}),
-    "targets[pipe].position": ({}, {"targets.0.position": [2.0, 13.0]}),
-    "targets[pipe].material": ({}, {"targets.0.material": "concrete"}),
-    "targets[pipe].material[uniform].name": ({}, {"targets.0.material.name": "rock"}),
-    "targets[pipe].material[uniform].diffuse": ({}, {"targets.0.material.diffuse": 0.1}),
-    "targets[pipe].material[uniform].specular": ({}, {"targets.0.material.specular": 0.1}),
-    "targets[pipe].material[uniform].shininess": ({}, {"targets.0.material.shininess": 3.0}),
-    "targets[pipe].material[uniform].speckle_shape": (K, {"targets.0.material.speckle_shape": 0.3}),
-    "targets[pipe].radius": ({}, {"targets.0.radius": 0.6}),
-    "targets[pipe].length": ({}, {"targets.0.length": 3.0}),
-    "targets[pipe].heading": ({}, {"targets.0.heading": 20.0}),
-    "targets[pipe].pitch": ({}, {"targets.0.pitch": 10.0}),
-    "targets[pipe].gap": ({}, {"targets.0.gap": 0.5}),
-    "targets[sphere].position": ({}, {"targets.1.position": [1.0, -13.0]}),
-    "targets[sphere].material": ({}, {"targets.1.material": "concrete"}),
-    "targets[sphere].material[uniform].name": ({}, {"targets.1.material.name": "rock"}),
-    "targets[sphere].material[uniform].diffuse": ({}, {"targets.1.material.diffuse": 0.1}),
-    "targets[sphere].material[uniform].specular": ({}, {"targets.1.material.specular": 0.1}),
-    "targets[sphere].material[uniform].shininess": ({}, {"targets.1.material.shininess": 3.0}),
-    "targets[sphere].radius": ({}, {"targets.1.radius": 0.6}),
-    "targets[sphere].gap": ({}, {"targets.1.gap": 0.5}),
-    "volumes": ({}, SCHOOLS),
-    **{
-        f"volumes[{kind}].{field}": (
-            {"volumes": [{"kind": kind, "position": [2.0, 8.0, -25.0]}]},
-            {f"volumes.0.{field}": v},
-        )
-        for kind, own in {
-            "school": {"length": 4.0, "width": 3.0, "height": 2.0},
-            "plume": {"height": 4.0, "radius": 2.0, "drift": 5.0},
-        }.items()
-        for field, v in ({"position": [2.0, 12.0, -25.0], "strength": -30.0, "heading": 50.0} | own).items()
-    },
-    "water[uniform].sound_speed": ({}, {"water.sound_speed": 1450.0}),
-    "sonar.frequency": (SEA, {"sonar.frequency": 100e3}),
-    "sonar.beam": ({}, {"sonar.beam": "knife"}),
-    "sonar.beam[fan].width": ({}, {"sonar.beam.width": 3.0}),
-    "sonar.beam[fan].squint": ({}, {"sonar.beam.squint": 3.0}),
-    "sonar.beam[gaussian].width": (BELL, {"sonar.beam.width": 3.0}),
-    "sonar.beam[gaussian].squint": (BELL, {"sonar.beam.squint": 3.0}),
-    "sonar.beam[gaussian].two_way": (BELL, {"sonar.beam.two_way": False}),
-    "sonar.beam[array].length": (ARRAY, {"sonar.beam.length": 0.2}),
-    "sonar.beam[array].taper": (ARRAY, {"sonar.beam.taper": "hamming"}),
-    "sonar.beam[array].squint": (ARRAY, {"sonar.beam.squint": 3.0}),
-    "sonar.beam[array].two_way": (ARRAY, {"sonar.beam.two_way": False}),
-    "sonar.vertical": ({}, {"sonar.vertical": "gaussian"}),
-    "sonar.vertical[fan].width": ({"sonar.vertical": "fan"}, {"sonar.vertical.width": 40.0}),
-    "sonar.vertical[fan].tilt": ({"sonar.vertical": "fan"}, {"sonar.vertical.tilt": 40.0}),
-    "sonar.vertical[gaussian].width": ({"sonar.vertical": "gaussian"}, {"sonar.vertical.width": 40.0}),
-    "sonar.vertical[gaussian].tilt": ({"sonar.vertical": "gaussian"}, {"sonar.vertical.tilt": 40.0}),
-    "sonar.vertical[array].height": (UPRIGHT, {"sonar.vertical.height": 0.02}),
-    "sonar.vertical[array].taper": (UPRIGHT, {"sonar.vertical.taper": "hamming"}),
-    "sonar.vertical[array].tilt": (UPRIGHT, {"sonar.vertical.tilt": 40.0}),
-    "sonar.vertical[table].levels": ({"sonar.vertical": "table"}, {"sonar.vertical.levels.1.1": -6.0}),
-    "sonar.vertical[table].tilt": ({"sonar.vertical": "table"}, {"sonar.vertical.tilt": 40.0}),
-    "sonar.pulse": ({}, {"sonar.pulse": "ideal"}),
-    "sonar.pulse[tone].duration": ({}, {"sonar.pulse.duration": 2e-4}),
-    "sonar.pulse[chirp].duration": ({**CHIRP, "sonar.pulse.window": "uniform"}, {"sonar.pulse.duration": 3e-4}),
-    "sonar.pulse[chirp].bandwidth": (CHIRP, {"sonar.pulse.bandwidth": 5e3}),
-    "sonar.pulse[chirp].window": (CHIRP, {"sonar.pulse.window": "hann"}),
-    "sonar.range": ({}, {"sonar.range": 25.0}),
-    "sonar.bins": ({}, {"sonar.bins": 100}),
-    "sonar.ping_rate": ({}, {"sonar.ping_rate": 5.0}),
-    "sonar.law": ({}, {"sonar.law": "light"}),
-    "sonar.bounces": ({}, {"sonar.bounces": 1}),
-    "track.start": ({}, {"track.start": [0.5, 0.0]}),
-    "track.heading": ({}, {"track.heading": 10.0}),
-    "track.altitude": ({}, {"track.altitude": 8.0}),
-    "track.depth": ({}, BY_DEPTH),
-    "track.speed": ({}, {"track.speed": 1.0}),
-    "track.pings": ({}, {"track.pings": 11}),
-    "track.terrain_following": ({}, {"track.terrain_following": True}),
-    "track.motion": ({}, {"track.motion": "heave"}),
-    **_of_motions("track.motion", {}),
-    "track.motion[sum].of": (SUM, {"track.motion.of": ["straight", "sway"]}),
-    **_of_motions("track.motion[sum].of", SUM),
-    "sonar.preset": ({}, PRESET),
-    "receiver.speckle": ({}, RAYLEIGH),
-    "receiver.speckle[rayleigh].looks": (RAYLEIGH, {"receiver.speckle.looks": 2}),
-    "receiver.speckle[k].shape": (K, {"receiver.speckle.shape": 1.0}),
-    "receiver.speckle[k].looks": (K, {"receiver.speckle.looks": 2}),
-    "receiver.speckle[coherent].density": (COHERENT, {"receiver.speckle.density": 50.0}),
-    "receiver.speckle[k].cell": (K, {"receiver.speckle.cell": 0.01}),
-    "receiver.fluctuation": ({}, FLUCTUATION),
-    "receiver.fluctuation[lognormal].level": (FLUCTUATION, {"receiver.fluctuation.level": 3.0}),
-    "receiver.fluctuation[lognormal].correlation_time": (FLUCTUATION, {"receiver.fluctuation.correlation_time": 0.2}),
-    "receiver.fluctuation[lognormal].travel_time": (FLUCTUATION, {"receiver.fluctuation.travel_time": 1e-4}),
-    "receiver.reverberation": ({}, VOLUME),
-    "receiver.reverberation[volume].volume_strength": (VOLUME, {"receiver.reverberation.volume_strength": -40.0}),
-    "receiver.reverberation[surface].surface_strength": (SURFACE, {"receiver.reverberation.surface_strength": -20.0}),
-    "receiver.reverberation[both].volume_strength": (BOTH, {"receiver.reverberation.volume_strength": -40.0}),
-    "receiver.reverberation[both].surface_strength": (BOTH, {"receiver.reverberation.surface_strength": -10.0}),
-    "receiver.noise": ({}, {"receiver.noise": {"kind": "ambient", "level": -80.0}}),
-    "receiver.noise[ambient].level": (NOISE, {"receiver.noise.level": -80.0}),
-    "receiver.noise[density].level": (WHITE, {"receiver.noise.level": 50.0}),
-    "receiver.noise[sea].wind": (SEA_NOISE, {"receiver.noise.wind": 1.0}),
-    "receiver.noise[sea].rain": (SEA_NOISE, {"receiver.noise.rain": "heavy"}),
-    "receiver.noise[snr].value": (SNR, {"receiver.noise.value": 5.0}),
-    "receiver.noise[snr].at": (SNR, {"receiver.noise.at": 15.0}),
-    "receiver.source_level": ({}, {"receiver.source_level": 200.0}),
-    "receiver.tvg": ({}, TVG),
-    "receiver.tvg[power].spreading": (TVG, {"receiver.tvg.spreading": 40.0}),
-    "receiver.tvg[power].absorption": (TVG, {"receiver.tvg.absorption": 100.0}),
-    "receiver.tvg[table].by": (TABLE, {"receiver.tvg.by": "time"}),
-    "receiver.tvg[table].gains": (TABLE, {"receiver.tvg.gains.1.1": 30.0}),
-    "receiver.tvg[table].interpolation": (TABLE, {"receiver.tvg.interpolation": "steps"}),
-    "receiver.crosstalk": ({}, {"receiver.crosstalk": -20.0}),
-    "receiver.ringing": ({}, RINGING),
-    "receiver.interference": ({}, FOREIGN),
-    "receiver.interference[sonar].level": (FOREIGN, {"receiver.interference.level": -50.0}),
-    "receiver.interference[sonar].ping_rate": (FOREIGN, {"receiver.interference.ping_rate": 13.0}),
-    "receiver.interference[sonar].duration": (FOREIGN, {"receiver.interference.duration": 1e-2}),
-    "receiver.recorder.gain": ({}, {"receiver.recorder.gain": [[0.0, 0.0], [0.5, 6.0]]}),
-    "receiver.recorder.side_gain": ({}, {"receiver.recorder.side_gain": 3.0}),
-    "receiver.recorder.bits": ({}, {"receiver.recorder.bits": 8}),
-    "receiver.recorder.full_scale": ({}, {"receiver.recorder.full_scale": -60.0}),
-    "receiver.recorder.dropped_pings": ({}, {"receiver.recorder.dropped_pings": 0.5}),
+    "world.origin": (_alone({"kind": "dem", "path": "MAP"}) | {"targets": []}, {"world.origin": [1003.0, 2001.0]}),
+    **fields("seabed", {}, depth=31.0, spacing=0.25, relief="flat"),
+    **_reliefs("seabed.relief", "seabed.relief", _alone),
+    **_reliefs("seabed.relief[sum].of", "seabed.relief.of.0", _summed),
+    **fields("seabed.relief[sum]", _summed(DUNES), of=[DUNES, {"kind": "power_law", "period": PERIOD}]),
+    **fields("seabed.relief[mimic]", MIMIC, of={"of": [DARK, BRIGHT, DARK]}, altitude=9.0, reach=20.0, law="sonar"),
+    **fields("seabed.relief[mimic].of[pattern]", MIMIC, of=[BRIGHT, DARK], shape="waves", period=6.0),
+    **fields("seabed.relief[mimic].of[pattern].of[uniform]", MIMIC, "seabed.relief.of.of.0", diffuse=0.4),
 }
-# Materials of a map are materials like any other.
-CHANGES |= {
-    f"seabed.material[{kind}].of[uniform].{field}": (needs, {f"seabed.material.of.1.{field}": value})
-    for kind, needs in {
-        "patches": PATCHES,
-        "fractal": BANDS,
-        "pattern": PATTERN,
-        "image": PICTURE,
-        "backscatter": RASTER,
-    }.items()
-    for field, value in {"name": "cobble", "diffuse": 0.1, "specular": 0.1, "shininess": 3.0}.items()
+
+# Maps of materials, which are materials like any other.
+MAPS: dict[str, tuple[Values, Values]] = {
+    "patches": ({"size": 4.0}, {"size": 3.0}),
+    "fractal": ({}, {"beta": 1.2}),
+    "pattern": ({"shape": "checks", "period": 5.0}, {"shape": "waves", "period": 4.0, "heading": 60.0}),
+    "image": ({"path": "PICTURE", "width": 12.0}, {"path": "NEGATIVE", "width": 8.0}),
+    "backscatter": ({"path": "MAP"}, {"path": "OTHER_MAP", "levels": [-30.15]}),
 }
-# Targets other than those of the base, each alone on port, turned somewhat and dull enough to glint everywhere.
-SHEEN = {"name": "steel", "shininess": 4.0}
-TURNED = {"position": [1.0, 12.0], "heading": 20.0, "pitch": 10.0, "roll": 5.0, "material": SHEEN}
-BODIES = {
-    "box": {"size": [3.0, 1.5, 1.0]},
-    "cone": {"radius": 0.8, "height": 1.5},
-    "mesh": {"path": "tetrapod"},
-}
-OF_BODIES = {
-    "position": [1.0, 13.0],
-    "gap": 0.5,
-    "material": "concrete",
-    "material[uniform].name": "rock",
-    "material[uniform].diffuse": 0.1,
-    "material[uniform].specular": 0.1,
-    "material[uniform].shininess": 2.0,
-    "heading": 50.0,
-    "pitch": 30.0,
-    "roll": 40.0,
-}
-OF_EACH = {
-    "box": {"size": [3.0, 1.5, 1.2]},
-    "cone": {"radius": 0.9, "height": 1.2},
-    "mesh": {"path": "SHAPE", "scale": 1.2},
-}
-CHANGES |= {
-    f"targets[{kind}].{field}": (
-        {"targets": [{"kind": kind, **TURNED, **BODIES[kind]}]},
-        {f"targets.0.{field.replace('[uniform]', '')}": value},
+for kind, (given, changes) in MAPS.items():
+    needs = {"seabed.material": {"kind": kind, "of": ["silt", "rock"], **given}}
+    needs |= {"world.origin": [1002.0, 2002.0]} if kind == "backscatter" else {}
+    CHANGES |= fields(f"seabed.material[{kind}]", needs, of=["silt", "cobble"], **changes)
+    CHANGES |= fields(
+        f"seabed.material[{kind}].of[uniform]", needs, "seabed.material.of.1", **MATERIAL | {"name": "cobble"}
     )
-    for kind in BODIES
-    for field, value in {**OF_BODIES, **OF_EACH[kind]}.items()
+CHANGES |= fields("seabed", {}, material={"kind": "patches", "of": ["silt", "rock"], "size": 4.0})
+CHANGES |= fields("seabed.material[uniform]", {}, name="silt", diffuse=0.2, specular=0.1, shininess=4.0)
+K = {"receiver.speckle": "k"}
+CHANGES |= fields("seabed.material[uniform]", K, speckle_shape=0.3)
+
+# A pipe and a sphere of the base; others each alone on port, turned somewhat and dull enough to glint everywhere.
+TURNED = {"position": [1.0, 12.0], "heading": 20.0, "pitch": 10.0, "roll": 5.0}
+TURNED |= {"material": {"name": "steel", "shininess": 4.0}}
+OF_TURNED = {"position": [1.0, 13.0], "heading": 50.0, "pitch": 30.0, "roll": 40.0}
+BODIES: dict[str, tuple[Values | None, Values]] = {
+    "pipe": (None, {"position": [2.0, 13.0], "radius": 0.6, "length": 3.0, "heading": 20.0, "pitch": 10.0}),
+    "sphere": (None, {"position": [1.0, -13.0], "radius": 0.6}),
+    "box": ({"size": [3.0, 1.5, 1.0]}, OF_TURNED | {"size": [3.0, 1.5, 1.2]}),
+    "cone": ({"radius": 0.8, "height": 1.5}, OF_TURNED | {"radius": 0.9, "height": 1.2}),
+    "mesh": ({"path": "tetrapod"}, OF_TURNED | {"path": "SHAPE", "scale": 1.2}),
 }
-# What all waters have, in each of them, and what each has of its own.
-OF_WATERS = {
-    "reference_speed": ({}, 1450.0),
-    "absorption": ({}, 40.0),
-    "absorption[constant].coefficient": ({"absorption": 50.0}, 60.0),
-    "absorption[francois_garrison].temperature": ({"absorption": "francois_garrison"}, 4.0),
-    "absorption[francois_garrison].salinity": ({"absorption": "francois_garrison"}, 20.0),
-    "absorption[francois_garrison].acidity": ({"absorption": "francois_garrison"}, 7.5),
+for kind, (body, changes) in BODIES.items():
+    needs = {} if body is None else {"targets": [{"kind": kind, **TURNED, **body}]}
+    place, material = f"targets.{int(kind == 'sphere')}", MATERIAL if body is None else MATERIAL | {"shininess": 2.0}
+    CHANGES |= fields(f"targets[{kind}]", needs, place, material="concrete", gap=0.5, **changes)
+    CHANGES |= fields(f"targets[{kind}].material[uniform]", needs, f"{place}.material", **material)
+CHANGES |= fields("targets[pipe].material[uniform]", K, "targets.0.material", speckle_shape=0.3)
+CHANGES["targets"] = ({}, {"targets": []})
+
+OF_VOLUMES: dict[str, Values] = {
+    "school": {"length": 4.0, "width": 3.0, "height": 2.0},
+    "plume": {"height": 4.0, "radius": 2.0, "drift": 5.0},
 }
-OF_EACH_WATER = {
-    "profile": {
-        "depth": [5.0, 23.0, 26.0],
-        "sound_speed": [1515.0, 1518.0, 1500.0],
-        "interpolation": "pchip",
-    },
-    "hydrography": {
-        "depth": [5.0, 23.0, 26.0],
-        "temperature": [18.0, 17.0, 8.0],
-        "salinity": 34.0,
-        "equation": "paper",
-    },
-    "cast": {"path": "OTHER_CAST", "interpolation": "pchip", "equation": "paper"},
-    "section": {
-        "distance": [0.0, 20.0],
-        "depth": [5.0, 25.0],
-        "sound_speed": [[1520.0, 1500.0], [1505.0, 1510.0]],
-        "heading": 90.0,
-    },
+for kind, own in OF_VOLUMES.items():
+    needs = {"volumes": [{"kind": kind, "position": [2.0, 8.0, -25.0]}]}
+    common = {"position": [2.0, 12.0, -25.0], "strength": -30.0, "heading": 50.0}
+    CHANGES |= fields(f"volumes[{kind}]", needs, "volumes.0", **common | own)
+    CHANGES["volumes"] = ({}, needs)
+
+# Waters: what each needs, and what changes it beside what all have.
+WATERS: dict[str, tuple[Values, Values]] = {
+    "uniform": ({}, {"sound_speed": 1450.0}),
+    "profile": (
+        {"depth": [5.0, 22.0, 26.0], "sound_speed": [1520.0, 1518.0, 1500.0]},
+        {"depth": [5.0, 23.0, 26.0], "sound_speed": [1515.0, 1518.0, 1500.0], "interpolation": "pchip"},
+    ),
+    "hydrography": (
+        {"depth": [5.0, 22.0, 26.0], "temperature": [18.0, 17.0, 10.0], "salinity": [34.0, 34.5, 36.0]},
+        {"depth": [5.0, 23.0, 26.0], "temperature": [18.0, 17.0, 8.0], "salinity": 34.0, "equation": "paper"},
+    ),
+    "cast": ({"path": "CAST"}, {"path": "OTHER_CAST", "interpolation": "pchip", "equation": "paper"}),
+    "section": (
+        {"distance": [0.0, 10.0], "depth": [5.0, 26.0], "sound_speed": [[1520.0, 1500.0], [1505.0, 1501.0]]},
+        {"distance": [0.0, 20.0], "depth": [5.0, 25.0], "sound_speed": [[1520.0, 1500.0], [1505.0, 1510.0]]}
+        | {"heading": 90.0},
+    ),
 }
-CHANGES |= {
-    f"water[{kind}].{field}": (
-        {"water": {"kind": kind, **WATERS[kind], **needs}},
-        {f"water.{field.replace('[constant]', '').replace('[francois_garrison]', '')}": value},
+FRANCOIS_GARRISON = {"temperature": 4.0, "salinity": 20.0, "acidity": 7.5}
+for kind, (given, changes) in WATERS.items():
+    plain, absorbing, sea = (
+        {"water": {"kind": kind, **given, **more}}
+        for more in ({}, {"absorption": 50.0}, {"absorption": "francois_garrison"})
     )
-    for kind in WATERS
-    for field, (needs, value) in (
-        OF_WATERS | {name: ({}, v) for name, v in OF_EACH_WATER.get(kind, {}).items()}
-    ).items()
-}
+    CHANGES |= fields(f"water[{kind}]", plain, reference_speed=1450.0, absorption=40.0, **changes)
+    CHANGES |= fields(f"water[{kind}].absorption[constant]", absorbing, coefficient=60.0)
+    CHANGES |= fields(f"water[{kind}].absorption[francois_garrison]", sea, **FRANCOIS_GARRISON)
 # A sea so shallow that all ghosts are within range.
 SHALLOW = {"seabed.depth": 10.0}
-CHANGES |= {"water[uniform].surface": (SHALLOW, {"water.surface": "flat"})}
+CHANGES |= fields("water[uniform]", SHALLOW, surface="flat")
+for kind, own in {"flat": {}, "rough": {"wind_speed": 7.0}}.items():
+    needs = SHALLOW | {"water.surface": kind}
+    CHANGES |= fields(f"water[uniform].surface[{kind}]", needs, **dict.fromkeys(WAYS, False), **own)
+
+ARRAY, BELL = {"sonar.beam": {"kind": "array", "length": 0.1}}, {"sonar.beam": {"kind": "gaussian", "width": 4.0}}
+UPRIGHT = {"sonar.vertical": {"kind": "array", "height": 0.01}}
+LEVELS = [[-60.0, -30.0], [-25.0, -6.0], [0.0, 0.0], [25.0, -3.0], [60.0, -30.0]]
+CHIRP = {"kind": "chirp", "bandwidth": 6e3}
 CHANGES |= {
-    f"water[uniform].surface[{kind}].{field}": ({**SHALLOW, "water.surface": kind}, {f"water.surface.{field}": value})
-    for kind in ("flat", "rough")
-    for field, value in (dict.fromkeys(WAYS, False) | ({"wind_speed": 7.0} if kind == "rough" else {})).items()
+    **fields("sonar", {"water.absorption": "francois_garrison"}, frequency=100e3),
+    **fields("sonar", {}, range=25.0, bins=100, ping_rate=5.0, law="light", bounces=1),
+    **fields("sonar", {}, beam="knife", vertical="gaussian", pulse="ideal"),
+    **fields("sonar.beam[fan]", {}, width=3.0, squint=3.0),
+    **fields("sonar.beam[gaussian]", BELL, width=3.0, squint=3.0, two_way=False),
+    **fields("sonar.beam[array]", ARRAY, length=0.2, taper="hamming", squint=3.0, two_way=False),
+    **fields("sonar.vertical[fan]", {"sonar.vertical": "fan"}, width=40.0, tilt=40.0),
+    **fields("sonar.vertical[gaussian]", {"sonar.vertical": "gaussian"}, width=40.0, tilt=40.0),
+    **fields("sonar.vertical[array]", UPRIGHT, height=0.02, taper="hamming", tilt=40.0),
+    **fields("sonar.vertical[table]", {"sonar.vertical": "table"}, levels=LEVELS, tilt=40.0),
+    **fields("sonar.pulse[tone]", {}, duration=2e-4),
+    **fields("sonar.pulse[chirp]", {"sonar.pulse": CHIRP | {"window": "uniform"}}, duration=3e-4),
+    **fields("sonar.pulse[chirp]", {"sonar.pulse": CHIRP}, bandwidth=5e3, window="hann"),
+    **fields("track", {}, start=[0.5, 0.0], heading=10.0, altitude=8.0, speed=1.0, pings=11, terrain_following=True),
+    **fields("track", {}, motion="heave"),
+    "track.depth": ({}, BY_DEPTH),
 }
+
+
+def _motions(path: str, place: str, within: Callable[[Values], Values]) -> Changes:
+    """What changes each kind of motion, alone or as the last of a sum."""
+    found: Changes = {}
+    for kind in ("surge", "sway", "heave", "yaw", "pitch", "roll"):
+        # A roll is heard by a vertical beam alone.
+        swinging = within({"kind": kind, "amplitude": 2.0}) | {"sonar.vertical": "gaussian"}
+        found |= fields(f"{path}[{kind}]", swinging, place, amplitude=3.0, period=4.0, phase=90.0)
+    turn = within({"kind": "turn", "rate": 20.0, "begin": 0.2, "duration": 0.5})
+    found |= fields(f"{path}[turn]", turn, place, rate=-20.0, begin=0.4, duration=0.3)
+    return found | fields(f"{path}[recorded]", within({"kind": "recorded", "path": "TOW"}), place, path="OTHER_TOW")
+
+
+def _last_of_sum(motion: Values | str) -> Values:
+    return {"track.motion": {"kind": "sum", "of": ["straight", motion]}}
+
+
+CHANGES |= _motions("track.motion", "track.motion", lambda motion: {"track.motion": motion})
+CHANGES |= _motions("track.motion[sum].of", "track.motion.of.1", _last_of_sum)
+CHANGES |= fields("track.motion[sum]", _last_of_sum("heave"), of=["straight", "sway"])
+
+GAINS = [[0.0, 0.0], [100.0, 20.0]]
+TABLE = {"kind": "table", "by": "bin", "gains": GAINS}
+FOREIGN = {"kind": "sonar", "ping_rate": 20.0, "duration": 5e-3}
+VOLUME, NOISE = {"kind": "volume", "volume_strength": -30.0}, {"kind": "ambient", "level": -80.0}
+OF_RECEIVER: list[tuple[str, Any, Values]] = [  # choice, what it is at first, what changes the fields of that kind
+    ("speckle[rayleigh]", "rayleigh", {"looks": 2}),
+    ("speckle[k]", "k", {"shape": 1.0, "looks": 2, "cell": 0.01}),
+    ("speckle[coherent]", "coherent", {"density": 50.0}),
+    ("fluctuation[lognormal]", "lognormal", {"level": 3.0, "correlation_time": 0.2, "travel_time": 1e-4}),
+    ("reverberation[volume]", VOLUME, {"volume_strength": -40.0}),
+    ("reverberation[surface]", "surface", {"surface_strength": -20.0}),
+    ("reverberation[both]", VOLUME | {"kind": "both"}, {"volume_strength": -40.0, "surface_strength": -10.0}),
+    ("noise[ambient]", "ambient", {"level": -80.0}),
+    ("noise[snr]", {"kind": "snr", "at": 20.0}, {"value": 5.0, "at": 15.0}),
+    ("tvg[power]", "power", {"spreading": 40.0, "absorption": 100.0}),
+    ("tvg[table]", TABLE, {"by": "time", "gains": [GAINS[0], [100.0, 30.0]], "interpolation": "steps"}),
+    ("interference[sonar]", FOREIGN, {"level": -50.0, "ping_rate": 13.0, "duration": 1e-2}),
+]
+for path, before, changes in OF_RECEIVER:
+    choice = f"receiver.{path.partition('[')[0]}"
+    needs = {choice: before} | (BY_DEPTH if path in ("reverberation[surface]", "reverberation[both]") else {})
+    CHANGES |= fields(f"receiver.{path}", needs, **changes)
+CHANGES |= fields("sonar", {}, preset="kayak-455")
+LOUD = {"receiver.source_level": 200.0}
+SEA_NOISE = LOUD | {"sonar.frequency": 5e4, "receiver.noise": {"kind": "sea", "wind": 20.0}}
+CHANGES |= fields("receiver.noise[density]", LOUD | {"receiver.noise": "density"}, level=50.0)
+CHANGES |= fields("receiver.noise[sea]", SEA_NOISE, wind=1.0, rain="heavy")
+RECORDER = {"gain": [[0.0, 0.0], [0.5, 6.0]], "side_gain": 3.0, "bits": 8, "full_scale": -60.0, "dropped_pings": 0.5}
+CHANGES |= fields("receiver", {}, speckle="rayleigh", fluctuation="lognormal", reverberation=VOLUME, noise=NOISE)
+CHANGES |= fields(
+    "receiver", {}, tvg="power", ringing="decay", interference=FOREIGN, source_level=200.0, crosstalk=-20.0
+)
+CHANGES |= fields("receiver.recorder", {}, **RECORDER)
+
 PART = "a part that is all its own fields"
 BALL = "turns a ball, which looks alike from all sides"
 WHY_NOT = {

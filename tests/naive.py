@@ -7,31 +7,14 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from brute_force import bodies_of, strength, triangle
 from insonify.kernels.common.types import BED, LIGHT, PORT, SPHERE, Bed, SceneArrays, Solids
 
 NOTHING = -2
 
 
-def height(bed: Bed, x: float, y: float) -> float:
-    """Bilinear height above the datum, NaN where there is no bed."""
-    ny, nx = bed.heights.shape
-    u, v = (x - bed.x0) / bed.spacing, (y - bed.y0) / bed.spacing
-    i, j = math.floor(u), math.floor(v)
-    if bed.periodic:
-        i1, j1, i, j, fu, fv = (i + 1) % nx, (j + 1) % ny, i % nx, j % ny, u - i, v - j
-    else:
-        if not (0 <= u <= nx - 1 and 0 <= v <= ny - 1):
-            return math.nan
-        i, j = min(i, nx - 2), min(j, ny - 2)
-        i1, j1, fu, fv = i + 1, j + 1, u - i, v - j
-    z = bed.heights.astype(np.float64)
-    near = z[j, i] * (1 - fu) + z[j, i1] * fu
-    far = z[j1, i] * (1 - fu) + z[j1, i1] * fu
-    return float(near * (1 - fv) + far * fv)
-
-
 def heights(bed: Bed, x: np.ndarray, y: np.ndarray) -> np.ndarray:
-    """Bilinear heights at many places."""
+    """Bilinear heights above the datum, NaN where there is no bed."""
     ny, nx = bed.heights.shape
     u, v = (x - bed.x0) / bed.spacing, (y - bed.y0) / bed.spacing
     i, j = np.floor(u).astype(int), np.floor(v).astype(int)
@@ -44,6 +27,11 @@ def heights(bed: Bed, x: np.ndarray, y: np.ndarray) -> np.ndarray:
     near = z[j % ny, i % nx] * (1 - fu) + z[j % ny, (i + 1) % nx] * fu
     far = z[(j + 1) % ny, i % nx] * (1 - fu) + z[(j + 1) % ny, (i + 1) % nx] * fu
     return np.where(inside, near * (1 - fv) + far * fv, np.nan)
+
+
+def height(bed: Bed, x: float, y: float) -> float:
+    """Likewise at one place."""
+    return float(heights(bed, np.asarray(x), np.asarray(y)))
 
 
 def gradients(bed: Bed, x: np.ndarray, y: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
@@ -79,7 +67,7 @@ def cast(arrays: SceneArrays, origin: Sequence[float], direction: Sequence[float
 
 def _first_triangle(arrays: SceneArrays, o: np.ndarray, d: np.ndarray) -> tuple[float, int]:
     """Nearest of all triangles within reach: (distance, target)."""
-    distances = [meet_triangle(corners, o, d[None])[0][0] for corners in arrays.mesh.corners]
+    distances = [triangle(corners)(o, d[None])[0][0] for corners in arrays.mesh.corners]
     distances.append(arrays.bins * arrays.bin_length)
     nearest = int(np.argmin(distances))
     if nearest == len(arrays.mesh.corners):
@@ -87,44 +75,30 @@ def _first_triangle(arrays: SceneArrays, o: np.ndarray, d: np.ndarray) -> tuple[
     return float(distances[nearest]), int(arrays.mesh.target[nearest])
 
 
+def inside(arrays: SceneArrays, points: np.ndarray) -> np.ndarray:
+    """What points (n, 3) lie in: a target, BED or NOTHING."""
+    what = np.full(len(points), NOTHING)
+    for k in range(arrays.solids.shape.size):
+        first = (what == NOTHING) & (body_depth(arrays.solids, k, points) <= 0)
+        what[first] = arrays.solids.target[k]
+    what[points[:, 2] <= heights(arrays.bed, points[:, 0], points[:, 1])] = BED
+    return what
+
+
 def _feel(arrays: SceneArrays, o: np.ndarray, d: np.ndarray, step: float) -> tuple[float, int]:
     reach = arrays.bins * arrays.bin_length
-
-    def below(t: float) -> int:
-        x, y, z = o + t * d
-        if z <= height(arrays.bed, x, y):
-            return BED
-        for k in range(arrays.solids.shape.size):
-            if body_depth(arrays.solids, k, o + t * d) <= 0:
-                return int(arrays.solids.target[k])
-        return NOTHING
-
     t = np.arange(0.0, reach + step, step)
-    points = o + t[:, None] * d
-    inside = points[:, 2] <= heights(arrays.bed, points[:, 0], points[:, 1])
-    for k in range(arrays.solids.shape.size):
-        inside |= body_depth(arrays.solids, k, points) <= 0
-    if not inside.any():
-        return math.inf, NOTHING
-    first = int(np.argmax(inside))
-    if first == 0:
+    met = inside(arrays, o + t[:, None] * d) != NOTHING
+    first = int(np.argmax(met))
+    if first == 0:  # from inside, or nowhere
         return math.inf, NOTHING
     near, far = t[first - 1], t[first]
     while far - near > 1e-13 * max(1.0, far):
         middle = 0.5 * (near + far)
         if middle in (near, far):
             break
-        near, far = (near, middle) if below(middle) != NOTHING else (middle, far)
-    return (float(far), below(far)) if far <= reach else (math.inf, NOTHING)
-
-
-def strength(law: int, cos_incidence: np.ndarray, diffuse: float, specular: float, shininess: float) -> np.ndarray:
-    """Radiance or backscattering cross-section, written out."""
-    c = np.maximum(cos_incidence, 0.0)
-    lobe = np.where(c > 0, np.maximum(2 * c**2 - 1, 0.0) ** shininess, 0.0)
-    if law == LIGHT:
-        return diffuse * c + specular * lobe
-    return c**2 * (diffuse / np.pi + specular * (shininess + 2) / (2 * np.pi) * lobe)
+        near, far = (near, middle) if inside(arrays, (o + middle * d)[None])[0] != NOTHING else (middle, far)
+    return (float(far), int(inside(arrays, (o + far * d)[None])[0])) if far <= reach else (math.inf, NOTHING)
 
 
 def plane_samples(
@@ -182,18 +156,19 @@ def _bodies_in_plane(
     arrays: SceneArrays, pose: tuple[float, float, float], ex: float, ey: float, angles: int = 20001
 ) -> dict[str, np.ndarray] | None:
     """Nearest body along a fine fan of launch angles, from the equations of sphere and cylinder."""
-    if arrays.solids.shape.size + len(arrays.mesh.corners) == 0:
+    origin, bodies = np.asarray(pose), bodies_of(arrays)
+    if not bodies:
         return None
     angle = np.linspace(-np.pi / 2, np.pi / 2, angles)
     direction = np.column_stack([np.cos(angle) * ex, np.cos(angle) * ey, np.sin(angle)])
     # Concentrate the fan on what there is to see.
-    coarse = np.min([hit[0] for hit in _meet_everything(arrays, pose, direction)], axis=0)
+    coarse = np.min([meet(origin, direction)[0] for meet in bodies], axis=0)
     seen = np.flatnonzero(np.isfinite(coarse))
     if seen.size == 0:
         return None
     angle = np.linspace(angle[max(seen[0] - 1, 0)], angle[min(seen[-1] + 1, angles - 1)], angles)
     direction = np.column_stack([np.cos(angle) * ex, np.cos(angle) * ey, np.sin(angle)])
-    every = _meet_everything(arrays, pose, direction)
+    every = [meet(origin, direction) for meet in bodies]
     nearest = np.argmin([hit[0] for hit in every], axis=0)
     pick = np.arange(angles)
     r = np.array([hit[0] for hit in every])[nearest, pick]
@@ -207,58 +182,6 @@ def _bodies_in_plane(
         "angle": angle, "x": np.where(np.isfinite(r), r, 0.0) * np.cos(angle), "r": r, "seen": seen_length,
         "cos": cos_incidence, "dr": dr, "material": materials[nearest],
     }  # fmt: skip
-
-
-def _meet_everything(
-    arrays: SceneArrays, pose: tuple[float, float, float], d: np.ndarray
-) -> list[tuple[np.ndarray, np.ndarray]]:
-    """Distances and cosines of incidence at every analytic body, then at every triangle."""
-    solids = [_meet(arrays.solids, k, pose, d) for k in range(arrays.solids.shape.size)]
-    return solids + [meet_triangle(corners, np.asarray(pose), d) for corners in arrays.mesh.corners]
-
-
-def meet_triangle(corners: np.ndarray, o: np.ndarray, d: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Distances and cosines of incidence of rays d (n, 3) from one origin to a triangle, seen from either side.
-
-    Möller and Trumbore (1997).
-    """
-    one, two = corners[1] - corners[0], corners[2] - corners[0]
-    across, turned = np.cross(d, two), np.cross(o - corners[0], one)
-    with np.errstate(invalid="ignore", divide="ignore"):
-        inverse = 1.0 / (across @ one)
-        u, v, t = (across @ (o - corners[0])) * inverse, (d @ turned) * inverse, (two @ turned) * inverse
-        hit = np.isfinite(inverse) & (u >= 0) & (v >= 0) & (u + v <= 1) & (t > 0)
-    normal = np.cross(one, two)
-    return np.where(hit, t, np.inf), np.where(hit, abs(d @ normal) / np.linalg.norm(normal), 0.0)
-
-
-def _meet(solids: Solids, k: int, origin: tuple[float, float, float], d: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Distances and cosines of incidence of rays d (n, 3) from one origin to body k, infinite where missed."""
-    o = np.asarray(origin) - solids.start[k]
-    axis, taper = solids.axis[k], solids.taper[k]
-    op, dp = o - (o @ axis) * axis, d - (d @ axis)[:, None] * axis
-    # The side: |op + t dp| = radius + growth t, of which only the part that is seen from outside counts.
-    radius, growth = solids.radius[k] + taper * (o @ axis), taper * (d @ axis)
-    best, cosine = np.full(len(d), np.inf), np.zeros(len(d))
-    with np.errstate(invalid="ignore", divide="ignore"):
-        a, b, c = (dp**2).sum(1) - growth**2, dp @ op - growth * radius, op @ op - radius**2
-        for sign in (-1.0, 1.0):
-            t = (-b + sign * np.sqrt(b * b - a * c)) / a
-            along = o @ axis + t * (d @ axis)
-            across = op + t[:, None] * dp
-            normal = across / np.linalg.norm(across, axis=1)[:, None] - taper * axis
-            facing = -(normal * d).sum(1) / math.sqrt(1.0 + taper**2)
-            inside = (along >= 0) & (along <= solids.length[k])
-            hit = (t > 0) & (facing > 0) & (t < best) & (inside | (solids.shape[k] == SPHERE))
-            best, cosine = np.where(hit, t, best), np.where(hit, facing, cosine)
-        if solids.shape[k] != SPHERE:
-            for end, side in ((0.0, -1.0), (solids.length[k], 1.0)):
-                t = (end - o @ axis) / (d @ axis)
-                across = np.linalg.norm(op + t[:, None] * dp, axis=1)
-                facing = -side * (d @ axis)
-                hit = (t > 0) & (facing > 0) & (across <= solids.radius[k] + taper * end) & (t < best)
-                best, cosine = np.where(hit, t, best), np.where(hit, facing, cosine)
-    return best, cosine
 
 
 def naive_ping(
@@ -301,7 +224,7 @@ def _deposit(arrays: SceneArrays, s: dict[str, np.ndarray], share: np.ndarray, w
     """Sum samples into bins."""
     value = np.zeros_like(s["x"])
     for m, numbers in enumerate(arrays.reflectivity):
-        value = np.where(s["material"] == m, strength(arrays.law, s["cos"], *numbers), value)
+        value = np.where(s["material"] == m, strength(np.maximum(s["cos"], 0.0), tuple(numbers), arrays.law), value)
     if arrays.law == LIGHT:
         energy = value * s["dr"] / arrays.bin_length
         if wedge:

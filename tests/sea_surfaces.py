@@ -90,10 +90,10 @@ def naive_level_ghost(
     `light` divides each by its integral over azimuths.
     """
     one, other, share = image_heights(way, altitude, depth)
-    edges = np.linspace(0.0, 1.2 * arrays.bins * arrays.bin_length, 10 * arrays.bins)
+    edges = np.linspace(0.0, 1.2 * arrays.bins * arrays.bin_length, 6 * arrays.bins)
     x, step = 0.5 * (edges[1:] + edges[:-1]), edges[1]
     r, s = np.hypot(x, one), np.hypot(x, other)
-    azimuth = math.pi * ((np.arange(2001) + 0.5) / 2001 - 0.5)
+    azimuth = math.pi * ((np.arange(801) + 0.5) / 801 - 0.5)
     passed = [respond((x / leg)[:, None] * np.sin(azimuth) - math.sin(squint), leg[:, None]) for leg in (r, s)]
     taken_in = np.sqrt(passed[0] * passed[1]).mean(axis=1) * math.pi
     if arrays.law == LIGHT:

@@ -53,10 +53,15 @@ def joined(water, depth, x, to_depth):
     return status, ray, math.degrees(math.atan2(-ray.sine0, ray.cosine0))
 
 
-def water_of(height, speed, station=(0.0,)):
-    """Lay water out as tracers take it, below a sea surface at height 0."""
+def water_of(height, speed, station=(0.0,), *, reference=1500.0, surface=0.0):
+    """Lay water out as tracers take it: speeds at ascending heights, below a sea surface."""
     speed = np.atleast_2d(np.asarray(speed, float))
-    return Water(True, np.asarray(height, float), speed, np.asarray(station, float), 1.0, 0.0, 1500.0, 0.0)
+    return Water(True, np.asarray(height, float), speed, np.asarray(station, float), 1.0, 0.0, reference, surface)
+
+
+def water_about(sonar, height, speed, surface=1e4):
+    """Water whose reference is the speed at the height of a sonar."""
+    return water_of(height, speed, reference=float(np.interp(sonar, height, speed)), surface=surface)
 
 
 def followed(water, depth, degrees, ranges, bottom=math.inf, surface=NO_CEILING, mirrored=False):

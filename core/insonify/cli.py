@@ -69,7 +69,7 @@ def _warn(message: Warning | str, category: type[Warning], *where: Any, **more: 
 
 
 def _complain(sentence: str) -> int:
-    with suppress(OSError):  # standard error on a full disk: the exit code tells
+    with suppress(OSError):  # standard error on a full disk: the exit code remains
         sys.stderr.write(f"insonify: {' '.join(sentence.split())}\n")
         sys.stderr.flush()
     return WRONG

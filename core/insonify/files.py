@@ -64,7 +64,7 @@ def bundled_specifications(folder: str) -> dict[str, Path]:
 
 
 def file_version(path: str | Path) -> tuple[int, int]:
-    """Return numbers that change with the content of a file; zeros for anything else, which the reader refuses."""
+    """Return numbers that change with the content of a file; zeros for anything else, which the reader rejects."""
     if not os.path.isfile(path):  # unlike the method of Path, no error for a name that is too long
         return 0, 0
     status = os.stat(path)

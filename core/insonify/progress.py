@@ -15,7 +15,7 @@ if TYPE_CHECKING:
     from tqdm import tqdm
 
 VARIABLE = "INSONIFY_PROGRESS"
-"""Environment variable; ``lines`` asks for one JSON object a line on standard error instead of a bar.
+"""Environment variable; ``lines`` sets one JSON object a line on standard error instead of a bar.
 
 Each holds ``doing`` (words), ``done`` and ``total`` (numbers) and ``unit``.
 """
@@ -120,7 +120,7 @@ def report_progress(
 
 @contextmanager
 def report_waiting(doing: str = PREPARING) -> Iterator[None]:
-    """Say what is being done, and on a terminal for how long by now, where nobody knows how long it takes."""
+    """Report work of unknown length: what is being done, and on a terminal for how long so far."""
     if os.environ.get(VARIABLE) == "lines":
         _Lines(doing, 1.0, "", 0.0)
         yield

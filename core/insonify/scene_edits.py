@@ -18,7 +18,7 @@ from insonify.scene.seabed.reliefs.fractal import Fractal
 from insonify.scene.seabed.reliefs.mimic import Mimic, mean_diffuse
 from insonify.scene.seabed.reliefs.random_relief import RandomRelief
 from insonify.scene.seabed.reliefs.sum import SumOfReliefs
-from insonify.scene.track.motions.straight import Straight
+from insonify.scene.track.motions.lines import Straight
 from insonify.scene.track.motions.sum import SumOfMotions
 
 Changes = dict[str, Any]

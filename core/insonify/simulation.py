@@ -76,7 +76,7 @@ class Simulation(PackedScene):
         return self.record(pings, self.poses(pings))
 
     def record(self, pings: NDArray[np.int64], poses: Poses, out: Echoes | None = None) -> Echoes:
-        """Trace and receive pings whose poses are known.
+        """Trace and receive pings at given poses.
 
         Parameters
         ----------
@@ -131,7 +131,7 @@ class Simulation(PackedScene):
         return self.labels(self.poses(pings))
 
     def labels(self, poses: Poses) -> RecordLabels:
-        """Label every range bin of pings whose poses are known, as `truth` does."""
+        """Label every range bin of pings at given poses, as `truth` does."""
         settings = self.plan.label_settings
         water, crosstalk = self.reception.find(WaterColumn), self.reception.find(Crosstalk)
         share = 0.0 if crosstalk is None else crosstalk.share
@@ -240,7 +240,7 @@ def _prepare(packed: PackedScene, plan: Plan, threads: int | None) -> Simulation
         arrays,
         plan=plan,
         reduced=packed.reduce(plan.model),
-        tiles=packed.ground_tiles(plan.every, tracer.bins_beyond),
+        tiles=packed.ground_tiles(plan.model.every, tracer.bins_beyond),
         tracer=tracer,
         reception=prepare_reception(packed.scene, packed.ground, arrays),
         threads=threads,

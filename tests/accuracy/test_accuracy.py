@@ -7,21 +7,14 @@ import math
 import numpy as np
 import pytest
 
-from beds import arrays_of, poses_of, rough
-from exact_rays import reference
+from beds import arrays_of, poses_of, rough_arrays
+from exact_rays import order, reference
 from insonify.accuracy.timing import time_calls
 from insonify.acoustics.flat_bed import compute_flat_bed_curves
 from insonify.statistics.record_errors import compare_records, compute_errors
 from insonify.tracers import rays
 
-
-def bed_arrays(half_width=0.0, **options):
-    options = {"bins": 500, "bin_length": 0.06, **options}
-    return arrays_of(rough(256, 256, 0.05), 0.1, periodic=True, half_width=half_width, **options)
-
-
-def order(counts, errors):
-    return -np.polyfit(np.log(counts), np.log(errors), 1)[0]
+FINE = {"bins": 500, "bin_length": 0.06}
 
 
 def test_error_by_hand():
@@ -62,7 +55,7 @@ def test_near_bins_do_not_rule():
 
 
 def test_each_ping_has_the_curve_of_its_altitude():
-    arrays = bed_arrays()
+    arrays = rough_arrays(**FINE)
     curves = compute_flat_bed_curves(arrays, poses_of(0.0, 0.0, [8.0, 5.0, 8.0]))
     assert curves.shape == (3, 1, 500)
     np.testing.assert_array_equal(curves[0], curves[2])
@@ -76,7 +69,7 @@ def test_each_ping_has_the_curve_of_its_altitude():
     [(0.0, 1.0), (math.radians(1.0), 0.75)],
 )
 def test_rays_converge_in_their_order(half_width, expected):
-    arrays, poses = bed_arrays(half_width), poses_of(np.arange(4) * 0.9, 1.3, 8.0)
+    arrays, poses = rough_arrays(half_width, **FINE), poses_of(np.arange(4) * 0.9, 1.3, 8.0)
     finest = rays.trace(arrays, poses, rays=1 << 18)
     counts = np.array([1 << k for k in range(10, 15)])
     errors = [compare_records(arrays, poses, rays.trace(arrays, poses, rays=int(n)), finest).beyond for n in counts]
@@ -84,7 +77,7 @@ def test_rays_converge_in_their_order(half_width, expected):
 
 
 def test_reference_moves_less_than_asked():
-    arrays, poses = bed_arrays(), poses_of([0.0, 3.0], 1.3, 8.0)
+    arrays, poses = rough_arrays(**FINE), poses_of([0.0, 3.0], 1.3, 8.0)
     record, moved = reference(arrays, poses, tolerance=0.003)
     assert moved < 0.003
     finest = rays.trace(arrays, poses, rays=1 << 18)

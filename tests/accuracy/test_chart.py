@@ -20,8 +20,7 @@ from insonify.accuracy.charts.reference import Reference, trace_exact_rays
 from insonify.accuracy.charts.style import SHADES
 from insonify.kernels.common.types import no_surface_multipath
 from insonify.scene import SceneError, edit, load_scene
-from insonify.statistics.displacement import Displacement
-from insonify.statistics.record_errors import RecordErrors, compare_records, measure_similarity
+from insonify.statistics.record_errors import Displacement, RecordErrors, compare_records, measure_similarity
 
 
 def row(method, setting, microseconds, error, targets=False):

@@ -7,7 +7,7 @@ import math
 import numpy as np
 import pytest
 
-from beds import NO_MESH, arrays_of, mesh_of, poses_of, rough, solids_of
+from beds import BOX_FACES, NO_MESH, arrays_of, box_corners, mesh_of, poses_of, rough_arrays, solids_of
 from insonify.accuracy.charts.embree import TriangulatedScene, explain_omission
 from insonify.kernels.rays.cell_walk import RayBundle, empty_hits, find_first_hits
 from insonify.scene import SceneError
@@ -16,11 +16,6 @@ from insonify.tracers import rays
 
 POSES = poses_of([0.0, 3.7], 1.3, 8.0, [0.3, 1.9])
 FAN = math.radians(1.0)
-
-
-def bed_arrays(**options):
-    options = {"bins": 300, "bin_length": 0.1, "periodic": True, "half_width": FAN, **options}
-    return arrays_of(rough(256, 256, 0.05), 0.1, **options)
 
 
 @pytest.fixture(autouse=True)
@@ -38,7 +33,7 @@ def test_over_a_level_bed_every_ray_returns_the_same(half_width):
 
 
 def test_over_a_rough_bed_the_surface_differs_as_its_cells_are_cut():
-    arrays = bed_arrays()
+    arrays = rough_arrays(FAN)
     bed = TriangulatedScene(arrays, POSES)
     own = bed.trace(POSES, rays=1 << 17)
     surface = compare_records(arrays, POSES, own, rays.trace(arrays, POSES, rays=1 << 17)).beyond
@@ -51,7 +46,7 @@ def test_over_a_rough_bed_the_surface_differs_as_its_cells_are_cut():
 
 
 def test_a_bed_with_an_edge_and_a_hole_is_silent_there():
-    arrays = bed_arrays(periodic=False)
+    arrays = rough_arrays(FAN, periodic=False)
     heights = arrays.bed.heights.copy()
     heights[60:80, 20:60] = np.nan
     arrays = arrays._replace(bed=arrays.bed._replace(heights=heights))
@@ -78,20 +73,21 @@ def rays_towards(arrays, poses, target, wide, count=20_000):
     return RayBundle(*(np.full(count, value) for value in origin), *np.ascontiguousarray(ways.T))
 
 
-BOX = np.array([[x, y, z] for x in (-1.0, 1.0) for y in (8.0, 9.5) for z in (0.0, 1.2)])
-FACES = [[0, 1, 3], [0, 3, 2], [4, 6, 7], [4, 7, 5], [0, 4, 5], [0, 5, 1], [2, 3, 7], [2, 7, 6], [1, 5, 7], [1, 7, 3]]
+BOX = (-1.0, 8.0, 0.0), (1.0, 9.5, 1.2)
+BOX_ASIDE = (2.0, 8.0, 0.0), (4.0, 9.5, 1.2)
+FACES = BOX_FACES[:10]  # the box stands on the bed
 TARGETS = {
     "sphere": ({"solids": [((0.3, 9.0, 0.8), 0.7)]}, 2.0),
     "pipe": ({"solids": [((-3.0, 8.0, 0.5), (4.0, 10.0, 0.9), 0.4), ((4.0, 10.0, 0.9), 0.4)]}, 2.0),
     "cone": ({"solids": [((0.0, 9.0, 0.0), (0.0, 9.0, 1.8), 1.0, 0.0)]}, 2.0),
-    "box": ({"mesh": mesh_of(BOX, FACES)}, 0.0),
+    "box": ({"mesh": mesh_of(box_corners(*BOX), FACES)}, 0.0),
 }
 
 
 @pytest.mark.parametrize(("name", "degrees"), [(name, degrees) for name, (_, degrees) in TARGETS.items()])
 def test_a_target_is_hit_where_the_exact_walk_hits_it(name, degrees):
     # Chords lie up to 3e-4 of the radius beneath the surface: nearly edge-on a ray that the body stops may pass it.
-    arrays = bed_arrays(**TARGETS[name][0])
+    arrays = rough_arrays(FAN, **TARGETS[name][0])
     bundle = rays_towards(arrays, POSES, (0.5, 9.0, 0.6), 1.5)
     found, right = TriangulatedScene(arrays, POSES).cast(bundle), exact_hits(arrays, bundle)
     target = right.body >= 0
@@ -105,7 +101,7 @@ def test_a_target_is_hit_where_the_exact_walk_hits_it(name, degrees):
 
 
 def test_every_triangle_has_the_body_and_the_material_of_what_it_is_cut_from():
-    arrays = bed_arrays(solids=TARGETS["sphere"][0]["solids"], mesh=mesh_of(BOX + np.array([3.0, 0.0, 0.0]), FACES))
+    arrays = rough_arrays(FAN, solids=TARGETS["sphere"][0]["solids"], mesh=mesh_of(box_corners(*BOX_ASIDE), FACES))
     arrays = arrays._replace(
         solids=arrays.solids._replace(material=np.array([1])),
         mesh=arrays.mesh._replace(material=np.full(len(FACES), 2)),
@@ -120,7 +116,7 @@ def test_every_triangle_has_the_body_and_the_material_of_what_it_is_cut_from():
 def test_a_record_with_targets_is_that_of_exact_rays_but_for_the_surface():
     level = arrays_of(
         np.zeros((64, 64)), 1.0, periodic=True, half_width=FAN, bins=300, bin_length=0.1,
-        solids=TARGETS["sphere"][0]["solids"], mesh=mesh_of(BOX + np.array([3.0, 0.0, 0.0]), FACES),
+        solids=TARGETS["sphere"][0]["solids"], mesh=mesh_of(box_corners(*BOX_ASIDE), FACES),
     )  # fmt: skip
     poses = poses_of([0.3, 3.0], 0.0, 8.0, [0.0, 0.2])
     record, right = TriangulatedScene(level, poses).trace(poses, rays=1 << 17), rays.trace(level, poses, rays=1 << 17)
@@ -130,7 +126,7 @@ def test_a_record_with_targets_is_that_of_exact_rays_but_for_the_surface():
 
 
 def test_what_it_is_not_asked_for_is_said():
-    bounces = bed_arrays()._replace(bounces=1)
+    bounces = rough_arrays(FAN)._replace(bounces=1)
     assert "straight" in explain_omission(bounces, POSES)
     with pytest.raises(SceneError, match="straight"):
         TriangulatedScene(bounces, POSES)

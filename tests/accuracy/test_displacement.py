@@ -9,8 +9,12 @@ import pytest
 
 from beds import arrays_of, poses_of
 from insonify.acoustics.flat_bed import compute_flat_bed_curves
-from insonify.statistics.displacement import find_echo_shifts, find_edge_shifts, measure_displacement
-from insonify.statistics.record_errors import measure_similarity
+from insonify.statistics.record_errors import (
+    find_echo_shifts,
+    find_edge_shifts,
+    measure_displacement,
+    measure_similarity,
+)
 from insonify.tracers import ray_sheets, rays
 
 BINS = 400

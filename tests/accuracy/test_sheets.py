@@ -7,25 +7,20 @@ import math
 import numpy as np
 import pytest
 
-from beds import arrays_of, bed_of, gaussian_pattern, poses_of, rough
+from beds import arrays_of, bed_of, gaussian_pattern, poses_of, rough, rough_arrays
 from insonify.accuracy.charts.method_settings import pack_for_chart
 from insonify.accuracy.charts.reference import name_rays, trace_exact_rays
 from insonify.acoustics.flat_bed import flat_bed_curve
-from insonify.kernels.common.types import LIGHT, SONAR, Water, no_surface_multipath
+from insonify.kernels.common.types import LIGHT, SONAR, no_surface_multipath
 from insonify.scene import SceneError, edit, load_scene
 from insonify.statistics.record_errors import compare_records
 from insonify.tracers import ray_sheets, rays, sweep
+from water import water_of
 
 FAN = math.radians(1.0)
 POSES = poses_of([0.0, 3.7], 1.3, 8.0)
-SPEEDS = np.array([[1490.0, 1490.0, 1500.0, 1500.0]])
-THERMOCLINE = Water(True, np.array([-5.0, 3.0, 5.0, 20.0]), SPEEDS, np.zeros(1), 1.0, 0.0, 1500.0, 25.0)
+THERMOCLINE = water_of([-5.0, 3.0, 5.0, 20.0], [1490.0, 1490.0, 1500.0, 1500.0], surface=25.0)
 BODIES = [((0.0, 12.0, 0.6), 0.6), ((-5.0, -15.0, 0.9), (9.0, -14.0, 0.9), 0.4)]
-
-
-def bed_arrays(half_width=0.0, **options):
-    options = {"bins": 300, "bin_length": 0.1, **options}
-    return arrays_of(rough(256, 256, 0.05), 0.1, periodic=True, half_width=half_width, **options)
 
 
 @pytest.mark.parametrize("law", [SONAR, LIGHT])
@@ -39,14 +34,14 @@ def test_a_level_bed_is_as_its_closed_form(half_width, law):
 
 
 CASES = {
-    "knife": bed_arrays(),
-    "fan": bed_arrays(FAN),
-    "light": bed_arrays(FAN, law=LIGHT),
-    "bodies": bed_arrays(FAN, solids=BODIES),
-    "bent": bed_arrays(FAN)._replace(water=THERMOCLINE),
-    "pattern": bed_arrays(FAN, pattern=gaussian_pattern(FAN)),
-    "pattern, light": bed_arrays(FAN, pattern=gaussian_pattern(FAN), law=LIGHT),
-    "pattern, bent": bed_arrays(FAN, pattern=gaussian_pattern(FAN), solids=BODIES)._replace(water=THERMOCLINE),
+    "knife": rough_arrays(),
+    "fan": rough_arrays(FAN),
+    "light": rough_arrays(FAN, law=LIGHT),
+    "bodies": rough_arrays(FAN, solids=BODIES),
+    "bent": rough_arrays(FAN)._replace(water=THERMOCLINE),
+    "pattern": rough_arrays(FAN, pattern=gaussian_pattern(FAN)),
+    "pattern, light": rough_arrays(FAN, pattern=gaussian_pattern(FAN), law=LIGHT),
+    "pattern, bent": rough_arrays(FAN, pattern=gaussian_pattern(FAN), solids=BODIES)._replace(water=THERMOCLINE),
 }
 
 
@@ -138,5 +133,5 @@ def test_a_reference_with_surface_paths_has_its_first_echoes_in_sheets():
     (0, False, "rays in sheets"), (0, True, "rays in sheets, surface paths by single rays"), (1, True, "single rays"),
 ])  # fmt: skip
 def test_the_rays_of_a_reference_are_named(bounces, surface, kind):
-    arrays = bed_arrays()._replace(bounces=bounces, multipath=no_surface_multipath()._replace(enabled=surface))
+    arrays = rough_arrays()._replace(bounces=bounces, multipath=no_surface_multipath()._replace(enabled=surface))
     assert name_rays(arrays) == kind

@@ -8,18 +8,23 @@ import numpy as np
 import pytest
 
 from beds import arrays_of, poses_of, rough
+from exact_rays import order
 from insonify.kernels.common.types import LIGHT, SONAR
 from insonify.scene import edit, load_scene
 from insonify.simulation import prepare
 from insonify.statistics.record_errors import compare_records
+from insonify.tow.poses import take_poses
 from insonify.tracers import march, rays, sweep
 
-POSES = poses_of(np.arange(6) * 1.37 + 0.1, 0.23, 7.0, 0.3)
+POSES = poses_of(np.arange(3) * 2.74 + 0.1, 0.23, 7.0, 0.3)
 HEIGHTS = rough(64, 64, 0.1, 3)
 
 
-def order(counts, errors):
-    return -np.polyfit(np.log(counts), np.log(errors), 1)[0]
+def both(name, changes, pings, *, planes=1, count=1 << 18):
+    """Packed scene, poses of some pings, and their records by the sweep and by rays."""
+    simulation = prepare(edit(load_scene(name), changes))
+    arrays, poses = simulation.arrays, simulation.poses(np.asarray(pings))
+    return arrays, poses, sweep.trace(arrays, poses, planes=planes), rays.trace(arrays, poses, rays=count)
 
 
 def finer(heights, times):
@@ -87,10 +92,7 @@ def test_planes_converge_in_second_order():
     ],
 )
 def test_bundled_scenes_are_as_near_as_said(name, changes, beyond, all_bins):
-    simulation = prepare(edit(load_scene(name), changes))
-    poses = simulation.poses(np.arange(60, 340, 70))
-    right = rays.trace(simulation.arrays, poses, rays=1 << 18)
-    errors = compare_records(simulation.arrays, poses, sweep.trace(simulation.arrays, poses, planes=64), right)
+    errors = compare_records(*both(name, changes, np.arange(60, 340, 70), planes=64))
     assert errors.beyond < beyond
     assert errors.all_bins < all_bins
     assert abs(errors.energy_bias) < 2e-3
@@ -99,21 +101,15 @@ def test_bundled_scenes_are_as_near_as_said(name, changes, beyond, all_bins):
 
 def test_a_beam_that_squints_is_heard_to_the_range_over_ground_that_rises():
     # The same azimuth takes in other ground ranges of high ground than of low.
-    scene = edit(
-        load_scene("default"),
-        {
-            "seabed.relief": {"kind": "von_karman", "rms": 1.2, "across": 40.0, "along": 40.0, "hurst": 1.0},
-            "sonar.beam": {"kind": "fan", "width": 4.5, "squint": 9.5},
-            "track.altitude": 3.5,
-            "sonar.range": 15.0,
-            "sonar.bins": 150,
-            "targets": [],
-        },
-    )
-    simulation = prepare(scene)
-    poses = simulation.poses(np.arange(60, 340, 70))
-    right = rays.trace(simulation.arrays, poses, rays=1 << 18)
-    errors = compare_records(simulation.arrays, poses, sweep.trace(simulation.arrays, poses, planes=16), right)
+    changes = {
+        "seabed.relief": {"kind": "von_karman", "rms": 1.2, "across": 40.0, "along": 40.0, "hurst": 1.0},
+        "sonar.beam": {"kind": "fan", "width": 4.5, "squint": 9.5},
+        "track.altitude": 3.5,
+        "sonar.range": 15.0,
+        "sonar.bins": 150,
+        "targets": [],
+    }
+    errors = compare_records(*both("default", changes, np.arange(60, 340, 70), planes=16))
     assert errors.beyond < 0.015
     assert abs(errors.energy_bias) < 5e-3
 
@@ -123,32 +119,26 @@ def test_a_beam_that_squints_is_heard_to_the_range_over_ground_that_rises():
 def test_what_is_hardly_within_range_is_heard_to_the_range(altitude, path):
     # Planes are laid for heights in steps of 4 %, within which the last ground range in reach changes twofold.
     own = altitude if path == "direct" else 6.0
-    scene = edit(
-        load_scene("default"),
-        {
-            "seabed": {"depth": 80.0 if path == "direct" else 0.5 * (altitude + own), "relief": {"kind": "flat"}},
-            "water.surface": {"kind": "flat", "surface_echo": False, "surface_bottom": False, "second_bottom": False},
-            "sonar.beam": {"kind": "gaussian", "width": 1.5},
-            "track.altitude": own,
-            "sonar.range": 1.03 * altitude,
-            "sonar.bins": 200,
-            "targets": [],
-        },
-    )
-    simulation = prepare(scene)
-    arrays, poses, last = simulation.arrays, simulation.poses(np.arange(2)), slice(195, None)  # up to 1.03 altitudes
-    right = rays.trace(arrays, poses, rays=1 << 18)[..., last].sum()
-    assert sweep.trace(arrays, poses, planes=16)[..., last].sum() == pytest.approx(right, rel=0.01)
+    changes = {
+        "seabed": {"depth": 80.0 if path == "direct" else 0.5 * (altitude + own), "relief": {"kind": "flat"}},
+        "water.surface": {"kind": "flat", "surface_echo": False, "surface_bottom": False, "second_bottom": False},
+        "sonar.beam": {"kind": "gaussian", "width": 1.5},
+        "track.altitude": own,
+        "sonar.range": 1.03 * altitude,
+        "sonar.bins": 200,
+        "targets": [],
+    }
+    _, _, record, right = both("default", changes, np.arange(2), planes=16)
+    last = slice(195, None)  # up to 1.03 altitudes
+    assert record[..., last].sum() == pytest.approx(right[..., last].sum(), rel=0.01)
 
 
 def test_the_sweep_is_nearer_than_what_it_replaces():
-    simulation = prepare(edit(load_scene("default"), {"sonar.beam": "knife"}))
-    arrays, poses = simulation.arrays, simulation.poses(np.arange(60, 340, 40))
-    right = rays.trace(arrays, poses, rays=1 << 18)
+    arrays, poses, swept, right = both("default", {"sonar.beam": "knife"}, np.arange(60, 340, 40))
     ours, a_thousand_rays, marched = (
         compare_records(arrays, poses, record, right).beyond
         for record in (
-            sweep.trace(arrays, poses),
+            swept,
             rays.trace(arrays, poses, rays=1000),
             march.trace(arrays, poses, rays=1000, step=0.1),
         )
@@ -160,13 +150,60 @@ def test_the_sweep_is_nearer_than_what_it_replaces():
 def test_small_bright_balls_enter_and_leave_the_beam_where_they_must():
     # Planes stand still while the cone's edge bends by a few per cent of its width: the flank of a ball's echo moves
     # along the track by at most that, and its sum over the pings that pass it stays.
-    simulation = prepare(load_scene("figure-4b"))
-    pings = np.arange(150, 320)
-    right = rays.trace(simulation.arrays, simulation.poses(pings), rays=1 << 16)
-    record = sweep.trace(simulation.arrays, simulation.poses(pings), planes=64)
+    _, _, record, right = both("figure-4b", {}, np.arange(150, 320), planes=64, count=1 << 16)
     for ground_range in (22.0, 40.0):
         near = np.hypot(ground_range, 9.85) - 0.15
         echo = slice(int(near / 0.05), int(near / 0.05) + 4)
         a, b = (r[:, 1, echo].sum(axis=1, dtype=float) for r in (record, right))
         assert a.sum() == pytest.approx(b.sum(), rel=0.03)
         assert np.abs(np.cumsum(a) - np.cumsum(b)).max() < 0.03 * b.sum()
+
+
+def thermocline(above, below, top):
+    """Water 10 m/s slower below so many metres over a bed at 30 m, from so many metres over it downwards."""
+    depth, speeds = [0.0, 30.0 - top, 30.0 - above, 40.0], [1510.0, 1510.0, below, below]
+    return {"water": {"kind": "profile", "depth": depth, "sound_speed": speeds}}
+
+
+WATERS = {
+    "above the bed": thermocline(above=3.0, top=6.0, below=1500.0),
+    "about the sonar": thermocline(above=8.0, top=16.0, below=1500.0),
+    "upside down": thermocline(above=3.0, top=6.0, below=1520.0),
+}
+KNIFE = {"sonar.beam": "knife", "receiver.speckle": "none"}
+
+
+def bent_errors(name, changes, pings):
+    """Error of each ping against rays that follow arcs."""
+    arrays, poses, *records = both(name, KNIFE | changes, pings, count=100_000)
+    assert arrays.water.bent
+    single = [slice(k, k + 1) for k in range(len(pings))]
+    return [compare_records(arrays, take_poses(poses, k), *(record[k] for record in records)) for k in single]
+
+
+@pytest.mark.parametrize("water", WATERS.values(), ids=WATERS)
+def test_scenes_in_thermoclines(water):
+    found = [
+        *bent_errors("default", water | {"targets": []}, [40, 210]),
+        *bent_errors("default", water, [100, 150, 260, 330]),
+        *bent_errors("targets", water, [60, 140, 220, 300]),
+    ]
+    beyond = [error.beyond for error in found]
+    assert np.median(beyond) < 0.006
+    # A broad face square to the sound puts all of its echo into a bin or two, between which a millimetre tells.
+    assert max(beyond) < 0.03
+    assert max(abs(error.energy_bias) for error in found) < 0.001
+
+
+def test_a_mesh_in_a_thermocline():
+    found = bent_errors("wreck", WATERS["about the sonar"], [100, 150, 250])
+    assert max(error.beyond for error in found) < 0.015
+
+
+def test_shadow_edges_in_a_thermocline_lie_within_a_bin():
+    level = KNIFE | WATERS["above the bed"] | {"seabed.relief": "flat"}
+    _, _, swept, right = both("targets", level, np.arange(40, 340, 30), count=100_000)
+    dark, black = swept == 0.0, right == 0.0
+    for shadow in (dark & ~black, black & ~dark):
+        # No two neighbouring bins are dark in one and lit in the other.
+        assert not (shadow[..., 1:] & shadow[..., :-1]).any()

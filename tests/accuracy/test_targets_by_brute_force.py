@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-import itertools
 import math
 
 import numpy as np
 import pytest
 
-from beds import arrays_of, mesh_of, poses_of
-from brute_force import box, cylinder, sphere, target_record
+from beds import BOX_FACES, arrays_of, box_corners, mesh_of, poses_of
+from brute_force import box, frustum, sphere, target_record
 from insonify.scene.targets.shape import rotation_matrix
 from insonify.tracers import ray_sheets, sweep
 
@@ -21,18 +20,15 @@ PIPE = ((-4.0, 13.0, 0.5), (5.0, 12.5, 0.7), 0.3)
 CENTRE, HALF = np.array([0.3, 13.0, 1.0]), np.array([1.2, 0.9, 0.4])
 # One face looks at the sonar.
 AXES = rotation_matrix(0.0, 0.0, math.degrees(math.atan2(CENTRE[1], HEIGHT - CENTRE[2])))
-QUADS = ((0, 1, 3, 2), (4, 6, 7, 5), (0, 4, 5, 1), (2, 3, 7, 6), (0, 2, 6, 4), (1, 5, 7, 3))
-
-
-def box_mesh():
-    vertices = np.array(list(itertools.product((-1.0, 1.0), repeat=3))) * HALF @ AXES.T + CENTRE
-    return mesh_of(vertices, [face for a, b, c, d in QUADS for face in ((a, b, c), (a, c, d))])
-
-
+TURNED_BOX = mesh_of(box_corners(-HALF, HALF) @ AXES.T + CENTRE, BOX_FACES)
 TARGETS = {
     "sphere": (sphere(*BALL), {"solids": [BALL]}, (-0.73, -0.59)),
-    "pipe": (cylinder(*PIPE), {"solids": [PIPE]}, (-0.67, -0.60)),
-    "box": (box(CENTRE, AXES, HALF), {"mesh": box_mesh()}, (-0.72, -0.48)),
+    "pipe": (frustum(*PIPE, PIPE[2]), {"solids": [PIPE]}, (-0.67, -0.60)),
+    "box": (
+        box(CENTRE, AXES, HALF),
+        {"mesh": mesh_of(box_corners(-HALF, HALF) @ AXES.T + CENTRE, BOX_FACES)},
+        (-0.72, -0.48),
+    ),
 }
 
 

@@ -16,8 +16,7 @@ from insonify.accuracy.charts.kinds.accuracy import AccuracyChart, AccuracyRow, 
 from insonify.accuracy.charts.method_settings import SettingKey
 from insonify.accuracy.charts.reference import Reference
 from insonify.scene import Scene, SceneError
-from insonify.statistics.displacement import measure_displacement
-from insonify.statistics.record_errors import compare_records
+from insonify.statistics.record_errors import compare_records, measure_displacement
 from insonify_viewer.panels.chart.chart_details import (
     ChartPoint,
     details_in_words,

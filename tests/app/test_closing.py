@@ -7,9 +7,7 @@ import os
 import subprocess
 import sys
 import threading
-import time
 import weakref
-from collections.abc import Callable
 from typing import Any
 
 import pytest
@@ -49,12 +47,8 @@ def test_no_worker_collects_what_belongs_to_a_window(open_viewer: Any, small: Sc
     assert ends == [threading.main_thread()]
 
 
-def closes_at_once(close_one: Callable[[], float]) -> bool:
-    """Whether one of three windows closes within a second: other programs may hold up the others."""
-    return any(close_one() < 1.0 for _ in range(3))
-
-
 def test_a_window_closes_during_work_at_once(open_viewer: Any, small: Scene, qtbot: Any) -> None:
+    """Closing returns while the simulator still traces, for which it would have to wait two minutes."""
     going, at_work = threading.Event(), threading.Event()
 
     class Compiling(StandIn):
@@ -64,21 +58,12 @@ def test_a_window_closes_during_work_at_once(open_viewer: Any, small: Scene, qtb
                 going.wait(120.0)
             return super().intensity(pings)
 
-    def close_one() -> float:
-        viewer = open_viewer(small, prepare=Compiling)
-        going.clear()
-        at_work.clear()
-        viewer.session.settle({"seed": 5})
-        qtbot.waitUntil(at_work.is_set)
-        begun = time.perf_counter()
-        assert viewer.window.close()
-        taken = time.perf_counter() - begun
-        assert any(thread.name == "insonify simulator" for thread in threading.enumerate())
-        going.set()
-        viewer.simulator.close()
-        return taken
-
-    assert closes_at_once(close_one)
+    viewer = open_viewer(small, prepare=Compiling)
+    viewer.session.settle({"seed": 5})
+    qtbot.waitUntil(at_work.is_set)
+    assert viewer.window.close()
+    assert viewer.simulator._lane._thread.is_alive()
+    going.set()
 
 
 def test_opening_a_scene_frees_what_the_one_before_held(open_viewer: Any, small: Scene, qtbot: Any) -> None:
@@ -92,27 +77,20 @@ def test_opening_a_scene_frees_what_the_one_before_held(open_viewer: Any, small:
 
 
 @pytest.mark.parametrize("busy", ["a bed", "a chart"])
-def test_a_window_closes_during_work_beside_it_at_once(open_viewer: Any, small: Scene, qtbot: Any, busy: str) -> None:
-    def close_one() -> float:
-        viewer, going, threads = open_viewer(small), threading.Event(), set(threading.enumerate())
+def test_a_window_closes_during_work_beside_it_at_once(open_viewer: Any, small: Scene, busy: str) -> None:
+    viewer, going, threads = open_viewer(small), threading.Event(), set(threading.enumerate())
 
-        def work(*_: Any) -> None:
-            going.wait(120.0)
+    def work(*_: Any) -> None:
+        going.wait(120.0)
 
-        if busy == "a bed":
-            viewer.simulator.executor.start("picture of the bed", work, done=print, failed=print)
-        else:
-            viewer.panels["chart"].measure = work
-            viewer.panels["chart"].begin()
-        begun = time.perf_counter()
-        assert viewer.window.close()
-        taken = time.perf_counter() - begun
-        going.set()
-        for thread in set(threading.enumerate()) - threads:
-            thread.join(60.0)
-        return taken
-
-    assert closes_at_once(close_one)
+    if busy == "a bed":
+        viewer.simulator.executor.start("picture of the bed", work, done=print, failed=print)
+    else:
+        viewer.panels["chart"].measure = work
+        viewer.panels["chart"].begin()
+    assert viewer.window.close()
+    assert any(thread.is_alive() for thread in set(threading.enumerate()) - threads)
+    going.set()
 
 
 def test_beds_share_one_texture(open_viewer: Any, small: Scene, qtbot: Any) -> None:

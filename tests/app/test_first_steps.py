@@ -70,9 +70,9 @@ def viewer(open_viewer: Any, qtbot: Any) -> Any:
 def when_it_opens(
     window_type: type, do: Callable[[Any], None], on_top: Callable[[], Any] = QApplication.activeModalWidget
 ) -> None:
-    """Do something in a dialog or a menu as soon as it takes keys, up to 10 s from now."""
+    """Do something in a dialog or a menu as soon as it takes keys, up to 4 minutes from now."""
 
-    def look(left: int = 200) -> None:
+    def look(left: int = 4800) -> None:
         dialog = on_top()
         if isinstance(dialog, window_type) and (dialog.isActiveWindow() or isinstance(dialog, QMenu)):
             do(dialog)

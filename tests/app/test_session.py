@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from insonify.scene import Scene, bundled_scenes, edit, load_scene
+from insonify.scene import bundled_scenes, edit, load_scene
 from insonify_viewer.panels.parameters.sections import sections_of
 from insonify_viewer.record.record import Record
 from insonify_viewer.state.contacts import Contact
@@ -20,11 +20,16 @@ from insonify_viewer.state.tow_clock import TowClock
 
 
 @pytest.fixture(scope="module")
-def default() -> Scene:
+def default():
     return load_scene("default")
 
 
-def parameters(scene: Scene) -> dict[str, Any]:
+@pytest.fixture
+def session(default):
+    return Session(default)
+
+
+def parameters(scene) -> dict[str, Any]:
     return {p.path: p for section in sections_of(scene) for p in section.parameters}
 
 
@@ -34,7 +39,7 @@ def heard(session: Session) -> list[str]:
     return sentences
 
 
-def test_every_wanted_parameter_has_a_slider(default: Scene) -> None:
+def test_every_wanted_parameter_has_a_slider(default):
     found = parameters(edit(default, {"seabed.relief.peaks": [[8.0, 4.0], [3.0, -2.0]]}))
     for path in (
         "sonar.beam.width",
@@ -53,7 +58,7 @@ def test_every_wanted_parameter_has_a_slider(default: Scene) -> None:
         assert found[path].slider is not None, path
 
 
-def test_open_fields_show_the_value_that_applies(default: Scene) -> None:
+def test_open_fields_show_the_value_that_applies(default):
     bare = edit(default, {"seabed.relief.beta": None, "track.altitude": None, "seabed.material": "rock"})
     found = parameters(bare)
     assert found["seabed.relief.beta"].value == 1.4
@@ -64,7 +69,7 @@ def test_open_fields_show_the_value_that_applies(default: Scene) -> None:
 
 
 @pytest.mark.parametrize("name", sorted(bundled_scenes()))
-def test_every_parameter_can_be_set_to_what_it_shows(name: str) -> None:
+def test_every_parameter_can_be_set_to_what_it_shows(name):
     scene = load_scene(name)
     for path, parameter in parameters(scene).items():
         session = Session(scene)
@@ -72,7 +77,7 @@ def test_every_parameter_can_be_set_to_what_it_shows(name: str) -> None:
         assert session.settle({path: value}), path
 
 
-def test_every_choice_can_be_made(default: Scene) -> None:
+def test_every_choice_can_be_made(default):
     for path, parameter in parameters(default).items():
         if isinstance(parameter, ChoiceField) and path != "seabed.relief.kind":
             for option in parameter.options:
@@ -84,8 +89,7 @@ def test_every_choice_can_be_made(default: Scene) -> None:
                 assert parameters(session.scene)[path].value == option
 
 
-def test_a_sum_of_motions_has_every_swing(default: Scene) -> None:
-    session = Session(default)
+def test_a_sum_of_motions_has_every_swing(session):
     session.settle({"track.motion.kind": "heave"})
     session.settle({"track.motion.amplitude": 0.7})
     session.settle({"track.motion.kind": "sum"})
@@ -104,8 +108,7 @@ def test_a_sum_of_motions_has_every_swing(default: Scene) -> None:
     assert session.scene.track.motion.kind == "straight"
 
 
-def test_terrain_following_needs_an_altitude(default: Scene) -> None:
-    session = Session(default)
+def test_terrain_following_needs_an_altitude(session):
     session.settle({"track.depth": 18.0})
     assert session.settle({"track.terrain_following": True})
     assert session.scene.track.altitude == 12.0
@@ -113,8 +116,7 @@ def test_terrain_following_needs_an_altitude(default: Scene) -> None:
     assert not session.scene.track.terrain_following
 
 
-def test_material_map_and_back(default: Scene) -> None:
-    session = Session(default)
+def test_material_map_and_back(session):
     session.settle({"seabed.material.name": "cobble"})
     session.settle({"seabed.material.kind": "patches"})
     assert [m.name for m in session.scene.seabed.material.of] == ["cobble", "rock"]
@@ -123,7 +125,7 @@ def test_material_map_and_back(default: Scene) -> None:
     assert session.scene.seabed.material.name == "cobble"
 
 
-def test_dunes_pass_for_the_pattern_there_was(default: Scene) -> None:
+def test_dunes_pass_for_the_pattern_there_was(default):
     pattern = load_scene("figure-5-pattern")
     session = Session(pattern)
     assert session.settle({"seabed.relief.kind": "mimic"})
@@ -141,35 +143,33 @@ def test_dunes_pass_for_the_pattern_there_was(default: Scene) -> None:
     assert plain.scene.seabed.relief.law == default.sonar.law
 
 
-def test_altitude_and_depth_take_turns(default: Scene) -> None:
-    session = Session(default)
+def test_altitude_and_depth_take_turns(session):
     assert session.settle({"track.depth": 24.0})
     assert session.scene.altitude == 6.0
     assert session.settle({"track.altitude": 8.0})
     assert session.scene.track.depth is None
 
 
-def test_diffuse_and_specular_share_what_arrives(default: Scene) -> None:
-    session = Session(default)
+def test_diffuse_and_specular_share_what_arrives(session):
     sentences = heard(session)
     assert session.settle({"targets.0.material.diffuse": 0.8})
     assert session.scene.targets[0].material.specular == 0.2
     assert "specular share lowered to 0.2" in sentences[-1]
 
 
-def test_light_leaves_the_water_out(default: Scene) -> None:
+def test_light_leaves_the_water_out(default):
     session = Session(edit(default, {"receiver.reverberation": "volume"}))
     assert session.settle({"sonar.law": "light"})
     assert session.scene.sonar.law == "light"
     assert session.scene.receiver.reverberation.kind == "none"
 
 
-def test_the_gain_shows_the_absorption_it_makes_good(default: Scene) -> None:
+def test_the_gain_shows_the_absorption_it_makes_good(default):
     scene = edit(default, {"receiver.tvg": "power", "water.absorption": 97.0})
     assert parameters(scene)["receiver.tvg.absorption"].value == pytest.approx(97.0)
 
 
-def test_sliders_end_where_the_scene_does(default: Scene) -> None:
+def test_sliders_end_where_the_scene_does(default):
     found = parameters(default)
     assert found["sonar.ping_rate"].slider == (0.5, 15.0)
     assert found["track.altitude"].slider == (2.0, 30.0)
@@ -183,9 +183,8 @@ def test_sliders_end_where_the_scene_does(default: Scene) -> None:
                     assert session.settle({path: value}), (path, end)
 
 
-def test_drag_starts_from_what_is_settled(default: Scene) -> None:
-    session = Session(default)
-    changes: list[tuple[float, bool]] = []
+def test_drag_starts_from_what_is_settled(session, default):
+    changes = []
     session.changed.connect(lambda scene, settled: changes.append((scene.sonar.ping_rate, settled)))
     for reach in (60.0, 100.0, 70.0):
         session.drag({"sonar.range": reach})
@@ -196,16 +195,14 @@ def test_drag_starts_from_what_is_settled(default: Scene) -> None:
     assert not session.undoable
 
 
-def test_refused_scene_leaves_no_way_forward(default: Scene) -> None:
-    session = Session(default)
+def test_refused_scene_leaves_no_way_forward(session, default):
     session.settle({"seed": 5})
     session.take_back()
     assert session.scene == default
     assert not session.redoable
 
 
-def test_contacts_marked_since_outlast_a_refused_scene(default: Scene) -> None:
-    session = Session(default)
+def test_contacts_marked_since_outlast_a_refused_scene(session, default):
     contacts = ContactList(session)
     fish = Contact("fish", "", default.title, 3, "port", 7, 2.0)
     contacts.add(fish)
@@ -218,8 +215,7 @@ def test_contacts_marked_since_outlast_a_refused_scene(default: Scene) -> None:
     assert not session.redoable
 
 
-def test_contacts_do_not_end_a_drag(default: Scene) -> None:
-    session = Session(default)
+def test_contacts_do_not_end_a_drag(session, default):
     contacts = ContactList(session)
     session.drag({"track.altitude": 7.0})
     contacts.add(Contact("fish", "", default.title, 3, "port", 7, 2.0))
@@ -230,15 +226,13 @@ def test_contacts_do_not_end_a_drag(default: Scene) -> None:
     assert (session.scene, len(contacts)) == (default, 1)
 
 
-def test_an_edit_that_changes_nothing_keeps_the_name_of_the_last(default: Scene) -> None:
-    session = Session(default)
+def test_an_edit_that_changes_nothing_keeps_the_name_of_the_last(session, default):
     session.settle({"track.altitude": 7.0})
     session.settle({"seed": default.seed})
     assert session.undoable == ("altitude",)
 
 
-def test_the_history_has_an_end(default: Scene) -> None:
-    session = Session(default)
+def test_the_history_has_an_end(session, default):
     contacts = ContactList(session)
     for number in range(UNDO_DEPTH + 20):
         contacts.add(Contact(str(number + 1), "", default.title, 3, "port", 7, 2.0))
@@ -246,8 +240,7 @@ def test_the_history_has_an_end(default: Scene) -> None:
     assert len(contacts) == 20
 
 
-def test_another_look_gives_up_nothing_that_can_be_redone(default: Scene) -> None:
-    session = Session(default)
+def test_another_look_gives_up_nothing_that_can_be_redone(session):
     session.settle({"track.altitude": 7.0})
     session.show(palette="grey")
     session.undo(2)
@@ -258,8 +251,7 @@ def test_another_look_gives_up_nothing_that_can_be_redone(default: Scene) -> Non
     assert (session.display.palette, session.display.ground_range) == ("grey", True)
 
 
-def test_a_look_and_back_is_no_step(default: Scene) -> None:
-    session = Session(default)
+def test_a_look_and_back_is_no_step(session):
     session.settle({"track.altitude": 7.0})
     for on in (True, False):
         session.show(ground_range=on)
@@ -271,24 +263,22 @@ def test_a_look_and_back_is_no_step(default: Scene) -> None:
     assert session.undoable == ("altitude", "gain", "altitude")
 
 
-def test_a_look_outlasts_a_refused_scene(default: Scene) -> None:
-    session = Session(default)
+def test_a_look_outlasts_a_refused_scene(session, default):
     session.settle({"seed": 5})
     session.show(gain=3.0)
     session.take_back()
     assert (session.scene, session.display.gain, session.undoable) == (default, 3.0, ("gain",))
 
 
-def test_refusal_is_one_sentence(default: Scene) -> None:
-    session = Session(default)
-    refused: list[Exception] = []
+def test_refusal_is_one_sentence(session, default):
+    refused = []
     session.refused.connect(refused.append)
     assert not session.settle({"seabed.depth": 5.0})
     assert "above the surface" in str(refused[-1])
     assert session.scene == default
 
 
-def test_record_keeps_rows_and_knows_what_is_missing() -> None:
+def test_record_keeps_rows_and_knows_what_is_missing():
     record = Record(pings=8, bins=3)
     pings = np.array([9, 8, 7])
     amplitude = np.arange(18, dtype=np.float32).reshape(3, 2, 3)
@@ -302,13 +292,13 @@ def test_record_keeps_rows_and_knows_what_is_missing() -> None:
     assert list(record.missing(2, 4)) == [2, 1, 0], "the tow starts at ping 0"
 
 
-def test_newer_pings_lie_above_older_ones() -> None:
+def test_newer_pings_lie_above_older_ones():
     record = Record(pings=8, bins=1)
     rows = record.rows(record.shown(13))
     assert list(np.diff(rows) % 8) == [1] * 7
 
 
-def test_tow_counts_pauses_and_looks_back() -> None:
+def test_tow_counts_pauses_and_looks_back():
     tow = TowClock(511)
     tow.speed = 2.0
     assert tow.advance(1.0, 10.0)
@@ -334,16 +324,15 @@ def test_tow_counts_pauses_and_looks_back() -> None:
     assert tow.top == 531
 
 
-def test_mark_is_announced_once(default: Scene) -> None:
-    session = Session(default)
-    marks: list[Mark | None] = []
+def test_mark_is_announced_once(session):
+    marks = []
     session.marked.connect(marks.append)
     for mark in (Mark(1, 0, 2), Mark(1, 0, 2), None):
         session.point_at(mark)
     assert marks == [Mark(1, 0, 2), None]
 
 
-def test_a_volume_has_a_section_of_its_own(default: Scene) -> None:
+def test_a_volume_has_a_section_of_its_own(default):
     plume = {"kind": "plume", "position": [5.0, 10.0, -30.0]}
     found = {section.key: section for section in sections_of(edit(default, {"volumes": [plume]}))}
     assert found["volumes.0"].title == "Plume 1"

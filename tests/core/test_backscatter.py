@@ -3,26 +3,15 @@
 import numpy as np
 import pyproj
 import pytest
-import rasterio
 
+from bathymetry_files import write_tiff
 from insonify.cli import main
 from insonify.scene import SceneError, build
 from insonify.terrain import build_ground
 
 EAST, NORTH = 560_000.0, 6_500_000.0
 MATERIALS = ["silt", "medium_sand", "rock"]
-
-
-def write_raster(path, rows, *, pixel=2.0, corner=(EAST, NORTH), crs="EPSG:32631", nodata=np.nan):
-    """Write rows from north to south; the corner is the north-western one."""
-    rows = np.asarray(rows, dtype=np.float32)
-    transform = rasterio.Affine(pixel, 0.0, corner[0], 0.0, -pixel, corner[1])
-    with rasterio.open(
-        path, "w", driver="GTiff", height=rows.shape[0], width=rows.shape[1], count=1, dtype="float32", crs=crs,
-        transform=transform, nodata=nodata,
-    ) as file:  # fmt: skip
-        file.write(rows, 1)
-    return path
+PLACE = {"corner": (EAST, NORTH), "crs": "EPSG:32631", "nodata": np.nan}
 
 
 def scene(path, relief="flat", world=None, spacing=0.5, **fields):
@@ -42,7 +31,7 @@ def at(ground, x, y):
 
 def test_values_choose_materials_where_they_lie(tmp_path):
     rows = [[-40.0, -30.0, -20.0], [-20.0, -40.0, -30.0]]
-    path = write_raster(tmp_path / "a.tif", rows)
+    path = write_tiff(tmp_path / "a.tif", rows, **PLACE)
     world = {"crs": "EPSG:32631", "origin": [EAST, NORTH - 4.0]}  # the south-western corner
     ground = build_ground(scene(path, world=world, levels=[-35.0, -25.0]))
     assert at(ground, [1.0, 3.0, 5.0], [3.0] * 3) == ["silt", "medium_sand", "rock"]
@@ -52,7 +41,7 @@ def test_values_choose_materials_where_they_lie(tmp_path):
 
 
 def test_without_levels_materials_have_equal_shares(tmp_path):
-    path = write_raster(tmp_path / "a.tif", np.random.default_rng(1).normal(-30.0, 5.0, (60, 60)))
+    path = write_tiff(tmp_path / "a.tif", np.random.default_rng(1).normal(-30.0, 5.0, (60, 60)), **PLACE)
     ground = build_ground(scene(path, world={"origin": [EAST, NORTH]}))
     shares = np.bincount(ground.materials.ravel()) / ground.materials.size
     np.testing.assert_allclose(shares, 1.0 / 3.0, atol=0.01)
@@ -62,10 +51,10 @@ def test_another_map_is_transformed(tmp_path):
     """A border between two materials, at an easting of one UTM zone, on a bed of the next."""
     to_next = pyproj.Transformer.from_crs("EPSG:32631", "EPSG:32632", always_xy=True)
     values = np.where(np.arange(100) < 50, -40.0, -20.0) * np.ones((100, 1))
-    path = write_raster(tmp_path / "a.tif", values)
+    path = write_tiff(tmp_path / "a.tif", values, **PLACE)
     heights = tmp_path / "bed.tif"
     corner = to_next.transform(EAST + 70.0, NORTH - 70.0)
-    write_raster(heights, np.full((30, 30), -20.0), corner=corner, crs="EPSG:32632")
+    write_tiff(heights, np.full((30, 30), -20.0), corner=corner, crs="EPSG:32632", nodata=np.nan)
     ground = build_ground(scene(path, relief={"kind": "dem", "path": str(heights)}, levels=[-30.0, 0.0]))
     place = scene(path, relief={"kind": "dem", "path": str(heights)}).georeference
     x = ground.x0 + (np.arange(29) + 0.5) * 2.0 + place.origin[0]
@@ -78,10 +67,10 @@ def test_another_map_is_transformed(tmp_path):
 
 
 def test_places_without_a_value_take_the_nearest(tmp_path):
-    path = write_raster(tmp_path / "a.tif", [[-40.0, np.nan, np.nan, -20.0]])
+    path = write_tiff(tmp_path / "a.tif", [[-40.0, np.nan, np.nan, -20.0]], **PLACE)
     with pytest.raises(SceneError, match="is only 4 by 1"):
         build_ground(scene(path, world={"origin": [EAST, NORTH]}))
-    path = write_raster(tmp_path / "b.tif", [[-40.0, np.nan, np.nan, -20.0]] * 2)
+    path = write_tiff(tmp_path / "b.tif", [[-40.0, np.nan, np.nan, -20.0]] * 2, **PLACE)
     ground = build_ground(scene(path, world={"origin": [EAST, NORTH - 4.0]}, levels=[-30.0, 0.0]))
     assert at(ground, [1.0, 3.0, 5.0, 7.0], [1.0] * 4) == ["silt", "silt", "medium_sand", "medium_sand"]
 
@@ -104,7 +93,7 @@ def test_places_without_a_value_take_the_nearest(tmp_path):
     ],
 )
 def test_what_cannot_be_laid_is_one_sentence(tmp_path, world, fields, expected):
-    path = write_raster(tmp_path / "a.tif", [[-40.0, -20.0], [-30.0, -10.0]])
+    path = write_tiff(tmp_path / "a.tif", [[-40.0, -20.0], [-30.0, -10.0]], **PLACE)
     with pytest.raises(SceneError, match=expected) as caught:
         build_ground(scene(fields.pop("path", path), world=world, **fields))
     assert "seabed.material" in str(caught.value)

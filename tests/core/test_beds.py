@@ -2,7 +2,6 @@
 
 import os
 import re
-from pathlib import Path
 
 import numpy as np
 import pyproj
@@ -17,29 +16,18 @@ from insonify.scene import SceneError, edit
 from insonify.simulation import simulate
 from insonify.terrain import build_ground, relief
 
-REAL = Path(__file__).parents[3] / "shared" / "data" / "dem"
 
-
-def test_geotiff_is_flipped_to_run_north_and_keeps_its_own_spacing(tmp_path):
+def test_geotiff_is_flipped_to_run_north_and_keeps_its_own_spacing_and_holes(tmp_path):
     rows = sloped(5, 7)
-    ground = build_ground(scene(write_tiff(tmp_path / "bed.tif", rows, **UTM)))
-    assert (ground.spacing, ground.periodic) == (2.0, False)
-    assert ground.datum == pytest.approx(rows.mean(), rel=1e-6)
-    np.testing.assert_allclose(ground.heights + ground.datum, rows[::-1], atol=1e-5)
-    # The centre of the grid is the local (0, 0).
-    assert (ground.x0, ground.y0) == (-6.0, -4.0)
-
-
-def test_nodata_is_where_there_is_no_bed_and_the_datum_is_the_mean_of_the_rest(tmp_path):
-    rows = sloped(4, 4)
     rows[0, 1] = -9999.0
     rows[2, 2] = np.nan
     ground = build_ground(scene(write_tiff(tmp_path / "bed.tif", rows, **UTM)))
-    missing = np.isnan(ground.heights)
-    assert missing[3, 1]
-    assert missing[1, 2]
-    assert missing.sum() == 2
-    assert ground.datum == pytest.approx(np.nanmean(np.where(rows == -9999.0, np.nan, rows)), rel=1e-6)
+    assert (ground.spacing, ground.periodic) == (2.0, False)
+    known = np.where(rows == -9999.0, np.nan, rows)
+    assert ground.datum == pytest.approx(np.nanmean(known), rel=1e-6)  # of the places where there is a bed
+    np.testing.assert_allclose(ground.heights + ground.datum, known[::-1], atol=1e-5)
+    # The centre of the grid is the local (0, 0).
+    assert (ground.x0, ground.y0) == (-6.0, -4.0)
 
 
 def test_large_map_coordinates_are_subtracted_in_double_precision(tmp_path):
@@ -66,25 +54,13 @@ def test_oblong_pixels_are_resampled_to_the_finer_spacing(tmp_path):
     np.testing.assert_allclose(ground.heights + ground.datum, plane, atol=1e-5)
 
 
-def test_a_bed_of_lone_heights_in_oblong_pixels_is_refused(tmp_path):
-    rows = np.full((4, 3), np.nan)
-    rows[1, 1] = -5.0
-    path = write_tiff(tmp_path / "bed.tif", rows, pixel=(1.5, 1.0), **UTM)
-    with pytest.raises(SceneError, match=r"only single heights between gaps, in cells of 1\.5 by 1 m; fill its gaps"):
-        build_ground(scene(path))
-
-
-def test_tiff_without_georeference_takes_the_spacing_of_the_scene(tmp_path):
-    ground = build_ground(scene(write_tiff(tmp_path / "bare.tif", sloped(4, 6), corner=None), spacing=0.5))
-    assert (ground.spacing, ground.x0, ground.y0) == (0.5, -1.25, -0.75)
-
-
-def test_arrays_run_towards_y_and_take_the_spacing_of_the_scene(tmp_path):
+def test_grids_without_coordinates_take_the_spacing_of_the_scene_and_arrays_run_towards_y(tmp_path):
     rows = sloped(4, 6)
+    write_tiff(tmp_path / "bare.tif", rows[::-1], corner=None)
     np.save(tmp_path / "bed.npy", rows)
     np.savez(tmp_path / "named.npz", x=np.zeros((3, 3)), z=rows)
     np.savez(tmp_path / "first.npz", axis=np.arange(6.0), heights=rows)
-    for name in ("bed.npy", "named.npz", "first.npz"):
+    for name in ("bare.tif", "bed.npy", "named.npz", "first.npz"):
         ground = build_ground(scene(tmp_path / name, spacing=0.5))
         assert (ground.spacing, ground.x0, ground.y0) == (0.5, -1.25, -0.75)
         np.testing.assert_allclose(ground.heights + ground.datum, rows, atol=1e-5)
@@ -105,12 +81,8 @@ def test_ascii_grids_run_from_the_north_and_lie_by_their_cells(tmp_path, head):
     # Whether the file gives the corner of the first cell or its centre, node (0, 0) is the centre.
     assert (grid.spacing, grid.corner) == ((2.0, 2.0), (101.0, 201.0))
     np.testing.assert_array_equal(grid.heights, [[-1.0, -2.0, -3.0], [-4.5, np.nan, -6.5]])
-
-
-def test_ascii_grid_of_oblong_cells_tells_both_sides(tmp_path):
-    (tmp_path / "bed.asc").write_text("ncols 2\nnrows 2\nxllcorner 0\nyllcorner 0\ndx 2\ndy 4\n1.5 2\n3 4\n")
-    grid = read_grid(str(tmp_path / "bed.asc"))
-    assert (grid.spacing, grid.corner) == ((2.0, 4.0), (1.0, 2.0))
+    path.write_text(ASCII_HEADS["oblong"].replace("dy 2", "dy 4") + "1 2 3\n4 5 6\n")
+    assert (read_grid(str(path)).spacing, read_grid(str(path)).corner) == ((2.0, 4.0), (101.0, 202.0))
 
 
 @pytest.mark.parametrize(
@@ -127,32 +99,16 @@ def test_ascii_grids_are_read_as_they_are_written(tmp_path, rows, heights):
     np.testing.assert_array_equal(read_grid(str(tmp_path / "bed.asc")).heights, heights)
 
 
-def test_ascii_grid_of_nothing_but_nan_is_refused(tmp_path):
-    (tmp_path / "bed.asc").write_text(ASCII_HEADS["corner"] + "nan nan nan\n" * 2)
-    with pytest.raises(SceneError, match="holds no valid height"):
-        read_grid(str(tmp_path / "bed.asc"))
-
-
-def test_a_grid_of_nothing_but_an_undeclared_nodata_value_is_refused(tmp_path):
-    (tmp_path / "bed.asc").write_text(ASCII_HEADS["corner"].replace("NODATA_value -9999\n", "") + "-9999 " * 6)
-    with pytest.raises(SceneError, match="has 6 cells of -9999, which it does not declare as nodata"):
-        read_grid(str(tmp_path / "bed.asc"))
-
-
-def test_whole_numbers_and_infinities_are_read(tmp_path):
-    np.save(tmp_path / "whole.npy", np.array([[-1, -2], [-3, -4]], dtype=np.int16))
-    assert build_ground(scene(tmp_path / "whole.npy")).datum == -2.5
-    np.save(tmp_path / "gap.npy", np.array([[-1.0, np.inf], [-3.0, -4.0]]))
-    assert np.isnan(build_ground(scene(tmp_path / "gap.npy")).heights[0, 1])
-
-
-def test_file_written_anew_is_read_anew(tmp_path):
+def test_whole_numbers_and_infinities_are_read_and_a_file_written_anew_anew(tmp_path):
     path = tmp_path / "bed.npy"
-    np.save(path, np.full((2, 2), -10.0))
-    assert build_ground(scene(path)).datum == -10.0
-    np.save(path, np.full((2, 2), -12.0))
-    os.utime(path, ns=(1, 1))
-    assert build_ground(scene(path)).datum == -12.0
+    np.save(path, np.array([[-1, -2], [-3, -4]], dtype=np.int16))
+    assert build_ground(scene(path)).datum == -2.5
+    np.save(path, np.array([[-1.0, np.inf], [-3.0, -4.0]]))
+    assert np.isnan(build_ground(scene(path)).heights[0, 1])
+    for height, time in ((-10.0, 2), (-12.0, 1)):
+        np.save(path, np.full((2, 2), height))
+        os.utime(path, ns=(time, time))
+        assert build_ground(scene(path)).datum == height
 
 
 @pytest.mark.parametrize(("name", "shape"), [("jacksboro", (344, 403)), ("topobathy", (91, 120))])
@@ -177,19 +133,21 @@ def test_measured_relief_is_about_its_mean_and_takes_no_shape(tmp_path):
 
 def bad_files(folder):
     """Files with one mistake each, and what is to be said of it."""
-    (folder / "text.tif").write_text("not a raster")
-    (folder / "text.asc").write_text("not a raster")
-    (folder / "text.bag").write_text("not a raster")
-    (folder / "text.npy").write_text("not an array")
-    (folder / "text.npz").write_text("not an archive")
+    for name in ("text.tif", "text.asc", "text.bag", "text.npy", "text.npz"):
+        (folder / name).write_text("not a grid")
     (folder / "empty.npy").write_bytes(b"")
     (folder / "bed.xyz").write_text("1 2 3")
+    (folder / "nan.asc").write_text(ASCII_HEADS["corner"] + "nan nan nan\n" * 2)
+    (folder / "undeclared.asc").write_text(ASCII_HEADS["corner"].replace("NODATA_value -9999\n", "") + "-9999 " * 6)
     np.save(folder / "line.npy", np.zeros(5))
     np.save(folder / "words.npy", np.array([["a", "b"], ["c", "d"]]))
     np.save(folder / "object.npy", np.array([[None, 1], [2, 3]], dtype=object), allow_pickle=True)
     np.save(folder / "thin.npy", np.zeros((1, 5)))
     np.save(folder / "nothing.npy", np.full((3, 3), np.nan))
     np.savez(folder / "lines.npz", a=np.zeros(3), b=np.zeros(4))
+    lone = np.full((4, 3), np.nan)
+    lone[1, 1] = -5.0
+    write_tiff(folder / "lone.tif", lone, pixel=(1.5, 1.0), **UTM)
     write_tiff(folder / "nodata.tif", np.full((3, 3), -9999.0), **UTM)
     write_tiff(folder / "degrees.tif", sloped(3, 3), pixel=(1e-4, 1e-4), corner=(10.0, 95.0), crs="EPSG:4326")
     write_tiff(folder / "feet.tif", sloped(3, 3), crs="EPSG:2263")
@@ -204,12 +162,15 @@ def bad_files(folder):
         "text.npz": "cannot be read .*; save it",
         "empty.npy": "cannot be read .*; save it",
         "bed.xyz": "is not a format known here; give a file that ends in one of",
+        "nan.asc": "holds no valid height; check",
+        "undeclared.asc": "has 6 cells of -9999, which it does not declare as nodata",
         "line.npy": "has 1 dimensions; save",
         "words.npy": "holds <U1 values; save",
         "object.npy": "cannot be read .*; save",
         "thin.npy": "is only 5 by 1 heights; give at least 2 by 2",
         "nothing.npy": "holds no valid height; check",
         "lines.npz": "holds no 2-D array; save",
+        "lone.tif": r".*only single heights between gaps, in cells of 1\.5 by 1 m; fill its gaps",
         "nodata.tif": "holds no valid height; check",
         "degrees.tif": "is in degrees beyond the poles; georeference it again",
         "feet.tif": "is in .*foot; project it",
@@ -223,24 +184,19 @@ def test_every_bad_file_is_told_in_one_sentence(tmp_path):
         with pytest.raises(SceneError, match=rf"^seabed\.relief\.path: '.*{name}' {expected}") as caught:
             build_ground(scene(tmp_path / name))
         assert "\n" not in str(caught.value)
-
-
-def test_unknown_sample_is_told(tmp_path):
     with pytest.raises(SceneError, match="choose sample:jacksboro or sample:topobathy"):
         build_ground(scene("sample:matterhorn"))
 
 
-@pytest.mark.skipif(not REAL.is_dir(), reason="real grids are not at hand")
-def test_real_bag_has_negative_elevations_and_gaps():
-    ground = build_ground(scene(REAL / "bdb_01.bag"))
+def test_real_bag_has_negative_elevations_and_gaps(real_data):
+    ground = build_ground(scene(real_data / "dem" / "bdb_01.bag"))
     assert (ground.spacing, ground.heights.shape) == (4.0, (12, 16))
     assert np.isnan(ground.heights).mean() == pytest.approx(0.526, abs=1e-3)
     assert -4.52 < ground.datum < -2.80
 
 
-@pytest.mark.skipif(not REAL.is_dir(), reason="real grids are not at hand")
-def test_real_bag_of_varying_resolution_is_read_at_its_finest():
-    grid = read_grid(str(REAL / "hyo2qc_tiny_vr.bag"))
+def test_real_bag_of_varying_resolution_is_read_at_its_finest(real_data):
+    grid = read_grid(str(real_data / "dem" / "hyo2qc_tiny_vr.bag"))
     assert grid.spacing == (0.5, 0.5)
     assert grid.heights.shape == (128, 128)
     assert np.nanmin(grid.heights) == pytest.approx(-13.727, abs=1e-3)
@@ -304,21 +260,14 @@ def test_depths_are_recognised_or_asked_about(tmp_path):
 
 
 @pytest.mark.parametrize("value", [-9999.0, 9999.0, 1e6, -32768.0, -99999.0])
-@pytest.mark.parametrize("suffix", [".tif", ".npy"])
-def test_an_undeclared_nodata_value_is_refused(tmp_path, value, suffix):
+def test_an_undeclared_nodata_value_is_refused(tmp_path, value):
     rows = sloped(5, 7)
     rows[1, 2:4] = value
-    path = tmp_path / f"bed{suffix}"
-    if suffix == ".tif":
-        write_tiff(path, rows, crs="EPSG:32633")
-    else:
-        np.save(path, rows)
-    with pytest.raises(SceneError, match=re.escape(f"has 2 cells of {value:g}, which it does not declare")):
-        read_grid(str(path))
-
-
-def test_a_trench_may_be_9999_m_deep(tmp_path):
-    np.save(tmp_path / "trench.npy", -9990.0 - np.arange(20.0).reshape(4, 5))
+    np.save(tmp_path / "bed.npy", rows)
+    for path in (tmp_path / "bed.npy", write_tiff(tmp_path / "bed.tif", rows, crs="EPSG:32633")):
+        with pytest.raises(SceneError, match=re.escape(f"has 2 cells of {value:g}, which it does not declare")):
+            read_grid(str(path))
+    np.save(tmp_path / "trench.npy", -9990.0 - np.arange(20.0).reshape(4, 5))  # a trench may be that deep
     assert np.isfinite(read_grid(str(tmp_path / "trench.npy")).heights).all()
 
 

@@ -1,7 +1,5 @@
 """Bottom track: the altitude that a record shows by itself, against the altitude that is known."""
 
-from pathlib import Path
-
 import numpy as np
 import pytest
 
@@ -10,8 +8,6 @@ from insonify.io.records import read_record, write_record
 from insonify.io.records.bottom_track import find_altitude, track_bottom
 from insonify.scene import edit, load_scene
 from insonify.simulation import simulate
-
-REAL = Path(__file__).parents[3] / "shared" / "data" / "xtf" / "scotsman-iver2.xtf"
 
 
 def made_echo(edges, bins=400, contrast=100.0, speckle=True, ringing=0):
@@ -55,17 +51,14 @@ def test_the_unit_of_intensity_does_not_matter(gain):
     np.testing.assert_array_equal(track_bottom(np.float32(gain) * echo, 1.0), track_bottom(echo, 1.0))
 
 
-@pytest.mark.parametrize(
-    "echo", [np.zeros((2, 9, 50)), np.ones((2, 9, 50)), np.random.default_rng(1).exponential(size=(2, 40, 300))]
-)
-def test_without_an_edge_there_is_no_number(echo):
+RANDOM = np.random.default_rng(1).exponential(size=(2, 40, 300))
+
+
+@pytest.mark.parametrize("echo", [np.zeros((2, 9, 50)), np.ones((2, 9, 50)), RANDOM])
+def test_without_an_edge_there_is_no_number_and_small_records_do_no_harm(echo):
     assert np.isnan(track_bottom(echo.astype(np.float32), 0.1)).all()
-
-
-@pytest.mark.parametrize("shape", [(2, 1, 1), (2, 3, 2), (2, 1, 40)])
-def test_small_records_do_no_harm(shape):
-    echo = np.random.default_rng(1).exponential(size=shape).astype(np.float32)
-    assert track_bottom(echo, 0.1).shape == (shape[1],)
+    for pings, bins in ((1, 1), (3, 2), (1, 40)):
+        assert track_bottom(RANDOM[:, :pings, :bins].astype(np.float32), 0.1).shape == (pings,)
 
 
 @pytest.mark.parametrize(("name", "within"), [("wreck", 0.3), ("rough-tow", 0.25), ("sediments", 0.06)])
@@ -93,9 +86,8 @@ def test_a_recording_without_altitude_is_drawn_by_its_bottom_track(tmp_path, cap
     assert "the record has no altitude and shows no first echo of the bed; leave it out" in capsys.readouterr().err
 
 
-@pytest.mark.skipif(not REAL.is_file(), reason="the recording is not here")
-def test_a_real_recording_keeps_both():
-    record = read_record(REAL)
+def test_a_real_recording_keeps_both(real_recording):
+    record = read_record(real_recording)
     amplitude = np.sqrt(record.intensity.values.mean(axis=0))
     bins = np.rint(record.bottom_track.values / (2.0 * float(record.slant_range[0]))).astype(int)
     rows = np.arange(len(bins))

@@ -1,7 +1,5 @@
 """Rays that go on after their first hit: mirrors, lenses and the ghosts they bring, in closed form."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np
@@ -286,11 +284,11 @@ def both_strengths(cosines, shininess, law, out):
 
 
 @pytest.mark.parametrize("law", [LIGHT, SONAR])
-@pytest.mark.parametrize("shininess", [1.0, 5.0, 7.5])
-def test_bistatic_strength_of_one_way_is_the_monostatic(law, shininess):
+def test_bistatic_strength_of_one_way_is_the_monostatic(law):
     out = np.empty((101, 2))
-    both_strengths(np.linspace(-0.1, 1.0, 101), shininess, law, out)
-    np.testing.assert_allclose(out[:, 0], out[:, 1], rtol=1e-14)
+    for shininess in (1.0, 5.0, 7.5):
+        both_strengths(np.linspace(-0.1, 1.0, 101), shininess, law, out)
+        np.testing.assert_allclose(out[:, 0], out[:, 1], rtol=1e-14)
 
 
 def test_bounces_ask_for_rays():

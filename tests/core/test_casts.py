@@ -1,7 +1,5 @@
 """Measured casts: what is read, what is left out, what is refused."""
 
-from pathlib import Path
-
 import gsw
 import numpy as np
 import pytest
@@ -9,10 +7,9 @@ import pytest
 from insonify.acoustics.water import make_sound_speed_field
 from insonify.io.sound_speed_casts import read_cast
 from insonify.scene import SceneError, edit, load_scene
-from insonify.scene.water.cast import CastWater
+from insonify.scene.water.layered import CastWater
 from insonify.scene.water.sound_speed import EQUATIONS
 
-REAL = Path(__file__).parents[3] / "shared" / "data" / "casts"
 SEABIRD = """* Sea-Bird SBE19plus  Data File:
 # nquan = {count}
 {names}
@@ -34,65 +31,63 @@ def text(path, content):
     return str(path)
 
 
-def real(name):
-    path = REAL / name
-    if not path.is_file():
-        pytest.skip(f"{path} is not here")
-    return str(path)
+@pytest.fixture(scope="session")
+def casts(real_data):
+    return real_data / "casts"
 
 
-def test_a_kongsberg_profile_is_taken_as_it_is():
-    cast = read_cast(real("20120321_224205.asvp"))
-    assert cast.depth.size == 35
-    np.testing.assert_array_equal(cast.depth[:3], [0.0, 6.87, 10.0])
-    np.testing.assert_array_equal(cast.sound_speed[[0, 1, -1]], [1531.4, 1531.4, 1675.82])
-
-
-def test_a_profile_with_noise_at_the_surface_becomes_steps():
-    cast = read_cast(real("assvt13246_d26.svp"))
-    assert (np.diff(cast.depth) > 0.25).all()
-    assert cast.depth.size == 18
-    assert cast.sound_speed[0] == pytest.approx(np.mean([1524.07, 1523.95, 1524.19, 1524.03, 1524.10, 1524.03,
-                                                         1524.12, 1523.98, 1523.85]))  # fmt: skip
-
-
-def test_a_table_without_names_shows_what_it_holds():
-    cast = read_cast(real("7-30cast2.csv"))
-    assert cast.depth[[0, -1]].tolist() == [0.9, 24.4]
-    assert cast.sound_speed[[0, -1]].tolist() == [1504.3, 1497.4]
+@pytest.mark.parametrize(
+    ("name", "depths", "speeds", "rows"),
+    [
+        ("20120321_224205.asvp", [0.0, 6.87, 10.0], [1531.4, 1531.4, 1675.82], 35),
+        ("7-30cast2.csv", [0.9], [1504.3, 1497.4], None),  # a table without names shows what it holds
+    ],
+)
+def test_a_profile_is_taken_as_it_is(casts, name, depths, speeds, rows):
+    cast = read_cast(str(casts / name))
+    np.testing.assert_array_equal(cast.depth[: len(depths)], depths)
+    np.testing.assert_array_equal([*cast.sound_speed[: len(speeds) - 1], cast.sound_speed[-1]], speeds)
+    assert rows is None or cast.depth.size == rows
+    assert cast.depth[-1] == 24.4 or rows
     assert cast.temperature is None
 
 
-def test_a_seabird_cast_leaves_out_soak_and_way_up():
-    cast = read_cast(real("Hotin.cnv"))
+def test_a_profile_with_noise_at_the_surface_becomes_steps(casts):
+    cast = read_cast(str(casts / "assvt13246_d26.svp"))
+    assert (np.diff(cast.depth) > 0.25).all()
+    assert cast.depth.size == 18
+    noise = [1524.07, 1523.95, 1524.19, 1524.03, 1524.10, 1524.03, 1524.12, 1523.98, 1523.85]
+    assert cast.sound_speed[0] == pytest.approx(np.mean(noise))
+
+
+def test_a_seabird_cast_leaves_out_soak_and_way_up(casts):
+    cast = read_cast(str(casts / "Hotin.cnv"))
     # The pump runs from 1.25 m on; before, the salinity rises from -3.9 to 33.6.
     assert cast.salinity.min() > 34.2
     assert cast.depth[0] <= 1.5
     assert cast.depth[-1] == pytest.approx(14.0)
-    speed = make_sound_speed_field(CastWater(path=real("Hotin.cnv"))).speed
+    speed = make_sound_speed_field(CastWater(path=str(casts / "Hotin.cnv"))).speed
     assert 1478.0 < speed.min() < speed.max() < 1480.0
 
 
-def test_a_seabird_cast_without_salinity_has_it_from_conductivity():
-    cast = read_cast(real("PIRA001.cnv"))
+def test_a_seabird_cast_without_salinity_has_it_from_conductivity(casts):
+    cast = read_cast(str(casts / "PIRA001.cnv"))
     np.testing.assert_allclose(cast.salinity, 36.32, atol=0.01)  # the western tropical Atlantic
     np.testing.assert_allclose(cast.temperature, 27.05, atol=0.01)
-    speed = make_sound_speed_field(CastWater(path=real("PIRA001.cnv"))).speed
+    speed = make_sound_speed_field(CastWater(path=str(casts / "PIRA001.cnv"))).speed
     np.testing.assert_allclose(speed, 1540.55, atol=0.1)
 
 
-@pytest.mark.parametrize(
-    "name", ["20120321_224205.asvp", "7-30cast2.csv", "Hotin.cnv", "PIRA001.cnv", "assvt13246_d26.svp"]
-)
 @pytest.mark.parametrize("interpolation", ["linear", "pchip"])
-def test_few_points_keep_to_a_real_cast(name, interpolation):
-    path = real(name)
-    cast, layers = read_cast(path), make_sound_speed_field(CastWater(path=path, interpolation=interpolation))
-    speed = cast.sound_speed
-    if speed is None:
-        speed = EQUATIONS["teos10"](cast.temperature, cast.salinity, cast.depth)
-    assert np.abs(layers.speed_at(0.0, 0.0, cast.depth) - speed).max() <= 0.0201
-    assert (np.diff(layers.depth) > 0.0).all()
+def test_few_points_keep_to_a_real_cast(casts, interpolation):
+    for name in ("20120321_224205.asvp", "7-30cast2.csv", "Hotin.cnv", "PIRA001.cnv", "assvt13246_d26.svp"):
+        path = str(casts / name)
+        cast, layers = read_cast(path), make_sound_speed_field(CastWater(path=path, interpolation=interpolation))
+        speed = cast.sound_speed
+        if speed is None:
+            speed = EQUATIONS["teos10"](cast.temperature, cast.salinity, cast.depth)
+        assert np.abs(layers.speed_at(0.0, 0.0, cast.depth) - speed).max() <= 0.0201
+        assert (np.diff(layers.depth) > 0.0).all()
 
 
 def test_soak_raise_and_way_up_are_told_from_the_descent(tmp_path):
@@ -124,22 +119,32 @@ def test_flagged_and_missing_scans_are_left_out(tmp_path):
     np.testing.assert_allclose(cast.temperature, 10.0, atol=1e-6)
 
 
+ROWS = ((0, 1510, 15), (5, 1505, 12), (9, 1500, 10))
+CARIS = "[SVP_VERSION_2]\ncast.svp\nSection 2013-246 17:44:19 40:29:11.40 -74:07:46.80\n0 1510.0\n5 1505\n9.0 1500\n"
+
+
 @pytest.mark.parametrize(
-    "header",
+    ("name", "head", "mark"),
     [
-        "depth,sound_speed,temperature",
-        "Depth (m);Sound Velocity (m/s);Temp",
-        '"Depth [m]","Sound Speed","T"',
-        "DEPTH\tSV\tt",
-        "depth speed temperature",
+        ("cast.csv", "depth,sound_speed,temperature", ","),
+        ("cast.csv", "Depth (m);Sound Velocity (m/s);Temp", ";"),
+        ("cast.csv", '"Depth [m]","Sound Speed","T"', ","),
+        ("cast.csv", "DEPTH\tSV\tt", "\t"),
+        ("cast.csv", "depth speed temperature", " "),
+        ("cast.svp", CARIS, None),
     ],
 )
-def test_columns_go_by_their_names(tmp_path, header):
-    mark = next((mark for mark in ",;\t" if mark in header), " ")
-    rows = [mark.join(map(str, row)) for row in ((0, 1510, 15), (5, 1505, 12), (9, 1500, 10))]
-    cast = read_cast(text(tmp_path / "cast.csv", "\n".join(["# a note", header, *rows, ""])))
+def test_columns_go_by_their_names(tmp_path, name, head, mark):
+    rows = [] if mark is None else ["# a note", *(mark.join(map(str, row)) for row in ROWS), ""]
+    cast = read_cast(text(tmp_path / name, "\n".join([*rows[:1], head, *rows[1:]])))
     np.testing.assert_array_equal(cast.depth, [0.0, 5.0, 9.0])
     np.testing.assert_array_equal(cast.sound_speed, [1510.0, 1505.0, 1500.0])
+
+
+def test_a_descent_of_centimetres_with_times_is_read(tmp_path):
+    rows = "".join(f"{k},{1.3 + 0.01 * k:.2f},1500\n" for k in range(31))
+    cast = read_cast(text(tmp_path / "short.csv", "time,depth,sound_speed\n" + rows))
+    assert cast.depth.size == 2
 
 
 def test_unsorted_and_repeated_depths_become_one_profile(tmp_path):
@@ -151,32 +156,21 @@ def test_unsorted_and_repeated_depths_become_one_profile(tmp_path):
     np.testing.assert_allclose(cast.sound_speed, 1500.0 - 2.0 * cast.depth)  # means keep a gradient
 
 
-def test_a_caris_profile_is_read(tmp_path):
-    content = "[SVP_VERSION_2]\ncast.svp\nSection 2013-246 17:44:19 40:29:11.40 -74:07:46.80\n0.5 1524.0\n9.0 1519.4\n"
-    cast = read_cast(text(tmp_path / "cast.svp", content))
-    np.testing.assert_array_equal(cast.depth, [0.5, 9.0])
-    with pytest.raises(SceneError, match="holds 2 casts; keep one of its sections"):
-        read_cast(text(tmp_path / "two.svp", content + content))
-
-
-def test_the_equation_takes_precedence_when_given(tmp_path):
+def test_the_equation_takes_precedence_when_given_and_needs_its_columns(tmp_path):
     path = text(tmp_path / "cast.csv", "depth,sound_speed,temperature,salinity\n0,1500,10,35\n20,1501,10,35\n")
     np.testing.assert_array_equal(make_sound_speed_field(CastWater(path=path)).speed, [[1500.0, 1501.0]])
     by_paper = make_sound_speed_field(CastWater(path=path, equation="paper")).speed
     np.testing.assert_allclose(by_paper, [[1489.8, 1489.8 + 20.0 / 61.0]])
+    path = text(tmp_path / "speed.csv", "depth,speed\n0,1500\n20,1501\n")
+    with pytest.raises(SceneError, match=r"water.equation: 'paper' needs temperature and salinity"):
+        make_sound_speed_field(CastWater(path=path, equation="paper"))
 
 
-def test_a_file_written_anew_is_read_anew(tmp_path):
-    path = text(tmp_path / "cast.csv", "depth,speed\n0,1500\n20,1501\n")
-    before = make_sound_speed_field(CastWater(path=path)).speed[0, 0]
-    text(tmp_path / "cast.csv", "depth,speed\n0,1490\n20,1501.5\n")
-    assert (before, make_sound_speed_field(CastWater(path=path)).speed[0, 0]) == (1500.0, 1490.0)
-
-
-def test_a_cast_lies_beside_its_scene(tmp_path):
-    text(tmp_path / "cast.csv", "depth,speed\n0,1500\n20,1501\n")
+def test_a_cast_lies_beside_its_scene_and_is_read_anew(tmp_path):
     scene = text(tmp_path / "scene.toml", 'water = { kind = "cast", path = "cast.csv" }\n')
-    assert make_sound_speed_field(load_scene(scene).water).speed.tolist() == [[1500.0, 1501.0]]
+    for speed in (1500.0, 1490.0):
+        text(tmp_path / "cast.csv", f"depth,speed\n0,{speed}\n20,1501.5\n")
+        assert make_sound_speed_field(load_scene(scene).water).speed.tolist() == [[speed, 1501.5]]
 
 
 WRONG = [
@@ -191,9 +185,16 @@ WRONG = [
     ("cast.csv", "depth,speed\n1,1500\n1.1,1500\n1.2,nan\n", ["1 usable depths of 3 rows"]),
     ("cast.csv", "depth,speed\n1,1500\n20,15\n", ["15 m/s at 20 m", "correct"]),
     ("cast.svp", "all headings\n", ["no rows of depth and sound speed"]),
+    ("cast.svp", CARIS + CARIS, ["holds 2 casts; keep one of its sections"]),
     ("cast.cnv", "depth,speed\n1,1500\n", ["names no columns"]),
     ("cast.cnv", "# name 0 = depSM: Depth\n# name 1 = svCM: Velocity\n*END*\n  1 x\n", ["no numbers in line 4"]),
     ("cast.cnv", "# name 0 = depSM: Depth\n# name 1 = svCM: Velocity\n*END*\n  1 2 3\n", ["3 columns in line 4"]),
+    ("a.vp2", "[HEADER]\nno columns\n", ["has no line that names the columns of depth or pressure, and of sound sp"]),
+    ("a.000", "Date / Time\tSOUND VELOCITY;DBAR\tPRESSURE;\nx\ty\tz\n", ["has no row of numbers under the names"]),
+    ("a.rsk", "SQLite", ["is in the format RBR Ruskin, which is not read here; export it as CSV from Ruskin"]),
+    ("a.m1", "MVP", ["is in the format Moving Vessel Profiler, which is not read here; convert it to .asvp or .csv"]),
+    ("a.vpd", "", ["is in the format Valeport DataLog"]),
+    ("a.vel", "FTP NEW 3\n", ["holds no rows of depth and sound speed"]),
 ]
 
 
@@ -208,21 +209,9 @@ def test_what_is_no_cast_is_refused_in_one_sentence(tmp_path, name, content, wor
         assert word in sentence
 
 
-def test_an_equation_without_its_columns_is_refused(tmp_path):
-    path = text(tmp_path / "cast.csv", "depth,speed\n0,1500\n20,1501\n")
-    with pytest.raises(SceneError, match=r"water.equation: 'paper' needs temperature and salinity"):
-        make_sound_speed_field(CastWater(path=path, equation="paper"))
-
-
 def test_a_missing_cast_is_named_before_anything_is_traced():
     from insonify.simulation import prepare
 
     scene = edit(load_scene("default"), {"water": {"kind": "cast", "path": "nowhere.cnv"}})
     with pytest.raises(SceneError, match=r"water.path: 'nowhere.cnv' does not exist"):
         prepare(scene)
-
-
-def test_a_descent_of_centimetres_with_times_is_read(tmp_path):
-    rows = "".join(f"{k},{1.3 + 0.01 * k:.2f},1500\n" for k in range(31))
-    cast = read_cast(text(tmp_path / "short.csv", "time,depth,sound_speed\n" + rows))
-    assert cast.depth.size == 2

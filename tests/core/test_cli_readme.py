@@ -2,13 +2,12 @@
 
 import re
 import shlex
-import subprocess
-import sys
 import tomllib
 from pathlib import Path
 
 import pytest
 
+from commands import run_python
 from insonify.cli import build_parser
 from insonify.commands.options import chosen_scene, is_record
 from insonify.scene import scene_from_toml
@@ -73,20 +72,10 @@ def test_every_specification_is_one(page, model):
     assert shown
 
 
-def test_the_python_of_the_readme_runs():
-    """In a fresh interpreter, as a reader would."""
-    text = "\n".join(re.findall(r"```python\n(.*?)```", PAGES["README.md"], flags=re.DOTALL))
-    done = subprocess.run([sys.executable, "-c", text], capture_output=True, text=True, check=False)
-    assert done.returncode == 0, done.stderr
-    assert done.stdout in PAGES["README.md"]
-
-
 def test_generated_pages_and_quoted_outputs_are_up_to_date():
     """Run what is quick of the script that makes the documentation: references, plans, lists, programs."""
-    done = subprocess.run(
-        [sys.executable, str(DOCS / "make"), "--check"], capture_output=True, text=True, check=False, cwd=ROOT
-    )
-    assert done.returncode == 0, done.stderr
+    code, _, complaint = run_python(str(DOCS / "make"), "--check", cwd=ROOT)
+    assert code == 0, complaint
 
 
 def test_the_documentation_shows_no_picture_that_is_missing():

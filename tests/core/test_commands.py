@@ -1,7 +1,5 @@
 """Sub-commands are found: a file in the package is enough, and installed packages announce theirs."""
 
-from __future__ import annotations
-
 import sys
 from importlib.metadata import EntryPoint
 

@@ -1,17 +1,15 @@
-"""Progress of compilation: what is compiled, which part is done, and what that costs where nothing is compiled."""
-
-from __future__ import annotations
+"""Compilation: each kernel once, what is compiled and which part is done, and what that costs."""
 
 import io
 import math
 import os
-import subprocess
 import sys
 import time
 from pathlib import Path
 
 import pytest
 
+from commands import run_python
 from insonify import compilation_bar
 from insonify.compiler.compilation_events import WORDS, called_functions
 from insonify.compiler.digests import SOURCES
@@ -73,9 +71,9 @@ def test_a_sentence_says_what_is_compiled_and_how_long_it_takes(left: float | No
 
 def reports(cache: Path) -> list[str]:
     environment = {name: value for name, value in os.environ.items() if name != "NUMBA_CACHE_DIR"}
-    command = [sys.executable, "-c", FIRST_CALL]
-    environment["XDG_CACHE_HOME"] = str(cache)
-    return subprocess.run(command, env=environment, capture_output=True, text=True, check=True).stdout.splitlines()
+    code, printed, _ = run_python("-c", FIRST_CALL, env=environment | {"XDG_CACHE_HOME": str(cache)})
+    assert code == 0
+    return printed.splitlines()
 
 
 def test_the_share_done_grows_and_nothing_is_said_of_code_on_disk(tmp_path: Path) -> None:
@@ -94,8 +92,7 @@ def test_the_share_done_grows_and_nothing_is_said_of_code_on_disk(tmp_path: Path
 def test_streams_are_nobody_elses_while_numba_words_an_error() -> None:
     pytest.importorskip("colorama", reason="Numba replaces the streams only with it")
     environment = {name: value for name, value in os.environ.items() if not name.startswith("NUMBA_")}
-    command = [sys.executable, "-c", WORDED_ERROR]
-    assert subprocess.run(command, env=environment, capture_output=True, text=True, check=True).stdout == ""
+    assert run_python("-c", WORDED_ERROR, env=environment)[:2] == (0, "")
 
 
 def test_progress_goes_on_between_two_reports(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -124,3 +121,34 @@ def test_a_terminal_shows_a_bar_until_the_kernel_is_finished(
     shown = sys.stderr.getvalue()
     assert ("compiling bent rays, once, about a minute left  40 %" in shown) == sys.stderr.isatty()
     assert sys.stderr.isatty() or not shown
+
+
+SCENES = ("default", "ghosts", "raw-record", "rough-tow", "sediments", "targets", "thermocline", "wreck")
+COUNT = f"""
+import sys
+import numpy as np
+from insonify.compiler.dispatch import Kernel
+from insonify.compiler.separate import SeparateKernel
+from insonify.scene import edit, load_scene
+from insonify.simulation import prepare
+
+for name in {SCENES}:
+    simulation = prepare(edit(load_scene(name), {{"track.pings": 2}}))
+    simulation.intensity(np.arange(2))
+    simulation.truth(np.arange(1))
+for name, module in list(sys.modules.items()):
+    if name.startswith("insonify"):
+        for word, found in vars(module).items():
+            # What is fused into its callers is compiled by them.
+            kernel = isinstance(found, Kernel) and not found.options.get("forceinline")
+            if kernel and found.__module__ == name:
+                signatures = {{*found.entry.signatures, *found.part.signatures}}
+                signatures |= {{*found.machine_code.signatures}} if isinstance(found, SeparateKernel) else set()
+                if len(signatures) > 1:
+                    print(f"{{name}}.{{word}}", *signatures, sep="\\n  ")
+"""
+
+
+def test_no_kernel_is_compiled_for_two_kinds_of_arguments() -> None:
+    # A process of its own: other tests call kernels with arguments of their own making.
+    assert run_python("-c", COUNT)[:2] == (0, "")

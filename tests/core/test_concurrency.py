@@ -1,7 +1,5 @@
 """Simulations and files in several threads at once, after a fork and in spawned processes: the same bits everywhere."""
 
-from __future__ import annotations
-
 import multiprocessing
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
@@ -49,10 +47,8 @@ def test_four_threads_write_and_read_at_once(tmp_path, suffix):
 
 
 def test_four_threads_are_refused_at_once(tmp_path):
-    for number in range(4):
-        (tmp_path / f"{number}.tif").write_text("not a raster")
-
     def refused(number: int) -> str:
+        (tmp_path / f"{number}.tif").write_text("not a raster")
         with pytest.raises(SceneError) as caught:
             read_grid(str(tmp_path / f"{number}.tif"))
         return str(caught.value)

@@ -35,18 +35,17 @@ def test_a_measured_bed_takes_random_detail(tmp_path):
     np.testing.assert_array_equal(build_ground(detailed(path)).heights, rough.heights)
 
 
-def test_holes_stay_holes_under_detail(tmp_path):
+def test_holes_stay_holes_under_detail_no_coarser_than_the_measurement(tmp_path):
     rows = sloped(10, 10)
     rows[4, 5] = -9999.0
     ground = build_ground(detailed(write_tiff(tmp_path / "a.tif", rows, **UTM)))
     assert np.isnan(ground.heights[40, 40])
     assert 0.0 < np.isnan(ground.heights).mean() < 0.1
-
-
-def test_detail_is_no_coarser_than_the_measurement(tmp_path):
-    path = write_tiff(tmp_path / "a.tif", sloped(40, 50), pixel=(0.11, 0.11), **UTM)
-    ground = build_ground(detailed(path, spacing=5.0))
-    assert 0.1 < ground.spacing <= 0.11
+    fine = write_tiff(tmp_path / "b.tif", sloped(40, 50), pixel=(0.11, 0.11), **UTM)
+    assert 0.1 < build_ground(detailed(fine, spacing=5.0)).spacing <= 0.11
+    wide = write_tiff(tmp_path / "c.tif", sloped(5, 5), pixel=(500.0, 500.0), **UTM)
+    with pytest.raises(SceneError, match=r"seabed.spacing: 0.1 m makes 20001 nodes along a side of the measured bed"):
+        build_ground(detailed(wide, spacing=0.1))
 
 
 def test_a_detailed_bed_is_heard_and_drawn(tmp_path, capsys):
@@ -79,9 +78,3 @@ def test_what_cannot_be_added_is_one_sentence(tmp_path, of, expected):
     parts = [{"kind": "dem", "path": str(path)} if part == "dem" else part for part in of]
     with pytest.raises(SceneError, match=expected):
         build({"seabed": {"relief": {"kind": "sum", "of": parts}}})
-
-
-def test_too_fine_a_detail_of_a_wide_bed_is_one_sentence(tmp_path):
-    path = write_tiff(tmp_path / "a.tif", sloped(5, 5), pixel=(500.0, 500.0), **UTM)
-    with pytest.raises(SceneError, match=r"seabed.spacing: 0.1 m makes 20001 nodes along a side of the measured bed"):
-        build_ground(detailed(path, spacing=0.1))

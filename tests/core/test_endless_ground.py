@@ -45,20 +45,16 @@ def record():
     return prepare(SCENE).intensity(PINGS)
 
 
-def test_the_tow_crosses_windows(record):
+def test_a_record_across_windows_does_not_depend_on_how_pings_are_split(record):
     simulation = prepare(SCENE)
     poses = simulation.poses(PINGS)
     assert len(np.unique(simulation.ground.cell(poses.x, poses.y), axis=0)) == 3
     assert record[:, :, 60:].min() >= 0.0
     assert (record[:, :, 60:].mean(axis=2) > 0.0).all()
-
-
-def test_record_does_not_depend_on_how_pings_are_split(record):
     blocks = list(simulate_blocks(SCENE, block=7))
     split = np.concatenate([np.moveaxis(block.intensity.values, 1, 0) for block in blocks])
     np.testing.assert_array_equal(split, record)
-    backwards = prepare(SCENE).intensity(PINGS[::-1])[::-1]
-    np.testing.assert_array_equal(backwards, record)
+    np.testing.assert_array_equal(prepare(SCENE).intensity(PINGS[::-1])[::-1], record)
 
 
 def test_record_is_that_over_a_bed_held_whole(record):
@@ -81,20 +77,15 @@ def test_record_is_that_over_a_bed_held_whole(record):
 
 
 @pytest.mark.parametrize("method", ["march", "rays"])
-def test_every_method_goes_over_it(method):
-    scene = edit(SCENE, {"sonar.bins": 40})
-    simulation = prepare(scene, method=method)
+def test_every_method_and_the_truth_go_from_window_to_window(method):
+    simulation = prepare(edit(SCENE, {"sonar.bins": 40}), method=method)
     found = simulation.intensity(PINGS[::8])
     np.testing.assert_array_equal(found, np.concatenate([simulation.intensity(PINGS[k : k + 1]) for k in PINGS[::8]]))
     assert (found[:, :, 20:].mean(axis=2) > 0.0).all()
-
-
-def test_truth_goes_from_window_to_window():
     simulation = prepare(SCENE)
     whole = simulation.truth(PINGS)
     for k in (0, 17, 39):
-        one = simulation.truth(PINGS[k : k + 1])
-        for part, column in zip(one, whole):
+        for part, column in zip(simulation.truth(PINGS[k : k + 1]), whole):
             np.testing.assert_array_equal(part[0], column[k])
 
 
@@ -107,13 +98,16 @@ def test_heights_are_those_of_the_window():
     assert isinstance(window, Ground)
     np.testing.assert_allclose(window.height_at(x, y), ground.height_at(x, y), atol=1e-6)
     np.testing.assert_array_equal(ground.height_near(x, y), ground.height_at(x, y))
+    picture = relief_picture(SCENE)
+    assert picture.shape == (1024, 1024)
+    assert (picture.min(), picture.max()) == (0, 255)
 
 
 def _forbidden(row, column):
     raise AssertionError(f"tile {row}, {column} is made")
 
 
-@pytest.mark.parametrize("every", [1, 4])
+@pytest.mark.parametrize("every", [1, 2, pytest.param(4, marks=pytest.mark.slow)])
 def test_heights_of_a_few_places_need_no_tile(every):
     ground = build_ground(SCENE).thinned(every)
     x, y = np.random.default_rng(3).uniform(-60.0, 60.0, (2, 50))
@@ -121,12 +115,8 @@ def test_heights_of_a_few_places_need_no_tile(every):
     at_once = replace(ground, heights=_forbidden).height_at_once(x, y)
     exact = ground.height_at(x, y)
     np.testing.assert_allclose(at_once, exact, rtol=0.0, atol=1e-5 * np.std(exact))
-
-
-def test_heights_of_a_few_places_are_those_of_tiles_that_are_kept():
-    ground, (x, y) = build_ground(SCENE), np.random.default_rng(4).uniform(-60.0, 60.0, (2, 50))
-    exact = ground.height_at(x, y)
-    np.testing.assert_array_equal(ground.height_at_once(x, y), exact)
+    if every == 1:
+        np.testing.assert_array_equal(ground.height_at_once(x, y), exact)  # those of tiles that are kept
 
 
 def test_heights_beyond_an_excerpt_need_no_tile():
@@ -136,7 +126,7 @@ def test_heights_beyond_an_excerpt_need_no_tile():
     np.testing.assert_allclose(excerpt.height_at_once(x, y), exact, rtol=0.0, atol=1e-6)
 
 
-@pytest.mark.parametrize("reach", [0.0, 30.0, 0.4 * TILE, 1.3 * 0.4 * TILE])
+@pytest.mark.parametrize("reach", [0.0, 30.0, pytest.param(0.4 * TILE, marks=pytest.mark.slow), 1.3 * 0.4 * TILE])
 def test_a_window_holds_each_node_at_its_place_whatever_window_is_held(reach):
     ground = build_ground(edit(SCENE, {"seabed.material": {"kind": "fractal", "of": ["fine_sand", "coarse_sand"]}}))
     assert isinstance(ground, EndlessGround)
@@ -153,9 +143,14 @@ def test_a_window_holds_each_node_at_its_place_whatever_window_is_held(reach):
         held = StoredWindow(row, column, window.heights, window.materials)
 
 
+def level_beds():
+    """Beds of the windows of a level ground of its own."""
+    level = replace(build_ground(SCENE), heights=lambda row, column: np.zeros((TILE, TILE), np.float32))
+    return terrain_tiles._beds_of(level, 20.0)
+
+
 def test_beds_of_windows_are_bounded_by_their_bytes(monkeypatch):
-    ground = replace(build_ground(SCENE), heights=lambda row, column: np.zeros((TILE, TILE), np.float32))
-    beds = terrain_tiles._beds_of(ground, 20.0)
+    beds = level_beds()
     beds.make_room(6)
     for column in range(5):
         beds.bed(0, column)
@@ -169,12 +164,7 @@ def test_beds_of_windows_are_bounded_by_their_bytes(monkeypatch):
 
 
 def test_beds_of_all_grounds_share_one_bound(monkeypatch):
-    one, other = (
-        terrain_tiles._beds_of(
-            replace(build_ground(SCENE), heights=lambda row, column: np.zeros((TILE, TILE), np.float32)), 20.0
-        )
-        for _ in range(2)
-    )
+    one, other = level_beds(), level_beds()
     for beds in (one, other, one):
         beds.make_room(3)
         beds.bed(0, beds.used)
@@ -206,7 +196,7 @@ def test_a_step_to_the_next_window_makes_its_new_tiles_alone():
     assert sorted(asked) == [(row, column) for row in (-1, 0, 1) for column in (1, 2)]
 
 
-@pytest.mark.parametrize("every", [2, 8])
+@pytest.mark.parametrize("every", [2, pytest.param(8, marks=pytest.mark.slow)])
 def test_thinned_tiles_are_every_nth_node_and_hold_no_more(every):
     whole = build_ground(SCENE)
     assert isinstance(whole, EndlessGround)
@@ -305,12 +295,6 @@ def test_a_target_lies_on_it():
     below = simulation.ground.height_at(sphere[:1], sphere[1:2])[0]
     assert sphere[2] - below == pytest.approx(0.8, abs=1e-6)
     assert not np.array_equal(simulation.intensity(PINGS), prepare(SCENE).intensity(PINGS))
-
-
-def test_picture_is_of_a_piece():
-    picture = relief_picture(SCENE)
-    assert picture.shape == (1024, 1024)
-    assert (picture.min(), picture.max()) == (0, 255)
 
 
 def test_scenes_on_the_same_ground_share_its_windows(record):

@@ -5,24 +5,12 @@ import math
 import numpy as np
 import pytest
 
+from beds import pipe_edges
 from insonify.scene import edit, load_scene
 from insonify.simulation import prepare
 from insonify.tracers import sweep
 
-HEIGHT, GROUND_RANGE, RADIUS = 10.0, 30.0, 0.5
-
-
-def edges(gap: float) -> tuple[float, float, float, float]:
-    """Slant ranges of echo and shadow of a pipe: near edge and tangent, shadow's start and end on a level bed."""
-    drop = HEIGHT - gap - RADIUS
-    distance = math.hypot(GROUND_RANGE, drop)
-    angle, half = math.atan2(drop, GROUND_RANGE), math.asin(RADIUS / distance)
-    return (
-        distance - RADIUS,
-        math.sqrt(distance**2 - RADIUS**2),
-        HEIGHT / math.sin(angle + half),
-        HEIGHT / math.sin(angle - half),
-    )
+HEIGHT = 10.0  # m, of the sonar above the bed
 
 
 def starboard(scene, ping: int) -> np.ndarray:
@@ -30,63 +18,45 @@ def starboard(scene, ping: int) -> np.ndarray:
     return prepare(scene, forced={"spacing": "1"}).intensity(np.array([ping]))[0, 1]
 
 
-@pytest.mark.parametrize(("name", "gap"), [("pipe-on-bed", 0.0), ("pipe-span", 1.0)])
-@pytest.mark.parametrize("ping", [0, 100, 199])
-def test_the_shadow_lies_where_geometry_puts_it(name, gap, ping):
+@pytest.mark.parametrize(
+    ("name", "gap", "printed"),
+    [("pipe-on-bed", 0.0, [30.97, 31.46, 31.55, 34.88]), ("pipe-span", 1.0, [30.68, 31.18, 34.72, 38.89])],
+)
+def test_echo_and_shadow_lie_where_geometry_puts_them(name, gap, printed):
     scene = load_scene(name)
     step = scene.sonar.range / scene.sonar.bins
-    _, _, begins, ends = edges(gap)
-    silent = np.flatnonzero(starboard(scene, ping)[int(20.0 / step) :] == 0.0) + int(20.0 / step)
-    assert (np.diff(silent) == 1).all()
-    assert silent[0] * step == pytest.approx(begins, abs=1.001 * step)
-    assert (silent[-1] + 1) * step == pytest.approx(ends, abs=1.001 * step)
-
-
-@pytest.mark.parametrize(("name", "gap"), [("pipe-on-bed", 0.0), ("pipe-span", 1.0)])
-def test_the_echo_begins_at_the_pipe_and_ends_at_the_tangent(name, gap):
-    scene = load_scene(name)
-    step = scene.sonar.range / scene.sonar.bins
-    begins, ends, _, _ = edges(gap)
+    near, tangent, begins, ends = pipe_edges(gap)
+    np.testing.assert_allclose([near, tangent, begins, ends], printed, atol=0.006)
+    for ping in (0, 100, 199):
+        silent = np.flatnonzero(starboard(scene, ping)[int(20.0 / step) :] == 0.0) + int(20.0 / step)
+        assert (np.diff(silent) == 1).all()
+        assert silent[0] * step == pytest.approx(begins, abs=1.001 * step)
+        assert (silent[-1] + 1) * step == pytest.approx(ends, abs=1.001 * step)
     bed = starboard(edit(scene, {"targets": []}), 100).astype(float)
     echo = np.flatnonzero(starboard(scene, 100) > 1.005 * bed)
-    assert echo[0] * step == pytest.approx(begins, abs=1.001 * step)
-    assert (echo[-1] + 1) * step == pytest.approx(ends, abs=1.001 * step)
+    assert echo[0] * step == pytest.approx(near, abs=1.001 * step)
+    assert (echo[-1] + 1) * step == pytest.approx(tangent, abs=1.001 * step)
 
 
-def test_the_numbers_of_the_figure():
-    np.testing.assert_allclose(edges(0.0), [30.97, 31.46, 31.55, 34.88], atol=0.006)
-    np.testing.assert_allclose(edges(1.0), [30.68, 31.18, 34.72, 38.89], atol=0.006)
-
-
-def pair_profile(name: str, ground_range: float) -> np.ndarray:
-    """Energy of the pair at a ground range, ping by ping."""
+@pytest.mark.parametrize(
+    ("name", "apart"),
+    [("figure-4a", {8.0: True, 22.0: True, 40.0: True}), ("figure-4b", {8.0: True, 22.0: False, 40.0: False})],
+)
+def test_a_fan_merges_what_a_knife_keeps_apart(name, apart):
     scene = load_scene(name)
     step = scene.sonar.range / scene.sonar.bins
-    near = math.hypot(ground_range, HEIGHT)
-    bins = slice(int((near - 0.6) / step), int((near + 0.1) / step))
     with_pair, without = (prepare(s, tolerance=0.003) for s in (scene, edit(scene, {"targets": []})))
     poses = with_pair.poses(np.arange(scene.track.pings))
     # The same planes for both, so that the bed cancels exactly.
     planes = with_pair.plan.planes
-    with_pair, without = (sweep.trace(s.arrays, poses, planes=planes)[:, 1, bins] for s in (with_pair, without))
-    return np.maximum(with_pair.astype(float) - without, 0.0).sum(axis=1)
-
-
-@pytest.mark.parametrize(
-    ("name", "ground_range", "apart"),
-    [
-        ("figure-4a", 8.0, True),
-        ("figure-4a", 22.0, True),
-        ("figure-4a", 40.0, True),
-        ("figure-4b", 8.0, True),
-        ("figure-4b", 22.0, False),
-        ("figure-4b", 40.0, False),
-    ],
-)
-def test_a_fan_merges_what_a_knife_keeps_apart(name, ground_range, apart):
-    profile = pair_profile(name, ground_range)
-    between = profile[195:206].min() / profile.max()
-    assert between == 0.0 if apart else between > 0.5
+    with_pair, without = (sweep.trace(s.arrays, poses, planes=planes)[:, 1] for s in (with_pair, without))
+    for ground_range, separate in apart.items():
+        near = math.hypot(ground_range, HEIGHT)
+        bins = slice(int((near - 0.6) / step), int((near + 0.1) / step))
+        # Energy of the pair, ping by ping.
+        profile = np.maximum(with_pair[:, bins].astype(float) - without[:, bins], 0.0).sum(axis=1)
+        between = profile[195:206].min() / profile.max()
+        assert between == 0.0 if separate else between > 0.5
 
 
 def heard_of_figure_3(pings, **changes):

@@ -1,7 +1,5 @@
 """Choices that are forced upon a plan: taken, carried out, recorded."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 
@@ -21,7 +19,7 @@ PINGS = np.arange(0, 512, 64)
 def test_what_is_forced_is_taken_and_marked():
     forced = {"planes": "16", "spacing": "2", "targets": "off"}
     chosen = plan(DEFAULT, forced=forced)
-    assert (chosen.planes, chosen.every, chosen.targets) == (16, 2, ())
+    assert (chosen.planes, chosen.model.every, chosen.model.targets) == (16, 2, ())
     marked = {entry.subject for entry in chosen.entries if entry.forced}
     assert marked == set(forced)
     assert not chosen.entry("targets").modelled
@@ -53,13 +51,10 @@ def test_what_is_no_choice_is_refused(forced, sentence):
         plan(DEFAULT, forced=forced)
 
 
-def test_targets_forced_off_are_not_heard():
+def test_what_is_forced_off_is_not_heard():
     without = prepare(SMALL, forced={"targets": "off"})
     bare = prepare(edit(SMALL, {"targets": []}), forced={"planes": str(without.plan.planes)})
     np.testing.assert_array_equal(without.intensity(PINGS), bare.intensity(PINGS))
-
-
-def test_ways_by_the_surface_forced_off_are_not_heard():
     sea = edit(SMALL, {"water.surface": {"kind": "flat"}})
     some = prepare(sea, forced={"surface_bottom": "off", "surface_echo": "off"})
     declared = prepare(edit(sea, {"water.surface": {"kind": "flat", "surface_bottom": False, "surface_echo": False}}))

@@ -24,6 +24,7 @@ VARIANTS = {
     "default by rays": ("default", {"track.pings": 64}, "rays"),
     "default by march": ("default", {"track.pings": 64}, "march"),
     "default by coherent speckle": ("default", {"receiver.speckle": {"kind": "coherent", "density": 20.0}}, "auto"),
+    "two pings of double-image": ("double-image", {"track.pings": 2}, "auto"),
     "targets under an array": ("targets", {"sonar.beam": {"kind": "array", "length": 0.5, "squint": 3.0}}, "auto"),
     "targets in light": ("targets", {"sonar.law": "light", "sonar.vertical": {"kind": "fan"}}, "auto"),
     "ghosts on a rough sea": ("ghosts", {"water.surface": {"kind": "rough", "wind_speed": 6.0}}, "auto"),
@@ -31,6 +32,8 @@ VARIANTS = {
     "thermocline by rays": ("thermocline", {"sonar.beam": "knife"}, "rays"),
     "sediments in K speckle": ("sediments", {"receiver.speckle": "k", "sonar.pulse": "chirp"}, "auto"),
 }
+# Cases of more than a minute of processor time.
+LONG = {"double-image"}
 CASES = {name: (name, {}, "auto") for name in bundled_scenes()} | VARIANTS
 
 
@@ -58,7 +61,7 @@ def digest(name: str) -> dict[str, object]:
     }
 
 
-@pytest.mark.parametrize("name", CASES)
+@pytest.mark.parametrize("name", [pytest.param(name, marks=[pytest.mark.slow] * (name in LONG)) for name in CASES])
 def test_a_record_is_what_it_was(name: str, request: pytest.FixtureRequest) -> None:
     found = digest(name)
     golden = json.loads(GOLDEN.read_text()) if GOLDEN.exists() else {}

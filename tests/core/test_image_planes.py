@@ -1,7 +1,5 @@
 """Planes of the sonar's image in the sea surface: those of the sonar first, all azimuths in its beam taken in."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

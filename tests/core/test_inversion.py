@@ -1,9 +1,5 @@
 """A bed learned from a record: each estimator against what it must find, whole scenes against known truth, mistakes."""
 
-from __future__ import annotations
-
-from pathlib import Path
-
 import numpy as np
 import pytest
 import xarray as xr
@@ -21,8 +17,8 @@ from insonify.inversion.bed_parameters import (
     set_bed,
     variance_of_looks,
 )
-from insonify.inversion.findings import DIFFERS, MATCHED, UNKNOWN
 from insonify.inversion.footprint import footprint_of
+from insonify.inversion.learning import DIFFERS, MATCHED, UNKNOWN
 from insonify.inversion.roughness_fit import fit_roughness
 from insonify.inversion.segment_spectra import SEGMENT, AngleGroup, SegmentSpectra, fit_level_curve
 from insonify.io.records import read_record, write_record
@@ -30,7 +26,6 @@ from insonify.receiver.stage import spread_echoes
 from insonify.scene import SceneError, edit, load_scene
 from known_beds import errors, make_bed
 
-REAL = Path(__file__).parents[3] / "shared" / "data" / "xtf" / "scotsman-iver2.xtf"
 FAN = {"kind": "fan", "width": 0.5}
 
 
@@ -255,10 +250,6 @@ def test_a_track_that_bends_is_written_beside_the_scene(scene, tmp_path, monkeyp
     assert np.abs(altitude - expected).max() < 0.8
 
 
-def still(record: xr.Dataset) -> xr.Dataset:
-    return record.assign(platform_x=0.0 * record["platform_x"])
-
-
 def silent(record: xr.Dataset) -> xr.Dataset:
     unknown = record["platform_altitude"] * np.nan
     return record.assign(intensity=0.0 * record["intensity"] + 1.0, platform_altitude=unknown)
@@ -269,7 +260,7 @@ def silent(record: xr.Dataset) -> xr.Dataset:
     [
         (lambda record: record.isel(ping_time=slice(0, 100)), "at least 128 pings that move on"),
         (lambda record: record.isel(range_sample=slice(0, 300)), "128 bins beyond 1.4 altitudes"),
-        (still, "at least 128 pings that move on"),
+        (lambda record: record.assign(platform_x=0.0 * record["platform_x"]), "at least 128 pings that move on"),
         (silent, "has no altitude and shows no first echo of the bed"),
     ],
 )
@@ -280,34 +271,24 @@ def test_a_record_that_tells_too_little_is_refused(record, spoil, sentence):
         insonify.learn(recording)
 
 
-@pytest.mark.parametrize(
-    ("words", "sentence"),
-    [
+def test_a_mistake_is_one_sentence(record, tmp_path, monkeypatch, capsys):
+    monkeypatch.chdir(tmp_path)
+    write_record(tmp_path / "line.npz", [record])
+    (tmp_path / "text.xtf").write_text("no recording " * 200)
+    for words, sentence in (
         (["line.npz", "-o", "s.toml", "--set", "seabed.relief.beta=1"], "is learned from the record"),
         (["line.npz", "-o", "s.toml", "--set", "sonar.beem=1"], "unknown key"),
         (["default", "-o", "s.toml"], "is not a record"),
         (["none.xtf", "-o", "s.toml"], "does not exist"),
         (["text.xtf", "-o", "s.toml"], "is not an XTF file"),
         (["line.npz", "-o", "s.png"], "end the name in .toml"),
-    ],
-)
-def test_a_mistake_is_one_sentence(record, tmp_path, monkeypatch, capsys, words, sentence):
-    monkeypatch.chdir(tmp_path)
-    write_record(tmp_path / "line.npz", [record])
-    (tmp_path / "text.xtf").write_text("no recording " * 200)
-    assert sentence in refused(capsys, "learn", *words)
+    ):
+        assert sentence in refused(capsys, "learn", *words)
     assert sorted(path.name for path in tmp_path.iterdir()) == ["line.npz", "text.xtf"]
 
 
-def test_help_has_an_example(capsys):
-    with pytest.raises(SystemExit):
-        main(["learn", "--help"])
-    assert "insonify learn recording.xtf -o scene.toml" in " ".join(capsys.readouterr().out.split())
-
-
-@pytest.mark.skipif(not REAL.is_file(), reason="the recording is not here")
-def test_a_real_recording_is_learned():
-    learned = insonify.learn(read_record(REAL).isel(ping_time=slice(0, 256)))
+def test_a_real_recording_is_learned(real_recording):
+    learned = insonify.learn(read_record(real_recording).isel(ping_time=slice(0, 256)))
     verdicts = {found.quantity: found.verdict for found in learned.findings}
     assert learned.navigation is not None
     for quantity in ("speckle, variance of amplitude", "variation in even patches", "level over range"):

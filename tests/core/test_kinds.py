@@ -1,7 +1,5 @@
 """Families of declarations: a kind is found by being declared, wherever that is."""
 
-from __future__ import annotations
-
 from types import SimpleNamespace
 from typing import Literal
 

@@ -1,14 +1,11 @@
 """What the likeness of records measures: speckle, spectra and shadows of known size; a real record; the sheet."""
 
-from pathlib import Path
-
 import numpy as np
 import pytest
 import xarray as xr
 from PIL import Image
 from scipy.signal import periodogram
 
-from commands import refused
 from insonify.accuracy.comparison_page import draw_comparison
 from insonify.cli import main
 from insonify.io.records import read_record, write_record
@@ -17,7 +14,6 @@ from insonify.simulation import simulate
 from insonify.statistics import record_statistics
 from insonify.statistics.record_statistics import AmplitudeSpectrum, measure_statistics
 
-REAL = Path(__file__).parents[3] / "shared" / "data" / "xtf" / "scotsman-iver2.xtf"
 PINGS, BINS = 320, 512
 STEP, BIN = 0.25, 0.05
 
@@ -64,15 +60,23 @@ def test_periodograms_are_those_of_scipy():
     np.testing.assert_allclose(found[:, 1:-1], power[:, 1:-1], rtol=1e-9)
 
 
-def test_an_even_bed_has_no_variation():
+def test_an_even_bed_has_no_variation_and_gain_changes_nothing():
     assert measure_statistics(record(lambert())).variation.max() < 0.05
-
-
-def test_gain_changes_nothing():
     bed = lambert() * speckle(2)
-    np.testing.assert_allclose(
-        measure_statistics(record(1e-6 * bed)).variation, measure_statistics(record(bed)).variation, rtol=1e-4
-    )
+    one, other = (measure_statistics(record(gain * bed)).variation for gain in (1e-6, 1.0))
+    np.testing.assert_allclose(one, other, rtol=1e-4)
+
+
+@pytest.mark.filterwarnings("error")
+def test_a_shadow_is_as_deep_as_it_is():
+    for depth in (15.0, 24.0):
+        bed = lambert().copy()
+        bed[1, 96:112, 192:448] *= 10.0 ** (-depth / 10.0)
+        assert measure_statistics(record(bed)).shadow_depth == pytest.approx(depth, abs=0.3)
+    assert "shadows without any echo" in measure_statistics(record(shadowed(lambert()))).lines()
+    silent = lambert() * speckle(1)
+    silent[:, : 3 * PINGS // 4] = 0.0  # most of the record
+    assert "no shadows" in measure_statistics(record(silent)).lines()
 
 
 @pytest.mark.parametrize(("along", "across"), [(0.5, 0.0), (0.0, 2.5)])
@@ -84,26 +88,6 @@ def test_ripples_show_at_their_frequency(along, across):
     # A sine of amplitude 0.3 holds a variance of 0.045; half its band is a Hann window's leakage.
     held = np.trapezoid(spectrum.power, spectrum.frequency) * np.log(2.0)
     assert held == pytest.approx(0.045, rel=0.1)
-
-
-@pytest.mark.parametrize("depth", [15.0, 24.0])
-def test_a_shadow_is_as_deep_as_it_is(depth):
-    bed = lambert().copy()
-    bed[1, 96:112, 192:448] *= 10.0 ** (-depth / 10.0)
-    assert measure_statistics(record(bed)).shadow_depth == pytest.approx(depth, abs=0.3)
-
-
-def test_a_shadow_may_be_silent():
-    bed = lambert().copy()
-    bed[1, 96:112, 192:448] = 0.0
-    assert "shadows without any echo" in measure_statistics(record(bed)).lines()
-
-
-@pytest.mark.filterwarnings("error")
-def test_a_record_that_is_mostly_silent_has_no_shadows():
-    bed = lambert() * speckle(1)
-    bed[:, : 3 * PINGS // 4] = 0.0
-    assert "no shadows" in measure_statistics(record(bed)).lines()
 
 
 def shadowed(intensity: np.ndarray) -> np.ndarray:
@@ -184,9 +168,8 @@ def test_too_little_bed_is_one_sentence():
         measure_statistics(still)
 
 
-@pytest.mark.skipif(not REAL.is_file(), reason="the recording is not here")
-def test_a_real_recording():
-    found = measure_statistics(read_record(REAL))
+def test_a_real_recording(real_recording):
+    found = measure_statistics(read_record(real_recording))
     low, middle, high = np.percentile(found.variation, [10.0, 50.0, 90.0])
     assert 0.25 < low < middle < high < 0.55
     assert found.shadow_depth == pytest.approx(24.0, abs=2.0)
@@ -211,18 +194,3 @@ def test_compare_draws_a_sheet_and_says_the_numbers(tmp_path, capsys):
     assert "variation of amplitude in even patches 0.52" in lines[0]
     with Image.open(tmp_path / "sheet.png") as picture:
         assert min(picture.size) > 900
-
-
-@pytest.mark.parametrize(
-    ("words", "expected"),
-    [
-        (["atlantis", "default", "-o", "x.png"], "no such file"),
-        (["a.xtf", "default", "-o", "x.png"], "does not exist"),
-        (["a.nc", "default", "-o", "x.png"], "does not exist; give the path of a record"),
-        (["default", "default", "-o", "x.nc"], "end the name in .png"),
-    ],
-)
-def test_a_mistake_is_one_sentence(tmp_path, capsys, monkeypatch, words, expected):
-    monkeypatch.chdir(tmp_path)
-    assert expected in refused(capsys, "compare", *words)
-    assert list(tmp_path.iterdir()) == []

@@ -1,7 +1,5 @@
 """The march: right where a ray meets one smooth surface, and wrong as a march is wrong."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np
@@ -11,7 +9,6 @@ from beds import arrays_of, poses_of, rough
 from insonify.kernels.common.types import BED, LIGHT, SONAR
 from insonify.kernels.rays.cell_walk import RayBundle, empty_hits
 from insonify.kernels.rays.march import march_hits
-from insonify.scene import SceneError
 from insonify.statistics.record_errors import compare_records
 from insonify.tracers import march, rays
 
@@ -81,7 +78,7 @@ def test_long_steps_pass_through_a_ridge():
     assert march.trace(arrays, poses, step=2.0, rays=4000)[0, 0, shadow].any()
 
 
-def test_bodies_are_met_where_they_are():
+def test_bodies_are_met_where_they_are_and_small_ones_stepped_over():
     bodies = [((0.0, 9.0, 2.0), 1.0), ((5.0, 0.0, 3.0), (9.0, 0.0, 3.0), 0.5)]
     arrays = arrays_of(FLAT, 4.0, periodic=True, solids=bodies)
     directions = [(0.0, 1.0, 0.0), (0.05, 1.0, 0.02), (1.0, 0.0, 0.2), (1.0, 0.02, 0.15), (0.0, -1.0, 0.1)]
@@ -91,29 +88,10 @@ def test_bodies_are_met_where_they_are():
     np.testing.assert_allclose(hits.distance[:4], exact[:4], atol=1e-5)
     np.testing.assert_allclose(np.column_stack([hits.nx, hits.ny, hits.nz])[:4], normals[:4], atol=1e-4)
     assert math.isinf(hits.distance[4])
-
-
-def test_small_bodies_are_stepped_over():
-    arrays = arrays_of(FLAT, 4.0, periodic=True, solids=[((0.0, 9.25, 2.0), 0.1)])
-    assert hits_of(arrays, (0.0, 0.0, 2.0), [(0.0, 1.0, 0.0)], 0.05).body[0] == 0
-    assert hits_of(arrays, (0.0, 0.0, 2.0), [(0.0, 1.0, 0.0)], 0.5).body[0] == -2
-
-
-def test_no_bed_where_nodes_are_missing():
+    small = arrays_of(FLAT, 4.0, periodic=True, solids=[((0.0, 9.25, 2.0), 0.1)])
+    for step, body in ((0.05, 0), (0.5, -2)):
+        assert hits_of(small, (0.0, 0.0, 2.0), [(0.0, 1.0, 0.0)], step).body[0] == body
     heights = np.zeros((21, 21))
-    heights[10, 10] = np.nan
+    heights[10, 10] = np.nan  # no bed where a node is missing
     hits = hits_of(arrays_of(heights, 1.0), (10.5, 10.5, 5.0), [(0, 0, -1), (0.3, 0, -1), (0, 3, -1)], 0.1)
     assert hits.body.tolist() == [-2, BED, -2]
-
-
-def test_any_number_of_threads_gives_the_same_bits():
-    arrays = arrays_of(rough(64, 64, 0.2), 0.5, periodic=True, half_width=0.02)
-    poses = poses_of(np.arange(40) * 0.3, 0.0, 8.0)
-    one = march.trace(arrays, poses, rays=100, step=0.2, threads=1)
-    np.testing.assert_array_equal(one, march.trace(arrays, poses, rays=100, step=0.2, threads=3))
-
-
-@pytest.mark.parametrize("step", [0.0, -1.0, math.nan, math.inf])
-def test_a_step_that_is_no_length_is_refused(step):
-    with pytest.raises(SceneError, match="step"):
-        march.trace(arrays_of(FLAT), poses_of(0.0, 0.0, 5.0), step=step)

@@ -1,7 +1,5 @@
 """Named materials against the table they come from, and what they pass on to the tracers."""
 
-from __future__ import annotations
-
 import math
 from itertools import pairwise
 
@@ -10,7 +8,7 @@ import pytest
 
 from insonify.compiler.jit import kernel
 from insonify.kernels.common.scattering import backscatter
-from insonify.scene import SceneError, build, edit, load_scene
+from insonify.scene import build, edit, load_scene
 from insonify.scene.seabed.materials import MATERIALS, Material, Reflectivity
 from insonify.simulation import prepare
 
@@ -39,6 +37,10 @@ def decibels(name: str, grazing: float) -> float:
 
 @pytest.mark.parametrize("name", TABLE)
 def test_numbers_are_those_of_the_table(name):
+    """Lambert's law is a fit at 30° grazing; sands shine less than it when steeper.
+
+    Farthest: silt -3.4 dB at 10°, coarse sand +4.8 dB at 60°.
+    """
     reflection, strengths, fit = TABLE[name]
     numbers = MATERIALS[name].reflectivity
     assert numbers.reflection == pytest.approx(reflection, abs=6e-4)
@@ -46,35 +48,21 @@ def test_numbers_are_those_of_the_table(name):
     # At 30° the lobe is gone: what remains is the fit.
     assert decibels(name, 30.0) == pytest.approx(strengths[2], abs=0.06)
     assert numbers.specular == pytest.approx(min(reflection**2, 1.0 - numbers.diffuse), abs=7e-4)
-
-
-@pytest.mark.parametrize("name", TABLE)
-def test_lambert_and_phong_stay_near_the_table(name):
-    """Lambert's law is a fit at 30° grazing; sands shine less than it when steeper.
-
-    Farthest: silt -3.4 dB at 10°, coarse sand +4.8 dB at 60°.
-    """
-    far = {angle: decibels(name, angle) - value for angle, value in zip(GRAZING, TABLE[name][1])}
+    far = {angle: decibels(name, angle) - value for angle, value in zip(GRAZING, strengths)}
     assert abs(far[20.0]) < 2.6, far
     assert max(map(abs, far.values())) < 5.0, far
 
 
-def test_no_material_returns_more_than_arrives():
-    for name in MATERIALS:
-        numbers = MATERIALS[name].reflectivity
-        assert numbers.diffuse + numbers.specular <= 1.0 + 1e-9, name
-        assert 0.0 <= numbers.reflection <= 1.0, name
-
-
-def test_coarser_sediments_reflect_more_and_blur_the_lobe():
+def test_coarser_sediments_reflect_more_and_blur_the_lobe_and_none_returns_more_than_arrives():
     sediments = [MATERIALS[name].reflectivity for name in TABLE]
     assert all(a.reflection < b.reflection for a, b in pairwise(sediments))
     assert all(a.shininess >= b.shininess for a, b in pairwise(sediments))
     muds_and_sands = [row.diffuse for row in sediments[:5]]
     assert muds_and_sands == sorted(muds_and_sands)
-
-
-def test_a_mirror_returns_all_of_it_in_its_lobe():
+    for name in MATERIALS:
+        numbers = MATERIALS[name].reflectivity
+        assert numbers.diffuse + numbers.specular <= 1.0 + 1e-9, name
+        assert 0.0 <= numbers.reflection <= 1.0, name
     mirror = MATERIALS["mirror"].reflectivity
     assert (mirror.diffuse, mirror.specular, mirror.reflection) == (0.0, 1.0, 1.0)
 
@@ -126,19 +114,6 @@ def test_interfaces_follow_the_ground_and_then_the_targets():
         [(silt.reflection, silt.speed_ratio), (0.5, rock.speed_ratio), (1.0, 1.0), (steel.reflection, 3.0)],
     )
     assert arrays.interface.shape[0] == arrays.reflectivity.shape[0]
-
-
-@pytest.mark.parametrize(
-    ("numbers", "message"),
-    [
-        ({"reflection": 1.2}, "seabed.material.reflection: 1.2 is out of bounds; give a value of at most 1"),
-        ({"speed_ratio": 0.0}, "seabed.material.speed_ratio: 0.0 is out of bounds; give a value of at least 0.1"),
-    ],
-)
-def test_numbers_out_of_bounds_are_refused(numbers, message):
-    with pytest.raises(SceneError) as caught:
-        build({"seabed": {"material": {"name": "rock"} | numbers}})
-    assert str(caught.value) == message
 
 
 @pytest.mark.parametrize("shininess", [4.0, 30.0, 200.0])

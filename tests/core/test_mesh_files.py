@@ -43,12 +43,6 @@ def as_rows(corners: np.ndarray) -> np.ndarray:
     return rows[np.lexsort(rows.T)]
 
 
-@pytest.mark.parametrize("suffix", FORMATS)
-def test_every_format_gives_the_same_triangles(tmp_path, suffix):
-    corners = read_mesh(str(write(tmp_path, suffix, shape())))
-    np.testing.assert_array_equal(as_rows(corners), as_rows(np.array(shape().triangles)))
-
-
 def test_a_scene_is_flattened_with_its_transforms(tmp_path):
     scene = trimesh.Scene()
     for k in range(3):
@@ -102,26 +96,22 @@ def test_a_surface_of_one_side_is_taken_as_it_is(tmp_path):
     assert len(read_mesh(str(tmp_path / "strip.obj"))) == 80
 
 
-def test_triangles_without_area_are_dropped(tmp_path):
+def test_triangles_without_area_are_dropped_and_a_missing_material_library_is_no_matter(tmp_path, capfd):
     path = tmp_path / "needle.obj"
-    path.write_text("v 0 0 0\nv 1 0 0\nv 1 1 0\nv 2 0 0\nf 1 2 3\nf 1 2 4\nf 1 1 3\n")
-    assert len(read_mesh(str(path))) == 1
-
-
-def test_a_file_written_anew_is_read_anew(tmp_path):
-    path = write(tmp_path, "ply", shape())
-    before = read_mesh(str(path))
-    assert read_mesh(str(path)) is before
-    write(tmp_path, "ply", trimesh.creation.box())
-    os.utime(path, (1, 1))
-    assert len(read_mesh(str(path))) == 12
-
-
-def test_a_missing_material_library_is_no_matter(tmp_path, capfd):
-    path = tmp_path / "plain.obj"
-    path.write_text("mtllib none.mtl\nusemtl x\nv 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n")
+    path.write_text("mtllib none.mtl\nusemtl x\nv 0 0 0\nv 1 0 0\nv 1 1 0\nv 2 0 0\nf 1 2 3\nf 1 2 4\nf 1 1 3\n")
     assert len(read_mesh(str(path))) == 1
     assert capfd.readouterr() == ("", "")
+
+
+@pytest.mark.parametrize("suffix", FORMATS)
+def test_every_format_gives_the_same_triangles_and_a_file_written_anew_its_new_ones(tmp_path, suffix):
+    path = write(tmp_path, suffix, shape())
+    corners = read_mesh(str(path))
+    np.testing.assert_array_equal(as_rows(corners), as_rows(np.array(shape().triangles)))
+    assert read_mesh(str(path)) is corners
+    write(tmp_path, suffix, trimesh.creation.box())
+    os.utime(path, (1, 1))
+    assert len(read_mesh(str(path))) == 12
 
 
 WRONG = {
@@ -145,15 +135,20 @@ WRONG = {
 }
 
 
+def scene_of(folder, *targets):
+    """Scene whose targets are meshes, each a path and other fields."""
+    head = '[[targets]]\nkind = "mesh"\n'
+    (folder / "scene.toml").write_text("".join(f'{head}path = "{path}"\n{fields}\n' for path, fields in targets))
+    return load_scene(folder / "scene.toml")
+
+
 @pytest.mark.parametrize("name", WRONG)
 def test_a_wrong_file_is_told_in_one_sentence(tmp_path, name, capfd):
     content, fault = WRONG[name]
     if content is not None:
         (tmp_path / name).write_bytes(content)
-    scene = tmp_path / "scene.toml"
-    scene.write_text(f'[[targets]]\nkind = "mesh"\nposition = [1.0, 2.0]\npath = "{name}"\n')
     with pytest.raises(SceneError, match=fault) as caught:
-        prepare(load_scene(scene))
+        prepare(scene_of(tmp_path, (name, "position = [1.0, 2.0]")))
     sentence = str(caught.value)
     assert sentence.startswith("targets.0.path: ")
     assert name in sentence
@@ -173,10 +168,7 @@ def test_a_bundled_mesh_has_a_name_and_is_closed(name):
 
 def test_meshes_are_found_beside_the_scene_or_by_name(tmp_path):
     write(tmp_path, "obj", shape())
-    file = tmp_path / "scene.toml"
-    text = '[[targets]]\nkind = "mesh"\nposition = [{}, 2.0]\npath = "{}"\n'
-    file.write_text(text.format(1.0, "shape.obj") + text.format(9.0, "tetrapod"))
-    scene = load_scene(file)
+    scene = scene_of(tmp_path, ("shape.obj", "position = [1.0, 2.0]"), ("tetrapod", "position = [9.0, 2.0]"))
     assert [target.path for target in scene.targets] == [str(tmp_path / "shape.obj"), "tetrapod"]
     mesh = prepare(scene).arrays.mesh
     assert np.bincount(mesh.target).tolist() == [6, 320]
@@ -184,20 +176,15 @@ def test_meshes_are_found_beside_the_scene_or_by_name(tmp_path):
 
 def test_scale_turns_units_into_metres_about_the_middle(tmp_path):
     path = write(tmp_path, "obj", shape())
-    scene = tmp_path / "scene.toml"
-    scene.write_text(
-        f'[[targets]]\nkind = "mesh"\nposition = [5.0, 7.0]\nscale = 0.5\nheading = 90.0\npath = "{path}"\n'
-    )
-    corners = prepare(load_scene(scene)).arrays.mesh.corners
+    scene = scene_of(tmp_path, (path, "position = [5.0, 7.0]\nscale = 0.5\nheading = 90.0"))
+    corners = prepare(scene).arrays.mesh.corners
     np.testing.assert_allclose(corners.min(axis=(0, 1)), [4.5, 6.25, 0.0], atol=1e-12)
     np.testing.assert_allclose(corners.max(axis=(0, 1)), [5.5, 7.75, 0.5], atol=1e-12)
 
 
 def test_triangles_lost_by_rounding_far_from_the_origin_are_dropped(tmp_path, capfd):
-    path = tmp_path / "far.obj"
-    path.write_text("v 0 0 0\nv 1 0 0\nv 0 1 0\nv 1e14 0 0\nv 0 1e14 0\nf 1 2 3\nf 1 4 5\n")
-    scene = tmp_path / "scene.toml"
-    scene.write_text(f'[[targets]]\nkind = "mesh"\nposition = [0.1, 0.3]\nscale = 1e-6\npath = "{path}"\n')
+    (tmp_path / "far.obj").write_text("v 0 0 0\nv 1 0 0\nv 0 1 0\nv 1e14 0 0\nv 0 1e14 0\nf 1 2 3\nf 1 4 5\n")
+    scene = scene_of(tmp_path, ("far.obj", "position = [0.1, 0.3]\nscale = 1e-6"))
     with np.errstate(all="raise"):
-        mesh = prepare(load_scene(scene)).arrays.mesh
+        mesh = prepare(scene).arrays.mesh
     assert np.isfinite(mesh.normal).all()

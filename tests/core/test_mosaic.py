@@ -1,7 +1,5 @@
 """Mosaics: places on the map, filled swaths, gaps and overlaps, and a file that other programs open."""
 
-from pathlib import Path
-
 import numpy as np
 import pyproj
 import pytest
@@ -15,8 +13,6 @@ from insonify.scene import edit, load_scene
 from insonify.simulation import simulate
 from insonify.surveys.mosaic import choose_cell, make_mosaic
 from insonify.surveys.swath import Swath, lay_swath
-
-REAL = Path(__file__).parents[3] / "shared" / "data" / "xtf" / "scotsman-iver2.xtf"
 
 
 def straight_swath(pings=60, spacing=0.5, heading=30.0, start=(100.0, 200.0), altitude=5.0, level=1.0, range_=20.0):
@@ -88,27 +84,21 @@ def test_overlaps_follow_the_named_rule(rule, expected):
 
 
 def test_the_nearest_record_counts():
-    one, other = (
-        straight_swath(heading=0.0, start=(0.0, 0.0)),
-        straight_swath(heading=0.0, start=(0.0, 15.0), level=3.0),
-    )
-    mosaic = make_mosaic([one, other], 0.5, "nearest")
+    lines = (straight_swath(heading=0.0, start=(0.0, y), level=level) for y, level in ((0.0, 1.0), (15.0, 3.0)))
+    mosaic = make_mosaic([*lines], 0.5, "nearest")
     x, y = cell_centres(mosaic)
     middle = (x > 2.0) & (x < 27.0)
     np.testing.assert_allclose(mosaic.level[middle & (y > 0.6) & (y < 7.0)], 0.0, atol=1e-6)
     np.testing.assert_allclose(mosaic.level[middle & (y > 8.0) & (y < 14.0)], 20.0 * np.log10(6.0), rtol=1e-5)
 
 
-def test_grids_of_all_mosaics_fit_together():
-    mosaic = make_mosaic([straight_swath(start=(100.123, 200.456))], 0.25)
-    np.testing.assert_allclose(np.array(mosaic.corner) / 0.25, np.rint(np.array(mosaic.corner) / 0.25))
-
-
 @pytest.mark.parametrize(
     ("spacing", "cell"), [(0.5, 0.5), (0.3, 0.2), (0.1999, 0.2), (0.13, 0.1), (0.01, 0.1), (7.0, 5.0)]
 )
-def test_cells_are_round_and_hold_about_a_ping(spacing, cell):
+def test_cells_are_round_hold_about_a_ping_and_fit_those_of_all_mosaics(spacing, cell):
     assert choose_cell([straight_swath(spacing=spacing)]) == pytest.approx(cell)
+    corner = np.array(make_mosaic([straight_swath(start=(100.123, 200.456))], cell).corner) / cell
+    np.testing.assert_allclose(corner, np.rint(corner))
 
 
 def test_a_target_lies_where_it_lies_on_earth(tmp_path, capsys):
@@ -151,15 +141,12 @@ def made_record(altitude=5.0, heading=0.0, **attributes) -> xr.Dataset:
     return xr.Dataset(variables, coordinates(time, (np.arange(bins) + 0.5) * 0.1, 1500.0), attributes)
 
 
-def test_altitude_comes_from_the_record_itself_where_it_is_not_told():
+def test_altitude_and_course_come_from_the_record_itself_where_they_are_not_told():
     told, untold = lay_swath("a", made_record(5.0), ""), lay_swath("a", made_record(np.nan), "")
     np.testing.assert_allclose(told.altitude, 5.0)
     np.testing.assert_allclose(untold.altitude, 5.1, atol=0.1)
     tracked = lay_swath("a", made_record(4.0), "", "bottom-track")
     np.testing.assert_allclose(tracked.altitude, untold.altitude)
-
-
-def test_without_a_compass_the_course_counts():
     swath = lay_swath("a", made_record(heading=np.nan), "")
     np.testing.assert_allclose(swath.ends[:, 0, 0], swath.nadir[:, 0], atol=1e-9)
     assert (swath.ends[:, 0, 1] > 10.0).all()
@@ -218,11 +205,10 @@ def test_the_file_tells_what_it_holds(tmp_path):
         assert np.nanmin(level) >= -40.0
 
 
-@pytest.mark.skipif(not REAL.is_file(), reason="the recording is not here")
-def test_a_real_recording(tmp_path, capsys):
-    assert main(["mosaic", str(REAL), "-o", str(tmp_path / "a.tif")]) == 0
+def test_a_real_recording(real_recording, tmp_path, capsys):
+    assert main(["mosaic", str(real_recording), "-o", str(tmp_path / "a.tif")]) == 0
     assert "cells of 0.1 m on EPSG:32619" in capsys.readouterr().out
-    record = read_record(REAL)
+    record = read_record(real_recording)
     with rasterio.open(tmp_path / "a.tif") as file:
         lon, lat = pyproj.Transformer.from_crs(file.crs, "EPSG:4326", always_xy=True).transform(
             *file.xy(file.height // 2, file.width // 2)

@@ -1,7 +1,5 @@
 """Surface multipath and crosstalk in records: labels, what the plan says of them, what is refused."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np
@@ -102,15 +100,12 @@ def test_crosstalk_of_speckled_sides_is_the_speckle_of_the_other():
     assert abs(beat.mean()) < 4.0 / math.sqrt(2.0 * beat.size)
 
 
-def test_a_plan_says_what_is_made_of_the_sea():
+def test_a_plan_says_what_is_made_of_the_sea_and_refuses_what_knows_nothing_of_ghosts():
     assert any(line.startswith("flat sea, surface-bottom: ") for line in plan(GHOSTS).lines())
     blown = plan(edit(GHOSTS, {"water.surface": {"kind": "rough", "wind_speed": 5.0}}))
     assert any("waves of 0.13 m rms and slopes of 6.7° rms" in line for line in blown.lines())
     silent = plan(edit(GHOSTS, {"water.surface": {"kind": "flat"} | dict.fromkeys(WAYS, False)}))
     assert not any("sea" in line for line in silent.lines())
-
-
-def test_what_knows_nothing_of_ghosts_is_refused():
     with pytest.raises(SceneError, match=r"water\.surface: 'flat' adds multipath, which 'coherent' speckle"):
         prepare(edit(GHOSTS, {"receiver.speckle": "coherent"}))
     bent = edit(GHOSTS, {"water": {"kind": "profile", "surface": "flat", "depth": [0, 9], "sound_speed": [1520, 1500]}})

@@ -1,7 +1,5 @@
 """A shape, a map and a material of somebody else's go the whole way: scene, plan, tracers, picture and command."""
 
-from __future__ import annotations
-
 import math
 from pathlib import Path
 from types import SimpleNamespace
@@ -64,11 +62,13 @@ def test_sweep_and_rays_hear_the_same(kind):
     assert compare_records(simulation.arrays, poses, without, swept).beyond > 0.3
 
 
-def test_the_plan_takes_it_into_account():
-    scene = own_scene()
-    chosen = insonify.plan(scene)
+def test_the_plan_and_the_truth_take_it_into_account():
+    chosen = insonify.plan(own_scene())
     targets = next(entry for entry in chosen.entries if entry.subject == "targets")
     assert "with 6,144 triangles" in targets.reason
+    truth = insonify.simulate(own_scene(), truth=True)
+    assert "hoop_0" in truth.target_id.attrs["flag_meanings"]
+    assert "coral" in truth.material.attrs["flag_meanings"]
 
 
 def test_it_is_written_read_and_set_from_the_command_line(tmp_path):
@@ -83,12 +83,6 @@ def test_it_is_written_read_and_set_from_the_command_line(tmp_path):
         assert scene_from_toml(record.attrs["scene"]).targets[0].tube == 0.8
     with pytest.raises(SceneError, match=r"targets\.0\.tube: -1 is out of bounds"):
         edit(scene, {"targets.0.tube": -1})
-
-
-def test_truth_tells_it_and_its_material():
-    truth = insonify.simulate(own_scene(), truth=True)
-    assert "hoop_0" in truth.target_id.attrs["flag_meanings"]
-    assert "coral" in truth.material.attrs["flag_meanings"]
 
 
 @pytest.mark.parametrize(
@@ -106,15 +100,12 @@ def test_a_map_is_laid_on_every_kind_of_bed(relief):
     assert np.isfinite(record.intensity).all()
 
 
-def test_a_material_has_the_numbers_of_its_table():
+def test_a_material_has_the_numbers_of_its_table_and_packages_announce_folders_of_them(monkeypatch):
     coral = MATERIALS["coral"]
     impedance = 2.1 * 1.9
     assert coral.reflectivity.reflection == pytest.approx((impedance - 1.0) / (impedance + 1.0))
     assert coral.reflectivity[:3] == (0.7, 0.2, 12.0)
     assert "coral" in list(MATERIALS)
-
-
-def test_installed_packages_announce_folders_of_materials(monkeypatch):
     entry = SimpleNamespace(load=lambda: str(OWN_MATERIALS))
     monkeypatch.setattr(catalogue, "announced", lambda group: [entry] if group == "insonify.materials" else [])
     assert set(Catalogue()) == set(MATERIALS)

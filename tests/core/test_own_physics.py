@@ -1,7 +1,5 @@
 """Kinds of relief, beam, pulse, absorption, water, motion and speckle of somebody else's go the whole way."""
 
-from __future__ import annotations
-
 import math
 from pathlib import Path
 
@@ -54,10 +52,17 @@ def test_a_relief_is_masked_added_up_and_checked_as_others():
         scene_of(seabed__relief=BAND | {"period": 1e5})
 
 
-def test_finer_waves_ask_for_more_planes():
-    plans = [insonify.plan(scene_of(seabed__relief=BAND | {"wavelength": wavelength})) for wavelength in (4.0, 1.0)]
-    coarse, fine = (plan.settings["planes"] for plan in plans)
-    assert fine > 2 * coarse
+@pytest.mark.parametrize(
+    ("less", "more", "times"),
+    [
+        ({}, {"seabed__relief": BAND | {"wavelength": 1.0}}, 2),
+        ({"sonar__beam": {"kind": "parabola", "width": 1}}, {"sonar__beam": {"kind": "parabola", "width": 8}}, 1),
+    ],
+    ids=["finer waves", "wider beam"],
+)
+def test_finer_waves_and_wider_beams_of_any_kind_ask_for_more_planes(less, more, times):
+    one, other = (insonify.plan(scene_of(**{"seabed__relief": BAND} | changes)) for changes in (less, more))
+    assert other.settings["planes"] > times * one.settings["planes"]
 
 
 def test_a_bed_is_as_its_heights():
@@ -74,12 +79,6 @@ def test_a_beam_has_the_response_that_it_says():
     np.testing.assert_allclose(pattern.energy[0], (1.0 - s**2) ** 2, atol=1e-12)
     # ∫(1 − s²)² ds = 16/15 of half the extent.
     assert pattern.integral[0, -1] == pytest.approx(16.0 / 15.0 * math.sin(half_width), rel=1e-4)
-
-
-def test_a_wider_beam_of_any_kind_asks_for_more_planes():
-    plans = [insonify.plan(scene_of(seabed__relief=BAND, sonar__beam={"kind": "parabola", "width": w})) for w in (1, 8)]
-    narrow, wide = (plan.settings["planes"] for plan in plans)
-    assert wide > narrow
 
 
 def test_a_pulse_spreads_the_energy_of_its_envelope():

@@ -2,8 +2,6 @@
 
 import multiprocessing
 import os
-import subprocess
-import sys
 import threading
 import time
 from collections import deque
@@ -11,6 +9,7 @@ from concurrent.futures import Future
 
 import pytest
 
+from commands import run_python
 from insonify import cores, parallel
 from insonify.parallel import PerThread, count_threads, in_parallel, limited_threads, one_ahead
 from insonify.scene import SceneError
@@ -32,8 +31,10 @@ def test_shares_cover_every_ping_once_and_in_order(count, threads, least):
     assert all(last - first >= least for first, last in shares[:-1])
 
 
-def test_few_pings_stay_on_the_calling_thread():
+def test_few_pings_stay_on_the_calling_thread_and_a_share_may_share_its_own_work():
     assert in_parallel(lambda first, last: threading.get_ident(), 64, least=64) == [threading.get_ident()]
+    inner = in_parallel(lambda first, last: sum(in_parallel(lambda a, b: b - a, 40 * (last - first))), 100)
+    assert sum(inner) == 4000
 
 
 @pytest.mark.parametrize("threads", [1, 2])
@@ -64,11 +65,6 @@ def test_several_callers_share_one_pool():
     for caller in callers:
         caller.join()
     assert len({name for name in names if name.startswith("in parallel")}) <= max(cores.most_threads() - 1, 1)
-
-
-def test_a_share_may_share_its_own_work():
-    inner = in_parallel(lambda first, last: sum(in_parallel(lambda a, b: b - a, 40 * (last - first))), 100)
-    assert sum(inner) == 4000
 
 
 def test_an_error_stops_the_others_and_is_raised(monkeypatch):
@@ -130,8 +126,7 @@ def test_affinity_counts():
     code = "import os; os.sched_setaffinity(0, {min(os.sched_getaffinity(0))}); "
     code += "from insonify.parallel import count_threads; print(count_threads())"
     alone = {name: value for name, value in os.environ.items() if name != cores.VARIABLE}
-    done = subprocess.run([sys.executable, "-c", code], env=alone, capture_output=True, text=True, check=True)
-    assert done.stdout.strip() == "1"
+    assert run_python("-c", code, env=alone)[1].strip() == "1"
 
 
 @pytest.mark.parametrize(
@@ -184,8 +179,7 @@ if child == 0:
     os._exit(0 if work() == 400 else 1)
 print(os.waitpid(child, 0)[1])
 """
-    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True, timeout=60)
-    assert done.stdout.strip() == "0"
+    assert run_python("-c", code, timeout=60)[1].strip() == "0"
 
 
 def wait_until(condition):

@@ -1,15 +1,13 @@
 """Maps with known borders: stripes, checks, waves and pictures, on every kind of bed."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 from PIL import Image
 
 from insonify.scene import SceneError, build, load_scene, plain
 from insonify.scene.seabed.materials import MATERIALS, Material
-from insonify.scene.seabed.materials.image import ImageMap
 from insonify.scene.seabed.materials.pattern import GRADES, PatternMap
+from insonify.scene.seabed.materials.pictures import ImageMap
 from insonify.simulation import simulate
 from insonify.terrain import build_ground
 from insonify.terrain.materials import Lattice, material_indices
@@ -34,28 +32,22 @@ def unrolled(ground, x, y):
     return ground.materials[j % ny, i % nx]
 
 
-def test_stripes_have_their_borders_in_the_world():
-    y = FREE.centres()[1]
-    rows = material_indices(PatternMap(of=THREE, period=1.8), FREE, 1)
-    np.testing.assert_array_equal(rows, np.tile((np.floor(y / 0.6) % 3).astype(np.uint8)[:, None], (1, 120)))
-    along_y = material_indices(PatternMap(of=THREE, period=1.8, heading=-90.0), FREE, 1)
-    x = FREE.centres()[0]
-    np.testing.assert_array_equal(along_y[0], np.floor(x / 0.6) % 3)
-    assert (along_y == along_y[0]).all()
+X, Y = FREE.centres()
+OBLIQUE = Y[:, None] * np.cos(np.radians(30.0)) - X * np.sin(np.radians(30.0))
 
 
-def test_stripes_run_along_their_heading():
-    rows = material_indices(PatternMap(of=TWO, period=2.0, heading=30.0), FREE, 1)
-    x, y = FREE.centres()
-    across = y[:, None] * np.cos(np.radians(30.0)) - x * np.sin(np.radians(30.0))
-    np.testing.assert_array_equal(rows, (np.floor(across / 1.0) % 2).astype(np.uint8))
-
-
-def test_checks_alternate_both_ways():
-    rows = material_indices(PatternMap(of=TWO, shape="checks", period=2.0), FREE, 1)
-    x, y = FREE.centres()
-    expected = (np.floor(y)[:, None] + np.floor(x)) % 2
-    np.testing.assert_array_equal(rows, expected.astype(np.uint8))
+@pytest.mark.parametrize(
+    ("layout", "expected"),
+    [
+        (PatternMap(of=THREE, period=1.8), np.tile((np.floor(Y / 0.6) % 3)[:, None], (1, 120))),
+        (PatternMap(of=THREE, period=1.8, heading=-90.0), np.tile(np.floor(X / 0.6) % 3, (100, 1))),
+        (PatternMap(of=TWO, period=2.0, heading=30.0), np.floor(OBLIQUE) % 2),
+        (PatternMap(of=TWO, shape="checks", period=2.0), (np.floor(Y)[:, None] + np.floor(X)) % 2),
+    ],
+    ids=["along x", "along y", "oblique", "checks"],
+)
+def test_patterns_have_their_borders_in_the_world(layout, expected):
+    np.testing.assert_array_equal(material_indices(layout, FREE, 1), expected.astype(np.uint8))
 
 
 @pytest.mark.parametrize("spacing", [0.05, 0.1, 0.2])
@@ -110,9 +102,11 @@ def test_a_pattern_repeats_with_a_bed_that_repeats(shape, heading):
             assert steps.take(-1, axis=axis).mean() <= steps.mean(axis=1 - axis).max()
 
 
-def test_a_pattern_longer_than_its_bed_is_stretched_to_it():
+def test_a_pattern_longer_than_its_bed_is_stretched_to_it_or_refused():
     rows = ground_of(pattern(period=500.0), relief={"kind": "fractal", "period": 12.8}).materials
     np.testing.assert_array_equal(rows[:, 0], np.repeat([0, 1], 64))
+    with pytest.raises(SceneError, match=r"^seabed\.material\.period: 500 m spans more than 4096 cells .*; shorten it"):
+        ground_of(pattern(period=500.0))  # of a level bed
 
 
 def test_waves_blend_from_the_first_to_the_last_and_back():
@@ -154,11 +148,6 @@ def test_truth_names_graded_rows():
     assert "_silt+" in meanings[row]
 
 
-def test_a_period_beyond_what_a_level_bed_holds_is_refused():
-    with pytest.raises(SceneError, match=r"^seabed\.material\.period: 500 m spans more than 4096 cells .*; shorten it"):
-        ground_of(pattern(period=500.0))
-
-
 @pytest.fixture
 def picture(tmp_path):
     """Write a picture from rows, the northernmost first, and return its path."""
@@ -182,24 +171,18 @@ def test_a_picture_lies_north_up_from_the_origin(picture):
     np.testing.assert_array_equal(unrolled(ground, x, y), expected)
 
 
-def test_grey_is_cut_into_equal_bands(picture):
-    path = picture([[0, 63, 64, 127, 128, 191, 192, 255]])
-    layout = ImageMap(path=path, of=(*THREE, TWO[0]), width=8.0)
-    rows = material_indices(layout, Lattice((1, 8), 1.0), 1)
-    np.testing.assert_array_equal(rows, [[0, 0, 1, 1, 2, 2, 3, 3]])
-
-
-def test_sixteen_bits_of_grey_and_colours_and_palettes(picture):
-    for name in ("deep.tif", "deep.png"):
-        deep = ImageMap(path=picture([[0, 32767, 32768, 65535]], name, np.uint16), of=TWO, width=4.0)
-        np.testing.assert_array_equal(material_indices(deep, Lattice((1, 4), 1.0), 1), [[0, 0, 1, 1]])
-    black = ImageMap(path=picture([[False, True]], "black.png", bool), of=TWO, width=2.0)
-    np.testing.assert_array_equal(material_indices(black, Lattice((1, 2), 1.0), 1), [[0, 1]])
-    colours = ImageMap(path=picture([[(0, 0, 0), (250, 250, 250)]], "rgb.png"), of=TWO, width=2.0)
-    np.testing.assert_array_equal(material_indices(colours, Lattice((1, 2), 1.0), 1), [[0, 1]])
-    numbers = picture([[2, 0, 1]], "palette.png", palette=[9, 9, 9, 200, 0, 0, 1, 2, 3])
-    palette = ImageMap(path=numbers, of=THREE, width=3.0)
-    np.testing.assert_array_equal(material_indices(palette, Lattice((1, 3), 1.0), 1), [[2, 0, 1]])
+def test_grey_of_any_depth_colours_and_palettes_choose_materials(picture):
+    four = (*THREE, TWO[0])
+    for path, of, expected in (
+        (picture([[0, 63, 64, 127, 128, 191, 192, 255]]), four, [0, 0, 1, 1, 2, 2, 3, 3]),  # equal bands of grey
+        (picture([[0, 32767, 32768, 65535]], "deep.tif", np.uint16), TWO, [0, 0, 1, 1]),
+        (picture([[0, 32767, 32768, 65535]], "deep.png", np.uint16), TWO, [0, 0, 1, 1]),
+        (picture([[False, True]], "black.png", bool), TWO, [0, 1]),
+        (picture([[(0, 0, 0), (250, 250, 250)]], "rgb.png"), TWO, [0, 1]),
+        (picture([[2, 0, 1]], "palette.png", palette=[9, 9, 9, 200, 0, 0, 1, 2, 3]), THREE, [2, 0, 1]),
+    ):
+        layout = ImageMap(path=path, of=of, width=float(len(expected)))
+        np.testing.assert_array_equal(material_indices(layout, Lattice((1, len(expected)), 1.0), 1), [expected])
 
 
 def test_a_picture_gives_way_to_a_bed_that_repeats_and_stays_on_one_that_does_not(picture):
@@ -210,19 +193,15 @@ def test_a_picture_gives_way_to_a_bed_that_repeats_and_stays_on_one_that_does_no
     np.testing.assert_array_equal(free, np.floor(FREE.centres()[0] / 1.5) % 2)
 
 
-def test_a_picture_written_anew_is_read_anew(picture):
+def test_a_picture_lies_beside_its_scene_and_is_read_anew(picture, tmp_path):
     layout = {"kind": "image", "path": picture([[0, 255]]), "of": ["silt", "rock"], "width": 4.0}
     first = ground_of(layout).materials.copy()
     picture([[255, 0, 0]])
     assert ground_of(layout).materials.tolist() != first.tolist()
-
-
-def test_a_picture_lies_beside_its_scene(picture, tmp_path):
-    picture([[0, 255]], "beside.png")
     (tmp_path / "scene.toml").write_text(
-        '[seabed]\nmaterial = { kind = "image", path = "beside.png", of = ["silt", "rock"] }\n'
+        '[seabed]\nmaterial = { kind = "image", path = "map.png", of = ["silt", "rock"] }\n'
     )
-    assert plain(load_scene(tmp_path / "scene.toml"))["seabed"]["material"]["path"] == str(tmp_path / "beside.png")
+    assert plain(load_scene(tmp_path / "scene.toml"))["seabed"]["material"]["path"] == str(tmp_path / "map.png")
 
 
 def test_pictures_that_cannot_be_are_refused(picture, tmp_path):

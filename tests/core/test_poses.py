@@ -1,7 +1,5 @@
 """Where the fish is: closed forms, files, and no dependence on what else is asked for."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np
@@ -41,8 +39,9 @@ def csv(folder, text):
 def test_without_motion_it_is_a_line_bit_for_bit():
     pings = np.arange(1000)
     along = pings * (LEVEL.track.speed / LEVEL.sonar.ping_rate)
-    for motion in ("straight", sum_of({"kind": "heave", "amplitude": 0.0}, {"kind": "turn", "rate": 0.0})):
-        found = poses(motion, pings)
+    still = sum_of({"kind": "heave", "amplitude": 0.0}, {"kind": "turn", "rate": 0.0})
+    for motion, changes in (("straight", {}), (still, {}), ("straight", {"terrain_following": True})):
+        found = poses(motion, pings, **changes)
         np.testing.assert_array_equal(found.x, 3.0 + math.cos(math.radians(30.0)) * along)
         np.testing.assert_array_equal(found.y, -2.0 + math.cos(math.radians(-60.0)) * along)
         np.testing.assert_array_equal(found.z, 10.0)
@@ -148,23 +147,41 @@ def test_a_ping_depends_on_its_number_alone(numbers, rate, begin, period, follow
             assert together[numbers.index(ping)] == one[0]
 
 
-def test_a_recorded_tow_is_interpolated(tmp_path):
-    rows = "time, x, y, depth, heading, pitch, roll\n100,0,0,20,350,0,0\n102,4,0,22,10,2,-4\n104,8,2,22,10,2,-4\n"
-    found = poses(csv(tmp_path, rows), [0, 5, 10, 20, 30])
-    np.testing.assert_allclose(found.x, [0.0, 1.0, 2.0, 4.0, 6.0], atol=1e-12)
-    np.testing.assert_allclose(found.y, [0.0, 0.0, 0.0, 0.0, 1.0], atol=1e-12)
-    np.testing.assert_allclose(found.z, [10.0, 9.5, 9.0, 8.0, 8.0], atol=1e-12)
-    # The short way round from 350 to 10 degrees.
-    np.testing.assert_allclose(np.degrees(found.heading), [350.0, 355.0, 360.0, 370.0, 370.0])
-    np.testing.assert_allclose(np.degrees(found.pitch), [0.0, 0.5, 1.0, 2.0, 2.0])
-    np.testing.assert_allclose(np.degrees(found.roll), [0.0, -1.0, -2.0, -4.0, -4.0])
+TOW = "time, x, y, depth, heading, pitch, roll\n100,0,0,20,350,0,0\n102,4,0,22,10,2,-4\n104,8,2,22,10,2,-4\n"
+# Text of a tow, pings, and the poses at them; angles in degrees.
+RECORDED = {
+    "interpolated": (
+        TOW,
+        [0, 5, 10, 20, 30],
+        {
+            "x": [0.0, 1.0, 2.0, 4.0, 6.0],
+            "y": [0.0, 0.0, 0.0, 0.0, 1.0],
+            "z": [10.0, 9.5, 9.0, 8.0, 8.0],
+            "heading": [350.0, 355.0, 360.0, 370.0, 370.0],  # the short way round from 350 to 10 degrees
+            "pitch": [0.0, 0.5, 1.0, 2.0, 2.0],
+            "roll": [0.0, -1.0, -2.0, -4.0, -4.0],
+        },
+    ),
+    "along the last heading after its end": (
+        "time,x,y\n0,0,0\n1,3,0\n2,3,3\n",
+        [20, 30, 50],
+        {"x": [3.0] * 3, "y": [3.0, 5.0, 9.0], "heading": [90.0] * 3},
+    ),
+    "column without a number": (
+        "ping_time,platform_roll,platform_pitch,remark\n0,0,nan,7\n10,10,nan,8\n",
+        [50],
+        {"roll": [5.0], "pitch": [0.0]},
+    ),
+}
 
 
-def test_after_a_recorded_tow_it_goes_on_along_the_last_heading(tmp_path):
-    found = poses(csv(tmp_path, "time,x,y\n0,0,0\n1,3,0\n2,3,3\n"), [20, 30, 50])
-    np.testing.assert_allclose(found.x, 3.0, atol=1e-12)
-    np.testing.assert_allclose(found.y, [3.0, 5.0, 9.0], atol=1e-12)
-    np.testing.assert_allclose(np.degrees(found.heading), 90.0)
+@pytest.mark.parametrize("case", RECORDED)
+def test_a_recorded_tow_is_interpolated(tmp_path, case):
+    text, pings, expected = RECORDED[case]
+    found = poses(csv(tmp_path, text), pings)
+    for name, values in expected.items():
+        column = getattr(found, name)
+        np.testing.assert_allclose(column if name in "xyz" else np.degrees(column), values, atol=1e-12, err_msg=name)
 
 
 def test_what_a_file_leaves_out_is_as_without_it(tmp_path):
@@ -197,12 +214,6 @@ def test_a_record_tows_another(tmp_path):
         np.testing.assert_allclose(second[f"platform_{name}"], first[f"platform_{name}"], atol=1e-9)
 
 
-def test_a_column_without_a_number_is_none(tmp_path):
-    found = poses(csv(tmp_path, "ping_time,platform_roll,platform_pitch,remark\n0,0,nan,7\n10,10,nan,8\n"), [50])
-    assert float(np.degrees(found.roll[0])) == pytest.approx(5.0)
-    assert found.pitch[0] == 0.0
-
-
 @pytest.mark.parametrize(
     ("text", "words"),
     [
@@ -219,20 +230,16 @@ def test_a_column_without_a_number_is_none(tmp_path):
         ("time,roll\n0,1\n1\n", "cannot be read"),
         ("time,x,y\n0,0,0\n1,1e300,0\n", "has x 1e\\+300 m in row 2"),
         ("time,pitch\n0,-900\n1,0\n", "has pitch -900 ° in row 1"),
+        *((name, "") for name in ("gone.csv", "tow.txt", "broken.nc", "uneven.nc")),
     ],
 )
 def test_a_bad_file_is_one_sentence(tmp_path, text, words):
-    with pytest.raises(SceneError, match=rf"^track\.motion\.path: [^\n]*{words}[^\n]*; [^\n]+$"):
-        poses(csv(tmp_path, text), [0])
-
-
-@pytest.mark.parametrize("name", ["gone.csv", "tow.txt", "broken.nc", "uneven.nc"])
-def test_a_file_that_is_no_tow_is_one_sentence(tmp_path, name):
     xr.Dataset({"time": ("t", [0.0, 1.0]), "depth": ("z", [1.0, 2.0, 3.0])}).to_netcdf(tmp_path / "uneven.nc")
     (tmp_path / "tow.txt").write_text("time,x,y\n")
     (tmp_path / "broken.nc").write_text("not a record")
-    with pytest.raises(SceneError, match=r"^track\.motion\.path: [^\n]+; [^\n]+$"):
-        poses({"kind": "recorded", "path": str(tmp_path / name)}, [0])
+    motion = csv(tmp_path, text) if words else {"kind": "recorded", "path": str(tmp_path / text)}
+    with pytest.raises(SceneError, match=rf"^track\.motion\.path: [^\n]*{words}[^\n]*; [^\n]+$"):
+        poses(motion, [0])
 
 
 def test_two_cannot_have_a_say_in_one_thing(tmp_path):
@@ -244,14 +251,6 @@ def test_two_cannot_have_a_say_in_one_thing(tmp_path):
     ):
         with pytest.raises(SceneError, match=word):
             poses(motion, [0], **changes)
-    with pytest.raises(SceneError, match="give altitude instead"):
-        edit(LEVEL, {"track.terrain_following": True, "track.altitude": None, "track.depth": 12.0})
-
-
-def test_heave_keeps_the_fish_in_the_water():
-    for amplitude, altitude in ((10.0, 10.0), (5.0, 26.0)):
-        with pytest.raises(SceneError, match=r"track\.motion: a heave of [^\n]+; keep its amplitude below"):
-            edit(LEVEL, {"track.motion": {"kind": "heave", "amplitude": amplitude}, "track.altitude": altitude})
 
 
 def dem(folder, heights, **changes):
@@ -271,6 +270,10 @@ def test_up_a_slope_a_following_fish_keeps_its_altitude(tmp_path):
     found = make_poses(scene, ground, np.arange(600))
     np.testing.assert_allclose(found.z - ground.height_at(found.x, found.y), 10.0, atol=1e-4)
     assert found.z[-1] - found.z[0] == pytest.approx(SLOPE * 0.2 * 599, abs=1e-3)
+    # The bed of pictures depends on the ping alone.
+    some = np.array([690, 3, 250, 251])
+    whole = interpolate_bed_beneath(scene, ground, np.arange(700))
+    np.testing.assert_array_equal(whole[some], interpolate_bed_beneath(scene, ground, some))
 
 
 def test_a_following_fish_takes_a_step_smoothly_and_keeps_its_height_over_a_hole(tmp_path):
@@ -296,19 +299,6 @@ def test_the_bed_of_pictures_is_that_beneath_at_knots_and_near_it_between(tmp_pa
     np.testing.assert_allclose(found, right, atol=0.02 * np.ptp(right))
     exact = np.isclose(pings / apart, np.rint(pings / apart), rtol=0.0, atol=1e-9)
     np.testing.assert_allclose(found[exact], right[exact], rtol=1e-12)
-
-
-def test_the_bed_of_pictures_depends_on_the_ping_alone(tmp_path):
-    scene, ground = dem(tmp_path, slope(), heading=0.0, start=[-60.0, 0.0])
-    some = np.array([690, 3, 250, 251])
-    np.testing.assert_array_equal(
-        interpolate_bed_beneath(scene, ground, np.arange(700))[some], interpolate_bed_beneath(scene, ground, some)
-    )
-
-
-def test_a_level_tow_is_the_same_whether_it_follows_or_not():
-    scene = edit(LEVEL, {"track.terrain_following": True})
-    np.testing.assert_array_equal(make_poses(scene, build_ground(scene), np.arange(50)).z, 10.0)
 
 
 def test_the_line_is_without_the_motion():

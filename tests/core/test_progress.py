@@ -1,7 +1,5 @@
 """Progress of commands: lines for a program that started them, a bar on a terminal, nothing otherwise."""
 
-from __future__ import annotations
-
 import contextlib
 import json
 import os
@@ -17,6 +15,7 @@ from typing import Any
 
 import pytest
 
+from commands import run_python
 from insonify.progress import VARIABLE, report_progress, report_waiting
 
 
@@ -24,7 +23,7 @@ def lines_of(text: str) -> list[dict[str, Any]]:
     return [json.loads(line) for line in text.splitlines() if line.startswith("{")]
 
 
-def test_lines_begin_with_nothing_and_end_with_all(
+def test_lines_begin_with_nothing_end_with_all_and_never_go_back(
     monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
     monkeypatch.setenv(VARIABLE, "lines")
@@ -34,22 +33,16 @@ def test_lines_begin_with_nothing_and_end_with_all(
     lines = lines_of(capsys.readouterr().err)
     assert lines[0] == {"doing": "tracing", "done": 0.0, "total": 5, "unit": "ping"}
     assert lines[-1]["done"] == 5
-
-
-def test_progress_never_goes_back(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> None:
-    monkeypatch.setenv(VARIABLE, "lines")
     with report_progress("measuring", 1.0) as progress:
         progress.reach(0.7)
         progress.reach(0.4)
         progress.say("drawing")
     last = lines_of(capsys.readouterr().err)[-1]
     assert last == {"doing": "drawing", "done": 0.7, "total": 1.0, "unit": ""}
-
-
-def test_nothing_is_said_where_nobody_looks(
-    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
-) -> None:
-    monkeypatch.delenv(VARIABLE, raising=False)
+    with report_waiting("simulating"):
+        pass
+    assert lines_of(capsys.readouterr().err) == [{"doing": "simulating", "done": 0.0, "total": 1.0, "unit": ""}]
+    monkeypatch.delenv(VARIABLE)  # nobody looks
     with report_progress("tracing", 2, "ping") as progress:
         progress.advance(2)
     assert capsys.readouterr().err == ""
@@ -57,15 +50,12 @@ def test_nothing_is_said_where_nobody_looks(
 
 def test_a_command_tells_the_program_that_started_it(tmp_path: Path) -> None:
     """The whole command: every ping is counted, and the record is the same as without."""
-    run = [sys.executable, "-m", "insonify", "render", "figure-4a", "--set", "track.pings=96"]
-    told = subprocess.run(
-        [*run, "-o", tmp_path / "told.npz"], env=os.environ | {VARIABLE: "lines"}, capture_output=True, text=True
-    )
-    assert told.returncode == 0
-    counted = [line for line in lines_of(told.stderr) if line["unit"] == "ping"]
+    words = ["-m", "insonify", "render", "figure-4a", "--set", "track.pings=96", "-o"]
+    code, _, told = run_python(*words, str(tmp_path / "told.npz"), env=os.environ | {VARIABLE: "lines"})
+    assert code == 0
+    counted = [line for line in lines_of(told) if line["unit"] == "ping"]
     assert counted[-1]["done"] == counted[-1]["total"] == 96
-    silent = subprocess.run([*run, "-o", tmp_path / "silent.npz"], capture_output=True, text=True)
-    assert silent.stderr == ""
+    assert run_python(*words, str(tmp_path / "silent.npz"))[2] == ""
     assert (tmp_path / "told.npz").read_bytes() == (tmp_path / "silent.npz").read_bytes()
 
 
@@ -88,6 +78,7 @@ WAIT = "import time; from insonify.progress import report_waiting\nwith report_w
 
 
 def test_a_terminal_is_told_what_takes_long_and_for_how_long() -> None:
+    assert on_a_terminal(WAIT.format(0.1)) == ""
     began = time.time()
     told = on_a_terminal(WAIT.format(4.2))
     seconds = [int(found) for found in re.findall(r"preparing the bed and the plan: 00:(\d\d)", told)]
@@ -95,19 +86,6 @@ def test_a_terminal_is_told_what_takes_long_and_for_how_long() -> None:
     assert seconds == sorted(seconds)
     assert 1 <= seconds[0] < seconds[-1] <= time.time() - began
     assert told.rpartition(f"00:{seconds[-1]:02d}")[2].strip() == ""  # it is wiped out
-
-
-def test_a_terminal_is_told_nothing_of_what_does_not_take_long() -> None:
-    assert on_a_terminal(WAIT.format(0.1)) == ""
-
-
-def test_a_program_is_told_what_it_waits_for(
-    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
-) -> None:
-    monkeypatch.setenv(VARIABLE, "lines")
-    with report_waiting("simulating"):
-        pass
-    assert lines_of(capsys.readouterr().err) == [{"doing": "simulating", "done": 0.0, "total": 1.0, "unit": ""}]
 
 
 # A command whose bed takes a minute in C, on another thread; it says when that has begun.

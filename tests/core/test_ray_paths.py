@@ -1,5 +1,3 @@
-from __future__ import annotations
-
 import math
 
 import numpy as np
@@ -32,15 +30,12 @@ def test_a_hit_of_the_bed_is_a_rays_own_last_point():
     assert list(paths.end.values) == ["bottom", "bottom", "bottom", "surface", "bottom"]
 
 
-def test_points_lie_at_the_ranges_asked_for():
+def test_points_lie_at_the_ranges_asked_for_and_uniform_water_bends_nothing():
     paths = insonify.ray_paths(LAYERED, 5.0, 2.0, max_range=400.0, bottom=60.0, ranges=[0.0, 100.0, 333.0])
     np.testing.assert_array_equal(paths.range.values, [[0.0, 100.0, 333.0]])
     assert not paths.hit.any()
     assert paths.end.values[0] == "range"
     assert float(paths.grazing[0, 0]) == pytest.approx(2.0, abs=1e-12)
-
-
-def test_uniform_water_bends_nothing():
     paths = insonify.ray_paths(water(kind="uniform", sound_speed=1480.0), 3.0, [30.0], max_range=40.0)
     np.testing.assert_allclose(paths.depth[0], 3.0 + math.tan(math.radians(30.0)) * paths.range[0])
     np.testing.assert_allclose(paths.time[0] * 1480.0, paths.range[0] / math.cos(math.radians(30.0)))
@@ -48,19 +43,17 @@ def test_uniform_water_bends_nothing():
 
 
 def test_eigenrays_are_told_by_launch_angle_with_their_intensity():
-    rays = insonify.eigenrays(water(kind="uniform", sound_speed=1500.0), 30.0, 75.0, 50.0, bottom=50.0, reflections=2)
+    even = water(kind="uniform", sound_speed=1500.0)
+    rays = insonify.eigenrays(even, 30.0, 75.0, 50.0, bottom=50.0, reflections=2)
     straight, by_surface = math.hypot(75.0, 20.0), math.hypot(75.0, 80.0)
     by_both = math.hypot(75.0, 120.0)
     np.testing.assert_allclose(np.sort(rays.time * 1500.0), [straight, by_surface, by_both], rtol=1e-12)
     np.testing.assert_allclose(rays.intensity, (rays.time * 1500.0) ** -2.0, rtol=1e-9)
     assert (np.diff(rays.angle) > 0.0).all()
     assert sorted(zip(rays.by_surface.values.tolist(), rays.by_bottom.values.tolist())) == [(0, 0), (1, 0), (1, 1)]
-
-
-def test_an_eigenray_straight_down_spreads_as_any():
-    rays = insonify.eigenrays(water(kind="uniform", sound_speed=1500.0), 10.0, 0.0, 40.0)
-    assert rays.angle.values.tolist() == [90.0]
-    assert float(rays.intensity[0]) == pytest.approx(30.0**-2)
+    down = insonify.eigenrays(even, 10.0, 0.0, 40.0)  # one straight down spreads as any
+    assert down.angle.values.tolist() == [90.0]
+    assert float(down.intensity[0]) == pytest.approx(30.0**-2)
 
 
 def test_a_section_of_equal_profiles_joins_points_as_layers_do():
@@ -95,12 +88,8 @@ def test_a_wrong_number_is_told_in_a_sentence(change, words):
     given = {"source_depth": 5.0, "angles": 10.0, "max_range": 100.0, "bottom": 60.0} | change
     with pytest.raises(SceneError, match=words):
         insonify.ray_paths(LAYERED, **given)
-
-
-def test_a_section_tells_no_shadow_zones():
-    section = water(kind="section")
-    with pytest.raises(SceneError, match="section"):
-        insonify.shadow_zones(section, 5.0, 30.0, max_range=100.0)
+    with pytest.raises(SceneError, match="section"):  # which has no shadow zones
+        insonify.shadow_zones(water(kind="section"), 5.0, 30.0, max_range=100.0)
 
 
 def test_a_declared_surface_sends_rays_back():

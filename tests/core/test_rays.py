@@ -1,9 +1,6 @@
 """The ray tracer: closed forms first, then slow twins, then invariants."""
 
-from __future__ import annotations
-
 import math
-import subprocess
 import sys
 
 import numpy as np
@@ -13,10 +10,10 @@ from hypothesis import strategies as st
 
 import naive
 from beds import arrays_of, poses_of, rough
+from commands import run_python
 from insonify import parallel
 from insonify.acoustics.flat_bed import flat_bed_curve
 from insonify.kernels.common.types import BED, LIGHT, SONAR
-from insonify.scene import SceneError
 from insonify.scene.seabed.materials import Reflectivity
 from insonify.tracers import rays
 
@@ -170,20 +167,44 @@ def test_vertical_ray_and_rays_along_grid_lines():
         assert distance[k] == pytest.approx(naive.cast(arrays, origins[k], directions[k], 0.003)[0], abs=1e-8)
 
 
-def test_upward_and_level_rays():
-    heights = np.zeros((40, 40))
-    heights[20:, :] = 5.0
-    arrays = arrays_of(heights, 1.0)
-    distance, what, normal = rays.cast(
-        arrays,
+STEP = np.zeros((40, 40))
+STEP[20:, :] = 5.0
+# Scene, origins, directions; targets, and some of the distances and normals.
+CASTS = {
+    "upward and level over a step": (
+        arrays_of(STEP, 1.0),
         (20.0, 10.0, 2.0),
         [(0, 0, 1), (0, 1, 0), (0, 1, 0.2), (0, 1, 0.5), (0, -1, 0), (0, 0, -1)],
-    )
-    assert what.tolist() == [NOTHING, BED, BED, NOTHING, NOTHING, BED]
-    np.testing.assert_allclose(distance[1:3], [9.4, 47.0 / 4.8 * math.hypot(1, 0.2)], rtol=1e-9)
-    np.testing.assert_allclose(normal[1], np.array([0, -5, 1]) / math.sqrt(26.0), atol=1e-12)
-    assert math.isinf(distance[0])
-    assert not normal[0].any()
+        [NOTHING, BED, BED, NOTHING, NOTHING, BED],
+        {0: math.inf, 1: 9.4, 2: 47.0 / 4.8 * math.hypot(1, 0.2)},
+        {0: (0, 0, 0), 1: np.array([0, -5, 1]) / math.sqrt(26.0)},
+    ),
+    "nearest of several bodies": (
+        flat(solids=[((0, 9, 2), 1.0), ((0, 6, 2), 1.0), ((-1, 12, 2), (1, 12, 2), 1.0)]),
+        (0, 0, 2),
+        [(0, 1, 0), (1, 0, 0), (0, 1, 0.3)],
+        [1, NOTHING, NOTHING],
+        {0: 5.0},
+        {0: (0, -1, 0)},
+    ),
+    "cylinder from all sides": (
+        flat(solids=[((2.0, 0.0, 5.0), (6.0, 0.0, 5.0), 0.5)]),
+        [(0, 0, 5), (9, 0.3, 5), (4, 3, 5), (4, 0, 9), (0, 0, 5), (1.0, 0.0, 6.0)],
+        [(1, 0, 0), (-1, 0, 0), (0, -1, 0), (0, 0, -1), (1, 0, 0.3), (1, 0, -0.6)],
+        [0, 0, 0, 0, NOTHING, 0],
+        {0: 2.0, 1: 3.0, 2: 2.5, 3: 3.5},
+        {0: (-1, 0, 0), 1: (1, 0, 0), 2: (0, 1, 0), 3: (0, 0, 1), 5: (-1, 0, 0)},
+    ),
+}
+
+
+@pytest.mark.parametrize("case", CASTS)
+def test_rays_meet_what_is_nearest(case):
+    arrays, origins, directions, targets, distances, normals = CASTS[case]
+    distance, what, normal = rays.cast(arrays, origins, directions)
+    assert what.tolist() == targets
+    np.testing.assert_allclose(distance[[*distances]], [*distances.values()], rtol=1e-9)
+    np.testing.assert_allclose(normal[[*normals]], [*normals.values()], atol=1e-12)
 
 
 def test_no_bed_where_nodes_are_missing():
@@ -198,37 +219,36 @@ def test_no_bed_where_nodes_are_missing():
     assert what.tolist() == [NOTHING, BED]
 
 
-def test_bed_that_rises_above_the_fish():
-    heights = np.zeros((3, 400))
-    heights[:, 200:] = np.linspace(0.0, 30.0, 200)
-    arrays = arrays_of(heights, 0.1, y0=-0.1, bins=600, law=LIGHT)
-    poses = poses_of(10.0, 0.0, 5.0, -math.pi / 2)
-    record = rays.trace(arrays, poses, rays=60_000)[0, 0]
-    twin = naive.naive_ping(arrays, 10.0, 0.0, 5.0, -math.pi / 2)[0]
-    assert record.sum() == pytest.approx(twin.sum(), rel=2e-3)
-    top = math.hypot(29.9, 25.0)
-    assert np.flatnonzero(record)[-1] * 0.05 == pytest.approx(np.flatnonzero(twin)[-1] * 0.05, abs=0.1)
-    assert np.flatnonzero(record)[-1] * 0.05 < top
+RISING = np.zeros((3, 400))
+RISING[:, 200:] = np.linspace(0.0, 30.0, 200)
+VALLEY = np.tile(np.abs(np.arange(61) - 30.0)[:, None] - 20.0, (1, 5))  # 20 m deep, and the sonar below the datum
+BODIES = [((3.0, 12.0, 0.6), 0.5), ((0.0, -20.0, 0.5), (8.0, -22.0, 0.6), 0.4)]
+ROUGH = {"periodic": True, "reflectivity": [(0.6, 0.3, 6.0)]}
+# Scene, pose, and samples of each cell by which brute force is that fine.
+BRUTE = {
+    "bed above the fish": (arrays_of(RISING, 0.1, y0=-0.1, bins=600), (10.0, 0.0, 5.0, -math.pi / 2), 200),
+    "ball above the fish": (flat(solids=[((0.0, 15.0, 14.0), 1.0)], bins=300, bin_length=0.1), (0, 0, 10.0, 0), 4000),
+    "fish in a valley": (arrays_of(VALLEY, 1.0, bins=500, bin_length=0.1), (2.0, 30.3, -12.0, 0.0), 1000),
+    "bodies on a rough bed": (
+        arrays_of(rough(64, 64, 0.15), 0.5, bins=250, bin_length=0.1, solids=BODIES, **ROUGH),
+        (3.05, 2.2, 6.0, 0.1),
+        200,
+    ),
+}
 
 
 @pytest.mark.parametrize("law", [LIGHT, SONAR])
-def test_body_above_the_fish(law):
-    ball = ((0.0, 15.0, 14.0), 1.0)
-    arrays = flat(solids=[ball], law=law, bins=300, bin_length=0.1)
-    record = rays.trace(arrays, poses_of(0.0, 0.0, 10.0), rays=1 << 17)[0, 0]
-    twin = naive.naive_ping(arrays, 0.0, 0.0, 10.0, 0.0, samples_per_cell=4000)[0]
-    assert np.linalg.norm(record - twin) < 0.01 * np.linalg.norm(twin)
-
-
-@pytest.mark.parametrize("law", [LIGHT, SONAR])
-def test_fish_in_a_valley_below_the_mean_bed(law):
-    # A bed 20 m deep in the middle, the sonar below the datum: the level bed's fan has nothing to aim at.
-    y = np.abs(np.arange(61) - 30.0)
-    arrays = arrays_of(np.tile(y[:, None] - 20.0, (1, 5)), 1.0, bins=500, bin_length=0.1, law=law)
-    record = rays.trace(arrays, poses_of(2.0, 30.3, -12.0), rays=1 << 17)[0]
-    twin = naive.naive_ping(arrays, 2.0, 30.3, -12.0, 0.0, samples_per_cell=1000)
-    assert twin.any(axis=1).all()
-    assert np.linalg.norm(record - twin) < 0.01 * np.linalg.norm(twin)
+@pytest.mark.parametrize("case", BRUTE)
+def test_knife_agrees_with_brute_force(case, law):
+    arrays, pose, samples = BRUTE[case]
+    arrays = arrays._replace(law=law)
+    record = rays.trace(arrays, poses_of(*pose), rays=1 << 18)[0]
+    twin = naive.naive_ping(arrays, *pose, samples_per_cell=samples)
+    for one, other in zip(record, twin):
+        assert other.any()
+        assert np.linalg.norm(one - other) < 0.01 * np.linalg.norm(other)
+        assert one.sum() == pytest.approx(other.sum(), rel=5e-3)
+        assert np.flatnonzero(one)[-1] == pytest.approx(np.flatnonzero(other)[-1], abs=2)
 
 
 def test_leaving_ray_does_not_hit_where_it_starts():
@@ -240,25 +260,6 @@ def test_leaving_ray_does_not_hit_where_it_starts():
     again, what, _ = rays.cast(arrays, on_bed, normal)
     assert (again[what == BED] > 0.05).all()
     assert (what == NOTHING).mean() > 0.95
-
-
-def test_nearest_of_several_bodies_wins():
-    arrays = flat(solids=[((0, 9, 2), 1.0), ((0, 6, 2), 1.0), ((-1, 12, 2), (1, 12, 2), 1.0)])
-    distance, what, normal = rays.cast(arrays, (0, 0, 2), [(0, 1, 0), (1, 0, 0), (0, 1, 0.3)])
-    assert what.tolist() == [1, NOTHING, NOTHING]
-    assert distance[0] == pytest.approx(5.0, abs=1e-12)
-    np.testing.assert_allclose(normal[0], [0, -1, 0], atol=1e-12)
-
-
-def test_cylinder_from_all_sides():
-    arrays = flat(solids=[((2.0, 0.0, 5.0), (6.0, 0.0, 5.0), 0.5)])
-    origins = [(0, 0, 5), (9, 0.3, 5), (4, 3, 5), (4, 0, 9), (0, 0, 5), (1.0, 0.0, 6.0)]
-    directions = [(1, 0, 0), (-1, 0, 0), (0, -1, 0), (0, 0, -1), (1, 0, 0.3), (1, 0, -0.6)]
-    distance, what, normal = rays.cast(arrays, origins, directions)
-    assert what.tolist() == [0, 0, 0, 0, NOTHING, 0]
-    np.testing.assert_allclose(distance[:4], [2.0, 3.0, 2.5, 3.5], atol=1e-12)
-    np.testing.assert_allclose(normal[:4], [(-1, 0, 0), (1, 0, 0), (0, 1, 0), (0, 0, 1)], atol=1e-12)
-    np.testing.assert_allclose(normal[5], (-1, 0, 0), atol=1e-12)
 
 
 @given(
@@ -302,76 +303,13 @@ def _enters_from_the_side(arrays, origin, direction, distance):
     return math.isnan(naive.height(arrays.bed, x, y))
 
 
-@pytest.mark.parametrize("law", [LIGHT, SONAR])
-def test_knife_agrees_with_brute_force(law):
-    solids = [((3.0, 12.0, 0.6), 0.5), ((0.0, -20.0, 0.5), (8.0, -22.0, 0.6), 0.4)]
-    arrays = arrays_of(
-        rough(64, 64, 0.15), 0.5, periodic=True, bins=250, bin_length=0.1, law=law, solids=solids,
-        reflectivity=[(0.6, 0.3, 6.0)],
-    )  # fmt: skip
-    record = rays.trace(arrays, poses_of(3.05, 2.2, 6.0, 0.1), rays=1 << 18)[0]
-    twin = naive.naive_ping(arrays, 3.05, 2.2, 6.0, 0.1)
-    assert np.linalg.norm(record - twin) < 0.01 * np.linalg.norm(twin)
-
-
 def test_fan_agrees_with_brute_force():
-    arrays = arrays_of(
-        rough(64, 64, 0.15), 0.5, periodic=True, bins=120, bin_length=0.2, half_width=math.radians(12.0),
-        solids=[((3.0, 12.0, 0.6), 0.5)], reflectivity=[(0.6, 0.3, 6.0)],
-    )  # fmt: skip
+    options = ROUGH | {"bins": 120, "bin_length": 0.2, "half_width": math.radians(12.0), "solids": BODIES[:1]}
+    arrays = arrays_of(rough(64, 64, 0.15), 0.5, **options)
     record = rays.trace(arrays, poses_of(3.05, 2.2, 6.0, 0.1), rays=1 << 18)[0]
     azimuths = (np.arange(240) + 0.5) / 240 * math.pi - math.pi / 2
     twin = naive.naive_ping(arrays, 3.05, 2.2, 6.0, 0.1, samples_per_cell=30, azimuths=azimuths)
     assert np.linalg.norm(record - twin) < 0.01 * np.linalg.norm(twin)
-
-
-@pytest.mark.parametrize("half_width", [0.0, FAN])
-def test_mirrored_bed_swaps_the_channels(half_width):
-    heights = rough(64, 64, 0.2)
-    mirrored = np.roll(heights[::-1], 1, axis=0)  # y → −y on a period
-    poses = poses_of(np.arange(3) * 0.7, 0.3, 8.0), poses_of(np.arange(3) * 0.7, -0.3, 8.0)
-    one = rays.trace(arrays_of(heights, 0.5, periodic=True, half_width=half_width), poses[0], rays=5000)
-    other = rays.trace(arrays_of(mirrored, 0.5, periodic=True, half_width=half_width), poses[1], rays=5000)
-    close = np.isclose(one, other[:, ::-1], rtol=1e-5)
-    # A ray on the border of a bin may fall to either side of it.
-    assert close.mean() > 0.999
-
-
-@pytest.mark.parametrize("half_width", [0.0, FAN])
-def test_turned_bed_and_track_make_the_same_record(half_width):
-    heights = rough(64, 64, 0.2)
-    turned = np.roll(np.rot90(heights, -1), 1, axis=1)  # (x, y) → (−y, x) on a period
-    one = rays.trace(
-        arrays_of(heights, 0.5, periodic=True, half_width=half_width), poses_of(2.2, 1.3, 8.0, 0.4), rays=5000
-    )
-    other = rays.trace(
-        arrays_of(turned, 0.5, periodic=True, half_width=half_width),
-        poses_of(-1.3, 2.2, 8.0, 0.4 + math.pi / 2),
-        rays=5000,
-    )
-    assert np.isclose(one, other, rtol=1e-4).mean() > 0.999
-
-
-def test_any_number_of_threads_gives_the_same_bits():
-    arrays = arrays_of(rough(64, 64, 0.2), 0.5, periodic=True, solids=[((3.0, 12.0, 0.6), 0.5)], half_width=FAN)
-    poses = poses_of(np.arange(40) * 0.3, 0.0, 8.0)
-    one = rays.trace(arrays, poses, rays=300, threads=1)
-    np.testing.assert_array_equal(one, rays.trace(arrays, poses, rays=300, threads=3))
-    backwards = poses_of(np.arange(40)[::-1] * 0.3, 0.0, 8.0)
-    np.testing.assert_array_equal(one[::-1], rays.trace(arrays, backwards, rays=300, threads=2))
-
-
-def test_sonar_inside_a_body_is_refused():
-    with pytest.raises(SceneError, match=r"targets\.0\.position"):
-        rays.trace(flat(solids=[((0.0, 0.0, 10.0), 1.0)]), poses_of(0.0, 0.0, 10.0))
-    with pytest.raises(SceneError, match="rays"):
-        rays.trace(flat(), poses_of(0.0, 0.0, 10.0), rays=0)
-
-
-def test_sonar_above_its_range_or_below_the_bed_hears_nothing():
-    arrays = flat(bins=10)
-    assert not rays.trace(arrays, poses_of([0.0, 0.0], 0.0, [10.0, -1.0]), rays=100).any()
-    assert rays.trace(arrays, poses_of([], 0.0, 1.0), rays=10).shape == (0, 2, 10)
 
 
 @pytest.mark.skipif(not sys.platform.startswith("linux"), reason="memory is told in other units")
@@ -388,8 +326,7 @@ def most(count):
     return resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
 print(most(4096), most(1_000_000))
 """
-    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True, timeout=300)
-    few, many = map(int, done.stdout.split())
+    few, many = map(int, run_python("-c", code, timeout=300)[1].split())
     assert 1000 * (many - few) / 1_000_000 < 1.3 * rays.STRAIGHT  # bytes a ray
 
 

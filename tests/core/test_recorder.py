@@ -1,7 +1,5 @@
 """Recorder, gain table, ringing and interference: each does what it says, is off by default, and costs no order."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np
@@ -12,7 +10,7 @@ from insonify.acoustics.flat_bed import flat_bed_curve
 from insonify.cli import main
 from insonify.io.records import read_record
 from insonify.receiver import make_reception, receive
-from insonify.scene import SceneError, edit, load_scene, scene_from_toml, scene_to_toml
+from insonify.scene import edit, load_scene, scene_from_toml, scene_to_toml
 
 BINS, BIN_LENGTH, ALTITUDE = 1000, 0.05, 10.0
 BIN_TIME = 2.0 * BIN_LENGTH / 1500.0
@@ -40,33 +38,25 @@ def of(traced, pings=None, **changes):
     return receive(ready(traced.shape[2], **changes), traced, pings)
 
 
-def test_all_is_off_by_default():
-    traced = even()
+def test_all_is_off_by_default_and_float_clips_only_at_a_declared_full_scale():
+    traced = even(energy=3.0)
     assert of(traced) is traced
+    np.testing.assert_allclose(of(traced, receiver__recorder__full_scale=0.0), 1.0, rtol=1e-6)
 
 
-def test_a_gain_lifts_the_record():
-    np.testing.assert_allclose(of(even(), receiver__recorder__gain=6.0), 1e-6 * 10.0**0.6, rtol=1e-6)
-
-
-def test_gain_steps_hold_from_their_time_on():
-    steps = [[1.0, 0.0], [2.0, 6.0], [2.5, -3.0]]
-    record = of(even(40), receiver__recorder__gain=steps)
-    expected = np.repeat([0.0, 6.0, -3.0], [20, 5, 15])
-    np.testing.assert_allclose(10.0 * np.log10(record[:, 0, 0] / 1e-6), expected, atol=1e-5)
-
-
-@pytest.mark.parametrize("gain", [[], [[0.0, 1.0], [0.0, 2.0]], [[2.0, 1.0], [1.0, 2.0]], 300.0])
-def test_gains_out_of_order_or_bounds_are_refused(gain):
-    with pytest.raises(SceneError, match=r"^receiver\.recorder\.gain"):
-        ready(receiver__recorder__gain=gain)
-
-
-def test_sides_differ_by_the_gain_of_port_over_starboard():
-    record = of(even(), receiver__recorder__side_gain=4.0)
-    np.testing.assert_allclose(10.0 * np.log10(record[:, 0] / record[:, 1]), 4.0, atol=1e-5)
-    # Half to either hand, so that the record is as loud in decibels.
-    np.testing.assert_allclose(10.0 * np.log10(record[:, 0] * record[:, 1] / 1e-12), 0.0, atol=1e-5)
+@pytest.mark.parametrize(
+    ("changes", "port", "starboard"),
+    [
+        ({"gain": 6.0}, 6.0, 6.0),
+        ({"gain": [[1.0, 0.0], [2.0, 6.0], [2.5, -3.0]]}, *[np.repeat([0.0, 6.0, -3.0], [20, 5, 15])] * 2),
+        ({"side_gain": 4.0}, 2.0, -2.0),  # half to either hand, so that the record is as loud in decibels
+    ],
+)
+def test_gains_hold_from_their_time_on_and_between_sides(changes, port, starboard):
+    record = of(even(40), receiver__recorder=changes)
+    for side, expected in enumerate((port, starboard)):
+        found = 10.0 * np.log10(record[:, side] / 1e-6)
+        np.testing.assert_allclose(found, np.broadcast_to(np.atleast_1d(expected)[:, None], found.shape), atol=1e-5)
 
 
 @pytest.mark.parametrize("bits", [8, 16])
@@ -98,11 +88,6 @@ def test_left_out_full_scale_holds_a_perfect_level_bed(bits):
     np.testing.assert_allclose(clipped, full_scale, rtol=1e-6)
 
 
-def test_float_clips_only_at_a_declared_full_scale():
-    record = of(even(energy=3.0), receiver__recorder__full_scale=0.0)
-    np.testing.assert_allclose(record, 1.0, rtol=1e-6)
-
-
 def test_dropped_pings_are_silent_and_so_many():
     record = of(even(20_000, 2), receiver__recorder__dropped_pings=0.1)
     lost = ~record.any(axis=(1, 2))
@@ -114,34 +99,28 @@ def test_dropped_pings_are_silent_and_so_many():
     assert not of(even(), receiver__recorder__dropped_pings=1.0).any()
 
 
-TABLE = [[2.0, 0.0], [4.0, 10.0], [8.0, 50.0]]
+TABLE = {"kind": "table", "by": "bin", "gains": [[2.0, 0.0], [4.0, 10.0], [8.0, 50.0]]}
+TIME = (np.arange(BINS) + 0.5) * BIN_TIME  # from transmission
 
 
-def test_a_gain_table_by_bin():
-    linear = {"kind": "table", "by": "bin", "gains": TABLE}
-    record = of(even(bins=12), receiver__tvg=linear)[0, 0].astype(float)
-    expected = np.interp(np.arange(12), *np.array(TABLE).T)
-    np.testing.assert_allclose(10.0 * np.log10(record / 1e-6), expected, atol=1e-5)
-    steps = of(even(bins=12), receiver__tvg=linear | {"interpolation": "steps"})[0, 0].astype(float)
-    np.testing.assert_allclose(10.0 * np.log10(steps / 1e-6), [0.0] * 4 + [10.0] * 4 + [50.0] * 4, atol=1e-5)
-
-
-def test_a_gain_table_by_time_counts_from_transmission():
-    gains = [[0.0, 0.0], [0.06, 60.0]]
-    record = of(even(), receiver__tvg={"kind": "table", "gains": gains})[0, 0].astype(float)
-    time = (np.arange(BINS) + 0.5) * BIN_TIME
-    np.testing.assert_allclose(10.0 * np.log10(record / 1e-6), np.minimum(1e3 * time, 60.0), atol=1e-4)
+@pytest.mark.parametrize(
+    ("table", "expected"),
+    [
+        (TABLE, np.interp(np.arange(12), [2.0, 4.0, 8.0], [0.0, 10.0, 50.0])),
+        (TABLE | {"interpolation": "steps"}, np.repeat([0.0, 10.0, 50.0], 4)),
+        ({"kind": "table", "gains": [[0.0, 0.0], [0.06, 60.0]]}, np.minimum(1e3 * TIME, 60.0)),
+    ],
+    ids=["by bin", "steps", "by time"],
+)
+def test_a_gain_table(table, expected):
+    record = of(even(bins=expected.size), receiver__tvg=table)[0, 0].astype(float)
+    np.testing.assert_allclose(10.0 * np.log10(record / 1e-6), expected, atol=1e-5 if "by" in table else 1e-4)
 
 
 def test_a_gain_table_goes_on_beyond_the_noise():
     changes = {"receiver__tvg": {"kind": "table", "by": "bin", "gains": [[0, 0.0], [999, 40.0]]}}
     loud = ready(receiver__noise={"kind": "ambient", "level": 0.0}, **changes)
     np.testing.assert_allclose(10.0 * np.log10(loud.gain), np.arange(BINS) * 40.0 / 999.0, atol=1e-9)
-
-
-def test_a_gain_table_out_of_order_is_refused():
-    with pytest.raises(SceneError, match=r"^receiver\.tvg\.gains.* increasing time or bin"):
-        ready(receiver__tvg={"kind": "table", "gains": [[1.0, 0.0], [0.5, 3.0]]})
 
 
 def test_ringing_decays_after_transmission():
@@ -198,27 +177,9 @@ def test_without_speckle_energies_add():
     np.testing.assert_allclose(record, np.broadcast_to(2.0 + np.exp(-time), record.shape), rtol=1e-5)
 
 
-@pytest.mark.parametrize("speckle", ["none", "rayleigh"])
-def test_every_ping_is_a_function_of_its_number(speckle):
-    changes = {
-        "receiver__speckle": speckle,
-        "receiver__ringing": "decay",
-        "receiver__tvg": "table",
-        "receiver__recorder": {"bits": 8, "gain": [[0.0, 0.0], [1.0, 3.0]], "side_gain": 1.0, "dropped_pings": 0.2},
-    }
-    changes |= interference()
-    traced = np.random.default_rng(0).exponential(1e-6, (40, 2, 200)).astype(np.float32)
-    whole = of(traced, **changes)
-    order = np.random.default_rng(1).permutation(40)
-    np.testing.assert_array_equal(of(traced[order], order, **changes), whole[order])
-    np.testing.assert_array_equal(of(traced[7:9], np.array([7, 8]), **changes), whole[7:9])
-
-
 def test_a_recorder_is_written_and_read():
     declared = edit(load_scene("default"), {"receiver.recorder": {"bits": 8, "gain": [[0.0, 1.0], [3.0, 2.0]]}})
     assert scene_from_toml(scene_to_toml(declared)) == declared
-    with pytest.raises(SceneError, match=r"^receiver\.recorder\.bits.*12"):
-        edit(declared, {"receiver.recorder.bits": 12})
 
 
 @pytest.mark.parametrize(("bits", "stored"), [("8", "8"), ("16", "32")])  # an XTF sample of 16 bits holds 15

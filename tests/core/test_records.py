@@ -9,10 +9,8 @@ import xarray as xr
 
 import insonify.io.records.netcdf
 from insonify.io.atomic import replacing
-from insonify.io.record_schema import join_blocks
 from insonify.io.records import read_record, write_record
-from insonify.scene import SceneError, edit, load_scene
-from insonify.simulation import simulate_blocks
+from insonify.scene import SceneError
 
 
 def block(first: int, pings: int, bins: int = 16) -> xr.Dataset:
@@ -66,16 +64,11 @@ def test_compression_loses_nothing_and_takes_less(tmp_path, pings):
     assert (tmp_path / "zlib.nc").stat().st_size < (tmp_path / "none.nc").stat().st_size
 
 
-def test_chunks_hold_whole_pings_of_one_channel(tmp_path):
+def test_chunks_hold_whole_pings_of_one_channel_and_only_pings_are_without_limit(tmp_path):
     write_record(tmp_path / "record.nc", [block(0, 1500, bins=500), block(1500, 40, bins=500)])
     with netCDF4.Dataset(tmp_path / "record.nc") as file:
         assert file["intensity"].chunking() == [1, 500, 500]  # a megabyte
         assert file["platform_x"].chunking() == [1500]
-
-
-def test_only_the_pings_are_without_limit(tmp_path):
-    write_record(tmp_path / "record.nc", [block(0, 3)])
-    with netCDF4.Dataset(tmp_path / "record.nc") as file:
         assert [d.name for d in file.dimensions.values() if d.isunlimited()] == ["ping_time"]
 
 
@@ -94,51 +87,17 @@ def test_a_tow_is_written_without_being_held(tmp_path):
         assert read.sizes["ping_time"] == 40
 
 
-def test_npz_of_blocks_is_that_of_the_whole(tmp_path):
-    scene = edit(load_scene("targets"), {"track.pings": 7, "sonar.bins": 40})
-    blocks = list(simulate_blocks(scene, truth=True, block=3))
-    write_record(tmp_path / "blocks.npz", iter(blocks))
-    write_record(tmp_path / "whole.npz", [join_blocks(blocks)])
-    with np.load(tmp_path / "blocks.npz") as one, np.load(tmp_path / "whole.npz") as other:
-        assert sorted(one.files) == sorted(other.files)
-        for name in one.files:
-            assert one[name].dtype == other[name].dtype
-            np.testing.assert_array_equal(one[name], other[name])
-    assert read_record(tmp_path / "blocks.npz").sizes["ping_time"] == 7
-
-
 def test_npz_reads_back_without_pickles(tmp_path):
-    record = block(0, 4)
+    record = block(0, 4).assign_attrs(comment="", table={"a": [1, None]}, pair=[1.5, 2.5])
     write_record(tmp_path / "record.npz", [record])
     with np.load(tmp_path / "record.npz", allow_pickle=False) as read:
         np.testing.assert_array_equal(read["intensity"], record.intensity)
         np.testing.assert_array_equal(read["slant_range"], record.slant_range)
         assert list(read["channel"]) == ["port", "starboard"]
         assert str(read["attrs.scene"]) == record.attrs["scene"]
-
-
-def test_npz_holds_attributes_of_any_kind_without_pickles(tmp_path):
-    record = block(0, 4).assign_attrs(comment="", table={"a": [1, None]}, pair=[1.5, 2.5])
-    write_record(tmp_path / "record.npz", [record])
-    with np.load(tmp_path / "record.npz", allow_pickle=False) as read:
         assert str(read["attrs.comment"]) == ""
         assert str(read["attrs.table"]) == "{'a': [1, None]}"
         assert list(read["attrs.pair"]) == [1.5, 2.5]
-
-
-@pytest.mark.parametrize("trouble", [OSError("disk full"), KeyboardInterrupt()])
-def test_a_failed_write_leaves_the_old_file(tmp_path, trouble):
-    path = tmp_path / "record.nc"
-    path.write_bytes(b"old")
-
-    def blocks():
-        yield block(0, 4)
-        raise trouble
-
-    with pytest.raises(type(trouble)):
-        write_record(path, blocks())
-    assert path.read_bytes() == b"old"
-    assert list(tmp_path.iterdir()) == [path]
 
 
 def test_a_request_to_end_leaves_the_old_file(tmp_path):

@@ -1,7 +1,5 @@
 """Echoes of rough beds: narrow lobes, twisted cells and steep slopes against exact rays."""
 
-from __future__ import annotations
-
 import math
 from typing import Any
 

@@ -1,7 +1,5 @@
 """The whole way: scene in, Dataset out."""
 
-from __future__ import annotations
-
 import math
 import tracemalloc
 
@@ -10,6 +8,7 @@ import pytest
 import xarray as xr
 
 import insonify.simulation as module
+from insonify.io.record_schema import join_blocks
 from insonify.planning import plan
 from insonify.scene import SceneError, edit, load_scene, scene_from_toml
 from insonify.simulation import prepare, simulate, simulate_blocks
@@ -43,19 +42,33 @@ def test_the_dataset_keeps_the_contract():
     assert all(record[name].attrs["units"] for name in ("slant_range", "travel_time", "platform_altitude", "intensity"))
 
 
-@pytest.mark.parametrize("block", [0, -1])
-def test_blocks_of_no_pings_are_refused(block):
-    with pytest.raises(SceneError, match=f"^block: {block} .*; give at least 1$"):
-        next(simulate_blocks(load_scene("default"), block=block))
+@pytest.mark.parametrize(
+    ("options", "sentence"),
+    [
+        *(({"block": block}, f"^block: {block} .*; give at least 1$") for block in (0, -1)),
+        *(({"threads": threads}, f"^threads: {threads} is too few; give at least 1$") for threads in (0, -2)),
+        *(
+            ({"pings": pings}, r"^pings: range.* successive ones of its 71$")
+            for pings in (range(-1, 5), range(3, 72), range(0, 60, 2), range(9, 3))
+        ),
+    ],
+)
+def test_no_pings_blocks_or_threads_are_refused(options, sentence):
+    with pytest.raises(SceneError, match=sentence):
+        next(simulate_blocks(small(71), **options))
 
 
-def test_blocks_of_any_size_make_the_same_record():
+@pytest.mark.parametrize("truth", [False, True])
+def test_blocks_of_any_size_make_the_same_record(monkeypatch, truth):
     scene = small(71, receiver__speckle="rayleigh")
-    whole = simulate(scene, threads=1)
-    for block in (1, 13, 1000):
-        parts = list(simulate_blocks(scene, block=block, threads=3))
+    whole = simulate(scene, truth=truth, threads=1)
+    for block in (13, 1000):
+        parts = list(simulate_blocks(scene, truth=truth, block=block, threads=3))
         assert len(parts) == math.ceil(71 / block)
-        xr.testing.assert_identical(xr.concat(parts, "ping_time", combine_attrs="override"), whole)
+        xr.testing.assert_identical(join_blocks(parts), whole)
+    monkeypatch.setattr(module, "BLOCK_TIME", 1e-9)  # one ping a block
+    xr.testing.assert_identical(simulate(scene, truth=truth), whole)
+    assert [block.sizes["ping_time"] for block in simulate_blocks(scene, truth=truth)] == 71 * [1]
 
 
 @pytest.mark.parametrize("first", [1, 40, 70])
@@ -64,21 +77,6 @@ def test_a_record_goes_on_at_any_ping(name, first):
     scene = edit(load_scene(name), {"track.pings": 71, "sonar.bins": 200, "receiver.speckle": "rayleigh"})
     rest = xr.concat(simulate_blocks(scene, pings=range(first, 71), block=13), "ping_time", combine_attrs="override")
     xr.testing.assert_identical(rest, simulate(scene).isel(ping_time=slice(first, None)))
-
-
-@pytest.mark.parametrize("pings", [range(-1, 5), range(3, 72), range(0, 60, 2), range(9, 3)])
-def test_pings_beyond_the_track_are_refused(pings):
-    with pytest.raises(SceneError, match=r"^pings: range.* successive ones of its 71$"):
-        next(simulate_blocks(small(71), pings=pings))
-
-
-@pytest.mark.parametrize("truth", [False, True])
-def test_a_whole_record_traced_in_several_blocks_is_the_same(monkeypatch, truth):
-    scene = small(71, receiver__speckle="rayleigh")
-    whole = simulate(scene, truth=truth)
-    monkeypatch.setattr(module, "BLOCK_TIME", 1e-9)  # one ping a block
-    xr.testing.assert_identical(simulate(scene, truth=truth), whole)
-    assert [block.sizes["ping_time"] for block in simulate_blocks(scene, truth=truth)] == 71 * [1]
 
 
 def test_a_stream_holds_no_more_than_64_mb_however_long_it_is(monkeypatch):
@@ -98,12 +96,6 @@ def test_a_stream_holds_no_more_than_64_mb_however_long_it_is(monkeypatch):
     short, long = peak(6000), peak(12000)
     assert long < 1.2 * short
     assert long < 64e6
-
-
-@pytest.mark.parametrize("threads", [0, -2])
-def test_no_threads_are_refused(threads):
-    with pytest.raises(SceneError, match=f"^threads: {threads} is too few; give at least 1$"):
-        simulate(small(1), threads=threads)
 
 
 def test_any_ping_is_a_function_of_the_scene_and_its_number():
@@ -154,15 +146,6 @@ def test_port_is_to_the_left(heading, port):
     assert changed.values.tolist() == [True, False]
 
 
-@pytest.mark.parametrize("heading", [0.0, 35.0])
-def test_poses_run_along_the_heading(heading):
-    record = simulate(small(4, track__heading=heading, track__start=[3.0, -2.0], track__speed=3.0))
-    along = np.arange(4) * 0.3
-    np.testing.assert_allclose(record.platform_x, 3.0 + along * math.cos(math.radians(heading)), atol=1e-12)
-    np.testing.assert_allclose(record.platform_y, -2.0 + along * math.sin(math.radians(heading)), atol=1e-12)
-    np.testing.assert_allclose(record.platform_heading, heading)
-
-
 def test_a_receiver_that_takes_another_speed_stretches_the_range():
     scene = small(1, seabed__relief="flat", targets=[], sonar__pulse="ideal", sonar__bins=2000)
     for speed in (1400.0, 1600.0):
@@ -172,17 +155,15 @@ def test_a_receiver_that_takes_another_speed_stretches_the_range():
         np.testing.assert_allclose(record.travel_time, 2.0 * record.slant_range / speed)
 
 
-def test_one_ping_one_bin():
-    record = simulate(small(1, sonar__bins=1))
-    assert record.intensity.shape == (2, 1, 1)
-    assert (record.intensity > 0.0).all()
-
-
-@pytest.mark.parametrize("method", ["sweep", "march", "rays"])
-def test_a_sonar_inside_a_target_is_one_sentence(method):
-    ball = {"kind": "sphere", "position": [1.0, 0.0, -20.0], "radius": 0.5}
-    with pytest.raises(SceneError, match=r"^targets\.0\.position: the sonar runs into it; [^\n]+$"):
-        simulate(small(20, targets=[ball]), method=method)
+@pytest.mark.parametrize("heading", [0.0, 35.0])
+def test_poses_run_along_the_heading(heading):
+    changes = {"track__heading": heading, "track__start": [3.0, -2.0], "track__speed": 3.0}
+    record = simulate(small(4, sonar__bins=1, **changes))
+    along = np.arange(4) * 0.3
+    np.testing.assert_allclose(record.platform_x, 3.0 + along * math.cos(math.radians(heading)), atol=1e-12)
+    np.testing.assert_allclose(record.platform_y, -2.0 + along * math.sin(math.radians(heading)), atol=1e-12)
+    np.testing.assert_allclose(record.platform_heading, heading)
+    assert (record.intensity > 0.0).all()  # the only bin
 
 
 def test_a_target_without_bed_is_one_sentence(tmp_path):

@@ -1,7 +1,5 @@
 """Library of targets: closed meshes in metres, named, listed, and made anew by their script."""
 
-from __future__ import annotations
-
 import runpy
 
 import numpy as np

@@ -10,8 +10,7 @@ from insonify.packing.scene_arrays import make_bed
 from insonify.scene import SceneError, build, edit, load_scene
 from insonify.scene.seabed import Seabed
 from insonify.scene.seabed.materials import MATERIALS, Material
-from insonify.scene.seabed.materials.fractal import FractalMap
-from insonify.scene.seabed.materials.patches import Patches
+from insonify.scene.seabed.materials.random_maps import FractalMap, Patches
 from insonify.terrain import build_ground, relief, relief_picture
 from insonify.terrain.materials import Lattice, material_indices
 
@@ -24,20 +23,19 @@ def scene(**seabed):
 
 
 def test_made_ground_is_periodic_from_the_local_origin():
-    ground = build_ground(scene())
-    assert ground.heights.shape == (128, 128)
-    assert ground.heights.dtype == np.float32
-    assert ground.materials.shape == (128, 128)
-    assert ground.materials.dtype == np.uint8
+    base = scene()
+    ground = build_ground(base)
+    assert (ground.heights.shape, ground.heights.dtype) == ((128, 128), np.float32)
+    assert (ground.materials.shape, ground.materials.dtype) == ((128, 128), np.uint8)
     assert (ground.x0, ground.y0, ground.spacing, ground.periodic) == (0.0, 0.0, 0.1, True)
     assert ground.datum == -30.0
     assert ground.heights.std() == pytest.approx(0.05, rel=1e-6)
-
-
-def test_period_is_kept_when_it_is_no_whole_number_of_cells():
-    ground = build_ground(scene(relief=FRACTAL | {"period": 10.04}))
-    assert ground.heights.shape == (100, 100)
-    assert ground.spacing * 100 == pytest.approx(10.04, rel=1e-12)
+    heights = relief(base.seabed, seed=base.seed)
+    assert heights.dtype == np.float64
+    np.testing.assert_array_equal(heights.astype(np.float32), ground.heights)
+    odd = build_ground(scene(relief=FRACTAL | {"period": 10.04}))  # no whole number of cells
+    assert odd.heights.shape == (100, 100)
+    assert odd.spacing * 100 == pytest.approx(10.04, rel=1e-12)
 
 
 def test_ground_depends_on_the_seed_and_not_on_the_track():
@@ -48,15 +46,12 @@ def test_ground_depends_on_the_seed_and_not_on_the_track():
     assert np.abs(build_ground(base).heights - build_ground(reseeded).heights).max() > 0.05
 
 
-def test_heights_are_kept_while_depth_and_material_change():
+def test_heights_and_maps_are_kept_while_depth_and_numbers_of_materials_change():
     first, second = build_ground(scene()), build_ground(scene(depth=40.0, material="rock"))
     assert second.heights is first.heights
     assert second.datum == -40.0
     assert second.names == ("rock",)
     assert second.reflectivities == (MATERIALS["rock"].reflectivity,)
-
-
-def test_map_is_kept_while_the_numbers_of_its_materials_change():
     patches = {"kind": "patches", "of": ["silt", "rock"], "size": 3.0}
     brighter = patches | {"of": ["silt", {"name": "rock", "diffuse": 0.3}]}
     first, second = build_ground(scene(material=patches)), build_ground(scene(material=brighter))
@@ -74,18 +69,6 @@ def test_level_bed_is_small_unless_a_map_needs_room():
     assert mapped.spacing * 1024 == pytest.approx(102.4)
 
 
-def test_period_that_holds_no_wave_is_refused():
-    with pytest.raises(SceneError, match=r"^seabed\.relief\.period: 0\.2 m spans 2 cells .*; lengthen it"):
-        build_ground(scene(relief=FRACTAL | {"period": 0.2}))
-
-
-def test_relief_is_the_ground_in_double_precision():
-    base = scene()
-    heights = relief(base.seabed, seed=base.seed)
-    assert heights.dtype == np.float64
-    np.testing.assert_array_equal(heights.astype(np.float32), build_ground(base).heights)
-
-
 def test_relief_samples_one_period_on_any_shape():
     seabed = scene().seabed
     full = relief(seabed, (128, 128))
@@ -101,13 +84,15 @@ def test_relief_samples_one_period_on_any_shape():
 
 
 @pytest.mark.parametrize("kind", ["flat", "fractal", "cascade", "mimic"])
-@pytest.mark.parametrize("shape", [(0, 5), (5, 0), (-1, 3)])
-def test_a_shape_without_nodes_is_refused(kind, shape):
-    with pytest.raises(SceneError, match=r"^shape: \(.+\) has no nodes; give at least \(1, 1\)$"):
-        relief(Seabed(relief={"kind": kind}), shape)
+def test_a_shape_without_nodes_is_refused(kind):
+    for shape in ((0, 5), (5, 0), (-1, 3)):
+        with pytest.raises(SceneError, match=r"^shape: \(.+\) has no nodes; give at least \(1, 1\)$"):
+            relief(Seabed(relief={"kind": kind}), shape)
+    with pytest.raises(SceneError, match=r"^seabed\.relief\.period: 0\.2 m spans 2 cells .*; lengthen it"):
+        build_ground(scene(relief=FRACTAL | {"period": 0.2}))
 
 
-def test_picture_has_north_at_the_top_and_the_whole_range_of_grey():
+def test_picture_has_north_at_the_top_and_the_whole_range_of_grey(tmp_path):
     base = scene()
     picture = relief_picture(base)
     heights = build_ground(base).heights
@@ -116,9 +101,7 @@ def test_picture_has_north_at_the_top_and_the_whole_range_of_grey():
     row, column = np.unravel_index(np.argmax(heights), heights.shape)
     assert picture[127 - row, column] == 255
     assert not relief_picture(scene(relief="flat")).any()
-
-
-def test_a_narrow_measured_bed_is_pictured_as_it_is(tmp_path):
+    # A narrow measured bed is pictured as it is.
     np.save(tmp_path / "bed.npy", np.arange(15.0).reshape(5, 3))
     picture = relief_picture(scene(relief={"kind": "dem", "path": str(tmp_path / "bed.npy")}))
     np.testing.assert_array_equal(picture[::-1], np.rint(np.arange(15.0).reshape(5, 3) * 255.0 / 14.0))
@@ -143,19 +126,19 @@ def test_map_repeats_with_its_bed_and_shares_the_area(material):
     assert changes[0] < 0.5
 
 
-def test_patches_do_not_depend_on_the_grid():
+def test_maps_keep_their_places_on_other_grids():
     patches = Patches(of=THREE, size=3.0)
     coarse = material_indices(patches, Lattice((100, 100), 0.3), 1)
     fine = material_indices(patches, Lattice((300, 300), 0.1), 1)
     # The centre of a coarse cell is that of the middle one of nine fine cells.
     np.testing.assert_array_equal(fine[1::3, 1::3], coarse)
-
-
-def test_patches_of_a_measured_bed_belong_to_places():
-    patches = Patches(of=THREE, size=3.0)
     whole = material_indices(patches, Lattice((80, 80), 0.5, -20.0, -20.0, periodic=False), 1)
     part = material_indices(patches, Lattice((20, 30), 0.5, -10.0, 5.0, periodic=False), 1)
     np.testing.assert_array_equal(whole[50:70, 20:50], part)
+    bands = FractalMap(of=THREE, beta=2.5)
+    coarse = material_indices(bands, Lattice((128, 128), 0.4), 1)
+    fine = material_indices(bands, Lattice((256, 256), 0.2), 1)
+    assert (fine[::2, ::2] == coarse).mean() > 0.97
 
 
 def test_patches_agree_with_the_slow_search():
@@ -170,13 +153,6 @@ def test_patches_agree_with_the_slow_search():
     for u, v in rng.uniform(0.0, 5.0, (300, 2)):
         a, b, _, _ = squares[np.argmin(np.hypot(points[:, 0] - u, points[:, 1] - v))]
         assert nearest_seed_hash(9, 3, u, v, 5) == hash_integers(9, 3, a, b, KIND)
-
-
-def test_fractal_map_keeps_its_places_on_a_finer_grid():
-    bands = FractalMap(of=THREE, beta=2.5)
-    coarse = material_indices(bands, Lattice((128, 128), 0.4), 1)
-    fine = material_indices(bands, Lattice((256, 256), 0.2), 1)
-    assert (fine[::2, ::2] == coarse).mean() > 0.97
 
 
 @pytest.mark.parametrize("name", ["default", "figure-6", "real-bed"])

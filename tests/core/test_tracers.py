@@ -1,19 +1,23 @@
 """Each tracer traces pings by themselves, and a tracer of somebody else's is planned, traced and received."""
 
-from __future__ import annotations
-
+import math
 import re
+from functools import partial
 from pathlib import Path
 
 import numpy as np
 import pytest
 
 import insonify
+from beds import arrays_of, poses_of, rough
 from insonify.cli import main
+from insonify.kernels.common.types import LIGHT, SONAR
 from insonify.packing.packed_scene import Model
 from insonify.scene import SceneError, edit, load_scene
 from insonify.simulation import prepare
+from insonify.tracers import march, rays, sweep
 from insonify.tracers.base import find_tracer, list_methods, without_tracers
+from insonify.tracers.labels import trace_labels
 from insonify.tracers.scatterers import ScattererTracer
 
 SCENE = edit(load_scene("default"), {"sonar.bins": 100, "sonar.beam": "knife", "track.pings": 4})
@@ -108,3 +112,78 @@ def test_what_it_cannot_do_is_refused(strips):
 def test_an_unknown_tracer_is_refused():
     with pytest.raises(SceneError, match=r"^method: 'magic' is not known; choose one of auto, sweep, march, rays"):
         find_tracer("magic")
+
+
+FAN = math.radians(1.25)
+BALL = ((3.0, 12.0, 0.6), 0.5)
+TRACES = {
+    "sweep": sweep.trace,
+    "march": partial(march.trace, rays=100, step=0.2),
+    "rays": partial(rays.trace, rays=300),
+}
+FINE = {"sweep": sweep.trace, "rays": partial(rays.trace, rays=5000)}
+
+
+@pytest.mark.parametrize("name", TRACES)
+def test_threads_blocks_and_order_leave_every_bit(name):
+    arrays, trace = arrays_of(rough(64, 64, 0.2), 0.5, periodic=True, solids=[BALL], half_width=FAN), TRACES[name]
+    along = np.arange(90) * 0.3
+    one = trace(arrays, poses_of(along, 0.0, 8.0), threads=1)
+    np.testing.assert_array_equal(one, trace(arrays, poses_of(along, 0.0, 8.0), threads=3))
+    np.testing.assert_array_equal(one[::-1], trace(arrays, poses_of(along[::-1], 0.0, 8.0), threads=2))
+    parts = [trace(arrays, poses_of(along[k : k + 7], 0.0, 8.0)) for k in range(0, 90, 7)]
+    np.testing.assert_array_equal(one, np.concatenate(parts))
+
+
+# Of rays 1 in 1000 on the border of a bin may fall to either side of it.
+@pytest.mark.parametrize(("name", "rtol", "atol", "least"), [("sweep", 2e-4, 1e-5, 1.0), ("rays", 1e-5, 0.0, 0.999)])
+@pytest.mark.parametrize("half_width", [0.0, FAN])
+@pytest.mark.parametrize("law", [LIGHT, SONAR])
+def test_mirrored_bed_swaps_the_channels(name, rtol, atol, least, half_width, law):
+    heights = rough(64, 64, 0.2)
+    mirrored = np.roll(heights[::-1], 1, axis=0)  # y → −y on a period
+    one, other = (
+        FINE[name](arrays_of(z, 0.5, periodic=True, half_width=half_width, law=law), poses_of([0.0, 0.7, 1.4], y, 8.0))
+        for z, y in ((heights, 0.3), (mirrored, -0.3))
+    )
+    assert np.isclose(one, other[:, ::-1], rtol=rtol, atol=atol * one.max()).mean() >= least
+
+
+@pytest.mark.parametrize(("name", "rtol", "atol", "least"), [("sweep", 2e-3, 2e-5, 1.0), ("rays", 1e-4, 0.0, 0.999)])
+@pytest.mark.parametrize("half_width", [0.0, FAN])
+def test_turned_by_a_quarter_the_record_is_the_same(name, rtol, atol, least, half_width):
+    heights = rough(64, 64, 0.2)
+    turned = np.roll(np.rot90(heights, -1), 1, axis=1)  # (x, y) → (−y, x) on a period
+    one, other = (
+        FINE[name](arrays_of(z, 0.5, periodic=True, half_width=half_width, solids=[ball]), poses_of(x, y, 8.0, heading))
+        for z, ball, x, y, heading in (
+            (heights, ((2.5, 9.0, 0.5), 0.6), 2.2, 1.3, 0.4),
+            (turned, ((-9.0, 2.5, 0.5), 0.6), -1.3, 2.2, 0.4 + math.pi / 2.0),
+        )
+    )
+    assert np.isclose(one, other, rtol=rtol, atol=atol * one.max()).mean() >= least
+
+
+@pytest.mark.parametrize("half_width", [0.0, FAN])
+@pytest.mark.parametrize("name", TRACES)
+def test_out_of_range_a_sonar_hears_nothing(name, half_width):
+    arrays = arrays_of(np.zeros((4, 4)), periodic=True, bins=10, half_width=half_width)  # half a metre
+    z = [6.0] if name == "march" else [6.0, -1.0]  # which marches up to a bed above it too
+    assert not TRACES[name](arrays, poses_of(0.0, 0.0, z)).any()
+    assert TRACES[name](arrays, poses_of([], 0.0, 1.0)).shape == (0, 2, 10)
+
+
+@pytest.mark.parametrize("trace", [*TRACES.values(), trace_labels], ids=[*TRACES, "labels"])
+def test_a_sonar_inside_a_body_is_one_sentence(trace):
+    arrays = arrays_of(np.zeros((4, 4)), periodic=True, solids=[((0.0, 50.0, 1.0), 0.5), ((0.0, 0.0, 10.0), 1.0)])
+    with pytest.raises(SceneError, match=r"^targets\.1\.position: the sonar runs into it; move[^\n]+$"):
+        trace(arrays, poses_of(np.arange(-40.0, 40.0), 0.0, 10.0))
+
+
+@pytest.mark.parametrize(
+    ("trace", "wrong"),
+    [(rays.trace, {"rays": 0}), *((march.trace, {"step": step}) for step in (0.0, -1.0, math.nan, math.inf))],
+)
+def test_a_fineness_that_is_none_is_refused(trace, wrong):
+    with pytest.raises(SceneError, match=next(iter(wrong))):
+        trace(arrays_of(np.zeros((4, 4))), poses_of(0.0, 0.0, 5.0), **wrong)

@@ -1,7 +1,5 @@
 """Tracks from recordings, GPX and tables of longitude and latitude, placed on the map of the scene."""
 
-from pathlib import Path
-
 import numpy as np
 import pyproj
 import pytest
@@ -12,7 +10,6 @@ from insonify.io.records import read_record, write_record
 from insonify.scene import SceneError, build, edit, load_scene
 from insonify.simulation import simulate
 
-REAL = Path(__file__).parents[3] / "shared" / "data" / "xtf" / "scotsman-iver2.xtf"
 GPX = """<?xml version="1.0"?>
 <gpx version="1.1" xmlns="http://www.topografix.com/GPX/1/1"><trk><trkseg>{points}</trkseg></trk></gpx>
 """
@@ -92,14 +89,13 @@ def test_a_recording_is_towed_again(tmp_path):
         np.testing.assert_allclose(again[f"platform_{name}"], first[f"platform_{name}"], atol=within + 0.02)
 
 
-@pytest.mark.skipif(not REAL.is_file(), reason="the recording is not here")
-def test_a_real_recording_is_a_track(tmp_path):
-    tow = read_navigation(str(REAL))
-    record = read_record(REAL)
+def test_a_real_recording_is_a_track(real_recording, tmp_path):
+    tow = read_navigation(str(real_recording))
+    record = read_record(real_recording)
     assert tow.place is not None
     np.testing.assert_allclose(tow.columns["x"], record.platform_x, atol=1e-3)
     assert (np.diff(tow.time) > 0.0).all()
-    words = ["--set", f'track.motion={{ kind = "recorded", path = "{REAL}" }}', "--set", "track.pings=12"]
+    words = ["--set", f'track.motion={{ kind = "recorded", path = "{real_recording}" }}', "--set", "track.pings=12"]
     assert main(["render", "default", "-o", str(tmp_path / "a.nc"), "--set", "sonar.bins=50", *words]) == 0
     simulated, times = read_record(tmp_path / "a.nc"), np.arange(12) / load_scene("default").sonar.ping_rate
     np.testing.assert_allclose(simulated.platform_x, np.interp(times, tow.time, tow.columns["x"]), atol=1e-3)
@@ -126,10 +122,8 @@ def test_a_broken_track_is_one_sentence(tmp_path, name, content, expected):
         read_navigation(str(path))
     assert expected in str(caught.value)
     assert "\n" not in str(caught.value)
-
-
-def test_latitude_and_longitude_do_not_displace_x_and_y(tmp_path):
-    (tmp_path / "a.csv").write_text("time,x,y,lon,lat\n0,1,2,3,4\n1,2,3,4,5\n")
-    tow = read_navigation(str(tmp_path / "a.csv"))
+    # Latitude and longitude do not displace x and y.
+    (tmp_path / "b.csv").write_text("time,x,y,lon,lat\n0,1,2,3,4\n1,2,3,4,5\n")
+    tow = read_navigation(str(tmp_path / "b.csv"))
     assert tow.place is None
     np.testing.assert_allclose(tow.columns["x"], [1.0, 2.0])

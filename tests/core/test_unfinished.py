@@ -11,9 +11,8 @@ import threading
 import pytest
 
 from insonify.errors import FileWarning
-from insonify.io import unfinished
-from insonify.io.atomic import replacing
-from insonify.io.unfinished import FORMER, temporary_path
+from insonify.io import atomic
+from insonify.io.atomic import FORMER, replacing, temporary_path
 
 WRITE = """
 import sys, time
@@ -145,9 +144,9 @@ def test_what_others_left_is_told_of_and_kept(tmp_path, monkeypatch, foreign):
     end(writer(path), signal.SIGKILL)
     (left,) = tmp_path.iterdir()
     if foreign == "host":
-        monkeypatch.setattr(unfinished.platform, "node", lambda: "another")
+        monkeypatch.setattr(atomic.platform, "node", lambda: "another")
     else:
-        monkeypatch.setattr(unfinished.os, "getuid", lambda: left.stat().st_uid + 1)
+        monkeypatch.setattr(atomic.os, "getuid", lambda: left.stat().st_uid + 1)
     with (
         pytest.warns(FileWarning, match=r"beside it was left by another user or machine; remove it if it is stale"),
         replacing(path) as beside,

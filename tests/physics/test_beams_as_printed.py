@@ -135,31 +135,23 @@ def test_a_top_hat_from_a_table_is_the_fan():
 ALTITUDE = 4.0
 
 
-def pair_profile(simulation, slant, separation=1.0, radius=0.15, planes=256):
-    """Energy of two balls on a bed all but black, a ping every 5 cm from beyond one to beyond the other."""
-    x = math.sqrt(slant**2 - ALTITUDE**2)
-    bodies = [((s * separation / 2.0, -x, 0.0), radius) for s in (-1.0, 1.0)]
-    given = simulation.arrays
+def profile(simulation, slant, along, bodies, planes):
+    """Energy of balls, by their places along the track and radii, on a bed all but black, by the fish's place."""
+    x, given = math.sqrt(slant**2 - ALTITUDE**2), simulation.arrays
     arrays = arrays_of(
-        np.zeros((8, 8)),
-        16.0,
-        periodic=True,
-        solids=bodies,
-        half_width=given.half_width,
-        pattern=given.pattern,
-        bins=given.bins,
-        bin_length=given.bin_length,
+        np.zeros((8, 8)), 16.0, periodic=True, solids=[((at, -x, 0.0), radius) for at, radius in bodies],
+        half_width=given.half_width, pattern=given.pattern, bins=given.bins, bin_length=given.bin_length,
         reflectivity=[(1e-9, 0.0, 1.0), (1.0, 0.0, 1.0)],
-    )
-    arrays = arrays._replace(solids=arrays.solids._replace(material=np.ones(2, np.int64)))
-    along = np.arange(-14, 15) * 0.05
+    )  # fmt: skip
+    arrays = arrays._replace(solids=arrays.solids._replace(material=np.ones(len(bodies), np.int64)))
     record = sweep.trace(arrays, poses_of(along, 0.0, ALTITUDE), planes=planes)
     return record[:, 1].sum(axis=1, dtype=float)
 
 
 def dip_between(simulation, slant):
-    profile = pair_profile(simulation, slant)
-    return 1.0 - profile[profile.size // 2] / profile.max()
+    """Share by which the echo of two balls a metre apart falls between them, a ping every 5 cm."""
+    found = profile(simulation, slant, np.arange(-14, 15) * 0.05, [(-0.5, 0.15), (0.5, 0.15)], 256)
+    return 1.0 - found[found.size // 2] / found.max()
 
 
 # A sinc² of 2.5 degrees to -3 dB at 1 MHz; its far field begins at 0.6 m.
@@ -191,82 +183,6 @@ def test_a_knife_never_merges_a_pair():
         assert dip_between(simulation, slant) > 0.99
 
 
-@pytest.mark.parametrize("across", [25.0, -25.0])
-def test_squint_moves_an_echo_by_the_tangent(across):
-    side = 0 if across > 0.0 else 1
-    for squint in (-5.0, 8.0):
-        shift = math.hypot(across, 10.0) * math.tan(math.radians(squint))
-        scene = edit(
-            LEVEL,
-            {
-                "sonar.beam": {"kind": "gaussian", "width": 1.0, "squint": squint},
-                "targets": [{"kind": "sphere", "position": [0.0, across], "radius": 0.3}],
-                "track.altitude": 10.0,
-                "track.speed": 1.0,
-                "track.pings": 40,
-                "track.start": [-2.0 - shift, 0.0],
-            },
-        )
-        both, alike = (scene, edit(scene, {"targets": []})), {"planes": "8", "spacing": "1"}
-        echo, bare = (simulate(one, forced=alike).intensity.values[side] for one in both)
-        energy = np.maximum(echo - bare, 0.0).sum(axis=1)
-        assert np.average(np.arange(40), weights=energy) * 0.1 - 2.0 == pytest.approx(0.0, abs=0.05)
-
-
-def level_record(vertical, **changes):
-    return simulate(edit(LEVEL, {"sonar.vertical": vertical, "track.pings": 1, **changes})).intensity.values[:, 0]
-
-
-def grazing():
-    return np.arcsin(np.minimum(10.0 / ((np.arange(480) + 0.5) * 0.1), 1.0))
-
-
-def test_a_vertical_top_hat_hears_what_is_within_it_and_nothing_else():
-    record, bare = level_record({"kind": "fan", "width": 30.0, "tilt": 30.0}), level_record("uniform")
-    off = np.abs(np.degrees(grazing()) - 30.0)
-    assert not record[:, off > 16.0].any()
-    inside = (off < 14.0) & (bare[0] > 0.0)
-    np.testing.assert_allclose(record[:, inside], bare[:, inside], rtol=3e-3)
-
-
-@pytest.mark.parametrize(("two_way", "passes"), [(False, 1.0), (True, 2.0)])
-def test_a_vertical_gaussian_weighs_a_level_bed_by_its_value(two_way, passes):
-    beam = {"kind": "gaussian", "width": 1.0, "two_way": two_way}
-    vertical = {"kind": "gaussian", "width": 40.0, "tilt": 25.0}
-    record, bare = level_record(vertical, **{"sonar.beam": beam}), level_record("uniform", **{"sonar.beam": beam})
-    off = np.sin(grazing() - math.radians(25.0)) / math.sin(math.radians(20.0))
-    far = slice(120, 480)
-    np.testing.assert_allclose(
-        record[:, far] / bare[:, far], np.tile(2.0 ** (-passes * off**2), (2, 1))[:, far], rtol=0.01
-    )
-
-
-def test_roll_tilts_one_side_up_and_the_other_down():
-    vertical = {"kind": "gaussian", "width": 40.0, "tilt": 25.0}
-    rolled = level_record(
-        vertical, **{"track.motion": {"kind": "roll", "amplitude": 8.0, "period": 1e5, "phase": 90.0}}
-    )
-    bare = level_record("uniform")
-    far = slice(120, 480)
-    for side, tilt in ((0, 17.0), (1, 33.0)):  # port up
-        off = np.sin(grazing() - math.radians(tilt)) / math.sin(math.radians(20.0))
-        np.testing.assert_allclose(rolled[side, far] / bare[side, far], 2.0 ** (-2.0 * off[far] ** 2), rtol=0.01)
-
-
-def single_profile(simulation, slant, along, planes=64, radius=0.3):
-    """Energy of one ball at the origin's abeam by the fish's place along the track."""
-    x = math.sqrt(slant**2 - ALTITUDE**2)
-    given = simulation.arrays
-    arrays = arrays_of(
-        np.zeros((8, 8)), 16.0, periodic=True, solids=[((0.0, -x, 0.0), radius)], half_width=given.half_width,
-        pattern=given.pattern, bins=given.bins, bin_length=given.bin_length,
-        reflectivity=[(1e-9, 0.0, 1.0), (1.0, 0.0, 1.0)],
-    )  # fmt: skip
-    arrays = arrays._replace(solids=arrays.solids._replace(material=np.ones(1, np.int64)))
-    record = sweep.trace(arrays, poses_of(along, 0.0, ALTITUDE), planes=planes)
-    return record[:, 1].sum(axis=1, dtype=float)
-
-
 @pytest.mark.parametrize(("two_way", "decibels"), [(False, -13.26), (True, -26.52)])
 def test_a_ball_is_heard_in_the_sidelobes_as_the_pattern_has_them(two_way, decibels):
     # A far-field array of 3 degrees, as many planes as its plan lays; the sidelobes pass the ball without a comb.
@@ -275,7 +191,7 @@ def test_a_ball_is_heard_in_the_sidelobes_as_the_pattern_has_them(two_way, decib
     ball = {"kind": "sphere", "position": [0.0, -29.0], "radius": radius}
     planes = prepare(edit(LEVEL, changes | {"targets": [ball]})).plan.planes
     along = np.arange(0.0, 8.0, 0.1)
-    profile = single_profile(prepare(edit(LEVEL, changes)), slant, along, planes, radius)
+    found = profile(prepare(edit(LEVEL, changes)), slant, along, [(0.0, radius)], planes)
     # A Lambert ball sends back (1 - (y/a)²)^1.5 along its own length.
     y = np.linspace(-radius, radius, 41)[1:-1]
     share = (1.0 - (y / radius) ** 2) ** 1.5
@@ -283,10 +199,10 @@ def test_a_ball_is_heard_in_the_sidelobes_as_the_pattern_has_them(two_way, decib
     pattern = np.sinc(length / wavelength * place / np.hypot(slant, place)) ** (4 if two_way else 2)
     expected = (pattern * share).sum(axis=1) / (pattern[0] * share).sum()
     heard = expected > 1e-3
-    error = 10.0 * np.log10(profile[heard] / profile[0] / expected[heard])
+    error = 10.0 * np.log10(found[heard] / found[0] / expected[heard])
     assert np.sqrt((error**2).mean()) < 0.5
     assert np.abs(error).max() < 2.0
-    first_sidelobe = profile[(along > 2.0) & (along < 3.5)].max() / profile[0]
+    first_sidelobe = found[(along > 2.0) & (along < 3.5)].max() / found[0]
     assert 10.0 * math.log10(first_sidelobe) == pytest.approx(decibels, abs=0.7)
 
 

@@ -7,14 +7,16 @@ import math
 import numpy as np
 import pytest
 
+import bent
 import naive
 from beds import arrays_of, icosphere, mesh_of, poses_of, rough
-from insonify.kernels.common.types import BED, LIGHT, SONAR, Water, still_water
+from insonify.kernels.common.types import BED, LIGHT, SONAR, still_water
 from insonify.kernels.rays.cell_walk import RayBundle, empty_hits
 from insonify.kernels.rays.refracted_hits import empty_arrivals, find_refracted_hits
 from insonify.scene import SceneError
 from insonify.scene.seabed.materials import Reflectivity
 from insonify.tracers import march, rays
+from water import water_about, water_of
 
 FLAT = np.zeros((8, 8))
 FAN = math.radians(1.25)
@@ -24,18 +26,13 @@ SURFACE = 100.0
 THERMOCLINE = ([0.0, 6.0, 8.0, 11.0, 25.0], [1489.0, 1490.0, 1493.0, 1500.0, 1501.0])
 
 
-def layered(height, speed, reference, surface=SURFACE):
-    return Water(True, np.array(height, float), np.array([speed], float), np.zeros(1), 1.0, 0.0, reference, surface)
-
-
 def gradient(g, z, c=1500.0, surface=SURFACE):
     """Water whose speed is c at height z and rises by g per metre from -5 m to the surface."""
-    return layered([-5.0, surface], [c + g * (-5.0 - z), c + g * (surface - z)], c, surface)
+    return water_of([-5.0, surface], [c + g * (-5.0 - z), c + g * (surface - z)], reference=c, surface=surface)
 
 
 def thermocline(z=20.0):
-    height, speed = THERMOCLINE
-    return layered(height, speed, float(np.interp(z, height, speed)))
+    return water_about(z, *THERMOCLINE, SURFACE)
 
 
 def flat(water, **options):
@@ -77,7 +74,7 @@ def test_arcs_of_one_gradient_land_where_circles_do(g):
 
 def test_layers_land_as_printed():
     # Depth 0, 10, 20 and 60 m, sonar at 5 m: range, time and width of the tube, by hand.
-    water = layered([0.0, 40.0, 50.0, 60.0], [1498.0, 1500.0, 1520.0, 1520.0], 1520.0, surface=60.0)
+    water = water_about(55.0, [0.0, 40.0, 50.0, 60.0], [1498.0, 1500.0, 1520.0, 1520.0], 60.0)
     hits, arrivals = land(flat(water), (0.0, 0.0, 55.0), downwards([2.0, 10.0, 60.0]))
     np.testing.assert_allclose(hits.distance / 1520.0, [0.3179804118, 0.1632912097, 0.0421014320], atol=1e-9)
     x = arrivals.spread * np.cos(np.radians([2.0, 10.0, 60.0]))
@@ -113,32 +110,28 @@ def test_its_records_are_still_waters(law, half_width):
     np.testing.assert_allclose(bent[..., 210:], still[..., 210:], rtol=0.02)
 
 
-@pytest.mark.parametrize(("g", "farthest"), [(0.05, 1095.63), (0.5, 346.99), (5.0, 111.36)])
-def test_the_bed_is_unseen_beyond_where_rays_turn(g, farthest):
-    # Faster below: a ray that comes down flatter turns before the bed.
-    arrays = flat(gradient(-g, 20.0), bins=2400, bin_length=0.5)
-    record = rays.trace(arrays, poses_of(0.0, 0.0, 20.0), rays=4000)[0, 0]
-    c_bed = 1500.0 + 20.0 * g
-    time = math.acosh(1.0 + g * g * (farthest**2 + 400.0) / (2.0 * 1500.0 * c_bed)) / g
-    lit = np.flatnonzero(record)
-    assert (lit[-1] + 1) * 0.5 == pytest.approx(1500.0 * time, abs=0.5)
-    assert record[40 : lit[-1]].all()
-
-
-@pytest.mark.parametrize(("g", "farthest"), [(0.1, 1642.35), (0.5, 733.01)])
-def test_or_beyond_the_ray_that_grazes_the_surface(g, farthest):
-    # Slower below, sonar 10 m below the surface and 30 m above the bed; what passes the surface is gone.
-    water = layered([-5.0, 40.0], [1500.0 - 45.0 * g, 1500.0], 1500.0 - 10.0 * g, surface=40.0)
-    arrays = flat(water, bins=4000, bin_length=0.5)
-    record = rays.trace(arrays, poses_of(0.0, 0.0, 30.0), rays=4000)[0, 0]
-    c_bed = 1500.0 - 40.0 * g
-    time = math.acosh(1.0 + g * g * (farthest**2 + 900.0) / (2.0 * water.reference * c_bed)) / g
+@pytest.mark.parametrize(
+    ("water", "height", "g", "farthest"),
+    [
+        # Faster below: a ray that comes down flatter turns before the bed.
+        *[(gradient(-g, 20.0), 20.0, g, limit) for g, limit in ((0.05, 1095.63), (0.5, 346.99), (5.0, 111.36))],
+        # Slower below, sonar 10 m below the surface: the ray that grazes it is the last, what passes it is gone.
+        *[
+            (water_about(30.0, [-5.0, 40.0], [1500.0 - 45.0 * g, 1500.0], 40.0), 30.0, g, limit)
+            for g, limit in ((0.1, 1642.35), (0.5, 733.01))
+        ],
+    ],
+)
+def test_the_bed_is_unseen_beyond_the_limiting_range(water, height, g, farthest):
+    record = rays.trace(flat(water, bins=4000, bin_length=0.5), poses_of(0.0, 0.0, height), rays=4000)[0, 0]
+    c_bed = float(np.interp(0.0, water.height, water.speed[0]))
+    time = math.acosh(1.0 + g * g * (farthest**2 + height**2) / (2.0 * water.reference * c_bed)) / g
     lit = np.flatnonzero(record)
     assert (lit[-1] + 1) * 0.5 == pytest.approx(water.reference * time, abs=0.5)
-    assert record[60 : lit[-1]].all()
+    assert record[int(2.0 * height) : lit[-1]].all()
 
 
-def integrated(water, z, law, half_width, bins, bin_length, rays=40_000, slabs=400):
+def integrated(water, z, law, half_width, bins, bin_length, rays=6000, slabs=400):
     """A level bed's record by integrals over height, ray by ray: nothing of arcs or tubes."""
     step = 1e-6
     angles = np.arcsin(z / np.linspace(z * (1 + 1e-9), 1.2 * bins * bin_length, rays + 1))[::-1]
@@ -171,7 +164,9 @@ def integrated(water, z, law, half_width, bins, bin_length, rays=40_000, slabs=4
             width = 2.0 * np.arcsin(np.minimum(math.sin(half_width) / cosine, 1.0)) * x
         mirror = MATERIAL.specular * (MATERIAL.shininess + 2.0) / (2.0 * math.pi) * lobe
         value = sine**2 * (MATERIAL.diffuse / math.pi + mirror) * ground * width * (intensity * r * r) ** 2
-    return np.bincount((r / bin_length).astype(int), value, 4 * bins)[:bins]
+    nearest_first = np.argsort(r)
+    r, value = r[nearest_first], value[nearest_first]
+    return np.diff(np.interp(np.arange(bins + 1) * bin_length, r, np.cumsum(value) - 0.5 * value))
 
 
 @pytest.mark.parametrize(
@@ -193,54 +188,22 @@ def test_levels_of_a_flat_bed_are_their_integrals(law, half_width, water):
     assert abs(level.mean()) < 0.005
 
 
-def crawl(arrays, start, direction, reach, step=0.02):
-    """Slant range of a ray's first hit by the midpoint rule in tiny steps, and what it is."""
-    water, bed = arrays.water, arrays.bed
-    level = math.hypot(direction[0], direction[1])
-    ahead = np.array([direction[0], direction[1], 0.0]) / level
-    x, z, angle, time = 0.0, start[2], math.atan2(direction[2], level), 0.0
-
-    def speed(z):
-        return float(np.interp(z, water.height, water.speed[0]))
-
-    def gradient_at(z):
-        return (speed(z + 1e-6) - speed(z - 1e-6)) / 2e-6
-
-    def found(x, z):
-        point = np.array(start) + x * ahead
-        point[2] = z
-        for k in range(arrays.solids.shape.size):
-            if naive.body_depth(arrays.solids, k, point) <= 0.0:
-                return k
-        return BED if z <= naive.height(bed, point[0], point[1]) else -2
-
-    while water.reference * time < reach:
-        half = angle - 0.5 * step * gradient_at(z) * math.cos(angle) / speed(z)
-        mz = z + 0.5 * step * math.sin(half)
-        later = angle - step * gradient_at(mz) * math.cos(half) / speed(mz)
-        nx, nz = x + step * math.cos(half), z + step * math.sin(half)
-        what = found(nx, nz)
-        if what != -2:
-            share = 0.5
-            for k in range(2, 30):
-                inside = found(x + share * (nx - x), z + share * (nz - z)) != -2
-                share += -(0.5**k) if inside else 0.5**k
-            return water.reference * (time + share * step / speed(mz)), what
-        x, z, angle, time = nx, nz, later, time + step / speed(mz)
-    return math.inf, -2
-
-
-def test_first_hits_are_those_of_a_crawl():
+def test_first_hits_are_those_of_tiny_steps():
     height, speed = [-1.0, 1.0, 2.0, 4.0, 8.0], [1480.0, 1482.0, 1490.0, 1500.0, 1501.0]
     bodies = [((14.0, 0.5, 1.2), 1.0), ((22.0, -3.0, 0.6), (22.0, 3.0, 1.0), 0.7), ((30.0, 0.0, 3.0), 0.8)]
     arrays = arrays_of(rough(64, 64, rms=0.15), 0.5, periodic=True, solids=bodies)
-    arrays = arrays._replace(water=layered(height, speed, 1500.0))
-    start, reach = (0.3, 0.2, 4.5), 60.0
+    arrays = arrays._replace(water=water_of(height, speed, surface=SURFACE))
+    start, azimuth, reach = (0.3, 0.2, 4.5), 0.02, 60.0
     angles = np.concatenate([np.linspace(1.0, 30.0, 30), np.linspace(-6.0, 1.0, 14)])
-    ways = downwards(angles, azimuth=0.02)
-    found, what, _ = rays.cast(arrays, start, ways, reach=reach)
-    crawled = [crawl(arrays, start, way, reach) for way in ways]
-    expected, kinds = np.array([c[0] for c in crawled]), np.array([c[1] for c in crawled])
+
+    def met(x, z):
+        points = np.column_stack([start[0] + x * math.cos(azimuth), start[1] + x * math.sin(azimuth), z])
+        return naive.inside(arrays, points)
+
+    found, what, _ = rays.cast(arrays, start, downwards(angles, azimuth), reach=reach)
+    twin = bent.follow(arrays.water, start[2], -np.radians(angles), met, reach, 0.02)
+    expected = 1500.0 * twin["time"]
+    kinds = np.where(expected < reach, twin["what"], -2)
     assert set(kinds) == {-2, BED, 0, 1, 2}
     assert (what == kinds).mean() > 0.97  # but for rays that just graze something
     same = (what == kinds) & (what != -2)
@@ -309,9 +272,8 @@ def test_straight_down_is_a_straight_line():
 
 
 def test_records_do_not_depend_on_threads():
-    height, speed = THERMOCLINE
     arrays = arrays_of(rough(64, 64), 0.5, periodic=True, half_width=FAN, bins=200, bin_length=0.3)
-    arrays = arrays._replace(water=layered(height, speed, 1500.0))
+    arrays = arrays._replace(water=water_of(*THERMOCLINE, surface=SURFACE))
     poses = poses_of(np.arange(20.0), 0.0, 20.0 + 0.1 * np.sin(np.arange(20.0)))
     whole = rays.trace(arrays, poses, rays=500, threads=1)
     assert (rays.trace(arrays, poses, rays=500, threads=3) == whole).all()
@@ -342,7 +304,7 @@ def test_of_a_section_each_ray_feels_what_lies_in_its_plane():
     station, height = np.array([-300.0, -40.0, 25.0, 300.0]), np.array([-5.0, 3.0, 12.0, 100.0])
     gx, gz, azimuth = 0.3, 0.2, 0.9
     speed = 1500.0 + gx * station[:, None] + gz * height
-    water = Water(True, height, speed, station, 1.0, 0.0, 1504.0, SURFACE)
+    water = water_of(height, speed, station, reference=1504.0, surface=SURFACE)
     hits, arrivals = land(flat(water), (10.0, 5.0, 20.0), downwards(np.linspace(5.0, 85.0, 41), azimuth), 300.0)
     x = arrivals.spread * np.cos(np.radians(np.linspace(5.0, 85.0, 41)))
     # In the plane the gradient is even, and the time between two points is that along a circle.

@@ -13,6 +13,7 @@ from insonify.kernels.refraction.apparent_positions import apply_apparent_positi
 from insonify.packing.apparent_tables import make_apparent_tables
 from insonify.tracers import sweep
 from insonify.tracers.labels import trace_labels
+from water import water_about
 
 SONAR = 10.02
 FLAT = np.zeros((4, 4))
@@ -26,7 +27,7 @@ WATERS = {
 
 
 def wet(arrays, name, sonar=SONAR):
-    return arrays._replace(water=bent.layered(*WATERS[name], sonar))
+    return arrays._replace(water=water_about(sonar, *WATERS[name]))
 
 
 @kernel
@@ -51,7 +52,7 @@ def test_tables_of_one_gradient_hold_the_closed_forms(gradient, sonar):
     c0 = 1500.0
     speeds = [c0 - gradient * (200.0 + sonar), c0 + gradient * (200.0 - sonar)]
     arrays = arrays_of(np.array([[-1.0, 1.0], [1.0, -1.0]]), bins=1000, bin_length=0.1)
-    arrays = arrays._replace(water=bent.layered([-200.0, 200.0], speeds, sonar))
+    arrays = arrays._replace(water=water_about(sonar, [-200.0, 200.0], speeds))
     rng = np.random.default_rng(1)
     x, heights = rng.uniform(0.0, 100.0, 500), rng.uniform(-1.0, 1.0, 500)
     level, rise, tube, turn = read(arrays, sonar, x, heights).T
@@ -78,7 +79,7 @@ def test_a_rough_profile_has_the_ranges_and_incidences_of_the_closed_forms(gradi
     c0, knots = 1500.0, 901
     speeds = [c0 - gradient * (200.0 + SONAR), c0 + gradient * (200.0 - SONAR)]
     arrays = arrays_of(np.array([[-1.0, 1.0], [1.0, -1.0]]), bins=1000, bin_length=0.1)
-    arrays = arrays._replace(water=bent.layered([-200.0, 200.0], speeds, SONAR))
+    arrays = arrays._replace(water=water_about(SONAR, [-200.0, 200.0], speeds))
     apparent, _ = make_apparent_tables(arrays, poses_of(0.0, 0.0, SONAR))
     x = np.linspace(0.0, 90.0, knots)
     z = 0.9 * np.sin(0.7 * x) - SONAR
@@ -104,7 +105,7 @@ def test_water_that_hardly_bends_is_as_good_as_straight():
     poses = poses_of([0.0, 0.3], 0.1, SONAR, 0.2)
     for changes in ({}, {"half_width": 0.01}, {"law": 0}, {"law": 0, "half_width": 0.01}):
         straight = sweep.trace(arrays._replace(**changes), poses)
-        hardly = arrays._replace(water=bent.layered([-50.0, 50.0], [1500.0, 1500.00001], SONAR), **changes)
+        hardly = arrays._replace(water=water_about(SONAR, [-50.0, 50.0], [1500.0, 1500.00001]), **changes)
         # A step of the horizon or a part of a bin may fall to either side.
         assert np.linalg.norm(sweep.trace(hardly, poses) - straight) < 1e-4 * np.linalg.norm(straight)
 
@@ -156,7 +157,7 @@ def test_a_rough_bed_echoes_as_fine_rays_say(name):
     heights = profile()
     arrays = wet(arrays_of(heights, 0.1, periodic=True, bins=500, bin_length=0.1, spreading=True), name)
     record = sweep.trace(arrays, poses_of(0.0, 0.0, SONAR))[0, 0].astype(float)
-    twin = bent.knife(arrays, SONAR, bed_of(heights, 0.1), rays=20000, step=0.05)
+    twin = bent.knife(arrays, SONAR, bed_of(heights, 0.1), rays=8000)
     assert np.median(abs(in_decibels(record, twin, 5))) < 0.1
     assert abs(in_decibels(record, twin, 360)).max() < 0.05
 
@@ -168,7 +169,7 @@ def test_a_target_and_its_shadow_lie_where_fine_rays_say(name, at, height):
     axis = ((-5.0, at, height), (5.0, at, height), radius)
     arrays = wet(arrays_of(FLAT, 0.1, periodic=True, bins=2500, bin_length=0.02, solids=[axis]), name)
     record = sweep.trace(arrays, poses_of(0.0, 0.0, SONAR))[0, 0].astype(float)
-    twin = bent.knife(arrays, SONAR, np.zeros_like, [(at, height, radius)], rays=20000, step=0.05)
+    twin = bent.knife(arrays, SONAR, np.zeros_like, [(at, height, radius)], rays=8000)
     edges = [np.flatnonzero(np.diff((r > 0.02 * np.median(r[r > 0.0])).astype(int))) for r in (record, twin)]
     assert len(edges[0]) == len(edges[1])
     assert abs(edges[0] - edges[1]).max() <= 1
@@ -252,7 +253,7 @@ def test_the_bed_is_unseen_beyond_the_limiting_range(gradient, limit):
     height, speed = 20.0, 1500.0
     speeds = [speed + gradient * 120.0, speed - gradient * 80.0]
     arrays = arrays_of(FLAT, 0.25, periodic=True, bins=400, bin_length=1.0)
-    arrays = arrays._replace(water=bent.layered([-100.0, 100.0], speeds, height))
+    arrays = arrays._replace(water=water_about(height, [-100.0, 100.0], speeds))
     truth = trace_labels(arrays, poses_of(0.0, 0.0, height))
     # The very last of it is as faint as it is level with the sound.
     assert np.nanmax(truth.ground_range[0, 0]) == pytest.approx(limit, abs=1.5)
@@ -263,7 +264,7 @@ def test_a_table_too_large_to_hold_is_left_to_rays():
     for high, left in ((1.0, False), (2000.0, True)):
         peak = high * np.eye(4)
         arrays = arrays_of(peak, 0.5, periodic=True, bins=1000, bin_length=1.0)
-        water = bent.layered([-200.0, 200.0], [1500.0, 1499.9], SONAR, surface=3000.0)
+        water = water_about(SONAR, [-200.0, 200.0], [1500.0, 1499.9], surface=3000.0)
         apparent, folded = make_apparent_tables(arrays._replace(water=water), poses_of(0.0, 0.0, SONAR))
         assert folded.all() == left
         assert apparent.tables.nbytes < 2e6
@@ -272,12 +273,12 @@ def test_a_table_too_large_to_hold_is_left_to_rays():
 def test_waters_in_which_places_are_heard_twice_fold():
     # A strong duct over the bed: rays launched upwards come back to it.
     arrays = arrays_of(FLAT, 0.5, periodic=True, bins=3000, bin_length=0.1)
-    duct = arrays._replace(water=bent.layered([-50.0, 12.0, 16.0, 50.0], [1490.0, 1490.0, 1500.0, 1500.0], SONAR))
+    duct = arrays._replace(water=water_about(SONAR, [-50.0, 12.0, 16.0, 50.0], [1490.0, 1490.0, 1500.0, 1500.0]))
     _, folded = make_apparent_tables(duct, poses_of(0.0, 0.0, [SONAR, SONAR + 0.5]))
     assert folded.all()
     _, folded = make_apparent_tables(duct._replace(bins=500), poses_of(0.0, 0.0, SONAR))
     assert not folded.any()
     # Beneath a surface near by, the far bed is in its shadow.
-    arrays = arrays._replace(water=bent.layered([-50.0, 50.0], [1450.0, 1550.0], SONAR, surface=SONAR + 2.0))
+    arrays = arrays._replace(water=water_about(SONAR, [-50.0, 50.0], [1450.0, 1550.0], surface=SONAR + 2.0))
     _, folded = make_apparent_tables(arrays, poses_of(0.0, 0.0, SONAR))
     assert folded.all()

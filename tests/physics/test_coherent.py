@@ -22,6 +22,7 @@ from insonify.simulation import prepare
 from insonify.tow.poses import take_poses
 from insonify.tracers import rays, sweep
 from insonify.tracers.scatterers import ScattererTracer, sample_pulse
+from receptions import RAYLEIGH, correlation, variation
 
 SPEED, FREQUENCY = 1500.0, 400e3
 WAVELENGTH = SPEED / FREQUENCY
@@ -71,25 +72,22 @@ def cells(bins, length=0.075):
     return 2.0 * math.sin(HALF_WIDTH) * r * length * r / np.sqrt(r**2 - HEIGHT**2)
 
 
-def normalised(bins, pings=400, **settings):
+def normalised(bins, pings=400, pulse=TONE, **settings):
     """Intensities over their mean, (pings, 2, bins)."""
     arrays = even()
-    mean = mean_record(arrays, far_apart(1))
-    return (record(arrays, far_apart(pings), **settings)[:, :, bins]) / mean[:, :, bins]
+    mean = mean_record(arrays, far_apart(1), pulse)[:, :, bins]
+    return record(arrays, far_apart(pings), pulse=pulse, **settings)[:, :, bins] / mean
 
 
-FAR = np.arange(120, BINS)
+FAR, FARTHER = np.arange(120, BINS), slice(140, BINS)
 
 
 def test_many_scatterers_make_it_exponential():
     intensity = normalised(FAR[::4], pings=250, density=4000.0)  # 100 and more in a cell
     n = intensity.size
     assert intensity.mean() == pytest.approx(1.0, abs=3.0 / math.sqrt(n))
-    amplitude = np.sqrt(intensity)
-    # CV = √(4/π − 1) = 0.523; its estimate scatters by 0.47/√n, and 150 scatterers still add 0.4 %.
-    assert amplitude.std() / amplitude.mean() == pytest.approx(
-        math.sqrt(4.0 / math.pi - 1.0), abs=0.002 + 3 * 0.47 / n**0.5
-    )
+    # The estimate scatters by 0.47/√n, and 150 scatterers still add 0.4 %.
+    assert variation(intensity) == pytest.approx(RAYLEIGH, abs=0.002 + 3 * 0.47 / n**0.5)
     assert stats.kstest(intensity[::4, :, ::2].ravel(), "expon").statistic < 1.95 / math.sqrt(n / 8)
 
 
@@ -106,17 +104,9 @@ def test_few_scatterers_make_it_spikier_as_k_speckle_of_their_number(density):
     assert ((found + 1.0) / (expected + 1.0)).mean() == pytest.approx(1.0, abs=3.5 * sigma)
 
 
-def correlation(intensity, lag, axis):
-    """Correlation of energies so many samples apart."""
-    centred = np.moveaxis(intensity - 1.0, axis, 0)
-    return (centred[lag:] * centred[: len(centred) - lag]).mean() / (centred**2).mean()
-
-
 @pytest.mark.parametrize("pulse", [Tone(duration=2e-4), Chirp(duration=1e-3, bandwidth=6e3)])
 def test_neighbouring_bins_correlate_as_the_pulse_covers_both(pulse):
-    arrays = even()
-    mean = mean_record(arrays, far_apart(1), pulse)
-    intensity = (record(arrays, far_apart(150), pulse=pulse, density=2000.0) / np.maximum(mean, 1e-30))[:, :, 140:]
+    intensity = normalised(FARTHER, 150, pulse, density=2000.0)
     fine = 200
     shape = envelope(pulse, np.arange(-20 * fine, 20 * fine) * BIN_LENGTH / fine, SPEED)
     n = intensity.size / 3.0
@@ -128,18 +118,14 @@ def test_neighbouring_bins_correlate_as_the_pulse_covers_both(pulse):
 
 
 def test_bins_of_an_ideal_pulse_are_independent():
-    arrays = even()
-    mean = mean_record(arrays, far_apart(1), Ideal())
-    intensity = (record(arrays, far_apart(150), pulse=Ideal(), density=2000.0) / np.maximum(mean, 1e-30))[:, :, 140:]
+    intensity = normalised(FARTHER, 150, Ideal(), density=2000.0)
     assert intensity.mean() == pytest.approx(1.0, abs=3.0 / math.sqrt(intensity.size))
     assert abs(correlation(intensity, 1, 2)) < 4.0 / math.sqrt(intensity.size)
 
 
 def test_a_bin_longer_than_the_pulse_averages_looks_and_keeps_the_mean():
-    pulse = Tone(duration=2.5e-5)  # 3/8 of a bin: three samples
-    arrays = even()
-    mean = mean_record(arrays, far_apart(1), pulse)
-    intensity = (record(arrays, far_apart(150), pulse=pulse, density=6000.0) / np.maximum(mean, 1e-30))[:, :, 140:]
+    # 3/8 of a bin: three samples.
+    intensity = normalised(FARTHER, 150, Tone(duration=2.5e-5), density=6000.0)
     n = intensity.size
     assert intensity.mean() == pytest.approx(1.0, abs=3.0 / math.sqrt(3.0 * n))
     # Samples a third of a bin apart share 1/9 of a pulse: (1 + 2 · (2/3)(1/9)²)/3; and few scatterers add 2/N a sample.

@@ -10,7 +10,7 @@ import pytest
 from beds import arrays_of, poses_of, rough
 from insonify.acoustics.rays import join_points
 from insonify.kernels.common.contributors import empty_contributor_table
-from insonify.kernels.common.types import LIGHT, SONAR, Water
+from insonify.kernels.common.types import LIGHT, SONAR
 from insonify.kernels.labels.refracted_labels import label_refracted_pings
 from insonify.kernels.labels.shadows import empty_shadow_table
 from insonify.kernels.labels.sweep_labels import empty_labels
@@ -21,13 +21,11 @@ from insonify.kernels.targets.angular_zbuffer import NO_PRIMITIVE
 from insonify.packing.packed_scene import without_targets
 from insonify.tracers import ray_sheets, rays, sweep
 from insonify.tracers.labels import trace_labels
+from water import water_of
 
 SONAR_HEIGHT, SURFACE, REFERENCE = 25.0, 54.0, 1489.0
 # Warm water on cold: what goes up flatter than 13 degrees is bent down again.
-WATER = Water(
-    True, np.array([0.0, 40.0, 42.0, 54.0]), np.array([[1487.5, 1490.0, 1532.0, 1532.0]]), np.zeros(1), 1.0, 0.0,
-    REFERENCE, SURFACE,
-)  # fmt: skip
+WATER = water_of([0.0, 40.0, 42.0, 54.0], [1487.5, 1490.0, 1532.0, 1532.0], reference=REFERENCE, surface=SURFACE)
 BIN, BINS = 0.1, 2900
 SLANT = (np.arange(BINS) + 0.5) * BIN
 FLAT = np.zeros((8, 8))
@@ -148,7 +146,7 @@ def test_truth_names_the_ball_in_all_its_images():
 def test_truth_flags_a_caustic_where_its_rays_come_down():
     """Through even water 55 m up and down again, and g = 5 1/s above: x = 55 / tan θ + (2c/g) tan θ is least there."""
     c, g, even = 1490.0, 5.0, 55.0
-    water = WATER._replace(height=np.array([0.0, 40.0, 55.0]), speed=np.array([[c, c, c + 15.0 * g]]), reference=c)
+    water = water_of([0.0, 40.0, 55.0], [c, c, c + 15.0 * g], reference=c, surface=SURFACE)
     slope = math.sqrt(even * g / (2.0 * c))
     sine = slope / math.sqrt(1.0 + slope * slope)
     scene = arrays_of(FLAT, 8.0, periodic=True, bins=4000, bin_length=BIN)._replace(water=water)
@@ -161,14 +159,10 @@ def test_truth_flags_a_caustic_where_its_rays_come_down():
 
 def test_truth_by_rays_is_that_by_tables():
     ball = ((3.0, 25.0, 0.5), 1.0)
-    water = WATER._replace(height=np.array([0.0, 4.0, 8.0, 54.0]), speed=np.array([[1490.0, 1490.0, 1494.0, 1495.0]]))
-    scene = arrays_of(
-        rough(64, 64, rms=0.1), 0.5, periodic=True, solids=[ball], half_width=0.02, bins=300, bin_length=0.12
-    )
-    scene, poses = (
-        scene._replace(water=water._replace(reference=1495.0), bin_length=0.12),
-        poses_of([3.0, 3.4], 0.0, 12.0),
-    )
+    water = water_of([0.0, 4.0, 8.0, 54.0], [1490.0, 1490.0, 1494.0, 1495.0], reference=1495.0, surface=SURFACE)
+    options = {"periodic": True, "solids": [ball], "half_width": 0.02, "bins": 300, "bin_length": 0.12}
+    scene = arrays_of(rough(64, 64, rms=0.1), 0.5, **options)._replace(water=water)
+    poses = poses_of([3.0, 3.4], 0.0, 12.0)
     swept = trace_labels(scene, poses, planes=64)
     found, tables = empty_labels(2, 300, 1), (empty_contributor_table(2, 300), empty_shadow_table(1, 300))
     assert label_refracted_pings(scene, without_targets(scene), poses, 40_000, *tables, found) == 0

@@ -6,10 +6,9 @@ from itertools import pairwise
 import numpy as np
 import pytest
 
-from insonify.scene import build
 from insonify.scene.seabed.reliefs.fractal import Fractal, power_spectrum
-from insonify.scene.seabed.reliefs.von_karman import VonKarman
-from insonify.terrain import endless_field, relief
+from insonify.scene.seabed.reliefs.roughness import VonKarman
+from insonify.terrain import endless_field
 from insonify.terrain.endless_field import TILE, Band, EndlessField, Nodes, gather_tiles
 from insonify.terrain.lattice_noise import lattice_noise
 from insonify.terrain.random_heights import endless_heights
@@ -155,54 +154,3 @@ def test_noise_is_white_and_a_hash_of_its_place():
     )
     for other in (lattice_noise(2, 2, 0.1, *[range(-512, 512)] * 2), lattice_noise(1, 3, 0.1, *[range(-512, 512)] * 2)):
         assert np.corrcoef(noise.ravel(), other.ravel())[0, 1] == pytest.approx(0.0, abs=4e-3)
-
-
-@pytest.mark.parametrize(
-    "made",
-    [
-        {"kind": "fractal", "beta": 2.0, "period": 10.0, **SOFT},
-        {"kind": "von_karman", "across": 2.0, "along": 3.0, "extent": "endless"},
-        {"kind": "autocorrelation", "function": {"kind": "exponential", "length": 1.0}, "extent": "endless"},
-    ],
-)
-def test_rms_is_that_expected(made):
-    seabed = build({"seabed": {"spacing": 0.1, "relief": made | {"rms": 0.2}}}).seabed
-    assert np.mean([relief(seabed, seed=seed).std() for seed in range(4)]) == pytest.approx(0.2, rel=0.06)
-
-
-def test_endless_ripples_are_ripples():
-    made = {"kind": "ripples", "wavelength": 0.8, "heading": 20.0, "height": 0.1, "sharpness": 0.0, "extent": "endless"}
-    z = relief(build({"seabed": {"spacing": 0.1, "relief": made}}).seabed, (512, 512))
-    assert z.max() <= 0.05
-    assert np.mean(z**4) / np.mean(z**2) ** 2 == pytest.approx(1.5, abs=0.15)
-    power = np.abs(np.fft.rfft2(z)) ** 2
-    fx, fy = np.fft.rfftfreq(512, 0.1)[np.newaxis, :], np.fft.fftfreq(512, 0.1)[:, np.newaxis]
-    weight = power * (np.hypot(fx, fy) < 1.8) * (fx > 0)
-    mean = (weight * fx).sum() / weight.sum(), (weight * fy).sum() / weight.sum()
-    assert 1.0 / np.hypot(*mean) == pytest.approx(0.8, rel=0.03)
-    assert (np.degrees(np.arctan2(mean[1], mean[0])) + 90.0) % 180.0 == pytest.approx(20.0, abs=3.0)
-
-
-def test_endless_autocorrelation_is_recovered():
-    made = {
-        "kind": "autocorrelation",
-        "function": {"kind": "exponential", "length": 1.0},
-        "rms": 0.1,
-        "extent": "endless",
-    }
-    seabed = build({"seabed": {"spacing": 0.1, "relief": made}}).seabed
-    found = np.zeros(40)
-    for seed in range(4):
-        z = relief(seabed, seed=seed)
-        found += [np.mean(z[:, : z.shape[1] - lag] * z[:, lag:]) for lag in range(40)]
-    np.testing.assert_allclose(found / found[0], np.exp(-0.1 * np.arange(40)), atol=0.05)
-
-
-@pytest.mark.parametrize("share", [0.25, 0.6])
-def test_endless_mask_covers_its_share(share):
-    mask = {"kind": "patches", "share": share, "size": 2.0}
-    made = {"kind": "power_law", "extent": "endless"}
-    whole, masked = (
-        relief(build({"seabed": {"spacing": 0.1, "relief": made | extra}}).seabed) for extra in ({}, {"mask": mask})
-    )
-    assert (masked / whole > 0.5).mean() == pytest.approx(share, abs=0.05)

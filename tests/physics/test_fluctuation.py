@@ -7,25 +7,22 @@ import math
 import numpy as np
 import pytest
 
-from beds import arrays_of
-from insonify.receiver import make_reception, receive
+from insonify.receiver import receive
 from insonify.receiver.fluctuation import Fluctuation
-from insonify.scene import edit, load_scene
+from receptions import reception
 
 BINS = 60
 PINGS = 200_000
 
 
-def reception(**fluctuation):
-    declared = edit(
-        load_scene("default"), {"sonar.pulse": "ideal", "receiver.fluctuation": {"kind": "lognormal", **fluctuation}}
-    )
-    return make_reception(declared, arrays_of(np.zeros((4, 4)), bins=BINS), altitude=1.0, depth=20.0)
+def ready(**fluctuation):
+    kind = {"kind": "lognormal", **fluctuation}
+    return reception(BINS, altitude=1.0, sonar__pulse="ideal", receiver__fluctuation=kind)
 
 
 def levels(**fluctuation):
     """Level of every ping in dB, at 10 pings a second."""
-    return 10.0 * np.log10(reception(**fluctuation).find(Fluctuation).gains(np.arange(PINGS)).ravel().astype(float))
+    return 10.0 * np.log10(ready(**fluctuation).find(Fluctuation).gains(np.arange(PINGS)).ravel().astype(float))
 
 
 @pytest.mark.parametrize("time", [0.05, 0.3, 1.0, 7.7, 60.0])
@@ -50,14 +47,14 @@ def test_pings_as_far_apart_as_three_correlation_times_are_independent():
 
 
 def test_the_mean_intensity_stays():
-    gain = reception(level=3.0, correlation_time=0.05).find(Fluctuation).gains(np.arange(PINGS)).astype(float)
+    gain = ready(level=3.0, correlation_time=0.05).find(Fluctuation).gains(np.arange(PINGS)).astype(float)
     variance = math.exp((3.0 * math.log(10.0) / 10.0) ** 2) - 1.0
     assert gain.mean() == pytest.approx(1.0, abs=3.0 * math.sqrt(variance / PINGS))
 
 
 def test_both_sides_of_a_ping_and_all_its_bins_share_a_gain():
     traced = np.random.default_rng(0).random((50, 2, BINS), np.float32) + 0.1
-    ratio = receive(reception(level=3.0), traced, np.arange(50)) / traced
+    ratio = receive(ready(level=3.0), traced, np.arange(50)) / traced
     np.testing.assert_allclose(ratio, ratio[:, :1, :1] * np.ones((1, 2, BINS)), rtol=1e-5)
     assert np.ptp(ratio) > 0.1
 
@@ -66,8 +63,8 @@ def test_the_water_shifts_echoes_and_keeps_their_energy():
     traced = np.zeros((4000, 2, BINS), np.float32)
     traced[:, :, 30] = 1.0
     # 0.1 ms is 7.5 cm of slant range, 1.5 bins.
-    ready = reception(level=0.0, travel_time=1e-4, correlation_time=0.05)
-    record = receive(ready, traced, np.arange(4000)).astype(float)
+    shifting = ready(level=0.0, travel_time=1e-4, correlation_time=0.05)
+    record = receive(shifting, traced, np.arange(4000)).astype(float)
     np.testing.assert_allclose(record.sum(axis=2), 1.0, rtol=1e-5)
     delay = record @ np.arange(BINS) - 30.0
     np.testing.assert_allclose(delay[:, 0], delay[:, 1], atol=1e-4)
@@ -80,6 +77,6 @@ def test_the_water_shifts_echoes_and_keeps_their_energy():
 def test_a_shift_leaves_an_even_bed_even_to_the_last_bin():
     traced = np.zeros((50, 2, BINS), np.float32)
     traced[:, :, 20:] = 1.0
-    record = receive(reception(level=0.0, travel_time=1e-4), traced, np.arange(50))
+    record = receive(ready(level=0.0, travel_time=1e-4), traced, np.arange(50))
     np.testing.assert_allclose(record[:, :, 30:], 1.0, rtol=1e-6)
     assert not record[:, :, :10].any()

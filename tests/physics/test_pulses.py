@@ -7,11 +7,10 @@ import math
 import numpy as np
 import pytest
 
-from beds import arrays_of
 from insonify.acoustics.pulses import coherence, coherent_taps, envelope, pulse_taps
-from insonify.receiver import make_reception, receive
-from insonify.scene import edit, load_scene
+from insonify.receiver import receive
 from insonify.scene.sonar.pulses import Chirp, Ideal, Tone
+from receptions import reception
 
 SPEED = 1500.0
 BANDWIDTH = 30e3
@@ -66,9 +65,7 @@ def test_taps_of_a_chirp_are_integrals_over_bins():
 
 
 def record_of(traced, bin_length, **changes):
-    declared = edit(load_scene("default"), {path.replace("__", "."): value for path, value in changes.items()})
-    arrays = arrays_of(np.zeros((4, 4)), bins=traced.shape[2], bin_length=bin_length)
-    return receive(make_reception(declared, arrays, altitude=10.0, depth=20.0), traced, np.arange(len(traced)))
+    return receive(reception(traced.shape[2], bin_length, **changes), traced, np.arange(len(traced)))
 
 
 def test_the_record_of_a_point_is_the_response_of_the_pulse():

@@ -11,9 +11,9 @@ from beds import arrays_of
 from insonify.acoustics.resolution_cell import coherence_angle, surface_echo, volume_echo
 from insonify.display.normalisation import LevelBed, normalise
 from insonify.kernels.common.types import TOP_HAT
-from insonify.receiver import make_reception, receive
-from insonify.scene import edit, load_scene
+from insonify.receiver import receive
 from insonify.simulation import prepare
+from receptions import reception, scene_with
 
 BINS, BIN_LENGTH = 1000, 0.05
 R = (np.arange(BINS) + 0.5) * BIN_LENGTH
@@ -31,13 +31,12 @@ def arrays(width=FAN, bins=BINS, **options):
     )
 
 
-def declared(**changes):
-    return edit(load_scene("default"), {path.replace("__", "."): value for path, value in changes.items()})
+def ready(bins=BINS, width=FAN, **changes):
+    return reception(bins, half_width=0.5 * width, spreading=True, **changes)
 
 
-def record_of(traced, altitude=10.0, depth=20.0, width=FAN, **changes):
-    ready = make_reception(declared(**changes), arrays(width, traced.shape[2]), altitude=altitude, depth=depth)
-    return receive(ready, traced, np.arange(len(traced)))
+def record_of(traced, width=FAN, **changes):
+    return receive(ready(traced.shape[2], width, **changes), traced, np.arange(len(traced)))
 
 
 SILENCE = np.zeros((1, 2, BINS), np.float32)
@@ -46,7 +45,9 @@ SILENCE = np.zeros((1, 2, BINS), np.float32)
 def test_volume_reverberation_is_the_sonar_equation():
     # In the open: neither bed nor surface within range, so that Ψ is half a turn of the beam's sines.
     volume = {"kind": "volume", "volume_strength": -65.0}
-    record = record_of(SILENCE, 100.0, 100.0, receiver__reverberation=volume, sonar__pulse=TONE)[0, 0, 200:]
+    record = record_of(SILENCE, altitude=100.0, depth=100.0, receiver__reverberation=volume, sonar__pulse=TONE)[
+        0, 0, 200:
+    ]
     solid_angle = 2.0 * math.sin(0.5 * FAN) * math.pi
     level = -65.0 + decibels(solid_angle * R[200:] ** 2 * 0.15) - 40.0 * np.log10(R[200:])
     # The pulse holds echoes of the 15 cm nearer, 7.5 cm on the average, where spreading is a little less.
@@ -136,32 +137,21 @@ def test_the_gain_is_spreading_log_r_and_2_alpha_r(spreading, absorption):
 
 
 def test_left_out_the_absorption_is_that_of_the_water():
-    own = make_reception(declared(water__absorption=97.0, receiver__tvg="power"), arrays(), altitude=10.0, depth=20.0)
-    given = make_reception(declared(receiver__tvg=tvg(30.0, 97.0)), arrays(), altitude=10.0, depth=20.0)
+    own, given = ready(water__absorption=97.0, receiver__tvg="power"), ready(receiver__tvg=tvg(30.0, 97.0))
     np.testing.assert_allclose(own.gain, given.gain, rtol=1e-12)
 
 
 def test_the_gain_that_fits_the_bed_makes_it_even():
     # A fan over a level Lambert bed falls by 50 log r far out, so 50 log r is what it takes.
-    simulation = prepare(
-        declared(
-            seabed__relief="flat",
-            seabed__material={"diffuse": 0.5, "specular": 0.0},
-            targets=[],
-            track__altitude=2.0,
-            receiver__tvg=tvg(50.0),
-        )
-    )
+    level = {"seabed__relief": "flat", "seabed__material": {"diffuse": 0.5, "specular": 0.0}, "targets": []}
+    simulation = prepare(scene_with(**level, track__altitude=2.0, receiver__tvg=tvg(50.0)))
     record = simulation.intensity(np.arange(1))[0, 0, 300:]
     assert np.ptp(decibels(record)) < 0.2
 
 
 def test_the_gain_stops_where_the_bed_sinks_into_the_noise():
     noise = {"kind": "ambient", "level": -70.0}
-    quiet, loud = (
-        make_reception(declared(receiver__tvg=tvg(40.0), receiver__noise=n), arrays(), altitude=10.0, depth=20.0)
-        for n in ("none", noise)
-    )
+    quiet, loud = (ready(receiver__tvg=tvg(40.0), receiver__noise=n) for n in ("none", noise))
     np.testing.assert_allclose(quiet.gain, R**4, rtol=1e-9)
     clipped = np.flatnonzero(loud.gain < quiet.gain)
     first = clipped[0]
@@ -192,13 +182,8 @@ def test_a_gain_beyond_all_bounds_is_clipped_too():
     ],
 )
 def test_an_even_bed_still_looks_even(receiver):
-    level = {
-        "seabed.relief": "flat",
-        "seabed.material": {"diffuse": 1.0, "specular": 0.0},
-        "targets": [],
-        "receiver": receiver,
-    }
-    simulation = prepare(edit(load_scene("default"), level))
+    level = {"seabed__relief": "flat", "seabed__material": {"diffuse": 1.0, "specular": 0.0}, "targets": []}
+    simulation = prepare(scene_with(**level, receiver=receiver))
     pings = np.arange(256)
     amplitude = normalise(simulation.intensity(pings), LevelBed(simulation).curves(pings))
     mean = (amplitude[:, :, 210:].astype(float) ** 2).mean(axis=(0, 1))

@@ -8,27 +8,23 @@ import numpy as np
 import pytest
 from scipy import stats
 
-from beds import arrays_of
 from insonify.acoustics.pulses import coherence
 from insonify.kernels.speckle.random_fields import transform_distribution
-from insonify.receiver import make_reception, receive
+from insonify.receiver import receive
 from insonify.receiver.speckle import COLUMNS, FIRST_COLUMN, Speckle, shape_table
 from insonify.scene import edit, load_scene
+from insonify.scene.sonar.pulses import Chirp
 from insonify.simulation import prepare
+from receptions import RAYLEIGH, correlation, reception, variation
 
 BINS, BIN_LENGTH, WIDTH = 400, 0.05, 1.0
 WAVELENGTH = 1500.0 / 400e3
 
 
-def speckle(pings=400, half_width=WIDTH / 2.0, bins=BINS, speckle="rayleigh", **changes):
+def speckle(pings=400, half_width=WIDTH / 2.0, speckle="rayleigh", **changes):
     """Numbers that an even record is multiplied by, (pings, 2, bins)."""
-    declared = edit(
-        load_scene("default"),
-        {"receiver.speckle": speckle, **{path.replace("__", "."): value for path, value in changes.items()}},
-    )
-    arrays = arrays_of(np.zeros((4, 4)), bins=bins, bin_length=BIN_LENGTH, half_width=math.radians(half_width))
-    ready = make_reception(declared, arrays, altitude=5.0, depth=20.0).find(Speckle)
-    return ready.factors(np.arange(pings)).astype(float)
+    ready = reception(BINS, altitude=5.0, half_width=math.radians(half_width), receiver__speckle=speckle, **changes)
+    return ready.find(Speckle).factors(np.arange(pings)).astype(float)
 
 
 def effective(pings, bins, correlation_along=1.0, correlation_across=1.0):
@@ -44,9 +40,7 @@ def test_one_look_is_rayleigh():
     intensity = speckle()
     n = effective(400, BINS, correlation_across=TONE)
     assert intensity.mean() == pytest.approx(1.0, abs=3.0 / math.sqrt(n))
-    amplitude = np.sqrt(intensity)
-    # CV = √(4/π − 1) = 0.523; its estimate scatters by 0.47/√n.
-    assert amplitude.std() / amplitude.mean() == pytest.approx(math.sqrt(4.0 / math.pi - 1.0), abs=3 * 0.47 / n**0.5)
+    assert variation(intensity) == pytest.approx(RAYLEIGH, abs=3 * 0.47 / n**0.5)  # its estimate scatters by 0.47/√n
     assert intensity.std() / intensity.mean() == pytest.approx(1.0, abs=3.0 * math.sqrt(2.0 / n))
 
 
@@ -69,12 +63,6 @@ def test_looks_average(looks):
     assert intensity.std() / intensity.mean() == pytest.approx(1.0 / math.sqrt(looks), abs=3.0 * sigma)
 
 
-def correlation(intensity, lag, axis):
-    """Correlation of energies so many samples apart."""
-    centred = np.moveaxis(intensity - 1.0, axis, 0)
-    return (centred[lag:] * centred[: len(centred) - lag]).mean() / (centred**2).mean()
-
-
 @pytest.mark.parametrize("duration", [1e-4, 2e-4, 5e-4])
 def test_neighbouring_bins_correlate_as_the_pulse_covers_both(duration):
     intensity = speckle(3000, sonar__pulse={"kind": "tone", "duration": duration})
@@ -86,9 +74,8 @@ def test_neighbouring_bins_correlate_as_the_pulse_covers_both(duration):
 
 
 def test_neighbouring_bins_of_a_chirp_correlate_by_its_bandwidth():
-    intensity = speckle(3000, sonar__pulse={"kind": "chirp", "duration": 1e-3, "bandwidth": 6e3})
-    declared = edit(load_scene("default"), {"sonar.pulse": {"kind": "chirp", "duration": 1e-3, "bandwidth": 6e3}})
-    wanted = coherence(declared.sonar.pulse, 1500.0, BIN_LENGTH) ** 2
+    pulse = Chirp(duration=1e-3, bandwidth=6e3)
+    intensity, wanted = speckle(3000, sonar__pulse=pulse.model_dump()), coherence(pulse, 1500.0, BIN_LENGTH) ** 2
     n = effective(3000, BINS, correlation_across=3.0)
     for lag in range(1, 6):
         assert correlation(intensity, lag, 2) == pytest.approx(wanted[lag], abs=4.0 / math.sqrt(n))
@@ -218,9 +205,8 @@ def test_each_material_has_its_own_shape():
 
 
 def test_the_shape_of_a_bin_is_the_mean_of_what_it_hears():
-    arrays = arrays_of(np.zeros((4, 4)), bins=200, half_width=0.01)
-    declared = edit(load_scene("default"), {"receiver.speckle": k(2.0), "track.speed": 50.0, "sonar.pulse": "ideal"})
-    ready = make_reception(declared, arrays, altitude=5.0, depth=20.0)
+    changes = {"receiver__speckle": k(2.0), "track__speed": 50.0, "sonar__pulse": "ideal"}
+    ready = reception(200, altitude=5.0, half_width=0.01, **changes)
     pings = np.arange(4000)
     traced = np.ones((4000, 2, 200), np.float32)
     own, same = receive(ready, traced, pings), receive(ready, traced, pings, 0.5 * traced)

@@ -7,10 +7,10 @@ import math
 import numpy as np
 import pytest
 
-from beds import arrays_of, gaussian_pattern, mesh_of, poses_of, rough
+from beds import arrays_of, box_mesh, gaussian_pattern, mesh_of, poses_of, rough
 from brute_force import gaussian
 from insonify.kernels.common.types import GAUSSIAN, LIGHT, SONAR
-from insonify.scene.water.surfaces import rms_height, slope_variance
+from insonify.scene.water.surfaces import RoughSurface
 from insonify.statistics.record_errors import compare_records
 from insonify.tow.poses import take_poses
 from insonify.tracers import march, rays, sweep
@@ -131,9 +131,6 @@ BODIES = [
     ((2.0, -12.0, 2.2), 0.8),
     ((3.0, -16.0, 0.0), (3.0, -16.0, 2.0), 1.0, 0.2),
 ]
-CORNERS = [(x, y, z) for z in (0.0, 1.5) for x, y in ((0.0, 18.0), (3.0, 18.0), (3.0, 20.0), (0.0, 20.0))]
-SIDES = [(0, 2, 1), (0, 3, 2), (4, 5, 6), (4, 6, 7), (0, 1, 5), (0, 5, 4), (1, 2, 6), (1, 6, 5), (2, 3, 7), (2, 7, 6),
-         (3, 0, 4), (3, 4, 7)]  # fmt: skip
 BEAMS = {
     "knife": {},
     "fan": {"half_width": 0.02},
@@ -151,7 +148,7 @@ BEAMS = {
 def test_the_sweep_is_as_near_to_rays_as_it_is_said_to_be(beam, way):
     arrays = arrays_of(
         rough(256, 256, 0.1), 0.125, periodic=True, bins=200, bin_length=0.2, reflectivity=[(0.6, 0.3, 5.0)],
-        spreading=True, solids=BODIES, mesh=mesh_of(CORNERS, SIDES, target=4), **BEAMS[beam],
+        spreading=True, solids=BODIES, mesh=box_mesh((0.0, 18.0, 0.0), (3.0, 20.0, 1.5), target=4), **BEAMS[beam],
     )  # fmt: skip
     poses = poses_of(1.6, 0.2, 7.0, 0.0, *((0.03, -0.1) if beam == "pattern" else (0.0, 0.0)))
     ours = ghost(lambda *args: sweep.trace(*args, planes=64), arrays, poses, 13.0, way)
@@ -209,11 +206,11 @@ class TestRough:
         first = (calm * r).sum() / calm.sum()
         # Legs of d and h + d, at the grazing angle to the image, 24 m above the ball.
         passes, far = (1 if way == "surface_bottom" else 2), math.hypot(20.0, drop)
-        grazing, variance = drop / far, slope_variance(wind)
+        grazing, variance = drop / far, RoughSurface(wind_speed=wind).slope_variance
         r1, r2 = depth / grazing, (drop - depth) / grazing
         late = passes * variance * r1 * r2 / (r1 + r2)
         assert mean - first == pytest.approx(late, rel=0.02, abs=0.01)
-        height = passes * rms_height(wind) * grazing
+        height = passes * RoughSurface(wind_speed=wind).rms_height * grazing
         tilts = late**2 * (2.0 if passes == 1 else 1.0)
         assert math.sqrt(spread - mean**2) == pytest.approx(math.sqrt(height**2 + tilts), rel=0.06)
 
@@ -224,7 +221,8 @@ class TestRough:
         r = (np.arange(4500) + 0.5) * 0.01
         mean = (blown * r).sum() / blown.sum()
         assert blown.sum() == pytest.approx(calm.sum(), rel=1e-5)
-        assert math.sqrt((blown * (r - mean) ** 2).sum() / blown.sum()) == pytest.approx(rms_height(6.0), rel=0.15)
+        high = RoughSurface(wind_speed=6.0).rms_height
+        assert math.sqrt((blown * (r - mean) ** 2).sum() / blown.sum()) == pytest.approx(high, rel=0.15)
 
     def test_a_breath_of_wind_is_next_to_a_calm(self):
         arrays = arrays_of(rough(64, 64, 0.1), 0.5, **self.OPTIONS)
@@ -244,11 +242,11 @@ class TestRough:
 
     def test_waves_are_as_high_and_as_steep_as_measured(self):
         """Significant height of a fully developed sea (Pierson and Moskowitz); slopes of Cox and Munk (1954)."""
-        assert 4.0 * rms_height(10.0) == pytest.approx(0.0213 * 10.0**2, rel=0.01)
+        assert 4.0 * RoughSurface(wind_speed=10.0).rms_height == pytest.approx(0.0213 * 10.0**2, rel=0.01)
         for wind in (4.0, 5.0):
-            assert 2.0 * slope_variance(wind) == pytest.approx(0.003 + 0.00512 * wind, rel=0.15)
-        assert slope_variance(0.0) == 0.0
-        assert slope_variance(0.1) < 1e-5
+            assert 2.0 * RoughSurface(wind_speed=wind).slope_variance == pytest.approx(0.003 + 0.00512 * wind, rel=0.15)
+        assert RoughSurface(wind_speed=0.0).slope_variance == 0.0
+        assert RoughSurface(wind_speed=0.1).slope_variance < 1e-5
 
 
 def test_the_march_hears_the_same_ghosts():

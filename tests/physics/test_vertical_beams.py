@@ -61,21 +61,52 @@ def test_angles_out_of_order_are_refused():
         edit(load_scene("default"), {"sonar.vertical": {"kind": "table", "levels": [[10.0, 0.0], [0.0, 0.0]]}})
 
 
-@pytest.mark.parametrize("vertical", [{"kind": "array", "height": 0.012, "tilt": 20.0}, {"kind": "table"}])
-@pytest.mark.parametrize("method", ["sweep", "rays"])
-def test_a_level_bed_is_shaded_by_it(vertical, method):
+GAUSSIAN = {"kind": "gaussian", "width": 40.0, "tilt": 25.0}
+BEAMS = {two_way: {"sonar.beam": {"kind": "gaussian", "width": 1.0, "two_way": two_way}} for two_way in (False, True)}
+ROLL = {"track.motion": {"kind": "roll", "amplitude": 8.0, "period": 1e5, "phase": 90.0}}
+
+
+def level_records(vertical, changes, method="sweep"):
+    """Records of a level bed with a vertical beam and without, and depressions of their bins beyond 11 m."""
     level = {
         "seabed.relief": "flat", "seabed.material": {"diffuse": 0.5, "specular": 0.0}, "targets": [],
         "sonar.pulse": "ideal", "sonar.bins": 500, "track.pings": 1, "track.altitude": 10.0,
     }  # fmt: skip
-    plain, shaded = (
-        simulate(edit(load_scene("default"), level | {"sonar.vertical": beam}), method=method, tolerance=0.01)
-        for beam in ("uniform", vertical)
+    shaded, plain = (
+        simulate(edit(load_scene("default"), level | changes | {"sonar.vertical": beam}), method=method, tolerance=0.01)
+        for beam in (vertical, "uniform")
     )
-    r = plain.slant_range.values[110:]
-    ratio = shaded.intensity.values[0, 0, 110:] / plain.intensity.values[0, 0, 110:]
-    scene = edit(load_scene("default"), {"sonar.vertical": vertical})
-    _, pattern = make_pattern(scene, SPEED)
-    exact = np.empty(r.size)
-    vertical_responses(pattern, -np.arcsin(10.0 / r), exact)
-    np.testing.assert_allclose(ratio, exact, atol=0.01)
+    down = np.arcsin(10.0 / plain.slant_range.values[110:])
+    return shaded.intensity.values[:, 0, 110:], plain.intensity.values[:, 0, 110:], down
+
+
+@pytest.mark.parametrize("vertical", [{"kind": "array", "height": 0.012, "tilt": 20.0}, {"kind": "table"}])
+@pytest.mark.parametrize("method", ["sweep", "rays"])
+def test_a_level_bed_is_shaded_by_it(vertical, method):
+    shaded, plain, down = level_records(vertical, {}, method)
+    _, pattern = make_pattern(edit(load_scene("default"), {"sonar.vertical": vertical}), SPEED)
+    exact = np.empty(down.size)
+    vertical_responses(pattern, -down, exact)
+    np.testing.assert_allclose(shaded[0] / plain[0], exact, atol=0.01)
+
+
+def test_a_top_hat_hears_what_is_within_it_and_nothing_else():
+    shaded, plain, down = level_records({"kind": "fan", "width": 30.0, "tilt": 30.0}, {})
+    off = np.abs(np.degrees(down) - 30.0)
+    assert not shaded[:, off > 16.0].any()
+    np.testing.assert_allclose(shaded[:, off < 14.0], plain[:, off < 14.0], rtol=3e-3)
+
+
+@pytest.mark.parametrize(
+    ("changes", "passes", "tilts"),
+    [
+        (BEAMS[False], 1.0, (25.0, 25.0)),
+        (BEAMS[True], 2.0, (25.0, 25.0)),
+        (ROLL, 2.0, (17.0, 33.0)),  # port up
+    ],
+    ids=["one way", "two way", "rolled"],
+)
+def test_a_gaussian_weighs_a_level_bed_by_its_value(changes, passes, tilts):
+    shaded, plain, down = level_records(GAUSSIAN, changes)
+    off = np.sin(down - np.radians(tilts)[:, None]) / math.sin(math.radians(20.0))
+    np.testing.assert_allclose((shaded / plain)[:, 10:], 2.0 ** (-passes * off**2)[:, 10:], rtol=0.01)

@@ -9,12 +9,15 @@ import pytest
 from pydantic import TypeAdapter
 
 import insonify
+from insonify.accuracy.stability.themes.refraction import exact_time
+from insonify.acoustics.paths import eigenrays
 from insonify.acoustics.rays import follow_paths, join_points
 from insonify.kernels.refraction.arcs import ENDLESS, GRAZING, HIGH, LOW, NODE, RANGE
 from insonify.kernels.refraction.eigenray_search import ANGLE, TIME
 from insonify.kernels.refraction.eigenrays import FOUND, NONE
 from insonify.kernels.refraction.ray_paths import AT_RANGE, NOWHERE, TRAPPED, RayLimits
 from insonify.scene.water import AnyWater
+from insonify.scene.water.layered import ProfileWater
 from water import NO_CEILING, NO_FLOOR, downward, followed, joined, layers, shot, stepped, water_of
 
 WEAK = (0.0, 1e-16, 1e-14, 1e-12, 1e-10, 1e-8)
@@ -247,3 +250,15 @@ def test_a_ray_between_two_mirrors_ends():
         water_of(*layers([0, 60], [1500, 1510])), -20.0, np.radians([90.0, 80.0]), np.array([50.0]), limits
     )
     assert list(ends) == [TRAPPED, AT_RANGE]
+
+
+ONE_GRADIENT = ProfileWater(depth=(0.0, 8000.0), sound_speed=(1500.0, 1628.0))
+
+
+@pytest.mark.parametrize(("depth", "to"), [(4000.0, 4100.0), (10.0, 110.0), (4100.0, 4000.0), (2000.0, 2000.0)])
+def test_one_ray_comes_however_near_to_its_vertex(depth, to):
+    # It turns at the depth asked for if that lies some 4.4 km away, and short of it farther on.
+    for across in np.concatenate([np.arange(4000.0, 6000.0, 100.0), 4422.0 + np.logspace(-3.0, 2.0, 11)]):
+        found = eigenrays(ONE_GRADIENT, depth, across, to)
+        assert found.sizes["eigenray"] == 1, across
+        assert float(found.time[0]) == pytest.approx(float(exact_time(across, (depth, to))), abs=1e-11)

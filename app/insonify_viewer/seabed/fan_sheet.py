@@ -27,7 +27,7 @@ def fan_sheet(simulation: Simulation, ping: int) -> Points:
 
 def _triangles(section: CrossSection) -> Points:
     """Triangles of one side, (n, 3, 3)."""
-    met = merge_stretches(np.concatenate([section.heard, *(face for _, face in section.targets)]), section)
+    met = merge_stretches(np.concatenate([section.visible, *(face for _, face in section.targets)]), section)
     ends = [section.sonar.to_world(section.azimuth, met[:, k]) for k in range(2)]
     return np.stack([np.broadcast_to(section.sonar.place, ends[0].shape), *ends], axis=1)
 

@@ -12,7 +12,6 @@ from time import perf_counter
 from typing import TypeVar
 
 import numpy as np
-from numpy.typing import NDArray
 
 from insonify.cores import usable_cores
 
@@ -49,12 +48,8 @@ def time_calls(
             call()
             taken[name].append(clock() - start)
             progress((turn + number / len(calls)) / max(rounds, 3))
-    return {name: _timing(np.array(times)) for name, times in taken.items()}
-
-
-def _timing(times: NDArray[np.float64]) -> Timing:
-    low, median, high = np.percentile(times, [25, 50, 75])
-    return Timing(float(median), float(0.5 * (high - low) / median))
+    quartiles = {name: np.percentile(times, [25, 50, 75]) for name, times in taken.items()}
+    return {name: Timing(float(m), float(0.5 * (high - low) / m)) for name, (low, m, high) in quartiles.items()}
 
 
 def describe_machine() -> str:

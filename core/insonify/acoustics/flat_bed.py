@@ -1,9 +1,13 @@
-"""Record of a level bed in closed form, the curve by which errors and pictures are normalised.
+"""Record of a level bed in closed form, by which errors and pictures are normalised, and the bins that errors count in.
+
+Nearer than `ERROR_ALTITUDES` bins have strong echoes near nadir, to which no tolerance applies.
 
 Theory: docs/theory/error.md.
 """
 
 from __future__ import annotations
+
+import math
 
 import numpy as np
 from numpy.typing import NDArray
@@ -12,6 +16,7 @@ from insonify.kernels.beam.pattern import ring_responses
 from insonify.kernels.common.types import LIGHT, Poses, SceneArrays
 from insonify.scene.seabed.materials import Reflectivity
 
+ERROR_ALTITUDES = 1.4  # altitudes of the sonar above the mean bed
 LAMBERT = Reflectivity(1.0, 0.0, 1.0)
 
 
@@ -68,3 +73,8 @@ def along_track_width(arrays: SceneArrays, x: NDArray[np.float64], r: NDArray[np
         return x * angles
     reach = np.sin(arrays.half_width) * r / np.maximum(x, 1e-300)
     return 2.0 * x * np.arcsin(np.minimum(reach, 1.0))
+
+
+def find_first_bin(altitudes: float, arrays: SceneArrays, poses: Poses) -> int:
+    """First bin that lies beyond a number of altitudes under every pose, at most the number of bins."""
+    return min(math.ceil(altitudes * float(poses.z.max(initial=0.0)) / arrays.bin_length), arrays.bins)

@@ -7,20 +7,7 @@ from collections.abc import Callable, Iterator, Mapping
 from pathlib import Path
 from typing import Any
 
-from insonify.commands.options import (
-    add_frequency,
-    add_method,
-    add_output,
-    add_scene,
-    add_threads,
-    chosen_model,
-    chosen_output,
-    chosen_scene,
-    decibels,
-    is_record,
-    say,
-    tracked,
-)
+from insonify.commands import options
 from insonify.display.display_options import PALETTES, SIDES, DisplayOptions, read_display
 from insonify.io.records import RECORDS, read_record, write_record
 from insonify.progress import report_waiting
@@ -43,14 +30,16 @@ def register(subparsers: Any) -> None:
         "insonify render targets -o labelled.nc --truth; "
         "insonify render recording.jsf -o high.png --frequency 900e3",
     )
-    add_scene(parser)
-    add_frequency(parser)
-    add_output(parser, (PICTURE, *RECORDS.writable()), f"{PICTURE} (picture), {written}")
+    options.add_scene(parser)
+    options.add_frequency(parser)
+    options.add_output(parser, (PICTURE, *RECORDS.writable()), f"{PICTURE} (picture), {written}")
     picture = parser.add_argument_group("pictures")
     picture.add_argument("--palette", choices=PALETTES, help="colour map (default: copper)")
     picture.add_argument("--side", choices=SIDES, help="channels to draw (default: both)")
     picture.add_argument("--ground-range", action="store_true", help="convert slant range to ground range")
-    picture.add_argument("--gain", type=decibels, metavar="DB", help="brighten by this many decibels (default: 0)")
+    picture.add_argument(
+        "--gain", type=options.decibels, metavar="DB", help="brighten by this many decibels (default: 0)"
+    )
     picture.add_argument(
         "--display",
         action="append",
@@ -69,14 +58,14 @@ def register(subparsers: Any) -> None:
     for option in RECORDS.options():
         default = f"{option.description} (default: {option.choices[0]})"
         files.add_argument(f"--{option.name}", choices=option.choices, help=default)
-    add_method(parser)
-    add_threads(parser)
+    options.add_method(parser)
+    options.add_threads(parser)
     parser.set_defaults(run=run)
 
 
 def run(arguments: argparse.Namespace) -> None:
     """Simulate a scene or read a record, and write the record or its picture."""
-    path = chosen_output(arguments)
+    path = options.chosen_output(arguments)
     look = _display_options(arguments, path)
     if arguments.truth and path.suffix.lower() not in RECORDS.labelled():
         labelled = ", ".join(RECORDS.labelled())
@@ -84,17 +73,21 @@ def run(arguments: argparse.Namespace) -> None:
             f"--truth applies to {labelled}, not to {path.name}; leave it out or end the name in one of them"
         )
     choices = _write_options(arguments, path)
-    if is_record(arguments.scene):
+    if options.is_record(arguments.scene):
         pings, bins = _render_record(arguments, path, look, choices)
     else:
-        scene = chosen_scene(arguments)
+        scene = options.chosen_scene(arguments)
         if arguments.frequency is not None:
             raise SceneError("--frequency applies to recordings; write --set sonar.frequency=… for a scene")
-        options = {"method": arguments.method, "tolerance": arguments.tolerance, "forced": chosen_model(arguments)}
-        options |= {"truth": arguments.truth, "threads": arguments.threads}
-        write(scene, path, look, choices, **options)
+        settings = {
+            "method": arguments.method,
+            "tolerance": arguments.tolerance,
+            "forced": options.chosen_model(arguments),
+        }
+        settings |= {"truth": arguments.truth, "threads": arguments.threads}
+        write(scene, path, look, choices, **settings)
         pings, bins = scene.track.pings, scene.sonar.bins
-    say(f"{path}: {pings} pings of 2 x {bins} bins")
+    options.say(f"{path}: {pings} pings of 2 x {bins} bins")
 
 
 def _display_options(arguments: argparse.Namespace, path: Path) -> DisplayOptions:
@@ -159,7 +152,7 @@ def write(
     forced: Mapping[str, str] | None = None,
     truth: bool = False,
     threads: int | None = None,
-    track: Tracker = tracked,
+    track: Tracker = options.tracked,
 ) -> None:
     """Simulate a scene and write its record or picture."""
     # lazy: the other commands need neither Matplotlib nor the kernels
@@ -167,9 +160,9 @@ def write(
     from insonify.simulation import prepare, simulate_record_blocks
 
     pings = scene.track.pings
-    options: dict[str, Any] = {"method": method, "tolerance": tolerance, "forced": forced, "threads": threads}
+    settings: dict[str, Any] = {"method": method, "tolerance": tolerance, "forced": forced, "threads": threads}
     if not _is_picture(path):
-        blocks = one_ahead(simulate_record_blocks(scene, **options, truth=truth))
+        blocks = one_ahead(simulate_record_blocks(scene, **settings, truth=truth))
         write_record(path, track(blocks, pings, lambda block: block.sizes["ping_time"]), **(choices or {}))
         return
     # lazy: the other commands need no kernels
@@ -178,7 +171,7 @@ def write(
 
     # Without Datasets: importing xarray and pandas takes as long as the picture.
     with report_waiting():
-        simulation = prepare(scene, **options)
+        simulation = prepare(scene, **settings)
     shown = track(one_ahead(trace_sheet_pings(simulation)), pings, lambda block: len(block.intensity))
     sheet = gather_sheet(shown, LevelBed(simulation).normalise, pings, look)
     # lazy: Matplotlib takes as long to import as all before the first ping, and only the finished sheet needs it

@@ -81,7 +81,7 @@ def display_settings(look: DisplayOptions) -> list[str]:
 
 
 def _fits(value: Any, usual: Any) -> bool:
-    """Whether a value is of the type of the usual one; a whole number passes for any other."""
+    """Whether a value has the type of the default; a whole number counts as a number of any type."""
     if isinstance(usual, tuple):
         return isinstance(value, list) and len(value) == len(usual) and all(_fits(one, 0.0) for one in value)
     if isinstance(usual, bool) or not isinstance(usual, float):

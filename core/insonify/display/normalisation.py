@@ -24,7 +24,7 @@ if TYPE_CHECKING:
 MOST_EIGHTHS = 2**53  # of a bin, the greatest altitude of a level bed
 _PINGS = 2000  # pings that suffice for the median curve of a recording
 _FIRST = 1.25  # altitudes from which the bed of a recording counts
-_FLATTEST = 1e-6  # sine of a grazing angle; below, an altitude is no measurement and its square underflows
+_FLATTEST = 1e-6  # least sine of a grazing angle: at smaller ones, the square underflows
 _SMOOTH = 64  # the median curve is smoothed over the bins divided by this
 
 
@@ -130,7 +130,7 @@ def normalise(intensity: NDArray[np.float32], curve: NDArray[np.float64]) -> NDA
 
 
 def _relate(intensity: NDArray[np.float32], curves: NDArray[np.float64], which: NDArray[np.int64]) -> None:
-    """Turn intensities into amplitudes relative to the curve, (curves, bins), that each row of a record has.
+    """Turn intensities into amplitudes relative to curves, (curves, bins), one of them for each row of a record.
 
     They are written in place: to touch fresh memory takes longer than the arithmetic.
     """

@@ -131,12 +131,12 @@ def _ways(title: str, passes: int) -> str:
 
 
 def _decibels(energy: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Levels, the least of them `FLOOR`."""
+    """Levels in dB, at least `FLOOR`."""
     return 10.0 * np.log10(np.maximum(energy, 10.0 ** (0.1 * FLOOR)))
 
 
 def _width_at(x: NDArray[np.float64], level: NDArray[np.float64]) -> float:
-    """Span about the peak within which a level is not 3 dB below it, with straight lines between points."""
+    """Width of a peak 3 dB below its top, with straight lines between points."""
     peak = int(np.argmax(level))
     below = level - level[peak] + 3.0
     return abs(_crossing(x[peak:], below[peak:]) - _crossing(x[peak::-1], below[peak::-1]))

@@ -30,7 +30,7 @@ class CrossSection:
     sonar: SonarPose
     reach: float  # ground range to which the section is drawn, m
     bed: Points  # (n, 2) profile of the bed, NaN where there is none
-    heard: Points  # (m, 2, 2) stretches of the bed that are visible from the sonar, and stretches that are hidden
+    visible: Points  # (m, 2, 2) stretches of the bed that are visible from the sonar, and stretches that are hidden
     hidden: Points
     targets: tuple[tuple[str, Points], ...]  # names of the targets, and the visible part of each
     horizon: Points  # (k, 2, 2) lines from each crest that hides bed to the end of its shadow

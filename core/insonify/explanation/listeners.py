@@ -21,7 +21,7 @@ from insonify.tracers.labels import PATHS
 
 FAINT = 0.01  # two-way response of the beam below which a place counts as outside
 STRIP = 0.5  # m, half the width of a knife along the track
-BESIDE = 0.3  # m by which a place may lie off the surface that echoes
+BESIDE = 0.3  # m, greatest distance of a place from the surface that echoes
 WIDE = 0.03  # share of its ground range by which an echo by way of the sea surface may lie beside a place
 SURFACE_BOTTOM = PATHS.index("surface_bottom")
 

@@ -240,46 +240,32 @@ class ReceiverStage(NamedTuple):
 
 def record_by_stages(simulation: Simulation, ping: int) -> list[ReceiverStage]:
     """Record one ping without the receiver's stages, then with the first, the first two, and so on."""
-    reception, trace = simulation.reception, _Tracing(simulation, ping)
-    records = [ReceiverStage("", "", trace.record(replace(reception, stages=())))]
-    for count, stage in enumerate(reception.stages, 1):
-        record = trace.record(replace(reception, stages=reception.stages[:count]))
-        records.append(ReceiverStage(stage.name, stage.detail, record))
+    pings, whole = np.array([ping], dtype=np.int64), simulation.reception
+    poses = simulation.poses(pings)
+    kept: dict[tuple[int, bool, bool], Traced] = {}  # each trace is made once
+
+    def trace(arrays: SceneArrays, reception: Reception) -> Traced:
+        waves = bool(reception.sums_waves and reception.coherent)
+        key = id(arrays.reflectivity), reception.coherent, waves
+        if key not in kept:
+            kept[key] = _trace_ping(simulation, arrays, poses, coherent=reception.coherent, waves=waves)
+        return kept[key].copy()
+
+    records = []
+    for count in range(len(whole.stages) + 1):
+        reception, arrays = replace(whole, stages=whole.stages[:count]), simulation.reduced
+        traced, shapes = trace(arrays, reception), reception.divided_by_shape
+        divided = None if shapes is None else trace(arrays._replace(reflectivity=shapes), reception)
+        record = record_echoes(reception, traced, pings, divided, np.empty((1, 2, arrays.bins), np.float32))[0]
+        last = whole.stages[count - 1] if count else None
+        records.append(ReceiverStage(last.name, last.detail, record) if last else ReceiverStage("", "", record))
     return records
 
 
-class _Tracing:
-    """Traces of one ping, each made once."""
-
-    def __init__(self, simulation: Simulation, ping: int) -> None:
-        self._simulation = simulation
-        self._pings = np.array([ping], dtype=np.int64)
-        self._poses = simulation.poses(self._pings)
-        self._kept: dict[tuple[int, bool, bool], Traced] = {}
-
-    def record(self, reception: Reception) -> Record:
-        """Record of the ping by a receiver, (2, bins)."""
-        arrays, shapes = self._simulation.reduced, reception.divided_by_shape
-        traced = self._trace(arrays, reception)
-        divided = None if shapes is None else self._trace(arrays._replace(reflectivity=shapes), reception)
-        out = np.empty((1, 2, arrays.bins), np.float32)
-        return record_echoes(reception, traced, self._pings, divided, out)[0]
-
-    def _trace(self, arrays: SceneArrays, reception: Reception) -> Traced:
-        waves = bool(reception.sums_waves and reception.coherent)
-        key = id(arrays.reflectivity), reception.coherent, waves
-        if key not in self._kept:
-            self._kept[key] = self._traced(arrays, reception, waves)
-        return self._kept[key].copy()
-
-    def _traced(self, arrays: SceneArrays, reception: Reception, waves: bool) -> Traced:
-        simulation = self._simulation
-        tracer, settings = simulation.tracer, simulation.plan.settings
-        trace: Callable[..., Traced] = (tracer.trace_waves if waves else None) or tracer.trace
-        if simulation.reception.coherent and not reception.coherent:
-            trace = sweep.trace  # the mean energy of the scatterers
-
-        def trace_tile(tile: SceneArrays, some: Poses) -> tuple[Traced]:
-            return (trace(tile, some, **settings),)
-
-        return simulation.tiles.map(trace_tile, arrays, self._poses)[0]
+def _trace_ping(simulation: Simulation, arrays: SceneArrays, poses: Poses, *, coherent: bool, waves: bool) -> Traced:
+    """Trace one ping, for the mean energy of the scatterers where the receiver up to a stage is not coherent."""
+    tracer, settings = simulation.tracer, simulation.plan.settings
+    trace: Callable[..., Traced] = (tracer.trace_waves if waves else None) or tracer.trace
+    if simulation.reception.coherent and not coherent:
+        trace = sweep.trace
+    return simulation.tiles.map(lambda tile, some: (trace(tile, some, **settings),), arrays, poses)[0]

@@ -120,7 +120,7 @@ def arrays_at(simulation: Simulation, ping: int) -> tuple[SceneArrays, Poses]:
 
 
 def _place_surface_parts(simulation: Simulation, sonar: SonarPose, parts: EchoParts) -> EchoParts:
-    """Parts with the heights of those by way of the sea surface: of the bed there, or by the slant range."""
+    """Parts with heights for those by way of the sea surface: the height of the bed there, or by the slant range."""
     unknown = np.flatnonzero(np.isnan(parts.begin[:, 1]))
     if not unknown.size:
         return parts

@@ -1,4 +1,4 @@
-"""Match of a simulated record to a recorded one: simulate, measure alike, correct the parameters of the bed."""
+"""Match of a simulated record to a recorded one: simulate, measure, and correct the parameters of the bed."""
 
 from __future__ import annotations
 
@@ -41,7 +41,7 @@ EVERY_NODE = {"spacing": "1"}  # nodes left out would make the relief smoother
 
 @dataclass(frozen=True)
 class Candidate:
-    """Bed, speckle, gains and vertical beam of a scene that is tried."""
+    """Bed, speckle, gains and vertical beam of a scene to try."""
 
     bed: BedParameters
     gains: Pairs | None  # time-varied gain, where that of the sonar is unknown

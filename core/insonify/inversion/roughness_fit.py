@@ -23,9 +23,9 @@ COARSEST = 2  # cycles per segment that a wave needs, along or across; fewer are
 STARTS = (0.8, 1.4, 2.0, 2.6)  # exponents from which the fit starts
 LEVELS, EXPONENTS = (-60.0, 20.0), (0.0, 4.0)
 SILENT = 1e-3  # speckle over the mean power of the record, at least: fainter waves are leakage and aliases
-WIDTHS = (0.2, 0.3, 0.4, 0.55, 0.75, 1.0, 1.4, 2.0)  # degrees, of beams that are tried
+WIDTHS = (0.2, 0.3, 0.4, 0.55, 0.75, 1.0, 1.4, 2.0)  # degrees, of beams to try
 LEAST_CORRELATION = 0.01  # of neighbouring bins, below which they are independent
-SHORTEST_WAVES = 0.75  # of the highest frequency along the track, from which waves hold speckle alone
+SHORTEST_WAVES = 0.75  # of the highest frequency along the track, above which waves are speckle alone
 
 
 class PowerLawFit(NamedTuple):

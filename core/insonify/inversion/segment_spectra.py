@@ -9,7 +9,7 @@ import xarray as xr
 from numpy.typing import NDArray
 from scipy.sparse import csr_array
 
-from insonify.acoustics.error_range import ERROR_ALTITUDES
+from insonify.acoustics.flat_bed import ERROR_ALTITUDES
 from insonify.display.normalisation import estimate_median_curve, normalise
 from insonify.scene import SceneError
 from insonify.statistics.record_statistics import measure_ping_spacing

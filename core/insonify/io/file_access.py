@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import errno
+import glob
 import logging
 import os
 import stat
@@ -26,7 +27,7 @@ for _library in ("trimesh", "rasterio", "PIL", "fiona"):
 
 
 class FileFault(Exception):
-    """What is wrong with a file, and the remedy; `guarded` makes a sentence of both."""
+    """Fault of a file with its remedy; `guarded` turns both into one sentence."""
 
     def __init__(self, fault: str, remedy: str) -> None:
         super().__init__(fault, remedy)
@@ -46,7 +47,7 @@ def guarded(refusal: Callable[[str, str], SceneError], remedy: str) -> Iterator[
         raise
     except FileFault as error:
         raise refusal(error.fault, error.remedy) from None
-    except Exception as error:  # every library fails in ways of its own
+    except Exception as error:  # libraries raise errors of many types
         raise refusal(f"cannot be read ({reason(error)})", remedy) from error
     for warning in caught:  # those of libraries are left out
         warnings.warn(warning.message, stacklevel=4)
@@ -126,7 +127,7 @@ def check_expansion(path: str | Path, expanded: int) -> None:
 def check_companions(path: str | Path) -> None:
     """Raise FileFault if a device or a pipe beside a file has the same stem: a library would open it."""
     file = Path(path)
-    for other in file.parent.glob(f"{_literal(file.stem)}.*"):
+    for other in file.parent.glob(f"{glob.escape(file.stem)}.*"):
         if not (other.is_file() or other.is_dir() or not other.exists()):
             raise FileFault(f"has {other.name!r} beside it, which is no regular file", "remove that")
 
@@ -138,10 +139,6 @@ def companion(path: str | Path, name: str) -> Path:
     if not found.is_relative_to(folder) or Path(name).is_absolute() or found == folder:
         raise FileFault(f"refers to {name[:80]!r}", "keep what it refers to beside it, under a relative path")
     return found
-
-
-def _literal(stem: str) -> str:
-    return "".join(f"[{mark}]" if mark in "*?[" else mark for mark in stem)
 
 
 def _open_at_once(path: str, flags: int) -> int:

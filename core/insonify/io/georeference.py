@@ -42,7 +42,7 @@ def local_georeference(longitude: float, latitude: float) -> Georeference:
 
 
 def utm_zone(longitude: float, latitude: float) -> str:
-    """Return the EPSG code of the 6° zone of the Universal Transverse Mercator grid (WGS 84) that holds a place."""
+    """Return the EPSG code of the 6° zone of the Universal Transverse Mercator grid (WGS 84) that contains a place."""
     south, north = LATITUDES_OF_UTM
     if not south <= latitude <= north:
         raise SceneError(f"latitude {latitude:.4g}° is beyond the zones of UTM; choose another map")

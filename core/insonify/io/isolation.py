@@ -94,5 +94,5 @@ def _read(module: str, name: str, path: str, memory: int, seconds: float) -> Any
             return read(path)
     except (SceneError, FileFault) as error:
         return error
-    except Exception as error:  # every library fails in ways of its own
+    except Exception as error:  # libraries raise errors of many types
         return RuntimeError(reason(error))

@@ -72,7 +72,7 @@ def _check_header(file: IO[bytes], length: int) -> None:
         raise FileFault(f"cannot be read (it is of version {version[0]}.{version[1]}, not a plain array)", remedy)
     try:
         shape, _, kind = HEADERS[version](file, max_header_size=LONGEST_HEADER)
-    except Exception:  # a header is Python text, of which the parser complains in many ways
+    except Exception:  # a header is Python text; its parser raises errors of many types
         raise FileFault("cannot be read (its header is damaged)", remedy) from None
     if kind.kind not in KINDS:
         raise FileFault(f"cannot be read (it holds {str(kind)[:80]} values)", remedy)

@@ -15,7 +15,7 @@ COLOURED = ("LA", "RGB", "RGBA", "CMYK", "YCbCr", "HSV", "LAB")
 
 
 def read_pixels(path: str) -> tuple[str, NDArray[np.integer]]:
-    """Read a picture; colours become the grey that an eye sees."""
+    """Read a picture; colours become grey by their luminance."""
     check_regular(path)
     return run_isolated(decode_picture, path)
 

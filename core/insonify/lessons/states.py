@@ -14,7 +14,7 @@ from insonify.lessons.lesson import Lesson, Step
 from insonify.scene import Scene, edit, load_scene
 from insonify.scene.base import Declaration
 
-AUTOMATIC = "auto"  # choice of a plan that is not forced
+AUTOMATIC = "auto"  # value of a choice that the plan makes itself
 USUAL_TOLERANCE = 0.03
 SIDES = ("port", "starboard")
 WINDOW_FIELDS = {

@@ -150,7 +150,7 @@ def _heights(ground: Ground, axes: Vectors, low: Vectors, high: Vectors) -> tupl
 
 @dataclass(frozen=True, eq=False)
 class Camera:
-    """A pinhole camera: where it stands, and the window that it looks through."""
+    """A pinhole camera: its place, axes and window."""
 
     place: Vectors  # (3,) local coordinates, in metres
     axes: Vectors  # (3, 3) rows: to the right, up, ahead

@@ -1,4 +1,4 @@
-"""Plan of a simulation: the cheapest model of a scene whose measured error keeps a tolerance, with reasons."""
+"""Plan of a simulation: the cheapest model of a scene with a measured error within the tolerance, and the reasons."""
 
 from insonify.planning.choices.fineness import MOST_PLANES
 from insonify.planning.plan_entries import Plan, PlanEntry

@@ -57,31 +57,6 @@ class Plan:
         return {name: number for name, number in self.settings.items() if name in ("planes", "rays")}
 
     @property
-    def bent(self) -> bool:
-        """Whether sound is refracted; if not, it is straight at the sound speed of the sonar."""
-        return self.model.bent
-
-    @property
-    def every(self) -> int:
-        """Stride of the nodes of the relief that are kept along each axis."""
-        return self.model.every
-
-    @property
-    def bounces(self) -> int:
-        """Number of specular bounces."""
-        return self.model.bounces
-
-    @property
-    def ways(self) -> frozenset[str]:
-        """Multipaths by the sea surface that are modelled, by their names in the scene."""
-        return self.model.ways
-
-    @property
-    def targets(self) -> tuple[int, ...]:
-        """Indices of the targets that are modelled."""
-        return self.model.targets
-
-    @property
     def planes(self) -> int:
         """Number of planes across the beam; 1 where the method has none."""
         return self.model.planes
@@ -123,8 +98,13 @@ def _row(entry: PlanEntry, wide: int) -> list[str]:
     return [head, *textwrap.wrap(entry.reason, wide, initial_indent="    ", subsequent_indent="    ")]
 
 
+def percent(error: float) -> str:
+    """Write an error in percent."""
+    return f"{100.0 * error:.2g} %"
+
+
 def _share(error: float) -> str:
-    return "-" if error <= 0.0 else f"{100.0 * error:.2g} %"
+    return "-" if error <= 0.0 else percent(error)
 
 
 def _time(seconds: float) -> str:

@@ -9,8 +9,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from insonify.acoustics.error_range import ERROR_ALTITUDES, find_first_bin
-from insonify.acoustics.flat_bed import compute_flat_bed_curves
+from insonify.acoustics.flat_bed import ERROR_ALTITUDES, compute_flat_bed_curves, find_first_bin
 from insonify.kernels.common.types import Poses, SceneArrays
 from insonify.packing.packed_scene import SURFACE_ECHO, Model, PackedScene
 from insonify.parallel import in_parallel
@@ -165,7 +164,7 @@ class Probe:
         return time.thread_time() - began
 
     def _trace(self, model: Model, count: int) -> Traced:
-        """Trace a number of the pings, unless as many are known."""
+        """Trace a number of the pings, unless as many are traced already."""
         if model not in self._traced or self._traced[model].pings < count:
             self._traced[model] = self._made(model, min(count, self._is_across.size))
         return self._traced[model]

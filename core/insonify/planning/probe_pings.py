@@ -1,9 +1,9 @@
 """Choice of the few pings of a track on which a plan measures errors.
 
 Some pings are spread over the track, one at an irregular place within each of as many equal parts, so that no period of
-bed or motion falls in step with them; where a measured bed ends or has holes, over the pings that hear it. The greatest
-excursions of the fish are added, and pings in which the beam crosses targets: a target may be met by one ping in a
-thousand.
+bed or motion falls in step with them; where a measured bed ends or has holes, over the pings within range of it. The
+greatest excursions of the fish are added, and pings in which the beam crosses targets: a target may be met by one ping
+in a thousand.
 """
 
 from __future__ import annotations
@@ -80,7 +80,7 @@ def _spread(pings: int, count: int) -> Pings:
 
 
 def _spread_over_bed(scene: Scene, ground: AnyGround, pings: int) -> Pings:
-    """Pings spread over those that hear a measured bed, or over all if none does."""
+    """Pings spread over those within range of a measured bed, or over all if none is."""
     first, last = 0, pings - 1
     for _ in range(2):  # the second time from the first to the last of them, where they are few
         many = first + _spread(last - first + 1, EXCURSIONS)

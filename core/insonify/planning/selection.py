@@ -1,4 +1,4 @@
-"""Selection of the cheapest model of a scene whose measured error keeps a tolerance."""
+"""Selection of the cheapest model of a scene with a measured error within the tolerance."""
 
 from __future__ import annotations
 
@@ -12,9 +12,9 @@ from typing import Any
 from insonify.packing.packed_scene import Model, PackedScene, pack
 from insonify.planning.checks import check_method
 from insonify.planning.choices import CHOICES
-from insonify.planning.choices.base import FINENESS, Case, Choice, percent
+from insonify.planning.choices.base import FINENESS, Case, Choice
 from insonify.planning.choices.fineness import measure_together
-from insonify.planning.plan_entries import Plan, PlanEntry
+from insonify.planning.plan_entries import Plan, PlanEntry, percent
 from insonify.scene import Scene, SceneError
 from insonify.tracers.base import AUTO, find_tracer
 
@@ -30,7 +30,7 @@ BY_SUBJECT = {choice.subject: choice for choice in CHOICES if choice.offered}
 def plan(
     scene: Scene, tolerance: float = 0.03, *, method: str = "auto", forced: Mapping[str, str] | None = None
 ) -> Plan:
-    """Choose the cheapest model of a scene whose measured error keeps to a tolerance.
+    """Choose the cheapest model of a scene with a measured error within the tolerance.
 
     Parameters
     ----------
@@ -47,8 +47,8 @@ def plan(
     Returns
     -------
     Plan
-        The cheapest model whose error, measured on a few pings, keeps to the tolerance with a margin; the most
-        accurate if none does. A greater tolerance therefore never costs more.
+        The cheapest model with an error, measured on a few pings, that is within the tolerance by a margin; the most
+        accurate if none is. A greater tolerance therefore never costs more.
 
     Raises
     ------

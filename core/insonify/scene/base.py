@@ -193,9 +193,9 @@ class KindOf:
 
 def parameter(
     default: Any = ...,
-    *,
+    description: str = "",
     unit: str = "",
-    description: str,
+    *,
     slider: tuple[float, float] | None = None,
     log: bool = False,
     rare: bool = False,
@@ -207,8 +207,8 @@ def parameter(
     ----------
     default : Any
         Default value; the parameter is required when left out.
-    unit, description : str
-        Unit and meaning, as the viewer's tooltips and the reference show them.
+    description, unit : str
+        Meaning and unit, as the viewer's tooltips and the reference show them.
     slider : (float, float), optional
         Ends of the viewer's slider.
     log : bool
@@ -228,7 +228,15 @@ def parameter(
 
 def angle(description: str, default: float = 0.0, *, rare: bool = False) -> Any:
     """Declare an angle of a whole turn."""
-    return parameter(default, unit="°", description=description, ge=-360.0, le=360.0, slider=(-180.0, 180.0), rare=rare)
+    return parameter(default, description, "°", ge=-360.0, le=360.0, slider=(-180.0, 180.0), rare=rare)
+
+
+def metres(
+    default: float, description: str, slider: tuple[float, float], *, least: float | None = None, most: float
+) -> Any:
+    """Declare a length, above 0 or from the least on, with a logarithmic slider."""
+    low: dict[str, Any] = {"gt": 0.0} if least is None else {"ge": least}
+    return parameter(default, description, "m", **low, le=most, slider=slider, log=True)
 
 
 def kind_name(model: type[BaseModel]) -> str | None:

@@ -30,37 +30,36 @@ class World(Declaration):
     """Place of the scene's own coordinates on Earth."""
 
     origin: tuple[Coordinate, Coordinate] | None = parameter(
-        None, unit="m", description="map coordinates of the scene's (0, 0); a DEM's centre when left out"
+        None, "map coordinates of the scene's (0, 0); a DEM's centre when left out", "m"
     )
-    crs: str = parameter("", description="coordinate reference system of the origin, such as EPSG:32631")
+    crs: str = parameter("", "coordinate reference system of the origin, such as EPSG:32631")
 
 
 class Scene(Declaration):
     """Everything a record depends on; immutable, so an edit makes a new one."""
 
-    schema_version: Literal[1] = parameter(SCHEMA, description="version of the scene format")
-    title: str = parameter("Untitled", description="what the scene shows", max_length=200)
+    schema_version: Literal[1] = parameter(SCHEMA, "version of the scene format")
+    title: str = parameter("Untitled", "what the scene shows", max_length=200)
     description: str = parameter(
         "",
-        description="what the scene shows and what to change; [words](path.to.field=value) link to a value to try",
+        "what the scene shows and what to change; [words](path.to.field=value) link to a value to try",
         max_length=5000,
     )
     controls: tuple[str, ...] = parameter(
-        (), description="dotted paths of the main fields of the scene; the viewer pins them on top", max_length=6
+        (), "dotted paths of the main fields of the scene; the viewer pins them on top", max_length=6
     )
     partner: tuple[str, ...] | None = parameter(
-        None,
-        description="scene to compare with: name or TOML file (this scene when left out), then settings path=value",
+        None, "scene to compare with: name or TOML file (this scene when left out), then settings path=value"
     )
-    seed: int = parameter(1, description="seed of all random numbers", ge=0, le=2**63 - 1)
-    world: World = parameter(World(), description="place on Earth")
-    seabed: Seabed = parameter(Seabed(), description="the bed")
-    targets: tuple[AnyTarget, ...] = parameter((), description="targets on the bed")
-    volumes: tuple[AnyVolume, ...] = parameter((), description="schools and plumes in the water column")
-    water: AnyWater = parameter(UniformWater(), description="speed of sound and absorption of the water")
-    sonar: Sonar = parameter(Sonar(), description="the sonar")
-    track: Track = parameter(Track(), description="the tow")
-    receiver: Receiver = parameter(Receiver(), description="the receiver")
+    seed: int = parameter(1, "seed of all random numbers", ge=0, le=2**63 - 1)
+    world: World = parameter(World(), "place on Earth")
+    seabed: Seabed = parameter(Seabed(), "the bed")
+    targets: tuple[AnyTarget, ...] = parameter((), "targets on the bed")
+    volumes: tuple[AnyVolume, ...] = parameter((), "schools and plumes in the water column")
+    water: AnyWater = parameter(UniformWater(), "speed of sound and absorption of the water")
+    sonar: Sonar = parameter(Sonar(), "the sonar")
+    track: Track = parameter(Track(), "the tow")
+    receiver: Receiver = parameter(Receiver(), "the receiver")
 
     @model_validator(mode="before")
     @classmethod
@@ -178,7 +177,7 @@ class Scene(Declaration):
 
     @property
     def altitude(self) -> float:
-        """Height of the sonar above the declared mean bed, in metres; a DEM's own mean is known to the terrain."""
+        """Height of the sonar above the declared mean bed, in metres; the mean of a DEM is in the terrain."""
         if self.track.depth is not None:
             return self.seabed.depth - self.track.depth
         return DEFAULT_ALTITUDE if self.track.altitude is None else self.track.altitude

@@ -1,6 +1,7 @@
-"""Errors of a record against its reference, as used by tolerances and charts, and similarity as pictures.
+"""Errors of a record against its reference, displacement of its shadows and echoes, and similarity as pictures.
 
-Both records are divided by the flat-bed curve of the scene, so that the strong echoes of near bins do not dominate.
+Errors and displacement are measured on records divided by the flat-bed curve of the scene, so that the strong echoes of
+near bins do not dominate.
 
 Theory: docs/theory/error.md.
 """
@@ -11,13 +12,17 @@ import math
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.lib.stride_tricks import sliding_window_view
 from numpy.typing import NDArray
 
-from insonify.acoustics.error_range import ERROR_ALTITUDES, find_first_bin
-from insonify.acoustics.flat_bed import compute_flat_bed_curves
+from insonify.acoustics.flat_bed import ERROR_ALTITUDES, compute_flat_bed_curves, find_first_bin
 from insonify.kernels.common.types import Poses, SceneArrays
 
 SSIM_COLUMNS = 7
+DARK, SHADOW_BINS = 0.1, 8  # share of the median, and length of the run, that make a shadow
+LOUD = 4.0  # medians above which an echo stands out
+LOST = 0.25  # share of an echo below which it counts as lost
+WINDOW, MAX_LAG = 8, 96  # bins on either side of an echo, and bins by which it may be displaced
 
 
 @dataclass(frozen=True)
@@ -86,3 +91,102 @@ def measure_similarity(a: NDArray[np.floating], b: NDArray[np.floating]) -> floa
         return float((one == other).all())
     compared = structural_similarity(one, other, win_size=SSIM_COLUMNS, channel_axis=0, data_range=255)  # type: ignore[no-untyped-call]  # of scikit-image
     return float(compared)
+
+
+@dataclass(frozen=True)
+class Displacement:
+    """Displacement in slant range of the shadows and echoes of a record against its reference, in metres."""
+
+    # Mean distance between the edges of shadows in the reference and in the record; NaN without shadows.
+    shadow_edge: float
+    echo: float  # mean distance between echoes that stand out from the bed; NaN without such echoes
+    lost: int = 0  # echoes that stand out in the reference and are missing in the record; they have no distance
+
+
+def measure_displacement(
+    arrays: SceneArrays, poses: Poses, a: NDArray[np.floating], b: NDArray[np.floating]
+) -> Displacement:
+    """Measure how far a record displaces the shadows and echoes of its reference."""
+    curve = np.broadcast_to(compute_flat_bed_curves(arrays, poses), np.shape(b))
+    scale = np.divide(1.0, curve, out=np.zeros_like(curve), where=curve > 0.0)
+    beyond = find_first_bin(ERROR_ALTITUDES, arrays, poses)
+    sides = [one.reshape(-1, arrays.bins)[:, beyond:] for one in (a * scale, b * scale)]
+    edges = [moved for one, other in zip(*sides) for moved in find_edge_shifts(one, other)]
+    echoes = [moved for one, other in zip(*sides) for moved in find_echo_shifts(one, other)]
+    found = [moved for moved in echoes if not math.isnan(moved)]
+    edge, echo = (arrays.bin_length * _mean_size(shifts) for shifts in (edges, found))
+    return Displacement(edge, echo, len(echoes) - len(found))
+
+
+def find_edge_shifts(a: NDArray[np.floating], b: NDArray[np.floating]) -> list[float]:
+    """Bins by which a record displaces the edges of its reference's shadows.
+
+    A shadow is a run of at least `SHADOW_BINS` bins darker than `DARK` times the median of the bins with an echo. Its
+    edge is where a record, from the middle of the shadow outwards, first rises to half of the reference's level just
+    outside, interpolated between bin centres. Where a record has no shadow at all, the edge is the middle itself.
+    """
+    lit = b[b > 0.0]
+    if lit.size == 0:
+        return []
+    dark = np.concatenate([[False], b < DARK * np.median(lit), [False]])
+    begins, ends = np.flatnonzero(dark[1:] & ~dark[:-1]), np.flatnonzero(~dark[1:] & dark[:-1])
+    shifts = []
+    for begin, end in zip(begins, ends):
+        if end - begin < SHADOW_BINS:
+            continue
+        middle = (begin + end) // 2
+        if begin >= 2:
+            half = 0.5 * float(b[begin - 2 : begin].max())
+            shifts.append(_rise(b[middle::-1], half) - _rise(a[middle::-1], half))
+        if end <= b.size - 2:
+            half = 0.5 * float(b[end : end + 2].max())
+            shifts.append(_rise(a[middle:], half) - _rise(b[middle:], half))
+    return shifts
+
+
+def _rise(levels: NDArray[np.floating], threshold: float) -> float:
+    """Fractional index at which levels first reach a threshold, interpolated linearly; the last index if never."""
+    reached = np.flatnonzero(levels >= threshold)
+    if reached.size == 0:
+        return float(levels.size - 1)
+    k = int(reached[0])
+    return k - (levels[k] - threshold) / (levels[k] - levels[k - 1]) if k > 0 else 0.0
+
+
+def find_echo_shifts(a: NDArray[np.floating], b: NDArray[np.floating]) -> list[float]:
+    """Bins by which a record displaces the echoes that stand out in its reference.
+
+    An echo stands out where the reference exceeds `LOUD` times the median of the bins with an echo and is the maximum
+    within `WINDOW` bins. That window slides along the record by up to `MAX_LAG` bins to the maximum of the normalised
+    correlation; the difference of the centroids there adds the fraction of a bin. The echo counts as lost where the
+    record stays below `LOUD` / 2 medians or below `LOST` times the echo.
+    """
+    lit = b[b > 0.0]
+    if lit.size == 0:
+        return []
+    loud = LOUD * float(np.median(lit))
+    from scipy.ndimage import maximum_filter1d  # lazy: slow to import
+
+    highest = maximum_filter1d(b, 2 * WINDOW + 1, mode="constant")
+    peaks = np.flatnonzero((b == highest) & (b > loud))
+    around = np.arange(-WINDOW, WINDOW + 1)
+    padded = np.pad(np.asarray(a, dtype=np.float64), WINDOW + MAX_LAG)
+    lags = np.arange(-MAX_LAG, MAX_LAG + 1)
+    shifts = []
+    for peak in peaks[(peaks >= WINDOW) & (peaks < b.size - WINDOW)]:
+        window = np.asarray(b[peak - WINDOW : peak + WINDOW + 1], dtype=np.float64)
+        slid = sliding_window_view(padded[peak : peak + 2 * (WINDOW + MAX_LAG) + 1], window.size)
+        norms = np.linalg.norm(slid, axis=1)
+        match = np.divide(slid @ window, norms, out=np.zeros_like(norms), where=norms > 0.0)
+        # The smallest lag among equal maxima.
+        best = min(np.flatnonzero(match == match.max()), key=lambda k: abs(int(lags[k])))
+        there = slid[best]
+        if there.max() < max(0.5 * loud, LOST * window.max()):
+            shifts.append(math.nan)
+            continue
+        shifts.append(float(lags[best] + there @ around / there.sum() - window @ around / window.sum()))
+    return shifts
+
+
+def _mean_size(shifts: list[float]) -> float:
+    return float(np.abs(shifts).mean()) if shifts else math.nan

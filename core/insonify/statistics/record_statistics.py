@@ -13,7 +13,7 @@ import xarray as xr
 from numpy.lib.stride_tricks import sliding_window_view
 from numpy.typing import NDArray
 
-from insonify.acoustics.error_range import ERROR_ALTITUDES
+from insonify.acoustics.flat_bed import ERROR_ALTITUDES
 from insonify.display.normalisation import normalise
 from insonify.display.sheet import compute_median_curve, fill_altitude
 from insonify.scene import SceneError

@@ -17,8 +17,7 @@ from pathlib import Path
 from typing import Any, NamedTuple, Protocol
 
 from insonify.errors import SceneError
-from insonify.io.atomic import replacing
-from insonify.io.unfinished import clear_ended, clear_leftovers, remove, temporary_path
+from insonify.io.atomic import clear_ended, clear_leftovers, remove, replacing, temporary_path
 from insonify.progress import open_progress
 from insonify.surveys.schedulers import connected
 

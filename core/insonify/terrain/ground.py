@@ -21,7 +21,7 @@ class Ground:
 
     # (ny, nx) metres above the datum, NaN where there is no bed; axis 0 is y, axis 1 is x, both increasing.
     heights: NDArray[np.float32]
-    materials: NDArray[np.uint8]  # (ny, nx) row of ``reflectivities`` for the cell whose low corner is that node
+    materials: NDArray[np.uint8]  # (ny, nx) row of ``reflectivities`` of the cell with its low corner at the node
     names: tuple[str, ...]  # names of the materials
     reflectivities: tuple[Reflectivity, ...]  # scattering parameters of the materials
     x0: float  # local coordinates of node (0, 0), in metres

@@ -222,7 +222,7 @@ class _Cone:
         self, outline: _Outline, height: float, pitches: NDArray[np.float64], nearest: float = NEAREST
     ) -> None:
         above_highest = max(height - outline.relief, 0.0)
-        # The lowest of the heights that are rounded up to this one hears farthest out.
+        # The lowest of the heights that are rounded up to this one reaches farthest out.
         lowest = max(height * ROUNDED_DOWN - outline.relief, 0.0)
         farthest = math.sqrt(max(outline.reach**2 - lowest**2, (0.1 * height) ** 2))
         self.height, self.main, self.targets = height, outline.main, outline.targets

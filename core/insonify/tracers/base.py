@@ -102,7 +102,7 @@ class Tracer(PreparedTracer):
     follows_bounces : bool
         Whether it follows specular reflections and passages after the first echo (``SceneArrays.bounces``).
     sums_waves : bool
-        Whether it can trace the interfering waves of single scatterers, as coherent speckle asks.
+        Whether it can trace the interfering waves of single scatterers, which coherent speckle requires.
     refracts_along : bool
         Whether it refracts sound in water that varies along the range.
     refraction : str

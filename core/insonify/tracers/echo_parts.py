@@ -43,7 +43,7 @@ Numbers = NDArray[np.int64]
 class EchoParts:
     """Parts of the echo in some range bins of one side of one ping, one entry a part.
 
-    Parts by way of the sea surface lie in the bins alone: what is not known of them is NaN.
+    Parts by way of the sea surface lie in the bins alone: their unknown columns are NaN.
     """
 
     # HEARD, BEHIND_BED or BEHIND_TARGET; hidden parts have the echo that they would return were they in sight.

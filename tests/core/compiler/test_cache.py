@@ -2,13 +2,12 @@
 
 import json
 import os
-import subprocess
-import sys
 from pathlib import Path
 
 import numba
 import pytest
 
+from commands import output_of
 from insonify.compiler.cache import _CacheFile
 from insonify.compiler.digests import source_digests
 
@@ -30,6 +29,7 @@ from insonify.kernels.common.hashing import splitmix64
 value = splitmix64(np.uint64(1234567))
 print(value, sum(splitmix64.entry.stats.cache_hits.values()))
 """
+compiled = pytest.mark.skipif(bool(numba.config.DISABLE_JIT), reason="nothing is compiled")
 VALUE = "6457827717110365317"  # first output of Vigna's reference implementation from that state
 
 
@@ -93,34 +93,31 @@ def test_damaged_digests_are_computed_anew(tmp_path: Path) -> None:
 
 def use_kernel(cache: Path, version: str = numba.__version__) -> tuple[str, int]:
     """Return what the kernel gives in a new process, and how often its machine code was read from disk."""
-    command = [sys.executable, "-c", USE, version]
-    environment = os.environ | {"NUMBA_CACHE_DIR": str(cache)}
-    value, hits = subprocess.run(command, env=environment, capture_output=True, check=True, text=True).stdout.split()
+    value, hits = output_of("-c", USE, version, NUMBA_CACHE_DIR=str(cache))
     return value, int(hits)
 
 
-@pytest.mark.skipif(bool(numba.config.DISABLE_JIT), reason="nothing is compiled")
+def damage_whole(content: bytes) -> bytes:
+    return b"damaged"
+
+
+def damage_a_bit(content: bytes) -> bytes:
+    middle = len(content) // 2
+    return content[:middle] + bytes([content[middle] ^ 1]) + content[middle + 1 :]
+
+
+@compiled
 def test_machine_code_is_read_from_disk_and_compiled_anew_once_damaged(tmp_path: Path) -> None:
     assert use_kernel(tmp_path) == (VALUE, 0)
-    assert use_kernel(tmp_path) == (VALUE, 1)
-    for file in tmp_path.rglob("*.nb[ci]"):
-        file.write_bytes(b"damaged")
-    assert use_kernel(tmp_path) == (VALUE, 0)
-    assert use_kernel(tmp_path) == (VALUE, 1)
-
-
-@pytest.mark.skipif(bool(numba.config.DISABLE_JIT), reason="nothing is compiled")
-def test_machine_code_with_one_changed_bit_is_compiled_anew(tmp_path: Path) -> None:
-    assert use_kernel(tmp_path) == (VALUE, 0)
-    for file in tmp_path.rglob("*.nbc"):
-        content = bytearray(file.read_bytes())
-        content[len(content) // 2] ^= 1
-        file.write_bytes(content)
-    assert use_kernel(tmp_path) == (VALUE, 0)
+    for files, damage in (("*.nb[ci]", damage_whole), ("*.nbc", damage_a_bit)):
+        assert use_kernel(tmp_path) == (VALUE, 1)
+        for file in tmp_path.rglob(files):
+            file.write_bytes(damage(file.read_bytes()))
+        assert use_kernel(tmp_path) == (VALUE, 0)
     assert use_kernel(tmp_path) == (VALUE, 1)
 
 
-@pytest.mark.skipif(bool(numba.config.DISABLE_JIT), reason="nothing is compiled")
+@compiled
 def test_versions_of_numba_leave_the_machine_code_of_others_alone(tmp_path: Path) -> None:
     assert use_kernel(tmp_path) == (VALUE, 0)
     assert use_kernel(tmp_path, "0.0.0") == (VALUE, 0)
@@ -128,7 +125,7 @@ def test_versions_of_numba_leave_the_machine_code_of_others_alone(tmp_path: Path
     assert use_kernel(tmp_path, "0.0.0") == (VALUE, 1)
 
 
-@pytest.mark.skipif(bool(numba.config.DISABLE_JIT), reason="nothing is compiled")
+@compiled
 def test_a_folder_that_cannot_be_written_is_done_without(tmp_path: Path) -> None:
     (tmp_path / "a file").write_text("")
     assert use_kernel(tmp_path / "a file") == (VALUE, 0)
@@ -160,9 +157,7 @@ print(*({"numba.np.arraymath", "scipy.linalg"} & set(sys.modules)))
 """
 
 
-@pytest.mark.skipif(bool(numba.config.DISABLE_JIT), reason="nothing is compiled")
+@compiled
 def test_finished_code_is_loaded_without_what_compiles_it() -> None:
-    command = [sys.executable, "-c", FIRST_PING]
-    subprocess.run(command, capture_output=True, check=True)  # compiles what no test has compiled before
-    done = subprocess.run(command, capture_output=True, check=True, text=True)
-    assert done.stdout.strip() == ""
+    output_of("-c", FIRST_PING)  # compiles what no test has compiled before
+    assert output_of("-c", FIRST_PING) == []

@@ -2,15 +2,13 @@
 
 from __future__ import annotations
 
-import os
-import subprocess
-import sys
 from pathlib import Path
 
 import numba
 import numpy as np
 import pytest
 
+from commands import output_of
 from insonify.compiler.cache import PartLibrary
 from insonify.compiler.dispatch import Kernel
 from insonify.compiler.jit import inlined, kernel
@@ -90,9 +88,7 @@ def test_parts_are_read_from_disk_by_kernels_that_are_compiled_later(tmp_path: P
     source.write_text(KERNELS)
 
     def call(name: str) -> list[str]:
-        environment = os.environ | {"NUMBA_CACHE_DIR": str(tmp_path)}
-        command = [sys.executable, str(source), name]
-        return subprocess.run(command, env=environment, capture_output=True, check=True, text=True).stdout.split()
+        return output_of(str(source), name, NUMBA_CACHE_DIR=str(tmp_path))
 
     assert call("fourth") == ["16.0", "0", "0", "0"]
     assert call("eighth") == ["256.0", "0", "1", "0"]

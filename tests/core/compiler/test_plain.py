@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 import os
-import subprocess
 import sys
 from pathlib import Path
 
 import numba
 import pytest
+
+from commands import output_of
 
 pytestmark = pytest.mark.skipif(bool(numba.config.DISABLE_JIT), reason="nothing is compiled")
 
@@ -56,13 +57,10 @@ print(value, sum(combine.stats.cache_hits.values()), *private)
 def test_plain_numba_gives_the_same_and_is_read_from_disk(tmp_path: Path) -> None:
     (tmp_path / "plain_kernels.py").write_text(KERNELS)
     path = os.pathsep.join([str(tmp_path), *filter(None, sys.path)])
-    environment = os.environ | {
-        "INSONIFY_COMPILER": "numba", "NUMBA_CACHE_DIR": str(tmp_path / "cache"), "PYTHONPATH": path,
-    }  # fmt: skip
+    cache = str(tmp_path / "cache")
 
     def call() -> list[str]:
-        command = [sys.executable, "-c", CALL]
-        return subprocess.run(command, env=environment, capture_output=True, check=True, text=True).stdout.split()
+        return output_of("-c", CALL, INSONIFY_COMPILER="numba", NUMBA_CACHE_DIR=cache, PYTHONPATH=path)
 
     assert call() == ["7.0", "0"]
     assert call() == ["7.0", "1"]

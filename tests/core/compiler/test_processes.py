@@ -71,12 +71,17 @@ def here(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[list[str]]
     assert processes.elsewhere.process is None
 
 
-def test_a_kernel_is_compiled_by_the_other_process(here: list[str]) -> None:
+def test_kernels_are_compiled_by_the_other_process(here: list[str]) -> None:
+    values = VALUES.copy()
     with compiled_elsewhere():
         assert sum_squares(VALUES) == 30.0
         assert sum_squares(VALUES) == 30.0
         assert sum_squares(VALUES.astype(np.float32)) == 30.0
-    assert here == []
+        negate_all(values)  # which calls another one by its address
+        assert here == []
+        with pytest.raises(TypingError):  # as without the other process
+            sum_squares(5)
+    np.testing.assert_array_equal(values, -VALUES)
 
 
 def test_modules_of_the_current_folder_are_not_imported(
@@ -102,14 +107,6 @@ def test_its_progress_is_reported_here(here: list[str]) -> None:
     assert told[0] is not None
     assert told[0].subject == "the picture"
     assert told[-1] is None
-
-
-def test_so_is_a_kernel_that_another_one_calls_by_its_address(here: list[str]) -> None:
-    values = VALUES.copy()
-    with compiled_elsewhere():
-        negate_all(values)
-    np.testing.assert_array_equal(values, -VALUES)
-    assert here == []
 
 
 def test_what_is_on_disk_needs_no_process(here: list[str], monkeypatch: pytest.MonkeyPatch) -> None:
@@ -153,11 +150,6 @@ def test_a_process_that_ended_for_want_of_work_is_started_again(here: list[str])
         sum_squares(VALUES.astype(np.float32))
         assert processes.elsewhere.process is not first
     assert here == []
-
-
-def test_what_cannot_be_compiled_fails_as_ever(here: list[str]) -> None:
-    with compiled_elsewhere(), pytest.raises(TypingError):
-        sum_squares(5)
 
 
 def test_a_thread_that_waits_is_told_when_the_block_ends(

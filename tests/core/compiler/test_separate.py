@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import os
-import subprocess
 import sys
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
@@ -12,6 +11,7 @@ import numba
 import numpy as np
 import pytest
 
+from commands import output_of
 from insonify.compiler.jit import INTEGER, NOTHING, TWO_INTEGERS, kernel, kernel_on_demand
 from insonify.compiler.processes import WORKER
 
@@ -85,6 +85,7 @@ def test_a_kernel_that_cannot_be_compiled_says_why_instead_of_crashing() -> None
 
 
 SEPARATE = """
+from commands import output_of
 from insonify.compiler.jit import INTEGER, kernel, kernel_on_demand, kernel_separate
 
 @kernel_separate(INTEGER)
@@ -112,12 +113,9 @@ print(add_powers(int(sys.argv[1])), *(sum(called.machine_code.stats.cache_hits.v
 def call(folder: Path, x: int, threads: int, worker: str = WORKER) -> list[str]:
     """Sum of the powers of x in a new process, then how often the machine code of each power was read from disk."""
     (folder / "powers.py").write_text(SEPARATE)
-    environment = os.environ | {
-        "NUMBA_CACHE_DIR": str(folder / "cache"), "INSONIFY_THREADS": str(threads),
-        "PYTHONPATH": os.pathsep.join([str(folder), *filter(None, sys.path)]),
-    }  # fmt: skip
-    command = [sys.executable, "-c", CALL, str(x), worker]
-    return subprocess.run(command, env=environment, capture_output=True, check=True, text=True).stdout.split()
+    path, cache = os.pathsep.join([str(folder), *filter(None, sys.path)]), str(folder / "cache")
+    more = {"NUMBA_CACHE_DIR": cache, "INSONIFY_THREADS": str(threads), "PYTHONPATH": path}
+    return output_of("-c", CALL, str(x), worker, **more)
 
 
 def test_machine_code_is_read_from_disk_by_later_processes(tmp_path: Path) -> None:

@@ -1,9 +1,7 @@
-"""Primitives that cross, turn a corner or come out of the bed: light along straight lines has a closed form.
+"""Targets in a plane: primitives that cross, turn a corner or come out of the bed, facets, and what they hide.
 
 Of a line at distance d from the sonar a Lambert surface returns the radiance d/r, and ∫ d/r dr = d ln(r₂/r₁).
 """
-
-from __future__ import annotations
 
 import math
 
@@ -14,6 +12,10 @@ from beds import arrays_of, poses_of
 from insonify.compiler.jit import kernel
 from insonify.kernels.common.types import LIGHT
 from insonify.kernels.geometry.bvh import build_mesh
+from insonify.kernels.multipath.paired_segments import SegmentLine
+from insonify.kernels.sweep.facets import Facet, along_curve, facet_curve, is_facet_met
+from insonify.kernels.sweep.partial_segments import launch_angle
+from insonify.kernels.targets.occlusion import Occlusion, is_hidden, next_visible
 from insonify.kernels.targets.primitives import measure_directions
 from insonify.scene.targets.shape import block
 from insonify.tracers import rays, sweep
@@ -102,3 +104,50 @@ def test_directions_of_launch_angles_are_those_of_the_library_and_never_point_ba
     np.testing.assert_allclose(cosine, np.cos(angle), rtol=0.0, atol=4e-16)
     np.testing.assert_allclose(sine, np.sin(angle), rtol=0.0, atol=4e-16)
     assert cosine.min() > 0.0
+
+
+EDGES = np.array([-0.9, -0.7, -0.6, -0.45, -0.4])
+NEARNESS = np.array([0.12, 0.1, 0.0, 0.09])  # of targets along the middle of each cell, per metre; one cell is empty
+
+
+def occlusion():
+    """Cells that each hold a target square to the middle of the cell, but one."""
+    middle = 0.5 * (EDGES[:-1] + EDGES[1:])
+    return Occlusion(EDGES, np.cos(EDGES), np.sin(EDGES), NEARNESS * np.cos(middle), NEARNESS * np.sin(middle))
+
+
+def test_what_is_hidden_has_no_visible_stretch():
+    cells, rng, hidden, behind = occlusion(), np.random.default_rng(3), 0, 0
+    for _ in range(4000):
+        segment = SegmentLine(rng.uniform(-14.0, -2.0), rng.uniform(-0.2, 0.2))
+        start = rng.uniform(1.0, 30.0)
+        stop = start + rng.uniform(0.01, 3.0)
+        low, high = launch_angle(segment, start), launch_angle(segment, stop)
+        dark = low < high and next_visible(cells, segment, low, high)[0] >= high
+        found = is_hidden(cells, segment, start, stop)
+        assert dark or not found
+        hidden, behind = hidden + found, behind + dark
+    assert 0.9 * behind < hidden < 4000
+
+
+def facet(near: float, centre: float, far: float) -> Facet:
+    return Facet(0.1, 0.2, np.cos(0.15), np.sin(0.15), near, centre, far, 0.5, centre)
+
+
+@pytest.mark.parametrize("share", [0.0, 0.25, 0.5, 0.75, 1.0])
+def test_parts_lie_ahead_of_the_sonar_however_long_the_facet_is(share):
+    for near, centre, far in ((10.0, 20.0, 1e4), (1e9, 30.0, 5.0), (0.0, 1.0, 1e6)):
+        long = facet(near, centre, far)
+        assert along_curve(long, facet_curve(long), share) >= 0.0
+    short = facet(10.0, 10.1, 10.3)
+    assert along_curve(short, facet_curve(short), 0.0) == pytest.approx(10.0)
+    assert along_curve(short, facet_curve(short), 1.0) == pytest.approx(10.3)
+
+
+@pytest.mark.parametrize("wrong", [-1.0, np.inf, np.nan])
+def test_a_facet_behind_the_sonar_or_nowhere_is_not_met(wrong):
+    assert is_facet_met(facet(10.0, 10.1, 10.3))
+    for place in range(3):
+        distances = [10.0, 10.1, 10.3]
+        distances[place] = wrong
+        assert not is_facet_met(facet(*distances))

@@ -1,7 +1,5 @@
 """Sectors of a beam's planes: together they stand for every azimuth once, a top-hat's in pairs about athwart."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

@@ -1,21 +1,19 @@
 """Beams with patterns on a fish that pitches and rolls: against dense sums over a level bed."""
 
-from __future__ import annotations
-
 import itertools
 import math
 
 import numpy as np
 import pytest
 
-from beds import arrays_of, gaussian_pattern, poses_of, rough
+from beds import arrays_of, gaussian_pattern, poses_of, rough, tabulated_pattern
 from insonify.acoustics.beam_patterns import make_pattern
 from insonify.compiler.jit import kernel
 from insonify.kernels.beam.azimuth_sector import AzimuthSector, sector_weight
 from insonify.kernels.beam.knot_weights import weigh_knots
 from insonify.kernels.beam.pattern import integrated_response
 from insonify.kernels.beam.pattern_samples import FINE_SINE, ROOM, SampleRoom, sample_pattern
-from insonify.kernels.common.types import EVERY_GRAZING, GAUSSIAN, LIGHT, SONAR, TABLE, TOP_HAT, BeamPattern
+from insonify.kernels.common.types import EVERY_GRAZING, GAUSSIAN, LIGHT, SONAR, TABLE, TOP_HAT
 from insonify.scene import edit, load_scene
 from insonify.scene.sonar.beams import BeamConditions
 from insonify.scene.sonar.beams.line_array import LineArray
@@ -27,11 +25,7 @@ HEIGHT = 8.0
 
 def top_hat(half_width, columns=65):
     """The top-hat of a level fan, as a table."""
-    s = math.sin(half_width)
-    integral = np.linspace(0.0, 2.0 * s, columns)
-    return BeamPattern(
-        True, 0.0, np.array([s]), np.ones((1, columns)), integral[None], 1.0, 1.0, EVERY_GRAZING, 0.0, 1.0, True
-    )
+    return tabulated_pattern(math.sin(half_width), np.ones(columns))
 
 
 def axes(heading, pitch, roll):
@@ -151,12 +145,8 @@ def test_a_knife_knows_its_vertical_beam(law):
 
 def test_the_mixture_of_azimuths_converges_on_sidelobes_too():
     # A narrow lobe on a floor 30 dB down that spans half the sphere: both halves of the energy come out.
-    s = np.linspace(-0.9, 0.9, 4001)
-    energy = np.maximum(2.0 ** (-2.0 * (s / 0.005) ** 2), 1e-3)
-    integral = np.concatenate([[0.0], np.cumsum(0.5 * (energy[1:] + energy[:-1]) * np.diff(s))])
-    pattern = BeamPattern(
-        True, 0.0, np.array([0.9]), energy[None], integral[None], 1.0, 1.0, EVERY_GRAZING, 0.0, 1.0, True
-    )
+    energy = np.maximum(2.0 ** (-2.0 * (np.linspace(-0.9, 0.9, 4001) / 0.005) ** 2), 1e-3)
+    pattern = tabulated_pattern(0.9, energy)
     arrays = arrays_of(FLAT, 4.0, periodic=True, half_width=0.005, pattern=pattern, bins=80, bin_length=0.5)
     truth = level_bed(arrays, 0.0, 0.0, 0.0)
     errors = []
@@ -221,8 +211,7 @@ def test_integrals_at_one_place_are_those_of_the_table(rows):
     rng = np.random.default_rng(rows)
     extent = np.linspace(0.9, 0.3, rows)
     energy = rng.uniform(0.0, 1.0, (rows, 129))
-    integral = np.cumsum(energy, axis=1) * (2.0 * extent[:, None] / 128)
-    pattern = BeamPattern(True, 0.05, extent, energy, integral, 2.0, 8.0, EVERY_GRAZING, 0.0, 1.0, True)
+    pattern = tabulated_pattern(extent, energy, centre=0.05, first_range=2.0, per_octave=8.0)
     x, z = np.linspace(0.0, 400.0, 501), rng.uniform(-12.0, -8.0, 501)
     many, single = np.empty((2, 501))
     sector = sector_between(-0.3, 0.4, 0.2, 0.1)
@@ -232,7 +221,7 @@ def test_integrals_at_one_place_are_those_of_the_table(rows):
     expected = np.zeros(501)
     for k in range(rows):
         columns = 0.05 + extent[k] * np.linspace(-1.0, 1.0, 129)
-        low, high = (np.interp(level * border + tip, columns, integral[k]) for border in (-0.3, 0.4))
+        low, high = (np.interp(level * border + tip, columns, pattern.integral[k]) for border in (-0.3, 0.4))
         expected += (high - low) * np.maximum(1.0 - np.abs(place - k), 0.0)
     np.testing.assert_allclose(single, expected, rtol=1e-7, atol=1e-9)
 
@@ -241,11 +230,9 @@ def test_integrals_at_one_place_are_those_of_the_table(rows):
 @pytest.mark.parametrize("rows", [1, 61])
 def test_every_knot_of_a_profile_of_any_length_is_weighed(knots, rows):
     """From nadir, where all knots are read, to far ranges, where few are; no other entry is touched."""
-    s = np.linspace(-1.0, 1.0, 2049)
     extent = np.linspace(0.3, 0.1, rows)
-    energy = np.sinc(s * extent[:, None] / 0.02) ** 4
-    integral = np.cumsum(energy, axis=1) * (extent[:, None] / 1024)
-    pattern = BeamPattern(True, 0.0, extent, energy, integral, 2.0, 8.0, EVERY_GRAZING, 0.0, 1.0, True)
+    energy = np.sinc(np.linspace(-1.0, 1.0, 2049) * extent[:, None] / 0.02) ** 4
+    pattern = tabulated_pattern(extent, energy, first_range=2.0, per_octave=8.0)
     x, z = np.arange(knots) * 0.1, np.full(knots, -10.0)
     many, single = np.full((2, knots + 8), 7.0)
     sector = sector_between(0.004, 0.011, 0.0, 0.02)
@@ -261,10 +248,7 @@ def test_every_knot_of_a_profile_of_any_length_is_weighed(knots, rows):
 def test_a_pattern_between_the_knots_where_it_is_read_is_that_of_each_knot(pitch, squint, law):
     """Over a rough bed with a hole: the weights of every sector, and their sum."""
     rng, main = np.random.default_rng(5), 0.014
-    s = np.linspace(-0.08, 0.08, 2049)
-    energy = (np.sinc(s / (0.9 * main)) ** 4)[None]
-    integral = np.concatenate([[0.0], np.cumsum(0.5 * (energy[0, 1:] + energy[0, :-1])) * (s[1] - s[0])])[None]
-    pattern = BeamPattern(True, squint, np.array([0.08]), energy, integral, 1.0, 1.0, EVERY_GRAZING, 0.0, 1.0, True)
+    pattern = tabulated_pattern(0.08, np.sinc(np.linspace(-0.08, 0.08, 2049) / (0.9 * main)) ** 4, centre=squint)
     x = np.linspace(0.0, 50.0, 501)
     z = -10.0 + np.convolve(rng.normal(0.0, 0.25, 505), np.ones(5) / 5.0, "valid")
     z[200] = np.nan

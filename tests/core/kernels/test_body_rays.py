@@ -1,7 +1,5 @@
 """Rays to a convex body, many at once: the same as one by one, for any body and any plane."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

@@ -46,7 +46,7 @@ CASES = {
 
 
 @pytest.mark.parametrize("corners", CASES.values(), ids=CASES)
-def test_every_triangle_is_in_exactly_one_leaf(corners):
+def test_every_triangle_is_in_exactly_one_leaf_and_links_and_boxes_are_right(corners):
     mesh = mesh_of(corners)
     leaves = np.flatnonzero(mesh.held)
     assert mesh.held.max() <= LEAF
@@ -54,11 +54,6 @@ def test_every_triangle_is_in_exactly_one_leaf(corners):
     np.testing.assert_array_equal(mesh.first[leaves], np.cumsum(mesh.held[leaves]) - mesh.held[leaves])
     assert sorted(search(mesh, lambda low, high: True)) == list(range(len(corners)))
     np.testing.assert_array_equal(mesh.corners, corners[mesh.target])
-
-
-@pytest.mark.parametrize("corners", CASES.values(), ids=CASES)
-def test_links_and_boxes_are_right(corners):
-    mesh = mesh_of(corners)
     n = mesh.skip.size
     for node in range(n):
         after = mesh.skip[node]
@@ -75,22 +70,17 @@ def test_links_and_boxes_are_right(corners):
             assert mesh.skip[mesh.skip[node + 1]] == after
 
 
-def test_normals_point_to_where_corners_run_counter_clockwise():
-    mesh = mesh_of(np.array([[[0.0, 0, 0], [2, 0, 0], [0, 3, 0]]]))
-    np.testing.assert_array_equal(mesh.normal, [[0, 0, 1]])
-
-
-def test_the_same_triangles_make_the_same_tree():
+def test_the_same_triangles_make_the_same_tree_and_none_an_empty_one():
     one, other = mesh_of(CASES["many"]), mesh_of(CASES["many"].copy())
     assert all(map(np.array_equal, one, other))
-
-
-def test_nothing_makes_an_empty_tree():
     mesh = mesh_of(np.zeros((0, 3, 3)))
     assert mesh.corners.shape == (0, 3, 3)
     assert all(column.shape == (0, 3) and column.dtype == np.float64 for column in (mesh.normal, mesh.low, mesh.high))
     numbers = (mesh.material, mesh.target, mesh.skip, mesh.first, mesh.held)
     assert all(column.shape == (0,) and column.dtype == np.int64 for column in numbers)
+    # Normals point to where corners run counter-clockwise.
+    mesh = mesh_of(np.array([[[0.0, 0, 0], [2, 0, 0], [0, 3, 0]]]))
+    np.testing.assert_array_equal(mesh.normal, [[0, 0, 1]])
 
 
 @settings(max_examples=30, deadline=None)

@@ -1,10 +1,13 @@
-"""Hashed random numbers."""
+"""Hashed random numbers, and their streams: no two purposes share one."""
 
 import numpy as np
 import pytest
 from scipy import stats
 
+from insonify.kernels.common import streams
 from insonify.kernels.common.hashing import hash_integers, hash_uniform, splitmix64, unit_interval, wave_noise
+from insonify.scene.receiver.speckles import Rayleigh
+from insonify.scene.seabed.reliefs.fractal import Fractal
 from insonify.terrain.periodic_waves import GridShape
 
 
@@ -23,12 +26,9 @@ def test_splitmix64_gives_the_published_sequence():
     ]
 
 
-def test_uniform_numbers_stay_inside_the_open_interval():
+def test_uniform_numbers_are_uniform_in_the_open_interval_and_independent_of_their_neighbours():
     assert unit_interval(np.uint64(0)) > 0.0
     assert unit_interval(np.uint64(2**64 - 1)) < 1.0
-
-
-def test_uniform_numbers_are_uniform_and_independent_of_their_neighbours():
     numbers = np.array([[hash_uniform(1, 2, a, b, 0) for a in range(-70, 70)] for b in range(-70, 70)])
     assert stats.kstest(numbers.ravel(), "uniform").pvalue > 0.01
     for shifted in (numbers[1:, :] * numbers[:-1, :], numbers[:, 1:] * numbers[:, :-1]):
@@ -63,3 +63,29 @@ def test_gaussian_noise_has_unit_power_and_exponential_intensity():
     noise = wave_noise(1, 1, 128, 128, True)[1:64, 1:64].ravel()
     assert stats.kstest(np.abs(noise) ** 2, "expon").pvalue > 0.01
     assert stats.kstest(np.angle(noise) / np.pi, "uniform", (-1, 2)).pvalue > 0.01
+
+
+STEPS = ("RELIEF_PART", "RELIEF_BAND")
+
+
+def named():
+    return {name: value for name, value in vars(streams).items() if name.isupper() and name not in STEPS}
+
+
+def test_no_stream_is_used_twice():
+    numbers = list(named().values())
+    assert len(numbers) > 10
+    assert len(set(numbers)) == len(numbers)
+
+
+def test_looks_reach_no_other_stream():
+    most = next(bound.le for bound in Rayleigh.model_fields["looks"].metadata if hasattr(bound, "le"))
+    assert not set(range(streams.SPECKLE + 1, streams.SPECKLE + most)) & set(named().values())
+
+
+def test_parts_and_bands_of_relief_reach_no_other_stream():
+    assert max(named().values()) < streams.RELIEF_BAND
+    peaks = next(bound.max_length for bound in Fractal.model_fields["peaks"].metadata if hasattr(bound, "max_length"))
+    bands = 2 * peaks  # every peak may be mirrored into the other quadrants
+    # The last field of the last band may share the number of the next part, whose lattice has another spacing.
+    assert streams.RELIEF_BAND * (2 * (bands - 1) + 1 + 1) <= streams.RELIEF_PART

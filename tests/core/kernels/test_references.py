@@ -1,7 +1,5 @@
 """Kernels give back every array that they are handed or make: none is counted twice and kept for ever."""
 
-from __future__ import annotations
-
 import gc
 from collections.abc import Callable, Iterator
 

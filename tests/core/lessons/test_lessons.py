@@ -1,9 +1,8 @@
-"""Lessons: reading, the check of each, and the command."""
-
-from __future__ import annotations
+"""Lessons: reading, the check of each, the command, and the figures that they give."""
 
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 from commands import refused
@@ -17,6 +16,8 @@ from insonify.lessons import (
     parse_lesson,
     states_of,
 )
+from insonify.scene import Scene
+from insonify.simulation import simulate
 
 LESSON = """+++
 title = "Width"
@@ -45,7 +46,7 @@ Answer: Because.
 """
 
 
-def test_the_parts_of_a_lesson() -> None:
+def test_the_parts_of_a_lesson_and_the_states_that_follow_its_moves() -> None:
     lesson = parse_lesson(LESSON, "width")
     assert (lesson.name, lesson.title, lesson.scene, lesson.order) == ("width", "Width", "figure-4a", 5)
     assert lesson.set == {"track.altitude": 8.0}
@@ -55,10 +56,7 @@ def test_the_parts_of_a_lesson() -> None:
     assert step.look_for == "merged echoes,\non two lines."
     assert (step.question, step.answer) == ("Why?", "Because.")
     assert step.fields == ("sonar.beam.kind", "sonar.beam.width")
-
-
-def test_states_follow_the_moves() -> None:
-    ((_, start, end),) = states_of(parse_lesson(LESSON, "width"))
+    ((_, start, end),) = states_of(lesson)
     assert start.value("track.altitude") == 8.0
     assert start.value("sonar.beam.width") is None
     assert end.value("sonar.beam.width") == 6.0
@@ -109,16 +107,14 @@ def test_a_fault_is_one_sentence_that_names_lesson_and_remedy(
     assert "; " in complaint
 
 
-def test_a_lesson_that_is_not_there_is_told(capsys: pytest.CaptureFixture[str]) -> None:
-    complaint = refused(capsys, "lesson", "check", "nowhere.md")
-    assert "lesson 'nowhere.md': no such file; give a Markdown file" in complaint
-
-
 def test_a_file_is_checked(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     file = tmp_path / "width.md"
     file.write_text(LESSON, encoding="utf-8")
     assert main(["lesson", "check", str(file)]) in (None, 0)
     assert capsys.readouterr().out == "width: 1 step, each can be done and is noticed\n"
+    unreachable = LESSON.replace("done = ", 'scene = "figure-1"\nset = { "sonar.rnage" = 3.0 }\ndone = ')
+    with pytest.raises(SceneError, match=r"step 'Widen the beam': sonar.rnage: unknown key; did you mean 'range'"):
+        check_lesson(parse_lesson(unreachable, "width"))
 
 
 @pytest.mark.parametrize("name", bundled_lessons())
@@ -135,9 +131,33 @@ def test_lessons_are_listed_in_their_order(capsys: pytest.CaptureFixture[str]) -
     assert [line.split()[0] for line in capsys.readouterr().out.splitlines()] == [lesson.name for lesson in lessons]
 
 
-def test_a_step_that_cannot_be_reached_is_told() -> None:
-    lesson = parse_lesson(
-        LESSON.replace("done = ", 'scene = "figure-1"\nset = { "sonar.rnage" = 3.0 }\ndone = '), "width"
-    )
-    with pytest.raises(SceneError, match=r"step 'Widen the beam': sonar.rnage: unknown key; did you mean 'range'"):
-        check_lesson(lesson)
+def shadow_of_block(scene: Scene) -> tuple[float, float]:
+    """Slant ranges at which the shadow of the first target begins and ends, from the intensities alone."""
+    record = simulate(scene)
+    ping = round(scene.targets[0].position[0] / scene.track.speed * scene.sonar.ping_rate)
+    intensity = record.intensity.isel(ping_time=ping).sel(channel="starboard").to_numpy()
+    edges = np.arange(scene.sonar.bins + 1) * scene.sonar.range / scene.sonar.bins
+    # The longest stretch without an echo behind the first return.
+    dark = np.flatnonzero(np.diff(np.concatenate([[1], (intensity > 0.0).astype(int), [1]])))
+    starts, ends = dark[::2], dark[1::2]
+    behind = edges[starts] > scene.altitude
+    longest = np.argmax(np.where(behind, ends - starts, 0))
+    return float(edges[starts[longest]]), float(edges[ends[longest]])
+
+
+def test_the_height_of_the_block_follows_from_its_shadow() -> None:
+    """h = A L / (R + L) holds on the record of every step of the lesson to the size of two bins."""
+    lesson = load_lesson("target-height")
+    _, first, _ = next(states_of(lesson))
+    scenes = [first.scene, *(end.scene for _, _, end in states_of(lesson))]
+    lengths = []
+    for scene in scenes:
+        begin, end = shadow_of_block(scene)
+        height = scene.altitude * (end - begin) / end
+        bin_length = scene.sonar.range / scene.sonar.bins
+        assert height == pytest.approx(scene.targets[0].size[2], abs=2.0 * bin_length * scene.altitude / end)
+        lengths.append((begin, end - begin))
+    # The figures that question and answer give.
+    assert lengths[1] == pytest.approx((22.47, 5.62), abs=0.05)
+    assert lengths[2] == pytest.approx((21.2, 14.1), abs=0.05)
+    assert lengths[3] == pytest.approx((21.4, 5.3), abs=0.06)

@@ -8,7 +8,7 @@ import sys
 import pytest
 
 from insonify.errors import SceneError
-from insonify.io.unfinished import temporary_path
+from insonify.io.atomic import temporary_path
 from insonify.surveys.engine import (
     Ended,
     done_jobs,

@@ -182,7 +182,7 @@ def _paint_bed(painter: QPainter, scales: SectionScales, section: CrossSection) 
     painter.setBrush(Qt.BrushStyle.NoBrush)
     painter.setPen(QPen(QColor(RING), 1.0, Qt.PenStyle.DotLine))
     painter.drawLines(_lines(scales, section.horizon))
-    for stretches, colour, width in ((section.heard, HEARD, 2.0), (section.hidden, HIDDEN, 3.5)):
+    for stretches, colour, width in ((section.visible, HEARD, 2.0), (section.hidden, HIDDEN, 3.5)):
         painter.setPen(_pen(colour, width))
         painter.drawLines(_lines(scales, stretches))
     for name, face in section.targets:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from insonify.scene import Scene, SceneError
-from insonify.scene.water.profile import ProfileWater
+from insonify.scene.water.layered import ProfileWater
 from insonify.scene.water.uniform import UniformWater
 from insonify_viewer.panels.panel import Button, Panel, Place, Workbench
 from insonify_viewer.panels.water.view import WaterView

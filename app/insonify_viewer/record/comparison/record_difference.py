@@ -9,7 +9,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from insonify.acoustics.error_range import ERROR_ALTITUDES
+from insonify.acoustics.flat_bed import ERROR_ALTITUDES
 from insonify.scene import Scene
 from insonify_viewer.record.record import Record
 

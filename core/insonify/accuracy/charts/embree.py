@@ -9,10 +9,10 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from insonify.kernels.common.types import BED, PORT, SPHERE, Bed, Poses, SceneArrays, Solids
+from insonify.kernels.common.types import BED, SPHERE, Bed, Poses, SceneArrays, Solids
 from insonify.kernels.rays.cast import add_ray_echoes, aim_straight, arrive_straight, unaimed
 from insonify.kernels.rays.cell_walk import NOTHING, Hits, RayBundle, empty_bundle, empty_hits
-from insonify.kernels.rays.launch import SideBeam, rotate_to_world
+from insonify.kernels.rays.launch import orient_beam, rotate_to_world
 from insonify.scene import SceneError
 
 MOST_TRIANGLES = 8_000_000
@@ -87,7 +87,7 @@ class TriangulatedScene:
         near = np.empty(arrays.solids.shape.size, np.int64)
         for ping in range(poses.x.size):
             for side in range(2):
-                beam = _beam(arrays, poses, ping, side)
+                beam = orient_beam(arrays, poses, ping, side)
                 _, aim = aim_straight(arrays, beam, 0.0, near, aim)
                 rotate_to_world(aim.launch, beam, bundle)
                 sums[:] = 0.0
@@ -128,18 +128,6 @@ def _nodes(arrays: SceneArrays, poses: Poses) -> tuple[tuple[int, int], tuple[in
         last = math.ceil((float((places + wide).max()) - low) / bed.spacing) + 1
         spans.append((first, last) if bed.periodic else (max(first, 0), min(last, count)))
     return spans[0], spans[1]
-
-
-def _beam(arrays: SceneArrays, poses: Poses, ping: int, side: int) -> SideBeam:
-    """Beam of one side of one level ping."""
-    ahead_x, ahead_y = math.cos(poses.heading[ping]), math.sin(poses.heading[ping])
-    to_side = 1.0 if side == PORT else -1.0
-    x, y, z = float(poses.x[ping]), float(poses.y[ping]), float(poses.z[ping])
-    side_x, side_y, s = -to_side * ahead_y, to_side * ahead_x, math.sin(arrays.half_width)
-    return SideBeam(
-        x, y, z, ahead_x, ahead_y, side_x, side_y, ahead_x, ahead_y, 0.0, -s, s,
-        side_x, side_y, 0.0, 0.0, 0.0, 1.0, arrays.bins * arrays.bin_length,
-    )  # fmt: skip
 
 
 def tessellate_solids(solids: Solids) -> tuple[NDArray[np.float64], NDArray[np.int64]]:

@@ -41,7 +41,7 @@ def pack_for_chart(scene: Scene, pings: int) -> tuple[SceneArrays, Poses]:
     ground = build_ground(scene)
     arrays = pack_scene(scene, ground)
     # These effects exclude refraction; the plan decides which of both is modelled.
-    if arrays.water.bent and (arrays.multipath.enabled or arrays.bounces) and not prepare(scene).plan.bent:
+    if arrays.water.bent and (arrays.multipath.enabled or arrays.bounces) and not prepare(scene).plan.model.bent:
         arrays = arrays._replace(water=still_water(arrays.water.reference, arrays.water.surface))
     poses = make_poses(scene, ground, np.unique(np.linspace(0, scene.track.pings - 1, pings).astype(np.int64)))
     tiles = TerrainTiles(ground, arrays.bins * arrays.bin_length).split(arrays, poses)

@@ -87,7 +87,7 @@ def write_headings(figure: Figure, title: str, line: str, foot: str) -> None:
 
 
 def place_labels(axes: Axes, labels: Sequence[tuple[str, float, float, str]]) -> None:
-    """Write labels beside their points, with the least overlap with one another and with all points."""
+    """Write labels beside their points, where they least overlap one another and all points."""
     figure = axes.figure.get_figure(root=True)
     assert figure is not None
     renderer = figure.canvas.get_renderer()  # type: ignore[attr-defined]
@@ -105,7 +105,7 @@ def place_labels(axes: Axes, labels: Sequence[tuple[str, float, float, str]]) ->
                 path_effects=OUTLINE,
             )  # fmt: skip
             box = note.get_window_extent(renderer)
-            cost = sum(_overlap(box, other) for other in others) + 4.0 * (_area(box) - _overlap(box, frame))
+            cost = sum(_overlap(box, other) for other in others) + 4.0 * (box.width * box.height - _overlap(box, frame))
             if best is None or cost < best[0]:
                 if best is not None:
                     best[1].remove()
@@ -122,10 +122,6 @@ def _overlap(one: Bbox, other: Bbox) -> float:
     wide = min(one.x1, other.x1) - max(one.x0, other.x0)
     high = min(one.y1, other.y1) - max(one.y0, other.y0)
     return float(max(wide, 0.0) * max(high, 0.0))
-
-
-def _area(box: Bbox) -> float:
-    return float(box.width * box.height)
 
 
 def format_time(microseconds: float) -> str:

@@ -33,7 +33,7 @@ WATER_MAP = LinearSegmentedColormap.from_list("water", [f"#{r:02x}{g:02x}{b:02x}
 LEFT, RIGHT, BOTTOM, TOP = (0.065, 0.155), (0.262, 0.683), 0.165, 0.855  # shares of the figure
 ROW = 0.034  # share of the figure that a row of the legend takes
 MARGIN = 0.075  # share of the depth, above the surface and below the bed
-FAINTEST = 1e-3  # share of the water in shadow from which the legend names it
+FAINTEST = 1e-3  # least share of the water in shadow that the legend names
 LABELS = 0.036  # share of the axes' width and height that a label of a ray needs
 COLUMNS = ("kind", "number", "launch_angle", "range", "depth", "time")
 SUFFIXES = (".png", ".csv")
@@ -123,18 +123,14 @@ def _labels(axes: Any, diagram: RayDiagram) -> None:
         if not at_edge and z > 0.5:
             offset, align = (0, -4), ("center", "top")
         axes.annotate(
-            _degrees(path.angle), (path.range[-1], path.depth[-1]), xytext=offset, textcoords="offset points",
-            ha=align[0], va=align[1], fontsize=8, color=RAY, zorder=6, annotation_clip=False,
+            f"{path.angle:g}°".replace("-", "−"), (path.range[-1], path.depth[-1]), xytext=offset, ha=align[0],
+            va=align[1], textcoords="offset points", fontsize=8, color=RAY, zorder=6, annotation_clip=False,
         )  # fmt: skip
 
 
 def _roundness(angle: float) -> int:
     """Rank of an angle by its roundness, 0 for multiples of ten."""
     return next((k for k, unit in enumerate((10.0, 5.0, 2.0, 1.0, 0.5)) if abs(angle / unit % 1.0) < 1e-9), 5)
-
-
-def _degrees(angle: float) -> str:
-    return f"{angle:g}°".replace("-", "−")
 
 
 def _eigenrays(axes: Any, diagram: RayDiagram) -> None:

@@ -27,9 +27,9 @@ NEAREST_HIT = 0.25  # share of the range at which the steepest ray that is drawn
 FIRST = 257  # rays, denser towards the horizontal
 MOST = 4000
 SEAM = 2e-3  # share of the range: a shorter gap between two rays, or under the sonar, counts as reached
-ROUNDS = 40  # of rays put between two that have parted
+ROUNDS = 40  # of refinement between rays that diverge
 CELLS = 720  # of depth
-WIDE = 12.0  # cells by which neighbours may lie apart
+WIDE = 12.0  # greatest distance of neighbours, in cells
 ONE = 1e-12  # rad; rays launched closer than this that still diverge leave a shadow between them
 
 
@@ -92,7 +92,7 @@ def _eigenrays(water: Water, bottom: float, depth: float, target: tuple[float, f
         angle = -math.degrees(float(row[ANGLE]))
         spread = x * abs(float(row[TUBE]))
         level = 10.0 * math.log10(math.cos(float(row[ANGLE])) / spread) if spread > 0.0 else math.inf
-        # The last point is the target itself, whatever rounding makes of a ray that touches the bed there.
+        # The last point is set to the target, because rounding may move the end of a ray that touches the bed there.
         (path,) = _paths(water, bottom, depth, np.array([angle]), RayLimits(x, 0.0, bottom, False, False))
         time = float(row[TIME])
         points = (np.append(path.range[:-1], x), np.append(path.depth[:-1], target[1]), np.append(path.time[:-1], time))

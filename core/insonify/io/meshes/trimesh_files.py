@@ -48,7 +48,7 @@ def read_z_up(path: str) -> NDArray[np.float64]:
 
 def read_with_trimesh(path: str) -> NDArray[np.float64]:
     """Read the corners in this process, which a damaged file may block for ever."""
-    import trimesh  # half a second, which only scenes with meshes pay for
+    import trimesh  # slow to import, and only meshes need it
 
     with open_regular(path) as file:
         # Textures and merged corners are of no use here.

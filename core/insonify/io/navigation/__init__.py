@@ -17,7 +17,7 @@ from insonify.io.georeference import Georeference, from_degrees, local_georefere
 
 __all__ = ["COLUMNS", "NAVIGATION", "RecordedNavigation", "read_navigation"]
 
-# Unit and greatest size of a number; a larger one is in another unit. Headings may count on, turn after turn.
+# Unit and greatest size of a number; a larger one is in another unit. Headings may exceed 360°.
 LIMITS = {
     "time": ("s", 1e12),
     "x": ("m", 1e8),
@@ -55,7 +55,7 @@ def read_navigation(path: str) -> RecordedNavigation:
     """Read recorded navigation."""
     with NAVIGATION.guarded(path):
         found = NAVIGATION.read(path)
-        # A recording without a pitch sensor holds a column without numbers.
+        # A recording without a pitch sensor has a column without numbers.
         found = {
             name: column
             for name, column in found.items()

@@ -15,20 +15,7 @@ from numpy.typing import NDArray
 
 from insonify.io.file_access import FileFault
 from insonify.io.formats import FileFormat
-from insonify.io.records.recording import (
-    DAY,
-    Fixes,
-    RecordedTrack,
-    SideEchoes,
-    assemble,
-    check_amplitude,
-    choose_frequency,
-    fill_gaps,
-    frequency_attributes,
-    heading_from_compass,
-    plausible_speed,
-    warn_of_cut,
-)
+from insonify.io.records import recording
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -71,7 +58,7 @@ class _Trace(NamedTuple):
     row: int  # 0 port, 1 starboard
     header: Any  # record of TRACE
     frequency: float  # Hz
-    side: SideEchoes
+    side: recording.SideEchoes
 
 
 def read_jsf(path: str | Path, frequency: float | None = None) -> xr.Dataset:
@@ -85,8 +72,8 @@ def read_jsf(path: str | Path, frequency: float | None = None) -> xr.Dataset:
         raise FileFault("holds no side-scan pings", "give a recording of subsystem 20, 21 or 22")
     frequencies = {trace.subsystem: trace.frequency for trace in reversed(traces)}
     bands = sorted(frequencies)
-    chosen = choose_frequency([frequencies[band] for band in bands], frequency)
-    sides: dict[int, dict[int, SideEchoes]] = {}
+    chosen = recording.choose_frequency([frequencies[band] for band in bands], frequency)
+    sides: dict[int, dict[int, recording.SideEchoes]] = {}
     headers: dict[int, Any] = {}
     for trace in traces:
         if trace.subsystem == bands[chosen]:
@@ -96,8 +83,8 @@ def read_jsf(path: str | Path, frequency: float | None = None) -> xr.Dataset:
     if len(sides[last]) < len(next(iter(sides.values()))):  # the recording ends between port and starboard
         del sides[last], headers[last]
     track = _track(np.array(list(headers.values()), dtype=TRACE))
-    track.attributes.update(frequency_attributes([frequencies[band] for band in bands], chosen))
-    return assemble(path, list(sides.values()), track)
+    track.attributes.update(recording.frequency_attributes([frequencies[band] for band in bands], chosen))
+    return recording.assemble(path, list(sides.values()), track)
 
 
 def _traces(path: Path, content: NDArray[np.uint8]) -> Iterator[_Trace]:
@@ -109,7 +96,7 @@ def _traces(path: Path, content: NDArray[np.uint8]) -> Iterator[_Trace]:
         if message is not None and message["marker"] != MARKER:
             raise FileFault(f"holds no JSF message at byte {at}", "copy or export it again")
         if message is None or at + MESSAGE.itemsize + int(message["size"]) > content.size:
-            warn_of_cut(path, at, whole)
+            recording.warn_of_cut(path, at, whole)
             return
         body = content[at + MESSAGE.itemsize : at + MESSAGE.itemsize + int(message["size"])]
         if message["type"] == SONAR_DATA and message["subsystem"] in SIDE_SCAN and message["channel"] in (0, 1):
@@ -128,14 +115,14 @@ def _trace(message: Any, body: NDArray[np.uint8]) -> _Trace:
     skipped = int(header["skipped"])
     fraction = int(header["fraction"] & 0xFF) / 256.0 if message["version"] >= FRACTIONS else 0.0
     step = 1e-9 * (int(header["interval"]) + fraction)
-    speed = plausible_speed(float(header["speed"]))
+    speed = recording.plausible_speed(float(header["speed"]))
     if skipped > MOST_SKIPPED or not 0.0 < step * (skipped + envelope.size) < 100.0:
         raise FileFault(f"has no sampling interval of ping {header['ping']}", "export it again")
     # Samples of the time between transmission and recording are silent.
     amplitude = np.concatenate([np.zeros(skipped, dtype=np.float32), envelope])
-    check_amplitude(int(header["ping"]), amplitude)
+    recording.check_amplitude(int(header["ping"]), amplitude)
     swept = int(header["start"]) + (high & 0xF) * 65536 + int(header["end"]) + (high >> 4 & 0xF) * 65536
-    side = SideEchoes(amplitude, 0.5 * speed * step * amplitude.size, speed)
+    side = recording.SideEchoes(amplitude, 0.5 * speed * step * amplitude.size, speed)
     return _Trace(int(message["subsystem"]), int(message["channel"]), header, 5.0 * swept, side)
 
 
@@ -155,38 +142,38 @@ def _envelope(header: Any, count: int, body: NDArray[np.uint8]) -> NDArray[np.fl
     return np.ldexp(magnitude, -int(np.clip(header["weight"], -40, 40))).astype(np.float32)
 
 
-def _track(headers: NDArray[Any]) -> RecordedTrack:
+def _track(headers: NDArray[Any]) -> recording.RecordedTrack:
     """Navigation of the pings, and time and place of the first one where they are recorded."""
     clock = headers["milliseconds"].astype(np.float64) / 1e3
     whole = headers["time"].astype(np.float64)
-    # Seconds since 1970 and milliseconds of the day belong together where they name the same second.
-    times = whole + np.where(np.abs(whole % DAY - clock) < 1.5, clock - whole % DAY, 0.0)
+    # Seconds since 1970 and milliseconds of the day belong together where they give the same second.
+    times = whole + np.where(np.abs(whole % recording.DAY - clock) < 1.5, clock - whole % recording.DAY, 0.0)
     fixes = _fixes(headers)
     x, y = fixes.positions(times) or (np.zeros_like(times), np.zeros_like(times))
     attitude, depth, altitude = _valid(headers, ATTITUDE), headers["depth"] / 1e3, headers["altitude"] / 1e3
     columns = (
-        x, y, fill_gaps(depth, _valid(headers, DEPTH) & (depth > 0.0)),
-        fill_gaps(altitude, _valid(headers, ALTITUDE) & (altitude > 0.0)),
-        heading_from_compass(headers["heading"] / 100.0, _valid(headers, HEADING)),
-        fill_gaps(ANGLE * headers["pitch"], attitude), fill_gaps(ANGLE * headers["roll"], attitude),
+        x, y, recording.fill_gaps(depth, _valid(headers, DEPTH) & (depth > 0.0)),
+        recording.fill_gaps(altitude, _valid(headers, ALTITUDE) & (altitude > 0.0)),
+        recording.heading_from_compass(headers["heading"] / 100.0, _valid(headers, HEADING)),
+        recording.fill_gaps(ANGLE * headers["pitch"], attitude), recording.fill_gaps(ANGLE * headers["roll"], attitude),
     )  # fmt: skip
     start = datetime.fromtimestamp(times[0], tz=UTC).replace(tzinfo=None).isoformat()
     attributes = {"time_coverage_start": start} | (fixes.place.attributes() if fixes.place else {})
-    return RecordedTrack(times - times[0], columns, attributes)
+    return recording.RecordedTrack(times - times[0], columns, attributes)
 
 
-def _fixes(headers: NDArray[Any]) -> Fixes:
+def _fixes(headers: NDArray[Any]) -> recording.Fixes:
     """Positions of the pings, in the units of most of them."""
     units, number = np.unique(headers["units"], return_counts=True)
     unit = int(units[np.argmax(number)])
     scale = MINUTE_OF_ARC if unit == MINUTES else METRES.get(unit, 0.0)
     known = _valid(headers, POSITION) & (headers["units"] == unit)
     x, y = (np.where(known, scale * headers[axis], 0.0) for axis in ("x", "y"))
-    return Fixes(x, y, unit == MINUTES)
+    return recording.Fixes(x, y, unit == MINUTES)
 
 
 def _valid(headers: NDArray[Any], bit: int) -> NDArray[np.bool_]:
-    """Which pings have a quantity; where no ping declares anything, all are taken to have all."""
+    """Which pings have a quantity; all of them if no ping declares anything."""
     declared = headers["validity"]
     return (declared >> bit & 1).astype(bool) if declared.any() else np.ones(declared.shape, dtype=bool)
 

@@ -45,7 +45,7 @@ def _stored(values: NDArray[Any]) -> NDArray[Any]:
 
 
 def _write_joined(archive: zipfile.ZipFile, name: str, parts: list[NDArray[Any]], axis: int) -> None:
-    """Write arrays one behind the other along an axis, without joining them in memory, which takes as long again."""
+    """Write arrays one behind the other along an axis, without joining them in memory, which would double the time."""
     dtype = np.result_type(*parts)
     shape = [*parts[0].shape]
     if shape:

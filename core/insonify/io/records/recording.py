@@ -37,7 +37,7 @@ class SideEchoes(NamedTuple):
 
     amplitude: NDArray[np.float32]  # (samples,) near to far
     slant_range: float  # m, of its last edge
-    sound_speed: float  # m/s, as the sonar took it
+    sound_speed: float  # m/s, as the sonar assumed it
 
 
 class RecordedTrack(NamedTuple):

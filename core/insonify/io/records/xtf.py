@@ -18,21 +18,7 @@ from numpy.typing import NDArray
 
 from insonify.io.file_access import FileFault
 from insonify.io.formats import FileFormat, WriteOption
-from insonify.io.records.recording import (
-    DAY,
-    Column,
-    Fixes,
-    RecordedTrack,
-    SideEchoes,
-    assemble,
-    check_amplitude,
-    choose_frequency,
-    fill_gaps,
-    frequency_attributes,
-    heading_from_compass,
-    plausible_speed,
-    warn_of_cut,
-)
+from insonify.io.records import recording
 from insonify.io.records.xtf_writer import DEGREES, KNOT, PROGRAM, SAMPLE_TYPES, counts, write_xtf
 
 if TYPE_CHECKING:
@@ -45,11 +31,12 @@ SAMPLES = {2: "<u4", 3: "<u2", 5: "<f4", 8: "u1"}  # by SampleFormat
 BY_BYTES = {1: "u1", 2: "<u2", 4: "<u4"}  # by BytesPerSample, where SampleFormat is 0
 GROUND_RANGE = 2  # of CorrectionFlags
 WIDEST_BEAM = 60.0  # degrees, of a side-scan sonar
+GREATEST = 1e7  # of frequencies, in Hz or kHz
 
 
 class _Ping(NamedTuple):
     header: Any  # pyxtf.XTFPingHeader
-    bands: dict[int, dict[int, SideEchoes]]  # port and starboard of each frequency
+    bands: dict[int, dict[int, recording.SideEchoes]]  # port and starboard of each frequency
     frequencies: dict[int, float]  # of the bands, as the ping has them
 
 
@@ -73,12 +60,14 @@ def read_xtf(path: str | Path, frequency: float | None = None) -> xr.Dataset:
     if not pings:
         raise FileFault("holds no side-scan pings", "give a recording with port or starboard channels")
     frequencies = _frequencies(header, pings)
-    chosen = choose_frequency(list(frequencies.values()), frequency)
+    chosen = recording.choose_frequency(list(frequencies.values()), frequency)
     band = list(frequencies)[chosen]
     pings = [ping for ping in pings if band in ping.bands]
     track = _track(header, [ping.header for ping in pings])
-    track.attributes.update(frequency_attributes(list(frequencies.values()), chosen) | _beam_width(header, band))
-    return assemble(path, [ping.bands[band] for ping in pings], track)
+    track.attributes.update(recording.frequency_attributes(list(frequencies.values()), chosen))
+    if width := _declared(header, band, "HorizBeamAngle", WIDEST_BEAM):
+        track.attributes["beam_width"] = width
+    return recording.assemble(path, [ping.bands[band] for ping in pings], track)
 
 
 def _pings(path: Path, content: NDArray[np.uint8], header: Any) -> Iterator[_Ping]:
@@ -95,7 +84,7 @@ def _pings(path: Path, content: NDArray[np.uint8], header: Any) -> Iterator[_Pin
         if packet is not None and (packet.MagicNumber != MAGIC or packet.NumBytesThisRecord < smallest):
             raise FileFault(f"holds no XTF packet at byte {at}", "copy or export it again")
         if packet is None or at + packet.NumBytesThisRecord > content.size:
-            warn_of_cut(path, at, whole)
+            recording.warn_of_cut(path, at, whole)
             return
         body = content[at : at + packet.NumBytesThisRecord]
         if packet.HeaderType == SONAR_PACKET:
@@ -159,7 +148,7 @@ def _unit(header: Any, info: Any, dtype: np.dtype[Any]) -> float:
     return float(info.VoltScale) / counts(dtype) if header.RecordingProgramName == PROGRAM else 1.0
 
 
-def _side(ping: Any, headers: tuple[Any, Any], samples: NDArray[Any], unit: float) -> SideEchoes:
+def _side(ping: Any, headers: tuple[Any, Any], samples: NDArray[Any], unit: float) -> recording.SideEchoes:
     """Scale the samples of a channel and determine their slant range."""
     info, channel = headers
     if info.CorrectionFlags == GROUND_RANGE:
@@ -167,19 +156,19 @@ def _side(ping: Any, headers: tuple[Any, Any], samples: NDArray[Any], unit: floa
     # A weight N means that the samples were multiplied by 2^N.
     scaled = np.abs(samples.astype(np.float64)) * unit
     amplitude = np.ldexp(scaled, -int(np.clip(channel.Weight, -40, 40))).astype(np.float32)
-    check_amplitude(ping.PingNumber, amplitude)
+    recording.check_amplitude(ping.PingNumber, amplitude)
     reach, lasts = float(channel.SlantRange), float(channel.TimeDuration)
     given = float(ping.SoundVelocity)
     given = 2.0 * given if 650.0 <= given <= 850.0 else given  # one-way, as half the speed
     known = 2.0 * reach / lasts if reach > 0.0 and lasts > 0.0 else given
-    speed = plausible_speed(known, given)
+    speed = recording.plausible_speed(known, given)
     reach = reach if reach > 0.0 else speed * lasts / 2.0
     if not 0.0 < reach < 1e5:
         raise FileFault(f"has no slant range of ping {ping.PingNumber}", "export it with SlantRange set")
-    return SideEchoes(amplitude, reach, speed)
+    return recording.SideEchoes(amplitude, reach, speed)
 
 
-def _track(header: Any, headers: list[Any]) -> RecordedTrack:
+def _track(header: Any, headers: list[Any]) -> recording.RecordedTrack:
     """Navigation of the pings, and time and place of the first one where they are recorded."""
     times, fixes, first = _seconds(headers), _fixes(header, headers), headers[0]
     attributes: dict[str, Any] = {} if fixes.place is None else fixes.place.attributes()
@@ -188,10 +177,10 @@ def _track(header: Any, headers: list[Any]) -> RecordedTrack:
         attributes = {
             "time_coverage_start": datetime(first.Year, first.Month, first.Day, *clock).isoformat()
         } | attributes
-    return RecordedTrack(times, _platform_columns(headers, times, fixes), attributes)
+    return recording.RecordedTrack(times, _platform_columns(headers, times, fixes), attributes)
 
 
-def _seconds(headers: list[Any]) -> Column:
+def _seconds(headers: list[Any]) -> recording.Column:
     """Seconds from the first ping to each, by the time of day, because dates are often wrong.
 
     The clock resolves 10 ms; a recording without a clock gets one ping a second.
@@ -204,10 +193,12 @@ def _seconds(headers: list[Any]) -> Column:
     )
     if not np.ptp(clock) > 0.0:
         return np.arange(len(headers), dtype=np.float64)
-    return np.unwrap(clock, period=DAY) - clock[0]
+    return np.unwrap(clock, period=recording.DAY) - clock[0]
 
 
-def _platform_columns(headers: list[Any], times: Column, fixes: Fixes) -> tuple[Column, ...]:
+def _platform_columns(
+    headers: list[Any], times: recording.Column, fixes: recording.Fixes
+) -> tuple[recording.Column, ...]:
     """Position, depth, altitude and attitude of the sonar at every ping."""
     names = ("SensorXcoordinate", "SensorYcoordinate", "SensorHeading", "SensorPitch", "SensorRoll", "SensorDepth")
     recorded = np.any([_column(headers, name) != 0.0 for name in (*names, "ShipGyro", "SensorPrimaryAltitude")], axis=0)
@@ -219,32 +210,32 @@ def _platform_columns(headers: list[Any], times: Column, fixes: Fixes) -> tuple[
     pitch, roll = _column(headers, "SensorPitch"), _column(headers, "SensorRoll")
     x, y = fixes.positions(times) or _dead_reckoning(headers, times)
     return (
-        x, y, fill_gaps(depth, depth > 0.0), fill_gaps(height, height > 0.0),
-        heading_from_compass(compass, recorded & (compass != 0.0)),
-        fill_gaps(pitch, recorded), fill_gaps(roll, recorded),
+        x, y, recording.fill_gaps(depth, depth > 0.0), recording.fill_gaps(height, height > 0.0),
+        recording.heading_from_compass(compass, recorded & (compass != 0.0)),
+        recording.fill_gaps(pitch, recorded), recording.fill_gaps(roll, recorded),
     )  # fmt: skip
 
 
-def _fixes(header: Any, headers: list[Any]) -> Fixes:
+def _fixes(header: Any, headers: list[Any]) -> recording.Fixes:
     """Positions of the fish, or of the ship where those are all zero."""
     x = _first_of(headers, "SensorXcoordinate", "ShipXcoordinate", unknown=np.inf)
     y = _first_of(headers, "SensorYcoordinate", "ShipYcoordinate", unknown=np.inf)
-    return Fixes(x, y, header.NavUnits == DEGREES)
+    return recording.Fixes(x, y, header.NavUnits == DEGREES)
 
 
-def _dead_reckoning(headers: list[Any], times: Column) -> tuple[Column, Column]:
+def _dead_reckoning(headers: list[Any], times: recording.Column) -> tuple[recording.Column, recording.Column]:
     """Positions along +y from the recorded speed, of a recording without a fix."""
     speed = _first_of(headers, "SensorSpeed", "ShipSpeed") * KNOT
     run = np.concatenate([[0.0], np.cumsum(0.5 * (speed[1:] + speed[:-1]) * np.diff(times))])
     return np.zeros_like(run), run
 
 
-def _column(headers: list[Any], name: str, unknown: float = 0.0) -> Column:
+def _column(headers: list[Any], name: str, unknown: float = 0.0) -> recording.Column:
     values = np.array([getattr(header, name) for header in headers], dtype=np.float64)
     return np.where(np.isfinite(values), values, unknown)
 
 
-def _first_of(headers: list[Any], *names: str, unknown: float = 0.0) -> Column:
+def _first_of(headers: list[Any], *names: str, unknown: float = 0.0) -> recording.Column:
     """First of several columns that is not all zero."""
     columns = [_column(headers, name, unknown) for name in names]
     return next((column for column in columns if column.any()), columns[0])
@@ -256,11 +247,10 @@ def _bands(header: Any) -> dict[int, int]:
     return {number: kinds[:number].count(kind) for number, kind in enumerate(kinds) if kind is not None}
 
 
-def _beam_width(header: Any, band: int) -> dict[str, float]:
-    """Return the attribute of the horizontal beamwidth of a band in degrees; none where the file lacks it."""
-    given = [float(header.ChanInfo[number].HorizBeamAngle) for number, each in _bands(header).items() if each == band]
-    width = next((width for width in given if 0.0 < width <= WIDEST_BEAM), None)
-    return {} if width is None else {"beam_width": width}
+def _declared(header: Any, band: int, field: str, most: float) -> float:
+    """First plausible value of a field in the channels of a band, above 0 and up to a bound; 0 without any."""
+    values = [float(getattr(header.ChanInfo[number], field)) for number, each in _bands(header).items() if each == band]
+    return next((value for value in values if 0.0 < value <= most), 0.0)
 
 
 def _frequencies(header: Any, pings: list[_Ping]) -> dict[int, float]:
@@ -269,12 +259,9 @@ def _frequencies(header: Any, pings: list[_Ping]) -> dict[int, float]:
     Files have it in kHz, in the header or in the pings.
     """
     found: dict[int, float] = {}
-    bands = _bands(header)
     for band in sorted({band for ping in pings for band in ping.bands}):
-        numbers = [number for number, each in bands.items() if each == band]
-        given = [float(header.ChanInfo[number].Frequency) for number in numbers]
-        of_pings = next((ping.frequencies[band] for ping in pings if band in ping.frequencies), 0.0)
-        frequency = next((value for value in (*given, of_pings) if 0.0 < value < 1e7), 0.0)
+        of_pings = next(ping.frequencies[band] for ping in pings if band in ping.frequencies)
+        frequency = _declared(header, band, "Frequency", GREATEST) or (of_pings if 0.0 < of_pings <= GREATEST else 0.0)
         found[band] = 1e3 * frequency if frequency < 1e4 else frequency
     return found
 

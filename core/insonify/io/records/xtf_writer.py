@@ -71,7 +71,7 @@ class _Survey(NamedTuple):
 
 
 def counts(dtype: np.dtype[Any]) -> float:
-    """Return how many values an unsigned integer has, which together make ``VoltScale`` of amplitude; 1 for floats."""
+    """Return the number of values of an unsigned integer, which span an amplitude of ``VoltScale``; 1 for floats."""
     return 2.0 ** (8 * dtype.itemsize) if dtype.kind == "u" else 1.0
 
 

@@ -60,16 +60,12 @@ def _layout(part: xr.Dataset) -> dict[str, dict[str, Any]]:
     """Chunks and shards of the variables that grow with the pings."""
     return {
         str(name): {
-            "chunks": tuple(_chunk(str(dim), size) for dim, size in variable.sizes.items()),
+            "chunks": tuple({ALONG: CHUNK, "channel": 1}.get(str(dim), size) for dim, size in variable.sizes.items()),
             "shards": tuple(SHARD if dim == ALONG else size for dim, size in variable.sizes.items()),
         }
         for name, variable in part.variables.items()
         if ALONG in variable.dims
     }
-
-
-def _chunk(dimension: str, size: int) -> int:
-    return {ALONG: CHUNK, "channel": 1}.get(dimension, size)
 
 
 def _regrouped(blocks: Iterable[xr.Dataset], size: int) -> Iterator[xr.Dataset]:

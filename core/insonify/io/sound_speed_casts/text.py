@@ -104,17 +104,13 @@ def _by_values(table: Values) -> Columns:
     """Find the columns of depth and sound speed in a table without a header."""
     remedy = "put a line with the names of the columns first, depth and sound_speed among them"
     whole = [place for place in range(table.shape[1]) if np.isfinite(table[:, place]).all()]
-    speeds = [place for place in whole if _is_speed(table[:, place])]
+    speeds = [place for place in whole if SPEEDS[0] <= table[:, place].min() and table[:, place].max() <= SPEEDS[1]]
     depths = [place for place in whole if place not in speeds and _is_depth(table[:, place])]
     if len(speeds) != 1 or len(depths) != 1:
         what = "depth" if len(speeds) == 1 else "sound speed"
         count = len(depths) if len(speeds) == 1 else len(speeds)
         raise FileFault(f"has {count or 'no'} columns that look like {what}", remedy)
     return {"depth": table[:, depths[0]], "sound_speed": table[:, speeds[0]]}
-
-
-def _is_speed(column: NDArray[np.float64]) -> bool:
-    return bool(((column >= SPEEDS[0]) & (column <= SPEEDS[1])).all())
 
 
 def _is_depth(column: NDArray[np.float64]) -> bool:

@@ -15,7 +15,7 @@ from insonify.kernels.common.types import LIGHT, SONAR
 
 INVERSE_PI = 1.0 / math.pi
 LEAST_MIRRORED = 0.1  # R·V below which a lobe is too faint for its steepness to count
-HIGHEST_POWER = 128  # one more than the greatest exponent of a lobe whose power is taken for many segments at once
+HIGHEST_POWER = 128  # one more than the greatest exponent for which lobes of many segments are computed at once
 
 
 @inlined_uncounted

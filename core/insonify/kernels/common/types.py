@@ -23,7 +23,7 @@ class Bed(NamedTuple):
 
     heights: NDArray[np.float32]  # (ny, nx), node (j, i) at (x0 + i spacing, y0 + j spacing)
     transposed: NDArray[np.float32]  # (nx, ny), the same heights laid out the other way
-    materials: NDArray[np.uint8]  # (ny, nx), of the cell whose low corner is node (j, i)
+    materials: NDArray[np.uint8]  # (ny, nx), of the cell with its low corner at node (j, i)
     x0: float
     y0: float
     spacing: float

@@ -75,7 +75,7 @@ def _build_tree(corners):
             waiting[depth + 1, 0], waiting[depth + 1, 1] = start, middle
             depth += 2
         nodes += 1
-    # Children come after their parents: seen from the end, every branch below is known.
+    # Children come after their parents: from the end, every branch below is complete.
     for i in range(nodes - 1, -1, -1):
         skip[i] = i + 1 if held[i] > 0 else skip[skip[i + 1]]
     return order, node_low[:nodes], node_high[:nodes], skip[:nodes], first[:nodes], held[:nodes]

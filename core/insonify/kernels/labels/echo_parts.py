@@ -171,7 +171,7 @@ def _deposit_whole_segment(i, echoes, oblique, bin_length, bins):
 
 @kernel
 def _list_stretch(view, segment, i, crest, x_from, x_to, state, hider, n):
-    """List a stretch of segment i, whose echo alone lies in the bins; clear these and return the number of parts."""
+    """List a stretch of segment i, the only echo in the bins; clear these and return the number of parts."""
     arrays, sector, profile, parts = view.arrays, view.sector, view.workspace.profile, view.parts
     nearest = slant_range(segment, nearest_ground_range(segment, x_from, x_to))
     near, far = slant_range(segment, x_from), slant_range(segment, x_to)
@@ -293,7 +293,7 @@ def _list_facet(view, cell, facet, sums, n):
 
 @inlined
 def _true_place(view, source, angle, distance):
-    """Ground range and height above the datum of a place known by its launch angle and its slant range."""
+    """Ground range and height above the datum of a place, from its launch angle and its slant range."""
     x, z = distance * math.cos(angle), distance * math.sin(angle)
     if not view.sector.bent:
         return x, z + view.plane.z

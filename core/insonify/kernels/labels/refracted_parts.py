@@ -42,7 +42,7 @@ def list_refracted_parts(arrays, bare, poses, ping, side, rays, window, rows):
     ping, side, rays : int
     window : Window
     rows : ndarray of float64, shape (room, COLUMNS)
-        Filled; what is not known of a ray is NaN.
+        Filled; unknown columns of a ray are NaN.
 
     Returns
     -------

@@ -43,7 +43,7 @@ from insonify.kernels.sweep.target_echoes import BedHorizon, load_cell, visible_
 from insonify.kernels.targets.angular_zbuffer import NO_PRIMITIVE
 from insonify.kernels.targets.occlusion import occlusion_of
 
-HALVES = 2  # parts of a facet at least, whose energies its labels add up
+HALVES = 2  # least number of parts of a facet; labels add up their energies
 
 
 class BinLabels(NamedTuple):

@@ -143,7 +143,7 @@ def _find_other_path(waveguide, z, angle, x, height):
 
 @inlined
 def _is_new(found, ways, angle):
-    """Whether a ray differs from all those known."""
+    """Whether a ray differs from all rays found so far."""
     for way in range(ways):
         if abs(found[way] - angle) < SAME:
             return False

@@ -12,7 +12,7 @@ from typing import Any, ClassVar
 from insonify.acoustics.water import estimate_refraction
 from insonify.packing.packed_scene import Model, PackedScene
 from insonify.planning.checks import check_refraction
-from insonify.planning.plan_entries import PlanEntry
+from insonify.planning.plan_entries import PlanEntry, percent
 from insonify.planning.probe import Probe, add_loud_pings, work_of
 from insonify.planning.probe_pings import choose_probe_pings
 from insonify.planning.relevance import find_audible_multipaths, find_multipaths_in_reach, find_targets_in_reach
@@ -52,7 +52,7 @@ class Case:
 
     @cached_property
     def probe(self) -> Probe:
-        """Its probe, made when a choice first asks for it."""
+        """Its probe, made on first use."""
         packed = self.packed
         if self.scene.receiver.speckle.interferes:
             # Errors are those of the mean energy; interfering waves differ at random.
@@ -314,11 +314,8 @@ class Doublings(Number):
         rung = self.rung(case, model)
         coarse, fine = self.pair(case, model, rung)
         number, finer = getattr(model, self.field), getattr(fine, self.field)
-        difference = percent(case.probe.difference(coarse, fine))
-        reason = f"on {case.pings(fine)}, {rung} and {finer} {words} differ by {difference}"
-        return reason if number <= rung else f"{reason}; estimated error with {number}: {percent(error)}"
-
-
-def percent(error: float) -> str:
-    """Return an error in words."""
-    return f"{100.0 * error:.2g} %"
+        difference = f"{rung} and {finer} {words} differ by {percent(case.probe.difference(coarse, fine))}"
+        difference += f" on {case.pings(fine)}"
+        if number <= rung:
+            return difference
+        return f"estimated error with {number} {words}: {percent(error)} ({difference})"

@@ -7,8 +7,8 @@ from collections.abc import Iterator
 
 from insonify.packing.packed_scene import SURFACE_ECHO, Model
 from insonify.planning.checks import check_refraction
-from insonify.planning.choices.base import FEWEST_RAYS, NEGLIGIBLE, Case, Choice, percent
-from insonify.planning.plan_entries import PlanEntry
+from insonify.planning.choices.base import FEWEST_RAYS, NEGLIGIBLE, Case, Choice
+from insonify.planning.plan_entries import PlanEntry, percent
 from insonify.scene.water.surfaces import WAYS
 from insonify.tracers.base import AUTO, find_tracer
 

@@ -17,10 +17,9 @@ from insonify.planning.choices.base import (
     Choice,
     Doublings,
     Number,
-    percent,
 )
 from insonify.planning.choices.effects import SMALL_EFFECTS
-from insonify.planning.plan_entries import PlanEntry
+from insonify.planning.plan_entries import PlanEntry, percent
 from insonify.planning.probe import FEW
 from insonify.planning.relevance import find_narrowest_target
 from insonify.scene import SceneError
@@ -33,7 +32,7 @@ MOST_PLANES = COUNTS[-1]
 RAYS_STEP, FOLDED_RAYS = 4, (4000, 16_000, 64_000)
 PINGS_OF_MOST_RAYS = 4  # pings traced with the most of them, a second of one core at the longest ranges
 STRIDES, FEWEST_CELLS = (1, 2, 4, 8, 16, 32), 8  # of nodes; cells that a period of the bed keeps
-OF_LEVEL_BED = 30.0  # weight of errors of coarser nodes over a level bed, whose record is well known
+OF_LEVEL_BED = 30.0  # weight of errors of coarser nodes over a level bed: its record has a closed form
 NEARER = 1.0 / 3.0  # weight of the error of coarser nodes over all bins, the strong ones near nadir too
 LITTLE_MISPLACED = 0.002  # error of whole segments below which no division of them is measured
 SEVERAL = 2  # planes, the fewest that average over the beam
@@ -226,13 +225,12 @@ class Step(Number):
         """Entry of the step."""
         if self.applies(model):
             step = self.measured_step(case, model)
-            difference = percent(case.probe.difference(*self.pair(case, model, step)))
-            reason = (
-                f"{model.rays} rays per side; on {case.pings(self.pair(case, model, step)[1])}, steps of {step:.3g} m"
-            )
-            reason += f" and of half that with twice the rays differ by {difference}"
-            reason += f"; estimated error with {model.step:.3g} m: {percent(error)}" if step > model.step else ""
-            reason += "; the march can step over anything thinner than a step"
+            pair = self.pair(case, model, step)
+            difference = f"steps of {step:.3g} m and of half that with twice the rays differ by "
+            difference += f"{percent(case.probe.difference(*pair))} on {case.pings(pair[1])}"
+            if step > model.step:
+                difference = f"estimated error with steps of {model.step:.3g} m: {percent(error)} ({difference})"
+            reason = f"{model.rays} rays per side; {difference}; the march can step over anything thinner than a step"
             yield self.entry(case, f"steps of {model.step:.3g} m", reason, error=error, options=self.offered)
 
 

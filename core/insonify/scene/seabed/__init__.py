@@ -6,7 +6,7 @@ from typing import Annotated
 
 from pydantic import model_validator
 
-from insonify.scene.base import Declaration, KindOf, parameter
+from insonify.scene.base import Declaration, KindOf, metres, parameter
 from insonify.scene.seabed.materials import AnyMaterialMap, Material
 from insonify.scene.seabed.reliefs import RELIEFS, ReliefKind
 from insonify.scene.seabed.reliefs.flat import Flat
@@ -17,18 +17,11 @@ class Seabed(Declaration):
     """Mean depth, relief and material of the bed."""
 
     depth: float = parameter(
-        30.0,
-        unit="m",
-        description="depth of the mean bed (a measured bed has its own)",
-        gt=0.0,
-        le=11000.0,
-        slider=(5.0, 200.0),
+        30.0, "depth of the mean bed (a measured bed has its own)", "m", gt=0.0, le=11000.0, slider=(5.0, 200.0)
     )
-    spacing: float = parameter(
-        0.1, unit="m", description="spacing of the relief grid", gt=0.0, le=1e4, slider=(0.05, 1.0), log=True
-    )
-    relief: Annotated[ReliefKind, KindOf(RELIEFS, default="flat")] = parameter(Flat(), description="shape of the bed")
-    material: AnyMaterialMap = parameter(Material(), description="material of the bed")
+    spacing: float = metres(0.1, "spacing of the relief grid", (0.05, 1.0), most=1e4)
+    relief: Annotated[ReliefKind, KindOf(RELIEFS, default="flat")] = parameter(Flat(), "shape of the bed")
+    material: AnyMaterialMap = parameter(Material(), "material of the bed")
 
     @model_validator(mode="after")
     def _relief_fits_the_grid(self) -> Seabed:

@@ -7,7 +7,7 @@ from typing import Literal
 
 import numpy as np
 
-from insonify.scene.base import Family, Kind, parameter
+from insonify.scene.base import Family, Kind, metres, parameter
 from insonify.scene.seabed.reliefs.spectrum import Density, Field
 
 MASKS = Family("masks", "insonify.scene.seabed")
@@ -21,15 +21,11 @@ class PatchMask(Kind):
 
     family = MASKS
     kind: Literal["patches"] = "patches"
-    share: float = parameter(
-        0.5, description="share of the bed that the patches cover", gt=0.0, lt=1.0, slider=(0.05, 0.95)
-    )
-    size: float = parameter(
-        10.0, unit="m", description="typical width of a patch", ge=1e-3, le=1e5, slider=(1.0, 50.0), log=True
-    )
+    share: float = parameter(0.5, "share of the bed that the patches cover", gt=0.0, lt=1.0, slider=(0.05, 0.95))
+    size: float = metres(10.0, "typical width of a patch", (1.0, 50.0), least=1e-3, most=1e5)
     softness: float = parameter(
         0.3,
-        description="width over which the relief fades at their borders, as a share of their size",
+        "width over which the relief fades at their borders, as a share of their size",
         gt=0.0,
         le=2.0,
         slider=(0.05, 1.0),

@@ -5,12 +5,12 @@ from __future__ import annotations
 from typing import Annotated, Literal
 
 from insonify.errors import SceneError
-from insonify.scene.base import Declaration, KindOf, parameter
+from insonify.scene.base import Declaration, KindOf, metres, parameter
 from insonify.scene.sonar.beams import BEAMS, BeamKind
-from insonify.scene.sonar.beams.fan import FanBeam
+from insonify.scene.sonar.beams.top_hats import FanBeam
 from insonify.scene.sonar.pulses import PULSES, PulseKind, Tone
 from insonify.scene.sonar.vertical_beams import VERTICAL_BEAMS, VerticalBeamKind
-from insonify.scene.sonar.vertical_beams.uniform import UniformVerticalBeam
+from insonify.scene.sonar.vertical_beams.lobes import UniformVerticalBeam
 
 MOST_BINS = 100_000  # greatest number of bins per side of a record, and of bins that a pulse may last
 
@@ -19,39 +19,24 @@ class Sonar(Declaration):
     """A side-scan sonar with a port and a starboard channel."""
 
     preset: str | None = parameter(
-        None, description="preset of a sonar, of which numbers apply where none are given; a bare name stands for it"
+        None, "preset of a sonar, of which numbers apply where none are given; a bare name stands for it"
     )
-    frequency: float = parameter(
-        400e3, unit="Hz", description="carrier frequency", ge=1e3, le=2e6, slider=(5e4, 1.2e6), log=True
-    )
-    beam: Annotated[BeamKind, KindOf(BEAMS, default="fan")] = parameter(FanBeam(), description="horizontal beam")
+    frequency: float = parameter(400e3, "carrier frequency", "Hz", ge=1e3, le=2e6, slider=(5e4, 1.2e6), log=True)
+    beam: Annotated[BeamKind, KindOf(BEAMS, default="fan")] = parameter(FanBeam(), "horizontal beam")
     vertical: Annotated[VerticalBeamKind, KindOf(VERTICAL_BEAMS, default="uniform")] = parameter(
-        UniformVerticalBeam(), description="vertical beam"
+        UniformVerticalBeam(), "vertical beam"
     )
-    pulse: Annotated[PulseKind, KindOf(PULSES, default="tone")] = parameter(Tone(), description="transmitted pulse")
-    range: float = parameter(
-        50.0, unit="m", description="slant range of the last bin", gt=0.0, le=1e4, slider=(10.0, 200.0), log=True
-    )
-    bins: int = parameter(1000, description="range bins per side", ge=1, le=MOST_BINS, slider=(100, 4000), log=True)
+    pulse: Annotated[PulseKind, KindOf(PULSES, default="tone")] = parameter(Tone(), "transmitted pulse")
+    range: float = metres(50.0, "slant range of the last bin", (10.0, 200.0), most=1e4)
+    bins: int = parameter(1000, "range bins per side", ge=1, le=MOST_BINS, slider=(100, 4000), log=True)
     ping_rate: float = parameter(
-        10.0,
-        unit="Hz",
-        description="pings per second, at most c / (2 range)",
-        ge=1e-3,
-        le=1e4,
-        slider=(0.5, 50.0),
-        log=True,
+        10.0, "pings per second, at most c / (2 range)", "Hz", ge=1e-3, le=1e4, slider=(0.5, 50.0), log=True
     )
     law: Literal["sonar", "light"] = parameter(
-        "sonar", description="backscatter of the insonified area (sonar), or the paper's radiance per ray (light)"
+        "sonar", "backscatter of the insonified area (sonar), or the paper's radiance per ray (light)"
     )
     bounces: int = parameter(
-        0,
-        description="specular reflections and refractions followed after the first echo",
-        ge=0,
-        le=16,
-        slider=(0, 8),
-        rare=True,
+        0, "specular reflections and refractions followed after the first echo", ge=0, le=16, slider=(0, 8), rare=True
     )
 
     def check_ping_rate(self, sound_speed: float) -> None:

@@ -113,9 +113,7 @@ class Tone(PulseKind):
 
     rank = 20
     kind: Literal["tone"] = "tone"
-    duration: float = parameter(
-        1e-4, unit="s", description="length of the pulse", gt=0.0, le=0.1, slider=(1e-5, 1e-3), log=True
-    )
+    duration: float = parameter(1e-4, "length of the pulse", "s", gt=0.0, le=0.1, slider=(1e-5, 1e-3), log=True)
 
     @property
     def length(self) -> float:
@@ -141,14 +139,10 @@ class Chirp(PulseKind):
     rank = 30
     two_sided = True
     kind: Literal["chirp"] = "chirp"
-    duration: float = parameter(
-        1e-3, unit="s", description="length of the pulse", gt=0.0, le=0.1, slider=(1e-4, 1e-2), log=True
-    )
-    bandwidth: float = parameter(
-        30e3, unit="Hz", description="frequencies swept", gt=0.0, le=1e6, slider=(5e3, 2e5), log=True
-    )
+    duration: float = parameter(1e-3, "length of the pulse", "s", gt=0.0, le=0.1, slider=(1e-4, 1e-2), log=True)
+    bandwidth: float = parameter(30e3, "frequencies swept", "Hz", gt=0.0, le=1e6, slider=(5e3, 2e5), log=True)
     window: Literal["uniform", "hamming", "hann"] = parameter(
-        "hamming", description="weight of the frequencies; a tapered one has lower sidelobes and resolves less"
+        "hamming", "weight of the frequencies; a tapered one has lower sidelobes and resolves less"
     )
 
     @model_validator(mode="after")

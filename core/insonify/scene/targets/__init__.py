@@ -1,4 +1,4 @@
-"""Targets on, in or over the bed: their base classes; one file a shape, with its fields and geometry."""
+"""Targets on, in or over the bed: their base classes."""
 
 from __future__ import annotations
 
@@ -47,11 +47,11 @@ class Target(Declaration):
     family = TARGETS
     kind: str = parameter(description="shape of the target")
     position: Position = parameter(
-        unit="m",
         description="[x, y] of the centre for a target on the bed, or [x, y, z] with z up from the sea surface",
+        unit="m",
     )
-    material: Material = parameter(Material(name="steel"), description="material of the target")
-    locked: bool = parameter(False, description="whether the viewer protects it against changes", rare=True)
+    material: Material = parameter(Material(name="steel"), "material of the target")
+    locked: bool = parameter(False, "whether the viewer protects it against changes", rare=True)
 
     @model_validator(mode="after")
     def _one_height(self) -> Target:
@@ -141,8 +141,8 @@ class Body(Target):
 
     gap: float = parameter(
         0.0,
-        unit="m",
-        description="height of the lowest point above the bed at the position; negative buries it",
+        "height of the lowest point above the bed at the position; negative buries it",
+        "m",
         ge=LOWEST_GAP,
         le=HIGHEST_GAP,
         slider=(-1.0, 5.0),

@@ -24,9 +24,7 @@ class MeshFile(Posed):
         description="OBJ, STL, PLY, glTF or GLB file, x ahead and z up (glTF: y up), or the name of a bundled mesh",
         min_length=1,
     )
-    scale: float = parameter(
-        1.0, description="metres per unit of the file", ge=1e-6, le=1e6, slider=(0.01, 100.0), log=True
-    )
+    scale: float = parameter(1.0, "metres per unit of the file", ge=1e-6, le=1e6, slider=(0.01, 100.0), log=True)
 
     def shape(self) -> Shape:
         """Return the file's triangles, in metres about their centre."""

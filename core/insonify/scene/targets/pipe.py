@@ -8,7 +8,7 @@ from typing import Any, Literal
 import numpy as np
 from pydantic import field_validator, model_validator
 
-from insonify.scene.base import angle, parameter
+from insonify.scene.base import angle, metres, parameter
 from insonify.scene.targets import HIGHEST_GAP, LEAST, LOWEST_GAP, BedSurface, Target
 from insonify.scene.targets.shape import Shape, Vector, ball, exact_cos, frustum
 
@@ -22,17 +22,13 @@ class Pipe(Target):
 
     rank = 1
     kind: Literal["pipe"] = "pipe"
-    radius: float = parameter(
-        0.5, unit="m", description="outer radius of the pipe", ge=LEAST, le=100.0, slider=(0.05, 2.0), log=True
-    )
-    length: float = parameter(
-        20.0, unit="m", description="length along the axis", ge=LEAST, le=1e5, slider=(1.0, 200.0), log=True
-    )
+    radius: float = metres(0.5, "outer radius of the pipe", (0.05, 2.0), least=LEAST, most=100.0)
+    length: float = metres(20.0, "length along the axis", (1.0, 200.0), least=LEAST, most=1e5)
     heading: float = angle("direction of the axis, counter-clockwise from +x")
     pitch: float | None = parameter(
         None,
-        unit="°",
-        description="rise of the axis towards its heading; when left out the pipe follows the slope of the bed",
+        "rise of the axis towards its heading; when left out the pipe follows the slope of the bed",
+        "°",
         ge=-360.0,
         le=360.0,
         slider=(-90.0, 90.0),
@@ -41,9 +37,9 @@ class Pipe(Target):
     roll: float = angle("angle of the port side upwards")
     gap: Gap = parameter(
         0.0,
-        unit="m",
-        description="height of the underside above the bed, negative if buried: a number, or [[along, gap], ...] with "
+        "height of the underside above the bed, negative if buried: a number, or [[along, gap], ...] with "
         "the distance along the pipe from its centre",
+        "m",
         slider=(-1.0, 5.0),
     )
 

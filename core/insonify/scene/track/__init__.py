@@ -8,43 +8,32 @@ from pydantic import model_validator
 
 from insonify.scene.base import Coordinate, Declaration, KindOf, angle, parameter
 from insonify.scene.track.motions import MOTIONS, MotionKind, SingleMotion
-from insonify.scene.track.motions.straight import Straight
+from insonify.scene.track.motions.lines import Straight
 
 
 class Track(Declaration):
     """Straight track at constant speed, and the motion of the towfish about it."""
 
-    start: tuple[Coordinate, Coordinate] = parameter(
-        (0.0, 0.0), unit="m", description="position of the first ping", rare=True
-    )
+    start: tuple[Coordinate, Coordinate] = parameter((0.0, 0.0), "position of the first ping", "m", rare=True)
     heading: float = angle("direction of travel, counter-clockwise from +x")
     altitude: float | None = parameter(
         None,
-        unit="m",
-        description="height above the mean bed (10 m when neither altitude nor depth is given)",
+        "height above the mean bed (10 m when neither altitude nor depth is given)",
+        "m",
         gt=0.0,
         le=11000.0,
         slider=(2.0, 50.0),
     )
     depth: float | None = parameter(
-        None,
-        unit="m",
-        description="depth of the sonar, instead of its altitude",
-        ge=0.0,
-        le=11000.0,
-        slider=(0.0, 200.0),
+        None, "depth of the sonar, instead of its altitude", "m", ge=0.0, le=11000.0, slider=(0.0, 200.0)
     )
-    speed: float = parameter(2.0, unit="m/s", description="speed over ground", ge=1e-3, le=50.0, slider=(0.1, 5.0))
-    pings: int = parameter(
-        512, description="number of pings", ge=1, le=100_000_000, slider=(64, 2048), log=True, rare=True
-    )
+    speed: float = parameter(2.0, "speed over ground", "m/s", ge=1e-3, le=50.0, slider=(0.1, 5.0))
+    pings: int = parameter(512, "number of pings", ge=1, le=100_000_000, slider=(64, 2048), log=True, rare=True)
     terrain_following: bool = parameter(
-        False,
-        description="keep the altitude above the bed beneath, smoothed over one altitude to either side",
-        rare=True,
+        False, "keep the altitude above the bed beneath, smoothed over one altitude to either side", rare=True
     )
     motion: Annotated[MotionKind, KindOf(MOTIONS, default="straight")] = parameter(
-        Straight(), description="motion of the towfish about its line"
+        Straight(), "motion of the towfish about its line"
     )
 
     @model_validator(mode="after")

@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 import math
-from typing import Annotated, Any, Literal, NamedTuple
+from typing import Annotated, Literal, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
-from insonify.scene.base import Coordinate, Family, Kind, KindOf, angle, parameter
+from insonify.scene.base import Coordinate, Family, Kind, KindOf, angle, metres, parameter
 
 Points = NDArray[np.float64]
 VOLUMES = Family("volumes", "insonify.scene.volumes")
@@ -31,15 +31,10 @@ class Volume(Kind):
     family = VOLUMES
 
     position: tuple[Coordinate, Coordinate, Coordinate] = parameter(
-        unit="m", description="[x, y, z], z up from the sea surface"
+        description="[x, y, z], z up from the sea surface", unit="m"
     )
     strength: float = parameter(
-        -25.0,
-        unit="dB",
-        description="backscattering strength of a cubic metre",
-        ge=-200.0,
-        le=20.0,
-        slider=(-60.0, 0.0),
+        -25.0, "backscattering strength of a cubic metre", "dB", ge=-200.0, le=20.0, slider=(-60.0, 0.0)
     )
     heading: float = angle("heading, counter-clockwise from +x")
 
@@ -61,18 +56,14 @@ class Volume(Kind):
         return VolumeSamples(turned + np.array(self.position), self.cubic_metres / count)
 
 
-def _extent(default: float, description: str, slider: tuple[float, float]) -> Any:
-    return parameter(default, unit="m", description=description, gt=0.0, le=1e4, slider=slider, log=True)
-
-
 class School(Volume):
     """A school of fish: an ellipsoid about its position; -25 dB are thirty fish of -40 dB in a cubic metre."""
 
     rank = 10
     kind: Literal["school"] = "school"
-    length: float = _extent(10.0, "extent along its heading", (1.0, 100.0))
-    width: float = _extent(5.0, "extent across its heading", (1.0, 100.0))
-    height: float = _extent(3.0, "from its underside to its top", (0.5, 30.0))
+    length: float = metres(10.0, "extent along its heading", (1.0, 100.0), most=1e4)
+    width: float = metres(5.0, "extent across its heading", (1.0, 100.0), most=1e4)
+    height: float = metres(3.0, "from its underside to its top", (0.5, 30.0), most=1e4)
 
     @property
     def cubic_metres(self) -> float:
@@ -92,11 +83,9 @@ class Plume(Volume):
 
     rank = 20
     kind: Literal["plume"] = "plume"
-    height: float = _extent(15.0, "from the vent to its top", (1.0, 100.0))
-    radius: float = _extent(1.0, "radius at its top", (0.1, 10.0))
-    drift: float = parameter(
-        0.0, unit="m", description="drift of its top along the heading", ge=0.0, le=1e4, slider=(0.0, 50.0)
-    )
+    height: float = metres(15.0, "from the vent to its top", (1.0, 100.0), most=1e4)
+    radius: float = metres(1.0, "radius at its top", (0.1, 10.0), most=1e4)
+    drift: float = parameter(0.0, "drift of its top along the heading", "m", ge=0.0, le=1e4, slider=(0.0, 50.0))
 
     @property
     def cubic_metres(self) -> float:

@@ -1,4 +1,4 @@
-"""Waters: sound speed, one file a kind, with absorption and sea surface."""
+"""Waters: their base class, with sound speed, absorption and sea surface."""
 
 from __future__ import annotations
 
@@ -39,18 +39,18 @@ class WaterKind(Kind):
     varies_along: ClassVar[bool] = False
     reference_speed: float | None = parameter(
         None,
-        unit="m/s",
-        description="sound speed by which the receiver converts time to slant range (that at the sonar when left out)",
+        "sound speed by which the receiver converts time to slant range (that at the sonar when left out)",
+        "m/s",
         ge=1300.0,
         le=1700.0,
         slider=(1400.0, 1600.0),
         rare=True,
     )
     absorption: Annotated[AbsorptionKind, KindOf(ABSORPTIONS, default="none", number="constant")] = parameter(
-        NoAbsorption(), description="absorption of sound by the water"
+        NoAbsorption(), "absorption of sound by the water"
     )
     surface: Annotated[SurfaceKind, KindOf(SURFACES, default="none")] = parameter(
-        NoSurface(), description="sea surface, which reflects sound and causes multipath"
+        NoSurface(), "sea surface, which reflects sound and causes multipath"
     )
 
     @property

@@ -44,9 +44,7 @@ class ConstantAbsorption(AbsorptionKind):
     rank = 20
     by_frequency = False
     kind: Literal["constant"] = "constant"
-    coefficient: float = parameter(
-        30.0, unit="dB/km", description="absorption, one way", ge=0.0, le=1e5, slider=(0.0, 500.0)
-    )
+    coefficient: float = parameter(30.0, "absorption, one way", "dB/km", ge=0.0, le=1e5, slider=(0.0, 500.0))
 
     @model_validator(mode="before")
     @classmethod
@@ -63,13 +61,9 @@ class FrancoisGarrison(AbsorptionKind):
 
     rank = 30
     kind: Literal["francois_garrison"] = "francois_garrison"
-    temperature: float = parameter(
-        10.0, unit="°C", description="temperature of the water", ge=-2.0, le=40.0, slider=(0.0, 30.0)
-    )
-    salinity: float = parameter(
-        35.0, unit="g/kg", description="salinity of the water", ge=0.0, le=45.0, slider=(0.0, 40.0)
-    )
-    acidity: float = parameter(8.0, unit="pH", description="acidity of the water", ge=7.0, le=9.0, slider=(7.5, 8.5))
+    temperature: float = parameter(10.0, "temperature of the water", "°C", ge=-2.0, le=40.0, slider=(0.0, 30.0))
+    salinity: float = parameter(35.0, "salinity of the water", "g/kg", ge=0.0, le=45.0, slider=(0.0, 40.0))
+    acidity: float = parameter(8.0, "acidity of the water", "pH", ge=7.0, le=9.0, slider=(7.5, 8.5))
 
     def decibels_per_km(self, frequency: float, depth: float) -> float:
         """Absorption one way, in dB/km, of sea water of this temperature, salinity and acidity."""

@@ -1,30 +1,39 @@
-"""Waters given by their properties at depths."""
+"""Waters given by their properties at depths, declared or measured."""
 
 from __future__ import annotations
 
 import itertools
-from typing import Annotated, Any, Literal
+import math
+from typing import Annotated, Any, ClassVar, Literal
 
-from pydantic import Field, field_validator
+import numpy as np
+from pydantic import Field, field_validator, model_validator
 
-from insonify.scene.base import parameter
-from insonify.scene.water import WaterKind
+from insonify.errors import SceneError
+from insonify.io.sound_speed_casts import Cast, read_cast
+from insonify.scene.base import FilePath, angle, parameter
+from insonify.scene.water import SoundSpeeds, Values, WaterKind, speeds_by_depth
+from insonify.scene.water.polyline import CURVE_TOLERANCE, approximate_by_segments, approximate_pchip, thin_polyline
+from insonify.scene.water.sound_speed import EQUATIONS
 
 # A summer thermocline, the default of layered waters.
 DEPTHS = (0.0, 8.0, 16.0, 60.0)
 SPEEDS = (1520.0, 1519.0, 1501.0, 1500.0)
 MOST = 10_000  # points of a profile
+CAST_TOLERANCE = 0.02  # m/s, greatest error of the segments: the accuracy of a measured speed
 Interpolation = Literal["linear", "pchip"]
 Equation = Literal["paper", "mackenzie", "teos10"]
 Depth = Annotated[float, Field(ge=0.0, le=12000.0)]
 Speed = Annotated[float, Field(ge=1300.0, le=1700.0)]
+Temperature = Annotated[float, Field(ge=-2.0, le=40.0)]
+Salinity = Annotated[float, Field(ge=0.0, le=45.0)]
 
 
 class LayeredWater(WaterKind):
     """Water of properties given at depths, constant above the first and below the last."""
 
     depth: tuple[Depth, ...] = parameter(
-        DEPTHS, unit="m", description="depths at which the properties are given, downwards", slider=(0.0, 100.0)
+        DEPTHS, "depths at which the properties are given, downwards", "m", slider=(0.0, 100.0)
     )
 
     @field_validator("depth")
@@ -36,9 +45,7 @@ class LayeredWater(WaterKind):
 
 def interpolation() -> Any:
     """Declare how a sound speed is interpolated between depths."""
-    return parameter(
-        "linear", description="between the depths: straight, or a smooth curve that never overshoots", rare=True
-    )
+    return parameter("linear", "between the depths: straight, or a smooth curve that never overshoots", rare=True)
 
 
 def check_order(what: str, places: tuple[float, ...], instead: str) -> None:
@@ -56,3 +63,141 @@ def check_length(what: str, count: int, depth: tuple[float, ...]) -> None:
     if count != len(depth):
         numbers = f"{count} number{'s' * (count != 1)}"
         raise ValueError(f"{what} has {numbers} for {len(depth)} depths; give one for each depth")
+
+
+class ProfileWater(LayeredWater):
+    """Water of given speeds at given depths."""
+
+    table: ClassVar[frozenset[str]] = frozenset({"depth", "sound_speed"})
+    rank = 20
+    kind: Literal["profile"] = "profile"
+    sound_speed: tuple[Speed, ...] = parameter(SPEEDS, "speed of sound at those depths", "m/s", slider=(1400.0, 1600.0))
+    interpolation: Interpolation = interpolation()
+
+    @model_validator(mode="after")
+    def _one_speed_a_depth(self) -> ProfileWater:
+        check_length("sound_speed", len(self.sound_speed), self.depth)
+        return self
+
+    def sound_speeds(self) -> SoundSpeeds:
+        """Speed between the depths, linear or along a curve."""
+        if self.interpolation == "linear":
+            return speeds_by_depth(self.depth, self.sound_speed)
+        return speeds_by_depth(*approximate_pchip(np.array(self.depth), np.array(self.sound_speed), CURVE_TOLERANCE))
+
+
+class HydrographyWater(LayeredWater):
+    """Water of given temperature and salinity, linear between the depths; the speed follows from an equation."""
+
+    table: ClassVar[frozenset[str]] = frozenset({"depth", "temperature", "salinity"})
+    rank = 30
+    kind: Literal["hydrography"] = "hydrography"
+    temperature: tuple[Temperature, ...] = parameter(
+        (18.0, 17.6, 11.6, 11.0), "temperature at those depths", "°C", slider=(0.0, 30.0)
+    )
+    salinity: Salinity | tuple[Salinity, ...] = parameter(
+        35.0, "practical salinity at those depths, or one number for all", slider=(0.0, 40.0)
+    )
+    equation: Equation = parameter("teos10", "equation of sound speed", rare=True)
+
+    @model_validator(mode="after")
+    def _one_value_a_depth(self) -> HydrographyWater:
+        check_length("temperature", len(self.temperature), self.depth)
+        if isinstance(self.salinity, tuple):
+            check_length("salinity", len(self.salinity), self.depth)
+        return self
+
+    def sound_speeds(self) -> SoundSpeeds:
+        """Speed by the equation from temperature and salinity that are linear between the depths."""
+        depth = np.array(self.depth)
+        salinity = np.broadcast_to(np.asarray(self.salinity, dtype=np.float64), depth.shape)
+
+        def speed(places: Values) -> Values:
+            temperature = np.interp(places, depth, np.array(self.temperature))
+            return EQUATIONS[self.equation](temperature, np.interp(places, depth, salinity), places)
+
+        return speeds_by_depth(*approximate_by_segments(speed, depth, CURVE_TOLERANCE))
+
+
+class SectionWater(LayeredWater):
+    """Water that varies horizontally: sound speed profiles along a line through the scene's (0, 0)."""
+
+    table: ClassVar[frozenset[str]] = frozenset({"distance", "depth", "sound_speed"})
+    rank = 50
+    varies_along = True
+    kind: Literal["section"] = "section"
+    distance: tuple[Annotated[float, Field(ge=-1e6, le=1e6)], ...] = parameter(
+        (0.0, 200.0), "places of the profiles along the line", "m", slider=(-100.0, 100.0)
+    )
+    sound_speed: tuple[tuple[Speed, ...], ...] = parameter(
+        (SPEEDS, (1520.0, 1520.0, 1515.0, 1500.0)),
+        "speed of sound: for every distance, a list over the depths",
+        "m/s",
+        slider=(1400.0, 1600.0),
+    )
+    heading: float = angle("direction of the line, counter-clockwise from +x")
+
+    @field_validator("distance")
+    @classmethod
+    def _goes_onwards(cls, distance: tuple[float, ...]) -> tuple[float, ...]:
+        check_order("distance", distance, "for horizontally uniform water use kind 'profile'")
+        return distance
+
+    @model_validator(mode="after")
+    def _one_profile_a_distance(self) -> SectionWater:
+        if len(self.sound_speed) != len(self.distance):
+            raise ValueError(
+                f"sound_speed has {len(self.sound_speed)} profiles for {len(self.distance)} distances; give one each"
+            )
+        for number, profile in enumerate(self.sound_speed):
+            check_length(f"sound_speed.{number}", len(profile), self.depth)
+        return self
+
+    def sound_speeds(self) -> SoundSpeeds:
+        """Speeds of the profiles along the line."""
+        return SoundSpeeds(
+            np.array(self.depth), np.array(self.sound_speed), np.array(self.distance), math.radians(self.heading)
+        )
+
+
+class CastWater(WaterKind):
+    """Water measured by an instrument cast."""
+
+    rank = 40
+    kind: Literal["cast"] = "cast"
+    path: FilePath = parameter(description="measured cast: Sea-Bird .cnv, .asvp, .svp or CSV", min_length=1)
+    interpolation: Interpolation = interpolation()
+    equation: Equation | None = parameter(
+        None,
+        "equation of sound speed from temperature and salinity (when left out, the cast's own speed if it "
+        "has one, otherwise teos10)",
+        rare=True,
+    )
+
+    def sound_speeds(self) -> SoundSpeeds:
+        """Measured speed, reduced to few points."""
+        cast = read_cast(self.path)
+        speed = self._speeds_of(cast)
+        if self.interpolation == "pchip" and cast.depth.size > 1:
+            return speeds_by_depth(*approximate_pchip(cast.depth, speed, CAST_TOLERANCE))
+        kept = thin_polyline(cast.depth, speed, CAST_TOLERANCE)
+        return speeds_by_depth(cast.depth[kept], speed[kept])
+
+    def _speeds_of(self, cast: Cast) -> Values:
+        """Sound speed of a cast, or by an equation from its temperature and salinity."""
+        if cast.sound_speed is not None and self.equation is None:
+            speed = cast.sound_speed
+        elif cast.temperature is None or cast.salinity is None:
+            raise SceneError(
+                f"water.equation: {self.equation!r} needs temperature and salinity, which {self.path!r} lacks; "
+                "leave it out to take the cast's own speed"
+            )
+        else:
+            speed = EQUATIONS[self.equation or "teos10"](cast.temperature, cast.salinity, cast.depth)
+        wrong = np.flatnonzero(~((speed >= 1300.0) & (speed <= 1700.0)))
+        if wrong.size:
+            raise SceneError(
+                f"water.path: {self.path!r} gives {speed[wrong[0]]:.6g} m/s at {cast.depth[wrong[0]]:.4g} m, no "
+                "possible speed of sound in water (1300 to 1700 m/s); correct or remove that row"
+            )
+        return np.asarray(speed)

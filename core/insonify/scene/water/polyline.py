@@ -27,7 +27,7 @@ def approximate_by_segments(
 
 
 def _sampled(curve: Callable[[Values], Values], low: float, high: float, tolerance: float) -> Values:
-    """Divide an interval into equal parts whose chords stay within the tolerance."""
+    """Divide an interval into equal parts, so many that their chords stay within the tolerance."""
     parts = 1
     while True:
         ends = np.linspace(low, high, parts + 1)
@@ -40,7 +40,7 @@ def _sampled(curve: Callable[[Values], Values], low: float, high: float, toleran
 
 
 def thin_polyline(places: Values, values: Values, tolerance: float) -> NDArray[np.int64]:
-    """Choose points whose connecting segments pass all others within the tolerance (Douglas and Peucker 1973)."""
+    """Choose points; the segments between them pass all others within the tolerance (Douglas and Peucker 1973)."""
     kept = np.zeros(places.size, dtype=bool)
     kept[[0, -1]] = True
     pending = [(0, places.size - 1)]

@@ -53,12 +53,12 @@ class NoSurface(SurfaceKind):
 class MirrorSurface(SurfaceKind):
     """A sea surface that reflects all sound; each path by it can be switched off."""
 
-    surface_bottom: bool = parameter(True, description="paths by the surface one way and direct the other way")
-    surface_bottom_surface: bool = parameter(True, description="paths by the surface both ways")
+    surface_bottom: bool = parameter(True, "paths by the surface one way and direct the other way")
+    surface_bottom_surface: bool = parameter(True, "paths by the surface both ways")
     second_bottom: bool = parameter(
-        True, description="paths by the bed beneath the sonar and then the surface one way, direct the other way"
+        True, "paths by the bed beneath the sonar and then the surface one way, direct the other way"
     )
-    surface_echo: bool = parameter(True, description="the echo of the surface straight above the sonar")
+    surface_echo: bool = parameter(True, "the echo of the surface straight above the sonar")
 
     @property
     def reflects(self) -> bool:
@@ -84,39 +84,24 @@ class RoughSurface(MirrorSurface):
     rank = 30
     kind: Literal["rough"] = "rough"
     wind_speed: float = parameter(
-        5.0,
-        unit="m/s",
-        description="speed of the wind that raises the sea, 19.5 m above it",
-        ge=0.0,
-        le=30.0,
-        slider=(0.0, 15.0),
+        5.0, "speed of the wind that raises the sea, 19.5 m above it", "m/s", ge=0.0, le=30.0, slider=(0.0, 15.0)
     )
 
     @property
     def rms_height(self) -> float:
-        """Rms height of the waves, in metres."""
-        return rms_height(self.wind_speed)
+        """Rms height of the waves, in metres: h² = ∫ S dω = α U⁴ / (4 β g²)."""
+        return math.sqrt(ALPHA / (4.0 * BETA)) * self.wind_speed**2 / GRAVITY
 
     @property
     def slope_variance(self) -> float:
-        """Variance of the slope of the waves along one direction."""
-        return slope_variance(self.wind_speed)
+        """Variance of the slope of the waves along one direction, half of that in both.
 
+        ∫ (ω²/g)² S dω up to the finest wave, ω² = g · 363 rad/m, is α/4 · E₁(β (g / Uω)⁴); with U = 5 m/s it is 0.027
+        in both directions, where Cox and Munk (1954) measured 0.003 + 0.00512 U = 0.029.
+        """
+        from scipy import special  # lazy: SciPy takes longer to import than a scene to read
 
-def rms_height(wind_speed: float) -> float:
-    """Rms height of the waves, in metres, for a wind in m/s: h² = ∫ S dω = α U⁴ / (4 β g²)."""
-    return math.sqrt(ALPHA / (4.0 * BETA)) * wind_speed**2 / GRAVITY
-
-
-def slope_variance(wind_speed: float) -> float:
-    """Variance of the slope of the waves in one direction, half of that in both, for a wind in m/s.
-
-    ∫ (ω²/g)² S dω up to the finest wave, ω² = g · 363 rad/m, is α/4 · E₁(β (g / Uω)⁴); with U = 5 m/s it is 0.027 in
-    both directions, where Cox and Munk (1954) measured 0.003 + 0.00512 U = 0.029.
-    """
-    from scipy import special  # lazy: SciPy takes longer to import than a scene to read
-
-    if wind_speed < CALM:
-        return 0.0
-    squared = GRAVITY / (wind_speed**2 * FINEST)  # (g / Uω)²
-    return float(0.5 * ALPHA / 4.0 * special.exp1(BETA * squared**2))
+        if self.wind_speed < CALM:
+            return 0.0
+        squared = GRAVITY / (self.wind_speed**2 * FINEST)  # (g / Uω)²
+        return float(0.5 * ALPHA / 4.0 * special.exp1(BETA * squared**2))

@@ -13,9 +13,7 @@ class UniformWater(WaterKind):
 
     rank = 10
     kind: Literal["uniform"] = "uniform"
-    sound_speed: float = parameter(
-        1500.0, unit="m/s", description="speed of sound", ge=1300.0, le=1700.0, slider=(1400.0, 1600.0)
-    )
+    sound_speed: float = parameter(1500.0, "speed of sound", "m/s", ge=1300.0, le=1700.0, slider=(1400.0, 1600.0))
 
     @property
     def only_speed(self) -> float:

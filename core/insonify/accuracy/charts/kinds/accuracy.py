@@ -18,37 +18,17 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
+from insonify.accuracy.charts import method_settings, style
 from insonify.accuracy.charts.chart import Chart, ChartTable
 from insonify.accuracy.charts.embree import TriangulatedScene, explain_omission
-from insonify.accuracy.charts.method_settings import (
-    EMBREE,
-    EMBREE_OWN,
-    SWEEPS,
-    MethodSetting,
-    Record,
-    SettingKey,
-    list_settings,
-    pack_for_chart,
-)
 from insonify.accuracy.charts.reference import Reference, refine_reference
-from insonify.accuracy.charts.style import (
-    OUTLINE,
-    format_percent,
-    format_time,
-    get_colour,
-    get_mark,
-    place_labels,
-    scale_axes,
-    write_headings,
-)
 from insonify.accuracy.timing import describe_machine, time_calls
 from insonify.acoustics.flat_bed import compute_flat_bed_curves
 from insonify.display.normalisation import extend_to_water_column, normalise
 from insonify.display.style import FAINT, INK, label_axes, make_figure
 from insonify.kernels.common.types import Poses, SceneArrays
 from insonify.scene import Scene, SceneError, edit
-from insonify.statistics.displacement import Displacement, measure_displacement
-from insonify.statistics.record_errors import RecordErrors, compare_records
+from insonify.statistics.record_errors import Displacement, RecordErrors, compare_records, measure_displacement
 from insonify.tow.poses import take_poses
 
 PINGS = 8
@@ -81,9 +61,9 @@ class AccuracyRow:
     displacement: Displacement  # displacement of shadows and echoes, in metres
 
     @property
-    def key(self) -> SettingKey:
+    def key(self) -> method_settings.SettingKey:
         """Method, setting and targets, which together identify the row."""
-        return SettingKey(self.method, self.setting, self.targets)
+        return method_settings.SettingKey(self.method, self.setting, self.targets)
 
     @property
     def label(self) -> str:
@@ -121,7 +101,7 @@ class TracedScene(NamedTuple):
 
     def reference_of(self, method: str) -> Reference:
         """Return the reference against which a method's errors are computed."""
-        return self.triangles if method == EMBREE_OWN and self.triangles is not None else self.reference
+        return self.triangles if method == method_settings.EMBREE_OWN and self.triangles is not None else self.reference
 
 
 @dataclass(frozen=True)
@@ -134,7 +114,7 @@ class AccuracyChart(Chart):
     machine: str  # processor and versions of the measurement
     # Scene with its targets (``True``) and without (``False``); a scene without targets has only ``False``.
     scenes: Mapping[bool, TracedScene] = field(repr=False)
-    records: Mapping[SettingKey, Record] = field(repr=False)  # record of every row
+    records: Mapping[method_settings.SettingKey, method_settings.Record] = field(repr=False)  # record of every row
     notes: tuple[str, ...] = ()  # methods that were left out, and why
 
     def rows_of(self, targets: bool) -> list[AccuracyRow]:
@@ -148,7 +128,7 @@ class AccuracyChart(Chart):
         """
         front: list[AccuracyRow] = []
         resolved = self.scenes[targets].reference.moved
-        rows = (row for row in self.rows_of(targets) if row.method != EMBREE_OWN)
+        rows = (row for row in self.rows_of(targets) if row.method != method_settings.EMBREE_OWN)
         for row in sorted(rows, key=lambda row: (row.microseconds, row.errors.beyond)):
             if not front or row.errors.beyond < front[-1].errors.beyond - resolved:
                 front.append(row)
@@ -179,11 +159,11 @@ class AccuracyChart(Chart):
 
         NaN where none reaches it, or where the reference does not resolve it.
         """
-        times = {method: self.time_to_error(method, error, targets) for method in SWEEPS}
+        times = {method: self.time_to_error(method, error, targets) for method in method_settings.SWEEPS}
         return min(times.items(), key=lambda item: math.inf if math.isnan(item[1]) else item[1])
 
     def describe_speedup(self, targets: bool) -> str:
-        """State how much faster the sweep reaches an error than exact rays; empty where either does not reach it.
+        """State how much faster than exact rays the sweep reaches an error; empty where either does not reach it.
 
         The sweep divides segments in the way that reaches that error first, as a plan would.
         """
@@ -194,8 +174,8 @@ class AccuracyChart(Chart):
         times = f"{exact / sweep:,.0f}" if exact > 10.0 * sweep else f"{exact / sweep:.2g}"
         division = method.removeprefix("sweep").removeprefix(", ")
         how = f"the sweep ({division})" if division else "the sweep"
-        bound = format_percent(COMPARED_ERROR)
-        return f"{bound} in {format_time(sweep)} by {how}, in {format_time(exact)} by exact rays: × {times}"
+        bound = style.format_percent(COMPARED_ERROR)
+        return f"{bound} in {style.format_time(sweep)} by {how}, in {style.format_time(exact)} by exact rays: × {times}"
 
     def summarise(self) -> tuple[str, ...]:
         """State how much faster the sweep is, and which methods were left out."""
@@ -203,7 +183,7 @@ class AccuracyChart(Chart):
         speedups = {targets: self.describe_speedup(targets) for targets in sorted(self.scenes)}
         return (*(which.get(targets, "") + line for targets, line in speedups.items() if line), *self.notes)
 
-    def normalise_row(self, row: AccuracyRow) -> tuple[Record, Record]:
+    def normalise_row(self, row: AccuracyRow) -> tuple[method_settings.Record, method_settings.Record]:
         """Amplitudes of a row's record and of its reference, relative to a level Lambert bed."""
         scene = self.scenes[row.targets]
         curves = compute_flat_bed_curves(scene.arrays, scene.poses)[:, 0]
@@ -235,7 +215,7 @@ class AccuracyFigure(NamedTuple):
     """Drawn accuracy chart."""
 
     figure: Figure  # figure with an Agg canvas
-    marks: dict[Line2D, list[AccuracyRow]]  # rows that the points of every line stand for, so that one can be picked
+    marks: dict[Line2D, list[AccuracyRow]]  # rows at the points of each line, for picking
 
 
 def draw_accuracy(chart: AccuracyChart) -> AccuracyFigure:
@@ -246,7 +226,9 @@ def draw_accuracy(chart: AccuracyChart) -> AccuracyFigure:
     height = HIGH + NOTE * len(notes)
     figure = make_figure(width, height)
     pings = f"{chart.pings} ping{'s' * (chart.pings != 1)}"
-    write_headings(figure, "Speed against accuracy", f"{chart.title or 'untitled scene'} · {pings}", chart.machine)
+    style.write_headings(
+        figure, "Speed against accuracy", f"{chart.title or 'untitled scene'} · {pings}", chart.machine
+    )
     grid = figure.subplots(1, panels, sharex=True, sharey=True, squeeze=False)[0]
     bottom = (BELOW + NOTE * len(notes)) / height
     figure.subplots_adjust(LEFT / width, bottom, 1.0 - NAMES / width, 1.0 - 1.25 / height, wspace=0.09)
@@ -260,18 +242,18 @@ def draw_accuracy(chart: AccuracyChart) -> AccuracyFigure:
         _mark_floor(axes, chart, targets)
         _write(axes, 0.988, 0.985, chart.describe_speedup(targets), INK, ha="right", va="top")
         labels = [
-            (row.label, row.microseconds, _height(row), get_colour(row.method))
+            (row.label, row.microseconds, _height(row), style.get_colour(row.method))
             for row in chart.rows_of(targets)
-            if row.method != EMBREE_OWN
+            if row.method != method_settings.EMBREE_OWN
         ]
-        place_labels(axes, labels)
+        style.place_labels(axes, labels)
     label_axes(grid[0], y="error beyond 1.4 × altitude", size=10.5, pad=6)
     return AccuracyFigure(figure, marks)
 
 
 def _draw_panel(axes: Axes, chart: AccuracyChart, targets: bool) -> dict[Line2D, list[AccuracyRow]]:
     """Draw one scene: the front, then every method's points with a line through them."""
-    scale_axes(axes, x=format_time, y=format_percent)
+    style.scale_axes(axes, x=style.format_time, y=style.format_percent)
     label_axes(axes, "time per ping, both sides, one thread", size=10.5, pad=6)
     if len(chart.scenes) > 1:
         axes.set_title("with its targets" if targets else "without targets", fontsize=11, color=INK, loc="left")
@@ -291,13 +273,13 @@ def _draw_panel(axes: Axes, chart: AccuracyChart, targets: bool) -> dict[Line2D,
 
 def _draw_method(axes: Axes, method: str, rows: list[AccuracyRow]) -> Line2D:
     """Draw a line through the settings of a method and a mark for each."""
-    x, y, colour = [row.microseconds for row in rows], [_height(row) for row in rows], get_colour(method)
+    x, y, colour = [row.microseconds for row in rows], [_height(row) for row in rows], style.get_colour(method)
     axes.errorbar(
         x, y, xerr=[row.spread * row.microseconds for row in rows], fmt="none", ecolor=colour, elinewidth=1.0, zorder=2
     )
     (line,) = axes.plot(
         x, y, color=colour, linewidth=1.2, linestyle="--" if "," in method else "-",
-        marker=get_mark(method), markersize=6.5, markeredgecolor="white", zorder=3,
+        marker=style.get_mark(method), markersize=6.5, markeredgecolor="white", zorder=3,
         label=_name_method(method), picker=5,
     )  # fmt: skip
     return line
@@ -337,13 +319,13 @@ def _mark_floor(axes: Axes, chart: AccuracyChart, targets: bool) -> None:
     reference = chart.scenes[targets].reference
     axes.axhspan(FLOOR / 10.0, max(reference.floor, FLOOR), color=FAINT, alpha=0.10, linewidth=0, zorder=0)
     doubled = f"doubling to {reference.rays:,} rays per side\n({reference.kind})"
-    text = f"not resolved: {doubled} changed the reference by {format_percent(reference.moved)}"
+    text = f"not resolved: {doubled} changed the reference by {style.format_percent(reference.moved)}"
     _write(axes, 0.012, 0.012, text, FAINT, ha="left", va="bottom")
 
 
 def _write(axes: Axes, x: float, y: float, text: str, colour: str, **align: Any) -> None:
     """Write a remark at a place of a panel, in shares of its width and height."""
-    axes.text(x, y, text, transform=axes.transAxes, fontsize=8.0, color=colour, path_effects=OUTLINE, **align)
+    axes.text(x, y, text, transform=axes.transAxes, fontsize=8.0, color=colour, path_effects=style.OUTLINE, **align)
 
 
 def _height(row: AccuracyRow) -> float:
@@ -379,14 +361,14 @@ def measure_chart(
     scenes |= {bool(scene.targets): scene}
     rows: list[AccuracyRow] = []
     traced: dict[bool, TracedScene] = {}
-    records: dict[SettingKey, Record] = {}
+    records: dict[method_settings.SettingKey, method_settings.Record] = {}
     for number, (targets, one) in enumerate(scenes.items()):
 
         def share(done: float, before: int = number) -> None:
             if progress is not None:
                 progress((before + done) / len(scenes))
 
-        arrays, poses = pack_for_chart(one, pings)
+        arrays, poses = method_settings.pack_for_chart(one, pings)
         measured, traced[targets], found = _measure(targets, arrays, poses, share)
         rows += measured
         records |= found
@@ -399,7 +381,7 @@ chart = measure_chart  # the public name of the package
 
 
 def _describe_triangles(targets: bool, scene: TracedScene) -> str:
-    """State the distance of a scene of triangles itself from the curved surfaces, or why Embree is left out."""
+    """State how far a scene of triangles differs from the curved surfaces, or why Embree is left out."""
     if scene.triangles is None:
         return explain_omission(scene.arrays, scene.poses)
     apart = compare_records(scene.arrays, scene.poses, scene.triangles.record, scene.reference.record).beyond
@@ -412,10 +394,13 @@ def _describe_triangles(targets: bool, scene: TracedScene) -> str:
 
 def _measure(
     targets: bool, arrays: SceneArrays, poses: Poses, progress: Callable[[float], None]
-) -> tuple[list[AccuracyRow], TracedScene, dict[SettingKey, Record]]:
+) -> tuple[list[AccuracyRow], TracedScene, dict[method_settings.SettingKey, method_settings.Record]]:
     """Trace all methods, refine the reference until it resolves their errors, time them and compare."""
-    named = {SettingKey(one.method, one.setting, targets): one for one in list_settings(arrays, poses)}
-    records: dict[SettingKey, Record] = {}
+    named = {
+        method_settings.SettingKey(one.method, one.setting, targets): one
+        for one in method_settings.list_settings(arrays, poses)
+    }
+    records: dict[method_settings.SettingKey, method_settings.Record] = {}
     for number, (key, one) in enumerate(named.items()):
         progress(0.2 * number / len(named))
         records[key] = one.trace(poses)
@@ -436,22 +421,24 @@ def _measure(
     rows = []
     for key, one in named.items():
         per_ping = 1e6 * timings[key].median / timed[key][1]
-        for method in (one.method, EMBREE_OWN) if one.method == EMBREE else (one.method,):
+        for method in (
+            (one.method, method_settings.EMBREE_OWN) if one.method == method_settings.EMBREE else (one.method,)
+        ):
             records[key._replace(method=method)] = records[key]
             pair = records[key], scene.reference_of(method).record
             errors, moved = compare_records(arrays, poses, *pair), measure_displacement(arrays, poses, *pair)
             spread = timings[key].spread
             rows.append(AccuracyRow(method, one.setting, one.size, targets, per_ping, spread, errors, moved))
-    return sorted(rows, key=lambda row: row.method == EMBREE_OWN), scene, records
+    return sorted(rows, key=lambda row: row.method == method_settings.EMBREE_OWN), scene, records
 
 
 def _trace_triangles(arrays: SceneArrays, poses: Poses, report: Callable[[], None]) -> Reference | None:
-    """Trace a scene of triangles and how far doubling the rays moves its record; None without Embree."""
+    """Trace a scene of triangles, and the change of its record when the rays are doubled; None without Embree."""
     if explain_omission(arrays, poses):
         return None
     scene = TriangulatedScene(arrays, poses)
 
-    def trace(rays: int) -> Record:
+    def trace(rays: int) -> method_settings.Record:
         records = []
         for ping in range(poses.x.size):
             records.append(scene.trace(take_poses(poses, slice(ping, ping + 1)), rays=rays))
@@ -463,7 +450,9 @@ def _trace_triangles(arrays: SceneArrays, poses: Poses, report: Callable[[], Non
     return Reference(whole, moved.beyond, RAYS_OF_TRIANGLES, moved.all_bins)
 
 
-def _lengthen_call(one: MethodSetting, poses: Poses) -> tuple[Callable[[], Record], int]:
+def _lengthen_call(
+    one: method_settings.MethodSetting, poses: Poses
+) -> tuple[Callable[[], method_settings.Record], int]:
     """Call that traces the poses often enough to be timed, and the number of pings that it traces."""
     began = thread_time()
     one.trace(poses)

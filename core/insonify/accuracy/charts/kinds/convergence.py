@@ -9,31 +9,9 @@ from typing import NamedTuple
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
+from insonify.accuracy.charts import method_settings, style
 from insonify.accuracy.charts.chart import Chart, ChartTable
-from insonify.accuracy.charts.method_settings import (
-    MethodSetting,
-    Record,
-    coarsen_bed,
-    march_settings,
-    pack_for_chart,
-    ray_settings,
-    sweep_settings,
-)
 from insonify.accuracy.charts.reference import Reference, refine_reference
-from insonify.accuracy.charts.style import (
-    PowerLawFit,
-    draw_series,
-    finish_panel,
-    fit_power_law,
-    format_count,
-    format_percent,
-    get_colour,
-    get_mark,
-    group_by,
-    lay_out_panels,
-    scale_axes,
-    write_headings,
-)
 from insonify.accuracy.timing import describe_machine
 from insonify.display.style import FAINT, label_axes
 from insonify.kernels.common.types import Poses, SceneArrays
@@ -76,13 +54,13 @@ class ConvergenceChart(Chart):
 
     def group(self) -> dict[str, list[ConvergencePoint]]:
         """Points by series."""
-        return group_by(self.points, lambda point: point.series)
+        return style.group_by(self.points, lambda point: point.series)
 
-    def fits(self) -> dict[str, PowerLawFit]:
+    def fits(self) -> dict[str, style.PowerLawFit]:
         """Order of convergence of every series, fitted to the points that are resolved."""
         resolved = {series: [point for point in points if point.resolved] for series, points in self.group().items()}
         return {
-            series: fit_power_law([point.size for point in points], [point.error for point in points])
+            series: style.fit_power_law([point.size for point in points], [point.error for point in points])
             for series, points in resolved.items()
         }
 
@@ -99,32 +77,32 @@ class ConvergenceChart(Chart):
     def draw(self) -> Figure:
         """Draw error against step or count, a panel for each series, with the fitted orders."""
         groups = self.group()
-        figure, panels = lay_out_panels(len(groups), 2)
+        figure, panels = style.lay_out_panels(len(groups), 2)
         remark = f"{self.title or 'untitled scene'} · hollow: not resolved by the reference, not fitted"
-        write_headings(figure, "Convergence", remark, self.machine)
+        style.write_headings(figure, "Convergence", remark, self.machine)
         fits = self.fits()
         for axes, (series, points) in zip(panels, groups.items()):
             self._draw_panel(axes, series, [point for point in points if point.error > 0.0], fits[series])
         return figure
 
-    def _draw_panel(self, axes: Axes, series: str, points: list[ConvergencePoint], fit: PowerLawFit) -> None:
-        scale_axes(axes, x=format_count, y=format_percent)
+    def _draw_panel(self, axes: Axes, series: str, points: list[ConvergencePoint], fit: style.PowerLawFit) -> None:
+        style.scale_axes(axes, x=style.format_count, y=style.format_percent)
         method, _, what = series.partition(", ")
         label_axes(axes, what or "rays per side")
         axes.set_title(LIMITS.get(series, "error against the reference"), fontsize=9.5, color=FAINT, loc="left")
         filled, hollow = ([point for point in points if point.resolved is resolved] for resolved in (True, False))
         x, y = [point.size for point in filled], [point.error for point in filled]
-        draw_series(axes, method, x, y, fit, SYMBOLS.get(series, "count"))
+        style.draw_series(axes, method, x, y, fit, SYMBOLS.get(series, "count"))
         axes.plot(
-            [point.size for point in hollow], [point.error for point in hollow], linestyle="none",
-            marker=get_mark(method), markersize=6.5, markerfacecolor="white", markeredgecolor=get_colour(method),
+            [point.size for point in hollow], [point.error for point in hollow], linestyle="none", markersize=6.5,
+            marker=style.get_mark(method), markerfacecolor="white", markeredgecolor=style.get_colour(method),
         )  # fmt: skip
         if series in SYMBOLS:
             axes.invert_xaxis()
         else:
             axes.axhspan(1e-9, self.reference.floor, color=FAINT, alpha=0.10, linewidth=0, zorder=0)
         axes.set_ylim(0.5 * min(point.error for point in points), 2.5 * max(point.error for point in points))
-        finish_panel(axes)
+        style.finish_panel(axes)
 
 
 def measure_chart(scene: Scene, *, progress: Callable[[float], None] | None = None) -> ConvergenceChart:
@@ -134,10 +112,10 @@ def measure_chart(scene: Scene, *, progress: Callable[[float], None] | None = No
     rays, fewer nodes with all nodes.
     """
     report = progress or (lambda _: None)
-    arrays, poses = pack_for_chart(scene, PINGS)
-    exact = ray_settings("rays", arrays, RAYS)
+    arrays, poses = method_settings.pack_for_chart(scene, PINGS)
+    exact = method_settings.ray_settings("rays", arrays, RAYS)
     if arrays.half_width > 0.0 and _can_sweep(arrays):
-        exact += sweep_settings("sweep, planes", arrays, PLANES)
+        exact += method_settings.sweep_settings("sweep, planes", arrays, PLANES)
     records = [one.trace(poses) for one in exact]
     report(0.2)
     right = refine_reference(arrays, poses, records, seconds=PROVING, progress=lambda share: report(0.2 + 0.6 * share))
@@ -148,7 +126,7 @@ def measure_chart(scene: Scene, *, progress: Callable[[float], None] | None = No
     ]
     if not arrays.bounces:
         against = rays.trace(arrays, poses, rays=arrays.bins)
-        points += _points("march, step in m", march_settings(arrays, STEPS), arrays, poses, against)
+        points += _points("march, step in m", method_settings.march_settings(arrays, STEPS), arrays, poses, against)
     if _can_sweep(arrays):
         planes = FINEST_PLANES if arrays.half_width > 0.0 else 1
         against = sweep.trace(arrays, poses, planes=planes)
@@ -162,18 +140,22 @@ def _can_sweep(arrays: SceneArrays) -> bool:
     return arrays.water.station.size == 1 and not arrays.bounces
 
 
-def _coarser(arrays: SceneArrays, planes: int) -> list[MethodSetting]:
+def _coarser(arrays: SceneArrays, planes: int) -> list[method_settings.MethodSetting]:
     """Sweeps over the bed with fewer nodes, coarsest first."""
     out = []
     for every in NODES:
-        if (bed := coarsen_bed(arrays.bed, every)) is not None:
-            (one,) = sweep_settings("sweep", arrays._replace(bed=bed), (planes,))
+        if (bed := method_settings.coarsen_bed(arrays.bed, every)) is not None:
+            (one,) = method_settings.sweep_settings("sweep", arrays._replace(bed=bed), (planes,))
             out.append(one._replace(size=bed.spacing))
     return out
 
 
 def _points(
-    series: str, some: Sequence[MethodSetting], arrays: SceneArrays, poses: Poses, against: Record
+    series: str,
+    some: Sequence[method_settings.MethodSetting],
+    arrays: SceneArrays,
+    poses: Poses,
+    against: method_settings.Record,
 ) -> list[ConvergencePoint]:
     """Errors of some settings against their exact limit."""
     return [

@@ -12,20 +12,9 @@ from typing import Any, NamedTuple
 import numpy as np
 from matplotlib.figure import Figure
 
+from insonify.accuracy.charts import style
 from insonify.accuracy.charts.chart import Chart, ChartTable
 from insonify.accuracy.charts.method_settings import coarsen_bed, pack_for_chart
-from insonify.accuracy.charts.style import (
-    PowerLawFit,
-    draw_series,
-    finish_panel,
-    fit_power_law,
-    format_count,
-    format_time,
-    group_by,
-    lay_out_panels,
-    scale_axes,
-    write_headings,
-)
 from insonify.accuracy.timing import describe_machine, time_calls
 from insonify.display.style import FAINT, label_axes
 from insonify.kernels.common.types import Poses, SceneArrays
@@ -75,12 +64,12 @@ class CostChart(Chart):
 
     def group(self) -> dict[tuple[str, str], list[CostRow]]:
         """Rows by axis and method."""
-        return group_by(self.rows, lambda row: (row.axis, row.method))
+        return style.group_by(self.rows, lambda row: (row.axis, row.method))
 
-    def fits(self) -> dict[tuple[str, str], PowerLawFit]:
+    def fits(self) -> dict[tuple[str, str], style.PowerLawFit]:
         """Power law of the time for every axis and method."""
         return {
-            key: fit_power_law([row.size for row in rows], [row.microseconds for row in rows])
+            key: style.fit_power_law([row.size for row in rows], [row.microseconds for row in rows])
             for key, rows in self.group().items()
         }
 
@@ -94,10 +83,10 @@ class CostChart(Chart):
         """Draw time against size, a panel for each axis, with the fitted power laws."""
         fits, groups = self.fits(), self.group()
         names = list(dict.fromkeys(axis for axis, _ in groups))
-        figure, panels = lay_out_panels(len(names), 3)
-        write_headings(figure, "Cost against size", self.title or "untitled scene", self.machine)
+        figure, panels = style.lay_out_panels(len(names), 3)
+        style.write_headings(figure, "Cost against size", self.title or "untitled scene", self.machine)
         for axes, axis in zip(panels, names):
-            scale_axes(axes, x=format_count, y=format_time)
+            style.scale_axes(axes, x=style.format_count, y=style.format_time)
             label_axes(axes, axis)
             what = "time of all pings" if axis in WHOLE else "time per ping"
             axes.set_title(what, fontsize=9.5, color=FAINT, loc="left")
@@ -105,8 +94,8 @@ class CostChart(Chart):
                 if of == axis:
                     x, y = [row.size for row in rows], [row.microseconds for row in rows]
                     bars = [row.spread * row.microseconds for row in rows]
-                    draw_series(axes, method, x, y, fits[axis, method], "size", bars)
-            finish_panel(axes)
+                    style.draw_series(axes, method, x, y, fits[axis, method], "size", bars)
+            style.finish_panel(axes)
         return figure
 
 

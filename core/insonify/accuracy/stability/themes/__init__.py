@@ -1,1 +1,1 @@
-"""Themes of the stability page, one module each: it defines a ``THEME`` with a title, a place and its cases."""
+"""Themes of the stability page: each is a `StabilityTheme` with a title, a place on the page and its cases."""

@@ -29,7 +29,7 @@ Values = NDArray[np.float64]
 
 @THEME.case(
     "Large coordinates",
-    "A float32 resolves a northing of millions of metres to a quarter or half of a metre only.",
+    "A float32 resolves a northing of millions of metres only to a quarter or half of a metre.",
     "worst error of the bed's height",
     "mm",
     failing=Approach("Looks heights up by map coordinates in float32.", 20.0),
@@ -145,7 +145,7 @@ def _root(value: float) -> float:
 
 
 def _missing_results() -> float:
-    """Percentage of results that are missing when a call of a parallel loop raises; 0 if its error gets out."""
+    """Percentage of results that are missing when a call of a parallel loop raises; 0 if the error is raised."""
     compiled = njit(_root)
 
     @njit(parallel=True)
@@ -160,7 +160,7 @@ def _missing_results() -> float:
     except ValueError:
         return 0.0
     except SystemError:
-        pass  # the caller's own thread had that share: it stops, but not by the error that was raised
+        pass  # the calling thread ran that share: it stops with another error
     return percent(np.isnan(out))
 
 
@@ -186,7 +186,7 @@ def _dropped_exception() -> Measured:
 
 @THEME.case(
     "Threads and blocks",
-    "A floating-point sum depends on its order, and the order on how work is shared.",
+    "A floating-point sum depends on its order, and the order depends on the number of threads.",
     "bins that depend on the number of threads",
     "%",
     failing=Approach("Sums the shares of one worker and of four in float32.", 10.0),

@@ -29,8 +29,8 @@ from insonify.kernels.common.types import LIGHT, SceneArrays, still_water
 from insonify.planning import plan
 from insonify.scene import Scene, edit, load_scene
 from insonify.scene.seabed.reliefs.fractal import Fractal
-from insonify.scene.sonar.beams.fan import FanBeam
-from insonify.scene.targets.sphere import Sphere
+from insonify.scene.sonar.beams.top_hats import FanBeam
+from insonify.scene.targets.bodies import Sphere
 from insonify.scene.water.surfaces import WAYS, FlatSurface, RoughSurface
 from insonify.simulation import prepare, simulate
 
@@ -188,7 +188,7 @@ ALTITUDE, SQUINT = 10.0, 15.0  # m above the bed, °
 
 @BEAMS.case(
     "Light through a beam that squints",
-    "Law light averages over the beam, and off athwart equal steps of the sine are unequal steps of azimuth.",
+    "Law light averages over azimuths; in a squinting beam, equal steps of the sine are unequal steps of azimuth.",
     f"error of the light of a level bed, squint of {SQUINT:g}°",
     "%",
     failing=Approach("Divides by the integral of the response over sines.", 5.0),
@@ -274,11 +274,11 @@ END, LAST, WIND = 40.0, 0.5, 8.0  # m, end of a record, and how much of it count
 
 @SEA_SURFACE.case(
     "Waves at a record's end",
-    "A wave trough shortens the way of an echo that over a calm sea comes after the record's end.",
+    "A wave trough shortens the path of an echo that would arrive after the end of the record over a calm sea.",
     f"echo missing from the last {LAST:g} m of the record",
     "%",
     failing=Approach("Follows the bed up to the end of the record over a calm sea.", 5.0),
-    right=Approach("Follows it as far as the lowest facet of the sea brings echoes in.", 0.1),
+    right=Approach("Follows it up to the last echo that the lowest facet of the sea returns in time.", 0.1),
 )
 def _waves() -> Measured:
     def over(heights: Values, end: float) -> SceneArrays:
@@ -304,11 +304,11 @@ PAIR_WIDTH, PAIR_SQUINT = 4.0, 10.0  # °
 
 @SEA_SURFACE.case(
     "Two legs of a squinting beam",
-    "Out by the surface and back straight, a beam that squints meets other azimuths on either leg.",
+    "On a path out by the surface and straight back, a squinting beam covers different azimuths on its two legs.",
     "error of the energy",
     "%",
-    failing=Approach("Takes the root of the product of the azimuths that each leg has by itself.", 100.0),
-    right=Approach("Integrates the root of both responses over the azimuths that they share.", 0.05),
+    failing=Approach("Takes the root of the product of the azimuths of each leg alone.", 100.0),
+    right=Approach("Integrates the root of both responses over their common azimuths.", 0.05),
 )
 def _squint() -> Measured:
     beam = {"kind": "gaussian", "width": PAIR_WIDTH, "squint": PAIR_SQUINT, "two_way": True}
@@ -331,7 +331,7 @@ def _squint() -> Measured:
     own, r = _surface_echo(arrays), bin_centres(arrays)
     shown = r > _pair_range(0.0)
     return Measured.by(lambda one: 100.0 * abs(one.sum() / exact.sum() - 1.0), plain, own, panel(
-        common(r[shown], plain[shown], "azimuths of each leg by itself"),
+        common(r[shown], plain[shown], "azimuths of each leg alone"),
         ours(r[shown], own[shown], "one plane of this program"),
         inked(r[shown], exact[shown], "azimuths that both legs have", ":"),
         x="slant range (m)", y="echo by the surface", log="y", ylim=(exact.max() * 1e-4, plain.max() * 2.0),
@@ -368,7 +368,7 @@ def _radiances(facets: int) -> tuple[Values, Values, float]:
 
 @SEA_SURFACE.case(
     "Light at a body's edge",
-    "Under law light an echo counts the range it spans, which at the edge of a round body is a large part of it.",
+    "Under law light an echo is weighted by the range that it spans, which is large at the edge of a round body.",
     "error of the energy of a ball",
     "%",
     failing=Approach(

@@ -32,8 +32,8 @@ BORDER = 3  # bins beside the ends of a shadow, which are partly lit
 
 @THE_BED.case(
     "Steps too long",
-    "A ray that is sampled every few metres steps over whatever is thinner.",
-    "energy in shadows, over that of a level bed there",
+    "A ray that is sampled every few metres steps over narrower crests.",
+    "energy in shadows over the energy of a level bed there",
     "%",
     failing=Approach(f"Marches in steps of {STEP:g} m.", 5.0),
     right=Approach("Walks every segment of the bed once under a running horizon.", 0.0),
@@ -98,7 +98,7 @@ def _lost_by_division(x: Values) -> float:
     "The line of sight straight down has the slope 0/0, and every later value of a running sum is lost.",
     "bins or knots without a number",
     "%",
-    failing=Approach("Divides by ground range from the fish on.", 50.0),
+    failing=Approach("Divides by ground range, starting at the fish.", 50.0),
     right=Approach("Starts beneath the fish without dividing by ground range.", 0.0),
 )
 def _knot() -> Measured:
@@ -149,7 +149,7 @@ def _trace_points(arrays: SceneArrays, pose: Poses, spacing: float) -> NDArray[n
 
 @THE_BED.case(
     "A wrong order of convergence",
-    "A method claims second order: halving its step should quarter its error.",
+    "Halving the step of a second-order method should quarter its error.",
     "deviation of the observed order from 2",
     "%",
     failing=Approach("Treats every sample of the bed as a point scatterer.", 20.0),
@@ -187,11 +187,11 @@ ROUGH = {
 
 @ROUGH_BEDS.case(
     "A lobe narrower than a cell's twist",
-    "Within one cell of a rough bed the surface turns by more than a specular lobe is wide.",
+    "Within one cell of a rough bed the surface turns by more than the width of a specular lobe.",
     "error of the record against exact rays",
     "%",
     failing=Approach("Takes the incidence at the middle of each cell's segment.", 5.0),
-    right=Approach("Divides a segment until a lobe, a twist and a density change little within a part.", 1.0),
+    right=Approach("Divides a segment until lobe, slope and density change little within each part.", 1.0),
 )
 def _lobe() -> Measured:
     simulation = prepare(make_level_scene(ROUGH))
@@ -235,7 +235,7 @@ BAD: tuple[dict[str, Any], ...] = ({"peaks": [[200.0, 0.0]]}, {"peaks": [[0.0, 1
 
 @GENERATED_RELIEFS.case(
     "Peaks and exponents out of bounds",
-    "A peak at or above the Nyquist frequency aliases; an exponent below 0 or from 5 on makes no relief.",
+    "A peak at or above the Nyquist frequency aliases; an exponent below 0, or of 5 and more, gives no relief.",
     "such beds made without an error",
     "of 4",
     failing=Approach("Filters by array indices without a check.", 3.0),

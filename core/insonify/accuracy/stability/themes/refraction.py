@@ -81,7 +81,7 @@ FROM, TO, ACROSS = 50.0, 70.0, 4000.0
 
 
 def _count_crossings() -> int:
-    """Count the rays to a point by a fan so dense that the depth it reaches changes its side once a ray."""
+    """Count the rays to a point by the sign changes of the depths that a dense fan of rays reaches."""
     fan = np.linspace(-12.5, 12.5, 20_001)
     depths = ray_paths(CHANNEL, FROM, fan, max_range=ACROSS, bottom=200.0, ranges=[ACROSS])
     at = np.where(depths.range.values[:, 0] == ACROSS, depths.depth.values[:, 0], np.nan)
@@ -90,7 +90,7 @@ def _count_crossings() -> int:
 
 
 def _newton() -> int:
-    """Improve the straight line's angle until the ray meets the point; return how many rays that finds."""
+    """Search for a ray to the point by Newton's method from the straight line; return the number found, 0 or 1."""
     angle = math.degrees(math.atan2(TO - FROM, ACROSS))
     for _ in range(50):
         near, next_to = (
@@ -268,8 +268,8 @@ def _cosines_from_slopes(table: NDArray[np.float32], low: float, x: Values, z: V
 
 @LAYERED_ECHOES.case(
     "An incidence from the slope of a table",
-    "A table of positions, linear between its places, has a slope in error to first order, and a narrow lobe "
-    "takes the 400th power of the cosine that follows from it.",
+    "A table of positions with linear interpolation has slopes with errors of first order, and a narrow lobe takes "
+    "the 400th power of the cosine that follows from them.",
     "worst error of a facet's lobe",
     "%",
     failing=Approach("Takes the incidence from the slopes of the table.", 20.0),
@@ -318,7 +318,7 @@ RAYS, MANY_RAYS = 1 << 12, 1 << 20
 
 @LAYERED_ECHOES.case(
     "Pairs of paths binned one by one",
-    "Where sound comes along several paths, each ray out and each path back puts its echo into one bin.",
+    "Where sound arrives along several paths, each pair of a ray out and a path back adds its echo to one bin.",
     "error of the record where every echo arrives along several paths",
     "%",
     failing=Approach("Puts the echo of each pair into the bin in which it arrives.", 10.0),

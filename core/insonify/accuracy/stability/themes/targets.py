@@ -154,7 +154,7 @@ def _echo_by_facets(exponent: float, facets: int) -> float:
 
 
 def _echo_by_sweep(exponent: float) -> float:
-    """Energy of the same echo by the sweep, the bed out of reach."""
+    """Energy of the same echo by the sweep, with the bed out of reach."""
     changes = {"targets": [ball_at(0.0, CENTRE[0], CENTRE[1] - 30.0, RADIUS)]}
     arrays = arrays_over(np.zeros((2, 2)), 1.0, x0=-1000.0, changes=changes)
     lobes = np.tile([0.2, 0.8, exponent], (arrays.reflectivity.shape[0], 1))
@@ -164,7 +164,7 @@ def _echo_by_sweep(exponent: float) -> float:
 
 @THEME.case(
     "A lobe narrower than a facet",
-    "On a round target the incidence changes along a facet by more than a narrow specular lobe is wide.",
+    "Along a facet of a round target the incidence changes by more than the width of a narrow specular lobe.",
     "error of the energy, exponents from 10 to 1000",
     "%",
     failing=Approach("Takes the incidence in the middle of each facet.", 5.0),

@@ -18,7 +18,7 @@ from insonify.acoustics.paths import ray_paths
 from insonify.acoustics.water import make_sound_speed_field
 from insonify.kernels.refraction.arcs import GRAZING
 from insonify.scene import edit, load_scene
-from insonify.scene.water.profile import ProfileWater
+from insonify.scene.water.layered import ProfileWater
 from insonify.scene.water.sound_speed import paper, teos10
 
 Values = NDArray[np.float64]
@@ -292,7 +292,7 @@ def _turning_angles() -> tuple[Values, Values]:
 
 @cache
 def _at_the_vertex() -> tuple[int, int]:
-    """Count the rays that have no number somewhere, and those with an unreliable tube that are not flagged."""
+    """Count the rays with NaN somewhere, and the rays with an unreliable tube and without a flag."""
     lost = unflagged = 0
     for speed, angle in zip(*_turning_angles()):
         water = profile([0.0, 20.0, 40.0], [1500.0, speed, speed + 40.0])

@@ -1,14 +1,11 @@
-"""Autocorrelations of heights, one file a kind."""
+"""Autocorrelations of heights: their base class."""
 
 from __future__ import annotations
 
-import math
 from abc import abstractmethod
 
-import numpy as np
-
-from insonify.scene.base import Family, Kind, parameter
-from insonify.scene.seabed.reliefs.spectrum import Density, Field
+from insonify.scene.base import Family, Kind
+from insonify.scene.seabed.reliefs.spectrum import Density
 
 AUTOCORRELATIONS = Family("autocorrelations", "insonify.scene.seabed.autocorrelations")
 
@@ -32,26 +29,3 @@ class AutocorrelationKind(Kind):
         SceneError
             If no surface can have that autocorrelation, or its file cannot be read.
         """
-
-
-class LengthAutocorrelation(AutocorrelationKind):
-    """Autocorrelation given by its correlation length."""
-
-    length: float = parameter(
-        1.0,
-        unit="m",
-        description="lag at which the autocorrelation is 1/e",
-        gt=0.0,
-        le=1e5,
-        slider=(0.2, 20.0),
-        log=True,
-    )
-
-    @property
-    def feature(self) -> float:
-        """Width of the narrowest feature of the spectrum, in cycles per metre."""
-        return 1.0 / (2.0 * math.pi * self.length)
-
-    def squared_phase(self, fx: Field, fy: Field) -> Field:
-        """Squared product (k length)² of wave number and length, for waves in cycles per metre."""
-        return np.asarray((2.0 * math.pi * self.length) ** 2 * (fx**2 + fy**2))

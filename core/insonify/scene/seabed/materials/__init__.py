@@ -1,4 +1,4 @@
-"""Maps of materials: their base classes and the map of a single material; one file a kind of map."""
+"""Maps of materials: their base classes and the map of a single material."""
 
 from __future__ import annotations
 
@@ -115,34 +115,30 @@ class Material(MaterialMap):
 
     rank = 1
     kind: Literal["uniform"] = "uniform"
-    name: str = parameter("medium_sand", description="named material, of which the numbers apply where none are given")
+    name: str = parameter("medium_sand", "named material, of which the numbers apply where none are given")
     diffuse: float | None = parameter(
-        None, description="share of energy scattered evenly (Lambert)", ge=0.0, le=1.0, slider=(0.0, 1.0)
+        None, "share of energy scattered evenly (Lambert)", ge=0.0, le=1.0, slider=(0.0, 1.0)
     )
     specular: float | None = parameter(
-        None, description="share of energy in the mirror lobe (Phong)", ge=0.0, le=1.0, slider=(0.0, 1.0)
+        None, "share of energy in the mirror lobe (Phong)", ge=0.0, le=1.0, slider=(0.0, 1.0)
     )
     shininess: float | None = parameter(
         None,
-        description="exponent n of the mirror lobe, that of facets with an rms slope of 1/(2√n)",
+        "exponent n of the mirror lobe, that of facets with an rms slope of 1/(2√n)",
         ge=1.0,
         le=1000.0,
         slider=(1.0, 200.0),
         log=True,
     )
     reflection: float | None = parameter(
-        None,
-        description="share of the amplitude reflected specularly at normal incidence (R0)",
-        ge=0.0,
-        le=1.0,
-        slider=(0.0, 1.0),
+        None, "share of the amplitude reflected specularly at normal incidence (R0)", ge=0.0, le=1.0, slider=(0.0, 1.0)
     )
     speed_ratio: float | None = parameter(
-        None, description="speed of sound inside over that of water", ge=0.1, le=10.0, slider=(0.5, 5.0), log=True
+        None, "speed of sound inside over that of water", ge=0.1, le=10.0, slider=(0.5, 5.0), log=True
     )
     speckle_shape: float | None = parameter(
         None,
-        description="shape of K speckle on this material; fewer scatterers: smaller shape, spikier speckle",
+        "shape of K speckle on this material; fewer scatterers: smaller shape, spikier speckle",
         ge=0.01,
         le=1e4,
         slider=(0.1, 100.0),

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from insonify.errors import SceneError
-from insonify.scene.base import angle, parameter
+from insonify.scene.base import angle, metres, parameter
 from insonify.scene.seabed.materials import Cells, CompositeMap, Map, Material, Reflectivity
 
 GRADES = 256  # rows of waves from the first material to the last: the values of one byte
@@ -27,16 +27,13 @@ class PatternMap(CompositeMap):
     kind: Literal["pattern"] = "pattern"
     of: tuple[Material, ...] = parameter(description="materials of one period", min_length=2, max_length=32)
     shape: Literal["stripes", "checks", "waves"] = parameter(
-        "stripes", description="stripes and checks have sharp borders; waves blend from the first to the last and back"
+        "stripes", "stripes and checks have sharp borders; waves blend from the first to the last and back"
     )
-    period: float = parameter(
+    period: float = metres(
         8.0,
-        unit="m",
-        description="length after which the pattern repeats, adjusted so that whole ones fill a period of the relief",
-        gt=0.0,
-        le=1e5,
-        slider=(0.5, 50.0),
-        log=True,
+        "length after which the pattern repeats, adjusted so that whole ones fill a period of the relief",
+        (0.5, 50.0),
+        most=1e5,
     )
     heading: float = angle("direction along the stripes, counter-clockwise from +x; their order is to its left")
 

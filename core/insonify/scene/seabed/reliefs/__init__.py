@@ -1,4 +1,4 @@
-"""Reliefs of the bed, one file a kind."""
+"""Reliefs of the bed: their base classes."""
 
 from __future__ import annotations
 

@@ -22,14 +22,12 @@ class Cascade(RandomRelief):
     kind: Literal["cascade"] = "cascade"
     rms: float = rms_height()
     intermittency: float = parameter(
-        0.15, description="codimension C₁ of the mean flux; 0 is not multifractal", ge=0.0, le=1.0, slider=(0.0, 0.5)
+        0.15, "codimension C₁ of the mean flux; 0 is not multifractal", ge=0.0, le=1.0, slider=(0.0, 0.5)
     )
-    hurst: float = parameter(
-        0.7, description="order H of the fractional integration", gt=0.0, le=2.0, slider=(0.1, 1.0)
-    )
+    hurst: float = parameter(0.7, "order H of the fractional integration", gt=0.0, le=2.0, slider=(0.1, 1.0))
 
     def unscaled(self, waves: PeriodicWaves) -> Field:
-        """Lognormal flux whose logarithm has the density C₁/(πf²), integrated by f^−H (Schertzer and Lovejoy 1987).
+        """Lognormal flux, its logarithm of density C₁/(πf²), integrated by f^−H (Schertzer and Lovejoy 1987).
 
         A density C₁/(πf²) over the octaves down to a resolution λ has the variance 2 C₁ ln λ, so that the moments of
         the flux are ⟨φ^q⟩ = λ^K(q) with K(q) = C₁(q² − q).

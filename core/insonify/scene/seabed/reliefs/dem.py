@@ -27,14 +27,10 @@ class Dem(AddableRelief):
     kind: Literal["dem"] = "dem"
     path: FilePath = parameter(description="grid of heights or depths: GeoTIFF, BAG, .asc, .npy or .npz", min_length=1)
     positive: Literal["auto", "up", "down"] = parameter(
-        "auto",
-        description="sign of the numbers of the file: heights (up), depths (down), or as the file states (auto)",
-        rare=True,
+        "auto", "sign of the numbers of the file: heights (up), depths (down), or as the file states (auto)", rare=True
     )
-    datum: float = parameter(
-        0.0, unit="m", description="height that is added to every height of the file", ge=-2e4, le=2e4
-    )
-    scale: float = parameter(1.0, description="factor of every height, before the datum is added", gt=0.0, le=1e3)
+    datum: float = parameter(0.0, "height that is added to every height of the file", "m", ge=-2e4, le=2e4)
+    scale: float = parameter(1.0, "factor of every height, before the datum is added", gt=0.0, le=1e3)
 
     def sample(
         self, spacing: float, origin: tuple[float, float] | None = None, shape: tuple[int, int] | None = None

@@ -29,40 +29,27 @@ class Fractal(ExtendableRelief):
     kind: Literal["fractal"] = "fractal"
     beta: float | None = parameter(
         None,
-        description="amplitude exponent of the spectrum; larger is smoother (1.4 if left out)",
+        "amplitude exponent of the spectrum; larger is smoother (1.4 if left out)",
         ge=0.0,
         lt=5.0,
         slider=(0.0, 3.0),
     )
-    beta_x: float | None = parameter(
-        None, description="exponent along the first axis (Model 3)", ge=0.0, lt=5.0, slider=(0.0, 3.0)
-    )
+    beta_x: float | None = parameter(None, "exponent along the first axis (Model 3)", ge=0.0, lt=5.0, slider=(0.0, 3.0))
     beta_y: float | None = parameter(
-        None, description="exponent along the second axis (Model 3)", ge=0.0, lt=5.0, slider=(0.0, 3.0)
+        None, "exponent along the second axis (Model 3)", ge=0.0, lt=5.0, slider=(0.0, 3.0)
     )
     peaks: tuple[Peak, ...] = parameter(
-        ((0.0, 0.0),),
-        unit="cycles/period",
-        description="spectral peaks [fx, fy]",
-        min_length=1,
-        max_length=16,
-        slider=(-64.0, 64.0),
+        ((0.0, 0.0),), "spectral peaks [fx, fy]", "cycles/period", min_length=1, max_length=16, slider=(-64.0, 64.0)
     )
     rms: float = rms_height()
-    quadrants: Literal[1, 4] = parameter(
-        1, description="quadrants of each peak: one, or mirrored into all four", rare=True
-    )
-    combine: Literal["rms", "max"] = parameter("rms", description="how overlapping peaks combine", rare=True)
+    quadrants: Literal[1, 4] = parameter(1, "quadrants of each peak: one, or mirrored into all four", rare=True)
+    combine: Literal["rms", "max"] = parameter("rms", "how overlapping peaks combine", rare=True)
     decay: Literal["isotropic", "separable", "rotated", "elliptic"] = parameter(
-        "isotropic",
-        description="shape of the decay away from a peak (the last three need beta_x and beta_y)",
-        rare=True,
+        "isotropic", "shape of the decay away from a peak (the last three need beta_x and beta_y)", rare=True
     )
-    clamp: Literal["hard", "soft"] = parameter(
-        "hard", description="how the spectrum levels off at its peaks", rare=True
-    )
+    clamp: Literal["hard", "soft"] = parameter("hard", "how the spectrum levels off at its peaks", rare=True)
     coefficients: Literal["phase", "gaussian"] = parameter(
-        "phase", description="random phases only (exact spectrum), or Gaussian coefficients", rare=True
+        "phase", "random phases only (exact spectrum), or Gaussian coefficients", rare=True
     )
 
     @field_validator("peaks", mode="before")

@@ -25,7 +25,7 @@ from numpy.typing import NDArray
 from pydantic import model_validator
 
 from insonify.errors import SceneError
-from insonify.scene.base import parameter
+from insonify.scene.base import metres, parameter
 from insonify.scene.seabed.materials import Material, MaterialMap
 from insonify.scene.seabed.materials.pattern import PatternMap
 from insonify.scene.seabed.reliefs import HeightGrid, ReliefKind
@@ -53,28 +53,18 @@ class Mimic(ReliefKind):
         PatternMap(
             of=(Material(diffuse=0.3, specular=0.0), Material(diffuse=0.5, specular=0.0)), shape="waves", period=16.0
         ),
-        description="pattern that the dunes imitate; its materials have no mirror lobe",
+        "pattern that the dunes imitate; its materials have no mirror lobe",
     )
     altitude: float = parameter(
-        15.0,
-        unit="m",
-        description="height above the mean bed from which the records are equal",
-        gt=0.0,
-        le=1e4,
-        slider=(5.0, 50.0),
+        15.0, "height above the mean bed from which the records are equal", "m", gt=0.0, le=1e4, slider=(5.0, 50.0)
     )
-    reach: float = parameter(
+    reach: float = metres(
         51.2,
-        unit="m",
-        description="distance to either side up to which the records are equal; the bed repeats after twice that",
-        gt=0.0,
-        le=1e5,
-        slider=(10.0, 200.0),
-        log=True,
+        "distance to either side up to which the records are equal; the bed repeats after twice that",
+        (10.0, 200.0),
+        most=1e5,
     )
-    law: Literal["light", "sonar"] = parameter(
-        "light", description="law under which the records are equal; that of sonar.law"
-    )
+    law: Literal["light", "sonar"] = parameter("light", "law under which the records are equal; that of sonar.law")
 
     @model_validator(mode="after")
     def _one_dimension(self) -> Mimic:

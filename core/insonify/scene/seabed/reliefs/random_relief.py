@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Literal
 
 import numpy as np
 
-from insonify.scene.base import KindOf, parameter
+from insonify.scene.base import KindOf, metres, parameter
 from insonify.scene.seabed.masks import MASKS, PatchMask
 from insonify.scene.seabed.reliefs import AddableRelief
 from insonify.scene.seabed.reliefs.spectrum import Band, Density, Field, PeriodicWaves, Waves
@@ -34,17 +34,9 @@ class RandomRelief(AddableRelief):
     gaussian: ClassVar[bool] = True
     instead_of_a_period: ClassVar[str] = ""
 
-    period: float = parameter(
-        102.4,
-        unit="m",
-        description="length after which the bed repeats",
-        gt=0.0,
-        le=1e6,
-        slider=(12.8, 409.6),
-        log=True,
-    )
+    period: float = metres(102.4, "length after which the bed repeats", (12.8, 409.6), most=1e6)
     mask: Annotated[PatchMask | None, KindOf(MASKS, default="patches", optional=True)] = parameter(
-        None, description="parts of the bed that have the relief; the bed is level elsewhere", rare=True
+        None, "parts of the bed that have the relief; the bed is level elsewhere", rare=True
     )
 
     @property
@@ -121,7 +113,7 @@ class ExtendableRelief(RandomRelief):
 
     extent: Literal["periodic", "endless"] = parameter(
         "periodic",
-        description="whether the bed repeats after its period or is endless, without waves longer than the period",
+        "whether the bed repeats after its period or is endless, without waves longer than the period",
         rare=True,
     )
 
@@ -152,12 +144,10 @@ def density_waves(density: Density, period: float, waves: PeriodicWaves, *, gaus
 
 def rms_height(default: float = 0.05) -> Any:
     """Declare the rms of a relief's heights."""
-    return parameter(
+    return metres(
         default,
-        unit="m",
-        description="rms height over a period (expected rms of endless ground), before any mask",
-        ge=0.0,
-        le=1e4,
-        slider=(0.001, 1.0),
-        log=True,
+        "rms height over a period (expected rms of endless ground), before any mask",
+        (0.001, 1.0),
+        least=0.0,
+        most=1e4,
     )

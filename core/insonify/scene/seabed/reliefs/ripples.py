@@ -7,7 +7,7 @@ from typing import Literal
 
 import numpy as np
 
-from insonify.scene.base import angle, parameter
+from insonify.scene.base import angle, metres, parameter
 from insonify.scene.seabed.materials import MaterialMap
 from insonify.scene.seabed.reliefs.random_relief import ExtendableRelief, density_waves
 from insonify.scene.seabed.reliefs.spectrum import (
@@ -31,36 +31,26 @@ class Ripples(ExtendableRelief):
     rank = 50
     shaped = True
     kind: Literal["ripples"] = "ripples"
-    wavelength: float = parameter(
-        0.8,
-        unit="m",
-        description="mean distance from crest to crest",
-        gt=0.0,
-        le=1e5,
-        slider=(0.3, 20.0),
-        log=True,
-    )
+    wavelength: float = metres(0.8, "mean distance from crest to crest", (0.3, 20.0), most=1e5)
     heading: float = angle("direction along the crests, counter-clockwise from +x", 30.0)
-    height: float = parameter(
-        0.08, unit="m", description="height from trough to crest", ge=0.0, le=1e4, slider=(0.005, 2.0), log=True
-    )
+    height: float = metres(0.08, "height from trough to crest", (0.005, 2.0), least=0.0, most=1e4)
     bandwidth: float = parameter(
         0.1,
-        description="spread of the wave numbers across the crests over their mean; more makes crests less regular",
+        "spread of the wave numbers across the crests over their mean; more makes crests less regular",
         gt=0.0,
         le=0.5,
         slider=(0.01, 0.3),
     )
     bandwidth_along: float = parameter(
         0.08,
-        description="spread of the wave numbers along the crests over their mean; more makes crests shorter",
+        "spread of the wave numbers along the crests over their mean; more makes crests shorter",
         gt=0.0,
         le=0.5,
         slider=(0.01, 0.3),
     )
     sharpness: float = parameter(
         0.6,
-        description="0: crests as round as the troughs; 1: sharp crests between rounded troughs",
+        "0: crests as round as the troughs; 1: sharp crests between rounded troughs",
         ge=0.0,
         le=1.0,
         slider=(0.0, 1.0),
@@ -111,7 +101,7 @@ class Ripples(ExtendableRelief):
         return (Band(self.band(), narrow, self.wave),)
 
     def shape_waves(self, real: Field, imaginary: Field, level: float) -> Field:
-        """Heights from a complex field, whose phase is 0 on crests.
+        """Heights from a complex field with phase 0 on crests.
 
         A sharp profile has crests with a corner, 4 height/wavelength steep, over parabolic troughs; a round one is a
         cosine.

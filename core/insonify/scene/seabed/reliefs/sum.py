@@ -19,9 +19,7 @@ class SumOfReliefs(ReliefKind):
     rank = 80
     kind: Literal["sum"] = "sum"
     of: tuple[Annotated[AddableRelief, KindOf(RELIEFS, AddableRelief, default="fractal")], ...] = parameter(
-        description="the reliefs: all of the same period, or all endless; one may be a dem",
-        min_length=1,
-        max_length=16,
+        description="the reliefs: all of the same period, or all endless; one may be a dem", min_length=1, max_length=16
     )
 
     @model_validator(mode="after")

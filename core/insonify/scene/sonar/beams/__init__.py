@@ -1,4 +1,4 @@
-"""Horizontal beams, one file a kind.
+"""Horizontal beams: their base classes.
 
 Directions are given as s, the sine of their angle from the plane across the towfish; sensitivities are two-way
 energies, 1 on the axis in the far field.
@@ -56,17 +56,21 @@ class BeamKind(Kind):
         Whether the beam is sensitive beside the plane across the towfish.
     by_frequency : bool
         Whether it depends on the frequency.
+    caption : str
+        Name of the beam for captions, with its fields and ``{ways}`` in braces.
     """
 
     family = BEAMS
     top_hat: ClassVar[bool] = False
     has_width: ClassVar[bool] = True
     by_frequency: ClassVar[bool] = False
+    caption: ClassVar[str] = "{kind}"
 
     @property
     def words(self) -> str:
         """Name of the beam for captions."""
-        return self.kind
+        named = self.caption.format(ways="two-way" if self.passes == 2 else "one-way", **dict(self))
+        return f"{named}, squint {self.axis:g}°" if self.axis else named
 
     @property
     def axis(self) -> float:
@@ -76,7 +80,7 @@ class BeamKind(Kind):
     @property
     def passes(self) -> int:
         """Number of passes of sound through the beam pattern: 2 two-way, 1 one-way."""
-        return 2
+        return 2 if getattr(self, "two_way", True) else 1
 
     @abstractmethod
     def half_width(self, conditions: BeamConditions) -> float:
@@ -106,8 +110,8 @@ class AimedBeam(BeamKind):
 
     squint: float = parameter(
         0.0,
-        unit="°",
-        description="angle by which the beam is turned towards the bow",
+        "angle by which the beam is turned towards the bow",
+        "°",
         ge=-45.0,
         le=45.0,
         slider=(-10.0, 10.0),
@@ -118,6 +122,3 @@ class AimedBeam(BeamKind):
     def axis(self) -> float:
         """Angle of the beam's axis towards the bow, in degrees."""
         return self.squint
-
-    def _named(self, name: str) -> str:
-        return f"{name}, squint {self.squint:g}°" if self.squint else name

@@ -18,23 +18,14 @@ class GaussianBeam(AimedBeam):
     """A bell-shaped beam without sidelobes."""
 
     rank = 30
+    caption = "gaussian {width:g}° {ways}"
     kind: Literal["gaussian"] = "gaussian"
     width: float = parameter(
-        1.0, unit="°", description="one-way full beamwidth to -3 dB", ge=1e-3, le=60.0, slider=(0.1, 10.0), log=True
+        1.0, "one-way full beamwidth to -3 dB", "°", ge=1e-3, le=60.0, slider=(0.1, 10.0), log=True
     )
     two_way: bool = parameter(
-        True, description="whether the pattern applies to transmission and reception, or only once", rare=True
+        True, "whether the pattern applies to transmission and reception, or only once", rare=True
     )
-
-    @property
-    def words(self) -> str:
-        """Name of the beam for captions."""
-        return self._named(f"gaussian {self.width:g}° {'two' if self.two_way else 'one'}-way")
-
-    @property
-    def passes(self) -> int:
-        """Number of passes of sound through the beam pattern."""
-        return 2 if self.two_way else 1
 
     @property
     def _s_three_decibels(self) -> float:

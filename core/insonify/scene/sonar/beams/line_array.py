@@ -7,7 +7,7 @@ from typing import Literal
 
 import numpy as np
 
-from insonify.scene.base import parameter
+from insonify.scene.base import metres, parameter
 from insonify.scene.sonar.beams import COLUMNS, AimedBeam, BeamConditions, BeamTable, Values
 
 ELEMENTS = 1024  # point sources from which its pattern is computed
@@ -26,27 +26,16 @@ class LineArray(AimedBeam):
     """The beam of a line array, with its sidelobes and its near field, where it is wider than in the far field."""
 
     rank = 40
+    caption = "{taper} array of {length:g} m {ways}"
     by_frequency = True
     kind: Literal["array"] = "array"
-    length: float = parameter(
-        0.5, unit="m", description="length of the array along the fish", gt=0.0, le=20.0, slider=(0.1, 2.0), log=True
-    )
+    length: float = metres(0.5, "length of the array along the fish", (0.1, 2.0), most=20.0)
     taper: Literal["uniform", "cosine", "hamming", "taylor"] = parameter(
-        "uniform", description="weight of the elements; a tapered array has lower sidelobes and a wider beam"
+        "uniform", "weight of the elements; a tapered array has lower sidelobes and a wider beam"
     )
     two_way: bool = parameter(
-        True, description="whether the pattern applies to transmission and reception, or only once", rare=True
+        True, "whether the pattern applies to transmission and reception, or only once", rare=True
     )
-
-    @property
-    def words(self) -> str:
-        """Name of the beam for captions."""
-        return self._named(f"{self.taper} array of {self.length:g} m {'two' if self.two_way else 'one'}-way")
-
-    @property
-    def passes(self) -> int:
-        """Number of passes of sound through the beam pattern."""
-        return 2 if self.two_way else 1
 
     def half_width(self, conditions: BeamConditions) -> float:
         """Angle of the first null, in radians.

@@ -1,4 +1,4 @@
-"""Vertical beams, one file a kind."""
+"""Vertical beams: their base classes."""
 
 from __future__ import annotations
 
@@ -28,15 +28,18 @@ class VerticalBeamKind(Kind):
     ----------
     by_frequency : bool
         Whether it depends on the frequency.
+    caption : str
+        Name of the beam for captions, with its fields in braces.
     """
 
     family = VERTICAL_BEAMS
     by_frequency: ClassVar[bool] = False
+    caption: ClassVar[str] = "{kind}"
 
     @property
     def words(self) -> str:
         """Name of the beam for captions."""
-        return self.kind
+        return self.caption.format(**dict(self))
 
     @property
     def response(self) -> VerticalResponse:
@@ -63,18 +66,10 @@ class TiltedBeam(VerticalBeamKind):
     """A vertical beam with an axis."""
 
     tilt: float = parameter(
-        30.0, unit="°", description="depression of the axis below the level fish", ge=-90.0, le=90.0, slider=(0.0, 60.0)
-    )
-
-
-class LobeBeam(TiltedBeam):
-    """A vertical beam of a single lobe of given width."""
-
-    width: float = parameter(
-        50.0, unit="°", description="one-way full width; to -3 dB of a gaussian", ge=1e-3, le=170.0, slider=(5.0, 90.0)
+        30.0, "depression of the axis below the level fish", "°", ge=-90.0, le=90.0, slider=(0.0, 60.0)
     )
 
     @property
-    def words(self) -> str:
-        """Name of the beam for captions."""
-        return f"vertical {self.kind} {self.width:g}° tilted {self.tilt:g}°"
+    def response(self) -> VerticalResponse:
+        """Sensitivity by grazing angle: the table of `sensitivity`, unless a kind has a closed form."""
+        return VerticalResponse("table", self.tilt)

@@ -1,4 +1,4 @@
-"""Motions of the towfish, one file a kind."""
+"""Motions of the towfish: their base classes."""
 
 from __future__ import annotations
 

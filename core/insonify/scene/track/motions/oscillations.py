@@ -1,9 +1,9 @@
-"""Sinusoidal motions, each about its own axis."""
+"""Sinusoidal motions, each along or about the axis that its kind names."""
 
 from __future__ import annotations
 
 import math
-from typing import ClassVar, Literal
+from typing import Literal, cast
 
 import numpy as np
 from numpy.typing import NDArray
@@ -16,102 +16,78 @@ class Oscillation(SingleMotion):
     """A sinusoidal motion: amplitude · sin(2π t / period + phase), t seconds after the first ping."""
 
     keeps_line = True
-    axis: ClassVar[Axis]
     amplitude: float
-    period: float = parameter(
-        8.0, unit="s", description="period of the motion", ge=0.1, le=1e5, slider=(1.0, 60.0), log=True
-    )
+    period: float = parameter(8.0, "period of the motion", "s", ge=0.1, le=1e5, slider=(1.0, 60.0), log=True)
     phase: float = angle("phase of the motion at the first ping", rare=True)
 
     def displacement(self, time: NDArray[np.float64]) -> dict[Axis, NDArray[np.float64]]:
         """Displacement of the towfish along or about its axis at times after the first ping."""
         # Whole periods are subtracted first, so that the sine is as exact far along the tow.
         turns = np.remainder(time / self.period, 1.0) + self.phase / 360.0
-        return {self.axis: self.amplitude * np.sin(2.0 * math.pi * turns)}
-
-
-class _HorizontalOscillation(Oscillation):
-    """A sinusoidal motion along or across the line."""
+        return {cast("Axis", self.kind): self.amplitude * np.sin(2.0 * math.pi * turns)}
 
     @property
     def greatest_sway(self) -> float:
-        """Amplitude, in metres."""
-        return self.amplitude
+        """Amplitude along or across the line, in metres."""
+        return self.amplitude if self.kind in ("surge", "sway") else 0.0
+
+    @property
+    def greatest_heave(self) -> float:
+        """Amplitude of a heave, in metres."""
+        return self.amplitude if self.kind == "heave" else 0.0
 
 
-class Surge(_HorizontalOscillation):
+class Surge(Oscillation):
     """Surge: the fish speeds up and slows down along its line, so that pings lie closer together or farther apart."""
 
     rank = 15
-    axis = "surge"
     kind: Literal["surge"] = "surge"
     amplitude: float = parameter(
-        0.5,
-        unit="m",
-        description="greatest distance ahead of a tow at constant speed",
-        ge=0.0,
-        le=100.0,
-        slider=(0.0, 5.0),
+        0.5, "greatest distance ahead of a tow at constant speed", "m", ge=0.0, le=100.0, slider=(0.0, 5.0)
     )
 
 
-class Sway(_HorizontalOscillation):
+class Sway(Oscillation):
     """Sway to port and starboard of the line; the fish keeps its heading and crabs."""
 
     rank = 20
-    axis = "sway"
     kind: Literal["sway"] = "sway"
-    amplitude: float = parameter(
-        0.5, unit="m", description="greatest distance to port of the line", ge=0.0, le=100.0, slider=(0.0, 5.0)
-    )
+    amplitude: float = parameter(0.5, "greatest distance to port of the line", "m", ge=0.0, le=100.0, slider=(0.0, 5.0))
 
 
 class Heave(Oscillation):
     """Heave: the fish rises and sinks."""
 
     rank = 30
-    axis = "heave"
     kind: Literal["heave"] = "heave"
     amplitude: float = parameter(
-        0.5, unit="m", description="greatest rise above the track's own height", ge=0.0, le=1000.0, slider=(0.0, 3.0)
+        0.5, "greatest rise above the track's own height", "m", ge=0.0, le=1000.0, slider=(0.0, 3.0)
     )
-
-    @property
-    def greatest_heave(self) -> float:
-        """Amplitude, in metres."""
-        return self.amplitude
 
 
 class Yaw(Oscillation):
     """Yaw: the axis of the fish turns to port and starboard of the line; the course stays."""
 
     rank = 40
-    axis = "yaw"
     kind: Literal["yaw"] = "yaw"
-    amplitude: float = parameter(
-        2.0, unit="°", description="greatest turn of the axis to port", ge=0.0, le=60.0, slider=(0.0, 15.0)
-    )
+    amplitude: float = parameter(2.0, "greatest turn of the axis to port", "°", ge=0.0, le=60.0, slider=(0.0, 15.0))
 
 
 class Pitch(Oscillation):
     """Pitch: the bow rises and sinks."""
 
     rank = 50
-    axis = "pitch"
     tilts = True
     kind: Literal["pitch"] = "pitch"
-    amplitude: float = parameter(
-        2.0, unit="°", description="greatest angle of the bow upwards", ge=0.0, le=60.0, slider=(0.0, 15.0)
-    )
+    amplitude: float = parameter(2.0, "greatest angle of the bow upwards", "°", ge=0.0, le=60.0, slider=(0.0, 15.0))
 
 
 class Roll(Oscillation):
     """Roll: the port side rises and sinks."""
 
     rank = 60
-    axis = "roll"
     tilts = True
     kind: Literal["roll"] = "roll"
     amplitude: float = parameter(
-        3.0, unit="°", description="greatest angle of the port side upwards", ge=0.0, le=60.0, slider=(0.0, 15.0)
+        3.0, "greatest angle of the port side upwards", "°", ge=0.0, le=60.0, slider=(0.0, 15.0)
     )

@@ -1,4 +1,4 @@
-"""A measured map of backscatter as a map of materials."""
+"""Maps of materials from files: pictures and measured backscatter."""
 
 from __future__ import annotations
 
@@ -15,9 +15,92 @@ from insonify.io.bathymetry import Grid
 from insonify.io.bathymetry.rasters import read_raster
 from insonify.io.file_access import check_regular, guarded
 from insonify.io.georeference import Georeference, project
-from insonify.scene.base import FilePath, parameter
+from insonify.io.pictures import read_pixels
+from insonify.scene.base import FilePath, metres, parameter
 from insonify.scene.seabed.materials import Cells, CompositeMap, Map, Material
-from insonify.scene.seabed.materials.image import LARGEST_SIDE
+
+LARGEST_SIDE = 16384  # cells of a map
+# Grey levels of Pillow's modes.
+LEVELS = {"1": 2, "L": 256, "I": 65536, "I;16": 65536, "I;16B": 65536, "I;16L": 65536}
+
+
+class ImageMap(CompositeMap):
+    """A picture of the bed, north up, repeated from its lower left corner at (0, 0)."""
+
+    rank = 5
+    kind: Literal["image"] = "image"
+    path: FilePath = parameter(description="PNG or TIFF, grey or with a palette", min_length=1)
+    of: tuple[Material, ...] = parameter(
+        description="materials from black to white, or of the palette's first colours", min_length=2, max_length=256
+    )
+    width: float = metres(
+        102.4,
+        "width of the picture on the bed, adjusted so that whole pictures fill a period of the relief",
+        (10.0, 500.0),
+        most=1e6,
+    )
+
+    def indices(self, cells: Cells) -> Map:
+        """Material of the pixel at each cell; on a periodic bed the width is adjusted to it."""
+        pixels = read_picture(self.path, len(self.of))
+        x, y = cells.centres()
+        i = _pixels(x, self.width, pixels.shape[1], cells.size[0] if cells.periodic else None)
+        j = _pixels(y, self._height(pixels), pixels.shape[0], cells.size[1] if cells.periodic else None)
+        return np.ascontiguousarray(pixels[np.ix_(j, i)])
+
+    def level_shape(self, spacing: float, fewest: int, most: int) -> tuple[int, int]:
+        """Cells along y and x that one picture covers."""
+        height = self._height(read_picture(self.path, len(self.of)))
+        ny, nx = (max(fewest, round(length / spacing)) for length in (height, self.width))
+        if max(ny, nx) > LARGEST_SIDE:
+            raise SceneError(
+                f"width: a picture {self.width:g} m wide covers {nx} by {ny} cells of seabed.spacing {spacing:g} m; "
+                f"reduce it or widen the spacing to stay within {LARGEST_SIDE} a side"
+            )
+        return ny, nx
+
+    def _height(self, pixels: Map) -> float:
+        """Height of the picture on the bed, in metres."""
+        return self.width * pixels.shape[0] / pixels.shape[1]
+
+
+@kept_until_changed(maxsize=4)
+def read_picture(path: str, count: int) -> Map:
+    """Read a picture as rows of a table of ``count`` materials, (rows, columns) uint8, southernmost first."""
+    pixels, levels = _read(path)
+    if levels is None:
+        if int(pixels.max()) >= count:
+            raise _refusal(
+                path,
+                f"uses colour {int(pixels.max())} of its palette",
+                f"give a material for each colour, not only {count}",
+            )
+        bands = pixels
+    else:
+        bands = pixels.astype(np.uint32) * count // levels
+    return np.ascontiguousarray(bands[::-1].astype(np.uint8))
+
+
+def _read(path: str) -> tuple[NDArray[np.integer], int | None]:
+    """Pixels from the top row, and their number of grey levels; None for pixels with a palette."""
+    with guarded(partial(_refusal, path), "give a PNG or TIFF picture"):
+        mode, pixels = read_pixels(path)
+    if mode == "P":
+        return pixels, None
+    if mode not in LEVELS or not 0 <= int(pixels.min()) <= int(pixels.max()) < LEVELS[mode]:
+        raise _refusal(path, f"has pixels of mode {mode}", "save it with 8 or 16 bits of grey or a palette")
+    return pixels, LEVELS[mode]
+
+
+def _pixels(place: NDArray[np.float64], size: float, count: int, period: float | None) -> NDArray[np.int64]:
+    """Pixel at each coordinate; whole pictures are stretched to fill a period."""
+    if period is not None:
+        size = period / max(1, round(period / size))
+    return np.floor(place / size * count).astype(np.int64) % count
+
+
+def _refusal(path: str, fault: str, remedy: str) -> SceneError:
+    return SceneError(f"path: {path!r} {fault}; {remedy}")
 
 
 class BackscatterMap(CompositeMap):
@@ -31,7 +114,7 @@ class BackscatterMap(CompositeMap):
         description="materials from the lowest to the highest values", min_length=2, max_length=32
     )
     levels: tuple[float, ...] = parameter(
-        (), description="values that separate successive materials; equal shares of the raster when left out"
+        (), "values that separate successive materials; equal shares of the raster when left out"
     )
 
     @model_validator(mode="after")
@@ -46,7 +129,7 @@ class BackscatterMap(CompositeMap):
 
     def indices(self, cells: Cells) -> Map:
         """Material of the pixel at each cell; on a periodic bed, the raster repeats after its own size."""
-        grid, classes = _read(self.path, len(self.of), self.levels)
+        grid, classes = _read_classes(self.path, len(self.of), self.levels)
         if cells.place is None or grid.corner is None or grid.spacing is None:
             raise _refusal(
                 self.path,
@@ -63,7 +146,7 @@ class BackscatterMap(CompositeMap):
 
     def level_shape(self, spacing: float, fewest: int, most: int) -> tuple[int, int]:
         """Cells along y and x that the raster covers."""
-        grid, classes = _read(self.path, len(self.of), self.levels)
+        grid, classes = _read_classes(self.path, len(self.of), self.levels)
         dx, dy = grid.spacing or (spacing, spacing)
         ny, nx = (max(fewest, round(count * step / spacing)) for count, step in zip(classes.shape, (dy, dx)))
         if max(ny, nx) > LARGEST_SIDE:
@@ -72,7 +155,7 @@ class BackscatterMap(CompositeMap):
 
 
 @kept_until_changed(maxsize=2)
-def _read(path: str, count: int, levels: tuple[float, ...]) -> tuple[Grid, Map]:
+def _read_classes(path: str, count: int, levels: tuple[float, ...]) -> tuple[Grid, Map]:
     """Read a raster, and the material of each pixel, southernmost row first."""
     with guarded(partial(_refusal, path), "give a GeoTIFF of one band"):
         check_regular(path)
@@ -96,7 +179,3 @@ def _on_its_map(
     """Transform local coordinates to the map of the raster."""
     x, y = x + place.origin[0], y + place.origin[1]
     return project(place.crs, grid.crs, x, y) if place.crs and grid.crs and place.crs != grid.crs else (x, y)
-
-
-def _refusal(path: str, fault: str, remedy: str) -> SceneError:
-    return SceneError(f"path: {path!r} {fault}; {remedy}")

@@ -1,0 +1,75 @@
+"""Vertical beams by a table of sensitivities: of a transducer of given height, and measured ones."""
+
+from __future__ import annotations
+
+import math
+from itertools import pairwise
+from typing import Annotated, Literal
+
+import numpy as np
+from numpy.typing import NDArray
+from pydantic import Field, field_validator
+
+from insonify.scene.base import metres, parameter
+from insonify.scene.sonar.beams.line_array import ELEMENTS, taper_weights
+from insonify.scene.sonar.vertical_beams import TiltedBeam
+
+COLUMNS = 4097  # of the table of measured sensitivities
+Angle = Annotated[float, Field(ge=-90.0, le=90.0)]
+Level = Annotated[float, Field(ge=-200.0, le=100.0)]
+FEWEST_COLUMNS, PER_LOBE = 1025, 32  # of the table of a transducer
+
+
+class VerticalArray(TiltedBeam):
+    """The vertical beam of a transducer of given height, with its sidelobes."""
+
+    rank = 40
+    by_frequency = True
+    kind: Literal["array"] = "array"
+    height: float = metres(0.005, "height of the transducer", (0.001, 0.05), least=1e-4, most=0.25)
+    taper: Literal["uniform", "cosine", "hamming", "taylor"] = parameter(
+        "uniform", "weight over the height; a tapered transducer has lower sidelobes and a wider beam"
+    )
+
+    @property
+    def words(self) -> str:
+        """Name of the beam for captions."""
+        return f"{self.taper} array {1e3 * self.height:g} mm high tilted {self.tilt:g}°"
+
+    def sensitivity(self, wavelength: float) -> NDArray[np.float64]:
+        """Tabulate |∫ w(u) exp(−iku s) du|² over sines s (Urick 1983, ch. 3): sin²(x)/x², x = πhs/λ, if uniform."""
+        from scipy.signal import czt  # lazy: takes longer to import than a preview takes to trace
+
+        columns = max(FEWEST_COLUMNS, 2 * math.ceil(PER_LOBE * self.height / wavelength) + 1)
+        phase = 2.0 * math.pi / wavelength * self.height / ELEMENTS  # between neighbouring elements, per unit of sine
+        step = np.exp(-2j * phase / (columns - 1))
+        return np.asarray(np.abs(czt(taper_weights(self.taper), columns, step, np.exp(-1j * phase))) ** 2)
+
+
+class MeasuredVerticalBeam(TiltedBeam):
+    """A vertical beam of measured levels, interpolated linearly."""
+
+    rank = 50
+    caption = "measured vertical beam tilted {tilt:g}°"
+    kind: Literal["table"] = "table"
+    levels: tuple[tuple[Angle, Level], ...] = parameter(
+        ((-60.0, -30.0), (-25.0, -3.0), (0.0, 0.0), (25.0, -3.0), (60.0, -30.0)),
+        "pairs [angle below the axis in degrees, one-way level], ascending; the outermost apply beyond",
+        "dB",
+        slider=(-60.0, 0.0),
+        min_length=1,
+        max_length=4096,
+    )
+
+    @field_validator("levels")
+    @classmethod
+    def _ascending(cls, levels: tuple[tuple[Angle, Level], ...]) -> tuple[tuple[Angle, Level], ...]:
+        if any(after[0] <= before[0] for before, after in pairwise(levels)):
+            raise ValueError("must run in order of increasing angle; sort the pairs and drop doubles")
+        return levels
+
+    def sensitivity(self, wavelength: float) -> NDArray[np.float64]:
+        """Tabulate the measured levels as energies."""
+        below, decibels = np.array(self.levels).T
+        angles = -np.degrees(np.arcsin(np.linspace(-1.0, 1.0, COLUMNS)))
+        return np.asarray(10.0 ** (np.interp(angles, below, decibels) / 10.0))

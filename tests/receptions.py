@@ -1,0 +1,46 @@
+"""Receivers over a level bed, as declared by the default scene but for some fields, and moments of what they record."""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+import numpy as np
+
+from beds import arrays_of
+from insonify.receiver import Reception, make_reception
+from insonify.scene import Scene, edit, load_scene
+
+RAYLEIGH = math.sqrt(4.0 / math.pi - 1.0)  # variation of Rayleigh amplitudes
+
+
+def scene_with(**changes: Any) -> Scene:
+    """The default scene with changes: two underscores in a name stand for a dot."""
+    return edit(load_scene("default"), {path.replace("__", "."): value for path, value in changes.items()})
+
+
+def reception(
+    bins: int,
+    bin_length: float = 0.05,
+    *,
+    altitude: float = 10.0,
+    depth: float = 20.0,
+    half_width: float = 0.0,
+    spreading: bool = False,
+    **changes: Any,
+) -> Reception:
+    """Receiver of the default scene with changes."""
+    arrays = arrays_of(np.zeros((4, 4)), bins=bins, bin_length=bin_length, half_width=half_width, spreading=spreading)
+    return make_reception(scene_with(**changes), arrays, altitude=altitude, depth=depth)
+
+
+def variation(energy: np.ndarray) -> float:
+    """Standard deviation of amplitudes over their mean."""
+    amplitude = np.sqrt(energy.astype(float))
+    return float(amplitude.std() / amplitude.mean())
+
+
+def correlation(energy: np.ndarray, lag: int, axis: int) -> float:
+    """Correlation of energies of mean 1 so many samples apart."""
+    centred = np.moveaxis(energy - 1.0, axis, 0)
+    return float((centred[lag:] * centred[: len(centred) - lag]).mean() / (centred**2).mean())
