@@ -9,14 +9,22 @@ import sys
 from pathlib import Path
 from typing import Any
 
-from insonify.commands.options import add_scene, check_output, chosen_scene, find_pixel, is_record
+from insonify.commands.options import (
+    FALLBACK,
+    NO_WINDOW,
+    add_scene,
+    check_output,
+    chosen_scene,
+    find_pixel,
+    free_name,
+    is_record,
+)
 from insonify.io.records import RECORDS
 from insonify.lessons import Lesson, check_lesson, load_lesson, states_of
 from insonify.scene import DEFAULT_SCENE, Scene, SceneError, load_partner
 from insonify_viewer.record.comparison.arrangement import Arrangement
 from insonify_viewer.state.inspection import Mark
 
-FALLBACK = "insonify.png"
 EXAMPLES = (
     "examples: insonify view recording.xtf; insonify view wreck --recording recording.xtf; "
     "insonify view figure-4b --pair difference"
@@ -86,7 +94,7 @@ def run(arguments: argparse.Namespace) -> int:
         from insonify_viewer.application import open_window
 
         return open_window(scene, pin, lesson, recording, pair, _known_panel(arguments.panel))
-    path = check_output(arguments.snapshot or FALLBACK, (".png",), "--snapshot")
+    path = check_output(arguments.snapshot or free_name(FALLBACK), (".png",), "--snapshot")
     os.environ["QT_QPA_PLATFORM"] = "offscreen"
     if reason and sys.platform.startswith("linux"):
         # Without this, VTK tries the display first and prints an error.
@@ -96,7 +104,8 @@ def run(arguments: argparse.Namespace) -> int:
 
     draw_window(scene, path, pin, lesson, recording, pair, _known_panel(arguments.panel))
     if arguments.snapshot is None:
-        sys.stdout.write(f"No window can be opened ({reason}); the window was drawn into {path}.\n")
+        sys.stderr.write(f"insonify: no window can be opened ({reason}); it was drawn into {path}\n")
+        return NO_WINDOW
     return 0
 
 

@@ -221,8 +221,8 @@ class Viewer(QObject):
         window, session = self.window, self.session
         inspection, seabed = self.inspection, self.seabed
         window.waterfall.clicked.connect(inspection.pin)
-        inspection.pinned.connect(window.waterfall.show_pin)
-        inspection.lit.connect(window.waterfall.show_lit)
+        inspection.pinned.connect(lambda mark: window.waterfall.show_marks(pin=mark))
+        inspection.lit.connect(lambda marks: window.waterfall.show_marks(lit=marks))
         seabed.picked.connect(inspection.pick)
         self.targets.handles.connect_seabed(self.seabed)
         self.seabed.failed.connect(window.complain)
@@ -341,7 +341,8 @@ class Viewer(QObject):
         rows = self.record.put(answer.pings[some], answer.amplitude[some], stamp, answer.altitude[some])
         self._settle_levels()
         self.window.waterfall.show_rows(rows, answer.alike if whole else 1, answer.reach)
-        self.window.waterfall.show_top(self._newest_held())
+        newest = int(self.record.ping.max())  # while the tow runs, the newest ping that has arrived is on top
+        self.window.waterfall.show_top(min(self.tow.top, newest) if self.tow.running else self.tow.top)
         if answer.fine:
             self._show_sonar()
         else:
@@ -357,10 +358,6 @@ class Viewer(QObject):
         if not self._started:
             self._started = True
             self.window.say(scene.title)
-
-    def _newest_held(self) -> int:
-        """Ping to show on top: while the tow runs, the newest that has arrived."""
-        return min(self.tow.top, int(self.record.ping.max())) if self.tow.running else self.tow.top
 
     def _refuse(self, number: int, failure: Failure) -> None:
         """Return from a scene that the core refused to the one before it."""
@@ -391,7 +388,7 @@ class Viewer(QObject):
 
     def _show_point(self, point: MarkedPoint | None) -> None:
         self.panels.point_marked.emit(point)
-        self.window.waterfall.show_mark(None if point is None else point.mark)
+        self.window.waterfall.show_marks(cross=None if point is None else point.mark)
         self.seabed.show_mark(None if point is None else point.position)
 
     def _show_sonar(self) -> None:

@@ -14,8 +14,9 @@ from pathlib import Path
 from typing import Any, NoReturn
 
 from insonify.commands import render
-from insonify.commands.options import add_scene, check_output, chosen_scene
+from insonify.commands.options import FALLBACK, NO_WINDOW, add_scene, check_output, chosen_scene, free_name
 from insonify.compilation_bar import CompilationBar
+from insonify.compiler.cache_folder import CacheWarning
 from insonify.compiler.progress import watch_compilation
 from insonify.display.display_options import DisplayOptions
 from insonify.errors import FileWarning
@@ -24,7 +25,6 @@ from insonify.scene import SceneError, bundled_scenes
 
 COMMANDS = "insonify.commands"  # a package, and a group of entry points
 VIEWER = "insonify_viewer"
-FALLBACK = "insonify.png"
 WRONG, INTERRUPTED = 2, 130
 APT = (
     "sudo apt-get install -y libegl1 libgl1 libglib2.0-0 libxkbcommon0 libdbus-1-3 libfontconfig1 "
@@ -62,7 +62,7 @@ def main(words: Sequence[str] | None = None) -> int:
 
 def _warn(message: Warning | str, category: type[Warning], *where: Any, **more: Any) -> None:
     """Write what a file lacks as one sentence, and other warnings as Python does."""
-    if issubclass(category, FileWarning):
+    if issubclass(category, (FileWarning, CacheWarning)):
         sys.stderr.write(f"insonify: {' '.join(str(message).split())}\n")
     else:
         sys.stderr.write(warnings.formatwarning(message, category, *where[:2]))
@@ -151,9 +151,9 @@ def _without_viewer(error: ImportError, arguments: argparse.Namespace) -> int:
     """Report what the viewer lacks; where only system libraries are missing, render the record instead."""
     if ".so" not in str(error):
         return _complain(f"the viewer is not installed ({error}); run: pip install 'insonify[viewer]'")
-    path = check_output(getattr(arguments, "snapshot", None) or FALLBACK, (".png",))
+    path = check_output(getattr(arguments, "snapshot", None) or free_name(FALLBACK), (".png",))
     render.write(chosen_scene(arguments), path, DisplayOptions())
     sys.stderr.write(
         f"insonify: the viewer lacks system libraries ({error}); the record was written to {path} instead; run: {APT}\n"
     )
-    return 0
+    return NO_WINDOW

@@ -2,31 +2,26 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-from typing import Any
-
 import pytest
 from controls import accessible_name, bring_to_front, controls_of, place_of, takes_keyboard
 from PySide6.QtCore import QPoint, Qt
 from PySide6.QtWidgets import QApplication, QCheckBox, QLabel, QLineEdit, QPushButton, QSlider, QTabBar, QWidget
 from test_menus import activate
 
-from insonify.scene import Scene
 from insonify_viewer.application import enlarge_text, has_opengl
 from insonify_viewer.panels.parameters.view.section_box import SectionBox
 from insonify_viewer.state.fields import NumberField
 from insonify_viewer.widgets.field_rows import Combo
-from insonify_viewer.window.main_window import MainWindow
 
 PANELS = ("parameters", "plan", "record", "comparison", "lessons", "pixel", "water", "chart", "jobs")
 SIDE = ("parameters", "plan", "record")
 
 
 @pytest.fixture
-def window(open_viewer: Any, small: Scene) -> MainWindow:
+def window(open_viewer, small):
     """Window in which every panel was opened, and every section of the parameters unfolded."""
     viewer = open_viewer(small)
-    opened: MainWindow = viewer.window
+    opened = viewer.window
     for name in PANELS:
         opened.open_panel(name)
     for box in viewer.panels["parameters"].view.findChildren(SectionBox):
@@ -43,20 +38,20 @@ def numbers_of(window: QWidget) -> list[QWidget]:
     return found
 
 
-def test_every_control_has_a_tooltip(window: MainWindow) -> None:
+def test_every_control_has_a_tooltip(window):
     controls = controls_of(window)
     assert len(controls) > 250
     assert [place_of(control) for control in controls if not control.toolTip()] == []
 
 
-def test_a_choice_of_kinds_says_what_each_is(window: MainWindow, qtbot: Any) -> None:
+def test_a_choice_of_kinds_says_what_each_is(window, qtbot):
     beam = next(combo for combo in window.findChildren(Combo) if combo.accessibleName().endswith("beam"))
     tips = [beam.itemData(place, Qt.ItemDataRole.ToolTipRole) for place in range(beam.count())]
     assert all(tip and tip.endswith(".") for tip in tips)
     assert beam.toolTip().endswith(f"{beam.currentText()}: {tips[beam.currentIndex()]}")
 
 
-def test_the_tooltip_of_a_number_has_a_sentence_a_unit_and_a_range(window: MainWindow) -> None:
+def test_the_tooltip_of_a_number_has_a_sentence_a_unit_and_a_range(window):
     for control in numbers_of(window):
         sentence, _, rest = control.toolTip().rpartition(" (")
         unit, _, extent = rest.partition("; ")
@@ -75,7 +70,7 @@ def test_the_tooltip_of_a_number_has_a_sentence_a_unit_and_a_range(window: MainW
         ((None, None), None, "carrier frequency (Hz; any number)"),
     ],
 )
-def test_a_range_is_that_of_the_bounds_or_of_the_slider(bounds: Any, slider: Any, text: str) -> None:
+def test_a_range_is_that_of_the_bounds_or_of_the_slider(bounds, slider, text):
     number = NumberField(
         "sonar.frequency",
         "frequency",
@@ -91,12 +86,12 @@ def test_a_range_is_that_of_the_bounds_or_of_the_slider(bounds: Any, slider: Any
     assert number.about == text
 
 
-def test_a_number_without_unit_says_so() -> None:
+def test_a_number_without_unit_says_so():
     number = NumberField("seed", "seed", "seed", "", 0, 1, None, log=False, integer=True, bounds=(0, 9))
     assert number.about == "seed (no unit; 0 to 9)"
 
 
-def test_everything_that_takes_the_keyboard_has_a_name(window: MainWindow) -> None:
+def test_everything_that_takes_the_keyboard_has_a_name(window):
     """Views, tabs and scroll areas too; a text is named by its words, and one without words says nothing."""
     own = (child for child in window.findChildren(QWidget) if takes_keyboard(child))
     speaking = [child for child in own if not isinstance(child, QLabel) or child.text()]
@@ -107,20 +102,20 @@ def test_everything_that_takes_the_keyboard_has_a_name(window: MainWindow) -> No
     assert all(tabs.accessibleName() for tabs in window.findChildren(QTabBar))
 
 
-def test_every_control_has_a_name(window: MainWindow) -> None:
+def test_every_control_has_a_name(window):
     nameless = [place_of(control) for control in controls_of(window) if not accessible_name(control)]
     assert nameless == []
     names = [accessible_name(control) for control in numbers_of(window)]
     assert {"beam width", "sphere 2 position x", "bed depth"} <= set(names)
 
 
-def test_every_control_takes_the_keyboard(window: MainWindow) -> None:
+def test_every_control_takes_the_keyboard(window):
     deaf = [child for child in controls_of(window) if not child.focusPolicy() & Qt.FocusPolicy.TabFocus]
     assert [place_of(child) for child in deaf] == []
 
 
 @pytest.mark.parametrize("panel", SIDE)
-def test_tab_reaches_every_control_in_view(panel: str, open_viewer: Any, small: Scene, qtbot: Any) -> None:
+def test_tab_reaches_every_control_in_view(panel, open_viewer, small, qtbot):
     window = open_viewer(small).window
     activate(window, qtbot)
     bring_to_front(window, panel)
@@ -128,7 +123,7 @@ def test_tab_reaches_every_control_in_view(panel: str, open_viewer: Any, small: 
     kinds = {type(child).__name__ for child in wanted}
     assert {"QToolButton", "QComboBox", "_Slider", "QLineEdit"} <= kinds
     window.waterfall.setFocus()
-    reached: set[QWidget] = set()
+    reached = set()
     while window.waterfall not in reached:
         qtbot.keyClick(window.focusWidget(), Qt.Key.Key_Tab)
         focus = QApplication.focusWidget()
@@ -144,7 +139,7 @@ def in_reach(widget: QWidget) -> bool:
     return widget.isVisible() and widget.isEnabled() and not widget.visibleRegion().isNull()
 
 
-def test_space_acts_on_the_focused_tick_and_pauses_elsewhere(open_viewer: Any, small: Scene, qtbot: Any) -> None:
+def test_space_acts_on_the_focused_tick_and_pauses_elsewhere(open_viewer, small, qtbot):
     window = open_viewer(small).window
     activate(window, qtbot)
     paused = window.pause.isChecked()
@@ -160,7 +155,7 @@ def test_space_acts_on_the_focused_tick_and_pauses_elsewhere(open_viewer: Any, s
         assert window.pause.isChecked() is not paused
 
 
-def test_space_is_a_letter_in_the_search(open_viewer: Any, small: Scene, qtbot: Any) -> None:
+def test_space_is_a_letter_in_the_search(open_viewer, small, qtbot):
     window = open_viewer(small).window
     activate(window, qtbot)
     paused, line = window.pause.isChecked(), window.findChild(QLineEdit, "search")
@@ -170,7 +165,7 @@ def test_space_is_a_letter_in_the_search(open_viewer: Any, small: Scene, qtbot: 
 
 
 @pytest.fixture
-def _large_text(qapp: QApplication) -> Iterator[None]:
+def _large_text(qapp):
     """Text twice as large as usual, as a system or the menu may ask for."""
     usual = qapp.font()
     enlarge_text(qapp, 200)
@@ -180,7 +175,7 @@ def _large_text(qapp: QApplication) -> Iterator[None]:
 
 
 @pytest.mark.usefixtures("_large_text")
-def test_large_text_has_room(open_viewer: Any, small: Scene, qapp: QApplication) -> None:
+def test_large_text_has_room(open_viewer, small, qapp):
     window = open_viewer(small).window
     qapp.processEvents()
     metrics = window.waterfall.fontMetrics()
@@ -200,9 +195,7 @@ def test_large_text_has_room(open_viewer: Any, small: Scene, qapp: QApplication)
 @pytest.mark.usefixtures("_large_text")
 @pytest.mark.parametrize("panel", ["lessons", None])
 @pytest.mark.parametrize(("width", "height"), [(900, 540), (1920, 1000)])
-def test_large_text_fits_a_window(
-    width: int, height: int, panel: str | None, open_viewer: Any, small: Scene, qtbot: Any
-) -> None:
+def test_large_text_fits_a_window(width, height, panel, open_viewer, small, qtbot):
     viewer = open_viewer(small)
     window = viewer.window
     if panel is not None:

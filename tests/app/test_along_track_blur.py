@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from typing import Any
-
 import numpy as np
 import pytest
 from stand_in import StandIn
@@ -23,7 +21,7 @@ def box(energy: np.ndarray, ping: int, pings: float) -> float:
     return float(energy[np.clip(np.floor(places).astype(int), 0, len(energy) - 1)].mean())
 
 
-def test_energies_are_averaged_over_what_the_beam_takes_in() -> None:
+def test_energies_are_averaged_over_what_the_beam_takes_in():
     columns = np.random.default_rng(1).uniform(0.0, 3.0, (9, 12)).astype(np.float32)
     reach = np.array([0.2, 0.9, 1.0, 1.7, 2.0, 31.4])
     found = blur_along_track(columns, np.concatenate([reach[::-1], reach]))
@@ -34,7 +32,7 @@ def test_energies_are_averaged_over_what_the_beam_takes_in() -> None:
             assert found[ping, column] == pytest.approx(expected, rel=1e-3), (ping, column)
 
 
-def test_silence_stays_silent_and_loudness_what_it_is() -> None:
+def test_silence_stays_silent_and_loudness_what_it_is():
     columns = np.zeros((200, 4), np.float32)
     columns[:100] = 7.0
     found = blur_along_track(columns, np.full(4, 10.3))
@@ -44,7 +42,7 @@ def test_silence_stays_silent_and_loudness_what_it_is() -> None:
 
 
 @pytest.mark.parametrize("width", [1.0, 2.5])
-def test_a_drag_looks_like_what_it_leads_to(width: float) -> None:
+def test_a_drag_looks_like_what_it_leads_to(width):
     scene = edit(load_scene("default"), {"sonar.beam.width": width, "sonar.bins": 250, "track.pings": 160})
     pings = np.arange(159, -1, -1)
     simulator = Simulator()
@@ -75,7 +73,7 @@ def apart(record: np.ndarray, wanted: np.ndarray) -> float:
         {"receiver.recorder.dropped_pings": 0.1},
     ],
 )
-def test_what_is_random_or_has_no_width_is_not_smeared(small: Any, changes: dict[str, str]) -> None:
+def test_what_is_random_or_has_no_width_is_not_smeared(small, changes):
     simulator = Simulator(StandIn)
     (answer,) = simulator._trace(PingRequest(0, edit(small, changes), Modelling(), np.arange(3), fine=False))
     simulator.close()

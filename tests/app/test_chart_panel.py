@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import threading
 from collections.abc import Callable
-from typing import Any
 
 import numpy as np
 import pytest
@@ -15,7 +14,7 @@ from stand_in import StandIn
 from insonify.accuracy.charts.kinds.accuracy import AccuracyChart, AccuracyRow, TracedScene
 from insonify.accuracy.charts.method_settings import SettingKey
 from insonify.accuracy.charts.reference import Reference
-from insonify.scene import Scene, SceneError
+from insonify.scene import SceneError
 from insonify.statistics.record_errors import compare_records, measure_displacement
 from insonify_viewer.panels.chart.chart_details import (
     ChartPoint,
@@ -27,7 +26,7 @@ from insonify_viewer.panels.chart.chart_details import (
 from insonify_viewer.work.jobs import State
 
 
-def a_chart(scene: Scene, progress: Callable[[float], None] = lambda share: None) -> AccuracyChart:
+def a_chart(scene, progress: Callable[[float], None] = lambda share: None) -> AccuracyChart:
     """Two methods over the stand-in's record, of which one is right and the other a tenth too loud."""
     simulation = StandIn(scene, 0.03)
     pings = np.arange(4, dtype=np.int64)
@@ -50,7 +49,7 @@ def a_chart(scene: Scene, progress: Callable[[float], None] = lambda share: None
 
 
 @pytest.fixture
-def window(open_viewer: Any, small: Scene, qtbot: Any) -> Any:
+def window(open_viewer, small, qtbot):
     viewer = open_viewer(small)
     viewer.panels["chart"].measure = a_chart
     viewer.panels["plan"].view.chart.click()
@@ -58,12 +57,12 @@ def window(open_viewer: Any, small: Scene, qtbot: Any) -> Any:
     return viewer
 
 
-def measure(viewer: Any, qtbot: Any) -> None:
+def measure(viewer, qtbot):
     viewer.panels["chart"].view.measure.click()
     qtbot.waitUntil(lambda: not viewer.panels["chart"].busy, timeout=30000)
 
 
-def test_a_click_on_a_point_shows_its_record(window: Any, qtbot: Any) -> None:
+def test_a_click_on_a_point_shows_its_record(window, qtbot):
     measure(window, qtbot)
     view = window.panels["chart"].view
     assert window.session.scene.title in view.windowTitle()
@@ -77,7 +76,7 @@ def test_a_click_on_a_point_shows_its_record(window: Any, qtbot: Any) -> None:
     assert len({image.pixel(x, y) for x in range(0, image.width(), 5) for y in range(0, image.height(), 5)}) > 4
 
 
-def test_points_are_stepped_through_by_keys(window: Any, qtbot: Any) -> None:
+def test_points_are_stepped_through_by_keys(window, qtbot):
     measure(window, qtbot)
     panel = window.panels["chart"]
     points, picked = panel._picture.points, []
@@ -88,10 +87,10 @@ def test_points_are_stepped_through_by_keys(window: Any, qtbot: Any) -> None:
     assert [id(row) for row in picked] == [id(points[k].row) for k in (0, 1, 0, len(points) - 1)]
 
 
-def test_the_window_lives_while_it_is_measured_and_stops(window: Any, qtbot: Any) -> None:
+def test_the_window_lives_while_it_is_measured_and_stops(window, qtbot):
     going, seen = threading.Event(), []
 
-    def slow(scene: Scene, progress: Callable[[float], None]) -> AccuracyChart:
+    def slow(scene, progress):
         for step in range(2000):
             progress(step / 2000)
             seen.append(step)
@@ -118,8 +117,8 @@ def test_the_window_lives_while_it_is_measured_and_stops(window: Any, qtbot: Any
     assert view.measure.isEnabled()
 
 
-def test_a_measurement_is_stopped_among_the_jobs(window: Any, qtbot: Any) -> None:
-    def endless(scene: Scene, progress: Callable[[float], None]) -> AccuracyChart:
+def test_a_measurement_is_stopped_among_the_jobs(window, qtbot):
+    def endless(scene, progress):
         while True:
             progress(0.1)
 
@@ -134,8 +133,8 @@ def test_a_measurement_is_stopped_among_the_jobs(window: Any, qtbot: Any) -> Non
     assert window.panels["chart"].view._sentence.text() == "stopped"
 
 
-def test_a_viewer_closed_meanwhile_leaves_no_thread(window: Any, qtbot: Any) -> None:
-    def endless(scene: Scene, progress: Callable[[float], None]) -> AccuracyChart:
+def test_a_viewer_closed_meanwhile_leaves_no_thread(window, qtbot):
+    def endless(scene, progress):
         while True:
             progress(0.1)
 
@@ -145,8 +144,8 @@ def test_a_viewer_closed_meanwhile_leaves_no_thread(window: Any, qtbot: Any) -> 
     assert not window.panels["chart"].busy
 
 
-def test_what_cannot_be_charted_is_said(window: Any, qtbot: Any) -> None:
-    def refuse(scene: Scene, progress: Callable[[float], None]) -> AccuracyChart:
+def test_what_cannot_be_charted_is_said(window, qtbot):
+    def refuse(scene, progress):
         raise SceneError("track.pings: 0 is too few; give at least 1")
 
     window.panels["chart"].measure = refuse
@@ -154,20 +153,20 @@ def test_what_cannot_be_charted_is_said(window: Any, qtbot: Any) -> None:
     assert "too few" in window.panels["chart"].view._sentence.text()
 
 
-def test_it_is_saved(window: Any, qtbot: Any, tmp_path: Any, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_it_is_saved(window, qtbot, tmp_path, monkeypatch):
     measure(window, qtbot)
     view = window.panels["chart"].view
     monkeypatch.setattr(QFileDialog, "getSaveFileName", lambda *_: (str(tmp_path / "c.csv"), ""))
     view.save.click()
-    qtbot.waitUntil(lambda: "written" in view._sentence.text(), timeout=20000)
+    qtbot.waitUntil(lambda: "saved" in view._sentence.text(), timeout=20000)
     assert "1,000 rays" in (tmp_path / "c.csv").read_text()
     monkeypatch.setattr(QFileDialog, "getSaveFileName", lambda *_: (str(tmp_path / "c.doc"), ""))
     view.save.click()
-    qtbot.waitUntil(lambda: "written" not in view._sentence.text(), timeout=20000)
+    qtbot.waitUntil(lambda: "saved" not in view._sentence.text(), timeout=20000)
     assert ".png" in view._sentence.text()
 
 
-def test_points_lie_where_they_are_drawn(small: Scene) -> None:
+def test_points_lie_where_they_are_drawn(small):
     pictured = draw_chart(a_chart(small))
     height, width = pictured.pixels.shape[:2]
     for point in pictured.points:
@@ -178,15 +177,15 @@ def test_points_lie_where_they_are_drawn(small: Scene) -> None:
     assert nearest_row((), 0.5, 0.5, 1.0, 1.0) is None
 
 
-def test_the_nearer_point_is_picked() -> None:
+def test_the_nearer_point_is_picked():
     one, other = "one", "other"
-    points = (ChartPoint(0.4, 0.5, one), ChartPoint(0.6, 0.5, other))  # type: ignore[arg-type]
+    points = (ChartPoint(0.4, 0.5, one), ChartPoint(0.6, 0.5, other))
     assert nearest_row(points, 0.45, 0.5, 1.0, 0.1) == one
     assert nearest_row(points, 0.55, 0.5, 1.0, 0.1) == other
     assert nearest_row(points, 0.4, 0.58, 2.0, 0.1) is None, "heights count as they are seen"
 
 
-def test_a_record_is_laid_out_as_it_is_read(small: Scene) -> None:
+def test_a_record_is_laid_out_as_it_is_read(small):
     chart = a_chart(small)
     judged = row_details(chart, chart.rows[0])
     assert judged.similarity == pytest.approx(1.0)

@@ -1,27 +1,24 @@
 """What a closed window leaves behind."""
 
-from __future__ import annotations
-
 import gc
 import os
 import subprocess
 import sys
 import threading
 import weakref
-from typing import Any
 
 import pytest
 from PySide6.QtCore import QObject, Qt
 from shiboken6 import delete
 from stand_in import StandIn
 
-from insonify.scene import Scene, SceneError, edit
+from insonify.scene import SceneError, edit
 from insonify_viewer import application
 from insonify_viewer.application import has_opengl
 from insonify_viewer.work.executor import Task
 
 
-def test_a_closed_view_names_nothing_that_qt_deletes_with_the_window(open_viewer: Any, small: Scene) -> None:
+def test_a_closed_view_names_nothing_that_qt_deletes_with_the_window(open_viewer, small):
     from pyvistaqt import QtInteractor
 
     viewer = open_viewer(small)
@@ -33,10 +30,10 @@ def test_a_closed_view_names_nothing_that_qt_deletes_with_the_window(open_viewer
     assert kept._surface is None
 
 
-def test_no_worker_collects_what_belongs_to_a_window(open_viewer: Any, small: Scene, qtbot: Any) -> None:
+def test_no_worker_collects_what_belongs_to_a_window(open_viewer, small, qtbot):
     viewer = open_viewer(small)
     part, ends, done = QObject(), [], []
-    part.itself = part  # type: ignore[attr-defined]
+    part.itself = part
     part.destroyed.connect(lambda: ends.append(threading.current_thread()), Qt.ConnectionType.DirectConnection)
     del part
     viewer.simulator.send(lambda: len([[number] for number in range(300_000)]), done.append)
@@ -47,12 +44,12 @@ def test_no_worker_collects_what_belongs_to_a_window(open_viewer: Any, small: Sc
     assert ends == [threading.main_thread()]
 
 
-def test_a_window_closes_during_work_at_once(open_viewer: Any, small: Scene, qtbot: Any) -> None:
+def test_a_window_closes_during_work_at_once(open_viewer, small, qtbot):
     """Closing returns while the simulator still traces, for which it would have to wait two minutes."""
     going, at_work = threading.Event(), threading.Event()
 
     class Compiling(StandIn):
-        def intensity(self, pings: Any) -> Any:
+        def intensity(self, pings):
             if self.scene.seed == 5:
                 at_work.set()
                 going.wait(120.0)
@@ -66,9 +63,9 @@ def test_a_window_closes_during_work_at_once(open_viewer: Any, small: Scene, qtb
     going.set()
 
 
-def test_opening_a_scene_frees_what_the_one_before_held(open_viewer: Any, small: Scene, qtbot: Any) -> None:
+def test_opening_a_scene_frees_what_the_one_before_held(open_viewer, small, qtbot):
     viewer, part = open_viewer(small), QObject()
-    part.itself = part  # type: ignore[attr-defined]
+    part.itself = part
     gc.collect()  # so that only a full collection finds it
     gone = weakref.ref(part)
     del part
@@ -77,10 +74,10 @@ def test_opening_a_scene_frees_what_the_one_before_held(open_viewer: Any, small:
 
 
 @pytest.mark.parametrize("busy", ["a bed", "a chart"])
-def test_a_window_closes_during_work_beside_it_at_once(open_viewer: Any, small: Scene, busy: str) -> None:
+def test_a_window_closes_during_work_beside_it_at_once(open_viewer, small, busy):
     viewer, going, threads = open_viewer(small), threading.Event(), set(threading.enumerate())
 
-    def work(*_: Any) -> None:
+    def work(*_):
         going.wait(120.0)
 
     if busy == "a bed":
@@ -93,7 +90,7 @@ def test_a_window_closes_during_work_beside_it_at_once(open_viewer: Any, small: 
     going.set()
 
 
-def test_beds_share_one_texture(open_viewer: Any, small: Scene, qtbot: Any) -> None:
+def test_beds_share_one_texture(open_viewer, small, qtbot):
     viewer = open_viewer(small)
     view = viewer.seabed.view
     texture, before = view._bed_actor.texture, view.grab().toImage()
@@ -104,12 +101,10 @@ def test_beds_share_one_texture(open_viewer: Any, small: Scene, qtbot: Any) -> N
     qtbot.waitUntil(lambda: view.grab().toImage() != before)
 
 
-def test_windows_are_opened_and_drawn_with_garbage_in_one_place(
-    small: Scene, qapp: Any, monkeypatch: pytest.MonkeyPatch, tmp_path: Any
-) -> None:
-    opened: list[bool] = []
+def test_windows_are_opened_and_drawn_with_garbage_in_one_place(small, qapp, monkeypatch, tmp_path):
+    opened = []
 
-    def viewer(*_: Any, **__: Any) -> Any:
+    def viewer(*_, **__):
         opened.append(gc.isenabled())
         raise SceneError("enough is seen")
 
@@ -121,7 +116,7 @@ def test_windows_are_opened_and_drawn_with_garbage_in_one_place(
     assert gc.isenabled()
 
 
-def test_what_a_thread_has_found_when_qt_has_ended_is_dropped(open_viewer: Any, small: Scene) -> None:
+def test_what_a_thread_has_found_when_qt_has_ended_is_dropped(open_viewer, small):
     viewer = open_viewer(small)
     viewer.window.close()
     later = viewer.simulator.executor.call_later
@@ -129,7 +124,7 @@ def test_what_a_thread_has_found_when_qt_has_ended_is_dropped(open_viewer: Any, 
     later(print, "found too late")
 
 
-def test_no_worker_imports_modules_of_qt() -> None:
+def test_no_worker_imports_modules_of_qt():
     """PySide6 makes the classes of a module when they are first asked for, which two threads must not do at once."""
     code = (
         "import sys; from insonify_viewer.seabed.controller import load_qt_modules; load_qt_modules(); "
@@ -141,10 +136,10 @@ def test_no_worker_imports_modules_of_qt() -> None:
 
 
 @pytest.mark.skipif(sys.platform != "linux", reason="priorities of single threads are Linux's")
-def test_threads_beside_the_window_yield_the_processor_to_it(open_viewer: Any, small: Scene, qtbot: Any) -> None:
+def test_threads_beside_the_window_yield_the_processor_to_it(open_viewer, small, qtbot):
     viewer, found = open_viewer(small), []
 
-    def niceness() -> int:
+    def niceness():
         return os.getpriority(os.PRIO_PROCESS, 0)
 
     viewer.simulator.send(niceness, found.append)
@@ -154,11 +149,11 @@ def test_threads_beside_the_window_yield_the_processor_to_it(open_viewer: Any, s
     assert min(found) > niceness()
 
 
-def test_reports_that_wait_are_passed_on_as_one() -> None:
-    calls: list[tuple[Any, Any]] = []
-    told: list[float] = []
+def test_reports_that_wait_are_passed_on_as_one():
+    calls = []
+    told = []
 
-    def work(progress: Any) -> None:
+    def work(progress):
         for k in range(1000):
             progress(k / 1000.0)
 

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from typing import Any
-
 import numpy as np
 import pytest
 from controls import bring_to_front
@@ -11,19 +9,11 @@ from PIL import Image
 from PySide6.QtCore import QPoint, QRect, Qt
 from PySide6.QtGui import QImage
 from PySide6.QtTest import QTest
-from PySide6.QtWidgets import (
-    QAbstractButton,
-    QAbstractSlider,
-    QApplication,
-    QComboBox,
-    QLineEdit,
-    QListWidget,
-    QTabBar,
-)
+from PySide6.QtWidgets import QAbstractButton, QAbstractSlider, QApplication, QComboBox, QLineEdit, QListWidget, QTabBar
 from test_menus import activate
 
 from insonify.cli import main
-from insonify.scene import Scene, edit, load_partner, load_scene
+from insonify.scene import edit, load_partner, load_scene
 from insonify_viewer.record.comparison.arrangement import Arrangement, find_pairs
 from insonify_viewer.record.comparison.comparison_overlay import SPANS, decibels_between, draw_difference
 from insonify_viewer.record.comparison.kept_record import list_changes
@@ -41,13 +31,13 @@ DARK, LIGHT = {"seabed.material.diffuse": 0.2}, {"seabed.material.diffuse": 0.4}
 GREY = np.array([0xFF000000 | k << 16 | k << 8 | k for k in range(256)], np.uint32)
 
 
-def heard(intensity: np.ndarray, scene: Scene, *, first: int = 0) -> RecordSnapshot:
+def heard(intensity: np.ndarray, scene, *, first: int = 0) -> RecordSnapshot:
     record = Record(len(intensity), intensity.shape[2])
     record.put(np.arange(first, first + len(intensity)), np.sqrt(intensity).astype(np.float32), 1)
     return RecordSnapshot.of(record, scene)
 
 
-def test_a_difference_is_the_rms_beyond_near_bins_of_pings_in_both(small: Scene) -> None:
+def test_a_difference_is_the_rms_beyond_near_bins_of_pings_in_both(small):
     random = np.random.default_rng(5)
     one = random.uniform(0.5, 2.0, (40, 2, 100))
     other = one * random.normal(1.0, 0.1, one.shape) ** 2
@@ -68,7 +58,7 @@ def test_a_difference_is_the_rms_beyond_near_bins_of_pings_in_both(small: Scene)
     assert compare_records(before, before) == (0.0, 0.0, 0.0)
 
 
-def test_a_bright_line_rules_the_rms_and_not_what_is_seen() -> None:
+def test_a_bright_line_rules_the_rms_and_not_what_is_seen():
     """One bin in a hundred, 100 times the bed, falls by 3 dB; a fifth of the bins is dark in both records."""
     one = np.ones((20, 100), np.float32)
     one[:, 7], one[:, 80:] = 100.0, 0.0
@@ -84,7 +74,7 @@ def test_a_bright_line_rules_the_rms_and_not_what_is_seen() -> None:
     assert visible_share(np.zeros_like(one), np.zeros_like(one)) == 0.0
 
 
-def test_a_difference_in_words(small: Scene) -> None:
+def test_a_difference_in_words(small):
     assert RecordDifference(0.0, 0.0, 0.0).in_words() == "changes nothing of the record"
     assert RecordDifference(0.123, -0.84, 0.036).in_words() == (
         "changes the record by 12 %, 3.6 % of its picture visibly, its mean level by −0.84 dB"
@@ -95,7 +85,7 @@ def test_a_difference_in_words(small: Scene) -> None:
     assert are_comparable(small, edit(small, {"track.altitude": 7.0}))
 
 
-def test_changes_name_fields_and_choices(small: Scene) -> None:
+def test_changes_name_fields_and_choices(small):
     auto = Modelling()
     other = edit(small, {"sonar.beam.width": 2.5, "targets": []})
     named = [change.in_words() for change in list_changes((small, auto), (other, auto))]
@@ -110,7 +100,7 @@ def test_changes_name_fields_and_choices(small: Scene) -> None:
     assert list_changes((small, auto), (small, tolerant)) == changes
 
 
-def test_decibels_are_paired_and_bounded() -> None:
+def test_decibels_are_paired_and_bounded():
     a = np.array([[1.0, 1.0], [2.0, 0.0], [1.0, 1.0]], np.float32), np.array([True, True, False])
     b = np.array([[10.0, 1.0], [2.0, 0.0], [1.0, 1.0]], np.float32), np.array([True, True, True])
     found = decibels_between(a, b, np.arange(3))
@@ -123,7 +113,7 @@ def test_decibels_are_paired_and_bounded() -> None:
     assert np.isnan(decibels_between(a, b, np.arange(3))[0, 1])
 
 
-def test_a_difference_takes_the_smallest_ends_that_hold_it() -> None:
+def test_a_difference_takes_the_smallest_ends_that_hold_it():
     decibels = np.full((40, 50), 1.4, np.float32)
     decibels[0, 0] = np.nan
     decibels[1, 0] = 30.0  # too few to count
@@ -136,14 +126,14 @@ def test_a_difference_takes_the_smallest_ends_that_hold_it() -> None:
     assert draw_difference(np.zeros((0, 4), np.float32), GREY, 0).span == SPANS[0]
 
 
-def press(viewer: Any, key: str) -> None:
+def press(viewer, key: str):
     """Trigger the action of a key: a virtual screen gives no window the keyboard."""
     (action,) = (each for each in viewer.window.actions() if each.shortcut().toString() == key)
     action.trigger()
 
 
 @pytest.fixture
-def compared(open_viewer: Any, small: Scene, qtbot: Any) -> Any:
+def compared(open_viewer, small, qtbot):
     """A window with a dark record as A and one twice as high as B."""
     viewer = open_viewer(edit(small, DARK))
     press(viewer, "K")
@@ -153,25 +143,25 @@ def compared(open_viewer: Any, small: Scene, qtbot: Any) -> Any:
     return viewer
 
 
-def middle(viewer: Any, share: float = 0.75) -> QPoint:
+def middle(viewer, share: float = 0.75) -> QPoint:
     """Place in the record, within the bed."""
     plot = viewer.window.waterfall.plot_area
     return QPoint(plot.left() + int(share * plot.width()), plot.top() + plot.height() // 3)
 
 
-def colour(viewer: Any, share: float = 0.75) -> int:
+def colour(viewer, share: float = 0.75) -> int:
     place = middle(viewer, share)
     return int(viewer.window.waterfall.grab().toImage().pixel(place) & 0xFF00)
 
 
-def pixels(view: Any, plot: QRect) -> np.ndarray:
+def pixels(view, plot: QRect) -> np.ndarray:
     """Colours of a part of a view."""
     image = view.grab().toImage().convertToFormat(QImage.Format.Format_RGB32)
     words = np.frombuffer(image.constBits(), np.uint32).reshape(image.height(), image.width())
     return words[plot.top() : plot.bottom() + 1, plot.left() : plot.right() + 1].copy()
 
 
-def test_a_kept_record_stays_while_the_scene_changes(compared: Any) -> None:
+def test_a_kept_record_stays_while_the_scene_changes(compared):
     kept = compared.comparison.kept
     assert kept.scene == edit(compared.session.scene, DARK)
     np.testing.assert_allclose(kept.record.amplitude * 2.0, compared.record.amplitude, rtol=1e-5)
@@ -189,7 +179,7 @@ def test_a_kept_record_stays_while_the_scene_changes(compared: Any) -> None:
     assert "+6 dB" in shown.changes.text()
 
 
-def test_both_records_are_named_where_they_stand_side_by_side(compared: Any, qtbot: Any) -> None:
+def test_both_records_are_named_where_they_stand_side_by_side(compared, qtbot):
     views = compared.window.record_a, compared.window.waterfall
     assert [view._title for view in views] == ["", ""]
     compared.comparison.arrange(Arrangement.BESIDE)
@@ -200,7 +190,7 @@ def test_both_records_are_named_where_they_stand_side_by_side(compared: Any, qtb
     assert [view._title for view in views] == ["", ""]
 
 
-def test_a_is_shown_while_the_key_is_held(compared: Any, qtbot: Any) -> None:
+def test_a_is_shown_while_the_key_is_held(compared, qtbot):
     bright = colour(compared)
     QTest.keyPress(compared.window, Qt.Key.Key_X)
     dark = colour(compared)
@@ -214,7 +204,7 @@ def test_a_is_shown_while_the_key_is_held(compared: Any, qtbot: Any) -> None:
 
 
 @pytest.mark.parametrize("kind", [QComboBox, QListWidget, QTabBar, QAbstractSlider, QAbstractButton, "seabed"])
-def test_the_key_works_wherever_the_keyboard_is(compared: Any, qtbot: Any, kind: Any) -> None:
+def test_the_key_works_wherever_the_keyboard_is(compared, qtbot, kind):
     window = compared.window
     activate(window, qtbot)
     window.open_panel("lessons")
@@ -230,7 +220,7 @@ def test_the_key_works_wherever_the_keyboard_is(compared: Any, qtbot: Any, kind:
     assert chosen is None or widget.currentIndex() == chosen, "it is no letter of an entry"
 
 
-def test_the_key_is_let_go_where_the_keyboard_went(compared: Any, qtbot: Any) -> None:
+def test_the_key_is_let_go_where_the_keyboard_went(compared, qtbot):
     window = compared.window
     activate(window, qtbot)
     bright, combo = colour(compared), in_view(window, QComboBox)
@@ -243,7 +233,7 @@ def test_the_key_is_let_go_where_the_keyboard_went(compared: Any, qtbot: Any) ->
 
 
 @pytest.mark.parametrize("name", ["search", "value"])
-def test_the_key_is_a_letter_where_text_is_typed(compared: Any, qtbot: Any, name: str) -> None:
+def test_the_key_is_a_letter_where_text_is_typed(compared, qtbot, name):
     window = compared.window
     activate(window, qtbot)
     line = next(line for line in window.findChildren(QLineEdit, name) if line.isVisible())
@@ -256,13 +246,13 @@ def test_the_key_is_a_letter_where_text_is_typed(compared: Any, qtbot: Any, name
     line.undo()
 
 
-def in_view(window: Any, kind: Any) -> Any:
+def in_view(window, kind):
     """A widget of a kind that is shown and takes the keyboard."""
     shown = (child for child in window.findChildren(kind) if child.isVisible() and child.isEnabled())
     return next(child for child in shown if child.focusPolicy() != Qt.FocusPolicy.NoFocus)
 
 
-def test_both_records_have_one_display(compared: Any, qtbot: Any) -> None:
+def test_both_records_have_one_display(compared, qtbot):
     window = compared.window
     window.gain.setValue(60)
     qtbot.waitUntil(lambda: window.record_a.levels == window.waterfall.levels, timeout=5000)
@@ -277,7 +267,7 @@ def test_both_records_have_one_display(compared: Any, qtbot: Any) -> None:
 
 
 @pytest.mark.parametrize("options", [{}, {"ground_range": True}, {"newest_on_top": False}, {"side": "starboard"}])
-def test_a_lies_pixel_for_pixel_over_b(compared: Any, qtbot: Any, options: dict[str, Any]) -> None:
+def test_a_lies_pixel_for_pixel_over_b(compared, qtbot, options):
     compared.session.undo()
     compared.session.show(**options)
     view, overlay = compared.window.waterfall, compared.window.overlay
@@ -295,7 +285,7 @@ def test_a_lies_pixel_for_pixel_over_b(compared: Any, qtbot: Any, options: dict[
     QTest.keyRelease(compared.window, Qt.Key.Key_X)
 
 
-def test_wiped_a_lies_left_of_a_line_that_is_dragged(compared: Any, qtbot: Any) -> None:
+def test_wiped_a_lies_left_of_a_line_that_is_dragged(compared, qtbot):
     window, overlay = compared.window, compared.window.overlay
     bright = colour(compared)
     press(compared, "W")
@@ -315,8 +305,8 @@ def test_wiped_a_lies_left_of_a_line_that_is_dragged(compared: Any, qtbot: Any) 
     assert not overlay.covers(middle(compared))
 
 
-def test_a_click_right_of_the_line_is_one_into_b(compared: Any, qtbot: Any) -> None:
-    clicked: list[object] = []
+def test_a_click_right_of_the_line_is_one_into_b(compared, qtbot):
+    clicked = []
     compared.window.waterfall.clicked.connect(clicked.append)
     press(compared, "W")
     overlay = compared.window.overlay
@@ -326,7 +316,7 @@ def test_a_click_right_of_the_line_is_one_into_b(compared: Any, qtbot: Any) -> N
     assert clicked == [compared.window.waterfall.mark_at(middle(compared))]
 
 
-def test_the_difference_is_drawn_in_decibels_with_a_scale(compared: Any, qtbot: Any) -> None:
+def test_the_difference_is_drawn_in_decibels_with_a_scale(compared, qtbot):
     press(compared, "D")
     before = compared.window.waterfall.grab().toImage()
     picture = compared.window.overlay.difference
@@ -339,7 +329,7 @@ def test_the_difference_is_drawn_in_decibels_with_a_scale(compared: Any, qtbot: 
     assert compared.window.overlay.difference.span == SPANS[0], "both are the same"
 
 
-def test_a_follows_the_pings_of_b(compared: Any, qtbot: Any) -> None:
+def test_a_follows_the_pings_of_b(compared, qtbot):
     compared.go_to(400)
     qtbot.waitUntil(lambda: compared.complete, timeout=60000)
     assert compared.window.record_a.top == compared.window.waterfall.top == 400
@@ -348,7 +338,7 @@ def test_a_follows_the_pings_of_b(compared: Any, qtbot: Any) -> None:
     np.testing.assert_allclose(kept.amplitude * 2.0, compared.record.amplitude, rtol=1e-5)
 
 
-def test_a_returns_with_its_modelling(compared: Any, qtbot: Any) -> None:
+def test_a_returns_with_its_modelling(compared, qtbot):
     live = compared.session.scene
     compared.session.model(Modelling(0.1))
     press(compared, "Shift+K")
@@ -359,7 +349,7 @@ def test_a_returns_with_its_modelling(compared: Any, qtbot: Any) -> None:
     assert compared.session.modelling == Modelling(0.1)
 
 
-def test_another_scene_with_other_bins_stands_beside(compared: Any, small: Scene, qtbot: Any) -> None:
+def test_another_scene_with_other_bins_stands_beside(compared, small, qtbot):
     compared.open(edit(small, {"sonar.bins": 160, "sonar.range": 40.0, "track.pings": 64}))
     qtbot.waitUntil(lambda: compared.complete, timeout=60000)
     assert "not measured, because A has 100 bins of 50 m" in compared.comparison.difference
@@ -374,7 +364,7 @@ def test_another_scene_with_other_bins_stands_beside(compared: Any, small: Scene
     assert compared.window.overlay.difference.pixels.shape[0] == 64
 
 
-def test_a_scene_is_traced_as_a(open_viewer: Any, small: Scene, qtbot: Any) -> None:
+def test_a_scene_is_traced_as_a(open_viewer, small, qtbot):
     viewer = open_viewer(edit(small, LIGHT))
     viewer.comparison.keep_scene(edit(small, DARK))
     qtbot.waitUntil(lambda: viewer.complete, timeout=60000)
@@ -384,7 +374,7 @@ def test_a_scene_is_traced_as_a(open_viewer: Any, small: Scene, qtbot: Any) -> N
     assert viewer.comparison.a is None
 
 
-def test_without_a_the_keys_say_how_to_keep_one(open_viewer: Any, small: Scene) -> None:
+def test_without_a_the_keys_say_how_to_keep_one(open_viewer, small):
     viewer = open_viewer(small)
     for key in ("W", "D", "Shift+K"):
         press(viewer, key)
@@ -395,13 +385,13 @@ def test_without_a_the_keys_say_how_to_keep_one(open_viewer: Any, small: Scene) 
     QTest.keyRelease(viewer.window, Qt.Key.Key_X)
 
 
-def test_the_panel_keeps_arranges_and_leaves(open_viewer: Any, small: Scene, qtbot: Any) -> None:
+def test_the_panel_keeps_arranges_and_leaves(open_viewer, small, qtbot):
     viewer = open_viewer(small)
     viewer.window.open_panel("comparison")
     panel = viewer.panels["comparison"].view
     QTest.mouseClick(panel.keep, Qt.MouseButton.LeftButton)
     assert panel.title.text() == f"A: {small.title}"
-    assert panel.changes.text() == "B is the same"
+    assert panel.changes.text() == "B equals A"
     assert not panel.learn.isVisible()
     for index, arrangement in enumerate(Arrangement):
         panel.arrangement.setCurrentIndex(index)
@@ -415,11 +405,11 @@ def test_the_panel_keeps_arranges_and_leaves(open_viewer: Any, small: Scene, qtb
     assert viewer.comparison.a is None
     assert viewer.window.record_a.record.pings == 1, "its memory is free"
     assert not viewer.window.overlay.isVisible()
-    assert panel.title.text().startswith("Keep this record as A")
+    assert panel.title.text().startswith("Compare two records")
 
 
 @pytest.mark.parametrize("name", ["figure-2b", "figure-4b", "figure-5-relief", "ghosts"])
-def test_one_action_opens_a_pair(open_viewer: Any, small: Scene, qtbot: Any, name: str) -> None:
+def test_one_action_opens_a_pair(open_viewer, small, qtbot, name):
     viewer = open_viewer(small)
     panel = viewer.panels["comparison"].view
     assert not panel.partner.isEnabled()
@@ -435,7 +425,7 @@ def test_one_action_opens_a_pair(open_viewer: Any, small: Scene, qtbot: Any, nam
     assert panel.partner.isEnabled()
 
 
-def test_pairs_are_read_before_their_menu_opens(open_viewer: Any, small: Scene, qtbot: Any) -> None:
+def test_pairs_are_read_before_their_menu_opens(open_viewer, small, qtbot):
     find_pairs.cache_clear()
     viewer = open_viewer(small)
     panel = viewer.panels["comparison"].view
@@ -448,17 +438,17 @@ def test_pairs_are_read_before_their_menu_opens(open_viewer: Any, small: Scene, 
     assert len(panel._pairs_menu.actions()) == 4
 
 
-def test_a_scene_without_partner_says_so(open_viewer: Any, small: Scene) -> None:
+def test_a_scene_without_partner_says_so(open_viewer, small):
     viewer = open_viewer(small)
     press(viewer, "P")
-    assert "names no partner" in viewer.window.status.sentence.text()
+    assert "not one of a pair" in viewer.window.status.sentence.text()
     viewer.session.open(edit(small, {"partner": ["no-such-scene"]}))
     press(viewer, "P")
     assert "no-such-scene" in viewer.window.status.sentence.text()
     assert viewer.comparison.a is None
 
 
-def test_a_pair_is_drawn_by_a_command(tmp_path: Any) -> None:
+def test_a_pair_is_drawn_by_a_command(tmp_path):
     path = tmp_path / "pair.png"
     small = ["--set", "track.pings=64", "--set", "sonar.bins=80"]
     assert main(["view", "figure-4b", *small, "--pair", "difference", "--snapshot", str(path)]) == 0
@@ -467,7 +457,7 @@ def test_a_pair_is_drawn_by_a_command(tmp_path: Any) -> None:
     assert main(["view", "default", "--pair", "--snapshot", str(path)]) == 2
 
 
-def test_a_follows_a_tow_that_runs(compared: Any, qtbot: Any) -> None:
+def test_a_follows_a_tow_that_runs(compared, qtbot):
     kept = compared.comparison.kept
     compared.tow.speed = 4.0
     compared.tow.restart(1000)  # past the targets, before which the tow would pause

@@ -1,11 +1,8 @@
 """Files of contacts are read back as they were written, and what is wrong with one is told in a sentence."""
 
-from __future__ import annotations
-
 import csv
 import json
 from dataclasses import replace
-from pathlib import Path
 
 import pytest
 
@@ -18,7 +15,7 @@ ON_EARTH = replace(PLAIN, name="Anker ⚓", longitude=-68.82834, latitude=48.445
 IN_WATER = Contact("fish", "", "line.xtf", 3, "starboard", 12, 2.5)
 
 
-def test_geojson_holds_everything(tmp_path: Path) -> None:
+def test_geojson_holds_everything(tmp_path):
     path = tmp_path / "found.geojson"
     write_contacts(path, [PLAIN, ON_EARTH, IN_WATER])
     assert read_contacts(path) == (PLAIN, ON_EARTH, IN_WATER)
@@ -32,7 +29,7 @@ def test_geojson_holds_everything(tmp_path: Path) -> None:
     assert collection["features"][1]["properties"]["name"] == "Anker ⚓"
 
 
-def test_a_table_holds_everything_but_the_snapshots(tmp_path: Path) -> None:
+def test_a_table_holds_everything_but_the_snapshots(tmp_path):
     path = tmp_path / "found.csv"
     write_contacts(path, [PLAIN, ON_EARTH, IN_WATER])
     assert read_contacts(path) == (PLAIN, replace(ON_EARTH, snapshot=b""), IN_WATER)
@@ -51,7 +48,7 @@ def test_a_table_holds_everything_but_the_snapshots(tmp_path: Path) -> None:
         ("latitude", "48° N", "no valid latitude"),
     ],
 )
-def test_a_mistake_is_named(tmp_path: Path, field: str, value: str, said: str) -> None:
+def test_a_mistake_is_named(tmp_path, field, value, said):
     path = tmp_path / "found.csv"
     write_contacts(path, [PLAIN, ON_EARTH])
     with path.open(encoding="utf-8", newline="") as file:
@@ -66,7 +63,7 @@ def test_a_mistake_is_named(tmp_path: Path, field: str, value: str, said: str) -
 
 
 @pytest.mark.parametrize("text", ["", "{}", "[1]", '{"features": 3}', "a,b\n1,2\n"])
-def test_what_is_no_file_of_contacts_is_refused(tmp_path: Path, text: str) -> None:
+def test_what_is_no_file_of_contacts_is_refused(tmp_path, text):
     for name in ("found.geojson", "found.csv"):
         path = tmp_path / name
         path.write_text(text, encoding="utf-8")
@@ -76,7 +73,7 @@ def test_what_is_no_file_of_contacts_is_refused(tmp_path: Path, text: str) -> No
         read_contacts(tmp_path / "missing.csv")
 
 
-def test_a_list_numbers_names_and_knows_what_is_saved() -> None:
+def test_a_list_numbers_names_and_knows_what_is_saved():
     session = Session(load_scene("default"))
     contacts, told = ContactList(session), []
     contacts.changed.connect(lambda: told.append(len(contacts)))

@@ -1,15 +1,12 @@
 """The record is laid over the bed of the 3-D view, where a level bed would put its echoes."""
 
-from __future__ import annotations
-
 import math
-from typing import Any
 
 import numpy as np
 import pytest
 
 from insonify.display.display_options import DisplayOptions
-from insonify.scene import Scene, edit
+from insonify.scene import edit
 from insonify.tow.poses import make_poses
 from insonify_viewer.record.drape import RecordStrip, drape_record
 from insonify_viewer.record.tone_map import make_tone_map
@@ -17,7 +14,7 @@ from insonify_viewer.record.tone_map import make_tone_map
 
 @pytest.mark.parametrize("heading", [0.0, 30.0, 180.0])
 @pytest.mark.parametrize("side", [0, 1])
-def test_an_echo_lies_at_its_ground_range(small: Scene, heading: float, side: int) -> None:
+def test_an_echo_lies_at_its_ground_range(small, heading, side):
     from stand_in import ground_of
 
     scene = edit(small, {"track.heading": heading, "track.start": [0.0, 0.0]})
@@ -41,7 +38,7 @@ def test_an_echo_lies_at_its_ground_range(small: Scene, heading: float, side: in
     assert (bed == 99).all()
 
 
-def test_a_record_narrower_than_a_pixel_of_the_bed_leaves_it_as_it_is(small: Scene) -> None:
+def test_a_record_narrower_than_a_pixel_of_the_bed_leaves_it_as_it_is(small):
     from stand_in import ground_of
 
     pings = np.arange(3)
@@ -52,9 +49,9 @@ def test_a_record_narrower_than_a_pixel_of_the_bed_leaves_it_as_it_is(small: Sce
     np.testing.assert_array_equal(drape_record(bed, (0.0, 0.0), 90.0, strip), bed)
 
 
-def test_the_option_lays_the_record_over_the_bed_and_takes_it_off(open_viewer: Any, small: Scene, qtbot: Any) -> None:
+def test_the_option_lays_the_record_over_the_bed_and_takes_it_off(open_viewer, small, qtbot):
     viewer = open_viewer(small)
-    shown: list[np.ndarray] = []
+    shown = []
     show = viewer.seabed.view.show_texture
     viewer.seabed.view.show_texture = lambda image: (shown.append(image.copy()), show(image))
     viewer.session.show(draped=True)
@@ -65,9 +62,7 @@ def test_the_option_lays_the_record_over_the_bed_and_takes_it_off(open_viewer: A
     assert (shown[1] == viewer.seabed._patch.image).all()
 
 
-def test_the_record_stays_over_the_bed_when_the_window_of_the_bed_moves(
-    open_viewer: Any, small: Scene, qtbot: Any
-) -> None:
+def test_the_record_stays_over_the_bed_when_the_window_of_the_bed_moves(open_viewer, small, qtbot):
     viewer = open_viewer(small)
     seabed, bare = viewer.seabed, []
     viewer.session.show(draped=True)

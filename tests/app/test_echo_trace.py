@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from typing import Any
-
 import numpy as np
 from PySide6.QtCore import QRect
 from PySide6.QtGui import QImage, QPainter
@@ -20,5 +18,5 @@ def drawn(loudest: list[float]) -> QImage:
     return image
 
 
-def test_what_is_no_number_is_silent(qapp: Any) -> None:
+def test_what_is_no_number_is_silent(qapp):
     assert drawn([1.0, np.nan, 0.1, np.nan]) == drawn([1.0, 0.0, 0.1, 0.0])

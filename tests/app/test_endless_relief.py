@@ -12,23 +12,21 @@ from insonify.array_cache import ARRAYS
 from insonify.scene import edit, load_scene
 from insonify.simulation import prepare
 from insonify.terrain import build
-from insonify.terrain.endless_field import Nodes
 from insonify.terrain.endless_ground import EndlessExcerpt
-from insonify.terrain.random_heights import Heights
 from insonify_viewer.state.inspection import Mark
 from insonify_viewer.work.simulator import pack_beneath, thin_new_ground
 
 
 @pytest.fixture
-def summing(monkeypatch: pytest.MonkeyPatch) -> list[str]:
+def summing(monkeypatch):
     """Names of the threads that sum the relief of some nodes."""
-    names: list[str] = []
+    names = []
     endless_heights = build.endless_heights
 
-    def watched(*given: Any) -> Heights:
+    def watched(*given):
         heights = endless_heights(*given)
 
-        def made(nodes: Nodes) -> Any:
+        def made(nodes):
             names.append(threading.current_thread().name)
             return heights(nodes)
 
@@ -40,7 +38,7 @@ def summing(monkeypatch: pytest.MonkeyPatch) -> list[str]:
     return names
 
 
-def test_the_main_thread_never_sums_the_relief(open_viewer: Any, summing: list[str], qtbot: Any) -> None:
+def test_the_main_thread_never_sums_the_relief(open_viewer, summing, qtbot):
     scene = edit(load_scene("endless"), {"sonar.bins": 100, "track.pings": 128, "seed": 77})
     viewer = open_viewer(scene, prepare=prepare)
     qtbot.waitUntil(lambda: viewer.seabed.complete, timeout=60000)
@@ -57,7 +55,7 @@ def test_the_main_thread_never_sums_the_relief(open_viewer: Any, summing: list[s
     qtbot.waitUntil(lambda: viewer._marks._point is not None and viewer._marks._point.mark == Mark(30, 0, 60))
 
 
-def spacings_of_dragged(viewer: Any, qtbot: Any, changes: dict[str, Any]) -> list[tuple[bool, float]]:
+def spacings_of_dragged(viewer, qtbot, changes: dict[str, Any]) -> list[tuple[bool, float]]:
     """Drag a value, release it, and return the accuracy and the spacing of the bed of every answer."""
     answers: list[tuple[bool, float]] = []
     viewer.simulator.answered.connect(lambda answer: answers.append((answer.fine, answer.simulation.ground.spacing)))
@@ -68,10 +66,10 @@ def spacings_of_dragged(viewer: Any, qtbot: Any, changes: dict[str, Any]) -> lis
     return answers
 
 
-def test_new_ground_is_thinned_while_a_slider_moves(open_viewer: Any, qtbot: Any) -> None:
+def test_new_ground_is_thinned_while_a_slider_moves(open_viewer, qtbot):
     scene = edit(load_scene("endless"), {"sonar.bins": 100, "track.pings": 128, "seed": 78})
     viewer = open_viewer(scene, prepare=None)
-    grounds: list[Any] = []
+    grounds = []
     viewer.simulator.answered.connect(lambda answer: grounds.append(answer.simulation.ground))
     (coarse, *_, fine) = spacings_of_dragged(viewer, qtbot, {"seabed.relief.of.0.rms": 0.1})
     assert coarse == (False, pytest.approx(4 * scene.seabed.spacing))
@@ -83,7 +81,7 @@ def test_new_ground_is_thinned_while_a_slider_moves(open_viewer: Any, qtbot: Any
         assert spacing == scene.seabed.spacing
 
 
-def test_ground_is_thinned_as_far_as_its_waves_are_resolved() -> None:
+def test_ground_is_thinned_as_far_as_its_waves_are_resolved():
     endless = load_scene("endless")
     moved = edit(endless, {"seed": 4})
     assert thin_new_ground(moved, endless).seabed.spacing == pytest.approx(0.4)
@@ -95,7 +93,7 @@ def test_ground_is_thinned_as_far_as_its_waves_are_resolved() -> None:
     assert thin_new_ground(load_scene("default"), None).seabed.spacing == load_scene("default").seabed.spacing
 
 
-def test_thinned_ground_is_the_same_landscape() -> None:
+def test_thinned_ground_is_the_same_landscape():
     endless = edit(load_scene("endless"), {"seabed.relief.of.1.height": 0.0})
     one, other = (build.build_ground(scene) for scene in (endless, thin_new_ground(endless, None)))
     along = np.arange(0.0, 40.0, 0.8)
@@ -105,7 +103,7 @@ def test_thinned_ground_is_the_same_landscape() -> None:
 
 
 @pytest.mark.parametrize("heading", [0.0, 35.0])
-def test_the_ground_beneath_pings_is_all_that_they_hear(heading: float) -> None:
+def test_the_ground_beneath_pings_is_all_that_they_hear(heading):
     scene = edit(load_scene("endless"), {"seabed.spacing": 0.4, "track.heading": heading, "track.pings": 128})
     pings = np.arange(90, 128)
     over_tiles = prepare(scene, forced={"planes": "1"}).intensity(pings)
@@ -113,7 +111,7 @@ def test_the_ground_beneath_pings_is_all_that_they_hear(heading: float) -> None:
     np.testing.assert_allclose(beneath, over_tiles, rtol=1e-3, atol=1e-4 * over_tiles.max())
 
 
-def test_ground_of_a_fast_tow_is_made_in_tiles() -> None:
+def test_ground_of_a_fast_tow_is_made_in_tiles():
     """A rectangle about pings that lie kilometres apart would not fit into memory."""
     fast = edit(load_scene("endless"), {"seabed.spacing": 0.4, "track.speed": 50.0, "sonar.ping_rate": 0.5})
     assert not isinstance(pack_beneath(fast, np.arange(1024)).ground, EndlessExcerpt)

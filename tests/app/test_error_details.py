@@ -2,28 +2,22 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from importlib.metadata import version
 from pathlib import Path
-from typing import Any
 
 import numba
-import pytest
 from PySide6.QtCore import Qt, QTimer
 from PySide6.QtGui import QGuiApplication
 from PySide6.QtTest import QTest
 from stand_in import StandIn
 
-from insonify.scene import Scene, SceneError, scene_to_toml
+from insonify.scene import SceneError, scene_to_toml
 from insonify_viewer.panels.pixel import controller as pixel_controller
 from insonify_viewer.state.inspection import Mark
-from insonify_viewer.viewer import Viewer
 from insonify_viewer.window.uncaught_errors import reported_errors
 
-Opener = Callable[..., Viewer]
 
-
-def copied(viewer: Viewer) -> str:
+def copied(viewer) -> str:
     """Click the button beside the sentence of an error, and return what it copies."""
     button = viewer.window.status.copy
     assert button.isVisible()
@@ -31,7 +25,7 @@ def copied(viewer: Viewer) -> str:
     return QGuiApplication.clipboard().text()
 
 
-def test_a_mistake_is_copied_with_versions_scene_and_what_was_said(open_viewer: Opener, small: Scene) -> None:
+def test_a_mistake_is_copied_with_versions_scene_and_what_was_said(open_viewer, small):
     viewer = open_viewer(small)
     status = viewer.window.status
     viewer.window.say("a sentence before")
@@ -50,7 +44,7 @@ def test_a_mistake_is_copied_with_versions_scene_and_what_was_said(open_viewer: 
     assert not status.copy.isVisible()
 
 
-def test_the_button_is_reached_by_the_keyboard(open_viewer: Opener, small: Scene) -> None:
+def test_the_button_is_reached_by_the_keyboard(open_viewer, small):
     viewer = open_viewer(small)
     viewer.window.complain(SceneError("track.pings: 0 is too few; give at least 1"))
     button = viewer.window.status.copy
@@ -59,9 +53,9 @@ def test_the_button_is_reached_by_the_keyboard(open_viewer: Opener, small: Scene
     assert QGuiApplication.clipboard().text().startswith("track.pings: 0 is too few")
 
 
-def test_a_fault_of_the_core_is_copied_with_its_traceback(open_viewer: Opener, small: Scene, qtbot: Any) -> None:
+def test_a_fault_of_the_core_is_copied_with_its_traceback(open_viewer, small, qtbot):
     class Broken(StandIn):
-        def intensity(self, pings: Any) -> Any:
+        def intensity(self, pings):
             if self.scene.seed == 13:
                 raise ZeroDivisionError("a fault in the core")
             return super().intensity(pings)
@@ -75,10 +69,10 @@ def test_a_fault_of_the_core_is_copied_with_its_traceback(open_viewer: Opener, s
     assert "in intensity" in text
 
 
-def test_a_fault_in_a_slot_is_one_sentence_and_the_window_lives(open_viewer: Opener, small: Scene, qtbot: Any) -> None:
+def test_a_fault_in_a_slot_is_one_sentence_and_the_window_lives(open_viewer, small, qtbot):
     viewer = open_viewer(small)
 
-    def fail() -> None:
+    def fail():
         raise KeyError("no such thing")
 
     with qtbot.captureExceptions() as printed, reported_errors(viewer.window.complain):
@@ -91,12 +85,10 @@ def test_a_fault_in_a_slot_is_one_sentence_and_the_window_lives(open_viewer: Ope
     qtbot.waitUntil(lambda: viewer.complete)
 
 
-def test_a_file_that_is_damaged_while_it_is_shown_is_no_fault_of_the_program(
-    open_viewer: Opener, small: Scene, qtbot: Any
-) -> None:
+def test_a_file_that_is_damaged_while_it_is_shown_is_no_fault_of_the_program(open_viewer, small, qtbot):
     viewer = open_viewer(small)
 
-    def fail() -> None:
+    def fail():
         raise SceneError("tow.csv: has no rows; export it again")
 
     with qtbot.captureExceptions() as printed, reported_errors(viewer.window.complain):
@@ -105,17 +97,17 @@ def test_a_file_that_is_damaged_while_it_is_shown_is_no_fault_of_the_program(
     assert not printed
 
 
-def test_a_fault_in_a_thread_beside_the_window_is_told_once(open_viewer: Opener, small: Scene, qtbot: Any) -> None:
+def test_a_fault_in_a_thread_beside_the_window_is_told_once(open_viewer, small, qtbot):
     viewer = open_viewer(small)
-    received: list[Any] = []
+    received = []
 
-    def fail() -> None:
+    def fail():
         int(float("nan"))
 
-    def refuse() -> None:
+    def refuse():
         raise SceneError("track.pings: 0 is too few; give at least 1")
 
-    def run(errand: Callable[[], Any]) -> None:
+    def run(errand):
         count = len(received)
         viewer.simulator.executor.submit("test", errand, received.append)
         qtbot.waitUntil(lambda: len(received) > count)
@@ -129,12 +121,10 @@ def test_a_fault_in_a_thread_beside_the_window_is_told_once(open_viewer: Opener,
         assert "in fail" in copied(viewer)
 
 
-def test_a_fault_of_an_explanation_is_told(
-    open_viewer: Opener, small: Scene, qtbot: Any, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_a_fault_of_an_explanation_is_told(open_viewer, small, qtbot, monkeypatch):
     viewer = open_viewer(small)
 
-    def fail(*_: Any) -> None:
+    def fail(*_):
         int(float("nan"))
 
     monkeypatch.setattr(pixel_controller, "_explained", fail)
@@ -145,10 +135,10 @@ def test_a_fault_of_an_explanation_is_told(
     assert "in fail" in copied(viewer)
 
 
-def test_a_job_that_failed_offers_its_details(open_viewer: Opener, small: Scene, qtbot: Any, tmp_path: Path) -> None:
+def test_a_job_that_failed_offers_its_details(open_viewer, small, qtbot, tmp_path):
     viewer = open_viewer(small)
     viewer.window.open_panel("jobs")
-    panel: Any = viewer.panels["jobs"]
+    panel = viewer.panels["jobs"]
     panel.write_record(tmp_path / "nowhere" / "record.nc")
     qtbot.waitUntil(lambda: not viewer.jobs.running, timeout=60_000)
     (row,) = panel.view.rows
@@ -159,7 +149,7 @@ def test_a_job_that_failed_offers_its_details(open_viewer: Opener, small: Scene,
     assert QGuiApplication.clipboard().text().startswith(row.words.text())
 
 
-def test_a_command_that_crashes_leaves_its_traceback(open_viewer: Opener, small: Scene, qtbot: Any) -> None:
+def test_a_command_that_crashes_leaves_its_traceback(open_viewer, small, qtbot):
     viewer = open_viewer(small)
     job = viewer.jobs.begin("crash", ["render", "--display", "palette=none-such"], Path("none.png"))
     qtbot.waitUntil(lambda: not job.running, timeout=60_000)

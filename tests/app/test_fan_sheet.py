@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from typing import Any
-
 import numpy as np
 import pytest
 import pyvista as pv
@@ -18,7 +16,7 @@ def far_ends(triangles: np.ndarray) -> np.ndarray:
     return triangles[:, 1:].reshape(-1, 3)
 
 
-def test_the_fan_ends_at_the_pipe_and_leaves_its_shadow_out() -> None:
+def test_the_fan_ends_at_the_pipe_and_leaves_its_shadow_out():
     simulation = prepare(edit(load_scene("pipe-on-bed"), {"track.pings": 64}))
     triangles = fan_sheet(simulation, 40)
     sonar = simulation.poses(np.array([40]))
@@ -36,7 +34,7 @@ def test_the_fan_ends_at_the_pipe_and_leaves_its_shadow_out() -> None:
     assert not ((np.minimum(one, other) < -33.3) & (np.maximum(one, other) > -30.6)).any()
 
 
-def test_triangles_are_few_and_narrow() -> None:
+def test_triangles_are_few_and_narrow():
     simulation = prepare(edit(load_scene("default"), {"track.pings": 64}))
     triangles = fan_sheet(simulation, 40)
     ends = far_ends(triangles).reshape(-1, 2, 3) - triangles[:, :1]
@@ -48,13 +46,13 @@ def test_triangles_are_few_and_narrow() -> None:
     assert (far_ends(triangles)[:, 2] >= ground - 0.02).all()
 
 
-def test_the_window_shows_the_fan_that_is_cut(open_viewer: Any, qtbot: Any) -> None:
+def test_the_window_shows_the_fan_that_is_cut(open_viewer, qtbot):
     viewer = open_viewer(edit(load_scene("pipe-on-bed"), {"track.pings": 64, "sonar.bins": 500}), prepare=None)
     viewer.go_to(40)
     view = viewer.seabed.view
     expected = fan_sheet(viewer._answer.simulation, 40)
 
-    def shown() -> bool:
+    def shown():
         points = np.asarray(pv.wrap(view._sheet_actor.mapper.GetInput()).points)
         return points.shape == (3 * len(expected), 3) and bool(np.allclose(points, expected.reshape(-1, 3), atol=1e-3))
 
@@ -62,7 +60,7 @@ def test_the_window_shows_the_fan_that_is_cut(open_viewer: Any, qtbot: Any) -> N
 
 
 @pytest.mark.parametrize("name", ["double-image", "endless"])
-def test_a_fan_without_a_section_is_drawn_whole(name: str) -> None:
+def test_a_fan_without_a_section_is_drawn_whole(name):
     simulation = prepare(edit(load_scene(name), {"track.pings": 32}), forced={"planes": "1"})
     triangles = fan_sheet(simulation, 10)
     assert triangles.shape[1:] == (3, 3)

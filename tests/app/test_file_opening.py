@@ -3,8 +3,6 @@
 from __future__ import annotations
 
 import shutil
-from pathlib import Path
-from typing import Any
 
 import numpy as np
 import pytest
@@ -12,12 +10,12 @@ from PySide6.QtCore import QMimeData, QPoint, QPointF, Qt, QUrl
 from PySide6.QtGui import QDragEnterEvent, QDropEvent
 from PySide6.QtWidgets import QApplication, QFileDialog, QMessageBox
 
-from insonify.scene import Scene, bundled_meshes, bundled_scenes, edit, scene_to_toml
+from insonify.scene import bundled_meshes, bundled_scenes, edit, scene_to_toml
 from insonify_viewer.state.contacts import Contact, write_contacts
 from insonify_viewer.window.settings import RECENT, Settings
 
 
-def drop(window: Any, *paths: Path) -> None:
+def drop(window, *paths):
     data = QMimeData()
     data.setUrls([QUrl.fromLocalFile(str(path)) for path in paths])
     buttons, none = Qt.MouseButton.LeftButton, Qt.KeyboardModifier.NoModifier
@@ -27,7 +25,7 @@ def drop(window: Any, *paths: Path) -> None:
     QApplication.sendEvent(window, QDropEvent(QPointF(300, 300), Qt.DropAction.CopyAction, data, buttons, none))
 
 
-def test_a_scene_is_dropped(open_viewer: Any, small: Scene, tmp_path: Path) -> None:
+def test_a_scene_is_dropped(open_viewer, small, tmp_path):
     path = tmp_path / "other.toml"
     path.write_text(scene_to_toml(edit(small, {"track.altitude": 6.5})), encoding="utf-8")
     viewer = open_viewer(small)
@@ -36,18 +34,18 @@ def test_a_scene_is_dropped(open_viewer: Any, small: Scene, tmp_path: Path) -> N
     assert viewer.session.file == str(path)
 
 
-def said(viewer: Any) -> str:
+def said(viewer) -> str:
     return str(viewer.window.status.sentence.text())
 
 
-def open_again(viewer: Any, name: str) -> None:
+def open_again(viewer, name: str):
     """Open a file by its entry in the list of recent ones."""
     menu = viewer.window.recent
     menu.fill()
     next(action for action in menu.actions() if action.text() == name).trigger()
 
 
-def test_a_mesh_is_dropped_and_opened_again(open_viewer: Any, small: Scene, qtbot: Any, tmp_path: Path) -> None:
+def test_a_mesh_is_dropped_and_opened_again(open_viewer, small, qtbot, tmp_path):
     path = tmp_path / bundled_meshes()["drum"].name
     shutil.copy(bundled_meshes()["drum"], path)
     viewer = open_viewer(small)
@@ -61,9 +59,7 @@ def test_a_mesh_is_dropped_and_opened_again(open_viewer: Any, small: Scene, qtbo
     qtbot.waitUntil(lambda: len(viewer.session.scene.targets) == len(small.targets) + 2, timeout=20000)
 
 
-def test_a_mesh_that_comes_with_the_program_is_not_among_recent_files(
-    open_viewer: Any, small: Scene, qtbot: Any
-) -> None:
+def test_a_mesh_that_comes_with_the_program_is_not_among_recent_files(open_viewer, small, qtbot):
     viewer = open_viewer(small)
     drop(viewer.window, bundled_meshes()["drum"])
     qtbot.waitUntil(lambda: len(viewer.session.scene.targets) == len(small.targets) + 1, timeout=20000)
@@ -71,13 +67,13 @@ def test_a_mesh_that_comes_with_the_program_is_not_among_recent_files(
 
 
 @pytest.fixture
-def bed(tmp_path: Path) -> Path:
+def bed(tmp_path):
     path = tmp_path / "bed.npy"
     np.save(path, -20.0 + np.random.default_rng(1).normal(0.0, 0.1, (300, 300)))
     return path
 
 
-def test_a_bed_is_dropped_and_opened_again(open_viewer: Any, small: Scene, qtbot: Any, bed: Path) -> None:
+def test_a_bed_is_dropped_and_opened_again(open_viewer, small, qtbot, bed):
     viewer = open_viewer(small)
     for attempt in (drop, lambda window, _: open_again(viewer, "bed.npy")):
         attempt(viewer.window, bed)
@@ -88,9 +84,7 @@ def test_a_bed_is_dropped_and_opened_again(open_viewer: Any, small: Scene, qtbot
         assert viewer.session.scene == small
 
 
-def test_a_bed_asks_about_unsaved_changes(
-    open_viewer: Any, small: Scene, qtbot: Any, bed: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_a_bed_asks_about_unsaved_changes(open_viewer, small, qtbot, bed, monkeypatch):
     asked, answer = [], {0: QMessageBox.StandardButton.Cancel}  # at first
     discard = QMessageBox.StandardButton.Discard
     monkeypatch.setattr(QMessageBox, "question", lambda *words: (asked.append(words[2]), answer.pop(0, discard))[1])
@@ -107,13 +101,13 @@ def test_a_bed_asks_about_unsaved_changes(
 
 
 @pytest.fixture
-def cast(tmp_path: Path) -> Path:
+def cast(tmp_path):
     path = tmp_path / "cast.csv"
     path.write_text("depth,sound_speed\n0,1500\n10,1495\n40,1490\n", encoding="utf-8")
     return path
 
 
-def test_a_cast_is_dropped_and_opened_again(open_viewer: Any, small: Scene, qtbot: Any, cast: Path) -> None:
+def test_a_cast_is_dropped_and_opened_again(open_viewer, small, qtbot, cast):
     viewer = open_viewer(edit(small, {"water.absorption": 12.0, "sonar.ping_rate": 15.0}))
     for attempt in (drop, lambda window, _: open_again(viewer, "cast.csv")):
         attempt(viewer.window, cast)
@@ -127,13 +121,13 @@ def test_a_cast_is_dropped_and_opened_again(open_viewer: Any, small: Scene, qtbo
 
 
 @pytest.fixture
-def tow(tmp_path: Path) -> Path:
+def tow(tmp_path):
     path = tmp_path / "tow.csv"
     path.write_text("time,x,y,heading\n" + "".join(f"{t},{2 * t},0,0\n" for t in range(31)), encoding="utf-8")
     return path
 
 
-def test_navigation_is_dropped_and_opened_again(open_viewer: Any, small: Scene, qtbot: Any, tow: Path) -> None:
+def test_navigation_is_dropped_and_opened_again(open_viewer, small, qtbot, tow):
     viewer = open_viewer(small)
     for attempt in (drop, lambda window, _: open_again(viewer, "tow.csv")):
         attempt(viewer.window, tow)
@@ -146,7 +140,7 @@ def test_navigation_is_dropped_and_opened_again(open_viewer: Any, small: Scene, 
         assert viewer.session.scene == small
 
 
-def test_a_table_that_is_neither_is_refused(open_viewer: Any, small: Scene, qtbot: Any, tmp_path: Path) -> None:
+def test_a_table_that_is_neither_is_refused(open_viewer, small, qtbot, tmp_path):
     (tmp_path / "sums.csv").write_text("a,b\n1,2\n", encoding="utf-8")
     viewer = open_viewer(small)
     drop(viewer.window, tmp_path / "sums.csv")
@@ -155,9 +149,7 @@ def test_a_table_that_is_neither_is_refused(open_viewer: Any, small: Scene, qtbo
     assert Settings().recent == []
 
 
-def test_a_file_that_a_field_takes_over_is_among_recent_ones(
-    open_viewer: Any, small: Scene, cast: Path, tow: Path, bed: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_a_file_that_a_field_takes_over_is_among_recent_ones(open_viewer, small, cast, tow, bed, monkeypatch):
     viewer = open_viewer(small)
     settle = viewer.panels["parameters"]._settle
     for path, kind, file in (("water.kind", "cast", cast), ("track.motion.kind", "recorded", tow)):
@@ -172,9 +164,7 @@ def test_a_file_that_a_field_takes_over_is_among_recent_ones(
 
 
 @pytest.mark.parametrize("suffix", [".geojson", ".csv"])
-def test_contacts_are_dropped_and_opened_by_menu(
-    open_viewer: Any, small: Scene, tmp_path: Path, suffix: str, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_contacts_are_dropped_and_opened_by_menu(open_viewer, small, tmp_path, suffix, monkeypatch):
     path = tmp_path / f"found{suffix}"
     write_contacts(path, [Contact(name, "", "line.xtf", 3, "port", 12, 2.5) for name in ("wreck", "rock")])
     viewer = open_viewer(small)
@@ -194,16 +184,14 @@ def test_contacts_are_dropped_and_opened_by_menu(
     assert len(viewer.contacts) == 2
 
 
-def test_several_files_at_once_are_refused_in_one_sentence(
-    open_viewer: Any, small: Scene, cast: Path, tow: Path
-) -> None:
+def test_several_files_at_once_are_refused_in_one_sentence(open_viewer, small, cast, tow):
     viewer = open_viewer(small)
     drop(viewer.window, cast, tow)
     assert said(viewer) == "2 files were dropped at once; drop one file at a time"
     assert viewer.session.scene == small
 
 
-def test_another_file_is_refused_in_one_sentence(open_viewer: Any, small: Scene, tmp_path: Path) -> None:
+def test_another_file_is_refused_in_one_sentence(open_viewer, small, tmp_path):
     (tmp_path / "letter.txt").write_text("x", encoding="utf-8")
     viewer = open_viewer(small)
     drop(viewer.window, tmp_path / "letter.txt")
@@ -211,7 +199,7 @@ def test_another_file_is_refused_in_one_sentence(open_viewer: Any, small: Scene,
     assert viewer.session.scene == small
 
 
-def test_recent_files_are_kept_and_vanished_ones_said_so(open_viewer: Any, small: Scene, tmp_path: Path) -> None:
+def test_recent_files_are_kept_and_vanished_ones_said_so(open_viewer, small, tmp_path):
     paths = [tmp_path / f"{name}.toml" for name in ("one", "two")]
     for number, path in enumerate(paths):
         path.write_text(scene_to_toml(edit(small, {"seed": number + 7})), encoding="utf-8")
@@ -235,7 +223,7 @@ def test_recent_files_are_kept_and_vanished_ones_said_so(open_viewer: Any, small
     assert Settings().recent == []
 
 
-def test_the_list_has_an_end(tmp_path: Path) -> None:
+def test_the_list_has_an_end(tmp_path):
     settings = Settings()
     for number in range(RECENT + 5):
         settings.add_recent(str(tmp_path / f"{number}.toml"))
@@ -244,7 +232,7 @@ def test_the_list_has_an_end(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize("name", ["default", "wreck"])
-def test_bundled_scenes_are_not_among_them(open_viewer: Any, small: Scene, name: str) -> None:
+def test_bundled_scenes_are_not_among_them(open_viewer, small, name):
     viewer = open_viewer(small)
     viewer.window.scenes.wanted.emit(str(bundled_scenes()[name]))
     assert Settings().recent == []

@@ -24,15 +24,15 @@ ROLE = Qt.ItemDataRole.UserRole
 class Hand:
     """Does what a person does with mouse and keys, and counts it: a click, a drag, a key, or a typed line is one."""
 
-    def __init__(self) -> None:
+    def __init__(self):
         self.actions = 0
 
-    def click(self, widget: Any, place: QPoint) -> None:
+    def click(self, widget, place: QPoint):
         self.actions += 1
         QTest.mouseMove(widget, place)
         QTest.mouseClick(widget, Qt.MouseButton.LeftButton, pos=place)
 
-    def drag(self, widget: Any, start: QPoint, end: QPoint) -> None:
+    def drag(self, widget, start: QPoint, end: QPoint):
         self.actions += 1
         QTest.mouseMove(widget, start)
         QTest.mousePress(widget, Qt.MouseButton.LeftButton, pos=start)
@@ -40,23 +40,23 @@ class Hand:
             QTest.mouseMove(widget, start + (end - start) * k / 8)
         QTest.mouseRelease(widget, Qt.MouseButton.LeftButton, pos=end)
 
-    def key(self, widget: Any, key: Qt.Key, held: Any = Qt.KeyboardModifier.NoModifier) -> None:
+    def key(self, widget, key: Qt.Key, held=Qt.KeyboardModifier.NoModifier):
         self.actions += 1
         QTest.keyClick(widget, key, held)
 
-    def type(self, line: QLineEdit, text: str) -> None:
+    def type(self, line: QLineEdit, text: str):
         self.actions += 1
         line.selectAll()
         QTest.keyClicks(line, text)
 
 
 @pytest.fixture
-def hand() -> Hand:
+def hand():
     return Hand()
 
 
 @pytest.fixture
-def viewer(open_viewer: Any, qtbot: Any) -> Any:
+def viewer(open_viewer, qtbot):
     """The window on the default scene, as it opens: the tow runs."""
     viewer = open_viewer(load_scene("default"), prepare=None)
     window = viewer.window
@@ -69,10 +69,10 @@ def viewer(open_viewer: Any, qtbot: Any) -> Any:
 
 def when_it_opens(
     window_type: type, do: Callable[[Any], None], on_top: Callable[[], Any] = QApplication.activeModalWidget
-) -> None:
+):
     """Do something in a dialog or a menu as soon as it takes keys, up to 4 minutes from now."""
 
-    def look(left: int = 4800) -> None:
+    def look(left: int = 4800):
         dialog = on_top()
         if isinstance(dialog, window_type) and (dialog.isActiveWindow() or isinstance(dialog, QMenu)):
             do(dialog)
@@ -82,7 +82,7 @@ def when_it_opens(
     look()
 
 
-def handle(viewer: Any) -> QPoint:
+def handle(viewer) -> QPoint:
     """Place of the handle nearest to the middle of the record."""
     record = viewer.window.waterfall
     places = [record.handles.place(k) for k in range(len(viewer.targets.handles._handles))]
@@ -90,7 +90,7 @@ def handle(viewer: Any) -> QPoint:
     return min(places, key=lambda place: (place - middle).manhattanLength())
 
 
-def dark(viewer: Any) -> QPoint:
+def dark(viewer) -> QPoint:
     """Middle of the longest shadow on screen."""
     record = viewer.window.waterfall
     pings = record.top - np.arange(20, viewer.record.pings // 2, 8)
@@ -102,16 +102,16 @@ def dark(viewer: Any) -> QPoint:
     return place
 
 
-def test_the_first_record_is_there(viewer: Any, hand: Hand, qtbot: Any) -> None:
+def test_the_first_record_is_there(viewer, hand, qtbot):
     picture = viewer.window.waterfall.picture()
     assert len(np.unique(picture.reshape(-1, picture.shape[-1]), axis=0)) > 100, "a record with its shades"
     assert hand.actions == 0
 
 
-def test_another_scene_gives_its_record(viewer: Any, hand: Hand, qtbot: Any) -> None:
+def test_another_scene_gives_its_record(viewer, hand, qtbot):
     window = viewer.window
 
-    def show_pictures(menu: QMenu) -> None:
+    def show_pictures(menu):
         hand.click(menu, menu.actionGeometry(window.scenes.pictures).center())
 
     when_it_opens(QMenu, show_pictures, QApplication.activePopupWidget)
@@ -130,7 +130,7 @@ def test_another_scene_gives_its_record(viewer: Any, hand: Hand, qtbot: Any) -> 
     assert hand.actions <= MOST
 
 
-def test_a_target_is_moved(viewer: Any, hand: Hand, qtbot: Any) -> None:
+def test_a_target_is_moved(viewer, hand, qtbot):
     before = viewer.session.scene.targets
     hand.key(viewer.window.waterfall, Qt.Key.Key_Space)
     assert not viewer.tow.running
@@ -143,10 +143,10 @@ def test_a_target_is_moved(viewer: Any, hand: Hand, qtbot: Any) -> None:
     assert hand.actions <= MOST
 
 
-def test_a_picture_is_saved(viewer: Any, hand: Hand, qtbot: Any, tmp_path: Path) -> None:
+def test_a_picture_is_saved(viewer, hand, qtbot, tmp_path):
     path = tmp_path / "mine.png"
 
-    def name(dialog: QFileDialog) -> None:
+    def name(dialog):
         line = dialog.findChild(QLineEdit)
         line.setCompleter(None)  # its list comes up at once or a moment later, and would take the key
         hand.type(line, str(path))
@@ -159,7 +159,7 @@ def test_a_picture_is_saved(viewer: Any, hand: Hand, qtbot: Any, tmp_path: Path)
     assert hand.actions <= MOST
 
 
-def test_a_shadow_is_explained(viewer: Any, hand: Hand, qtbot: Any) -> None:
+def test_a_shadow_is_explained(viewer, hand, qtbot):
     hand.key(viewer.window.waterfall, Qt.Key.Key_Space)
     hand.click(viewer.window.waterfall, dark(viewer))
     panel = viewer.panels["pixel"]

@@ -1,7 +1,5 @@
 """What is collected while a window is open, and after."""
 
-from __future__ import annotations
-
 import gc
 import time
 import weakref
@@ -15,11 +13,11 @@ from insonify_viewer.work.gc_policy import collected_by_hand, leave_out_librarie
 class Node:
     """An object that refers to itself."""
 
-    def __init__(self) -> None:
+    def __init__(self):
         self.own = self
 
 
-def test_what_is_left_out_is_not_gone_through_and_is_collected_in_the_end() -> None:
+def test_what_is_left_out_is_not_gone_through_and_is_collected_in_the_end():
     with collected_by_hand():
         kept = weakref.ref(Node())
         before = len(gc.get_objects())
@@ -31,7 +29,7 @@ def test_what_is_left_out_is_not_gone_through_and_is_collected_in_the_end() -> N
     assert gc.isenabled()
 
 
-def test_what_comes_later_is_collected_as_ever() -> None:
+def test_what_comes_later_is_collected_as_ever():
     with collected_by_hand():
         leave_out_libraries()
         gone = weakref.ref(Node())
@@ -40,14 +38,14 @@ def test_what_comes_later_is_collected_as_ever() -> None:
 
 
 @pytest.mark.parametrize("function", ["get_objects", "get_referrers"])
-def test_no_source_asks_for_all_objects(function: str) -> None:
+def test_no_source_asks_for_all_objects(function):
     """A tuple that another thread makes from a generator would have a second owner, which ends its making."""
     sources = [path for folder in ("app", "core") for path in Path(folder).rglob("*.py")]
     assert len(sources) > 100
     assert [path for path in sources if f"gc.{function}(" in path.read_text(encoding="utf-8")] == []
 
 
-def test_cycles_are_collected_in_a_small_share_of_the_time() -> None:
+def test_cycles_are_collected_in_a_small_share_of_the_time():
     with collected_by_hand() as policy:
         gone = weakref.ref(Node())
         kept = [[number] for number in range(200_000)]

@@ -1,14 +1,9 @@
 """An exception in a method that Qt calls is reported and leaves the process alive."""
 
-from __future__ import annotations
-
 import ast
 import subprocess
 import sys
 from pathlib import Path
-from typing import Any
-
-import pytest
 
 import insonify_viewer
 from insonify_viewer.errors import guard_override
@@ -77,7 +72,7 @@ print("ALIVE", broken.sizeHint().toTuple(), window.status is not None, flush=Tru
 """
 
 
-def test_a_painting_that_fails_in_c_is_told_once_and_the_window_lives() -> None:
+def test_a_painting_that_fails_in_c_is_told_once_and_the_window_lives():
     command = [sys.executable, "-c", DRIVER]
     done = subprocess.run(command, capture_output=True, text=True, timeout=120)
     lines = done.stdout.splitlines()
@@ -89,7 +84,7 @@ def test_a_painting_that_fails_in_c_is_told_once_and_the_window_lives() -> None:
     assert "QPaintDevice: Cannot destroy" not in done.stderr
 
 
-def test_every_override_that_qt_may_call_within_a_call_is_guarded() -> None:
+def test_every_override_that_qt_may_call_within_a_call_is_guarded():
     root = Path(insonify_viewer.__file__).parent
     bare = [
         f"{path.stem}.{kind.name}.{method.name}"
@@ -103,13 +98,13 @@ def test_every_override_that_qt_may_call_within_a_call_is_guarded() -> None:
     assert bare == []
 
 
-def test_an_exception_is_told_anew_after_a_success_or_another_exception(monkeypatch: pytest.MonkeyPatch) -> None:
-    told: list[str] = []
+def test_an_exception_is_told_anew_after_a_success_or_another_exception(monkeypatch):
+    told = []
     monkeypatch.setattr(sys, "excepthook", lambda kind, error, trace: told.append(str(error)))
 
     class Owner:
         @guard_override(-1)
-        def divide(self, by: Any) -> int:
+        def divide(self, by):
             return 6 // int(by)
 
     first, second = Owner(), Owner()
@@ -119,7 +114,7 @@ def test_an_exception_is_told_anew_after_a_success_or_another_exception(monkeypa
     assert len(told) == 4, "each object is told of by itself"
 
 
-def test_painters_end_whatever_happens() -> None:
+def test_painters_end_whatever_happens():
     """One that is left in a frame keeps its widget busy; a pixmap that goes before its painter ends the process."""
     for path in Path(insonify_viewer.__file__).parent.rglob("*.py"):
         for line in path.read_text(encoding="utf-8").splitlines():

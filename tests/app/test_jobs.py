@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import threading
-from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
@@ -17,29 +16,28 @@ from insonify import simulate
 from insonify.commands.render import write
 from insonify.display.display_options import DisplayOptions
 from insonify.io.records import read_record
-from insonify.scene import Scene, edit
+from insonify.scene import edit
 from insonify_viewer.panels.jobs.view import JobsView, WantedChart, WantedDataset
 from insonify_viewer.state.quantities import format_time_left
-from insonify_viewer.viewer import Viewer
 from insonify_viewer.work import jobs as background_job
 from insonify_viewer.work.jobs import CommandJob, Stage, State, ThreadJob
+from strangers import traces, write_modules
 
-Opener = Callable[..., Viewer]
 PATIENCE = 240_000  # ms, while kernels compile at worst
 
 
 @pytest.fixture
-def knife(small: Scene) -> Scene:
+def knife(small):
     return edit(small, {"sonar.beam": "knife"})
 
 
 @pytest.fixture
-def endless_work(knife: Scene) -> Scene:
+def endless_work(knife):
     """A scene whose record takes minutes."""
     return edit(knife, {"track.pings": 1_000_000})
 
 
-def jobs_of(viewer: Viewer) -> JobsView:
+def jobs_of(viewer) -> JobsView:
     """Open the window of the jobs by its action."""
     viewer.window.save.jobs.trigger()
     panel: Any = viewer.panels["jobs"]
@@ -50,9 +48,7 @@ def advanced(job: CommandJob) -> bool:
     return job.stage.unit == "ping" and job.stage.done > 0.0
 
 
-def test_a_record_is_that_of_the_library_to_the_bit(
-    open_viewer: Opener, knife: Scene, qtbot: Any, tmp_path: Path
-) -> None:
+def test_a_record_is_that_of_the_library_to_the_bit(open_viewer, knife, qtbot, tmp_path):
     viewer = open_viewer(knife)
     assert viewer.session.settle({"track.altitude": 8.0})
     path = tmp_path / "record.nc"
@@ -62,7 +58,16 @@ def test_a_record_is_that_of_the_library_to_the_bit(
     np.testing.assert_array_equal(read_record(path).intensity, simulate(viewer.session.scene).intensity)
 
 
-def test_a_record_is_modelled_as_in_the_window(open_viewer: Opener, small: Scene, qtbot: Any, tmp_path: Path) -> None:
+def test_a_command_imports_nothing_of_the_current_folder(monkeypatch, qtbot, tmp_path):
+    write_modules(tmp_path)
+    monkeypatch.chdir(tmp_path)
+    job = CommandJob("the scenes", ["scenes"], tmp_path, lambda work, *values: work(*values))
+    job.start()
+    qtbot.waitUntil(lambda: not job.running, timeout=PATIENCE)
+    assert (job.state, traces(tmp_path)) == (State.DONE, set())
+
+
+def test_a_record_is_modelled_as_in_the_window(open_viewer, small, qtbot, tmp_path):
     viewer = open_viewer(small)
     viewer.session.model(viewer.session.modelling.forcing("planes", "2").tolerating(0.2))
     job = viewer.jobs.write_record(viewer.session, tmp_path / "record.nc")
@@ -71,7 +76,7 @@ def test_a_record_is_modelled_as_in_the_window(open_viewer: Opener, small: Scene
     np.testing.assert_array_equal(read_record(tmp_path / "record.nc").intensity, expected.intensity)
 
 
-def test_a_picture_is_displayed_as_in_the_window(open_viewer: Opener, knife: Scene, qtbot: Any, tmp_path: Path) -> None:
+def test_a_picture_is_displayed_as_in_the_window(open_viewer, knife, qtbot, tmp_path):
     viewer = open_viewer(knife)
     look = {"gain": 6.0, "water_column": False, "side_gains": (0.0, 6.0), "levels": (0.1, 4.0), "palette": "grey"}
     viewer.session.show(**look)
@@ -82,9 +87,7 @@ def test_a_picture_is_displayed_as_in_the_window(open_viewer: Opener, knife: Sce
         np.testing.assert_array_equal(np.asarray(one), np.asarray(other))
 
 
-def test_progress_is_shown_and_a_stop_leaves_nothing(
-    open_viewer: Opener, endless_work: Scene, qtbot: Any, tmp_path: Path
-) -> None:
+def test_progress_is_shown_and_a_stop_leaves_nothing(open_viewer, endless_work, qtbot, tmp_path):
     viewer = open_viewer(endless_work)
     view = jobs_of(viewer)
     view.record_wanted.emit(tmp_path / "record.nc")
@@ -103,7 +106,7 @@ def test_progress_is_shown_and_a_stop_leaves_nothing(
     assert not viewer.jobs.jobs
 
 
-def test_the_time_left_counts_from_where_a_stage_goes_on(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_the_time_left_counts_from_where_a_stage_goes_on(monkeypatch):
     clock = [0.0]
     monkeypatch.setattr(background_job.time, "monotonic", lambda: clock[0])
     job = ThreadJob("a page", print, lambda *_: None)
@@ -119,9 +122,7 @@ def test_the_time_left_counts_from_where_a_stage_goes_on(monkeypatch: pytest.Mon
     assert told == [None, 10.0, None, None, 9.0, 12.0]
 
 
-def test_the_window_stays_free_while_a_job_runs(
-    open_viewer: Opener, endless_work: Scene, qtbot: Any, tmp_path: Path
-) -> None:
+def test_the_window_stays_free_while_a_job_runs(open_viewer, endless_work, qtbot, tmp_path):
     viewer = open_viewer(endless_work)
     job = viewer.jobs.write_record(viewer.session, tmp_path / "record.nc")
     qtbot.waitUntil(lambda: advanced(job), timeout=PATIENCE)
@@ -132,7 +133,7 @@ def test_the_window_stays_free_while_a_job_runs(
     assert job.running
 
 
-def test_a_mistake_is_one_sentence(open_viewer: Opener, knife: Scene, qtbot: Any, tmp_path: Path) -> None:
+def test_a_mistake_is_one_sentence(open_viewer, knife, qtbot, tmp_path):
     viewer = open_viewer(knife)
     view = jobs_of(viewer)
     view.record_wanted.emit(tmp_path / "nowhere" / "record.nc")
@@ -144,11 +145,9 @@ def test_a_mistake_is_one_sentence(open_viewer: Opener, knife: Scene, qtbot: Any
     assert viewer.window.status.sentence.text() == job.sentence
 
 
-def test_charts_data_sets_and_pages_are_commands(
-    open_viewer: Opener, knife: Scene, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_charts_data_sets_and_pages_are_commands(open_viewer, knife, tmp_path, monkeypatch):
     viewer = open_viewer(knife)
-    begun: list[tuple[str, ...]] = []
+    begun = []
     monkeypatch.setattr(viewer.jobs, "begin", lambda title, arguments, result: begun.append(tuple(arguments)))
     view = jobs_of(viewer)
     view.chart_wanted.emit(WantedChart("convergence", tmp_path / "chart.png"))
@@ -161,7 +160,7 @@ def test_charts_data_sets_and_pages_are_commands(
     assert page == ("stability", "-o", str(tmp_path / "page.html"))
 
 
-def test_a_data_set_is_stopped_with_its_workers(open_viewer: Opener, knife: Scene, qtbot: Any, tmp_path: Path) -> None:
+def test_a_data_set_is_stopped_with_its_workers(open_viewer, knife, qtbot, tmp_path):
     viewer = open_viewer(knife)
     arguments = ["dataset", "mines", "-o", str(tmp_path / "mines"), "--scenes", "400", "--scheduler", "local:1"]
     job = viewer.jobs.begin("data set", arguments, tmp_path / "mines")
@@ -171,14 +170,12 @@ def test_a_data_set_is_stopped_with_its_workers(open_viewer: Opener, knife: Scen
     assert job.state is State.STOPPED
 
 
-def test_closing_asks_about_jobs_and_ends_them_at_once(
-    open_viewer: Opener, endless_work: Scene, qtbot: Any, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_closing_asks_about_jobs_and_ends_them_at_once(open_viewer, endless_work, qtbot, tmp_path, monkeypatch):
     viewer = open_viewer(endless_work)
-    asked: list[str] = []
+    asked = []
     answers = iter([QMessageBox.StandardButton.Cancel, QMessageBox.StandardButton.Discard])
 
-    def question(_: object, title: str, *rest: object) -> QMessageBox.StandardButton:
+    def question(_, title, *rest):
         asked.append(title)
         return next(answers)
 
@@ -195,15 +192,15 @@ def test_closing_asks_about_jobs_and_ends_them_at_once(
     assert [path for path in tmp_path.iterdir() if not path.name.startswith(".")] == []
 
 
-def test_times_to_wait_are_whole_numbers() -> None:
+def test_times_to_wait_are_whole_numbers():
     assert [format_time_left(seconds) for seconds in (0.2, 40.4, 170.0, 7300.0)] == ["1 s", "40 s", "3 min", "2 h"]
 
 
-def test_the_bar_shortens_the_title_and_keeps_the_time_left(open_viewer: Opener, knife: Scene, qtbot: Any) -> None:
+def test_the_bar_shortens_the_title_and_keeps_the_time_left(open_viewer, knife, qtbot):
     viewer = open_viewer(knife)
     going = threading.Event()
 
-    def work(report: Callable[[float], None]) -> None:
+    def work(report):
         while not going.wait(0.01):
             report(0.4)
 

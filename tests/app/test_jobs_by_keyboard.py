@@ -4,8 +4,6 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable
-from pathlib import Path
-from typing import Any
 
 import pytest
 from controls import accessible_name
@@ -15,16 +13,13 @@ from PySide6.QtWidgets import QApplication, QFileDialog, QWidget
 from test_jobs import PATIENCE, advanced, jobs_of
 from test_menus import activate
 
-from insonify.scene import Scene, edit
+from insonify.scene import edit
 from insonify_viewer.panels.jobs import view as jobs_window
-from insonify_viewer.viewer import Viewer
 from insonify_viewer.work.jobs import State
-
-Opener = Callable[..., Viewer]
 
 
 @pytest.fixture
-def endless_work(small: Scene) -> Scene:
+def endless_work(small):
     """A scene whose record takes minutes."""
     return edit(small, {"sonar.beam": "knife", "track.pings": 1_000_000})
 
@@ -36,14 +31,14 @@ def focus() -> QWidget:
     return held
 
 
-def press(qtbot: Any, key: Qt.Key, modifier: Any = Qt.KeyboardModifier.NoModifier) -> None:
+def press(qtbot, key: Qt.Key, modifier=Qt.KeyboardModifier.NoModifier):
     qtbot.keyClick(focus(), key, modifier)
 
 
-def begin_waiting(viewer: Viewer, title: str) -> Any:
+def begin_waiting(viewer, title: str):
     """Begin work that ends when it is stopped."""
 
-    def work(report: Callable[[float], None]) -> None:
+    def work(report: Callable[[float], None]):
         while True:
             time.sleep(0.02)
             report(0.4)
@@ -51,15 +46,13 @@ def begin_waiting(viewer: Viewer, title: str) -> Any:
     return viewer.jobs.begin_work(title, work)
 
 
-def test_a_record_is_begun_followed_and_stopped(
-    open_viewer: Opener, endless_work: Scene, qtbot: Any, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_a_record_is_begun_followed_and_stopped(open_viewer, endless_work, qtbot, tmp_path, monkeypatch):
     viewer = open_viewer(endless_work)
     path = tmp_path / "record.nc"
     monkeypatch.setattr(jobs_window, "ask_where_to_save", lambda *_: path)
     activate(viewer.window, qtbot)
     qtbot.keyClick(viewer.window, Qt.Key.Key_J, Qt.KeyboardModifier.ControlModifier)
-    view: Any = viewer.panels["jobs"].widget
+    view = viewer.panels["jobs"].widget
     activate(view, qtbot)
     assert focus() is view.record
     press(qtbot, Qt.Key.Key_Return)
@@ -87,9 +80,7 @@ def test_a_record_is_begun_followed_and_stopped(
     assert not view.isVisible()
 
 
-def test_keys_go_from_job_to_job_in_the_order_in_which_they_stand(
-    open_viewer: Opener, small: Scene, qtbot: Any
-) -> None:
+def test_keys_go_from_job_to_job_in_the_order_in_which_they_stand(open_viewer, small, qtbot):
     viewer = open_viewer(small)
     view = jobs_of(viewer)
     activate(view, qtbot)
@@ -114,9 +105,7 @@ def test_keys_go_from_job_to_job_in_the_order_in_which_they_stand(
     qtbot.waitUntil(lambda: not viewer.jobs.running, timeout=10_000)
 
 
-def test_the_bar_of_the_window_opens_the_list_and_stops_the_newest(
-    open_viewer: Opener, small: Scene, qtbot: Any
-) -> None:
+def test_the_bar_of_the_window_opens_the_list_and_stops_the_newest(open_viewer, small, qtbot):
     viewer = open_viewer(small)
     activate(viewer.window, qtbot)
     older, newer = begin_waiting(viewer, "older"), begin_waiting(viewer, "newer")
@@ -130,20 +119,20 @@ def test_the_bar_of_the_window_opens_the_list_and_stops_the_newest(
     qtbot.waitUntil(lambda: not newer.running, timeout=10_000)
     assert older.running
     qtbot.keyClick(bar, Qt.Key.Key_Return)
-    view: Any = viewer.panels["jobs"].widget
+    view = viewer.panels["jobs"].widget
     qtbot.waitUntil(view.isVisible)
     older.stop()
     qtbot.waitUntil(lambda: not older.running, timeout=10_000)
 
 
-def test_a_file_is_named_by_the_keyboard(open_viewer: Opener, endless_work: Scene, qtbot: Any, tmp_path: Path) -> None:
+def test_a_file_is_named_by_the_keyboard(open_viewer, endless_work, qtbot, tmp_path):
     """Through the dialog itself: its field has the keyboard, and Return saves."""
     viewer = open_viewer(endless_work)
     view = jobs_of(viewer)
     activate(view, qtbot)
     QApplication.setAttribute(Qt.ApplicationAttribute.AA_DontUseNativeDialogs)
 
-    def answer() -> None:
+    def answer():
         dialog, focused = QApplication.activeModalWidget(), QApplication.focusWidget()
         # The keyboard may come to the dialog later than the dialog to the screen.
         if not isinstance(dialog, QFileDialog) or focused is None or not dialog.isAncestorOf(focused):

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import Any
 
 import pytest
 from controls import accessible_name, controls_of, place_of, takes_keyboard
@@ -11,15 +10,14 @@ from PySide6.QtCore import Qt
 from PySide6.QtWidgets import QApplication, QLabel, QWidget
 from test_menus import activate
 
-from insonify.scene import Scene, edit, load_scene
+from insonify.scene import edit, load_scene
 from insonify_viewer.panels.jobs.view import DatasetQuestion
-from insonify_viewer.viewer import Viewer
 from insonify_viewer.window.help_dialogs import OTHER_KEYS, AboutDialog, KeysDialog
 from insonify_viewer.window.scene_menu import SceneGallery
 
 DIALOGS: dict[str, Callable[[QWidget], QWidget]] = {
     "about": AboutDialog,
-    "keys": lambda window: KeysDialog(window, window.menus.all, OTHER_KEYS),  # type: ignore[attr-defined]
+    "keys": lambda window: KeysDialog(window, window.menus.all, OTHER_KEYS),
     "gallery": SceneGallery,
     "data set": lambda window: DatasetQuestion(["mines"], window),
 }
@@ -27,7 +25,7 @@ DIALOGS: dict[str, Callable[[QWidget], QWidget]] = {
 MOST = 400  # more than any window has controls
 
 
-def walk(window: QWidget, qtbot: Any) -> set[QWidget]:
+def walk(window: QWidget, qtbot) -> set[QWidget]:
     """Press Tab until the keyboard comes round, and return every widget that had it."""
     qtbot.waitUntil(window.isActiveWindow)
     qtbot.keyClick(window, Qt.Key.Key_Tab)
@@ -47,7 +45,7 @@ def in_reach(window: QWidget) -> set[QWidget]:
     return {child for child in controls_of(window) if child.isVisible() and child.isEnabled()}
 
 
-def assert_walked(window: QWidget, qtbot: Any) -> None:
+def assert_walked(window: QWidget, qtbot):
     wanted, reached = in_reach(window), walk(window, qtbot)
     assert wanted
     assert [place_of(child) for child in wanted - reached] == []
@@ -61,7 +59,7 @@ def is_silent(widget: QWidget) -> bool:
 
 
 @pytest.mark.parametrize("name", ["chart", "jobs"])
-def test_tab_reaches_every_control_of_a_window(name: str, open_viewer: Any, small: Scene, qtbot: Any) -> None:
+def test_tab_reaches_every_control_of_a_window(name, open_viewer, small, qtbot):
     viewer = open_viewer(small)
     viewer.window.open_panel(name)
     window = viewer.panels[name].widget
@@ -69,16 +67,16 @@ def test_tab_reaches_every_control_of_a_window(name: str, open_viewer: Any, smal
     assert_walked(window, qtbot)
 
 
-def test_every_control_of_a_question_has_a_tooltip(open_viewer: Any, small: Scene) -> None:
+def test_every_control_of_a_question_has_a_tooltip(open_viewer, small):
     question = DIALOGS["data set"](open_viewer(small).window)
-    answers = question.buttons.buttons()  # type: ignore[attr-defined]
+    answers = question.buttons.buttons()
     controls = [control for control in controls_of(question) if control not in answers]
     assert len(controls) == 5
     assert [place_of(control) for control in controls if not control.toolTip()] == []
 
 
 @pytest.mark.parametrize("name", DIALOGS)
-def test_tab_reaches_every_control_of_a_dialog(name: str, open_viewer: Any, small: Scene, qtbot: Any) -> None:
+def test_tab_reaches_every_control_of_a_dialog(name, open_viewer, small, qtbot):
     dialog = DIALOGS[name](open_viewer(small).window)
     dialog.show()
     activate(dialog, qtbot)
@@ -88,7 +86,7 @@ def test_tab_reaches_every_control_of_a_dialog(name: str, open_viewer: Any, smal
 
 
 @pytest.mark.parametrize("name", ["water", "lessons", "pixel", "comparison"])
-def test_tab_reaches_every_control_of_an_opened_panel(name: str, open_viewer: Any, small: Scene, qtbot: Any) -> None:
+def test_tab_reaches_every_control_of_an_opened_panel(name, open_viewer, small, qtbot):
     viewer = open_viewer(small)
     activate(viewer.window, qtbot)
     viewer.window.open_panel(name)
@@ -97,7 +95,7 @@ def test_tab_reaches_every_control_of_an_opened_panel(name: str, open_viewer: An
     assert [place_of(child) for child in wanted - reached] == []
 
 
-def test_tab_reaches_the_buttons_of_contacts(open_viewer: Any, small: Scene, qtbot: Any) -> None:
+def test_tab_reaches_the_buttons_of_contacts(open_viewer, small, qtbot):
     viewer = open_viewer(small)
     activate(viewer.window, qtbot)
     viewer.window.open_panel("record")
@@ -107,12 +105,12 @@ def test_tab_reaches_the_buttons_of_contacts(open_viewer: Any, small: Scene, qtb
     assert [place_of(child) for child in wanted - walk(viewer.window, qtbot)] == []
 
 
-def test_links_of_a_description_are_followed_by_the_keyboard(open_viewer: Any, qtbot: Any) -> None:
+def test_links_of_a_description_are_followed_by_the_keyboard(open_viewer, qtbot):
     scene = edit(load_scene("default"), {"sonar.bins": 100, "track.pings": 128})
-    viewer: Viewer = open_viewer(scene)
+    viewer = open_viewer(scene)
     activate(viewer.window, qtbot)
     label = next(each for each in viewer.window.findChildren(QLabel, "about") if "<a href" in each.text())
-    followed: list[str] = []
+    followed = []
     label.linkActivated.connect(followed.append)
     assert label in walk(viewer.window, qtbot)
     label.previousInFocusChain().setFocus()

@@ -2,15 +2,13 @@
 
 from __future__ import annotations
 
-from typing import Any
-
 import numpy as np
 import pytest
 from PySide6.QtCore import QPoint, QRect, Qt
 from PySide6.QtGui import QImage, QPainter
 from PySide6.QtWidgets import QWidget
 
-from insonify.scene import Scene, bundled_scenes, edit, load_scene
+from insonify.scene import bundled_scenes, edit, load_scene
 from insonify_viewer.panels.parameters.sections import sections_of
 from insonify_viewer.panels.parameters.view.parameters_view import ParametersView
 from insonify_viewer.record.projection import name_scale, plot_at_true_scale
@@ -22,12 +20,12 @@ from insonify_viewer.widgets.theme import Theme, apply_theme
 MOTIONS = {"kind": "sum", "of": [{"kind": "heave", "period": 8.0}, {"kind": "heave", "period": 3.0}, {"kind": "roll"}]}
 
 
-def labels(scene: Scene) -> dict[str, str]:
+def labels(scene) -> dict[str, str]:
     return {row.path: row.label for section in sections_of(scene) for row in section.parameters}
 
 
 @pytest.mark.parametrize("name", sorted(bundled_scenes()))
-def test_no_row_is_cut_off(name: str, qtbot: Any, qapp: Any) -> None:
+def test_no_row_is_cut_off(name, qtbot, qapp):
     apply_theme(qapp)
     view = ParametersView()
     qtbot.addWidget(view)
@@ -48,14 +46,14 @@ def test_no_row_is_cut_off(name: str, qtbot: Any, qapp: Any) -> None:
             assert words.width() <= child.contentsRect().width(), child.text()
 
 
-def test_parts_of_one_kind_are_numbered(default: Scene) -> None:
+def test_parts_of_one_kind_are_numbered(default):
     found = labels(edit(default, {"track.motion": MOTIONS}))
     assert found["track.motion.of.0.amplitude"] == "heave 1 amplitude"
     assert found["track.motion.of.1.amplitude"] == "heave 2 amplitude"
     assert found["track.motion.of.2.amplitude"] == "roll amplitude"
 
 
-def test_the_entry_under_the_mouse_can_be_read(qtbot: Any, qapp: Any) -> None:
+def test_the_entry_under_the_mouse_can_be_read(qtbot, qapp):
     apply_theme(qapp)
     combo = Combo()
     qtbot.addWidget(combo)
@@ -75,7 +73,7 @@ def test_the_entry_under_the_mouse_can_be_read(qtbot: Any, qapp: Any) -> None:
 
 @pytest.mark.parametrize("scale", [1.0, 1.5, 2.0])
 @pytest.mark.parametrize("theme", [Theme.DARK, Theme.LIGHT])
-def test_the_arrow_of_a_list_stands_clear_of_its_edge(theme: Theme, scale: float, qtbot: Any, qapp: Any) -> None:
+def test_the_arrow_of_a_list_stands_clear_of_its_edge(theme, scale, qtbot, qapp):
     apply_theme(qapp, theme)
     usual, large = qapp.font(), qapp.font()
     large.setPointSizeF(scale * usual.pointSizeF())
@@ -99,7 +97,7 @@ def test_the_arrow_of_a_list_stands_clear_of_its_edge(theme: Theme, scale: float
     assert len(ink) - 1 - drawn[-1] >= 1
 
 
-def test_the_window_fits_half_a_screen(open_viewer: Any, small: Scene, qtbot: Any) -> None:
+def test_the_window_fits_half_a_screen(open_viewer, small, qtbot):
     viewer = open_viewer(small)
     window = viewer.window
     assert window.minimumSizeHint().width() <= 800
@@ -110,7 +108,7 @@ def test_the_window_fits_half_a_screen(open_viewer: Any, small: Scene, qtbot: An
     assert window.size().width() <= 800
 
 
-def test_a_plot_is_at_true_scale_where_it_fits() -> None:
+def test_a_plot_is_at_true_scale_where_it_fits():
     room = QRect(64, 24, 500, 700)
     plot = plot_at_true_scale(room, 100.0, 100.0)
     assert (plot.topLeft(), plot.width(), plot.height()) == (room.topLeft(), 500, 500)
@@ -122,7 +120,7 @@ def test_a_plot_is_at_true_scale_where_it_fits() -> None:
     assert name_scale(room, 56.0, 100.0) == "track × 2.5"
 
 
-def test_a_measurement_stays_within_a_narrow_record(qapp: Any) -> None:
+def test_a_measurement_stays_within_a_narrow_record(qapp):
     image, plot = QImage(400, 300, QImage.Format.Format_RGB32), QRect(100, 0, 190, 300)
     image.fill(0)
     painter = QPainter(image)
@@ -135,14 +133,14 @@ def test_a_measurement_stays_within_a_narrow_record(qapp: Any) -> None:
     assert not drawn[:, 290:].any()
 
 
-def test_metres_towed_are_written_to_tenths() -> None:
+def test_metres_towed_are_written_to_tenths():
     written = [
         write_towed(metres, apart) for metres, apart in ((54.4912, 6.0), (6.0541, 6.0), (100.0, 20.0), (0.05, 0.05))
     ]
     assert written == ["54.5 m", "6.1 m", "100 m", "0.05 m"]
 
 
-def test_the_record_of_the_default_scene_is_at_true_scale(open_viewer: Any, small: Scene) -> None:
+def test_the_record_of_the_default_scene_is_at_true_scale(open_viewer, small):
     viewer = open_viewer(edit(small, {"track.pings": 512}))
     waterfall = viewer.window.waterfall
     one, other = waterfall.place_of(Mark(500, 1, 0)), waterfall.place_of(Mark(400, 1, 40))
@@ -155,15 +153,13 @@ def test_the_record_of_the_default_scene_is_at_true_scale(open_viewer: Any, smal
 
 
 @pytest.fixture
-def default() -> Scene:
+def default():
     return load_scene("default")
 
 
 @pytest.mark.parametrize("width", [780, 900, 1000, 1600])
 @pytest.mark.parametrize("panel", ["lessons", None])
-def test_panels_at_both_sides_stay_within_the_window(
-    width: int, panel: str | None, open_viewer: Any, small: Scene, qtbot: Any
-) -> None:
+def test_panels_at_both_sides_stay_within_the_window(width, panel, open_viewer, small, qtbot):
     viewer = open_viewer(small)
     window = viewer.window
     window.resize(width, 540)
@@ -186,9 +182,7 @@ def test_panels_at_both_sides_stay_within_the_window(
 
 
 @pytest.mark.parametrize("size", [(1280, 800), (1600, 1000)])
-def test_record_and_seabed_keep_room_beside_a_lesson_and_rays(
-    size: tuple[int, int], open_viewer: Any, small: Scene, qtbot: Any
-) -> None:
+def test_record_and_seabed_keep_room_beside_a_lesson_and_rays(size, open_viewer, small, qtbot):
     viewer = open_viewer(small)
     window = viewer.window
     window.resize(*size)
@@ -205,9 +199,7 @@ def test_record_and_seabed_keep_room_beside_a_lesson_and_rays(
     qtbot.waitUntil(lambda: places[1].mapTo(window, QPoint(0, 0)).x() < (views.x() if size[0] > 1500 else size[0]))
 
 
-def test_the_window_lies_on_its_screen_with_its_frame(
-    open_viewer: Any, small: Scene, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_the_window_lies_on_its_screen_with_its_frame(open_viewer, small, monkeypatch):
     window = open_viewer(small).window
     room = window.screen().availableGeometry()
     monkeypatch.setattr(window, "frameGeometry", lambda: window.geometry().adjusted(-4, -30, 4, 4))

@@ -9,7 +9,7 @@ from PySide6.QtWidgets import QMessageBox
 
 from insonify.lessons import LessonState, load_lessons, parse_lesson, split_move, states_of
 from insonify.planning import plan
-from insonify.scene import Scene, edit
+from insonify.scene import edit
 from insonify_viewer.panels.lessons.controller import Course
 from insonify_viewer.state.history import Modelling
 from insonify_viewer.state.session import Session
@@ -73,12 +73,12 @@ Answer: There.
 
 
 @pytest.fixture
-def lessons(monkeypatch: pytest.MonkeyPatch) -> None:
+def lessons(monkeypatch):
     lesson = parse_lesson(LESSON, "range")
     monkeypatch.setattr("insonify_viewer.panels.lessons.controller.load_lessons", lambda: (lesson,))
 
 
-def opened(open_viewer: Any, scene: Scene, qtbot: Any) -> tuple[Any, Any]:
+def opened(open_viewer, scene, qtbot) -> tuple[Any, Any]:
     """A viewer whose panel of lessons is open, with its view."""
     viewer = open_viewer(scene)
     viewer.window.open_panel("lessons")
@@ -87,20 +87,20 @@ def opened(open_viewer: Any, scene: Scene, qtbot: Any) -> tuple[Any, Any]:
     return viewer, panel
 
 
-def started(open_viewer: Any, scene: Scene, qtbot: Any) -> tuple[Any, Any]:
+def started(open_viewer, scene, qtbot) -> tuple[Any, Any]:
     viewer, panel = opened(open_viewer, scene, qtbot)
     panel.view.list.start.click()
     qtbot.waitUntil(lambda: viewer.complete, timeout=20000)
     return viewer, panel
 
 
-def lit_rows(viewer: Any) -> set[str]:
+def lit_rows(viewer) -> set[str]:
     boxes = viewer.panels["parameters"].view._sections.values()
     return {path for box in boxes for path, row in box.rows.items() if row.label.property("lit")}
 
 
 @pytest.mark.usefixtures("lessons")
-def test_a_lesson_from_its_first_step_to_its_last(open_viewer: Any, small: Scene, qtbot: Any) -> None:
+def test_a_lesson_from_its_first_step_to_its_last(open_viewer, small, qtbot):
     viewer, panel = started(open_viewer, small, qtbot)
     page, session = panel.view.page, viewer.session
     assert (session.scene.title, session.scene.sonar.bins) == ("A pipe on the bed", 100)
@@ -137,7 +137,7 @@ def test_a_lesson_from_its_first_step_to_its_last(open_viewer: Any, small: Scene
 
 
 @pytest.mark.usefixtures("lessons")
-def test_the_fields_of_a_step_are_lit_and_in_view(open_viewer: Any, small: Scene, qtbot: Any) -> None:
+def test_the_fields_of_a_step_are_lit_and_in_view(open_viewer, small, qtbot):
     viewer, panel = started(open_viewer, small, qtbot)
     parameters = viewer.panels["parameters"].view
     assert lit_rows(viewer) == {"sonar.range"}
@@ -153,7 +153,7 @@ def test_the_fields_of_a_step_are_lit_and_in_view(open_viewer: Any, small: Scene
 
 
 @pytest.mark.usefixtures("lessons")
-def test_back_returns_to_the_step_as_it_began(open_viewer: Any, small: Scene, qtbot: Any) -> None:
+def test_back_returns_to_the_step_as_it_began(open_viewer, small, qtbot):
     viewer, panel = started(open_viewer, small, qtbot)
     page = panel.view.page
     page.next.click()  # a step that is left out is done by the way
@@ -169,7 +169,7 @@ def test_back_returns_to_the_step_as_it_began(open_viewer: Any, small: Scene, qt
 
 
 @pytest.mark.usefixtures("lessons")
-def test_question_and_answer(open_viewer: Any, small: Scene, qtbot: Any) -> None:
+def test_question_and_answer(open_viewer, small, qtbot):
     _, panel = started(open_viewer, small, qtbot)
     page = panel.view.page
     assert page.question.isVisible()
@@ -182,7 +182,7 @@ def test_question_and_answer(open_viewer: Any, small: Scene, qtbot: Any) -> None
 
 
 @pytest.mark.usefixtures("lessons")
-def test_another_scene_ends_the_lesson(open_viewer: Any, small: Scene, qtbot: Any) -> None:
+def test_another_scene_ends_the_lesson(open_viewer, small, qtbot):
     viewer, panel = started(open_viewer, small, qtbot)
     viewer.open(edit(small, {"seed": 3}))
     assert panel.course is None
@@ -191,9 +191,7 @@ def test_another_scene_ends_the_lesson(open_viewer: Any, small: Scene, qtbot: An
 
 
 @pytest.mark.usefixtures("lessons")
-def test_unsaved_work_is_asked_for_and_moves_of_a_lesson_are_not(
-    open_viewer: Any, small: Scene, qtbot: Any, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_unsaved_work_is_asked_for_and_moves_of_a_lesson_are_not(open_viewer, small, qtbot, monkeypatch):
     viewer, panel = opened(open_viewer, small, qtbot)
     viewer.session.settle({"track.altitude": 7.0})
     answers = [QMessageBox.StandardButton.Cancel, QMessageBox.StandardButton.Discard]
@@ -219,7 +217,7 @@ def test_unsaved_work_is_asked_for_and_moves_of_a_lesson_are_not(
 
 
 @pytest.mark.usefixtures("lessons")
-def test_the_view_for_a_projector_is_full_screen_in_large_type(open_viewer: Any, small: Scene, qtbot: Any) -> None:
+def test_the_view_for_a_projector_is_full_screen_in_large_type(open_viewer, small, qtbot):
     viewer, panel = started(open_viewer, small, qtbot)
     window, page = viewer.window, panel.view.page
     before = page.text.font().pointSizeF(), window.waterfall.font().pointSizeF()
@@ -234,7 +232,7 @@ def test_the_view_for_a_projector_is_full_screen_in_large_type(open_viewer: Any,
 
 
 @pytest.mark.parametrize("name", [lesson.name for lesson in load_lessons()])
-def test_every_field_of_every_lesson_is_in_the_window(name: str) -> None:
+def test_every_field_of_every_lesson_is_in_the_window(name):
     """What a step asks to move has a row among the parameters, a choice in the plan, or a curve in the water panel."""
     from insonify_viewer.panels.parameters.sections import sections_of
 
@@ -250,7 +248,7 @@ def test_every_field_of_every_lesson_is_in_the_window(name: str) -> None:
 
 
 @pytest.mark.parametrize("name", [lesson.name for lesson in load_lessons()])
-def test_every_move_of_every_lesson_is_noticed_as_the_window_makes_it(name: str) -> None:
+def test_every_move_of_every_lesson_is_noticed_as_the_window_makes_it(name):
     """With the dependent edits that the window adds, one field after the other as by hand, and all at once."""
     lesson = next(lesson for lesson in load_lessons() if lesson.name == name)
     for step, start, end in states_of(lesson):
@@ -270,7 +268,7 @@ def forced_choices() -> list[Any]:
 
 
 @pytest.mark.parametrize(("name", "step", "start", "end"), forced_choices())
-def test_the_plan_offers_every_choice_that_a_lesson_forces(name: str, step: Any, start: Any, end: Any) -> None:
+def test_the_plan_offers_every_choice_that_a_lesson_forces(name, step, start, end):
     del name, start
     forced = {path.removeprefix("plan."): choice for path, choice in step.move.items()}
     made = plan(end.scene, forced=forced)
@@ -281,7 +279,7 @@ def test_the_plan_offers_every_choice_that_a_lesson_forces(name: str, step: Any,
             assert choice in entry.options
 
 
-def test_the_first_field_of_a_lesson_comes_into_view_with_its_scene(open_viewer: Any, small: Scene, qtbot: Any) -> None:
+def test_the_first_field_of_a_lesson_comes_into_view_with_its_scene(open_viewer, small, qtbot):
     viewer, panel = opened(open_viewer, small, qtbot)
     panel.start("time-varied-gain")
     qtbot.waitUntil(lambda: viewer.complete, timeout=20000)
@@ -290,7 +288,7 @@ def test_the_first_field_of_a_lesson_comes_into_view_with_its_scene(open_viewer:
     assert row.label.property("lit")
 
 
-def test_a_lesson_begins_with_the_window(open_viewer: Any, qtbot: Any) -> None:
+def test_a_lesson_begins_with_the_window(open_viewer, qtbot):
     """As ``insonify view --lesson`` begins one: in a window that shows its scene already."""
     lesson = parse_lesson(LESSON, "range")
     scene = next(states_of(lesson))[1].scene

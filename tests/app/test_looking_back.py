@@ -1,19 +1,14 @@
 """Earlier pings in the window: the handle, the wheel and the button that pauses."""
 
-from __future__ import annotations
-
-from typing import Any
-
 import numpy as np
 import pytest
 from PySide6.QtCore import Qt
 from PySide6.QtTest import QTest
 
-from insonify.scene import Scene
 from insonify_viewer.record.record_image import EMPTY
 
 
-def test_looking_back_traces_the_old_pings_again(open_viewer: Any, small: Scene, qtbot: Any) -> None:
+def test_looking_back_traces_the_old_pings_again(open_viewer, small, qtbot):
     viewer = open_viewer(small)
     first = viewer.window.waterfall.picture().copy()
     viewer.tow.restart(1000)
@@ -26,7 +21,7 @@ def test_looking_back_traces_the_old_pings_again(open_viewer: Any, small: Scene,
     assert (viewer.window.waterfall.picture() == first).all()
 
 
-def test_the_handle_brings_the_fish_abeam_of_the_pipe(open_viewer: Any, small: Scene, qtbot: Any) -> None:
+def test_the_handle_brings_the_fish_abeam_of_the_pipe(open_viewer, small, qtbot):
     viewer = open_viewer(small)
     waterfall, handle = viewer.window.waterfall, viewer.window.waterfall._handle
     viewer.run(True)
@@ -47,7 +42,7 @@ def test_the_handle_brings_the_fish_abeam_of_the_pipe(open_viewer: Any, small: S
     assert viewer.tow.top == viewer.tow.newest == shown, "the tow goes on from the ping that was scrubbed to"
 
 
-def test_below_the_first_ping_the_record_is_empty(open_viewer: Any, small: Scene, qtbot: Any) -> None:
+def test_below_the_first_ping_the_record_is_empty(open_viewer, small, qtbot):
     viewer = open_viewer(small)
     waterfall = viewer.window.waterfall
     whole = waterfall._image.pixels.copy()
@@ -65,13 +60,13 @@ def test_below_the_first_ping_the_record_is_empty(open_viewer: Any, small: Scene
     assert (waterfall._image.pixels == whole).all()
 
 
-def test_the_handle_reaches_every_ping(open_viewer: Any, small: Scene) -> None:
+def test_the_handle_reaches_every_ping(open_viewer, small):
     handle = open_viewer(small).window.waterfall._handle
     handle.last = 127
     assert [handle.ping_at(handle.place_of(ping)) for ping in range(128)] == list(range(128))
 
 
-def test_the_button_says_what_it_does(open_viewer: Any, small: Scene) -> None:
+def test_the_button_says_what_it_does(open_viewer, small):
     window = open_viewer(small).window
     assert (window.pause.text(), window.pause.isChecked()) == ("Play", True)
     window.pause.trigger()
@@ -79,7 +74,7 @@ def test_the_button_says_what_it_does(open_viewer: Any, small: Scene) -> None:
     assert "Space" in window.pause.toolTip()
 
 
-def test_sentences_go_when_they_are_read(open_viewer: Any, small: Scene, qtbot: Any) -> None:
+def test_sentences_go_when_they_are_read(open_viewer, small, qtbot):
     viewer = open_viewer(small)
     viewer.window.status._fading.setInterval(30)
     viewer.window.say("saved it")
@@ -91,7 +86,7 @@ def test_sentences_go_when_they_are_read(open_viewer: Any, small: Scene, qtbot: 
     assert viewer.window.status.sentence.text() == ""
 
 
-def test_wheel_looks_back_only_when_paused(open_viewer: Any, small: Scene, qtbot: Any) -> None:
+def test_wheel_looks_back_only_when_paused(open_viewer, small, qtbot):
     viewer = open_viewer(small)
     viewer.tow.restart(500)
     viewer.run(True)

@@ -3,18 +3,15 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Iterator
-from pathlib import Path
-from typing import Any
 
 import numpy as np
 import pytest
 from PySide6.QtCore import QEvent, QObject, QPoint, QSettings, Qt
 from PySide6.QtGui import QColor, QImage, QPainter, QPalette
-from PySide6.QtWidgets import QApplication, QWidget
+from PySide6.QtWidgets import QWidget
 
 from insonify.display.display_options import DisplayOptions
-from insonify.scene import Scene, scene_to_toml
+from insonify.scene import scene_to_toml
 from insonify_viewer.application import keep_display, keep_place
 from insonify_viewer.panels.parameters.view.parameters_view import AboutBox
 from insonify_viewer.panels.record.view import HistogramView
@@ -42,14 +39,14 @@ def contrast(one: str, other: str) -> float:
     ("words", "ground"),
     [
         ("TEXT", "GROUND"), ("TEXT", "RAISED"), ("TEXT", "EDGE"), ("QUIET", "GROUND"), ("QUIET", "RAISED"),
-        ("ACCENT", "GROUND"), ("ACCENT", "RAISED"), ("MARK", "GROUND"), ("GROUND", "ACCENT"),
+        ("ACCENT", "GROUND"), ("ACCENT", "RAISED"), ("MARK", "GROUND"), ("GROUND", "ACCENT")
     ],
 )  # fmt: skip
-def test_words_stand_out(words: str, ground: str, light: bool) -> None:
+def test_words_stand_out(words, ground, light):
     assert contrast(COLOURS[words][light], COLOURS[ground][light]) >= 4.5
 
 
-def test_contrast_of_black_on_white() -> None:
+def test_contrast_of_black_on_white():
     assert contrast("#000000", "#ffffff") == pytest.approx(21.0)
 
 
@@ -58,7 +55,7 @@ def corner(widget: QWidget) -> QColor:
     return widget.grab().toImage().pixelColor(1, 1)
 
 
-def test_the_theme_changes_in_the_open_window(open_viewer: Any, small: Scene, qapp: QApplication) -> None:
+def test_the_theme_changes_in_the_open_window(open_viewer, small, qapp):
     viewer = open_viewer(small)
     window = viewer.window
     themes = {action.data(): action for action in window.looks.themes}
@@ -79,7 +76,7 @@ def test_the_theme_changes_in_the_open_window(open_viewer: Any, small: Scene, qa
 class _StyleChanges(QObject):
     """Counts how often each widget is told of a change of style."""
 
-    def __init__(self) -> None:
+    def __init__(self):
         super().__init__()
         self.times: Counter[int] = Counter()
 
@@ -89,7 +86,7 @@ class _StyleChanges(QObject):
         return False
 
 
-def test_a_change_of_theme_styles_each_widget_twice_at_most(qtbot: Any, qapp: QApplication) -> None:
+def test_a_change_of_theme_styles_each_widget_twice_at_most(qtbot, qapp):
     apply_theme(qapp, Theme.DARK)
     widgets = [QWidget()]
     qtbot.addWidget(widgets[0])
@@ -106,10 +103,10 @@ def test_a_change_of_theme_styles_each_widget_twice_at_most(qtbot: Any, qapp: QA
     assert all(1 <= changes.times[id(widget)] <= 2 for widget in widgets), "not once for each of its ancestors"
 
 
-def test_an_icon_is_drawn_once_in_a_colour(qapp: QApplication, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_an_icon_is_drawn_once_in_a_colour(qapp, monkeypatch):
     first = make_icon("play").pixmap(20).toImage()
 
-    def read_again() -> Path:
+    def read_again():
         raise AssertionError("it was read before")
 
     monkeypatch.setattr(icons, "resources", read_again)
@@ -117,9 +114,7 @@ def test_an_icon_is_drawn_once_in_a_colour(qapp: QApplication, monkeypatch: pyte
     assert not first.isNull()
 
 
-def test_links_of_a_description_take_the_colour_of_the_theme(
-    open_viewer: Any, small: Scene, qapp: QApplication
-) -> None:
+def test_links_of_a_description_take_the_colour_of_the_theme(open_viewer, small, qapp):
     viewer = open_viewer(small)
     words = viewer.panels["parameters"].widget.findChild(AboutBox).label
     apply_theme(qapp, Theme.LIGHT)
@@ -128,7 +123,7 @@ def test_links_of_a_description_take_the_colour_of_the_theme(
     assert ACCENT.name() in words.text()
 
 
-def test_settings_survive_nonsense() -> None:
+def test_settings_survive_nonsense():
     settings = Settings()
     assert (settings.theme, settings.size, settings.recent) == (Theme.SYSTEM, 100, [])
     for name, value in (("theme", "pink"), ("size", "-3"), ("recent", 7), ("geometry", "wide")):
@@ -140,7 +135,7 @@ def test_settings_survive_nonsense() -> None:
     assert (Settings().size, Settings().theme) == (150, Theme.LIGHT)
 
 
-def test_the_window_opens_where_it_was_closed(open_viewer: Any, small: Scene, qtbot: Any) -> None:
+def test_the_window_opens_where_it_was_closed(open_viewer, small, qtbot):
     first = open_viewer(small)
     keep_place(first)
     first.window.resize(1000, 620)
@@ -151,7 +146,7 @@ def test_the_window_opens_where_it_was_closed(open_viewer: Any, small: Scene, qt
     qtbot.waitUntil(lambda: (second.window.width(), second.window.height()) == (1000, 620))
 
 
-def test_the_display_of_the_record_is_kept_between_starts(open_viewer: Any, small: Scene, qtbot: Any) -> None:
+def test_the_display_of_the_record_is_kept_between_starts(open_viewer, small, qtbot):
     first = open_viewer(small)
     keep_display(first)
     view = first.panels["record"].view
@@ -180,7 +175,7 @@ def test_the_display_of_the_record_is_kept_between_starts(open_viewer: Any, smal
     assert Settings().display == {}
 
 
-def test_a_gain_that_is_dragged_writes_no_file(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_gain_that_is_dragged_writes_no_file(monkeypatch):
     settings, written = Settings(), []
     monkeypatch.setattr(settings._store, "setValue", lambda *pair: written.append(pair))
     for gain in (1.0, 2.0, 3.0):
@@ -189,20 +184,20 @@ def test_a_gain_that_is_dragged_writes_no_file(monkeypatch: pytest.MonkeyPatch) 
 
 
 @pytest.mark.parametrize("spoilt", ["palette=none-such", 7, ["range_lines=3"], "levels=[0, 1]", "pings"])
-def test_a_spoilt_display_reads_as_the_usual_one(spoilt: Any) -> None:
+def test_a_spoilt_display_reads_as_the_usual_one(spoilt):
     store = QSettings(QSettings.Format.IniFormat, QSettings.Scope.UserScope, "insonify", "insonify")
     store.setValue("display", spoilt)
     assert Settings().display == {}
 
 
 @pytest.fixture(params=[Theme.DARK, Theme.LIGHT], ids=["dark", "light"])
-def theme(request: Any, qapp: QApplication) -> Iterator[Theme]:
+def theme(request, qapp):
     apply_theme(qapp, request.param)
     yield request.param
     apply_theme(qapp)
 
 
-def test_a_histogram_stands_out(theme: Theme, qtbot: Any) -> None:
+def test_a_histogram_stands_out(theme, qtbot):
     histogram = HistogramView()
     qtbot.addWidget(histogram)
     histogram.resize(320, 112)
@@ -212,9 +207,7 @@ def test_a_histogram_stands_out(theme: Theme, qtbot: Any) -> None:
     assert contrast(peak, beside) >= 3.0
 
 
-def test_angles_over_the_water_are_written_on_the_ground_of_the_window(
-    theme: Theme, open_viewer: Any, small: Scene, qtbot: Any, qapp: QApplication
-) -> None:
+def test_angles_over_the_water_are_written_on_the_ground_of_the_window(theme, open_viewer, small, qtbot, qapp):
     viewer = open_viewer(small)
     apply_theme(qapp, theme)
     viewer.window.open_panel("water")
@@ -225,7 +218,7 @@ def test_angles_over_the_water_are_written_on_the_ground_of_the_window(
     assert max(contrast(colour, GROUND.name()) for colour in above) >= 4.5
 
 
-def test_marks_of_a_record_stand_out_from_their_halos(theme: Theme, qtbot: Any) -> None:
+def test_marks_of_a_record_stand_out_from_their_halos(theme, qtbot):
     picture = QImage(60, 60, QImage.Format.Format_RGB32)
     for echo in ("#000000", "#b06a28", "#ffffff"):
         picture.fill(QColor(echo))

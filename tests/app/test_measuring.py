@@ -17,7 +17,7 @@ ALTITUDE, RANGE, BINS = 10.0, 50.0, 2000
 PING = 100
 
 
-def scene_with(target: dict[str, Any], **changes: Any) -> Any:
+def scene_with(target: dict[str, Any], **changes):
     flat = {
         "seabed.relief": "flat", "sonar.range": RANGE, "sonar.bins": BINS, "sonar.beam": "knife",
         "sonar.pulse": "ideal", "track.altitude": ALTITUDE, "track.pings": 200,
@@ -38,12 +38,12 @@ def shadow_of(simulation: Simulation, across: float) -> tuple[Mark, Mark]:
 @pytest.mark.parametrize("across", [15.0, 20.0, 28.0])
 @pytest.mark.parametrize("radius", [0.25, 0.5, 1.0])
 @pytest.mark.parametrize("kind", ["pipe", "sphere"])
-def test_heights_from_shadows_are_those_of_the_targets(kind: str, radius: float, across: float) -> None:
+def test_heights_from_shadows_are_those_of_the_targets(kind, radius, across):
     """h = A L / (R + L) is within two bins of what a circle on a line gives, and 4 to 16 % below the top.
 
     The last ray touches the body below its top, and the bed heard in front of the body begins the shadow later.
     """
-    size: dict[str, Any] = {"length": 30.0, "gap": 0.0} if kind == "pipe" else {}
+    size = {"length": 30.0, "gap": 0.0} if kind == "pipe" else {}
     place = {"kind": kind, "radius": radius, "position": [PING * 0.2, across], "heading": 0.0} | size
     simulation = prepare(scene_with(place), method="sweep")
     ends = [locate_simulated(simulation, mark) for mark in shadow_of(simulation, across)]
@@ -64,7 +64,7 @@ def test_heights_from_shadows_are_those_of_the_targets(kind: str, radius: float,
     assert f"{found:.2f} m high, {of_round:.2f} m if round" in measured.words
 
 
-def test_the_height_of_a_round_body_follows_from_tangents_to_a_circle() -> None:
+def test_the_height_of_a_round_body_follows_from_tangents_to_a_circle():
     """A circle of 0.7 m radius on the bed, 18 m away: its two tangents from the sonar meet the bed at both ends."""
     away, radius = 18.0, 0.7
     reach, down = math.hypot(away, ALTITUDE - radius), math.atan2(ALTITUDE - radius, away)
@@ -74,14 +74,14 @@ def test_the_height_of_a_round_body_follows_from_tangents_to_a_circle() -> None:
     assert round_shadow_height(ALTITUDE, begins, 0.0) == 0.0
 
 
-def test_a_shadow_without_length_has_no_height_and_a_long_one_nears_the_altitude() -> None:
+def test_a_shadow_without_length_has_no_height_and_a_long_one_nears_the_altitude():
     assert shadow_height(10.0, 20.0, 0.0) == 0.0
     assert shadow_height(10.0, 20.0, 5.0) == pytest.approx(2.0)
     assert shadow_height(10.0, 1.0, 1e9) == pytest.approx(10.0)
 
 
 @pytest.mark.parametrize("heading", [0.0, 37.0, 180.0])
-def test_distances_are_those_on_the_bed(heading: float) -> None:
+def test_distances_are_those_on_the_bed(heading):
     sphere = {"kind": "sphere", "radius": 0.5, "position": [5.0, 500.0]}
     simulation = prepare(scene_with(sphere, **{"track.heading": heading}), method="sweep")
     first, last = (locate_simulated(simulation, mark) for mark in (Mark(20, 0, 1200), Mark(80, 1, 900)))
@@ -96,7 +96,7 @@ def test_distances_are_those_on_the_bed(heading: float) -> None:
     assert found.words.startswith(f"{found.straight:.2f} m on the bed")
 
 
-def test_in_the_water_column_slant_range_alone_is_known() -> None:
+def test_in_the_water_column_slant_range_alone_is_known():
     first = Location(Mark(3, 0, 10), 0.5, None, None, 10.0, 0.0)
     last = Location(Mark(5, 0, 100), 5.0, None, None, 10.0, 0.0)
     assert measure(first, last).words == "slant range 4.50 m, 2 pings"

@@ -5,14 +5,12 @@ from __future__ import annotations
 from collections import Counter
 from importlib.metadata import version
 from pathlib import Path
-from typing import Any
 
 from PySide6.QtCore import Qt
 from PySide6.QtGui import QAction, QGuiApplication, QKeySequence, QShortcut
 from PySide6.QtWidgets import QMenu, QToolBar, QToolButton, QWidget
 
 import insonify_viewer
-from insonify.scene import Scene
 from insonify_viewer.window.help_dialogs import OTHER_KEYS, AboutDialog, KeysDialog
 
 
@@ -22,14 +20,14 @@ def entries(menu: QMenu) -> list[QAction]:
     return [one for action in found for one in (entries(action.menu()) if action.menu() else [action])]
 
 
-def activate(window: QWidget, qtbot: Any) -> None:
+def activate(window: QWidget, qtbot):
     """Give a window the keyboard, also where no window manager does."""
     window.windowHandle().requestActivate()
     window.activateWindow()
     qtbot.waitUntil(window.isActiveWindow)
 
 
-def test_every_tool_stands_in_a_menu(open_viewer: Any, small: Scene) -> None:
+def test_every_tool_stands_in_a_menu(open_viewer, small):
     window = open_viewer(small).window
     menus = [action.menu() for action in window.menuBar().actions()]
     assert [menu.title().replace("&", "") for menu in menus] == ["File", "Edit", "View", "Record", "Tools", "Help"]
@@ -40,14 +38,14 @@ def test_every_tool_stands_in_a_menu(open_viewer: Any, small: Scene) -> None:
     assert all(menu.actions() for menu in menus)
 
 
-def test_no_key_stands_for_two_commands(open_viewer: Any, small: Scene) -> None:
+def test_no_key_stands_for_two_commands(open_viewer, small):
     window = open_viewer(small).window
     keys = Counter(action.shortcut().toString() for action in window.findChildren(QAction) if not action.menu())
     del keys[""]
     assert [key for key, times in keys.items() if times > 1] == []
 
 
-def test_tools_fit_900_px(open_viewer: Any, small: Scene, qtbot: Any) -> None:
+def test_tools_fit_900_px(open_viewer, small, qtbot):
     window = open_viewer(small).window
     bar = window.findChild(QToolBar)
     assert bar.sizeHint().width() <= 900
@@ -56,14 +54,14 @@ def test_tools_fit_900_px(open_viewer: Any, small: Scene, qtbot: Any) -> None:
     assert not window.findChild(QToolButton, "qt_toolbar_ext_button").isVisible()
 
 
-def test_a_key_of_a_command_in_a_menu_works(open_viewer: Any, small: Scene, qtbot: Any) -> None:
+def test_a_key_of_a_command_in_a_menu_works(open_viewer, small, qtbot):
     window = open_viewer(small).window
     activate(window, qtbot)
     qtbot.keyClick(window, Qt.Key.Key_L, Qt.KeyboardModifier.ControlModifier)
     qtbot.waitUntil(lambda: window.panel_widget("lessons").isVisible())
 
 
-def test_keys_are_listed(open_viewer: Any, small: Scene, qtbot: Any) -> None:
+def test_keys_are_listed(open_viewer, small, qtbot):
     window = open_viewer(small).window
     activate(window, qtbot)
     qtbot.keyClick(window, "?")
@@ -74,7 +72,7 @@ def test_keys_are_listed(open_viewer: Any, small: Scene, qtbot: Any) -> None:
     assert others <= pairs
 
 
-def test_every_key_that_is_made_is_listed(open_viewer: Any, small: Scene, qtbot: Any) -> None:
+def test_every_key_that_is_made_is_listed(open_viewer, small, qtbot):
     viewer = open_viewer(small)
     window = viewer.window
     for name in viewer.panels:
@@ -98,7 +96,7 @@ def listed_keys(dialog: KeysDialog) -> set[tuple[str, str]]:
     return {(row.text(0), row.text(1)) for row in rows}
 
 
-def test_about_is_copied(open_viewer: Any, small: Scene, qtbot: Any) -> None:
+def test_about_is_copied(open_viewer, small, qtbot):
     window = open_viewer(small).window
     next(action for action in window.menus.help.actions() if action.text().startswith("About")).trigger()
     qtbot.mouseClick(window.findChild(AboutDialog).copy, Qt.MouseButton.LeftButton)

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from typing import Any
 
 import numpy as np
 import pytest
@@ -12,7 +11,7 @@ from PySide6.QtTest import QTest
 from stand_in import StandIn
 
 from insonify.kernels.common.types import PORT, STARBOARD
-from insonify.scene import Scene, edit
+from insonify.scene import edit
 from insonify_viewer.application import has_opengl
 from insonify_viewer.record.marked_point import locate_mark
 from insonify_viewer.seabed.pv_meshes import MESH_NODES, PATH_POINTS, bed_patch, path_pings, pose_matrix, scan_line
@@ -24,15 +23,15 @@ TILTED = {"kind": "pitch", "amplitude": 10.0, "period": 1e5, "phase": 90.0}
 YAWED = {"kind": "yaw", "amplitude": 20.0, "period": 1e5, "phase": 90.0}
 
 
-def moved(scene: Scene, *motions: Any) -> StandIn:
+def moved(scene, *motions) -> StandIn:
     return StandIn(edit(scene, {"track.motion": {"kind": "sum", "of": list(motions)}}), 0.03)
 
 
-def one(simulation: StandIn, ping: int) -> Any:
+def one(simulation: StandIn, ping: int):
     return simulation.poses(np.array([ping], dtype=np.int64))
 
 
-def test_a_fish_lies_as_its_pose_says(small: Scene) -> None:
+def test_a_fish_lies_as_its_pose_says(small):
     pose = one(moved(small, TILTED, YAWED, {"kind": "roll", "amplitude": 30.0, "period": 1e5, "phase": 90.0}), 0)
     matrix = pose_matrix(pose, 2.0)
     bow, port = matrix[:3, 0] / 2.0, matrix[:3, 1] / 2.0
@@ -46,10 +45,10 @@ def test_a_fish_lies_as_its_pose_says(small: Scene) -> None:
 
 @pytest.mark.parametrize("side", [PORT, STARBOARD])
 @pytest.mark.parametrize("motions", [(YAWED,), (TILTED,), (YAWED, TILTED, TURN, "sway", "heave")])
-def test_a_point_of_the_record_lies_in_the_plane_of_its_beam(small: Scene, motions: Any, side: int) -> None:
+def test_a_point_of_the_record_lies_in_the_plane_of_its_beam(small, motions, side):
     simulation, ping = moved(small, *motions), 115
     pose = one(simulation, ping)
-    slant, across, place = locate_mark(simulation, Mark(ping, side, 60))  # type: ignore[arg-type]
+    slant, across, place = locate_mark(simulation, Mark(ping, side, 60))
     assert place is not None
     assert across is not None
     there = np.array(place) - [pose.x[0], pose.y[0], pose.z[0]]
@@ -63,7 +62,7 @@ def test_a_point_of_the_record_lies_in_the_plane_of_its_beam(small: Scene, motio
 
 @pytest.mark.parametrize("motions", [(), (TILTED, YAWED)])
 @pytest.mark.parametrize("squint", [8.0, -8.0])
-def test_a_squinted_beam_is_a_cone_about_the_fish(small: Scene, motions: Any, squint: float) -> None:
+def test_a_squinted_beam_is_a_cone_about_the_fish(small, motions, squint):
     simulation = moved(edit(small, {"sonar.beam.squint": squint}), *(motions or ("straight",)))
     pose = one(simulation, 115)
     bow = pose_matrix(pose, 1.0)[:3, 0]
@@ -71,13 +70,13 @@ def test_a_squinted_beam_is_a_cone_about_the_fish(small: Scene, motions: Any, sq
     away = line - [pose.x[0], pose.y[0], pose.z[0]]
     np.testing.assert_allclose(away @ bow, slant * math.sin(math.radians(squint)), atol=0.05)
     assert slant.max() == pytest.approx(50.0, abs=0.05)
-    slant_range, _, place = locate_mark(simulation, Mark(115, PORT, 60))  # type: ignore[arg-type]
+    slant_range, _, place = locate_mark(simulation, Mark(115, PORT, 60))
     there = np.array(place) - [pose.x[0], pose.y[0], pose.z[0]]
     assert float(there @ bow) == pytest.approx(slant_range * math.sin(math.radians(squint)), abs=0.05)
     assert np.linalg.norm(there) == pytest.approx(slant_range, abs=0.05)
 
 
-def test_the_line_of_the_beam_on_the_bed_leans_with_the_pitch(small: Scene) -> None:
+def test_the_line_of_the_beam_on_the_bed_leans_with_the_pitch(small):
     simulation = moved(small, TILTED, YAWED)
     pose = one(simulation, 40)
     line, slant = scan_line(simulation.ground, simulation.arrays, pose)
@@ -86,7 +85,7 @@ def test_the_line_of_the_beam_on_the_bed_leans_with_the_pitch(small: Scene) -> N
     np.testing.assert_allclose(np.linalg.norm(away, axis=1), slant, rtol=1e-6)
 
 
-def test_the_path_begins_where_the_tow_does() -> None:
+def test_the_path_begins_where_the_tow_does():
     pings = path_pings(100, 0.2, 50.0)
     assert len(pings) == PATH_POINTS
     assert pings[0] == 0
@@ -94,7 +93,7 @@ def test_the_path_begins_where_the_tow_does() -> None:
     assert path_pings(1000, 0.2, 50.0)[0] == 575
 
 
-def test_fish_and_camera_follow_a_turn(open_viewer: Any, small: Scene) -> None:
+def test_fish_and_camera_follow_a_turn(open_viewer, small):
     viewer = open_viewer(edit(small, {"track.motion": {"kind": "sum", "of": [TURN, YAWED]}}))
     view = viewer.seabed.view
     matrix = np.array(view._fish_actor.user_matrix)
@@ -107,14 +106,14 @@ def test_fish_and_camera_follow_a_turn(open_viewer: Any, small: Scene) -> None:
     assert math.degrees(before - _looks(view)) == pytest.approx(90.0)
 
 
-def _looks(view: Any) -> float:
+def _looks(view) -> float:
     """Direction in which the camera looks, in radians."""
     camera = view._canvas.plotter.camera
     ahead = np.array(camera.focal_point) - camera.position
     return math.atan2(ahead[1], ahead[0])
 
 
-def test_the_view_is_reset_and_its_zoom_is_limited(open_viewer: Any, small: Scene, qtbot: Any) -> None:
+def test_the_view_is_reset_and_its_zoom_is_limited(open_viewer, small, qtbot):
     viewer = open_viewer(small)
     view = viewer.seabed.view
     camera = view._canvas.plotter.camera
@@ -128,7 +127,7 @@ def test_the_view_is_reset_and_its_zoom_is_limited(open_viewer: Any, small: Scen
     assert np.array(camera.position) == pytest.approx(home)
 
 
-def test_the_camera_stays_above_the_bed(open_viewer: Any, small: Scene) -> None:
+def test_the_camera_stays_above_the_bed(open_viewer, small):
     view = open_viewer(small).seabed.view
     camera = view._canvas.plotter.camera
     focus, reach = np.array(camera.focal_point), view._reach
@@ -140,7 +139,7 @@ def test_the_camera_stays_above_the_bed(open_viewer: Any, small: Scene) -> None:
     assert away[2] > 0.0
 
 
-def test_the_wheel_does_not_zoom_beyond_the_limits(open_viewer: Any, small: Scene, qtbot: Any) -> None:
+def test_the_wheel_does_not_zoom_beyond_the_limits(open_viewer, small, qtbot):
     viewer = open_viewer(small)
     view = viewer.seabed.view
     if not has_opengl():
@@ -159,9 +158,7 @@ def test_the_wheel_does_not_zoom_beyond_the_limits(open_viewer: Any, small: Scen
             assert camera.distance == at_limit
 
 
-def test_a_view_that_is_turned_draws_a_lighter_bed_of_the_same_shape(
-    open_viewer: Any, small: Scene, qtbot: Any
-) -> None:
+def test_a_view_that_is_turned_draws_a_lighter_bed_of_the_same_shape(open_viewer, small, qtbot):
     viewer = open_viewer(small)
     view = viewer.seabed.view
     if not has_opengl():
@@ -180,18 +177,18 @@ def test_a_view_that_is_turned_draws_a_lighter_bed_of_the_same_shape(
     assert _drawn_beds(view) == (True, False)
 
 
-def test_textures_are_filtered_alike_in_all_directions(open_viewer: Any, small: Scene) -> None:
+def test_textures_are_filtered_alike_in_all_directions(open_viewer, small):
     # Otherwise Mesa's software renderer may loop over the texels of one pixel for minutes, and the window hangs.
     plotter = open_viewer(small).seabed.view._canvas.plotter
     textures = [actor.GetTexture() for actor in plotter.actors.values() if hasattr(actor, "GetTexture")]
     assert [one.GetMaximumAnisotropicFiltering() for one in textures if one is not None] == [1.0, 1.0]
 
 
-def _drawn_beds(view: Any) -> tuple[bool, bool]:
+def _drawn_beds(view) -> tuple[bool, bool]:
     return bool(view._bed_actor.visibility), bool(view._thinned_actor.visibility)
 
 
-def test_a_slider_moves_the_fish_once_for_each_drawing(open_viewer: Any, small: Scene, qtbot: Any) -> None:
+def test_a_slider_moves_the_fish_once_for_each_drawing(open_viewer, small, qtbot):
     viewer = open_viewer(small)
     view, places = viewer.seabed.view, []
     show = view.show_sonar

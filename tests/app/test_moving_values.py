@@ -6,7 +6,7 @@ from typing import Any
 
 import pytest
 
-from insonify.scene import Scene, SceneError, bundled_scenes, edit, load_scene
+from insonify.scene import SceneError, bundled_scenes, edit, load_scene
 from insonify_viewer.panels.parameters.sections import FieldSection, sections_of
 from insonify_viewer.panels.parameters.values import follow_values
 from insonify_viewer.state.fields import NumberField
@@ -18,7 +18,7 @@ def values(sections: tuple[FieldSection, ...]) -> dict[str, Any]:
 
 
 @pytest.mark.parametrize("name", sorted(bundled_scenes()))
-def test_values_are_those_of_a_whole_description(name: str) -> None:
+def test_values_are_those_of_a_whole_description(name):
     scene = load_scene(name)
     sections, session, moved = sections_of(scene), Session(scene), 0
     for field in (field for section in sections for field in section.parameters):
@@ -39,7 +39,7 @@ def test_values_are_those_of_a_whole_description(name: str) -> None:
     assert moved > 5
 
 
-def test_what_stays_is_the_same_object_and_a_choice_or_missing_part_is_told() -> None:
+def test_what_stays_is_the_same_object_and_a_choice_or_missing_part_is_told():
     scene = load_scene("default")
     sections = sections_of(scene)
     again = follow_values(edit(scene, {"track.altitude": 7.5}), sections)
@@ -58,7 +58,7 @@ def test_what_stays_is_the_same_object_and_a_choice_or_missing_part_is_told() ->
     assert follow_values(edit(scene, {"targets": []}), sections) is None
 
 
-def test_the_number_and_the_marks_follow_a_slider_that_is_held(open_viewer: Any, small: Scene, qtbot: Any) -> None:
+def test_the_number_and_the_marks_follow_a_slider_that_is_held(open_viewer, small, qtbot):
     viewer = open_viewer(small)
     view = viewer.panels["parameters"].view
     row = view.row("track.altitude")

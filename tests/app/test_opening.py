@@ -1,7 +1,5 @@
 """The window opens before libraries are loaded that only the record or the 3-D view needs."""
 
-from __future__ import annotations
-
 import subprocess
 import sys
 
@@ -20,7 +18,7 @@ sys.exit(f"loaded {loaded}" if loaded else 0)
 """
 
 
-def test_the_window_opens_before_kernels_and_three_dimensions_are_loaded() -> None:
+def test_the_window_opens_before_kernels_and_three_dimensions_are_loaded():
     """Numba alone takes a third of a second to import."""
     done = subprocess.run([sys.executable, "-c", OPENED], capture_output=True, text=True, check=False, timeout=120)
     assert (done.returncode, done.stderr) == (0, "")

@@ -9,7 +9,6 @@ import pytest
 from PySide6.QtWidgets import QDockWidget, QLabel
 
 from insonify.plugins import announced, modules_in
-from insonify.scene import Scene
 from insonify_viewer import panels
 from insonify_viewer.panels import GROUP, find_panels
 from insonify_viewer.panels.panel import Button, Panel, Place, Workbench
@@ -23,7 +22,7 @@ class DummyPanel(Panel):
     title = "Dummy"
     place = Place.SIDE
 
-    def __init__(self, workbench: Workbench) -> None:
+    def __init__(self, workbench: Workbench):
         self.workbench = workbench
         self.told: list[tuple[Any, ...]] = []
         self.widget_shown = QLabel("dummy")
@@ -32,28 +31,28 @@ class DummyPanel(Panel):
     def widget(self) -> QLabel:
         return self.widget_shown
 
-    def scene_changed(self, scene: Scene, settled: bool) -> None:
+    def scene_changed(self, scene, settled: bool):
         self.told.append(("scene", scene.altitude, settled))
 
-    def scene_refused(self) -> None:
+    def scene_refused(self):
         self.told.append(("refused",))
 
-    def record_grown(self, growth: Any) -> None:
+    def record_grown(self, growth):
         self.told.append(("record", growth.current, growth.complete))
 
-    def plan_made(self, plan: Any) -> None:
+    def plan_made(self, plan):
         self.told.append(("plan", plan.method))
 
-    def point_marked(self, point: Any) -> None:
+    def point_marked(self, point):
         self.told.append(("point", point))
 
-    def part_added(self, path: str) -> None:
+    def part_added(self, path: str):
         self.told.append(("part", path))
 
-    def opened(self, shown: bool) -> None:
+    def opened(self, shown: bool):
         self.told.append(("opened", shown))
 
-    def closing(self) -> None:
+    def closing(self):
         self.told.append(("closing",))
 
     def counted(self, what: str) -> int:
@@ -73,17 +72,17 @@ class DummyWindow(DummyPanel):
 
 
 @pytest.fixture
-def announce(monkeypatch: pytest.MonkeyPatch) -> Any:
+def announce(monkeypatch):
     """Let an installed package announce panel classes of this file as entry points."""
 
-    def add(*classes: type[Panel]) -> None:
+    def add(*classes):
         entries = [EntryPoint(cls.name, f"{cls.__module__}:{cls.__name__}", GROUP) for cls in classes]
         monkeypatch.setattr(panels, "announced", lambda group: [*announced(group), *entries])
 
     return add
 
 
-def test_every_folder_holds_a_panel() -> None:
+def test_every_folder_holds_a_panel():
     folders = [module for module in modules_in("insonify_viewer.panels") if hasattr(module, "__path__")]
     assert folders
     found = find_panels()
@@ -106,7 +105,7 @@ def test_every_folder_holds_a_panel() -> None:
         assert (panel.__doc__ or "").strip()
 
 
-def test_names_are_unique_and_the_order_is_stable(announce: Any) -> None:
+def test_names_are_unique_and_the_order_is_stable(announce):
     announce(DummyBelow, DummyPanel)
     found = find_panels()
     names = [panel.name for panel in found]
@@ -127,7 +126,7 @@ def test_names_are_unique_and_the_order_is_stable(announce: Any) -> None:
     ]
 
 
-def test_an_announced_panel_is_a_tab_and_is_told(open_viewer: Any, small: Scene, qtbot: Any, announce: Any) -> None:
+def test_an_announced_panel_is_a_tab_and_is_told(open_viewer, small, qtbot, announce):
     announce(DummyPanel)
     viewer = open_viewer(small)
     dummy = viewer.panels["dummy"]
@@ -152,7 +151,7 @@ def test_an_announced_panel_is_a_tab_and_is_told(open_viewer: Any, small: Scene,
     assert dummy.told[-1] == ("closing",)
 
 
-def test_a_panel_may_edit_the_scene(open_viewer: Any, small: Scene, announce: Any) -> None:
+def test_a_panel_may_edit_the_scene(open_viewer, small, announce):
     announce(DummyPanel)
     viewer = open_viewer(small)
     viewer.panels["dummy"].workbench.session.settle({"track.altitude": 7.0})
@@ -160,7 +159,7 @@ def test_a_panel_may_edit_the_scene(open_viewer: Any, small: Scene, announce: An
     assert viewer.panels["parameters"].view.row("track.altitude").field.text() == "7 m"
 
 
-def test_the_point_under_the_mouse_reaches_panels(open_viewer: Any, small: Scene, announce: Any) -> None:
+def test_the_point_under_the_mouse_reaches_panels(open_viewer, small, announce):
     announce(DummyPanel)
     viewer = open_viewer(small)
     waterfall = viewer.window.waterfall
@@ -173,7 +172,7 @@ def test_the_point_under_the_mouse_reaches_panels(open_viewer: Any, small: Scene
     assert viewer.panels["dummy"].told[-1] == ("point", None)
 
 
-def test_a_panel_below_and_a_window_open_by_their_buttons(open_viewer: Any, small: Scene, announce: Any) -> None:
+def test_a_panel_below_and_a_window_open_by_their_buttons(open_viewer, small, announce):
     announce(DummyBelow, DummyWindow)
     viewer = open_viewer(small)
     below, window = viewer.panels["dummy-below"], viewer.panels["dummy-window"]
@@ -190,12 +189,12 @@ def test_a_panel_below_and_a_window_open_by_their_buttons(open_viewer: Any, smal
     assert window.widget.isWindow()
 
 
-def test_a_snapshot_waits_for_every_panel(open_viewer: Any, small: Scene, announce: Any) -> None:
+def test_a_snapshot_waits_for_every_panel(open_viewer, small, announce):
     class BusyPanel(DummyPanel):
         busy = True
 
         @property
-        def complete(self) -> bool:
+        def complete(self):
             return not self.busy
 
     globals()["BusyPanel"] = BusyPanel

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from typing import Any
-
 import numpy as np
 import pytest
 from PySide6.QtCore import QEvent, QObject, QPoint, Qt
@@ -12,7 +10,7 @@ from PySide6.QtTest import QTest
 from PySide6.QtWidgets import QToolButton, QWidget
 
 from insonify.display.normalisation import LevelBed
-from insonify.scene import Scene, bundled_scenes, edit, load_scene
+from insonify.scene import bundled_scenes, edit, load_scene
 from insonify.simulation import prepare
 from insonify.statistics.record_errors import compute_errors, find_first_bin
 from insonify_viewer.panels.parameters.effects import EFFECTS
@@ -26,23 +24,23 @@ from insonify_viewer.state.fields import name_edit, name_field
 from insonify_viewer.state.session import Session
 
 
-def panel(viewer: Any) -> Any:
+def panel(viewer):
     return viewer.panels["parameters"]
 
 
-def tick(viewer: Any, name: str) -> None:
+def tick(viewer, name: str):
     """Click the tick box of an effect as the mouse does."""
     box = panel(viewer).view.effects.ticks[name]
     panel(viewer).view.ensureWidgetVisible(box)
     QTest.mouseClick(box, Qt.MouseButton.LeftButton, pos=QPoint(8, box.height() // 2))
 
 
-def figure(viewer: Any, name: str) -> str:
+def figure(viewer, name: str) -> str:
     return str(panel(viewer).view.effects.figures[name].text())
 
 
 @pytest.mark.parametrize("name", sorted(bundled_scenes()))
-def test_three_to_six_controls_are_pinned(name: str) -> None:
+def test_three_to_six_controls_are_pinned(name):
     scene = load_scene(name)
     section = pinned_section(scene, sections_of(scene))
     assert section is not None
@@ -54,11 +52,11 @@ def test_three_to_six_controls_are_pinned(name: str) -> None:
     assert len(set(labels)) == len(labels)
 
 
-def sections_paths(scene: Scene) -> set[str]:
+def sections_paths(scene) -> set[str]:
     return {row.path for section in sections_of(scene) for row in section.parameters}
 
 
-def test_pinned_rows_stand_on_top_and_edit_the_scene(open_viewer: Any, small: Scene, qtbot: Any) -> None:
+def test_pinned_rows_stand_on_top_and_edit_the_scene(open_viewer, small, qtbot):
     viewer = open_viewer(small)
     view = panel(viewer).view
     row = view.row("track.altitude")
@@ -74,7 +72,7 @@ def test_pinned_rows_stand_on_top_and_edit_the_scene(open_viewer: Any, small: Sc
     assert other.field.text() == row.field.text()
 
 
-def test_rare_fields_are_folded_until_asked_for(open_viewer: Any, small: Scene, qtbot: Any) -> None:
+def test_rare_fields_are_folded_until_asked_for(open_viewer, small, qtbot):
     viewer = open_viewer(small)
     view = panel(viewer).view
     box = view._sections["sonar"]
@@ -91,14 +89,12 @@ def test_rare_fields_are_folded_until_asked_for(open_viewer: Any, small: Scene, 
     assert view._sections["track"].rows["track.start.0"].slider.isVisible(), "what a lesson speaks of is shown"
 
 
-def test_a_link_moves_its_control_in_sight_and_back(
-    open_viewer: Any, small: Scene, qtbot: Any, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_a_link_moves_its_control_in_sight_and_back(open_viewer, small, qtbot, monkeypatch):
     viewer = open_viewer(
         edit(small, {"description": "[Lower it](track.altitude=4.0), or [no beam](sonar.beam=knife)."})
     )
     view, session = panel(viewer).view, viewer.session
-    seen: list[float] = []
+    seen = []
     session.changed.connect(lambda scene, settled: seen.append(scene.altitude))
     with monkeypatch.context() as patched:
         patched.setattr(parameters_view, "GLIDE", 10_000)  # ms: however seldom a busy machine moves it, it is seen
@@ -120,7 +116,7 @@ def test_a_link_moves_its_control_in_sight_and_back(
 
 
 @pytest.mark.parametrize("name", sorted(bundled_scenes()))
-def test_every_link_leads_there_and_back(name: str) -> None:
+def test_every_link_leads_there_and_back(name):
     scene, trials = load_scene(name), Trials()
     for number in range(len(trials.links(scene))):
         session = Session(scene)
@@ -132,7 +128,7 @@ def test_every_link_leads_there_and_back(name: str) -> None:
         assert edit(session.scene, {"sonar.ping_rate": scene.sonar.ping_rate}) == scene
 
 
-def test_a_glide_ends_with_its_scene(open_viewer: Any, small: Scene, qtbot: Any) -> None:
+def test_a_glide_ends_with_its_scene(open_viewer, small, qtbot):
     viewer = open_viewer(edit(small, {"description": "[Lower it](track.altitude=4.0)."}))
     panel(viewer).view._about.label.linkActivated.emit("0")
     qtbot.wait(100)
@@ -142,7 +138,7 @@ def test_a_glide_ends_with_its_scene(open_viewer: Any, small: Scene, qtbot: Any)
     assert viewer.session.undoable[0] == "open Another"
 
 
-def test_an_effect_goes_and_comes_back_as_it_was(open_viewer: Any, small: Scene, qtbot: Any) -> None:
+def test_an_effect_goes_and_comes_back_as_it_was(open_viewer, small, qtbot):
     start = edit(small, {"sonar.beam": {"kind": "gaussian", "width": 2.5, "squint": 3.0}})
     viewer = open_viewer(start)
     tick(viewer, "beam")
@@ -161,7 +157,7 @@ def test_an_effect_goes_and_comes_back_as_it_was(open_viewer: Any, small: Scene,
     assert viewer.session.scene.receiver.speckle.looks == 1, "another scene has no earlier settings"
 
 
-def test_bent_water_goes_straight_and_bends_again() -> None:
+def test_bent_water_goes_straight_and_bends_again():
     scene = edit(load_scene("thermocline"), {"water.absorption": 40.0})
     bending = next(effect for effect in EFFECTS if effect.name == "bending")
     assert bending.is_on(scene)
@@ -174,14 +170,14 @@ def test_bent_water_goes_straight_and_bends_again() -> None:
 
 
 @pytest.mark.parametrize("effect", EFFECTS, ids=lambda effect: effect.name)
-def test_every_effect_can_be_added_and_taken_out(effect: Any) -> None:
+def test_every_effect_can_be_added_and_taken_out(effect):
     scene = load_scene("default")
     with_it = scene if effect.is_on(scene) else edit(scene, effect.bring_back(scene, None))
     assert effect.is_on(with_it)
     assert not effect.is_on(edit(with_it, effect.take_out(with_it)))
 
 
-def test_a_bright_line_that_is_smeared_is_a_small_change_of_the_picture(open_viewer: Any, qtbot: Any) -> None:
+def test_a_bright_line_that_is_smeared_is_a_small_change_of_the_picture(open_viewer, qtbot):
     """The pulse spreads the echo of the pipe over two bins: nearly all of the rms, and a line of the picture."""
     viewer = open_viewer(load_scene("default"), prepare=None)
     qtbot.waitUntil(lambda: panel(viewer).at_rest, timeout=240000)
@@ -194,15 +190,13 @@ def test_a_bright_line_that_is_smeared_is_a_small_change_of_the_picture(open_vie
     assert f"by {100 * told.share:.0f} %" in explained
 
 
-def test_what_an_effect_changes_is_measured_as_seen_and_as_errors_are(
-    open_viewer: Any, small: Scene, qtbot: Any
-) -> None:
+def test_what_an_effect_changes_is_measured_as_seen_and_as_errors_are(open_viewer, small, qtbot):
     scene = edit(small, {"receiver.speckle": "rayleigh", "track.pings": 64})
     viewer = open_viewer(scene, prepare=None)
     qtbot.waitUntil(lambda: panel(viewer).at_rest, timeout=240000)
     pings = np.arange(64, dtype=np.int64)
 
-    def normalised(one: Scene) -> Any:
+    def normalised(one):
         simulation = prepare(one)
         return simulation, np.square(LevelBed(simulation).amplitudes(pings), dtype=np.float64)
 
@@ -224,7 +218,7 @@ def test_what_an_effect_changes_is_measured_as_seen_and_as_errors_are(
     assert figure(viewer, "noise") == "", "what the scene never had is not measured"
 
 
-def test_grain_that_is_drawn_anew_counts_as_no_change_by_the_pulse(open_viewer: Any, qtbot: Any) -> None:
+def test_grain_that_is_drawn_anew_counts_as_no_change_by_the_pulse(open_viewer, qtbot):
     """Without the pulse the speckle of half of the bins is another; the bed and its shadows are where they were."""
     scene = edit(load_scene("default"), {"receiver.speckle": "rayleigh", "track.pings": 64})
     viewer = open_viewer(scene, prepare=None)
@@ -240,13 +234,13 @@ def test_grain_that_is_drawn_anew_counts_as_no_change_by_the_pulse(open_viewer: 
     assert "compared without speckle" not in tips["speckle"]
 
 
-def test_figures_are_measured_once(open_viewer: Any, small: Scene, qtbot: Any) -> None:
+def test_figures_are_measured_once(open_viewer, small, qtbot):
     viewer = open_viewer(small)
     qtbot.waitUntil(lambda: panel(viewer).at_rest, timeout=20000)
-    traced: list[Scene] = []
+    traced = []
     beside = viewer.simulator.trace_beside
 
-    def count(scene: Scene, *others: Any) -> Any:
+    def count(scene, *others):
         traced.append(scene)
         return beside(scene, *others)
 
@@ -267,7 +261,7 @@ def test_figures_are_measured_once(open_viewer: Any, small: Scene, qtbot: Any) -
     assert len(traced) == 2 * once
 
 
-def test_undo_says_what_it_undoes(open_viewer: Any, small: Scene, qtbot: Any) -> None:
+def test_undo_says_what_it_undoes(open_viewer, small, qtbot):
     viewer = open_viewer(small)
     undo, redo = viewer.window.undo, viewer.window.redo
     assert not undo.isEnabled()
@@ -313,11 +307,11 @@ def test_undo_says_what_it_undoes(open_viewer: Any, small: Scene, qtbot: Any) ->
         ("seed", "seed"),
     ],
 )
-def test_fields_have_names(path: str, name: str) -> None:
+def test_fields_have_names(path, name):
     assert name_field(load_scene("default"), path) == name
 
 
-def test_edits_have_names() -> None:
+def test_edits_have_names():
     scene = load_scene("default")
     assert name_edit(scene, {"sonar.beam.width": 2.0}) == "beam width"
     assert name_edit(scene, {"targets.0.position.0": 1.0, "targets.0.position.1": 1.0}) == "pipe 1 position"
@@ -333,7 +327,7 @@ def test_edits_have_names() -> None:
     assert session.redoable == ("tolerance", "open A wreck with a standing mast")
 
 
-def test_a_value_is_reset_by_its_name(open_viewer: Any, small: Scene, qtbot: Any) -> None:
+def test_a_value_is_reset_by_its_name(open_viewer, small, qtbot):
     viewer = open_viewer(small)
     view, session = panel(viewer).view, viewer.session
     row = view.row("track.altitude")
@@ -350,7 +344,7 @@ def test_a_value_is_reset_by_its_name(open_viewer: Any, small: Scene, qtbot: Any
     assert not row.label.property("changed")
 
 
-def test_a_section_is_reset_with_its_kinds(open_viewer: Any, small: Scene, qtbot: Any) -> None:
+def test_a_section_is_reset_with_its_kinds(open_viewer, small, qtbot):
     viewer = open_viewer(small)
     view, session = panel(viewer).view, viewer.session
     assert not view._sections["sonar"]._reset.isVisible()
@@ -366,7 +360,7 @@ def test_a_section_is_reset_with_its_kinds(open_viewer: Any, small: Scene, qtbot
     assert session.scene.sonar.beam.kind == "gaussian", "one step"
 
 
-def test_a_parameter_is_found_by_words(open_viewer: Any, small: Scene, qtbot: Any) -> None:
+def test_a_parameter_is_found_by_words(open_viewer, small, qtbot):
     viewer = open_viewer(small)
     view = panel(viewer).view
     shortcut = view.findChild(QShortcut)
@@ -393,11 +387,11 @@ def test_a_parameter_is_found_by_words(open_viewer: Any, small: Scene, qtbot: An
     assert view._sections["sonar"].isVisible()
 
 
-def test_a_target_is_duplicated_and_locked(open_viewer: Any, small: Scene, qtbot: Any) -> None:
+def test_a_target_is_duplicated_and_locked(open_viewer, small, qtbot):
     viewer = open_viewer(small)
     view, session = panel(viewer).view, viewer.session
 
-    def press(key: str, name: str) -> None:
+    def press(key, name):
         button = view._sections[key].findChild(QToolButton, name)
         view.ensureWidgetVisible(button)
         QTest.mouseClick(button, Qt.MouseButton.LeftButton)
@@ -416,11 +410,11 @@ def test_a_target_is_duplicated_and_locked(open_viewer: Any, small: Scene, qtbot
     assert view.row("targets.3.radius").slider.isEnabled()
 
 
-def test_nothing_is_shown_as_a_window_of_its_own(open_viewer: Any, small: Scene, qapp: Any) -> None:
-    shown: list[str] = []
+def test_nothing_is_shown_as_a_window_of_its_own(open_viewer, small, qapp):
+    shown = []
 
     class Watch(QObject):
-        def eventFilter(self, watched: QObject, event: QEvent) -> bool:
+        def eventFilter(self, watched, event):
             if event.type() is QEvent.Type.Show and isinstance(watched, QWidget) and watched.parent() is None:
                 shown.append(type(watched).__name__)
             return False
@@ -435,8 +429,8 @@ def test_nothing_is_shown_as_a_window_of_its_own(open_viewer: Any, small: Scene,
     assert set(shown) <= {"MainWindow"}
 
 
-def test_rows_are_built_section_by_section(qtbot: Any, monkeypatch: Any) -> None:
-    built: list[str] = []
+def test_rows_are_built_section_by_section(qtbot, monkeypatch):
+    built = []
     grid = SectionBox._grid
     monkeypatch.setattr(SectionBox, "_grid", lambda box, rows, to: (built.append(rows[0].path), grid(box, rows, to))[1])
     view = ParametersView()
@@ -452,7 +446,7 @@ def test_rows_are_built_section_by_section(qtbot: Any, monkeypatch: Any) -> None
     qtbot.waitUntil(view.row("targets.0.position.0").field.isVisible)
 
 
-def test_rows_built_later_are_marked_and_lit(qtbot: Any) -> None:
+def test_rows_built_later_are_marked_and_lit(qtbot):
     view = ParametersView()
     qtbot.addWidget(view)
     view.show_sections(sections_of(load_scene("wreck")))

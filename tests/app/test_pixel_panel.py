@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from typing import Any
 
 import numpy as np
 import pytest
@@ -13,7 +12,7 @@ from PySide6.QtGui import QColor
 from PySide6.QtTest import QTest
 
 from insonify.explanation import compilation
-from insonify.scene import Scene, edit, load_scene
+from insonify.scene import edit, load_scene
 from insonify_viewer.panels.pixel.view import BED as GROUND
 from insonify_viewer.panels.pixel.view import BLOCKED, HEARD, HIDDEN, WATER, SectionScales
 from insonify_viewer.state.inspection import Mark
@@ -25,16 +24,16 @@ BED = Mark(40, 1, 500)
 
 
 @pytest.fixture
-def scene() -> Scene:
+def scene():
     return edit(load_scene("pipe-on-bed"), {"track.pings": 64, "sonar.bins": 1000})
 
 
 @pytest.fixture
-def viewer(open_viewer: Any, scene: Scene) -> Any:
+def viewer(open_viewer, scene):
     return open_viewer(scene, prepare=None)
 
 
-def click(viewer: Any, mark: Mark, qtbot: Any) -> None:
+def click(viewer, mark: Mark, qtbot):
     """Click a pixel, and wait until it is explained: cold kernels take long to compile."""
     waterfall = viewer.window.waterfall
     QTest.mouseClick(waterfall, Qt.MouseButton.LeftButton, pos=waterfall.place_of(mark))
@@ -48,7 +47,7 @@ def is_like(colour: QColor, name: str) -> bool:
     return all(abs(one - two) <= 12 for one, two in pairs)
 
 
-def budget(viewer: Any) -> dict[str, str]:
+def budget(viewer) -> dict[str, str]:
     return {name: level for name, level, _ in viewer.panels["pixel"].view.budget.rows()}
 
 
@@ -56,7 +55,7 @@ def decibels(text: str) -> float:
     return float(text.removesuffix(" dB").replace("−", "-"))
 
 
-def test_a_click_pins_a_pixel_and_its_terms_add_up(viewer: Any, qtbot: Any) -> None:
+def test_a_click_pins_a_pixel_and_its_terms_add_up(viewer, qtbot):
     view = viewer.panels["pixel"].view
     assert not view.isVisible()
     click(viewer, BED, qtbot)
@@ -73,7 +72,7 @@ def test_a_click_pins_a_pixel_and_its_terms_add_up(viewer: Any, qtbot: Any) -> N
     assert total == pytest.approx(10.0 * np.log10(recorded), abs=0.01)
 
 
-def test_a_shadow_is_explained_and_drawn(viewer: Any, qtbot: Any) -> None:
+def test_a_shadow_is_explained_and_drawn(viewer, qtbot):
     click(viewer, SHADOW, qtbot)
     assert "in the shadow of pipe 1" in viewer.panels["pixel"].view.summary.text()
     assert budget(viewer)["pipe 1"] == "100.0 %"
@@ -90,7 +89,7 @@ def test_a_shadow_is_explained_and_drawn(viewer: Any, qtbot: Any) -> None:
     np.testing.assert_allclose(ends[:, 1], -29.8, atol=0.4)  # on the side of the pipe that faces the sonar
 
 
-def test_the_pinned_pixel_is_ringed_and_let_go_by_a_second_click(viewer: Any, qtbot: Any) -> None:
+def test_the_pinned_pixel_is_ringed_and_let_go_by_a_second_click(viewer, qtbot):
     click(viewer, SHADOW, qtbot)
     waterfall = viewer.window.waterfall
     place = waterfall.place_of(viewer.inspection.mark)
@@ -102,7 +101,7 @@ def test_the_pinned_pixel_is_ringed_and_let_go_by_a_second_click(viewer: Any, qt
     assert viewer.panels["pixel"].view.budget.rows() == []
 
 
-def test_the_cross_section_shows_bed_shadow_and_ray(viewer: Any, qtbot: Any) -> None:
+def test_the_cross_section_shows_bed_shadow_and_ray(viewer, qtbot):
     click(viewer, SHADOW, qtbot)
     section = viewer.panels["pixel"].view.section
     qtbot.wait(20)
@@ -113,7 +112,7 @@ def test_the_cross_section_shows_bed_shadow_and_ray(viewer: Any, qtbot: Any) -> 
 
 
 @pytest.mark.parametrize("raised", [50.0, 1e12])
-def test_a_cross_section_of_a_fish_below_the_bed_is_drawn(viewer: Any, qtbot: Any, raised: float) -> None:
+def test_a_cross_section_of_a_fish_below_the_bed_is_drawn(viewer, qtbot, raised):
     """As of one that is towed at a depth beside a slope."""
     click(viewer, SHADOW, qtbot)
     section = viewer.panels["pixel"].view.section
@@ -125,7 +124,7 @@ def test_a_cross_section_of_a_fish_below_the_bed_is_drawn(viewer: Any, qtbot: An
     section.grab()  # an exception would fail the test
 
 
-def test_an_edit_explains_the_pinned_pixel_anew(viewer: Any, qtbot: Any) -> None:
+def test_an_edit_explains_the_pinned_pixel_anew(viewer, qtbot):
     click(viewer, SHADOW, qtbot)
     viewer.session.settle({"targets": []})
     view = viewer.panels["pixel"].view
@@ -133,14 +132,14 @@ def test_an_edit_explains_the_pinned_pixel_anew(viewer: Any, qtbot: Any) -> None
     assert "pipe 1" not in budget(viewer)
 
 
-def test_another_scene_lets_go_of_the_pixel(viewer: Any, scene: Scene, qtbot: Any) -> None:
+def test_another_scene_lets_go_of_the_pixel(viewer, scene, qtbot):
     click(viewer, SHADOW, qtbot)
     viewer.open(edit(scene, {"sonar.bins": 500}))
     qtbot.waitUntil(lambda: viewer.complete, timeout=60000)
     assert viewer.inspection.mark is None
 
 
-def test_a_drag_over_the_record_is_no_click(viewer: Any) -> None:
+def test_a_drag_over_the_record_is_no_click(viewer):
     waterfall = viewer.window.waterfall
     place = waterfall.place_of(BED)
     QTest.mousePress(waterfall, Qt.MouseButton.LeftButton, pos=place)
@@ -148,7 +147,7 @@ def test_a_drag_over_the_record_is_no_click(viewer: Any) -> None:
     assert viewer.inspection.mark is None
 
 
-def project(viewer: Any, place: tuple[float, float, float]) -> tuple[float, float]:
+def project(viewer, place: tuple[float, float, float]) -> tuple[float, float]:
     """Pixel of the 3-D view, from its lower left corner, at which a place is drawn."""
     renderer = viewer.seabed.view._canvas.plotter.renderer
     viewer.seabed.draw_now()
@@ -159,9 +158,7 @@ def project(viewer: Any, place: tuple[float, float, float]) -> tuple[float, floa
 
 
 @pytest.mark.parametrize("place", [(6.0, 12.0, 0.0), (9.0, -29.7, 0.9)])
-def test_a_click_in_three_dimensions_lights_up_the_pixels_that_hear_the_place(
-    viewer: Any, place: tuple[float, float, float], qtbot: Any
-) -> None:
+def test_a_click_in_three_dimensions_lights_up_the_pixels_that_hear_the_place(viewer, place, qtbot):
     picked, lit = [], []
     viewer.inspection.picked.connect(picked.append)
     viewer.inspection.lit.connect(lit.append)
@@ -174,12 +171,12 @@ def test_a_click_in_three_dimensions_lights_up_the_pixels_that_hear_the_place(
     assert "from this place" in viewer.window.status.sentence.text()
 
 
-def test_a_place_in_the_shadow_is_heard_by_no_pixel(viewer: Any, qtbot: Any) -> None:
+def test_a_place_in_the_shadow_is_heard_by_no_pixel(viewer, qtbot):
     viewer.inspection.pick((6.0, -31.0, 0.0))
     qtbot.waitUntil(lambda: "no pixel" in viewer.window.status.sentence.text(), timeout=240000)
 
 
-def test_the_echo_trace_is_aligned_with_the_record(viewer: Any) -> None:
+def test_the_echo_trace_is_aligned_with_the_record(viewer):
     waterfall = viewer.window.waterfall
     area = waterfall.trace_area()
     assert (area.left(), area.width()) == (waterfall.plot_area.left(), waterfall.plot_area.width())
@@ -188,7 +185,7 @@ def test_the_echo_trace_is_aligned_with_the_record(viewer: Any) -> None:
     assert abs(area.left() + loudest - waterfall.place_of(PIPE).x()) <= 3
 
 
-def test_without_the_trace_the_record_has_its_room(viewer: Any, qtbot: Any) -> None:
+def test_without_the_trace_the_record_has_its_room(viewer, qtbot):
     waterfall = viewer.window.waterfall
     assert waterfall.trace_area() is not None
     before = waterfall.plot_area.height()
@@ -202,7 +199,7 @@ def test_without_the_trace_the_record_has_its_room(viewer: Any, qtbot: Any) -> N
     assert viewer.inspection.mark is None, "a click on the caption pins nothing"
 
 
-def test_a_record_at_true_scale_leaves_no_empty_room_below(open_viewer: Any, small: Scene, qtbot: Any) -> None:
+def test_a_record_at_true_scale_leaves_no_empty_room_below(open_viewer, small, qtbot):
     viewer = open_viewer(edit(small, {"track.pings": 512}))
     viewer.window.resize(1560, 980)
     waterfall = viewer.window.waterfall
@@ -212,7 +209,7 @@ def test_a_record_at_true_scale_leaves_no_empty_room_below(open_viewer: Any, sma
     assert plot.height() + area.height() > 0.85 * waterfall.height()
 
 
-def test_a_small_window_stays_usable(viewer: Any, qtbot: Any) -> None:
+def test_a_small_window_stays_usable(viewer, qtbot):
     viewer.window.resize(880, 600)
     click(viewer, BED, qtbot)
     qtbot.waitUntil(lambda: viewer.window.width() == 880)
@@ -224,7 +221,7 @@ def test_a_small_window_stays_usable(viewer: Any, qtbot: Any) -> None:
     assert viewer.seabed.view.height() >= 140
 
 
-def test_a_narrow_budget_elides_nothing(viewer: Any, qtbot: Any) -> None:
+def test_a_narrow_budget_elides_nothing(viewer, qtbot):
     viewer.window.resize(900, 540)
     viewer.window.open_panel("lessons")
     click(viewer, BED, qtbot)
@@ -238,7 +235,7 @@ def test_a_narrow_budget_elides_nothing(viewer: Any, qtbot: Any) -> None:
     assert "█" in shown, "the greatest term has the longest bar"
 
 
-def test_headings_of_the_budget_take_the_theme(viewer: Any, qtbot: Any, qapp: Any) -> None:
+def test_headings_of_the_budget_take_the_theme(viewer, qtbot, qapp):
     click(viewer, BED, qtbot)
     budget = viewer.panels["pixel"].view.budget
     try:
@@ -249,7 +246,7 @@ def test_headings_of_the_budget_take_the_theme(viewer: Any, qtbot: Any, qapp: An
         apply_theme(qapp)
 
 
-def test_the_panel_begins_with_one_sentence_on_why_a_pixel_is_bright_or_dark(viewer: Any, qtbot: Any) -> None:
+def test_the_panel_begins_with_one_sentence_on_why_a_pixel_is_bright_or_dark(viewer, qtbot):
     sentence = viewer.panels["pixel"].view.sentence
     assert "Click a pixel" in sentence.text()
     click(viewer, SHADOW, qtbot)
@@ -260,7 +257,7 @@ def test_the_panel_begins_with_one_sentence_on_why_a_pixel_is_bright_or_dark(vie
     assert "the sound meets medium sand at" in sentence.text()
 
 
-def test_rays_and_budget_share_their_room(viewer: Any, qtbot: Any) -> None:
+def test_rays_and_budget_share_their_room(viewer, qtbot):
     window = viewer.window
     for name, other in (("pixel", "water"), ("water", "pixel"), ("pixel", "water")):
         window.open_panel(name)
@@ -270,10 +267,8 @@ def test_rays_and_budget_share_their_room(viewer: Any, qtbot: Any) -> None:
         assert behind.visibleRegion().isEmpty()
 
 
-def test_kernels_of_the_first_click_are_compiled_once_for_a_set_of_effects(
-    open_viewer: Any, small: Scene, qtbot: Any, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    compiled: list[Scene] = []
+def test_kernels_of_the_first_click_are_compiled_once_for_a_set_of_effects(open_viewer, small, qtbot, monkeypatch):
+    compiled = []
     monkeypatch.setattr(compilation, "compile_explanations", lambda simulation: compiled.append(simulation.scene))
     viewer = open_viewer(small)
     qtbot.waitUntil(lambda: compiled == [small])

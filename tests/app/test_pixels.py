@@ -1,7 +1,5 @@
 """The record's columns, colours, contrast and ticks."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np
@@ -23,7 +21,7 @@ from insonify_viewer.widgets.painting import (
 
 
 @pytest.mark.parametrize("width", [1, 7, 100, 101, 350])
-def test_display_columns_drop_no_echo(width: int) -> None:
+def test_display_columns_drop_no_echo(width):
     amplitude = np.zeros((1, 100), np.float32)
     for column in range(100):
         amplitude[:] = 0.0
@@ -32,7 +30,7 @@ def test_display_columns_drop_no_echo(width: int) -> None:
     assert column_means(np.ones((2, 100), np.float32), width).tolist() == [[1.0] * width] * 2
 
 
-def test_colours_run_from_low_to_high() -> None:
+def test_colours_run_from_low_to_high():
     table = colour_table(np.repeat(np.arange(256, dtype=np.uint8)[:, None], 3, axis=1))
     painted = colour_rows(np.array([[-1.0, 1.0, 2.0, 3.0, 9.0]], np.float32), 1.0, 3.0, table)
     assert [hex(int(word)) for word in painted[0]] == [
@@ -44,7 +42,7 @@ def test_colours_run_from_low_to_high() -> None:
     ]
 
 
-def test_highlights_are_told_apart_and_the_bed_keeps_its_tones() -> None:
+def test_highlights_are_told_apart_and_the_bed_keeps_its_tones():
     tones = np.linspace(0.0, KNEE, 50, dtype=np.float32)
     np.testing.assert_allclose(compress_highlights(tones), tones, atol=1e-6)
     targets = compress_highlights(np.array([1.0, 2.0, 5.0, 10.0, HEADROOM], np.float32))
@@ -57,7 +55,7 @@ def test_highlights_are_told_apart_and_the_bed_keeps_its_tones() -> None:
     assert grey[2] < grey[3] < grey[4] < grey[5] == 255
 
 
-def test_the_target_of_a_scene_is_not_saturated() -> None:
+def test_the_target_of_a_scene_is_not_saturated():
     scene = edit(load_scene("pipe-on-bed"), {"track.pings": 32})
     simulation, pings = prepare(scene), np.arange(32)
     amplitude = LevelBed(simulation).amplitudes(pings)
@@ -67,12 +65,12 @@ def test_the_target_of_a_scene_is_not_saturated() -> None:
     assert (tones[(labels.target_id == 0) & (labels.path == 0)] > 0.999).mean() < 0.05
 
 
-def test_ticks_are_round() -> None:
+def test_ticks_are_round():
     assert round_steps(0.0, 50.0, 3) == [0.0, 20.0, 40.0]
     assert round_steps(0.0, 0.7, 3) == pytest.approx([0.0, 0.5])
     assert round_steps(0.0, 1.0, 1) == [0.0, 1.0]
 
 
 @pytest.mark.parametrize("ends", [(1.0, 1.0), (2.0, 1.0), (0.0, math.nan), (-math.inf, 0.0)])
-def test_there_are_no_ticks_of_no_range(ends: tuple[float, float]) -> None:
+def test_there_are_no_ticks_of_no_range(ends):
     assert round_steps(*ends, 3) == []

@@ -2,12 +2,10 @@
 
 from __future__ import annotations
 
-from typing import Any
-
 import numpy as np
 
 from insonify.cli import main
-from insonify.scene import Scene, edit, load_scene
+from insonify.scene import edit, load_scene
 from insonify.simulation import prepare
 from insonify.statistics.record_errors import compare_records
 from insonify.tracers import sweep
@@ -19,7 +17,7 @@ from insonify_viewer.state.session import Session
 BENT = {"kind": "profile", "depth": [0.0, 10.0, 20.0, 30.0], "sound_speed": [1520.0, 1518.0, 1500.0, 1502.0]}
 
 
-def pick(viewer: Any, subject: str, choice: str | None) -> None:
+def pick(viewer, subject: str, choice: str | None):
     combo = viewer.panels["plan"].view.line(subject).combo
     index = combo.findData(choice)
     assert index >= 0
@@ -27,11 +25,11 @@ def pick(viewer: Any, subject: str, choice: str | None) -> None:
     combo.activated.emit(index)
 
 
-def wait(viewer: Any, qtbot: Any) -> None:
+def wait(viewer, qtbot):
     qtbot.waitUntil(lambda: viewer.complete, timeout=120000)
 
 
-def test_forced_choices_are_undone_with_the_scenes() -> None:
+def test_forced_choices_are_undone_with_the_scenes():
     default = load_scene("default")
     session = Session(default)
     session.model(session.modelling.forcing("planes", "16"))
@@ -49,13 +47,13 @@ def test_forced_choices_are_undone_with_the_scenes() -> None:
     assert session.modelling == Modelling(), "another scene leaves every choice to its own plan"
 
 
-def test_a_drag_keeps_what_is_left_out_and_forgets_how_finely() -> None:
+def test_a_drag_keeps_what_is_left_out_and_forgets_how_finely():
     modelling = Modelling(0.01, (("planes", "64"), ("targets", "off"), ("method", "rays")))
     assert dict(modelling.coarse.forced) == {"targets": "off", "planes": "1", "rays": "1000"}
     assert modelling.coarse.tolerance == 0.01
 
 
-def test_every_entry_has_a_line_in_its_group(open_viewer: Any, small: Scene, qtbot: Any) -> None:
+def test_every_entry_has_a_line_in_its_group(open_viewer, small, qtbot):
     viewer = open_viewer(edit(small, {"water": BENT}))
     wait(viewer, qtbot)
     view, plan = viewer.panels["plan"].view, viewer._answer.simulation.plan
@@ -73,14 +71,14 @@ def test_every_entry_has_a_line_in_its_group(open_viewer: Any, small: Scene, qtb
     assert viewer.session.modelling == Modelling()
 
 
-def test_what_cannot_be_done_is_said_and_taken_back(open_viewer: Any, small: Scene, qtbot: Any) -> None:
+def test_what_cannot_be_done_is_said_and_taken_back(open_viewer, small, qtbot):
     viewer = open_viewer(edit(small, {"receiver.speckle": "coherent"}))
     viewer.session.model(Modelling(forced=(("method", "rays"),)))
     qtbot.waitUntil(lambda: viewer.session.modelling == Modelling(), timeout=20000)
     assert "coherent" in viewer.window.status.sentence.text()
 
 
-def test_the_tolerance_is_final_when_it_is_let_go(open_viewer: Any, small: Scene, qtbot: Any) -> None:
+def test_the_tolerance_is_final_when_it_is_let_go(open_viewer, small, qtbot):
     viewer = open_viewer(small)
     slider = viewer.panels["plan"].view._tolerance.slider
     slider.setSliderDown(True)
@@ -92,9 +90,7 @@ def test_the_tolerance_is_final_when_it_is_let_go(open_viewer: Any, small: Scene
     assert viewer._answer.simulation.tolerance == 0.5
 
 
-def test_a_forced_choice_tells_what_it_changed_and_is_what_the_command_writes(
-    open_viewer: Any, small: Scene, qtbot: Any, tmp_path: Any
-) -> None:
+def test_a_forced_choice_tells_what_it_changed_and_is_what_the_command_writes(open_viewer, small, qtbot, tmp_path):
     scene = edit(small, {"track.pings": 32})
     viewer = open_viewer(scene, prepare=prepare)
     pings = np.arange(32, dtype=np.int64)
@@ -114,7 +110,7 @@ def test_a_forced_choice_tells_what_it_changed_and_is_what_the_command_writes(
         np.testing.assert_array_equal(np.moveaxis(written["intensity"], 0, 1), after)
 
 
-def test_changes_in_words() -> None:
+def test_changes_in_words():
     assert (
         difference_in_words(RecordDifference(0.0041, 0.0, 0.0), 1.83)
         == "changes the record by 0.41 %, not visibly, takes 1.8 × the time"
@@ -131,7 +127,7 @@ def test_changes_in_words() -> None:
     assert changed_subject(auto, Modelling(0.1)) == ""
 
 
-def test_what_a_drag_leaves_out_of_the_default_scene_is_a_fifth_at_most() -> None:
+def test_what_a_drag_leaves_out_of_the_default_scene_is_a_fifth_at_most():
     scene, pings = load_scene("default"), np.arange(100, 340, 24, dtype=np.int64)
     coarse, fine = (
         prepare(scene, forced={**dict(Modelling().coarse.forced), **finer}) for finer in ({}, {"planes": "32"})

@@ -1,7 +1,5 @@
 """Numbers as the panel prints and reads them, and their places on a slider."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 
@@ -28,7 +26,7 @@ from insonify_viewer.state.quantities import (
         (-0.125, "m", "-0.125 m"),
     ],
 )
-def test_numbers_are_printed_and_read_back(value: float, unit: str, text: str) -> None:
+def test_numbers_are_printed_and_read_back(value, unit, text):
     assert format_quantity(value, unit) == text
     assert parse_quantity(text, unit) == pytest.approx(value)
 
@@ -53,11 +51,11 @@ def test_numbers_are_printed_and_read_back(value: float, unit: str, text: str) -
         ("0.3", "", "0.2", 0.3),
     ],
 )
-def test_units_that_people_write_are_read(text: str, unit: str, like: str, value: float) -> None:
+def test_units_that_people_write_are_read(text, unit, like, value):
     assert parse_quantity(text, unit, like) == pytest.approx(value, rel=1e-5)
 
 
-def test_times_are_printed_in_three_digits() -> None:
+def test_times_are_printed_in_three_digits():
     assert [format_duration(seconds) for seconds in (1.23e-5, 9.99e-4, 9.996e-4, 1.288e-3)] == [
         "12.3 µs",
         "999 µs",
@@ -66,12 +64,12 @@ def test_times_are_printed_in_three_digits() -> None:
     ]
 
 
-def test_nonsense_is_not_a_number() -> None:
+def test_nonsense_is_not_a_number():
     assert [parse_quantity(text, "m") for text in ("", "abc", "nan", "inf", "1 2", "3 kHz", "1e999")] == [None] * 7
 
 
 @pytest.mark.parametrize("log", [False, True])
-def test_slider_places_and_values_agree(log: bool) -> None:
+def test_slider_places_and_values_agree(log):
     ends = (0.01, 10.0)
     for part in np.linspace(0.0, 1.0, 17):
         value = slider_value(float(part), ends, log=log, integer=False)

@@ -1,18 +1,14 @@
 """What the readout tells of the pixel under the pointer."""
 
-from __future__ import annotations
-
-from typing import Any
-
 import numpy as np
 import pytest
 from PySide6.QtTest import QTest
 
-from insonify.scene import Scene, edit
+from insonify.scene import edit
 from insonify_viewer.state.inspection import Mark
 
 
-def test_hover_tells_the_point_and_marks_it(open_viewer: Any, small: Scene, qtbot: Any) -> None:
+def test_hover_tells_the_point_and_marks_it(open_viewer, small, qtbot):
     viewer = open_viewer(small)
     waterfall = viewer.window.waterfall
     mark = Mark(ping=100, side=1, bin=60)
@@ -40,9 +36,7 @@ def test_hover_tells_the_point_and_marks_it(open_viewer: Any, small: Scene, qtbo
         (90, ["hidden by the bed"], ["incidence"]),
     ],
 )
-def test_the_readout_names_what_a_pixel_is(
-    open_viewer: Any, small: Scene, qtbot: Any, range_bin: int, told: list[str], untold: list[str]
-) -> None:
+def test_the_readout_names_what_a_pixel_is(open_viewer, small, qtbot, range_bin, told, untold):
     viewer = open_viewer(small)
     readout = viewer.panels["readout"].widget
     viewer.window.waterfall.hovered.emit(Mark(ping=100, side=0, bin=range_bin))
@@ -51,13 +45,13 @@ def test_the_readout_names_what_a_pixel_is(
     assert not any(part in readout.text() for part in untold)
 
 
-def test_the_readout_names_a_school(open_viewer: Any, small: Scene, qtbot: Any) -> None:
+def test_the_readout_names_a_school(open_viewer, small, qtbot):
     viewer = open_viewer(edit(small, {"volumes": [{"kind": "school", "position": [0.0, 10.0, -20.0]}]}))
     viewer.window.waterfall.hovered.emit(Mark(ping=100, side=0, bin=5))
     qtbot.waitUntil(lambda: "school 1" in viewer.panels["readout"].widget.text())
 
 
-def test_the_readout_tells_the_truth_of_the_core(open_viewer: Any, small: Scene, qtbot: Any) -> None:
+def test_the_readout_tells_the_truth_of_the_core(open_viewer, small, qtbot):
     from insonify.simulation import prepare
 
     viewer = open_viewer(edit(small, {"sonar.beam": "knife", "sonar.bins": 500}), prepare=prepare)

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from typing import Any
-
 import pytest
 from PySide6.QtCore import QEvent, QPointF, Qt
 from PySide6.QtGui import QMouseEvent
@@ -11,7 +9,6 @@ from PySide6.QtTest import QTest
 from PySide6.QtWidgets import QApplication
 from test_menus import activate
 
-from insonify.scene import Scene
 from insonify_viewer.record.comparison.arrangement import Arrangement
 from insonify_viewer.record.comparison.comparison_overlay import WIPE
 from insonify_viewer.record.projection import Zoom
@@ -21,7 +18,7 @@ Key, Modifier = Qt.Key, Qt.KeyboardModifier
 
 
 @pytest.fixture
-def viewer(open_viewer: Any, small: Scene, qtbot: Any) -> Any:
+def viewer(open_viewer, small, qtbot):
     """A viewer that is paused at ping 500, whose record has the keyboard."""
     opened = open_viewer(small)
     activate(opened.window, qtbot)
@@ -33,7 +30,7 @@ def viewer(open_viewer: Any, small: Scene, qtbot: Any) -> Any:
     return opened
 
 
-def press(viewer: Any, key: Key, modifier: Modifier = Modifier.NoModifier) -> Mark | None:
+def press(viewer, key: Key, modifier: Modifier = Modifier.NoModifier) -> Mark | None:
     """Press a key in the record; return what is pointed at."""
     assert QApplication.focusWidget() is viewer.window.waterfall
     QTest.keyClick(viewer.window.waterfall, key, modifier)
@@ -41,7 +38,7 @@ def press(viewer: Any, key: Key, modifier: Modifier = Modifier.NoModifier) -> Ma
     return mark
 
 
-def point(viewer: Any, mark: Mark) -> None:
+def point(viewer, mark: Mark):
     """Move the mouse over a bin."""
     view, none = viewer.window.waterfall, Qt.MouseButton.NoButton
     place = view.place_of(mark)
@@ -53,7 +50,7 @@ def point(viewer: Any, mark: Mark) -> None:
 
 
 @pytest.mark.parametrize("newest_on_top", [True, False])
-def test_arrows_and_pages_look_back_in_the_direction_of_the_wheel(viewer: Any, newest_on_top: bool) -> None:
+def test_arrows_and_pages_look_back_in_the_direction_of_the_wheel(viewer, newest_on_top):
     viewer.session.show(newest_on_top=newest_on_top)
     back, on = (Key.Key_Down, Key.Key_Up) if newest_on_top else (Key.Key_Up, Key.Key_Down)
     pages = (Key.Key_PageDown, Key.Key_PageUp) if newest_on_top else (Key.Key_PageUp, Key.Key_PageDown)
@@ -71,13 +68,13 @@ def test_arrows_and_pages_look_back_in_the_direction_of_the_wheel(viewer: Any, n
     assert viewer.window.waterfall.top == 500
 
 
-def test_a_tow_that_runs_says_how_to_look_back(viewer: Any) -> None:
+def test_a_tow_that_runs_says_how_to_look_back(viewer):
     viewer.run(True)
     press(viewer, Key.Key_Down)
     assert "pause the tow" in viewer.window.status.sentence.text()
 
 
-def test_every_ping_comes_under_the_cursor(viewer: Any) -> None:
+def test_every_ping_comes_under_the_cursor(viewer):
     marks = [press(viewer, Key.Key_Up) for _ in range(100)]
     assert viewer.window.waterfall.top == 500, "the record goes no farther; the cursor does"
     assert marks[0] is not None
@@ -89,7 +86,7 @@ def test_every_ping_comes_under_the_cursor(viewer: Any) -> None:
     assert pings == list(range(pings[0], -1, -1)), "back to the first ping"
 
 
-def test_arrows_go_from_bin_to_bin_along_the_row(viewer: Any) -> None:
+def test_arrows_go_from_bin_to_bin_along_the_row(viewer):
     point(viewer, Mark(450, 0, 3))
     marks = [press(viewer, Key.Key_Right) for _ in range(8)]
     assert marks == [Mark(450, 0, near) for near in (2, 1, 0)] + [Mark(450, 1, far) for far in range(5)]
@@ -101,7 +98,7 @@ def test_arrows_go_from_bin_to_bin_along_the_row(viewer: Any) -> None:
     assert viewer.window.waterfall._marks.cross == mark
 
 
-def test_the_cursor_stays_at_its_bin_when_the_record_is_zoomed(viewer: Any) -> None:
+def test_the_cursor_stays_at_its_bin_when_the_record_is_zoomed(viewer):
     view = viewer.window.waterfall
     point(viewer, Mark(440, 1, 3))
     QTest.keyClick(view, "+")
@@ -115,7 +112,7 @@ def test_the_cursor_stays_at_its_bin_when_the_record_is_zoomed(viewer: Any) -> N
     assert view.projection.zoom.whole
 
 
-def test_return_pins_the_pixel_at_the_cursor(viewer: Any, qtbot: Any) -> None:
+def test_return_pins_the_pixel_at_the_cursor(viewer, qtbot):
     point(viewer, Mark(450, 1, 60))
     mark = press(viewer, Key.Key_Right)
     press(viewer, Key.Key_Return)
@@ -127,7 +124,7 @@ def test_return_pins_the_pixel_at_the_cursor(viewer: Any, qtbot: Any) -> None:
     assert viewer.inspection.mark is None, "once more lets it go"
 
 
-def test_c_marks_a_contact_at_the_cursor(viewer: Any) -> None:
+def test_c_marks_a_contact_at_the_cursor(viewer):
     point(viewer, Mark(450, 1, 60))
     press(viewer, Key.Key_Left)
     press(viewer, Key.Key_C)
@@ -135,7 +132,7 @@ def test_c_marks_a_contact_at_the_cursor(viewer: Any) -> None:
     assert contact.mark == Mark(450, 1, 59)
 
 
-def test_return_begins_and_ends_a_measured_line(viewer: Any) -> None:
+def test_return_begins_and_ends_a_measured_line(viewer):
     view, lines = viewer.window.waterfall, []
     view.measured.connect(lambda first, last: lines.append((first, last)))
     point(viewer, Mark(450, 1, 60))
@@ -160,7 +157,7 @@ def test_return_begins_and_ends_a_measured_line(viewer: Any) -> None:
     assert viewer.inspection.mark == Mark(450, 1, 70), "without measuring a pixel is explained"
 
 
-def test_zooming_by_keys_leaves_the_cursor_on_its_bin(viewer: Any) -> None:
+def test_zooming_by_keys_leaves_the_cursor_on_its_bin(viewer):
     view = viewer.window.waterfall
     point(viewer, Mark(470, 1, 40))
     before = view.place_of(Mark(470, 1, 40))
@@ -169,7 +166,7 @@ def test_zooming_by_keys_leaves_the_cursor_on_its_bin(viewer: Any) -> None:
     assert (view.place_of(Mark(470, 1, 40)) - before).manhattanLength() <= 4
 
 
-def test_tab_shows_the_cursor(viewer: Any) -> None:
+def test_tab_shows_the_cursor(viewer):
     view = viewer.window.waterfall
     viewer.session.point_at(None)
     QTest.keyClick(view, Key.Key_Tab)
@@ -178,7 +175,7 @@ def test_tab_shows_the_cursor(viewer: Any) -> None:
     assert viewer.session.mark == view.mark_at(view.plot_area.center())
 
 
-def test_keys_move_the_wipe_line(viewer: Any, qtbot: Any) -> None:
+def test_keys_move_the_wipe_line(viewer, qtbot):
     window, view, overlay = viewer.window, viewer.window.waterfall, viewer.window.overlay
     press(viewer, Key.Key_K)
     viewer.session.settle({"seabed.material.diffuse": 0.4})
@@ -193,7 +190,7 @@ def test_keys_move_the_wipe_line(viewer: Any, qtbot: Any) -> None:
     assert press(viewer, Key.Key_Left) is not None, "all of it is B"
     for _ in range(100):
         press(viewer, Key.Key_Right, Modifier.AltModifier)
-    hovered: list[Mark | None] = []
+    hovered = []
     window.record_a.hovered.connect(hovered.append)
     assert press(viewer, Key.Key_Left) is None, "all of it is A"
     assert hovered[-1] is not None
@@ -205,7 +202,7 @@ def test_keys_move_the_wipe_line(viewer: Any, qtbot: Any) -> None:
     assert overlay.split == split
 
 
-def test_a_kept_record_beside_the_live_one_has_a_cursor(viewer: Any, qtbot: Any) -> None:
+def test_a_kept_record_beside_the_live_one_has_a_cursor(viewer, qtbot):
     press(viewer, Key.Key_K)
     viewer.comparison.arrange(Arrangement.BESIDE)
     view = viewer.window.record_a

@@ -3,8 +3,6 @@
 from __future__ import annotations
 
 from itertools import pairwise, product
-from pathlib import Path
-from typing import Any
 
 import numpy as np
 import pytest
@@ -17,7 +15,7 @@ from PySide6.QtWidgets import QApplication, QFileDialog
 
 from insonify.display.display_options import DisplayOptions, read_display
 from insonify.display.range_axis import make_range_axis
-from insonify.scene import Scene, edit
+from insonify.scene import edit
 from insonify_viewer.record.projection import Projection, Zoom, project_record, zoom_to_true_scale
 from insonify_viewer.record.record import Record
 from insonify_viewer.record.record_image import EMPTY
@@ -31,7 +29,7 @@ SIDES = ("both", "port", "starboard")
 
 
 @pytest.fixture
-def record() -> Record:
+def record():
     """A record whose altitude changes from ping to ping, with one loud bin a side behind the first echo."""
     record, pings = Record(PINGS, BINS), np.arange(PINGS)
     altitude = 9.0 + 3.0 * np.sin(pings)
@@ -58,9 +56,7 @@ def project(record: Record, kind: str, look: DisplayOptions, zoom: Zoom = Zoom()
     channel=st.integers(0, 1),
 )
 @settings(max_examples=400, deadline=None)
-def test_a_bin_leads_to_its_place_and_back(
-    kind: str, side: str, newest_on_top: bool, centre: Any, factor: float, ping: int, bin_: int, channel: int
-) -> None:
+def test_a_bin_leads_to_its_place_and_back(kind, side, newest_on_top, centre, factor, ping, bin_, channel):
     record, pings = Record(PINGS, BINS), np.arange(PINGS)
     record.put(pings, np.zeros((PINGS, 2, BINS), np.float32), 0, 9.0 + 3.0 * np.sin(pings))
     look = DisplayOptions(side=side, newest_on_top=newest_on_top)
@@ -75,7 +71,7 @@ def test_a_bin_leads_to_its_place_and_back(
 
 
 @pytest.mark.parametrize(("kind", "side", "zoomed"), list(product(KINDS, SIDES, (False, True))))
-def test_what_is_drawn_stands_where_it_is_read(record: Record, kind: str, side: str, zoomed: bool) -> None:
+def test_what_is_drawn_stands_where_it_is_read(record, kind, side, zoomed):
     zoom = Zoom().about(0.4, 0.5, 2.0) if zoomed else Zoom()
     projection = project(record, kind, DisplayOptions(side=side), zoom)
     columns = projection.columns(record.amplitude, record.altitude, 700)
@@ -92,7 +88,7 @@ def test_what_is_drawn_stands_where_it_is_read(record: Record, kind: str, side: 
             assert (projection.loudest(record.amplitude[row], ping, 700)[loud] == 5.0).all()
 
 
-def test_a_ground_range_is_that_of_a_level_bed(record: Record) -> None:
+def test_a_ground_range_is_that_of_a_level_bed(record):
     projection = project(record, "ground", DisplayOptions())
     for ping, bin_ in ((3, 100), (17, 199)):
         slant, altitude = (bin_ + 0.5) * RANGE / BINS, float(record.altitude_of(np.array([ping]))[0])
@@ -101,14 +97,14 @@ def test_a_ground_range_is_that_of_a_level_bed(record: Record) -> None:
         assert first + u * (last - first) == pytest.approx(np.sqrt(slant**2 - altitude**2))
 
 
-def test_true_scale_shows_the_newest_part_of_a_long_track() -> None:
+def test_true_scale_shows_the_newest_part_of_a_long_track():
     zoom = zoom_to_true_scale(Zoom(), (400, 800), 100.0, 1000.0, newest_on_top=True)
     assert zoom == Zoom(lower=pytest.approx(0.2))
     zoom = zoom_to_true_scale(Zoom(), (400, 800), 100.0, 1000.0, newest_on_top=False)
     assert zoom == Zoom(upper=pytest.approx(0.8))
 
 
-def test_a_zoom_keeps_its_place_and_stays_within_the_picture() -> None:
+def test_a_zoom_keeps_its_place_and_stays_within_the_picture():
     zoom = Zoom().about(0.25, 0.75, 4.0)
     assert zoom.left + 0.25 * (zoom.right - zoom.left) == pytest.approx(0.25)
     assert zoom.upper + 0.75 * (zoom.lower - zoom.upper) == pytest.approx(0.75)
@@ -116,7 +112,7 @@ def test_a_zoom_keeps_its_place_and_stays_within_the_picture() -> None:
     assert zoom.about(0.5, 0.5, 0.01).whole
 
 
-def test_colours_linear_in_decibels_and_reversed() -> None:
+def test_colours_linear_in_decibels_and_reversed():
     amplitude = np.array([0.01, 0.1, 1.0], np.float32)
     tones = make_tone_map(DisplayOptions(decibels=True, levels=(0.01, 1.0)), (0.0, 9.0)).tones(amplitude)
     np.testing.assert_allclose(tones, [0.0, 0.5, 1.0], atol=1e-6)
@@ -135,7 +131,7 @@ def test_colours_linear_in_decibels_and_reversed() -> None:
 # In the window
 
 
-def turn_wheel(view: Any, place: QPoint, notches: int, keys: Any = Qt.KeyboardModifier.NoModifier) -> None:
+def turn_wheel(view, place: QPoint, notches: int, keys=Qt.KeyboardModifier.NoModifier):
     event = QWheelEvent(
         QPointF(place), QPointF(view.mapToGlobal(place)), QPoint(), QPoint(0, 120 * notches), Qt.MouseButton.NoButton,
         keys, Qt.ScrollPhase.NoScrollPhase, False,
@@ -143,7 +139,7 @@ def turn_wheel(view: Any, place: QPoint, notches: int, keys: Any = Qt.KeyboardMo
     QApplication.sendEvent(view, event)
 
 
-def drag(view: Any, first: QPoint, last: QPoint) -> None:
+def drag(view, first: QPoint, last: QPoint):
     """Drag with the left button in small steps."""
     QTest.mousePress(view, Qt.MouseButton.LeftButton, pos=first)
     for step in range(1, 9):
@@ -157,7 +153,7 @@ def drag(view: Any, first: QPoint, last: QPoint) -> None:
 
 
 @pytest.fixture
-def viewer(open_viewer: Any, small: Scene) -> Any:
+def viewer(open_viewer, small):
     return open_viewer(edit(small, {"sonar.bins": 400, "track.pings": 256}))
 
 
@@ -171,7 +167,7 @@ def viewer(open_viewer: Any, small: Scene) -> Any:
         {"side": "starboard", "ground_range": True, "newest_on_top": False, "scale": "fill"},
     ],
 )
-def test_pointing_clicking_and_scrubbing_stay_right(viewer: Any, options: dict[str, Any], qtbot: Any) -> None:
+def test_pointing_clicking_and_scrubbing_stay_right(viewer, options, qtbot):
     view, pinned, marked = viewer.window.waterfall, [], []
     viewer.session.show(**options)
     viewer.inspection.pinned.connect(pinned.append)
@@ -198,7 +194,7 @@ def test_pointing_clicking_and_scrubbing_stay_right(viewer: Any, options: dict[s
     assert (newest.y() < older.y()) == options.get("newest_on_top", True)
 
 
-def test_the_wheel_zooms_and_a_drag_moves_the_record(viewer: Any) -> None:
+def test_the_wheel_zooms_and_a_drag_moves_the_record(viewer):
     view = viewer.window.waterfall
     place = view.place_of(Mark(200, 1, 300))
     before = view.mark_at(place)
@@ -215,7 +211,7 @@ def test_the_wheel_zooms_and_a_drag_moves_the_record(viewer: Any) -> None:
     assert view.projection.zoom.whole
 
 
-def test_a_drag_beyond_the_record_looks_back(viewer: Any) -> None:
+def test_a_drag_beyond_the_record_looks_back(viewer):
     view = viewer.window.waterfall
     top, middle = view.top, view.plot_area.center()
     pings = 100 * view.record.pings / view.plot_area.height()
@@ -225,7 +221,7 @@ def test_a_drag_beyond_the_record_looks_back(viewer: Any) -> None:
     assert view.top == pytest.approx(top - pings / 2, abs=3)
 
 
-def test_the_picture_follows_the_options(viewer: Any) -> None:
+def test_the_picture_follows_the_options(viewer):
     view = viewer.window.waterfall
     upright = view.picture().copy()
     viewer.session.show(side="port")
@@ -244,7 +240,7 @@ def test_the_picture_follows_the_options(viewer: Any) -> None:
     assert (view.picture()[:, half + 60 :] != upright[:, half + 60 :]).mean() > 0.5
 
 
-def test_newest_below_is_the_picture_upside_down(viewer: Any) -> None:
+def test_newest_below_is_the_picture_upside_down(viewer):
     view = viewer.window.waterfall
     viewer.session.show(scale="fill")
     viewer.look_back(37)  # so that the ring begins in its middle
@@ -257,7 +253,7 @@ def test_newest_below_is_the_picture_upside_down(viewer: Any) -> None:
     assert np.abs(a.astype(int) - b.astype(int)).mean() < 2.0
 
 
-def test_options_reach_a_recording_and_its_saved_picture(viewer: Any) -> None:
+def test_options_reach_a_recording_and_its_saved_picture(viewer):
     viewer.session.show(palette="grey", gain=6.0, ground_range=True)
     for view in (viewer.window.waterfall, viewer.window.record_a):
         assert view._look == viewer.session.display
@@ -265,10 +261,8 @@ def test_options_reach_a_recording_and_its_saved_picture(viewer: Any) -> None:
     assert viewer.window.gain.value() == 60
 
 
-def test_a_saved_picture_of_the_record_is_drawn_by_the_options(
-    viewer: Any, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    begun: list[list[str]] = []
+def test_a_saved_picture_of_the_record_is_drawn_by_the_options(viewer, tmp_path, monkeypatch):
+    begun = []
     monkeypatch.setattr(viewer.jobs, "begin", lambda title, arguments, result: begun.append(arguments))
     monkeypatch.setattr(QFileDialog, "getSaveFileName", lambda *_: (str(tmp_path / "record.png"), ""))
     viewer.session.show(decibels=True, side="port", levels=(0.1, 3.0))

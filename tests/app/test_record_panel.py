@@ -3,8 +3,6 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from pathlib import Path
-from typing import Any
 
 import numpy as np
 import pytest
@@ -15,7 +13,7 @@ from PySide6.QtWidgets import QFileDialog, QMessageBox
 from test_record_display import drag
 
 from insonify.display.display_options import DisplayOptions
-from insonify.scene import Scene, edit, load_scene
+from insonify.scene import edit, load_scene
 from insonify_viewer.application import keep_display
 from insonify_viewer.panels.record import view as contact_list
 from insonify_viewer.panels.record.view import TICKS
@@ -25,18 +23,18 @@ from insonify_viewer.window.settings import Settings
 
 
 @pytest.fixture
-def viewer(open_viewer: Any, small: Scene) -> Any:
+def viewer(open_viewer, small):
     viewer = open_viewer(edit(small, {"sonar.bins": 400, "track.pings": 256}))
     viewer.window.open_panel("record")
     return viewer
 
 
 @pytest.fixture
-def panel(viewer: Any) -> Any:
+def panel(viewer):
     return viewer.panels["record"]
 
 
-def press(viewer: Any, key: str) -> None:
+def press(viewer, key: str):
     """Trigger the one action of the window with a key; a window that no manager activates gets no shortcuts."""
     known = {*viewer.window.findChildren(QAction), *viewer.window.actions()}
     (action,) = (each for each in known if each.shortcut().toString().lower() == key.lower())
@@ -45,7 +43,7 @@ def press(viewer: Any, key: str) -> None:
 
 
 @pytest.mark.parametrize(("name", "key"), [(name, key) for name, _, key, _ in TICKS])
-def test_options_follow_ticks_and_keys(viewer: Any, panel: Any, name: str, key: str, qtbot: Any) -> None:
+def test_options_follow_ticks_and_keys(viewer, panel, name, key, qtbot):
     before = getattr(viewer.session.display, name)
     panel.view.ticks[name].click()
     assert getattr(viewer.session.display, name) is not before
@@ -55,7 +53,7 @@ def test_options_follow_ticks_and_keys(viewer: Any, panel: Any, name: str, key: 
     assert panel.view.ticks[name].isChecked() is before
 
 
-def test_sides_scale_and_palette(viewer: Any, panel: Any, qtbot: Any) -> None:
+def test_sides_scale_and_palette(viewer, panel, qtbot):
     for key, side in (("2", "port"), ("3", "starboard"), ("1", "both")):
         press(viewer, key)
         qtbot.waitUntil(lambda side=side: viewer.session.display.side == side)
@@ -68,7 +66,7 @@ def test_sides_scale_and_palette(viewer: Any, panel: Any, qtbot: Any) -> None:
     assert viewer.window.palettes.currentText() == viewer.session.display.palette == combo.currentText()
 
 
-def test_display_options_are_undone_by_name(viewer: Any, panel: Any) -> None:
+def test_display_options_are_undone_by_name(viewer, panel):
     window, session = viewer.window, viewer.session
     keep_display(viewer)
     assert not session.undoable, "what is kept from the last start is no step"
@@ -98,7 +96,7 @@ def test_display_options_are_undone_by_name(viewer: Any, panel: Any) -> None:
     assert not window.isWindowModified(), "the display is no part of the scene"
 
 
-def test_contrast_found_from_the_record_is_a_step_of_its_own(viewer: Any) -> None:
+def test_contrast_found_from_the_record_is_a_step_of_its_own(viewer):
     viewer.window.gain.setValue(60)
     viewer.find_levels()
     assert viewer.session.undoable == ("contrast of the record", "gain")
@@ -106,7 +104,7 @@ def test_contrast_found_from_the_record_is_a_step_of_its_own(viewer: Any) -> Non
     assert viewer.window.gain.value() == 60
 
 
-def test_gains_of_each_side_are_typed(viewer: Any, panel: Any) -> None:
+def test_gains_of_each_side_are_typed(viewer, panel):
     row = panel.view.gains[2]
     row.field.setText("6")
     row.field.setModified(True)
@@ -120,7 +118,7 @@ def test_gains_of_each_side_are_typed(viewer: Any, panel: Any) -> None:
     assert panel.view.gains[0].field.text() == "4.5 dB"
 
 
-def test_the_ends_of_the_colour_bar_are_dragged(viewer: Any, panel: Any) -> None:
+def test_the_ends_of_the_colour_bar_are_dragged(viewer, panel):
     histogram, view = panel.view.histogram, viewer.window.waterfall
     assert histogram._counts.max() == 1.0
     before = view.picture().copy()
@@ -143,7 +141,7 @@ def test_the_ends_of_the_colour_bar_are_dragged(viewer: Any, panel: Any) -> None
     assert (view.picture() == before).all()
 
 
-def test_a_drag_measures_in_every_view(viewer: Any, panel: Any) -> None:
+def test_a_drag_measures_in_every_view(viewer, panel):
     view = viewer.window.waterfall
     first, last = Mark(200, 1, 200), Mark(180, 1, 300)
     found = []
@@ -167,7 +165,7 @@ def test_a_drag_measures_in_every_view(viewer: Any, panel: Any) -> None:
     assert view._marks.line is None
 
 
-def mark_two(viewer: Any, panel: Any, qtbot: Any) -> None:
+def mark_two(viewer, panel, qtbot):
     view = viewer.window.waterfall
     for number, mark in enumerate((Mark(240, 0, 300), Mark(60, 1, 200)), start=1):
         QTest.mouseMove(view, view.place_of(mark))
@@ -177,7 +175,7 @@ def mark_two(viewer: Any, panel: Any, qtbot: Any) -> None:
         qtbot.waitUntil(lambda number=number: len(panel.contacts) == number)
 
 
-def test_contacts_are_marked_named_listed_and_found_again(viewer: Any, panel: Any, qtbot: Any) -> None:
+def test_contacts_are_marked_named_listed_and_found_again(viewer, panel, qtbot):
     view, listed = viewer.window.waterfall, panel.view.contacts
     mark_two(viewer, panel, qtbot)
     assert [listed.list.item(row).text().splitlines()[0] for row in range(2)] == ["contact 1", "contact 2"]
@@ -203,9 +201,7 @@ def test_contacts_are_marked_named_listed_and_found_again(viewer: Any, panel: An
 
 
 @pytest.mark.parametrize("suffix", [".geojson", ".csv"])
-def test_contacts_are_saved_and_opened(
-    viewer: Any, panel: Any, tmp_path: Path, suffix: str, qtbot: Any, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_contacts_are_saved_and_opened(viewer, panel, tmp_path, suffix, qtbot, monkeypatch):
     mark_two(viewer, panel, qtbot)
     path, listed = tmp_path / f"found{suffix}", panel.view.contacts
     monkeypatch.setattr(QFileDialog, "getSaveFileName", lambda *_: (str(path), ""))
@@ -223,8 +219,8 @@ def test_contacts_are_saved_and_opened(
     assert len(panel.contacts) == 2
 
 
-def test_entries_of_contacts_that_stay_are_not_made_again(monkeypatch: pytest.MonkeyPatch, qtbot: Any) -> None:
-    made: list[str] = []
+def test_entries_of_contacts_that_stay_are_not_made_again(monkeypatch, qtbot):
+    made = []
     item = contact_list._item
     monkeypatch.setattr(contact_list, "_item", lambda contact: made.append(contact.name) or item(contact))
     view = contact_list.ContactListView()
@@ -240,7 +236,7 @@ def test_entries_of_contacts_that_stay_are_not_made_again(monkeypatch: pytest.Mo
     assert texts == ["a", "x", "c"]
 
 
-def test_contacts_are_undone_by_name_in_turn_with_the_scene(viewer: Any, panel: Any, qtbot: Any) -> None:
+def test_contacts_are_undone_by_name_in_turn_with_the_scene(viewer, panel, qtbot):
     listed, window = panel.view.contacts, viewer.window
     mark_two(viewer, panel, qtbot)
     viewer.session.settle({"track.altitude": 8.0})
@@ -271,16 +267,14 @@ def test_contacts_are_undone_by_name_in_turn_with_the_scene(viewer: Any, panel: 
     assert [each.name for each in panel.contacts.all] == ["contact 2"]
 
 
-def answer_questions(monkeypatch: pytest.MonkeyPatch, *answers: QMessageBox.StandardButton) -> list[str]:
+def answer_questions(monkeypatch, *answers: QMessageBox.StandardButton) -> list[str]:
     """Answer the next questions in turn; return the list of those asked."""
     asked, left = [], list(answers)
     monkeypatch.setattr(QMessageBox, "question", lambda *words: (asked.append(words[2]), left.pop(0))[1])
     return asked
 
 
-def test_closing_asks_about_unsaved_contacts(
-    viewer: Any, panel: Any, tmp_path: Path, qtbot: Any, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_closing_asks_about_unsaved_contacts(viewer, panel, tmp_path, qtbot, monkeypatch):
     assert not viewer.window.isWindowModified()
     mark_two(viewer, panel, qtbot)
     assert viewer.window.isWindowModified()
@@ -293,9 +287,7 @@ def test_closing_asks_about_unsaved_contacts(
     assert len(read_contacts(tmp_path / "found.geojson")) == 2
 
 
-def test_one_question_stands_for_scene_and_contacts(
-    viewer: Any, panel: Any, tmp_path: Path, qtbot: Any, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_one_question_stands_for_scene_and_contacts(viewer, panel, tmp_path, qtbot, monkeypatch):
     mark_two(viewer, panel, qtbot)
     viewer.session.settle({"track.altitude": 8.0})
     save = QMessageBox.StandardButton.Save
@@ -312,7 +304,7 @@ def test_one_question_stands_for_scene_and_contacts(
     assert len(read_contacts(tmp_path / "found.geojson")) == 2
 
 
-def test_zoom_by_keys(viewer: Any, panel: Any, qtbot: Any) -> None:
+def test_zoom_by_keys(viewer, panel, qtbot):
     zoom = lambda: viewer.window.waterfall.projection.zoom  # noqa: E731
     press(viewer, "+")
     qtbot.waitUntil(lambda: not zoom().whole)
@@ -320,9 +312,7 @@ def test_zoom_by_keys(viewer: Any, panel: Any, qtbot: Any) -> None:
     qtbot.waitUntil(lambda: zoom().whole)
 
 
-def test_levels_behind_a_tab_are_not_counted(
-    open_viewer: Any, small: Scene, qtbot: Any, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_levels_behind_a_tab_are_not_counted(open_viewer, small, qtbot, monkeypatch):
     viewer = open_viewer(small)
     record, asked = viewer.panels["record"], []
     find = record._find_levels

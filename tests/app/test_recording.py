@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from functools import partial
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 import pytest
@@ -16,7 +15,7 @@ from PySide6.QtWidgets import QApplication, QFileDialog
 
 from insonify.cli import main
 from insonify.io.records import read_record
-from insonify.scene import Scene, edit, load_scene
+from insonify.scene import edit, load_scene
 from insonify.statistics.record_statistics import measure_statistics
 from insonify_viewer.record.comparison import recording_player
 from insonify_viewer.record.comparison.arrangement import Arrangement
@@ -31,7 +30,7 @@ SETTINGS = (f"track.pings={PINGS}", f"sonar.bins={BINS}", f"sonar.range={RANGE:g
 
 
 @pytest.fixture(scope="module")
-def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
+def folder(tmp_path_factory):
     """A folder with one record as XTF and as netCDF."""
     made = tmp_path_factory.mktemp("records")
     words = [word for each in SETTINGS for word in ("--set", each)]
@@ -41,20 +40,18 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 
 @pytest.fixture
-def viewer(open_viewer: Any, small: Scene) -> Any:
+def viewer(open_viewer, small):
     return open_viewer(edit(small, {"track.pings": 256}))
 
 
-def open_recording(viewer: Any, path: Path, qtbot: Any) -> Recording:
+def open_recording(viewer, path, qtbot) -> Recording:
     viewer.recordings.open(str(path))
     qtbot.waitUntil(lambda: viewer.complete, timeout=120000)
     recording: Recording = viewer.recordings.recording
     return recording
 
 
-def test_what_a_cut_recording_lacks_is_said_in_the_window(
-    viewer: Any, folder: Path, qtbot: Any, tmp_path: Path
-) -> None:
+def test_what_a_cut_recording_lacks_is_said_in_the_window(viewer, folder, qtbot, tmp_path):
     cut = tmp_path / "cut.xtf"
     cut.write_bytes((folder / "record.xtf").read_bytes()[:-100])
     with reported_file_warnings(partial(viewer.simulator.executor.call_later, viewer.window.say)):
@@ -62,7 +59,7 @@ def test_what_a_cut_recording_lacks_is_said_in_the_window(
     assert "cut.xtf: ends within the packet at byte" in viewer.window.status.sentence.text()
 
 
-def drop(window: Any, path: Path) -> None:
+def drop(window, path):
     """Drop a file on a window as a file manager does."""
     data = QMimeData()
     data.setUrls([QUrl.fromLocalFile(str(path))])
@@ -74,7 +71,7 @@ def drop(window: Any, path: Path) -> None:
         assert event.isAccepted()
 
 
-def test_a_recording_is_shown_beside_the_simulated_record(viewer: Any, folder: Path, qtbot: Any) -> None:
+def test_a_recording_is_shown_beside_the_simulated_record(viewer, folder, qtbot):
     view = viewer.window.record_a
     assert not view.isVisible()
     recording = open_recording(viewer, folder / "record.xtf", qtbot)
@@ -93,9 +90,7 @@ def test_a_recording_is_shown_beside_the_simulated_record(viewer: Any, folder: P
 
 
 @pytest.mark.parametrize("name", ["record.xtf", "record.nc"])
-def test_a_recording_is_opened_by_a_drop_and_by_the_menu(
-    viewer: Any, folder: Path, name: str, qtbot: Any, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_a_recording_is_opened_by_a_drop_and_by_the_menu(viewer, folder, name, qtbot, monkeypatch):
     drop(viewer.window, folder / name)
     qtbot.waitUntil(lambda: viewer.recordings.recording is not None, timeout=60000)
     dropped = viewer.recordings.recording
@@ -107,13 +102,13 @@ def test_a_recording_is_opened_by_a_drop_and_by_the_menu(
     qtbot.waitUntil(lambda: viewer.complete, timeout=120000)
 
 
-def test_a_dropped_scene_is_opened(viewer: Any, tmp_path: Path, qtbot: Any) -> None:
+def test_a_dropped_scene_is_opened(viewer, tmp_path, qtbot):
     (tmp_path / "own.toml").write_text('title = "Dropped"\n', encoding="utf-8")
     drop(viewer.window, tmp_path / "own.toml")
     assert viewer.session.scene.title == "Dropped"
 
 
-def test_it_plays_and_pauses_with_the_tow_and_begins_anew_at_its_end(viewer: Any, folder: Path, qtbot: Any) -> None:
+def test_it_plays_and_pauses_with_the_tow_and_begins_anew_at_its_end(viewer, folder, qtbot):
     viewer.run(True)
     open_recording(viewer, folder / "record.xtf", qtbot)
     assert not viewer.tow.running, "a recording is opened paused"
@@ -134,7 +129,7 @@ def test_it_plays_and_pauses_with_the_tow_and_begins_anew_at_its_end(viewer: Any
     qtbot.waitUntil(lambda: viewer.recordings.top == PINGS - 1)
 
 
-def test_behind_a_tab_the_point_is_followed_as_soon_as_it_is_seen(viewer: Any, folder: Path, qtbot: Any) -> None:
+def test_behind_a_tab_the_point_is_followed_as_soon_as_it_is_seen(viewer, folder, qtbot):
     open_recording(viewer, folder / "record.xtf", qtbot)
     shown = viewer.panels["comparison"].view.point
     bring_to_front(viewer.window, "parameters")
@@ -143,9 +138,9 @@ def test_behind_a_tab_the_point_is_followed_as_soon_as_it_is_seen(viewer: Any, f
     assert shown.rows["ping"] == (f"57 of {PINGS}",)
 
 
-def test_rows_below_its_first_ping_are_empty(viewer: Any, folder: Path, qtbot: Any) -> None:
+def test_rows_below_its_first_ping_are_empty(viewer, folder, qtbot):
     open_recording(viewer, folder / "record.xtf", qtbot)
-    viewer.window.record_a.show_mark(None)
+    viewer.window.record_a.show_marks(cross=None)
     viewer.recordings.go_to(PINGS // 2)
     view = viewer.window.record_a
     image = view.grab().toImage()
@@ -154,7 +149,7 @@ def test_rows_below_its_first_ping_are_empty(viewer: Any, folder: Path, qtbot: A
     np.testing.assert_allclose(below, [(0x0B, 0x11, 0x18)] * len(below), atol=8)  # a screen may have 16 bits
 
 
-def test_handle_and_wheel_reach_any_ping(viewer: Any, folder: Path, qtbot: Any) -> None:
+def test_handle_and_wheel_reach_any_ping(viewer, folder, qtbot):
     recording = open_recording(viewer, folder / "record.xtf", qtbot)
     viewer.run(True)
     viewer.window.record_a.scrubbed.emit(100)
@@ -171,7 +166,7 @@ def test_handle_and_wheel_reach_any_ping(viewer: Any, folder: Path, qtbot: Any) 
         np.testing.assert_array_equal(viewer.window.record_a.record.amplitude[row], expected)
 
 
-def test_a_point_tells_navigation(viewer: Any, folder: Path, qtbot: Any) -> None:
+def test_a_point_tells_navigation(viewer, folder, qtbot):
     recording = open_recording(viewer, folder / "record.nc", qtbot)
     view = viewer.window.record_a
     mark = Mark(250, 1, 200)
@@ -196,11 +191,11 @@ def test_a_point_tells_navigation(viewer: Any, folder: Path, qtbot: Any) -> None
 
 
 @pytest.mark.parametrize(("own", "compass"), [(0.0, 90.0), (90.0, 0.0), (-45.0, 135.0), (180.0, 270.0), (113.3, 336.7)])
-def test_headings_are_those_of_the_compass(own: float, compass: float) -> None:
+def test_headings_are_those_of_the_compass(own, compass):
     assert compass_heading(own) == pytest.approx(compass)
 
 
-def test_numbers_are_those_of_compare(open_viewer: Any, folder: Path, qtbot: Any) -> None:
+def test_numbers_are_those_of_compare(open_viewer, folder, qtbot):
     scene = edit(load_scene("default"), {"track.pings": PINGS, "sonar.bins": BINS, "sonar.range": RANGE})
     viewer = open_viewer(scene, prepare=None)
     recording = open_recording(viewer, folder / "record.nc", qtbot)
@@ -217,16 +212,14 @@ def test_numbers_are_those_of_compare(open_viewer: Any, folder: Path, qtbot: Any
     assert viewer.recordings.recording is recording
 
 
-def test_a_record_with_too_little_bed_says_so(viewer: Any, tmp_path: Path, qtbot: Any) -> None:
+def test_a_record_with_too_little_bed_says_so(viewer, tmp_path, qtbot):
     path = tmp_path / "short.nc"
     assert main(["render", "default", "--set", "track.pings=20", "--set", "sonar.bins=60", "-o", str(path)]) == 0
     open_recording(viewer, path, qtbot)
     assert "too little bed" in viewer.panels["comparison"].view.statistics.said
 
 
-def test_a_broken_file_is_one_sentence_and_leaves_the_recording(
-    viewer: Any, folder: Path, tmp_path: Path, qtbot: Any
-) -> None:
+def test_a_broken_file_is_one_sentence_and_leaves_the_recording(viewer, folder, tmp_path, qtbot):
     broken = tmp_path / "broken.xtf"
     broken.write_bytes(b"no recording" * 200)
     viewer.recordings.open(str(broken))
@@ -240,14 +233,12 @@ def test_a_broken_file_is_one_sentence_and_leaves_the_recording(
     assert viewer.window.record_a.waiting is None
 
 
-def test_reading_shows_a_bar_and_the_last_file_wins(
-    viewer: Any, folder: Path, qtbot: Any, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_reading_shows_a_bar_and_the_last_file_wins(viewer, folder, qtbot, monkeypatch):
     import threading
 
     load, go_on = recording_player.load_recording, threading.Event()
 
-    def load_slowly(path: str, frequency: float | None) -> Recording:
+    def load_slowly(path, frequency):
         if path.endswith(".xtf"):
             go_on.wait(120.0)
         return load(path, frequency)
@@ -265,7 +256,7 @@ def test_reading_shows_a_bar_and_the_last_file_wins(
     assert viewer.window.record_a.waiting is None
 
 
-def test_wiped_the_recording_covers_the_left_at_the_same_scale(viewer: Any, folder: Path, qtbot: Any) -> None:
+def test_wiped_the_recording_covers_the_left_at_the_same_scale(viewer, folder, qtbot):
     recording = open_recording(viewer, folder / "record.xtf", qtbot)
     panel, view, overlay = viewer.panels["comparison"].view, viewer.window.waterfall, viewer.window.overlay
     alone = view.grab().toImage()
@@ -278,7 +269,7 @@ def test_wiped_the_recording_covers_the_left_at_the_same_scale(viewer: Any, fold
     plot, place = view.plot_area, overlay.place_of_a()
     assert place.width() / plot.width() == pytest.approx(60.0 / 50.0, rel=2e-3)
     assert place.height() / plot.height() == pytest.approx(PINGS / 256.0, rel=2e-3)
-    pointed: list[Mark | None] = []
+    pointed = []
     viewer.recordings.pointed.connect(pointed.append)
     QTest.mouseMove(overlay, QPoint(overlay.split - 20, plot.center().y()))
     # Ping 128 from the top, some metres to port.
@@ -298,7 +289,7 @@ def test_wiped_the_recording_covers_the_left_at_the_same_scale(viewer: Any, fold
     assert viewer.window.record_a.isVisible()
 
 
-def test_a_kept_record_takes_the_place_of_a_recording(viewer: Any, folder: Path, qtbot: Any) -> None:
+def test_a_kept_record_takes_the_place_of_a_recording(viewer, folder, qtbot):
     open_recording(viewer, folder / "record.xtf", qtbot)
     viewer.window.comparison.toggled.emit(Arrangement.DIFFERENCE)
     viewer.window.waterfall.grab()
@@ -313,13 +304,13 @@ def test_a_kept_record_takes_the_place_of_a_recording(viewer: Any, folder: Path,
     assert viewer.comparison.a is None
 
 
-def test_a_long_recording_is_held_in_part(folder: Path) -> None:
+def test_a_long_recording_is_held_in_part(folder):
     recording = Recording(folder, read_record(folder / "record.nc"), np.zeros((5000, 2, 8), np.float32), np.zeros(5000))
     assert recording.held == MAX_PINGS
 
 
 @pytest.mark.skipif(not REAL.exists(), reason="needs the recording of a real sonar")
-def test_a_recording_of_a_real_sonar_is_shown_with_its_navigation(viewer: Any, qtbot: Any) -> None:
+def test_a_recording_of_a_real_sonar_is_shown_with_its_navigation(viewer, qtbot):
     recording = open_recording(viewer, REAL, qtbot)
     assert (recording.pings, recording.bins) == (461, 1024)
     told = describe_point(recording, Mark(460, 0, 1023))
@@ -333,9 +324,7 @@ def test_a_recording_of_a_real_sonar_is_shown_with_its_navigation(viewer: Any, q
     assert len(np.unique(viewer.window.record_a.picture())) > 100
 
 
-def test_a_scene_is_learned_as_a_job_and_opened(
-    viewer: Any, folder: Path, tmp_path: Path, qtbot: Any, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_a_scene_is_learned_as_a_job_and_opened(viewer, folder, tmp_path, qtbot, monkeypatch):
     recording = open_recording(viewer, folder / "record.nc", qtbot)
     named = tmp_path / "learned.toml"
     monkeypatch.setattr(QFileDialog, "getSaveFileName", lambda *_: (str(named), ""))
@@ -359,9 +348,7 @@ def test_a_scene_is_learned_as_a_job_and_opened(
     assert viewer.recordings.recording is recording
 
 
-def test_learning_is_stopped_and_leaves_nothing(
-    viewer: Any, folder: Path, tmp_path: Path, qtbot: Any, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_learning_is_stopped_and_leaves_nothing(viewer, folder, tmp_path, qtbot, monkeypatch):
     open_recording(viewer, folder / "record.nc", qtbot)
     monkeypatch.setattr(QFileDialog, "getSaveFileName", lambda *_: (str(tmp_path / "learned.toml"), ""))
     panel, scene = viewer.panels["comparison"].view, viewer.session.scene
@@ -375,9 +362,7 @@ def test_learning_is_stopped_and_leaves_nothing(
     assert list(tmp_path.iterdir()) == []
 
 
-def test_what_cannot_be_learned_is_one_sentence(
-    viewer: Any, tmp_path: Path, qtbot: Any, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_what_cannot_be_learned_is_one_sentence(viewer, tmp_path, qtbot, monkeypatch):
     path = tmp_path / "short.nc"
     assert main(["render", "default", "--set", "track.pings=20", "--set", "sonar.bins=60", "-o", str(path)]) == 0
     open_recording(viewer, path, qtbot)
@@ -390,7 +375,7 @@ def test_what_cannot_be_learned_is_one_sentence(
     assert not (tmp_path / "learned.toml").exists()
 
 
-def test_in_a_narrow_window_the_records_take_the_room(viewer: Any, folder: Path, qtbot: Any) -> None:
+def test_in_a_narrow_window_the_records_take_the_room(viewer, folder, qtbot):
     window = viewer.window
     window.resize(1600, 900)
     open_recording(viewer, folder / "record.xtf", qtbot)
@@ -404,9 +389,7 @@ def test_in_a_narrow_window_the_records_take_the_room(viewer: Any, folder: Path,
     qtbot.waitUntil(lambda: window._splitter.sizes()[0] > 250)
 
 
-def test_targets_that_leave_the_simulated_record_do_not_stop_the_recording(
-    viewer: Any, folder: Path, qtbot: Any
-) -> None:
+def test_targets_that_leave_the_simulated_record_do_not_stop_the_recording(viewer, folder, qtbot):
     viewer.tow.speed = 16.0
     viewer.run(True)
     qtbot.waitUntil(lambda: not viewer.tow.running, timeout=20000)

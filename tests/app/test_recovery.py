@@ -7,12 +7,10 @@ import signal
 import subprocess
 import sys
 from dataclasses import replace
-from pathlib import Path
-from typing import Any
 
 import pytest
 
-from insonify.scene import Scene, edit
+from insonify.scene import edit
 from insonify_viewer.state.contacts import Contact, read_contacts, write_contacts
 from insonify_viewer.window.recovery import INTERVAL, Recovery
 
@@ -60,7 +58,7 @@ application.open_window(load_scene("default"))
 """
 
 
-def run_until(word: str, last: str, folder: Path) -> list[str]:
+def run_until(word: str, last: str, folder) -> list[str]:
     """Lines that a window writes up to one that begins with a word, at which it is killed."""
     environment = os.environ | {
         "QT_QPA_PLATFORM": "offscreen", "XDG_STATE_HOME": str(folder), "XDG_CONFIG_HOME": str(folder)
@@ -79,7 +77,7 @@ def run_until(word: str, last: str, folder: Path) -> list[str]:
 
 
 @pytest.mark.skipif(not hasattr(signal, "SIGKILL"), reason="needs SIGKILL")
-def test_a_killed_window_loses_no_edit_older_than_5_s(tmp_path: Path) -> None:
+def test_a_killed_window_loses_no_edit_older_than_5_s(tmp_path):
     run_until("edit", "AGED", tmp_path)
     said = run_until("look", "READY", tmp_path)
     assert len([line for line in said if line.startswith("ASKED")]) == 1
@@ -92,7 +90,7 @@ def test_a_killed_window_loses_no_edit_older_than_5_s(tmp_path: Path) -> None:
 
 
 @pytest.mark.skipif(not hasattr(signal, "SIGKILL"), reason="needs SIGKILL")
-def test_a_killed_window_loses_no_contact_though_the_scene_is_saved(tmp_path: Path) -> None:
+def test_a_killed_window_loses_no_contact_though_the_scene_is_saved(tmp_path):
     run_until("mark", "AGED", tmp_path)
     said = run_until("look", "READY", tmp_path)
     assert said[0].endswith("with unsaved changes of the list of 1 contact. Open it as it was?")
@@ -101,20 +99,20 @@ def test_a_killed_window_loses_no_contact_though_the_scene_is_saved(tmp_path: Pa
 
 
 @pytest.fixture
-def recovery() -> Any:
+def recovery():
     made = Recovery()
     yield made
     made.close()
 
 
-def test_work_of_a_window_that_runs_is_not_offered(recovery: Recovery, small: Scene) -> None:
+def test_work_of_a_window_that_runs_is_not_offered(recovery, small):
     recovery.keep(small, (FISH,))
     other = Recovery()
     assert other.find_left() is None
     other.close()
 
 
-def test_a_window_that_closes_leaves_nothing(small: Scene) -> None:
+def test_a_window_that_closes_leaves_nothing(small):
     recovery = Recovery()
     recovery.keep(small, (FISH,))
     folder = recovery._folder
@@ -129,7 +127,7 @@ def test_a_window_that_closes_leaves_nothing(small: Scene) -> None:
     assert list(folder.iterdir()) == []
 
 
-def test_what_cannot_be_read_is_removed(recovery: Recovery) -> None:
+def test_what_cannot_be_read_is_removed(recovery):
     folder = recovery._folder
     (folder / "unsaved-0-bad.toml").write_text("no scene [")
     write_contacts(folder / "unsaved-0-bad.geojson", [FISH])
@@ -142,7 +140,7 @@ def test_what_cannot_be_read_is_removed(recovery: Recovery) -> None:
     assert not (folder / "unsaved-0-bad.geojson").exists()
 
 
-def test_what_is_kept_of_contacts_is_bounded(recovery: Recovery, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_what_is_kept_of_contacts_is_bounded(recovery, monkeypatch):
     monkeypatch.setattr("insonify_viewer.window.recovery.MOST_CONTACTS", 4)
     monkeypatch.setattr("insonify_viewer.window.recovery.MOST_PICTURES", 5)
     recovery.keep(None, tuple(replace(FISH, name=str(number), snapshot=b"12") for number in range(6)))
@@ -151,5 +149,5 @@ def test_what_is_kept_of_contacts_is_bounded(recovery: Recovery, monkeypatch: py
     assert [(each.name, each.snapshot) for each in kept] == [("2", b""), ("3", b""), ("4", b"12"), ("5", b"12")]
 
 
-def test_little_is_lost() -> None:
+def test_little_is_lost():
     assert INTERVAL < 4.0, "and a second to write"

@@ -12,12 +12,12 @@ from insonify_viewer.state.fields import NumberField
 KINDS = [kind_name(model) for model in models_of(Seabed, "relief") if kind_name(model) != "dem"]
 
 
-def changed(scene: Scene, **changes) -> Scene:
+def changed(scene, **changes) -> Scene:
     named = {f"seabed.relief.{name.replace('__', '.')}": value for name, value in changes.items()}
     return edit(scene, add_dependent_edits(scene, named)[0])
 
 
-def shown(scene: Scene) -> dict:
+def shown(scene) -> dict:
     """Parameters of the relief by their path beneath it."""
     seabed = next(section for section in sections_of(scene) if section.key == "seabed")
     prefix = "seabed.relief."
@@ -25,7 +25,7 @@ def shown(scene: Scene) -> dict:
 
 
 @pytest.fixture
-def scene() -> Scene:
+def scene():
     return load_scene("default")
 
 

@@ -1,10 +1,5 @@
 """Scene, record and picture in files, and the question before changes are lost."""
 
-from __future__ import annotations
-
-from pathlib import Path
-from typing import Any
-
 import numpy as np
 import pytest
 from PIL import Image
@@ -12,35 +7,35 @@ from PySide6.QtWidgets import QFileDialog, QMessageBox
 
 from insonify import simulate
 from insonify.io.records import RECORDS, read_record
-from insonify.scene import Scene, edit, load_scene
+from insonify.scene import edit, load_scene
 from insonify_viewer.state.session import Session
 
 Buttons = QMessageBox.StandardButton
 
 
 @pytest.fixture
-def name(monkeypatch: pytest.MonkeyPatch) -> Any:
+def name(monkeypatch):
     """Name the file that the next dialogs return, and the filter that is picked in them."""
 
-    def set_name(path: Path | str, picked: str = "") -> None:
+    def set_name(path, picked=""):
         monkeypatch.setattr(QFileDialog, "getSaveFileName", lambda *_: (str(path), picked))
 
     return set_name
 
 
 @pytest.fixture
-def answer(monkeypatch: pytest.MonkeyPatch) -> Any:
+def answer(monkeypatch):
     """Answer the next questions with a button; the list that is returned holds the questions."""
-    asked: list[str] = []
+    asked = []
 
-    def set_answer(button: Buttons) -> list[str]:
+    def set_answer(button):
         monkeypatch.setattr(QMessageBox, "question", lambda *words: (asked.append(words[2]), button)[1])
         return asked
 
     return set_answer
 
 
-def test_a_saved_scene_is_the_scene(open_viewer: Any, small: Scene, tmp_path: Path, name: Any) -> None:
+def test_a_saved_scene_is_the_scene(open_viewer, small, tmp_path, name):
     viewer = open_viewer(small)
     viewer.session.settle({"track.altitude": 7.0})
     assert viewer.window.isWindowModified()
@@ -56,9 +51,7 @@ def test_a_saved_scene_is_the_scene(open_viewer: Any, small: Scene, tmp_path: Pa
     assert viewer.window.isWindowModified()
 
 
-def test_a_scene_that_cannot_be_written_stays_unsaved(
-    open_viewer: Any, small: Scene, tmp_path: Path, name: Any
-) -> None:
+def test_a_scene_that_cannot_be_written_stays_unsaved(open_viewer, small, tmp_path, name):
     viewer = open_viewer(small)
     viewer.session.settle({"track.altitude": 7.0})
     name(tmp_path / "nowhere" / "saved.toml")
@@ -68,9 +61,7 @@ def test_a_scene_that_cannot_be_written_stays_unsaved(
 
 
 @pytest.mark.parametrize("suffix", [".nc", ".npz", ".xtf", ".png"])
-def test_a_record_is_written_as_the_command_writes_it(
-    open_viewer: Any, small: Scene, qtbot: Any, tmp_path: Path, name: Any, suffix: str
-) -> None:
+def test_a_record_is_written_as_the_command_writes_it(open_viewer, small, qtbot, tmp_path, name, suffix):
     assert set(RECORDS.writable()) >= {".nc", ".npz", ".xtf"}
     viewer = open_viewer(edit(small, {"sonar.beam": "knife"}))
     path = tmp_path / f"record{suffix}"
@@ -89,9 +80,7 @@ def test_a_record_is_written_as_the_command_writes_it(
         np.testing.assert_array_equal(record.intensity, simulate(viewer.session.scene).intensity)
 
 
-def test_a_name_without_a_suffix_takes_that_of_the_format(
-    open_viewer: Any, small: Scene, qtbot: Any, tmp_path: Path, name: Any, answer: Any
-) -> None:
+def test_a_name_without_a_suffix_takes_that_of_the_format(open_viewer, small, qtbot, tmp_path, name, answer):
     viewer = open_viewer(edit(small, {"sonar.beam": "knife"}))
     name(
         tmp_path / "record",
@@ -107,9 +96,7 @@ def test_a_name_without_a_suffix_takes_that_of_the_format(
     assert (tmp_path / "record.npz").stat().st_mtime_ns == before
 
 
-def test_a_window_closed_while_a_record_is_written_leaves_nothing(
-    open_viewer: Any, small: Scene, tmp_path: Path, name: Any
-) -> None:
+def test_a_window_closed_while_a_record_is_written_leaves_nothing(open_viewer, small, tmp_path, name):
     viewer = open_viewer(edit(small, {"sonar.beam": "knife", "track.pings": 100_000}))
     name(tmp_path / "record.nc")
     viewer.window.save.record.trigger()
@@ -118,7 +105,7 @@ def test_a_window_closed_while_a_record_is_written_leaves_nothing(
     assert list(tmp_path.iterdir()) == []
 
 
-def test_the_picture_is_a_file_of_its_own(open_viewer: Any, small: Scene, tmp_path: Path, name: Any) -> None:
+def test_the_picture_is_a_file_of_its_own(open_viewer, small, tmp_path, name):
     viewer = open_viewer(small)
     name(tmp_path / "window.png")
     viewer.window.save.picture.trigger()
@@ -127,7 +114,7 @@ def test_the_picture_is_a_file_of_its_own(open_viewer: Any, small: Scene, tmp_pa
         assert picture.size == shown.toTuple()
 
 
-def test_closing_asks_about_changes(open_viewer: Any, small: Scene, tmp_path: Path, name: Any, answer: Any) -> None:
+def test_closing_asks_about_changes(open_viewer, small, tmp_path, name, answer):
     viewer = open_viewer(small)
     viewer.session.settle({"track.altitude": 7.0})
     asked = answer(Buttons.Cancel)
@@ -145,7 +132,7 @@ def test_closing_asks_about_changes(open_viewer: Any, small: Scene, tmp_path: Pa
 
 
 @pytest.mark.parametrize("change", [{}, {"track.altitude": 7.0}])
-def test_closing_without_changes_or_discarding_them(open_viewer: Any, small: Scene, answer: Any, change: Any) -> None:
+def test_closing_without_changes_or_discarding_them(open_viewer, small, answer, change):
     viewer = open_viewer(small)
     asked = answer(Buttons.Discard)
     viewer.session.settle(change)
@@ -153,7 +140,7 @@ def test_closing_without_changes_or_discarding_them(open_viewer: Any, small: Sce
     assert len(asked) == len(change)
 
 
-def test_another_scene_asks_about_changes(open_viewer: Any, small: Scene, qtbot: Any, answer: Any) -> None:
+def test_another_scene_asks_about_changes(open_viewer, small, qtbot, answer):
     viewer = open_viewer(small)
     menu = viewer.window.scenes
     menu.fill()
@@ -173,7 +160,7 @@ def test_another_scene_asks_about_changes(open_viewer: Any, small: Scene, qtbot:
     qtbot.waitUntil(lambda: viewer.complete)
 
 
-def test_a_scene_that_is_in_no_file_is_unsaved(small: Scene) -> None:
+def test_a_scene_that_is_in_no_file_is_unsaved(small):
     session = Session(small)
     session.open(edit(small, {"seed": 3}))
     assert session.unsaved

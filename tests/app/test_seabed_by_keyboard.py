@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from typing import Any
 
 import numpy as np
 import pytest
@@ -12,14 +11,13 @@ from PySide6.QtTest import QTest
 from PySide6.QtWidgets import QApplication, QWidget
 from test_menus import activate
 
-from insonify.scene import Scene
 from insonify_viewer.application import has_opengl
 from insonify_viewer.seabed.seabed_canvas import CLOSER, STEP
 from insonify_viewer.seabed.seabed_view import FARTHEST, LOWEST, NEAREST, STEEPEST
 
 
 @pytest.fixture
-def viewer(open_viewer: Any, small: Scene, qtbot: Any) -> Any:
+def viewer(open_viewer, small, qtbot):
     """A viewer whose view of the seabed has the keyboard."""
     opened = open_viewer(small)
     if not has_opengl():
@@ -30,24 +28,24 @@ def viewer(open_viewer: Any, small: Scene, qtbot: Any) -> Any:
     return opened
 
 
-def widget_of(viewer: Any) -> QWidget:
+def widget_of(viewer) -> QWidget:
     widget: QWidget = viewer.seabed.view._canvas.widget
     return widget
 
 
-def away(viewer: Any) -> np.ndarray:
+def away(viewer) -> np.ndarray:
     """From the focus of the camera to the camera."""
     camera = viewer.seabed.view._canvas.plotter.camera
     return np.array(camera.position) - np.array(camera.focal_point)
 
 
-def angles(viewer: Any) -> np.ndarray:
+def angles(viewer) -> np.ndarray:
     """Bearing and slope from the focus to the camera, in degrees."""
     x, y, z = away(viewer)
     return np.degrees([math.atan2(y, x), math.atan2(z, math.hypot(x, y))])
 
 
-def turned_by(viewer: Any, key: Qt.Key) -> np.ndarray:
+def turned_by(viewer, key: Qt.Key) -> np.ndarray:
     before = angles(viewer)
     QTest.keyClick(widget_of(viewer), key)
     turn: np.ndarray = (angles(viewer) - before + 180.0) % 360.0 - 180.0
@@ -63,7 +61,7 @@ def turned_by(viewer: Any, key: Qt.Key) -> np.ndarray:
         (Qt.Key.Key_Down, QPoint(0, 30)),
     ],
 )
-def test_an_arrow_turns_the_scene_as_a_drag_does(viewer: Any, key: Qt.Key, drag: QPoint) -> None:
+def test_an_arrow_turns_the_scene_as_a_drag_does(viewer, key, drag):
     distance, turn = np.linalg.norm(away(viewer)), turned_by(viewer, key)
     assert np.abs(turn).max() == pytest.approx(STEP)
     assert np.abs(turn).min() == pytest.approx(0.0, abs=1e-9)
@@ -78,7 +76,7 @@ def test_an_arrow_turns_the_scene_as_a_drag_does(viewer: Any, key: Qt.Key, drag:
     assert np.sign(dragged[np.argmax(np.abs(turn))]) == np.sign(turn[np.argmax(np.abs(turn))])
 
 
-def test_the_view_neither_turns_over_nor_below_the_bed(viewer: Any) -> None:
+def test_the_view_neither_turns_over_nor_below_the_bed(viewer):
     for _ in range(40):
         QTest.keyClick(widget_of(viewer), Qt.Key.Key_Down)
     assert angles(viewer)[1] == pytest.approx(math.degrees(STEEPEST))
@@ -88,9 +86,7 @@ def test_the_view_neither_turns_over_nor_below_the_bed(viewer: Any) -> None:
 
 
 @pytest.mark.parametrize(("letter", "factor", "limit"), [("+", 1.0 / CLOSER, NEAREST), ("-", CLOSER, FARTHEST)])
-def test_plus_and_minus_zoom_within_the_limits_of_the_wheel(
-    viewer: Any, letter: str, factor: float, limit: float
-) -> None:
+def test_plus_and_minus_zoom_within_the_limits_of_the_wheel(viewer, letter, factor, limit):
     widget, zoom = widget_of(viewer), viewer.window.waterfall.projection.zoom
     before = np.linalg.norm(away(viewer))
     QTest.keyClick(widget, letter)
@@ -104,7 +100,7 @@ def test_plus_and_minus_zoom_within_the_limits_of_the_wheel(
     assert np.linalg.norm(away(viewer)) == pytest.approx(limit * viewer.seabed.view._reach)
 
 
-def test_all_other_keys_are_those_of_the_window(viewer: Any, qtbot: Any) -> None:
+def test_all_other_keys_are_those_of_the_window(viewer, qtbot):
     widget, home = widget_of(viewer), away(viewer)
     QTest.keyClick(widget, Qt.Key.Key_Right)
     assert away(viewer) != pytest.approx(home)

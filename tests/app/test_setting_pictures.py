@@ -3,36 +3,32 @@
 from __future__ import annotations
 
 import threading
-from collections.abc import Callable
 from typing import Any
 
 import pytest
 from PySide6.QtCore import QPoint, Qt
 
 from insonify.display.scene_curves import beam_curve
-from insonify.scene import Scene, edit
+from insonify.scene import edit
 from insonify_viewer.panels.parameters.view import setting_pictures as registry
 from insonify_viewer.panels.parameters.view.setting_pictures import CurvesPicture, SpectrumPicture
-from insonify_viewer.viewer import Viewer
-
-Opener = Callable[..., Viewer]
 
 
 @pytest.fixture
-def peaked(small: Scene) -> Scene:
+def peaked(small):
     return edit(small, {"seabed.relief": {"kind": "fractal", "peaks": [[8.0, 20.0], [0.0, 0.0]], "rms": 0.05}})
 
 
-def pictures_in(viewer: Viewer, kind: type) -> list[Any]:
+def pictures_in(viewer, kind: type) -> list[Any]:
     """Find the pictures of a kind in the parameters panel."""
     return viewer.panels["parameters"].widget.findChildren(kind)
 
 
-def into_view(viewer: Viewer, picture: Any) -> None:
+def into_view(viewer, picture):
     viewer.panels["parameters"].widget.ensureWidgetVisible(picture, 0, 0)
 
 
-def test_a_peak_is_dragged_in_one_step(open_viewer: Opener, peaked: Scene, qtbot: Any) -> None:
+def test_a_peak_is_dragged_in_one_step(open_viewer, peaked, qtbot):
     viewer = open_viewer(peaked)
     picture = pictures_in(viewer, SpectrumPicture)[0]
     into_view(viewer, picture)
@@ -53,7 +49,7 @@ def test_a_peak_is_dragged_in_one_step(open_viewer: Opener, peaked: Scene, qtbot
     assert not viewer.session.undoable
 
 
-def test_a_press_beside_the_peaks_moves_none(open_viewer: Opener, peaked: Scene, qtbot: Any) -> None:
+def test_a_press_beside_the_peaks_moves_none(open_viewer, peaked, qtbot):
     viewer = open_viewer(peaked)
     picture = pictures_in(viewer, SpectrumPicture)[0]
     into_view(viewer, picture)
@@ -62,10 +58,10 @@ def test_a_press_beside_the_peaks_moves_none(open_viewer: Opener, peaked: Scene,
     assert viewer.session.scene == peaked
 
 
-def test_curves_follow_the_scene(open_viewer: Opener, small: Scene, qtbot: Any, monkeypatch: Any) -> None:
-    threads: set[threading.Thread] = set()
+def test_curves_follow_the_scene(open_viewer, small, qtbot, monkeypatch):
+    threads = set()
 
-    def watched(scene: Scene) -> Any:
+    def watched(scene):
         threads.add(threading.current_thread())
         return beam_curve(scene)
 
@@ -80,7 +76,7 @@ def test_curves_follow_the_scene(open_viewer: Opener, small: Scene, qtbot: Any, 
     assert threading.main_thread() not in threads, "painting computes nothing"
 
 
-def test_what_has_no_curve_takes_no_room(open_viewer: Opener, small: Scene) -> None:
+def test_what_has_no_curve_takes_no_room(open_viewer, small):
     viewer = open_viewer(small)
     assert viewer.session.settle({"sonar.beam": {"kind": "knife"}, "sonar.pulse": {"kind": "ideal"}})
     assert not [one for one in pictures_in(viewer, CurvesPicture) if one.isVisible()]

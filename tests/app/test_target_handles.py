@@ -3,14 +3,13 @@
 from __future__ import annotations
 
 import math
-from typing import Any
 
 import numpy as np
 import pytest
 from PySide6.QtCore import QPoint, Qt
 from PySide6.QtTest import QTest
 
-from insonify.scene import Scene, edit, load_scene
+from insonify.scene import edit, load_scene
 from insonify.simulation import prepare
 from insonify_viewer.record.marked_point import locate_mark
 from insonify_viewer.seabed.handle_geometry import Handle, drag_edit, echo_mark, handles_of, target_at
@@ -19,11 +18,11 @@ BOX = {"kind": "box", "position": [12.0, -20.0], "size": [4.0, 2.0, 1.5], "headi
 
 
 @pytest.fixture
-def one_box(small: Scene) -> Scene:
+def one_box(small):
     return edit(small, {"targets": [BOX], "sonar.bins": 400})
 
 
-def drag(widget: Any, start: QPoint, end: QPoint, steps: int = 5) -> None:
+def drag(widget, start: QPoint, end: QPoint, steps: int = 5):
     QTest.mouseMove(widget, start)
     QTest.mousePress(widget, Qt.MouseButton.LeftButton, pos=start)
     for k in range(1, steps + 1):
@@ -31,13 +30,13 @@ def drag(widget: Any, start: QPoint, end: QPoint, steps: int = 5) -> None:
     QTest.mouseRelease(widget, Qt.MouseButton.LeftButton, pos=end)
 
 
-def number_of(viewer: Any, action: str, target: int = 0) -> int:
+def number_of(viewer, action: str, target: int = 0) -> int:
     handles = viewer.targets.handles._handles
     return next(k for k, handle in enumerate(handles) if (handle.target, handle.action) == (target, action))
 
 
 @pytest.mark.parametrize("motion", ["straight", {"kind": "yaw", "amplitude": 3.0, "period": 9.0}])
-def test_a_handle_stands_where_the_echo_is(motion: Any) -> None:
+def test_a_handle_stands_where_the_echo_is(motion):
     sphere = {"kind": "sphere", "position": [30.0, -18.0], "radius": 0.3, "gap": 1.0}
     scene = edit(load_scene("default"), {"targets": [sphere], "track.motion": motion, "sonar.beam": "knife"})
     scene = edit(scene, {"seabed.relief": "flat", "seabed.material": {"diffuse": 0.001, "specular": 0.0}})
@@ -52,7 +51,7 @@ def test_a_handle_stands_where_the_echo_is(motion: Any) -> None:
     assert 0 <= mark.bin - strongest <= 8
 
 
-def test_drags_move_turn_and_resize() -> None:
+def test_drags_move_turn_and_resize():
     scene = edit(load_scene("default"), {"targets": [BOX]})
     centre = (12.0, -20.0, 0.0)
     assert drag_edit(scene, Handle(0, "move", centre), centre, (15.0, -22.5, 0.3)) == {
@@ -73,14 +72,14 @@ def test_drags_move_turn_and_resize() -> None:
         ({"kind": "cone", "radius": 0.5, "height": 1.2}, {"height": 1.8}),
     ],
 )
-def test_a_drag_thickens_and_keeps_the_length(target: Any, edited: Any) -> None:
+def test_a_drag_thickens_and_keeps_the_length(target, edited):
     scene = edit(load_scene("default"), {"targets": [{"position": [12.0, -20.0], **target}]})
     aside = (12.0, -16.0, 0.0)
     changes = drag_edit(scene, Handle(0, "thicken", aside), aside, (12.0, -14.0, 0.0))
     assert changes == {f"targets.0.{name}": value for name, value in edited.items()}
 
 
-def test_what_is_thickened_has_a_handle_beside_it() -> None:
+def test_what_is_thickened_has_a_handle_beside_it():
     """It stands off the target by 5 m of a range of 50 m, to port, and never on the handle that moves."""
     kinds = ({"kind": "pipe", "heading": 90.0}, {"kind": "sphere"}, {"kind": "cone"}, {"kind": "mesh", "path": "wreck"})
     for kind in kinds:
@@ -91,7 +90,7 @@ def test_what_is_thickened_has_a_handle_beside_it() -> None:
             assert beside[0][:2] == pytest.approx((12.0 - 0.5 - 5.0, -20.0))
 
 
-def test_a_pipe_is_thickened_in_the_record(open_viewer: Any, small: Scene, qtbot: Any) -> None:
+def test_a_pipe_is_thickened_in_the_record(open_viewer, small, qtbot):
     pipe = {"kind": "pipe", "position": [12.0, -20.0], "radius": 0.5, "length": 6.0, "heading": 0.0}
     scene = edit(small, {"targets": [pipe], "sonar.bins": 400})
     viewer = open_viewer(scene)
@@ -108,7 +107,7 @@ def test_a_pipe_is_thickened_in_the_record(open_viewer: Any, small: Scene, qtbot
     assert viewer.session.scene == scene
 
 
-def test_a_box_is_raised_in_the_record_and_in_three_dimensions(open_viewer: Any, one_box: Scene, qtbot: Any) -> None:
+def test_a_box_is_raised_in_the_record_and_in_three_dimensions(open_viewer, one_box, qtbot):
     """The handle stands opposite the one that thickens; length and width stay as they are."""
     viewer = open_viewer(one_box, solid=True)
     viewer.targets.handles.choose(0)
@@ -136,7 +135,7 @@ def test_a_box_is_raised_in_the_record_and_in_three_dimensions(open_viewer: Any,
     assert height < 1.2
 
 
-def drag_outwards(viewer: Any, action: str) -> None:
+def drag_outwards(viewer, action: str):
     """Take a handle of the only target in the 3-D view to twice its distance from the middle."""
     viewer.targets.handles.choose(0)
     viewer.seabed.draw_now()
@@ -145,7 +144,7 @@ def drag_outwards(viewer: Any, action: str) -> None:
     drag(view._canvas.widget, handle, handle + (handle - centre))
 
 
-def test_a_pipe_is_thickened_in_three_dimensions(open_viewer: Any, small: Scene, qtbot: Any) -> None:
+def test_a_pipe_is_thickened_in_three_dimensions(open_viewer, small, qtbot):
     pipe = {"kind": "pipe", "position": [12.0, -20.0], "radius": 0.5, "length": 6.0, "heading": 0.0}
     viewer = open_viewer(edit(small, {"targets": [pipe], "sonar.bins": 400}), solid=True)
     drag_outwards(viewer, "thicken")
@@ -153,7 +152,7 @@ def test_a_pipe_is_thickened_in_three_dimensions(open_viewer: Any, small: Scene,
     assert viewer.session.scene.targets[0].radius > 0.6
 
 
-def test_a_mesh_is_resized_in_three_dimensions(open_viewer: Any, small: Scene, qtbot: Any) -> None:
+def test_a_mesh_is_resized_in_three_dimensions(open_viewer, small, qtbot):
     mesh = {"kind": "mesh", "path": "wreck", "scale": 0.2, "position": [12.0, -20.0], "heading": 90.0}
     viewer = open_viewer(edit(small, {"targets": [mesh], "sonar.bins": 400}), solid=True)
     drag_outwards(viewer, "resize")
@@ -164,11 +163,11 @@ def test_a_mesh_is_resized_in_three_dimensions(open_viewer: Any, small: Scene, q
 
 
 @pytest.mark.parametrize("kind", ["box", "cone", "mesh", "pipe", "sphere"])
-def test_every_kind_with_a_size_has_a_handle_for_it(kind: str) -> None:
+def test_every_kind_with_a_size_has_a_handle_for_it(kind):
     """A drag of every handle of a size changes it, and each size of a kind is changed by one of its handles."""
     given = {"kind": kind, "position": [12.0, -20.0]} | ({"path": "wreck"} if kind == "mesh" else {})
     scene = edit(load_scene("default"), {"targets": [given]})
-    changed: set[str] = set()
+    changed = set()
     for handle in handles_of(prepare(scene), 0):
         if handle.action in ("resize", "thicken", "raise"):
             away = tuple(2.0 * now - middle for now, middle in zip(handle.place, (12.0, -20.0, 0.0), strict=True))
@@ -177,7 +176,7 @@ def test_every_kind_with_a_size_has_a_handle_for_it(kind: str) -> None:
     assert changed == sizes
 
 
-def test_a_target_is_found_by_a_place_within_it() -> None:
+def test_a_target_is_found_by_a_place_within_it():
     scene = load_scene("default")
     assert target_at(scene, 40.0, 22.0) == 0
     along = math.radians(4.0)
@@ -186,7 +185,7 @@ def test_a_target_is_found_by_a_place_within_it() -> None:
     assert target_at(scene, 10.0, -20.0) is None
 
 
-def test_a_target_is_dragged_in_the_record(open_viewer: Any, one_box: Scene, qtbot: Any) -> None:
+def test_a_target_is_dragged_in_the_record(open_viewer, one_box, qtbot):
     viewer = open_viewer(one_box)
     record, session = viewer.window.waterfall, viewer.session
     start = record.handles.place(number_of(viewer, "move"))
@@ -203,7 +202,7 @@ def test_a_target_is_dragged_in_the_record(open_viewer: Any, one_box: Scene, qtb
     assert session.scene == one_box
 
 
-def test_a_click_into_an_echo_chooses_its_target(open_viewer: Any, one_box: Scene, qtbot: Any) -> None:
+def test_a_click_into_an_echo_chooses_its_target(open_viewer, one_box, qtbot):
     viewer = open_viewer(one_box)
     record, handles = viewer.window.waterfall, viewer.targets.handles
     assert [handle.action for handle in handles._handles] == ["move"]
@@ -225,7 +224,7 @@ def test_a_click_into_an_echo_chooses_its_target(open_viewer: Any, one_box: Scen
     assert handles.chosen is None
 
 
-def test_a_click_on_a_handle_chooses_and_pins(open_viewer: Any, one_box: Scene, qtbot: Any) -> None:
+def test_a_click_on_a_handle_chooses_and_pins(open_viewer, one_box, qtbot):
     viewer = open_viewer(one_box)
     record = viewer.window.waterfall
     QTest.mouseClick(record, Qt.MouseButton.LeftButton, pos=record.handles.place(0))
@@ -234,14 +233,14 @@ def test_a_click_on_a_handle_chooses_and_pins(open_viewer: Any, one_box: Scene, 
     assert viewer.session.undoable == ()
 
 
-def test_a_target_is_chosen_before_its_scene_is_traced(open_viewer: Any, one_box: Scene, qtbot: Any) -> None:
+def test_a_target_is_chosen_before_its_scene_is_traced(open_viewer, one_box, qtbot):
     mark = echo_mark(prepare(one_box), (12.0, -20.0, 0.0))
     viewer = open_viewer(one_box, until=lambda viewer: viewer.targets.handles.choose_at(mark) is None)
     qtbot.waitUntil(lambda: viewer.complete)
     assert viewer.targets.handles.chosen == 0
 
 
-def test_a_handle_of_the_last_scene_drags_no_other_target(open_viewer: Any, small: Scene, qtbot: Any) -> None:
+def test_a_handle_of_the_last_scene_drags_no_other_target(open_viewer, small, qtbot):
     pipe = {"kind": "pipe", "position": [12.0, -20.0], "radius": 0.5, "length": 10.0}
     viewer = open_viewer(edit(small, {"targets": [pipe]}))
     qtbot.waitUntil(lambda: viewer.complete)
@@ -257,12 +256,12 @@ def test_a_handle_of_the_last_scene_drags_no_other_target(open_viewer: Any, smal
     assert viewer.session.scene == before
 
 
-def test_locked_targets_stay(open_viewer: Any, one_box: Scene, qtbot: Any) -> None:
+def test_locked_targets_stay(open_viewer, one_box, qtbot):
     viewer = open_viewer(edit(one_box, {"targets.0.locked": True}))
     assert viewer.targets.handles._handles == ()
 
 
-def test_a_target_is_dragged_in_three_dimensions(open_viewer: Any, one_box: Scene, qtbot: Any) -> None:
+def test_a_target_is_dragged_in_three_dimensions(open_viewer, one_box, qtbot):
     viewer = open_viewer(one_box, solid=True)
     session, view = viewer.session, viewer.seabed.view
     viewer.targets.handles.choose(0)

@@ -2,14 +2,11 @@
 
 from __future__ import annotations
 
-from pathlib import Path
-from typing import Any
-
 import numpy as np
 import pytest
 from PySide6.QtWidgets import QFileDialog, QToolButton
 
-from insonify.scene import Scene, SceneError, edit, resources
+from insonify.scene import SceneError, edit, resources
 from insonify_viewer.panels.parameters.sections import sections_of
 from insonify_viewer.seabed.bed_shading import target_colours
 from insonify_viewer.seabed.pv_meshes import frustum_mesh, targets_mesh
@@ -17,11 +14,11 @@ from insonify_viewer.widgets.field_rows import FileRow
 from insonify_viewer.window.target_placement import new_target, target_menu
 
 
-def pick_file(monkeypatch: pytest.MonkeyPatch, path: str) -> None:
+def pick_file(monkeypatch, path: str):
     monkeypatch.setattr(QFileDialog, "getOpenFileName", lambda *_: (path, ""))
 
 
-def add(viewer: Any, kind: str, qtbot: Any) -> Any:
+def add(viewer, kind: str, qtbot):
     before = len(viewer.session.scene.targets)
     action = next(a for a in viewer.window.targets.menu().actions() if a.data() == kind)
     action.trigger()
@@ -30,14 +27,12 @@ def add(viewer: Any, kind: str, qtbot: Any) -> Any:
     return viewer.session.scene.targets[-1]
 
 
-def removers(viewer: Any) -> list[QToolButton]:
+def removers(viewer) -> list[QToolButton]:
     return [b for b in viewer.panels["parameters"].view.findChildren(QToolButton, "remove") if b.isVisible()]
 
 
 @pytest.mark.parametrize("kind", list(target_menu()))
-def test_a_target_of_any_kind_is_added_and_taken_back(
-    open_viewer: Any, small: Scene, qtbot: Any, kind: str, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_a_target_of_any_kind_is_added_and_taken_back(open_viewer, small, qtbot, kind, monkeypatch):
     pick_file(monkeypatch, str(resources() / "meshes" / "tetrapod.obj"))
     viewer = open_viewer(edit(small, {"targets": []}))
     target = add(viewer, kind, qtbot)
@@ -54,14 +49,14 @@ def test_a_target_of_any_kind_is_added_and_taken_back(
     assert viewer.session.scene.targets == (target,)
 
 
-def test_targets_keep_apart_from_one_another(open_viewer: Any, small: Scene, qtbot: Any) -> None:
+def test_targets_keep_apart_from_one_another(open_viewer, small, qtbot):
     viewer = open_viewer(edit(small, {"targets": []}))
     places = np.array([add(viewer, "sphere", qtbot).position for _ in range(5)])
     distances = np.linalg.norm(places[:, None] - places, axis=2) + 1e9 * np.eye(5)
     assert distances.min() > 7.0
 
 
-def test_a_cross_removes_its_target_alone(open_viewer: Any, small: Scene, qtbot: Any) -> None:
+def test_a_cross_removes_its_target_alone(open_viewer, small, qtbot):
     viewer = open_viewer(small)
     pipe, first, second = small.targets
     assert len(removers(viewer)) == 3
@@ -72,9 +67,7 @@ def test_a_cross_removes_its_target_alone(open_viewer: Any, small: Scene, qtbot:
     assert viewer.session.scene.targets == (pipe, first, second)
 
 
-def test_no_file_picked_adds_no_mesh(
-    open_viewer: Any, small: Scene, qtbot: Any, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_no_file_picked_adds_no_mesh(open_viewer, small, qtbot, monkeypatch):
     pick_file(monkeypatch, "")
     viewer = open_viewer(small)
     viewer.window.target_wanted.emit("mesh")
@@ -82,9 +75,7 @@ def test_no_file_picked_adds_no_mesh(
     assert viewer.session.scene == small
 
 
-def test_a_wrong_mesh_is_said_and_nothing_added(
-    open_viewer: Any, small: Scene, qtbot: Any, monkeypatch: pytest.MonkeyPatch, tmp_path: Path
-) -> None:
+def test_a_wrong_mesh_is_said_and_nothing_added(open_viewer, small, qtbot, monkeypatch, tmp_path):
     (tmp_path / "empty.obj").write_text("")
     pick_file(monkeypatch, str(tmp_path / "empty.obj"))
     viewer = open_viewer(small)
@@ -93,9 +84,7 @@ def test_a_wrong_mesh_is_said_and_nothing_added(
     assert viewer.session.scene == small
 
 
-def test_a_mesh_takes_another_file(
-    open_viewer: Any, small: Scene, qtbot: Any, monkeypatch: pytest.MonkeyPatch, tmp_path: Path
-) -> None:
+def test_a_mesh_takes_another_file(open_viewer, small, qtbot, monkeypatch, tmp_path):
     path = tmp_path / "shape.obj"
     path.write_text("v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 3 2\nf 1 2 4\nf 2 3 4\nf 3 1 4\n")
     viewer = open_viewer(edit(small, {"targets": [{"kind": "mesh", "path": "tetrapod", "position": [5.0, 20.0]}]}))
@@ -109,7 +98,7 @@ def test_a_mesh_takes_another_file(
     qtbot.waitUntil(lambda: viewer.complete)
 
 
-def test_shapes_come_before_attitude_and_materials_last(small: Scene) -> None:
+def test_shapes_come_before_attitude_and_materials_last(small):
     scene = edit(small, {"targets": [{"kind": "box", "position": [1.0, 2.0]}]})
     section = next(s for s in sections_of(scene) if s.key == "targets.0")
     labels = [parameter.label for parameter in section.parameters]
@@ -118,8 +107,8 @@ def test_shapes_come_before_attitude_and_materials_last(small: Scene) -> None:
     assert section.removable
 
 
-def test_what_has_no_say_stands_aside(small: Scene) -> None:
-    def labels(target: dict[str, Any]) -> list[str]:
+def test_what_has_no_say_stands_aside(small):
+    def labels(target):
         scene = edit(small, {"targets": [target]})
         return [p.label for s in sections_of(scene) if s.key == "targets.0" for p in s.parameters]
 
@@ -128,8 +117,8 @@ def test_what_has_no_say_stands_aside(small: Scene) -> None:
     assert "pitch" in labels({"kind": "pipe", "position": [1.0, 2.0]})
 
 
-def test_what_is_for_bounces_and_speckle_is_shown_with_them(small: Scene) -> None:
-    def labels(**changes: Any) -> set[str]:
+def test_what_is_for_bounces_and_speckle_is_shown_with_them(small):
+    def labels(**changes):
         scene = edit(small, {path.replace("__", "."): value for path, value in changes.items()})
         return {p.label for s in sections_of(scene) if s.key in ("seabed", "targets.0") for p in s.parameters}
 
@@ -137,26 +126,26 @@ def test_what_is_for_bounces_and_speckle_is_shown_with_them(small: Scene) -> Non
     assert {"reflection", "speed ratio"} <= labels(sonar__bounces=1)
 
 
-def test_a_mesh_in_millimetres_is_brought_to_metres(small: Scene, tmp_path: Path) -> None:
+def test_a_mesh_in_millimetres_is_brought_to_metres(small, tmp_path):
     from stand_in import StandIn
 
     (tmp_path / "large.obj").write_text("v 0 0 0\nv 4000 0 0\nv 0 3000 0\nf 1 2 3\n")
-    target = new_target(StandIn(small, 0.03), small, "mesh", 100, str(tmp_path / "large.obj"))  # type: ignore[arg-type]
+    target = new_target(StandIn(small, 0.03), small, "mesh", 100, str(tmp_path / "large.obj"))
     assert target["scale"] == 0.01
 
 
-def test_beside_the_bed_there_is_no_place(small: Scene) -> None:
+def test_beside_the_bed_there_is_no_place(small):
     from types import SimpleNamespace
 
     from stand_in import StandIn
 
     simulation = StandIn(small, 0.03)
-    simulation.ground = SimpleNamespace(height_at_once=lambda x, y: np.full(x.shape, np.nan))  # type: ignore[assignment]
+    simulation.ground = SimpleNamespace(height_at_once=lambda x, y: np.full(x.shape, np.nan))
     with pytest.raises(SceneError, match="there is no bed beside this part of the tow"):
-        new_target(simulation, small, "box", 100)  # type: ignore[arg-type]
+        new_target(simulation, small, "box", 100)
 
 
-def test_the_drawn_targets_are_where_the_traced_ones_are(small: Scene) -> None:
+def test_the_drawn_targets_are_where_the_traced_ones_are(small):
     from stand_in import StandIn
 
     box = {"kind": "box", "position": [5.0, 20.0], "size": [3.0, 2.0, 1.0], "heading": 90.0}
@@ -173,7 +162,7 @@ def test_the_drawn_targets_are_where_the_traced_ones_are(small: Scene) -> None:
     np.testing.assert_array_equal(drawn.cell_data["colour"], expected)
 
 
-def test_a_cone_is_drawn_outside_out() -> None:
+def test_a_cone_is_drawn_outside_out():
     for end in (0.0, 0.5):
         mesh = frustum_mesh(np.array([1.0, 2.0, 3.0]), np.array([1.0, 4.0, 3.0]), 1.0, end)
         mesh = mesh.compute_normals(auto_orient_normals=False, consistent_normals=False, point_normals=False)

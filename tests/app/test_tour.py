@@ -1,31 +1,22 @@
 """The tour of the window: five steps, each beside its part, left at any time."""
 
-from __future__ import annotations
-
-from collections.abc import Callable
-from typing import Any
-
 import pytest
 from PySide6.QtCore import QRect, Qt
 from PySide6.QtWidgets import QApplication
 from test_menus import activate
 
-from insonify.scene import Scene
 from insonify_viewer import application
-from insonify_viewer.viewer import Viewer
 from insonify_viewer.window.settings import Settings
 
-Opener = Callable[..., Viewer]
 
-
-def begin(viewer: Viewer) -> Any:
+def begin(viewer):
     """Begin the tour by the menu, as a person does."""
     (action,) = [action for action in viewer.window.menus.help.actions() if action.text() == "Tour"]
     action.trigger()
     return viewer.window.tour
 
 
-def test_five_steps_lead_through_the_window(open_viewer: Opener, small: Scene, qtbot: Any) -> None:
+def test_five_steps_lead_through_the_window(open_viewer, small, qtbot):
     viewer = open_viewer(small)
     tour = begin(viewer)
     titles = []
@@ -37,7 +28,7 @@ def test_five_steps_lead_through_the_window(open_viewer: Opener, small: Scene, q
     assert [title.split(":")[0] for title in titles] == [f"{number} of 5" for number in range(1, 6)]
 
 
-def test_back_and_skip(open_viewer: Opener, small: Scene, qtbot: Any) -> None:
+def test_back_and_skip(open_viewer, small, qtbot):
     tour = begin(open_viewer(small))
     assert not tour.card.back.isEnabled()
     qtbot.mouseClick(tour.card.next, Qt.MouseButton.LeftButton)
@@ -47,7 +38,7 @@ def test_back_and_skip(open_viewer: Opener, small: Scene, qtbot: Any) -> None:
     assert tour.card is None
 
 
-def test_escape_leaves_the_tour(open_viewer: Opener, small: Scene, qtbot: Any) -> None:
+def test_escape_leaves_the_tour(open_viewer, small, qtbot):
     viewer = open_viewer(small)
     window = viewer.window
     activate(window, qtbot)
@@ -65,7 +56,7 @@ def test_escape_leaves_the_tour(open_viewer: Opener, small: Scene, qtbot: Any) -
         assert QApplication.focusWidget() is elsewhere
 
 
-def test_the_window_stays_free_during_the_tour(open_viewer: Opener, small: Scene) -> None:
+def test_the_window_stays_free_during_the_tour(open_viewer, small):
     viewer = open_viewer(small)
     begin(viewer)
     assert viewer.session.settle({"track.altitude": 7.0})
@@ -74,10 +65,8 @@ def test_the_window_stays_free_during_the_tour(open_viewer: Opener, small: Scene
 
 
 @pytest.mark.parametrize(("toured", "panel", "shown"), [(False, "", 1), (True, "", 0), (False, "record", 0)])
-def test_the_first_start_alone_shows_the_tour(
-    small: Scene, qapp: Any, monkeypatch: pytest.MonkeyPatch, toured: bool, panel: str, shown: int
-) -> None:
-    begun: list[int] = []
+def test_the_first_start_alone_shows_the_tour(small, qapp, monkeypatch, toured, panel, shown):
+    begun = []
     Settings().toured = toured
     monkeypatch.setattr(application, "TOUR", 0)
     monkeypatch.setattr("insonify_viewer.window.tour.Tour.begin", lambda _: begun.append(1))

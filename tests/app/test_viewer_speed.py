@@ -6,8 +6,7 @@ from __future__ import annotations
 
 import sys
 import time
-from collections.abc import Callable, Iterator
-from typing import Any
+from collections.abc import Callable
 
 import numpy as np
 import pytest
@@ -26,14 +25,14 @@ TURNS = 20
 RATE = 60  # moves of a slider in a second
 
 
-def seconds_until(qtbot: Any, condition: Callable[[], bool], timeout: int = 20000) -> float:
+def seconds_until(qtbot, condition: Callable[[], bool], timeout: int = 20000) -> float:
     start = time.perf_counter()
     qtbot.waitUntil(condition, timeout=timeout)
     return time.perf_counter() - start
 
 
 @pytest.fixture(autouse=True)
-def _threads_take_turns_as_in_the_program() -> Iterator[None]:
+def _threads_take_turns_as_in_the_program():
     before = sys.getswitchinterval()
     sys.setswitchinterval(0.001)
     yield
@@ -49,7 +48,7 @@ class Gaps:
         Seconds of each turn, and seconds of processor time of the main thread.
     """
 
-    def __init__(self, viewer: Any) -> None:
+    def __init__(self, viewer):
         self.gaps: list[float] = []
         self.busy: list[float] = []
         self._last = self._drawing = _clocks()
@@ -63,7 +62,7 @@ class Gaps:
         self._timer.timeout.connect(self._turn)
         self._timer.start()
 
-    def stop(self) -> None:
+    def stop(self):
         self._timer.stop()
 
     def sentence(self) -> str:
@@ -74,13 +73,13 @@ class Gaps:
             f"processor p99 {np.quantile(busy, 0.99):.1f} ms, worst {busy.max():.1f} ms"
         )
 
-    def _start(self, *_: Any) -> None:
+    def _start(self, *_):
         self._drawing = _clocks()
 
-    def _end(self, *_: Any) -> None:
+    def _end(self, *_):
         self._drawn += _clocks() - self._drawing
 
-    def _turn(self) -> None:
+    def _turn(self):
         now = _clocks()
         wall, busy = np.maximum(now - self._last - self._drawn, 0.0)
         self.gaps.append(float(wall))
@@ -102,7 +101,7 @@ def _clocks() -> np.ndarray:
         ("targets.0.radius", (0.2, 0.8)),
     ],
 )
-def test_a_coarse_picture(qapp: Any, path: str, ends: tuple[float, float]) -> None:
+def test_a_coarse_picture(qapp, path, ends):
     """After a fine picture, whose plan serves while a slider moves."""
     simulator, pings = Simulator(), np.arange(511, -1, -1, dtype=np.int64)
     list(simulator._trace(PingRequest(0, load_scene("default"), Modelling(), pings, fine=True)))
@@ -122,7 +121,7 @@ def test_a_coarse_picture(qapp: Any, path: str, ends: tuple[float, float]) -> No
     )
 
 
-def test_slider_to_picture(open_viewer: Any, qtbot: Any) -> None:
+def test_slider_to_picture(open_viewer, qtbot):
     viewer = open_viewer(load_scene("default"), prepare=None)
     viewer.window.resize(1480, 900)
     coarse, fine, gaps = [], [], Gaps(viewer)
@@ -157,15 +156,15 @@ def test_slider_to_picture(open_viewer: Any, qtbot: Any) -> None:
         ("endless", "sonar.beam.width"),
     ],
 )
-def test_slider_at_60_hz(open_viewer: Any, qtbot: Any, name: str, path: str) -> None:
+def test_slider_at_60_hz(open_viewer, qtbot, name, path):
     """A slider that moves 60 times a second: delay of the pictures, and gaps of the main thread."""
     viewer = open_viewer(load_scene(name), prepare=None)
     viewer.window.resize(1480, 900)
     row = viewer.panels["parameters"].view.row(path)
-    moved: dict[int, float] = {}
+    moved = {}
     delays, traced = [], []
 
-    def show(answer: Any) -> None:
+    def show(answer):
         if not answer.fine and (begun := moved.pop(answer.number, None)) is not None:
             delays.append(time.perf_counter() - begun)
             traced.append(answer.seconds)
@@ -173,7 +172,7 @@ def test_slider_at_60_hz(open_viewer: Any, qtbot: Any, name: str, path: str) -> 
     viewer.simulator.answered.connect(show)  # after the viewer, which has painted the record by then
     positions = iter(np.concatenate([np.linspace(200, 400, RATE), np.linspace(400, 200, RATE)]).astype(int))
 
-    def move() -> None:
+    def move():
         position = next(positions, None)
         if position is None:
             timer.stop()
@@ -195,7 +194,7 @@ def test_slider_at_60_hz(open_viewer: Any, qtbot: Any, name: str, path: str) -> 
         print(f"pictures {after:.0f} ms after their move (median; best {best:.0f}), of which {of_it:.0f} ms traced")
 
 
-def test_live_tow(open_viewer: Any, qtbot: Any) -> None:
+def test_live_tow(open_viewer, qtbot):
     viewer = open_viewer(load_scene("default"), prepare=None)
     viewer.tow.speed = 4.0
     viewer.tow.restart(1000)  # past the targets, before which it would pause
@@ -210,7 +209,7 @@ def test_live_tow(open_viewer: Any, qtbot: Any) -> None:
     print(gaps.sentence())
 
 
-def test_a_view_that_is_turned(open_viewer: Any, qtbot: Any) -> None:
+def test_a_view_that_is_turned(open_viewer, qtbot):
     viewer = open_viewer(load_scene("default"), prepare=None)
     viewer.window.resize(1480, 900)
     qtbot.wait(500)
@@ -228,7 +227,7 @@ def test_a_view_that_is_turned(open_viewer: Any, qtbot: Any) -> None:
     print(f"\n3-D view of {size} while turned: {rate:.1f} frames/s, median {1e3 * np.median(seconds):.0f} ms")
 
 
-def test_a_target_that_is_dragged(open_viewer: Any, qtbot: Any) -> None:
+def test_a_target_that_is_dragged(open_viewer, qtbot):
     viewer = open_viewer(load_scene("default"), prepare=None)
     viewer.window.resize(1480, 900)
     qtbot.wait(500)
@@ -246,7 +245,7 @@ def test_a_target_that_is_dragged(open_viewer: Any, qtbot: Any) -> None:
     print(gaps.sentence())
 
 
-def test_panel_that_follows_a_slider(open_viewer: Any) -> None:
+def test_panel_that_follows_a_slider(open_viewer):
     viewer = open_viewer(load_scene("default"))
     panel, seconds = viewer.panels["parameters"], []
     for altitude in np.linspace(5.0, 15.0, 3 * MOVES):
@@ -259,7 +258,7 @@ def test_panel_that_follows_a_slider(open_viewer: Any) -> None:
 
 
 @pytest.mark.parametrize("pings", [512, 2048])
-def test_a_and_b_change_places(open_viewer: Any, qtbot: Any, pings: int) -> None:
+def test_a_and_b_change_places(open_viewer, qtbot, pings):
     viewer = open_viewer(edit(load_scene("default"), {"track.pings": pings}), prepare=None)
     viewer.window.resize(1480, 900)
     qtbot.wait(200)

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import threading
 import time
-from typing import Any
 
 import numpy as np
 import pytest
@@ -16,7 +15,7 @@ from stand_in import StandIn
 
 from insonify.compiler.progress import Compilation, report_progress
 from insonify.packing.packed_scene import pack
-from insonify.scene import Scene, edit
+from insonify.scene import edit
 from insonify_viewer.seabed import pv_meshes
 from insonify_viewer.state.history import Modelling
 from insonify_viewer.widgets.painting import dimmed
@@ -25,12 +24,12 @@ from insonify_viewer.work.simulator import Simulator
 from insonify_viewer.work.waiting import DELAY, FEW, Waiting, WaitingWatch
 
 
-def look(watch: WaitingWatch, now: float, missing: int, **given: Any) -> Waiting | None:
+def look(watch: WaitingWatch, now: float, missing: int, **given) -> Waiting | None:
     state = {"number": 1, "arrived": 0, "shown": 512, "running": False, "activity": Waiting()}
     return watch.look(now, missing=missing, **state | given)
 
 
-def test_a_wait_is_told_after_a_moment_with_the_share_done() -> None:
+def test_a_wait_is_told_after_a_moment_with_the_share_done():
     watch = WaitingWatch()
     assert look(watch, 0.0, 512) is None
     assert look(watch, DELAY / 2, 512) is None
@@ -40,39 +39,39 @@ def test_a_wait_is_told_after_a_moment_with_the_share_done() -> None:
     assert look(watch, 2.0, 512) is None, "the next wait begins anew"
 
 
-def test_the_share_is_that_of_the_present_edit() -> None:
+def test_the_share_is_that_of_the_present_edit():
     watch = WaitingWatch()
     look(watch, 0.0, 512)
     assert look(watch, 1.0, 128) == Waiting("simulating pings, 384 of 512", 0.75)
     assert look(watch, 1.1, 512, number=2) == Waiting("simulating pings, 0 of 512", 0.0), "and the wait goes on"
 
 
-def test_a_record_that_follows_a_slider_is_not_waited_for() -> None:
+def test_a_record_that_follows_a_slider_is_not_waited_for():
     watch = WaitingWatch()
     moves = range(40)
     assert [look(watch, 0.1 * k, 512, number=k + 1, arrived=k) for k in moves] == [None] * len(moves)
     assert look(watch, 4.0 + DELAY, 512, number=60, arrived=39) is not None, "but a slider that it does not follow is"
 
 
-def test_a_running_tow_always_misses_a_few_pings() -> None:
+def test_a_running_tow_always_misses_a_few_pings():
     watch = WaitingWatch()
     assert [look(watch, now, FEW, running=True) for now in (0.0, 1.0, 2.0)] == [None] * 3
     look(watch, 3.0, FEW + 1, running=True)
     assert look(watch, 4.0, FEW + 1, running=True) is not None
 
 
-def test_dimmed_colours_are_darker() -> None:
+def test_dimmed_colours_are_darker():
     assert [hex(int(word)) for word in dimmed(np.array([0xFF000000, 0xFFFF8008], np.uint32))] == [
         "0xff000000",
         "0xff5e3003",
     ]
 
 
-def test_stale_rows_are_dimmed_until_the_new_ones_arrive(open_viewer: Any, small: Scene, qtbot: Any) -> None:
+def test_stale_rows_are_dimmed_until_the_new_ones_arrive(open_viewer, small, qtbot):
     going = threading.Event()
 
     class Slow(StandIn):
-        def intensity(self, pings: Any) -> Any:
+        def intensity(self, pings):
             if self.scene.seed == 5:
                 going.wait(120.0)
             return super().intensity(pings)
@@ -94,13 +93,11 @@ def test_stale_rows_are_dimmed_until_the_new_ones_arrive(open_viewer: Any, small
     assert waterfall.grab().toImage().pixelColor(200, 26) != plain
 
 
-def test_the_bed_of_the_last_scene_is_faded_beside_a_newer_record(
-    open_viewer: Any, small: Scene, qtbot: Any, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_the_bed_of_the_last_scene_is_faded_beside_a_newer_record(open_viewer, small, qtbot, monkeypatch):
     going = threading.Event()
     draw = pv_meshes.bed_patch
 
-    def draw_slowly(ground: Any, *rest: Any) -> Any:
+    def draw_slowly(ground, *rest):
         if ground is not first:
             going.wait(120.0)
         return draw(ground, *rest)
@@ -109,7 +106,7 @@ def test_the_bed_of_the_last_scene_is_faded_beside_a_newer_record(
     first = viewer.seabed._bed[0]
     monkeypatch.setattr(pv_meshes, "bed_patch", draw_slowly)
 
-    def strongest_contrast() -> float:
+    def strongest_contrast():
         viewer.seabed.draw_now()
         image = viewer.seabed.view.grab().toImage()
         greys = [image.pixelColor(x, image.height() * 3 // 4).lightness() for x in range(20, image.width() - 20)]
@@ -125,12 +122,10 @@ def test_the_bed_of_the_last_scene_is_faded_beside_a_newer_record(
     assert strongest_contrast() > 0.7 * usual
 
 
-def test_a_bed_that_cannot_be_drawn_is_told_with_details(
-    open_viewer: Any, small: Scene, qtbot: Any, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_a_bed_that_cannot_be_drawn_is_told_with_details(open_viewer, small, qtbot, monkeypatch):
     viewer = open_viewer(small, prepare=None)
 
-    def fail(*_: Any) -> None:
+    def fail(*_):
         raise KeyError("no such thing")
 
     monkeypatch.setattr(pv_meshes, "bed_patch", fail)
@@ -142,18 +137,18 @@ def test_a_bed_that_cannot_be_drawn_is_told_with_details(
     qtbot.waitUntil(lambda: viewer.complete, timeout=120000)
 
 
-def test_the_new_bed_is_told_before_its_methods_are_chosen(small: Scene, qtbot: Any) -> None:
-    told: list[Any] = []
+def test_the_new_bed_is_told_before_its_methods_are_chosen(small, qtbot):
+    told = []
     going = threading.Event()
 
-    def prepare(scene: Scene, *, packed: Any, **how: Any) -> StandIn:
+    def prepare(scene, *, packed, **how):
         going.wait(120.0)
         made = StandIn(scene, **how)
         made.ground = packed.ground
         return made
 
     simulator = Simulator(prepare, pack)
-    ready: list[Any] = []
+    ready = []
     simulator.laid.connect(lambda number, packed: told.append((going.is_set(), packed.scene)))
     try:
         scenes = (small, edit(small, {"sonar.range": 40.0}), edit(small, {"seabed.relief.beta": 2.0}))
@@ -175,7 +170,7 @@ def test_the_new_bed_is_told_before_its_methods_are_chosen(small: Scene, qtbot: 
         simulator.close()
 
 
-def test_the_bar_tells_what_is_compiled(open_viewer: Any, small: Scene, qtbot: Any) -> None:
+def test_the_bar_tells_what_is_compiled(open_viewer, small, qtbot):
     viewer = open_viewer(small)
     viewer.simulator.ask = lambda request: None
     viewer.session.settle({"seed": 5})
@@ -189,7 +184,7 @@ def test_the_bar_tells_what_is_compiled(open_viewer: Any, small: Scene, qtbot: A
     assert viewer.simulator.activity == Waiting(), "a closed window does not watch"
 
 
-def test_a_new_bed_is_shown_while_its_first_ping_is_awaited(open_viewer: Any, small: Scene, qtbot: Any) -> None:
+def test_a_new_bed_is_shown_while_its_first_ping_is_awaited(open_viewer, small, qtbot):
     viewer = open_viewer(small)
     shown = viewer.seabed.view._bed.points.copy()
     viewer.simulator.ask = lambda request: None  # as if kernels were compiled for minutes
@@ -215,7 +210,7 @@ class Slow(StandIn):
 
 
 @pytest.mark.parametrize("waits", [False, True])
-def test_a_coarse_picture_that_takes_long_is_cut_short_for_a_newer_request(small: Scene, waits: bool) -> None:
+def test_a_coarse_picture_that_takes_long_is_cut_short_for_a_newer_request(small, waits):
     simulator = Simulator(prepare=Slow)
     request = PingRequest(0, small, Modelling(), np.arange(40, dtype=np.int64), fine=False)
     Slow.traced = 0
@@ -230,7 +225,7 @@ def test_a_coarse_picture_that_takes_long_is_cut_short_for_a_newer_request(small
     assert answer.pings.tolist() == list(range(len(answer.pings))), "the most urgent ones"
 
 
-def test_a_picture_that_waited_for_its_ground_has_more_of_its_pings(qapp: object) -> None:
+def test_a_picture_that_waited_for_its_ground_has_more_of_its_pings(qapp):
     simulator = Simulator(prepare=StandIn)
     simulator._cost = 1e-4
     assert [simulator._stride(512, passed) for passed in (0.0, 0.01, 0.06, 1.0)] == [8, 8, 2, 1]

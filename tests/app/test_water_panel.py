@@ -10,7 +10,7 @@ from PySide6.QtTest import QTest
 from PySide6.QtWidgets import QApplication, QFileDialog
 from test_menus import activate
 
-from insonify.scene import Scene, edit
+from insonify.scene import edit
 from insonify_viewer.state.session import Session
 from insonify_viewer.widgets.painting import round_steps
 
@@ -18,23 +18,21 @@ PROFILE = {"kind": "profile", "depth": [0.0, 10.0, 20.0, 30.0], "sound_speed": [
 
 
 @pytest.fixture
-def layered(small: Scene) -> Scene:
+def layered(small):
     return edit(small, {"water": PROFILE})
 
 
-def wait_for_rays(viewer: Any, qtbot: Any) -> None:
+def wait_for_rays(viewer, qtbot):
     qtbot.waitUntil(lambda: viewer.complete, timeout=60000)
 
 
-def colours(widget: Any) -> int:
+def colours(widget) -> int:
     """Number of colours in a picture of the widget."""
     picture = widget.grab().toImage()
     return len({picture.pixel(x, y) for x in range(0, picture.width(), 3) for y in range(0, picture.height(), 3)})
 
 
-def test_the_panel_opens_with_layered_water_and_stays_out_of_the_way_without(
-    open_viewer: Any, small: Scene, layered: Scene, qtbot: Any
-) -> None:
+def test_the_panel_opens_with_layered_water_and_stays_out_of_the_way_without(open_viewer, small, layered, qtbot):
     viewer = open_viewer(small)
     assert not viewer.panels["water"].view.isVisible()
     viewer.session.open(layered)
@@ -47,7 +45,7 @@ def test_the_panel_opens_with_layered_water_and_stays_out_of_the_way_without(
     assert not viewer.panels["water"].view.isVisible()
 
 
-def test_uniform_water_can_be_looked_at_too(open_viewer: Any, small: Scene, qtbot: Any) -> None:
+def test_uniform_water_can_be_looked_at_too(open_viewer, small, qtbot):
     viewer = open_viewer(small)
     viewer.window._buttons["water"].trigger()
     wait_for_rays(viewer, qtbot)
@@ -55,7 +53,7 @@ def test_uniform_water_can_be_looked_at_too(open_viewer: Any, small: Scene, qtbo
     assert colours(viewer.panels["water"].view) > 30
 
 
-def test_a_point_of_the_profile_is_dragged_and_the_drag_undone(open_viewer: Any, layered: Scene, qtbot: Any) -> None:
+def test_a_point_of_the_profile_is_dragged_and_the_drag_undone(open_viewer, layered, qtbot):
     viewer = open_viewer(layered)
     wait_for_rays(viewer, qtbot)
     view = viewer.panels["water"].view
@@ -75,7 +73,7 @@ def test_a_point_of_the_profile_is_dragged_and_the_drag_undone(open_viewer: Any,
     assert (view.handle(1).toPoint() - start).manhattanLength() <= 1
 
 
-def test_a_point_never_passes_its_neighbours(open_viewer: Any, layered: Scene, qtbot: Any) -> None:
+def test_a_point_never_passes_its_neighbours(open_viewer, layered, qtbot):
     viewer = open_viewer(layered)
     wait_for_rays(viewer, qtbot)
     viewer.panels["water"].view.point_dragged.emit(1, 29.0, 1800.0)
@@ -86,7 +84,7 @@ def test_a_point_never_passes_its_neighbours(open_viewer: Any, layered: Scene, q
     assert viewer.session.scene.water.sound_speed[1] == 1300.0
 
 
-def test_a_click_into_the_water_asks_for_the_rays_to_it(open_viewer: Any, layered: Scene, qtbot: Any) -> None:
+def test_a_click_into_the_water_asks_for_the_rays_to_it(open_viewer, layered, qtbot):
     viewer = open_viewer(layered)
     wait_for_rays(viewer, qtbot)
     view = viewer.panels["water"].view
@@ -100,7 +98,7 @@ def test_a_click_into_the_water_asks_for_the_rays_to_it(open_viewer: Any, layere
     assert viewer.session.scene == layered
 
 
-def open_with_keyboard(open_viewer: Any, scene: Scene, qtbot: Any) -> tuple[Any, Any]:
+def open_with_keyboard(open_viewer, scene, qtbot) -> tuple[Any, Any]:
     """Open a viewer, and return it and its view of the water, which has the keyboard."""
     viewer = open_viewer(scene)
     activate(viewer.window, qtbot)
@@ -110,7 +108,7 @@ def open_with_keyboard(open_viewer: Any, scene: Scene, qtbot: Any) -> tuple[Any,
     return viewer, view
 
 
-def test_keys_choose_a_point_and_move_it(open_viewer: Any, layered: Scene, qtbot: Any) -> None:
+def test_keys_choose_a_point_and_move_it(open_viewer, layered, qtbot):
     viewer, view = open_with_keyboard(open_viewer, layered, qtbot)
     QTest.keyClick(view, Qt.Key.Key_Tab)
     plain = view.grab().toImage()
@@ -133,7 +131,7 @@ def test_keys_choose_a_point_and_move_it(open_viewer: Any, layered: Scene, qtbot
     assert viewer.session.scene.water.sound_speed[1] == pytest.approx(1518.0 - 3 * 0.2)
 
 
-def test_a_point_is_settled_when_the_keyboard_leaves_it(open_viewer: Any, layered: Scene, qtbot: Any) -> None:
+def test_a_point_is_settled_when_the_keyboard_leaves_it(open_viewer, layered, qtbot):
     viewer, view = open_with_keyboard(open_viewer, layered, qtbot)
     QTest.keyPress(view, Qt.Key.Key_Left)
     assert not viewer.session.undoable
@@ -141,7 +139,7 @@ def test_a_point_is_settled_when_the_keyboard_leaves_it(open_viewer: Any, layere
     assert viewer.session.undoable
 
 
-def test_a_key_asks_for_the_rays_to_a_point_of_the_water(open_viewer: Any, layered: Scene, qtbot: Any) -> None:
+def test_a_key_asks_for_the_rays_to_a_point_of_the_water(open_viewer, layered, qtbot):
     viewer = open_viewer(layered)
     activate(viewer.window, qtbot)
     wait_for_rays(viewer, qtbot)
@@ -161,7 +159,7 @@ def test_a_key_asks_for_the_rays_to_a_point_of_the_water(open_viewer: Any, layer
     assert QApplication.focusWidget() is not view, "the cross is the last stop"
 
 
-def test_columns_of_water_have_no_sliders(open_viewer: Any, layered: Scene, qtbot: Any) -> None:
+def test_columns_of_water_have_no_sliders(open_viewer, layered, qtbot):
     viewer = open_viewer(layered)
     for kind in ("profile", "hydrography", "section", "uniform"):
         viewer.panels["parameters"].view.settled.emit("water.kind", kind)
@@ -172,9 +170,7 @@ def test_columns_of_water_have_no_sliders(open_viewer: Any, layered: Scene, qtbo
     viewer.panels["parameters"].view.row("water.sound_speed")
 
 
-def test_a_cast_is_asked_for(
-    open_viewer: Any, small: Scene, qtbot: Any, tmp_path: Any, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_a_cast_is_asked_for(open_viewer, small, qtbot, tmp_path, monkeypatch):
     path = tmp_path / "cast.csv"
     path.write_text("depth,speed\n0,1520\n12,1515\n30,1500\n")
     viewer = open_viewer(small)
@@ -188,13 +184,13 @@ def test_a_cast_is_asked_for(
     assert viewer.panels["water"].view.isVisible()
 
 
-def test_round_steps_are_round_and_few() -> None:
+def test_round_steps_are_round_and_few():
     assert round_steps(0.0, 40.0, 5) == [0.0, 10.0, 20.0, 30.0, 40.0]
     assert round_steps(1498.4, 1521.0, 3) == [1500.0, 1510.0, 1520.0]
     assert len(round_steps(0.0, 450.0, 8)) <= 9
 
 
-def test_slower_water_lowers_the_ping_rate(small: Scene) -> None:
+def test_slower_water_lowers_the_ping_rate(small):
     session = Session(edit(small, {"water": PROFILE, "sonar.ping_rate": 15.0}))
     assert session.settle({"water.sound_speed": [1400.0] * 4})
     assert session.scene.sonar.ping_rate == 14.0

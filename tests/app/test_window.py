@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from typing import Any
-
 import numpy as np
 import pytest
 from PySide6.QtCore import QPoint, Qt
@@ -11,18 +9,18 @@ from PySide6.QtGui import QColor
 from PySide6.QtTest import QTest
 from PySide6.QtWidgets import QFileDialog, QToolButton
 
-from insonify.scene import Scene, bundled_scenes, edit, load_scene
+from insonify.scene import bundled_scenes, edit, load_scene
 from insonify.scene.seabed.materials import MATERIALS
 from insonify_viewer.widgets.field_rows import ChoiceRow, NumberRow
 
 
-def number_row(viewer: Any, path: str) -> NumberRow:
+def number_row(viewer, path: str) -> NumberRow:
     row = viewer.panels["parameters"].view.row(path)
     assert isinstance(row, NumberRow)
     return row
 
 
-def pick(viewer: Any, path: str, option: str) -> None:
+def pick(viewer, path: str, option: str):
     row = viewer.panels["parameters"].view.row(path)
     assert isinstance(row, ChoiceRow)
     index = row.combo.findData(option)
@@ -30,7 +28,7 @@ def pick(viewer: Any, path: str, option: str) -> None:
     row.combo.activated.emit(index)
 
 
-def drag(viewer: Any, path: str, *positions: int) -> Any:
+def drag(viewer, path: str, *positions: int):
     slider = number_row(viewer, path).slider
     slider.setSliderDown(True)
     for position in positions:
@@ -38,7 +36,7 @@ def drag(viewer: Any, path: str, *positions: int) -> Any:
     return slider
 
 
-def test_slider_gives_another_waterfall(open_viewer: Any, small: Scene, qtbot: Any) -> None:
+def test_slider_gives_another_waterfall(open_viewer, small, qtbot):
     viewer = open_viewer(small)
     before = viewer.window.waterfall.picture().copy()
     drag(viewer, "seabed.material.diffuse", 600).setSliderDown(False)
@@ -47,15 +45,15 @@ def test_slider_gives_another_waterfall(open_viewer: Any, small: Scene, qtbot: A
     assert (viewer.window.waterfall.picture() != before).any()
 
 
-def test_drag_is_coarse_and_release_is_fine(open_viewer: Any, small: Scene, qtbot: Any) -> None:
-    made: list[tuple[Scene, str]] = []
+def test_drag_is_coarse_and_release_is_fine(open_viewer, small, qtbot):
+    made = []
     from stand_in import StandIn
 
-    def prepare(scene: Scene, *, tolerance: float, forced: dict[str, str], plan: Any = None) -> StandIn:
+    def prepare(scene, *, tolerance, forced, plan=None):
         made.append((scene, forced.get("planes", "as planned")))
         return StandIn(scene, tolerance=tolerance, forced=forced, plan=plan)
 
-    def planes() -> str:
+    def planes():
         """Last choice for the scene on screen; what effects change is measured on other scenes meanwhile."""
         return [choice for scene, choice in made if scene == viewer.session.scene][-1]
 
@@ -75,7 +73,7 @@ def test_drag_is_coarse_and_release_is_fine(open_viewer: Any, small: Scene, qtbo
     assert viewer.session.scene == before, "a drag is one step of undo"
 
 
-def test_rows_stand_where_the_simulation_says(open_viewer: Any, small: Scene) -> None:
+def test_rows_stand_where_the_simulation_says(open_viewer, small):
     viewer = open_viewer(small)
     record = viewer.record
     for ping in (0, 5, 127):
@@ -84,7 +82,7 @@ def test_rows_stand_where_the_simulation_says(open_viewer: Any, small: Scene) ->
         assert record.amplitude_at(ping, 1, 3) == 0.0
 
 
-def test_pause_holds_the_rows_and_running_scrolls(open_viewer: Any, small: Scene, qtbot: Any) -> None:
+def test_pause_holds_the_rows_and_running_scrolls(open_viewer, small, qtbot):
     viewer = open_viewer(small)
     held = viewer.window.waterfall.picture().copy()
     qtbot.wait(150)
@@ -97,7 +95,7 @@ def test_pause_holds_the_rows_and_running_scrolls(open_viewer: Any, small: Scene
     assert not viewer.tow.running
 
 
-def test_the_tow_pauses_once_before_the_targets_leave(open_viewer: Any, small: Scene, qtbot: Any) -> None:
+def test_the_tow_pauses_once_before_the_targets_leave(open_viewer, small, qtbot):
     viewer = open_viewer(small)
     viewer.tow.speed = 16.0
     viewer.run(True)
@@ -114,7 +112,7 @@ def test_the_tow_pauses_once_before_the_targets_leave(open_viewer: Any, small: S
     qtbot.waitUntil(lambda: viewer.tow.newest > 400, timeout=5000)
 
 
-def test_the_menu_opens_bundled_scenes(open_viewer: Any, small: Scene, qtbot: Any) -> None:
+def test_the_menu_opens_bundled_scenes(open_viewer, small, qtbot):
     viewer = open_viewer(small)
     menu = viewer.window.scenes
     menu.fill()
@@ -133,7 +131,7 @@ def test_the_menu_opens_bundled_scenes(open_viewer: Any, small: Scene, qtbot: An
     qtbot.waitUntil(lambda: viewer.complete)
 
 
-def test_the_tow_waits_for_pings_that_take_long(open_viewer: Any, small: Scene, qtbot: Any) -> None:
+def test_the_tow_waits_for_pings_that_take_long(open_viewer, small, qtbot):
     viewer = open_viewer(edit(small, {"targets": []}))
     viewer.simulator.ask = lambda request: None  # as if nothing were ever traced
     viewer.tow.speed = 16.0
@@ -145,7 +143,7 @@ def test_the_tow_waits_for_pings_that_take_long(open_viewer: Any, small: Scene, 
     assert 127 + 48 < viewer.tow.newest <= 127 + 48 + round(0.2 * 16.0 * 10.0) + 1
 
 
-def test_kind_edits_the_scene_and_its_rows(open_viewer: Any, small: Scene) -> None:
+def test_kind_edits_the_scene_and_its_rows(open_viewer, small):
     viewer = open_viewer(small)
     pick(viewer, "sonar.beam.kind", "knife")
     assert viewer.session.scene.sonar.beam.kind == "knife"
@@ -156,7 +154,7 @@ def test_kind_edits_the_scene_and_its_rows(open_viewer: Any, small: Scene) -> No
     assert number_row(viewer, "sonar.beam.width").field.text() == "1°"
 
 
-def test_material_name_turns_into_its_numbers(open_viewer: Any, small: Scene) -> None:
+def test_material_name_turns_into_its_numbers(open_viewer, small):
     viewer = open_viewer(edit(small, {"seabed.material.diffuse": 0.33}))
     assert number_row(viewer, "seabed.material.diffuse").field.text() == "0.33"
     pick(viewer, "seabed.material.name", "rock")
@@ -164,7 +162,7 @@ def test_material_name_turns_into_its_numbers(open_viewer: Any, small: Scene) ->
     assert shown == [f"{value:.4g}" for value in MATERIALS["rock"].reflectivity[:3]]
 
 
-def test_refused_edit_is_said_and_the_slider_returns(open_viewer: Any, small: Scene) -> None:
+def test_refused_edit_is_said_and_the_slider_returns(open_viewer, small):
     viewer = open_viewer(small)
     row = number_row(viewer, "seabed.depth")
     home = row.slider.value()
@@ -175,14 +173,14 @@ def test_refused_edit_is_said_and_the_slider_returns(open_viewer: Any, small: Sc
     assert row.field.text() == "30 m"
 
 
-def test_core_refusal_goes_back(open_viewer: Any, small: Scene, qtbot: Any) -> None:
+def test_core_refusal_goes_back(open_viewer, small, qtbot):
     viewer = open_viewer(small)
     viewer.session.settle({"seed": 666})
     qtbot.waitUntil(lambda: viewer.session.scene == small)
     assert "666" in viewer.window.status.sentence.text()
 
 
-def test_range_takes_the_ping_rate_along(open_viewer: Any, small: Scene) -> None:
+def test_range_takes_the_ping_rate_along(open_viewer, small):
     viewer = open_viewer(small)
     viewer.session.drag({"sonar.range": 150.0})
     assert viewer.session.scene.sonar.ping_rate == 5.0
@@ -192,7 +190,7 @@ def test_range_takes_the_ping_rate_along(open_viewer: Any, small: Scene) -> None
     viewer.session.settle()
 
 
-def test_typing_a_value_and_nonsense(open_viewer: Any, small: Scene) -> None:
+def test_typing_a_value_and_nonsense(open_viewer, small):
     viewer = open_viewer(edit(small, {"sonar.beam": "array"}))
     field = number_row(viewer, "sonar.frequency").field
     for text, expected in (("600 kHz", 6e5), ("0.3MHz", 3e5), ("abc", 3e5), ("-5", 3e5)):
@@ -204,7 +202,7 @@ def test_typing_a_value_and_nonsense(open_viewer: Any, small: Scene) -> None:
     assert field.text() == "300 kHz"
 
 
-def test_a_slider_that_changes_nothing_stands_aside(open_viewer: Any, small: Scene) -> None:
+def test_a_slider_that_changes_nothing_stands_aside(open_viewer, small):
     viewer = open_viewer(small)
     row = number_row(viewer, "sonar.frequency")
     assert not row.slider.isEnabled()
@@ -226,7 +224,7 @@ def test_a_slider_that_changes_nothing_stands_aside(open_viewer: Any, small: Sce
     assert number_row(viewer, "receiver.source_level").slider.isEnabled()
 
 
-def test_undo_and_redo(open_viewer: Any, small: Scene) -> None:
+def test_undo_and_redo(open_viewer, small):
     viewer = open_viewer(small)
     assert not viewer.window.undo.isEnabled()
     viewer.session.settle({"track.altitude": 6.0})
@@ -238,7 +236,7 @@ def test_undo_and_redo(open_viewer: Any, small: Scene) -> None:
     assert not viewer.window.redo.isEnabled()
 
 
-def test_palette_and_gain_change_the_colours(open_viewer: Any, small: Scene) -> None:
+def test_palette_and_gain_change_the_colours(open_viewer, small):
     viewer = open_viewer(small)
     waterfall = viewer.window.waterfall
     copper = waterfall.picture().copy()
@@ -253,7 +251,7 @@ def test_palette_and_gain_change_the_colours(open_viewer: Any, small: Scene) -> 
     assert (waterfall.picture() == pen).all()
 
 
-def test_port_is_left_and_newest_on_top(open_viewer: Any, small: Scene) -> None:
+def test_port_is_left_and_newest_on_top(open_viewer, small):
     viewer = open_viewer(small)
     amplitude = np.zeros((1, 2, 100), np.float32)
     amplitude[0, 0, 99] = 50.0
@@ -264,7 +262,7 @@ def test_port_is_left_and_newest_on_top(open_viewer: Any, small: Scene) -> None:
     assert brightest[1] < picture.shape[1] // 50
 
 
-def test_bins_and_pings_make_a_new_record(open_viewer: Any, small: Scene, qtbot: Any) -> None:
+def test_bins_and_pings_make_a_new_record(open_viewer, small, qtbot):
     viewer = open_viewer(small)
     viewer.session.settle({"sonar.bins": 50, "track.pings": 40})
     qtbot.waitUntil(lambda: viewer.complete)
@@ -272,7 +270,7 @@ def test_bins_and_pings_make_a_new_record(open_viewer: Any, small: Scene, qtbot:
     assert viewer.window.waterfall.record is viewer.record
 
 
-def test_one_ping_one_bin(open_viewer: Any, small: Scene, qtbot: Any) -> None:
+def test_one_ping_one_bin(open_viewer, small, qtbot):
     viewer = open_viewer(edit(small, {"sonar.bins": 1, "track.pings": 1}))
     viewer.window.resize(880, 520)
     viewer.run(True)
@@ -280,7 +278,7 @@ def test_one_ping_one_bin(open_viewer: Any, small: Scene, qtbot: Any) -> None:
     assert viewer.window.waterfall.picture().shape[0] == 1
 
 
-def test_small_window_clips_no_tool(open_viewer: Any, small: Scene, qtbot: Any) -> None:
+def test_small_window_clips_no_tool(open_viewer, small, qtbot):
     viewer = open_viewer(small)
     viewer.window.resize(900, 600)
     qtbot.waitUntil(lambda: viewer.window.width() == 900)
@@ -290,10 +288,10 @@ def test_small_window_clips_no_tool(open_viewer: Any, small: Scene, qtbot: Any) 
     assert last.mapTo(viewer.window, QPoint(last.width(), 0)).x() <= 900
 
 
-def test_nothing_black_in_the_water_above(open_viewer: Any, small: Scene, qtbot: Any) -> None:
+def test_nothing_black_in_the_water_above(open_viewer, small, qtbot):
     viewer = open_viewer(small, solid=True)
 
-    def is_water() -> bool:
+    def is_water():
         image = viewer.seabed.view.grab().toImage()
         colour = QColor(image.pixel(image.width() // 8, 8))
         return colour.blue() > colour.red() > 40
@@ -302,7 +300,7 @@ def test_nothing_black_in_the_water_above(open_viewer: Any, small: Scene, qtbot:
     qtbot.waitUntil(is_water)
 
 
-def test_picture_is_saved_whole_or_not_at_all(open_viewer: Any, small: Scene, tmp_path: Any) -> None:
+def test_picture_is_saved_whole_or_not_at_all(open_viewer, small, tmp_path):
     from insonify_viewer.widgets.save_dialogs import save_picture
 
     viewer = open_viewer(small)
@@ -313,7 +311,7 @@ def test_picture_is_saved_whole_or_not_at_all(open_viewer: Any, small: Scene, tm
     assert [p.name for p in tmp_path.iterdir()] == ["w.png"]
 
 
-def test_dem_is_opened_and_the_tow_ends_with_it(open_viewer: Any, small: Scene, tmp_path: Any, qtbot: Any) -> None:
+def test_dem_is_opened_and_the_tow_ends_with_it(open_viewer, small, tmp_path, qtbot):
     from insonify.simulation import prepare
 
     y, x = np.mgrid[0:60, 0:90]
@@ -334,7 +332,7 @@ def test_dem_is_opened_and_the_tow_ends_with_it(open_viewer: Any, small: Scene, 
     assert viewer.session.scene == scene
 
 
-def test_scene_file_that_cannot_be_read_is_said(open_viewer: Any, small: Scene, tmp_path: Any) -> None:
+def test_scene_file_that_cannot_be_read_is_said(open_viewer, small, tmp_path):
     viewer = open_viewer(small)
     (tmp_path / "bad.toml").write_text("[sonar]\nrang = 3\n")
     viewer.files.open_scene(str(tmp_path / "bad.toml"))
@@ -342,7 +340,7 @@ def test_scene_file_that_cannot_be_read_is_said(open_viewer: Any, small: Scene, 
     assert viewer.session.scene == small
 
 
-def test_seabed_and_progress_show_before_the_first_ping(open_viewer: Any, small: Scene, qtbot: Any) -> None:
+def test_seabed_and_progress_show_before_the_first_ping(open_viewer, small, qtbot):
     from threading import Event
 
     from stand_in import StandIn
@@ -350,7 +348,7 @@ def test_seabed_and_progress_show_before_the_first_ping(open_viewer: Any, small:
     compiled = Event()
 
     class Slow(StandIn):
-        def intensity(self, pings: Any) -> Any:
+        def intensity(self, pings):
             compiled.wait(120.0)
             return super().intensity(pings)
 
@@ -364,9 +362,7 @@ def test_seabed_and_progress_show_before_the_first_ping(open_viewer: Any, small:
     assert viewer.panels["parameters"].view.isEnabled()
 
 
-def test_a_kind_that_is_read_from_a_file_asks_for_it(
-    open_viewer: Any, small: Scene, tmp_path: Any, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_a_kind_that_is_read_from_a_file_asks_for_it(open_viewer, small, tmp_path, monkeypatch):
     path = tmp_path / "correlation.csv"
     path.write_text("lag,value\n0,1\n1,0.5\n2,0.1\n4,0\n")
     viewer = open_viewer(edit(small, {"seabed.relief": {"kind": "autocorrelation"}}))

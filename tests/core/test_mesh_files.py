@@ -7,7 +7,9 @@ import numpy as np
 import pytest
 import trimesh
 
+from insonify.io.file_access import FileFault
 from insonify.io.meshes import read_mesh
+from insonify.io.meshes.trimesh_files import read_with_trimesh
 from insonify.kernels.geometry.bvh import build_mesh
 from insonify.scene import SceneError, bundled_meshes, load_scene
 from insonify.simulation import prepare
@@ -101,6 +103,17 @@ def test_triangles_without_area_are_dropped_and_a_missing_material_library_is_no
     path.write_text("mtllib none.mtl\nusemtl x\nv 0 0 0\nv 1 0 0\nv 1 1 0\nv 2 0 0\nf 1 2 3\nf 1 2 4\nf 1 1 3\n")
     assert len(read_mesh(str(path))) == 1
     assert capfd.readouterr() == ("", "")
+
+
+@pytest.mark.parametrize("suffix", ["stl", "ply"])
+def test_too_many_triangles_are_refused_by_the_header(tmp_path, suffix):
+    """Ten million of them took 19 s and 4.5 GB; this file holds none of those that it announces."""
+    path = tmp_path / f"many.{suffix}"
+    stl = b"\0" * 80 + struct.pack("<I", 10**7)
+    path.write_bytes(stl if suffix == "stl" else b"ply\nformat ascii 1.0\nelement vertex 3\nelement face 10000000\n")
+    os.truncate(path, 84 + 50 * 10**7)
+    with pytest.raises(FileFault, match=r"has 10000000 triangles.*thin it to at most 2000000"):
+        read_with_trimesh(str(path))
 
 
 @pytest.mark.parametrize("suffix", FORMATS)

@@ -31,7 +31,9 @@ def draw_trace(painter: QPainter, area: QRect, loudest: NDArray[np.float32], tit
     painter.fillRect(area, QColor(RAISED))
     painter.save()
     painter.setClipRect(area)
-    _draw_lines(painter, area, top)
+    painter.setPen(QColor(EDGE))
+    for _, y in _scale(area, top):
+        painter.drawLine(area.left(), round(y), area.right(), round(y))  # of whole pixels: crisp
     heights = area.bottom() - (np.maximum(levels, FLOOR) - FLOOR) / (top - FLOOR) * area.height()
     places = area.left() + 0.5 + np.arange(heights.size)
     line = make_polyline(places, heights)
@@ -57,12 +59,6 @@ def _scale(area: QRect, top: float) -> list[tuple[float, float]]:
     """Levels in dB of the lines of the scale, with their heights in the area in px."""
     levels = np.arange(FLOOR + STEP, top, STEP).tolist()
     return [(level, area.bottom() - (level - FLOOR) / (top - FLOOR) * area.height()) for level in levels]
-
-
-def _draw_lines(painter: QPainter, area: QRect, top: float) -> None:
-    painter.setPen(QColor(EDGE))
-    for _, y in _scale(area, top):
-        painter.drawLine(area.left(), round(y), area.right(), round(y))  # of whole pixels: crisp
 
 
 def _draw_numbers(painter: QPainter, area: QRect, top: float) -> None:

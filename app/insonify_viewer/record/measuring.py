@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
-from insonify.io.georeference import Georeference, find_georeference, to_degrees
+from insonify.io.georeference import Georeference, to_degrees
 from insonify_viewer.record.comparison.recording import Recording
 from insonify_viewer.record.marked_point import locate_mark
 from insonify_viewer.state.inspection import Mark
@@ -127,8 +127,3 @@ def degrees_of(georeference: Georeference | None, place: tuple[float, float] | N
         return None
     longitude, latitude = to_degrees(georeference, *(np.array([value]) for value in place))
     return float(longitude[0]), float(latitude[0])
-
-
-def georeference_of(recording: Recording) -> Georeference | None:
-    """Place of a recording on Earth."""
-    return find_georeference(recording.dataset.attrs)

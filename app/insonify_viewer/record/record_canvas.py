@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from dataclasses import replace
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -146,30 +147,11 @@ class RecordCanvas(QWidget):
             self._zoom = zoom
             self._fit()
 
-    def show_mark(self, mark: Mark | None) -> None:
-        """Draw a cross through a point of the record."""
-        self._change_mark("cross", mark)
-
-    def show_pin(self, mark: Mark | None) -> None:
-        """Draw a ring about the pinned pixel."""
-        self._change_mark("pin", mark)
-
-    def show_lit(self, marks: tuple[Mark, ...]) -> None:
-        """Light up pixels."""
-        self._change_mark("lit", marks)
-
-    def show_measured(self, line: tuple[Mark, Mark, str] | None) -> None:
-        """Draw a measured line with its words, or none."""
-        self._change_mark("line", line)
-
-    def show_contacts(self, contacts: Sequence[tuple[Mark, str, bool]]) -> None:
-        """Draw contacts with their names; True for the chosen one."""
-        self._change_mark("contacts", contacts)
-
-    def _change_mark(self, name: str, value: object) -> None:
-        """Change one of the marks, and draw the record anew unless it is as before."""
-        if value != getattr(self._marks, name):
-            setattr(self._marks, name, value)
+    def show_marks(self, **changes: Any) -> None:
+        """Change some of the `RecordMarks`, and draw the record anew unless they are as before."""
+        changed = replace(self._marks, **changes)
+        if changed != self._marks:
+            self._marks = changed
             self.update()
 
     def toggle_trace(self) -> None:

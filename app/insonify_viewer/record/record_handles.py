@@ -63,11 +63,6 @@ class RecordHandles(QObject):
             self.pulled.emit(mark)
         return True
 
-    def pull(self, mark: Mark | None) -> None:
-        """Move the dragged handle."""
-        if mark is not None:
-            self.pulled.emit(mark)
-
     def release(self) -> None:
         """Let go of the handle."""
         self.held = False

@@ -120,7 +120,8 @@ class WaterfallView(RecordCanvas):
             self._scrub(event)
             return
         if self.handles.held:
-            self.handles.pull(self.mark_at(place))
+            if (mark := self.mark_at(place)) is not None:
+                self.handles.pulled.emit(mark)
             return
         if self._pressed is not None and (self._dragged or (place - self._pressed).manhattanLength() > STILL):
             self._drag(place)

@@ -94,7 +94,9 @@ class SeabedController:
         reach = simulation.arrays.bins * simulation.arrays.bin_length
         bed = simulation.ground, window_centre(line, reach), reach
         bodies = (simulation.arrays.solids, simulation.arrays.mesh, target_colours(simulation.scene))
-        if not _is_same_bed(self._bed, bed) or not _same(self._bodies, bodies):
+        known = self._bed
+        same = known is not None and known[1:] == bed[1:] and is_same_ground(known[0], bed[0])
+        if not same or not _same(self._bodies, bodies):
             self._bed, self._bodies = bed, bodies
             self._bake(bed, bodies, at_once=at_once)
         if not at_once:  # pings of the scene are on screen
@@ -159,11 +161,9 @@ class SeabedController:
             self.view = None
 
     def _import(self) -> None:
-        # These imports take a second or two.
-        # lazy: the window opens before PyVista is loaded
-        from insonify_viewer.seabed.seabed_view import load_libraries
-
-        load_libraries(accelerated=self._accelerated)
+        import_module(VIEW)  # takes a second or two
+        if self._accelerated:
+            import_module("pyvistaqt")
 
     def _build(self, put: Callable[[SeabedView], None]) -> None:
         # lazy: the window opens before PyVista is loaded
@@ -287,11 +287,6 @@ class SeabedController:
 def _picture_of(patch: BedPatch, strip: RecordStrip | None) -> NDArray[np.uint8]:
     """Colours of a bed, with a record laid over them unless it is None."""
     return patch.image if strip is None else drape_record(patch.image, patch.centre, patch.half, strip)
-
-
-def _is_same_bed(first: _Bed | None, second: _Bed) -> bool:
-    """Whether two windows show the same ground at the same place."""
-    return first is not None and first[1:] == second[1:] and is_same_ground(first[0], second[0])
 
 
 def _same(first: _Bodies | None, second: _Bodies) -> bool:

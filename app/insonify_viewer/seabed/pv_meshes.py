@@ -25,6 +25,8 @@ TEXTURE_SIZE = 768
 LINE_POINTS = 96  # per side, of the current scan line
 MAX_SOLIDS = 400
 ROUND = 28  # corners of a circle
+# Colours of the scan line, from dark for shadow to a cold white, distinct from sand.
+SHADOW, ECHO = np.array([8.0, 30.0, 48.0]), np.array([214.0, 250.0, 255.0])
 WINDOW = 3.6  # side of the bed shown, in slant ranges
 BEHIND = 0.55  # distance of its middle behind the fish, in slant ranges: recorded bed matters most
 PATH_POINTS = 160
@@ -71,11 +73,6 @@ def bed_mesh(*, thinned: bool = False) -> Any:
     mesh.dimensions = (len(side), len(side), 1)
     mesh.active_texture_coordinates = np.column_stack([u.ravel(), v.ravel()])
     return mesh
-
-
-def thinned_points(points: NDArray[np.float32]) -> NDArray[np.float32]:
-    """Every `THINNED`th node of a `BedPatch` along both axes, its edges among them."""
-    return points.reshape(MESH_NODES, MESH_NODES, 3)[::THINNED, ::THINNED].reshape(-1, 3)
 
 
 def targets_mesh(solids: Solids, mesh: Mesh, colours: NDArray[np.uint8]) -> Any:
@@ -130,11 +127,6 @@ def cable_mesh(length: float) -> Any:
     s = np.linspace(0.0, 1.0, 24)
     ahead, up = 0.03 + 22.0 * s, 0.08 + 13.0 * s**1.2
     return pv.MultipleLines(length * np.column_stack([ahead, np.zeros(24), up]))
-
-
-def path_mesh() -> Any:
-    """Return a line of `PATH_POINTS` points, to be filled with the track."""
-    return pv.MultipleLines(np.zeros((PATH_POINTS, 3)))
 
 
 def path_pings(ping: int, step: float, reach: float) -> NDArray[np.int64]:
@@ -194,19 +186,14 @@ class ScanFan:
         bins = arrays.bins
         bin_scanned = np.clip((slant / arrays.bin_length).astype(np.int64), 0, bins - 1)
         columns = np.concatenate([bins - 1 - bin_scanned[:LINE_POINTS], bins + bin_scanned[LINE_POINTS:]])
-        self.footprint.point_data["colour"] = np.repeat(scan_colours(tones[columns]), 2, axis=0)
-
-
-def scan_colours(tones: NDArray[np.float32]) -> NDArray[np.uint8]:
-    """Colours of the scan line, from dark for shadow to a cold white, distinct from sand."""
-    dark, bright = np.array([8.0, 30.0, 48.0]), np.array([214.0, 250.0, 255.0])
-    return np.asarray((dark + tones[:, None] * (bright - dark)).astype(np.uint8))
+        colours = SHADOW + tones[columns][:, None] * (ECHO - SHADOW)
+        self.footprint.point_data["colour"] = np.repeat(colours.astype(np.uint8), 2, axis=0)
 
 
 def scan_line(ground: AnyGround, arrays: SceneArrays, pose: Poses) -> ScanLine:
     """Points of the bed under the beam, far port to far starboard, and their slant ranges."""
     reach = arrays.bins * arrays.bin_length
-    below = bed_below(ground, pose)
+    below = float(np.nan_to_num(ground.height_at(pose.x[:1], pose.y[:1])[0]))  # the mean if there is no bed
     height, squint = float(pose.z[0]) - below, arrays.pattern.centre
     farthest = (squint * reach + height * math.sin(pose.pitch[0])) / math.cos(pose.pitch[0])
     far = math.sqrt(max(reach**2 - height**2 - farthest**2, 0.0))
@@ -228,9 +215,3 @@ def _ahead(distance: NDArray[np.float64], height: float, pitch: float, squint: f
     cos, lean = math.cos(pitch), height * math.sin(pitch)
     square = cos**2 - squint**2
     return np.asarray((cos * lean + squint * np.sqrt(lean**2 + square * distance**2)) / square)
-
-
-def bed_below(ground: AnyGround, pose: Poses) -> float:
-    """Height of the bed under the sonar; the mean if there is no bed."""
-    height = float(ground.height_at(pose.x[:1], pose.y[:1])[0])
-    return 0.0 if math.isnan(height) else height

@@ -6,7 +6,6 @@ import math
 import time
 from collections.abc import Callable, Sequence
 from functools import cache
-from importlib import import_module
 from typing import Any
 
 import numpy as np
@@ -43,12 +42,6 @@ BLOCKED, HIDDEN = "#ff7a5c", "#2a0f0a"
 LIFT = 0.002  # share of the slant range by which stretches of the bed are drawn above it
 
 
-def load_libraries(*, accelerated: bool) -> None:
-    """Import the libraries of the view in advance, so that it is made quickly."""
-    if accelerated:
-        import_module("pyvistaqt")
-
-
 class SeabedView(QWidget):
     """Shows bed, targets and sonar; drawings are delayed and merged, because they may be slow."""
 
@@ -66,7 +59,7 @@ class SeabedView(QWidget):
         self._heading = 0.0
         self._bed_shown = self._held = False
         self._fan = ScanFan()
-        self._path = pv_meshes.path_mesh()
+        self._path = pv.MultipleLines(np.zeros((pv_meshes.PATH_POINTS, 3)))
         self._bed, self._thinned_bed = pv_meshes.bed_mesh(), pv_meshes.bed_mesh(thinned=True)
         self._furnish()
         self._canvas.on_turn(self._clip)
@@ -84,7 +77,8 @@ class SeabedView(QWidget):
     def show_bed(self, patch: BedPatch, picture: NDArray[np.uint8] | None = None) -> None:
         """Show another bed in its own colours or, from its first drawing on, under a picture."""
         self._bed.points = patch.points
-        self._thinned_bed.points = pv_meshes.thinned_points(patch.points)
+        nodes = patch.points.reshape(pv_meshes.MESH_NODES, pv_meshes.MESH_NODES, 3)  # its edges stay when it is thinned
+        self._thinned_bed.points = nodes[:: pv_meshes.THINNED, :: pv_meshes.THINNED].reshape(-1, 3)
         self.show_texture(patch.image if picture is None else picture)
         self._bed_shown = True
         self._thin(self._held)

@@ -59,7 +59,11 @@ def write_contacts(path: Path, contacts: Iterable[Contact]) -> None:
     GeoJSON follows RFC 7946: geometries hold longitude and latitude, and are null where these are not known. All fields
     are properties, the snapshot as base64.
     """
-    text = _as_csv(contacts) if path.suffix.lower() == CSV else _as_geojson(contacts)
+    if path.suffix.lower() == CSV:
+        text = _as_csv(contacts)
+    else:
+        collection = {"type": "FeatureCollection", "features": [_feature(contact) for contact in contacts]}
+        text = json.dumps(collection, indent=1, ensure_ascii=False) + "\n"
     with replacing(path) as beside:
         beside.write_text(text, encoding="utf-8", newline="")
 
@@ -81,7 +85,10 @@ def read_contacts(path: Path) -> tuple[Contact, ...]:
     """Read contacts by the suffix of a file."""
     try:
         text = path.read_text(encoding="utf-8-sig")
-        rows = _rows_of_csv(text) if path.suffix.lower() == CSV else _rows_of_geojson(text)
+        if path.suffix.lower() == CSV:
+            rows = _rows_of_csv(text)
+        else:
+            rows = [dict(feature["properties"]) for feature in json.loads(text)["features"]]
     except OSError as error:
         raise SceneError(f"{path.name}: cannot be read ({error.strerror}); choose another file") from error
     except (ValueError, LookupError, TypeError, AttributeError) as error:
@@ -97,11 +104,6 @@ def _as_csv(contacts: Iterable[Contact]) -> str:
     return text.getvalue()
 
 
-def _as_geojson(contacts: Iterable[Contact]) -> str:
-    collection = {"type": "FeatureCollection", "features": [_feature(contact) for contact in contacts]}
-    return json.dumps(collection, indent=1, ensure_ascii=False) + "\n"
-
-
 def _feature(contact: Contact) -> dict[str, Any]:
     known = contact.longitude is not None and contact.latitude is not None
     place = {"type": "Point", "coordinates": [contact.longitude, contact.latitude]} if known else None
@@ -114,10 +116,6 @@ def _rows_of_csv(text: str) -> list[dict[str, Any]]:
     if "ping" not in (reader.fieldnames or ()):
         raise ValueError("no column of pings")
     return list(reader)
-
-
-def _rows_of_geojson(text: str) -> list[dict[str, Any]]:
-    return [dict(feature["properties"]) for feature in json.loads(text)["features"]]
 
 
 def _contact(path: Path, number: int, row: dict[str, Any]) -> Contact:

@@ -120,7 +120,7 @@ class NumberRow:
         self.field.ensurePolished()
         self.field.setFixedWidth(self.field.fontMetrics().horizontalAdvance(LONGEST) + 6)
         self.slider.valueChanged.connect(self._moved)
-        self.slider.sliderReleased.connect(self._released)
+        self.slider.sliderReleased.connect(lambda: settled("", None))
         for widget in (self.slider, self.field):
             widget.setAccessibleName(number.name or number.label)
         self.field.editingFinished.connect(self._typed)
@@ -167,9 +167,6 @@ class NumberRow:
         # Arrow keys and clicks beside the handle make final edits.
         change = self._dragged if self.slider.isSliderDown() else self._settled
         change(number.path, int(value) if number.integer else value)
-
-    def _released(self) -> None:
-        self._settled("", None)
 
     def _typed(self) -> None:
         if not self.field.isModified():

@@ -66,13 +66,11 @@ def ask_where_to_save(window: QWidget, title: str, suggestion: str, formats: For
     if path.suffix.lower() in filters.values():
         return path
     path = path.with_name(path.name + filters.get(picked, formats[0][1]))
-    # The dialog asked about the name without the suffix.
-    return path if not path.exists() or _may_replace(window, path) else None
-
-
-def _may_replace(window: QWidget, path: Path) -> bool:
-    question = f"{path.name} exists already. Replace it?"
-    return QMessageBox.question(window, "Replace the file?", question) is QMessageBox.StandardButton.Yes
+    if not path.exists():
+        return path
+    question = f"{path.name} exists already. Replace it?"  # the dialog asked about the name without the suffix
+    answer = QMessageBox.question(window, "Replace the file?", question)
+    return path if answer is QMessageBox.StandardButton.Yes else None
 
 
 def save_picture(window: QWidget, path: Path) -> None:

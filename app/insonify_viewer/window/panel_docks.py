@@ -13,6 +13,7 @@ from insonify_viewer.panels.panel import Panel, Place
 from insonify_viewer.widgets.theme import scaled
 
 HANDLES = 24  # px, of the lines between the parts
+STACKED = 220  # px at the usual size of the text, least height of one of two panels that stand one below the other
 LEAST = 0.45  # of the window, that the 3-D view and the record keep beside the panels
 SIDE = 332  # px at the usual size of the text, width of the panels at the side
 BELOW = 0.32  # of the height of the window, of the panels below when one is first opened
@@ -72,7 +73,8 @@ class PanelRoom(QObject):
         lefts, belows = self._open(Place.LEFT), self._open(Place.BELOW)
         wide = max((dock.sizeHint().width() for dock in lefts), default=0)
         below = round(BELOW * self._window.height()) if belows else 0
-        stacked = self._height_beside(wide) > self._room_for_views() - below
+        room, least = self._room_for_views(), 2 * scaled(self._window, STACKED)
+        stacked = room >= least and self._height_beside(wide) > room - below
         area, upright = AREAS[Place.SIDE if stacked else Place.LEFT], Qt.Orientation.Vertical
         for dock in lefts:
             if self._window.dockWidgetArea(dock) is not area:

@@ -6,13 +6,14 @@ import time
 from collections import deque
 from collections.abc import Callable, Sequence
 
-from PySide6.QtCore import Qt, QTimer, Signal
+from PySide6.QtCore import Qt, Signal
 from PySide6.QtGui import QGuiApplication, QKeyEvent, QMouseEvent
 from PySide6.QtWidgets import QHBoxLayout, QLabel, QProgressBar, QWidget
 
 from insonify_viewer.errors import Failure, describe_error, write_details
 from insonify_viewer.state.quantities import format_time_left
 from insonify_viewer.widgets.buttons import push_button
+from insonify_viewer.widgets.later import Later
 from insonify_viewer.work.jobs import BackgroundJob, State
 
 READING_TIME = 12_000  # ms, of a sentence
@@ -35,10 +36,7 @@ class StatusLine(QWidget):
         self.describe_scene: Callable[[], str] = str
         self._failure = Failure("")
         self._said: deque[str] = deque(maxlen=KEPT)
-        self._fading = QTimer(self)
-        self._fading.setSingleShot(True)
-        self._fading.setInterval(READING_TIME)
-        self._fading.timeout.connect(lambda: self.say(""))
+        self._fading = Later(self, READING_TIME)
         row = QHBoxLayout(self)
         row.setContentsMargins(0, 0, 0, 0)
         row.addWidget(self.sentence, 1)
@@ -48,7 +46,7 @@ class StatusLine(QWidget):
         """Show a sentence until the next one, and for some seconds unless it is to last."""
         self._fading.stop()
         if sentence and not lasting:
-            self._fading.start()
+            self._fading.call(lambda: self.say(""))
         self._show(sentence)
         self.copy.hide()
 
@@ -75,7 +73,7 @@ class StatusLine(QWidget):
 
     def _copy(self) -> None:
         self.copy_details(self._failure)
-        self._fading.start()
+        self._fading.call(lambda: self.say(""))
         self._show("copied; paste the details into a report")
 
     def _show(self, sentence: str) -> None:
@@ -113,13 +111,10 @@ class JobBar(QProgressBar):
         told = ("" if left is None else f", {format_time_left(left)} left") + (f" (+{others})" if others else "")
         self.setRange(0, 0 if share is None else 100)
         self.setValue(0 if share is None else int(100 * share))
-        self.setFormat(f"{self._shortened(newest.title, f': 100 %{told}')}: %p %{told}")
+        room = self.width() - MARGIN - self.fontMetrics().horizontalAdvance(f": 100 %{told}")
+        title = self.fontMetrics().elidedText(newest.title, Qt.TextElideMode.ElideRight, max(room, 0))
+        self.setFormat(f"{title.replace('%', '')}: %p %{told}")  # a percent sign would be read as a place
         self.setAccessibleDescription(f"{newest.title}{told}")
-
-    def _shortened(self, title: str, rest: str) -> str:
-        """Shorten a title so that what follows it fits the bar too; a percent sign would be read as a place."""
-        room = self.width() - MARGIN - self.fontMetrics().horizontalAdvance(rest)
-        return self.fontMetrics().elidedText(title, Qt.TextElideMode.ElideRight, max(room, 0)).replace("%", "")
 
     def mousePressEvent(self, event: QMouseEvent) -> None:
         """Signal a click."""

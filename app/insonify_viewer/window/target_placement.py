@@ -42,7 +42,9 @@ def new_target(simulation: Simulation, scene: Scene, kind: str, top: int, path: 
 
 def _free_place(simulation: Simulation, scene: Scene, top: int) -> tuple[float, float, float]:
     """Find a place on the bed, clear of other targets if possible; return x, y and the heading of the track."""
-    pings = np.array([top - round(share * _pings_in_view(scene)) for share in BEHIND], dtype=np.int64)
+    # Pings along one slant range of track, which both views show.
+    seen = min(scene.track.pings, round(scene.sonar.range * scene.sonar.ping_rate / scene.track.speed))
+    pings = np.array([top - round(share * seen) for share in BEHIND], dtype=np.int64)
     poses = simulation.poses(pings)
     reach = math.sqrt(max(scene.sonar.range**2 - float(poses.z[0]) ** 2, 0.0))
     places = [
@@ -57,14 +59,6 @@ def _free_place(simulation: Simulation, scene: Scene, top: int) -> tuple[float, 
     there = np.flatnonzero(np.isfinite(simulation.ground.height_at_once(x, y)))
     if not there.size:
         raise SceneError("there is no bed beside this part of the tow; move on along it, then add the target")
-    clear = [k for k in there if _clearance(scene, x[k], y[k]) > APART * scene.sonar.range]
+    others, apart = [target.position[:2] for target in scene.targets], APART * scene.sonar.range
+    clear = [k for k in there if all(math.dist((x[k], y[k]), other) > apart for other in others)]
     return places[int(clear[0] if clear else there[0])]
-
-
-def _pings_in_view(scene: Scene) -> int:
-    """Count the pings along one slant range of track, which both views show."""
-    return min(scene.track.pings, round(scene.sonar.range * scene.sonar.ping_rate / scene.track.speed))
-
-
-def _clearance(scene: Scene, x: float, y: float) -> float:
-    return min((math.dist((x, y), target.position[:2]) for target in scene.targets), default=math.inf)

@@ -6,7 +6,7 @@ from collections.abc import Callable
 from typing import NamedTuple
 
 from PySide6.QtCore import QEvent, QObject, QPoint, QRect, QSize, Qt
-from PySide6.QtGui import QKeyEvent
+from PySide6.QtGui import QKeyEvent, QRegion
 from PySide6.QtWidgets import QFrame, QHBoxLayout, QLabel, QVBoxLayout, QWidget
 from shiboken6 import isValid
 
@@ -42,7 +42,8 @@ class Tour(QObject):
     def begin(self) -> None:
         """Show the first step."""
         self.end()
-        self._shown = tuple(step for step in self._steps if _is_in_view(step.part()))
+        parts = [(step, step.part()) for step in self._steps]
+        self._shown = tuple(step for step, part in parts if part is not None and part.isVisible())
         if not self._shown:
             return
         self._place = 0
@@ -59,7 +60,7 @@ class Tour(QObject):
         if self.card is not None and self._outline is not None:
             if self.card.isAncestorOf(self._window.focusWidget()) and self._before and isValid(self._before):
                 self._before.setFocus()
-            for widget in (self.card, *self._outline.bars):
+            for widget in (self.card, self._outline):
                 widget.hide()
                 widget.deleteLater()
         self.card = self._outline = None
@@ -69,10 +70,12 @@ class Tour(QObject):
         """Follow the window when its size changes, and leave the tour by Escape, unless a widget takes that key."""
         if event.type() is QEvent.Type.Resize and self.card is not None:
             self._show()
-        if self.card is not None and _is_escape(event):
+        if self.card is None or not isinstance(event, QKeyEvent) or event.type() is not QEvent.Type.KeyPress:
+            return False
+        escaped = event.key() == Qt.Key.Key_Escape
+        if escaped:
             self.end()
-            return True
-        return super().eventFilter(watched, event)
+        return escaped
 
     def _go(self, steps: int) -> None:
         self._place += steps
@@ -130,30 +133,20 @@ class TourCard(QFrame):
         self.resize(WIDTH, self.heightForWidth(WIDTH) if self.hasHeightForWidth() else self.sizeHint().height())
 
 
-class _Outline:
-    """Frame of four bars round a part of the window, which leave it to the mouse."""
+class _Outline(QFrame):
+    """Frame round a part of the window, which it leaves to the mouse."""
 
     def __init__(self, window: QWidget) -> None:
-        self.bars = [QFrame(window) for _ in range(4)]
-        for bar in self.bars:
-            bar.setStyleSheet(f"background: {ACCENT.name()}")
-            _lay_over_native_views(bar)
+        super().__init__(window)
+        self.setStyleSheet(f"background: {ACCENT.name()}")
+        _lay_over_native_views(self)
 
     def show_about(self, part: QRect) -> None:
         """Frame a rectangle of the window."""
-        across, down = part.width(), part.height()
-        for bar, place in zip(
-            self.bars,
-            (
-                QRect(part.left(), part.top(), across, LINE),
-                QRect(part.left(), part.bottom() - LINE + 1, across, LINE),
-                QRect(part.left(), part.top(), LINE, down),
-                QRect(part.right() - LINE + 1, part.top(), LINE, down),
-            ),
-        ):
-            bar.setGeometry(place)
-            bar.show()
-            bar.raise_()
+        self.setGeometry(part)
+        self.setMask(QRegion(self.rect()) - QRegion(self.rect().adjusted(LINE, LINE, -LINE, -LINE)))
+        self.show()
+        self.raise_()
 
 
 def _lay_over_native_views(widget: QWidget) -> None:
@@ -187,16 +180,6 @@ def tour_steps(*parts: Callable[[], QWidget | None]) -> tuple[TourStep, ...]:
             menus,
         ),
     )  # fmt: skip
-
-
-def _is_escape(event: QEvent) -> bool:
-    if not isinstance(event, QKeyEvent) or event.type() is not QEvent.Type.KeyPress:
-        return False
-    return event.key() == Qt.Key.Key_Escape
-
-
-def _is_in_view(part: QWidget | None) -> bool:
-    return part is not None and part.isVisible()
 
 
 def _place_beside(part: QRect, width: int, height: int, window: QRect) -> QPoint:

@@ -108,10 +108,6 @@ class _Waiting:
         """Time from which it may begin."""
         return min(self.due, self.latest)
 
-    def rank_at(self, now: float) -> int:
-        """Rank at a time."""
-        return 0 if self.latest <= now else self.rank
-
 
 class Lane:
     """A thread and the work that waits for it; work of a key replaces work of the same key that still waits."""
@@ -160,7 +156,11 @@ class Lane:
                 each.due = each.due and now + QUIET  # the thread was busy until now
             while not self.closing:
                 now = time.perf_counter()
-                ready = {key: each.rank_at(now) for key, each in self._waiting.items() if each.begins <= now}
+                ready = {
+                    key: each.rank if each.latest > now else 0
+                    for key, each in self._waiting.items()
+                    if each.begins <= now
+                }
                 if ready:
                     return self._waiting.pop(min(ready, key=ready.__getitem__))
                 begins = min((each.begins for each in self._waiting.values()), default=None)

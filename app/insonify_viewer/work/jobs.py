@@ -15,7 +15,7 @@ from collections import deque
 from collections.abc import Callable, Sequence
 from enum import Enum
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import Any, NamedTuple, TypeVar
 
 from psygnal import Signal
 
@@ -23,7 +23,6 @@ from insonify.commands.render import PICTURE
 from insonify.display.display_options import display_settings
 from insonify.progress import VARIABLE
 from insonify.scene import Scene, scene_to_toml
-from insonify_viewer.errors import Failure
 from insonify_viewer.state.session import Session
 from insonify_viewer.work.executor import CallLater, Progress, Task, yield_to_window
 
@@ -31,6 +30,9 @@ FEW = 0.02  # share done from which the time left is estimated
 PREFIX = "insonify: "  # begins a sentence of the command on standard error
 LINES = 200  # last lines of the command's standard error that are kept
 WORKING, WHOLE = "working", 1.0  # the only stage of a `ThreadJob`
+
+
+Job = TypeVar("Job", bound="BackgroundJob")
 
 
 class State(Enum):
@@ -131,7 +133,7 @@ class CommandJob(BackgroundJob):
     def start(self) -> None:
         """Start the process, at a lower priority than the window."""
         self._process = subprocess.Popen(
-            [sys.executable, "-m", "insonify", *self.arguments],
+            [sys.executable, "-P", "-m", "insonify", *self.arguments],
             stdin=subprocess.DEVNULL,
             stdout=subprocess.PIPE,
             stderr=subprocess.PIPE,
@@ -218,7 +220,14 @@ class ThreadJob(BackgroundJob):
     def __init__(self, title: str, work: Callable[[Progress], Any], call_later: CallLater) -> None:
         super().__init__(title, None, call_later)
         self.value: Any = None
-        self._task = Task(work, call_later, progressed=self._reach, done=self._take, failed=self._fail, name=title)
+        self._task = Task(
+            work,
+            call_later,
+            progressed=lambda share: self._advance(Stage(WORKING, share, WHOLE)),
+            done=self._take,
+            failed=lambda failure: self._finish(State.FAILED, failure.sentence, failure.trace),
+            name=title,
+        )
 
     def start(self) -> None:
         """Start the thread, which works from its first moment on."""
@@ -234,15 +243,9 @@ class ThreadJob(BackgroundJob):
     def _ask_to_end(self) -> None:
         self._task.stop()
 
-    def _reach(self, share: float) -> None:
-        self._advance(Stage(WORKING, share, WHOLE))
-
     def _take(self, value: Any) -> None:
         self.value = value
         self._finish(State.DONE, f"{self.title} is finished")
-
-    def _fail(self, failure: Failure) -> None:
-        self._finish(State.FAILED, failure.sentence, failure.trace)
 
 
 class JobList:
@@ -263,15 +266,11 @@ class JobList:
 
     def begin(self, title: str, arguments: Sequence[str], result: Path) -> CommandJob:
         """Start a command; arguments as of `CommandJob`."""
-        job = CommandJob(title, arguments, result, self._call_later)
-        self._begin(job)
-        return job
+        return self._begin(CommandJob(title, arguments, result, self._call_later))
 
     def begin_work(self, title: str, work: Callable[[Progress], Any]) -> ThreadJob:
         """Start work that results in an object for the window; arguments as of `ThreadJob`."""
-        job = ThreadJob(title, work, self._call_later)
-        self._begin(job)
-        return job
+        return self._begin(ThreadJob(title, work, self._call_later))
 
     def write_scene(self, scene: Scene) -> str:
         """Write a scene as it is now for a command to read, and return the file; it lasts as long as the window."""
@@ -305,8 +304,9 @@ class JobList:
             self._folder.cleanup()
             self._folder = None
 
-    def _begin(self, job: BackgroundJob) -> None:
+    def _begin(self, job: Job) -> Job:
         self.jobs.append(job)
         job.changed.connect(lambda changed: self.changed.emit(changed))
         job.start()
         self.changed.emit(job)
+        return job

@@ -93,11 +93,11 @@ class Simulator:
 
         An exception is passed on as a `SceneError`.
         """
-        self._lane.put(object(), lambda: _result(work), receive, rank=0)
+        self._lane.put(object(), lambda: result_of(work), receive, rank=0)
 
     def send_patiently(self, key: str, work: Work, receive: Receive) -> None:
         """Run work like `send` once no request came for a moment; it replaces work of its key that still waits."""
-        self._lane.put(key, lambda: _result(work), receive, rank=3, patient=True)
+        self._lane.put(key, lambda: result_of(work), receive, rank=3, patient=True)
 
     def trace_beside(self, scene: Scene, modelling: Modelling, pings: NDArray[np.int64]) -> NDArray[np.float32]:
         """Trace pings of another scene on the calling thread alone, beside the worker."""
@@ -269,7 +269,8 @@ def _reach(simulation: Simulation) -> NDArray[np.float64] | None:
     return coherence_angle(arrays) * bin_centres(arrays) / step
 
 
-def _result(work: Work) -> Any:
+def result_of(work: Work) -> Any:
+    """Return the result of work, or why there is none as a `SceneError`."""
     try:
         return work()
     except SceneError as error:

@@ -6,16 +6,20 @@ import argparse
 import math
 import os
 import sys
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterable, Iterator
+from itertools import chain, count, repeat
 from pathlib import Path
 from typing import TypeVar
 
 from insonify.files import bundled_specifications
 from insonify.io.records import RECORDS
 from insonify.progress import report_progress, report_waiting
-from insonify.scene import DEFAULT_SCENE, Scene, SceneError, edit, load_scene, read_setting
+from insonify.scene import DEFAULT_SCENE, Scene, SceneError, edit, load_scene, plain, read_setting
+from insonify.scene.files import named_paths
 
 Block = TypeVar("Block")
+NO_WINDOW = 3  # exit code where a picture stands in for the window that cannot be opened
+FALLBACK = "insonify.png"  # its name, if none is given and there is no such file
 
 
 def add_scene(parser: argparse.ArgumentParser, *, optional: bool = False) -> None:
@@ -137,6 +141,9 @@ def chosen_scene(arguments: argparse.Namespace) -> Scene:
         raise SceneError(f"{name}: this is a record, not a scene; draw it with 'insonify render {name} -o OUT.png'")
     scene = load_scene(arguments.scene)
     changes = dict(read_setting(text) for text in arguments.set)
+    written = getattr(arguments, "output", None) or getattr(arguments, "snapshot", None)
+    if written:
+        _refuse_overwriting(written, named_paths(plain(scene)))
     seed = getattr(arguments, "seed", None)  # the viewer's own commands may lack it
     if seed is not None:
         changes |= dict([read_setting(f"seed={seed}")])
@@ -152,7 +159,11 @@ def add_output(parser: argparse.ArgumentParser, suffixes: tuple[str, ...], expla
 
 def chosen_output(arguments: argparse.Namespace) -> Path:
     """Return the path of the file to write, checked as in `check_output`."""
-    return check_output(arguments.output, arguments.suffixes)
+    named = [value for name, value in vars(arguments).items() if name != "output"]
+    words = (word for value in named for word in (value if isinstance(value, list) else [value]))
+    path = check_output(arguments.output, arguments.suffixes)
+    _refuse_overwriting(arguments.output, (word for word in words if isinstance(word, str)))
+    return path
 
 
 def check_output(name: str, suffixes: tuple[str, ...], option: str = "-o") -> Path:
@@ -177,6 +188,26 @@ def check_output(name: str, suffixes: tuple[str, ...], option: str = "-o") -> Pa
     if locked is not None:
         raise SceneError(f"{where}: {str(locked)!r} is write-protected; allow writing or give another name")
     return path
+
+
+def _refuse_overwriting(output: str, read: Iterable[str]) -> None:
+    """Refuse an output that is one of the files that are read."""
+    if any(map(_is_same_file, repeat(output), read)):
+        raise SceneError(f"-o {output}: is read by this command; give another name")
+
+
+def _is_same_file(one: str, other: str) -> bool:
+    try:
+        return os.path.samefile(one, other)
+    except (OSError, ValueError):  # one of them is no file
+        return False
+
+
+def free_name(name: str) -> str:
+    """Return the name of a file that does not exist yet: the given one, or one with a number."""
+    stem, suffix = os.path.splitext(name)
+    numbered = (f"{stem}-{number}{suffix}" for number in count(2))
+    return next(free for free in chain([name], numbered) if not os.path.lexists(free))
 
 
 def _is_store(path: Path) -> bool:

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import contextlib
 import hashlib
+import json
 import os
 import pickle
 from collections.abc import Callable
@@ -169,11 +170,19 @@ class _CacheFile(IndexDataCacheFile):
         content = self._dump(data)
         name = _name_of_content(content)
         self._save_data(name, content)
-        try:
-            index = self._load_index()
-        except Exception:  # unpickling one that is damaged, or names types that have moved since, may raise anything
-            index = {}
-        self._save_index(index | {key: name})
+        self._save_index(self._load_index() | {key: name})
+
+    def _load_index(self) -> dict[str, str]:
+        """Names of the files by signature; none of a damaged index."""
+        with contextlib.suppress(OSError, ValueError):
+            index = json.loads(Path(self._index_path).read_bytes())
+            if isinstance(index, dict):
+                return index
+        return {}
+
+    def _save_index(self, overloads: dict[str, str]) -> None:
+        with self._open_for_write(self._index_path) as file:
+            file.write(json.dumps(overloads).encode())
 
     def _save_data(self, name: str, data: bytes) -> None:
         with self._open_for_write(self._data_path(name)) as file:
@@ -199,6 +208,11 @@ class KernelCache(FunctionCache):
         super().__init__(function)
         impl = self._impl
         self._cache_file = _CacheFile(self._cache_path, impl.filename_base, impl.locator.get_source_stamp())
+        if not digests.PRIVATE:
+            self.disable()
+
+    def _index_key(self, sig: Any, codegen: Any) -> str:
+        return repr(super()._index_key(sig, codegen))
 
     def load_overload(self, sig: Any, target_context: Any) -> Any:
         """Return the code kept for a signature, or None.
@@ -215,9 +229,8 @@ class KernelCache(FunctionCache):
 
     def lacks(self, sig: Any, target_context: Any) -> bool:
         """Whether the code of a signature is not kept, and could be."""
-        with contextlib.suppress(Exception):  # as above
-            if self._index_key(sig, target_context.codegen()) in self._cache_file._load_index():
-                return False
+        if not self._enabled or self._index_key(sig, target_context.codegen()) in self._cache_file._load_index():
+            return False
         with contextlib.suppress(OSError):
             digests.FOLDER.mkdir(parents=True, exist_ok=True)
         return os.access(digests.FOLDER, os.W_OK)

@@ -18,32 +18,30 @@ import time
 from pathlib import Path
 from typing import Any
 
-import platformdirs
 from numba import config
+
+from insonify.compiler.cache_folder import cache_folder, is_private
 
 settings: Any = config
 PACKAGE = "insonify"
 SOURCES = Path(__file__).parents[1]
 FOLDERS = ("compiler", "kernels")  # of the sources that machine code is made of
 # Modules that leave the code alone.
-WITHOUT_CODE = {f"compiler.{name}" for name in ("compilation_events", "digests", "processes", "progress", "worker")}
+WITHOUT_CODE = {
+    f"compiler.{name}"
+    for name in ("build", "cache_folder", "compilation_events", "digests", "processes", "progress", "worker")
+}
 UNUSED = 30 * 86400.0  # seconds after which machine code that no process has used is removed
 
 
-def cache_folder() -> Path:
-    """Return the folder of all machine code: below NUMBA_CACHE_DIR where that is set, else the user's cache."""
-    shelf = (
-        Path(settings.CACHE_DIR) / "insonify" if settings.CACHE_DIR else Path(platformdirs.user_cache_dir("insonify"))
-    )
-    return shelf / "kernels"
-
-
-def source_digests(sources: Path, folder: Path) -> dict[str, str]:
+def source_digests(sources: Path, folder: Path | None) -> dict[str, str]:
     """Digest every kernel module together with all that it imports; computed once for each state of the sources."""
     paths = [path for name in FOLDERS for path in (sources / name).rglob("*.py")]
     texts = {".".join(path.relative_to(sources).with_suffix("").parts): path.read_bytes() for path in paths}
     texts = {name: text for name, text in texts.items() if name not in WITHOUT_CODE}
     state = hashlib.sha256(b"\0".join(name.encode() + b"\0" + texts[name] for name in sorted(texts))).hexdigest()[:24]
+    if folder is None:
+        return _digest(texts)
     kept = folder / f"{state}.json"
     with contextlib.suppress(OSError, ValueError):
         found = json.loads(kept.read_text())
@@ -105,7 +103,8 @@ def _without_docstrings(tree: ast.Module) -> ast.Module:
 
 
 FOLDER = cache_folder()
-DIGESTS = source_digests(SOURCES, FOLDER)
+PRIVATE = is_private(FOLDER)  # whether machine code is read from disk and kept there
+DIGESTS = source_digests(SOURCES, FOLDER if PRIVATE else None)
 
 
 def digest_of(module: str, file: str) -> str:

@@ -15,6 +15,7 @@ import threading
 from collections.abc import Iterator
 
 from insonify.child_process import ChildProcess
+from insonify.compiler import digests
 from insonify.compiler.progress import report_progress
 from insonify.cores import VARIABLE, default_threads
 
@@ -99,7 +100,7 @@ class _Helper:
     def start(self) -> None:
         """Start the process, if there is a second core for it."""
         with contextlib.suppress(OSError):
-            if default_threads() > 1 and sys.executable:
+            if digests.PRIVATE and default_threads() > 1 and sys.executable:
                 self.process = CompilingProcess(reports=False, **{VARIABLE: "1"})
 
     def finish(self) -> None:

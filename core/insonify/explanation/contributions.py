@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from insonify.explanation.names import PATH_NAMES
 from insonify.explanation.pixel_parts import PixelParts, whole_window
-from insonify.kernels.labels.bed_stretches import BEHIND_BED, HEARD
+from insonify.kernels.labels.bed_stretches import BEHIND_BED, VISIBLE
 from insonify.tracers.azimuth_fan import lay_planes_of_images
 from insonify.tracers.echo_parts import EchoParts, find_direct_parts, take_central_plane
 from insonify.tracers.labels import PATHS
@@ -48,7 +48,7 @@ class Contribution:
 
 def find_contributions(pixel: PixelParts) -> tuple[Contribution, ...]:
     """Find the sources of the echo in a pixel, the greatest first."""
-    echoing = pixel.parts.take((pixel.parts.state == HEARD) & (pixel.parts.value > 0.0))
+    echoing = pixel.parts.take((pixel.parts.state == VISIBLE) & (pixel.parts.value > 0.0))
     if not echoing.value.size:
         return ()
     kinds = np.column_stack([echoing.path, echoing.target, echoing.material])
@@ -98,7 +98,7 @@ class Obstruction:
 def find_obstructions(pixel: PixelParts) -> tuple[Obstruction, ...]:
     """Find the obstructions that hide bed from a pixel, the greatest first."""
     parts = pixel.parts
-    hidden = parts.take(parts.state != HEARD)
+    hidden = parts.take(parts.state != VISIBLE)
     whole = float(parts.value.sum())
     hiders = np.where(hidden.state == BEHIND_BED, -1, hidden.hider)
     found = [_obstruction(pixel, hidden.take(hiders == who), int(who), whole) for who in np.unique(hiders)]
@@ -168,4 +168,4 @@ def athwart_parts(pixel: PixelParts) -> EchoParts:
     fan = take_central_plane(pixel.arrays, fans[0][1])
     window = whole_window(pixel.arrays)
     parts = find_direct_parts(pixel.arrays, pixel.pose, pixel.side, window, fan)
-    return parts.take(parts.state == HEARD)
+    return parts.take(parts.state == VISIBLE)

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from insonify.explanation.names import name_part
 from insonify.explanation.pixel_parts import arrays_at, whole_window
 from insonify.explanation.sound_paths import SonarPose, locate_sonar
-from insonify.kernels.labels.bed_stretches import BEHIND_BED, HEARD
+from insonify.kernels.labels.bed_stretches import BEHIND_BED, VISIBLE
 from insonify.packing.apparent_tables import make_apparent_tables
 from insonify.simulation import Simulation
 from insonify.tracers.azimuth_fan import lay_planes_of_images
@@ -61,7 +61,7 @@ def _stretches(
     """Visible and hidden stretches, targets, and horizons behind crests."""
     ends = np.stack([parts.begin, parts.end], axis=1)
     of_bed = parts.target < 0
-    seen, targets = parts.state == HEARD, simulation.scene.targets
+    seen, targets = parts.state == VISIBLE, simulation.scene.targets
     named = tuple(
         (name_part(targets, int(k)), ends[seen & (parts.target == k)]) for k in np.unique(parts.target[~of_bed])
     )

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from insonify.explanation.pixel_parts import arrays_at, whole_window
 from insonify.explanation.sound_paths import SURFACE, locate_sonar, path_range
 from insonify.kernels.common.types import Poses, SceneArrays
-from insonify.kernels.labels.bed_stretches import HEARD
+from insonify.kernels.labels.bed_stretches import VISIBLE
 from insonify.kernels.labels.echo_parts import Window
 from insonify.packing.apparent_tables import make_apparent_tables
 from insonify.simulation import Simulation
@@ -91,7 +91,7 @@ def _listen(
     parts = find_direct_parts(arrays, pose, side, whole_window(arrays), fan)
     low, high = np.minimum(parts.begin, parts.end) - BESIDE, np.maximum(parts.begin, parts.end) + BESIDE
     at = np.array([level, place[2]])
-    near = (parts.state == HEARD) & (low <= at).all(axis=1) & (high >= at).all(axis=1)
+    near = (parts.state == VISIBLE) & (low <= at).all(axis=1) & (high >= at).all(axis=1)
     found = []
     if near.any():
         off = np.linalg.norm(parts.middle - at, axis=1)

@@ -10,6 +10,7 @@ import re
 import shutil
 import signal
 import sys
+import tempfile
 import threading
 import warnings
 from collections.abc import Iterator
@@ -17,13 +18,15 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import NamedTuple, NoReturn, cast
 
-from insonify.errors import FileWarning
+from insonify.errors import FileWarning, SceneError
 
 UNFINISHED, FORMER = "unfinished", "former"  # an incomplete file, and a folder while it is being replaced
 LONGEST_NAME = 255  # bytes
 _numbers = itertools.count()
 # Sent by schedulers when time is up, by a terminal that is closed, and by Ctrl-\.
 REQUESTS = [getattr(signal, name) for name in ("SIGTERM", "SIGHUP", "SIGQUIT") if hasattr(signal, name)]
+NAMED = errno.errorcode.keys() - {errno.EIO}  # errors that say what is wrong; HDF5 gives none for anything
+PROBE = 2**16  # bytes that a disk which is not full takes
 AGAIN = 1.0  # s after which a request to end is repeated
 
 
@@ -41,7 +44,7 @@ def replacing(path: str | Path) -> Iterator[Path]:
         clear_leftovers(final)
         beside = temporary_path(final)
         try:
-            with _terminated_cleanly():
+            with _terminated_cleanly(), _full_disk_named(final.parent):
                 yield beside
                 _put(beside, final)
         finally:
@@ -54,6 +57,24 @@ def replacing(path: str | Path) -> Iterator[Path]:
             raise
         # HDF5 and GDAL take paths as UTF-8, whatever the bytes of a name on disk.
         raise OSError(errno.EILSEQ, "this format needs a path in UTF-8", str(path)) from error
+
+
+@contextmanager
+def _full_disk_named(folder: Path) -> Iterator[None]:
+    """Turn an error of a library that does not name its cause into that of a full disk, if the disk is full."""
+    try:
+        yield
+    except SceneError:
+        raise
+    except Exception as error:
+        if getattr(error, "errno", None) in NAMED:
+            raise
+        try:
+            with tempfile.TemporaryFile(dir=folder) as file:
+                file.write(bytes(PROBE))
+        except OSError as cause:
+            raise cause from error
+        raise
 
 
 def _put(beside: Path, final: Path) -> None:

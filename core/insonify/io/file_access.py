@@ -22,7 +22,7 @@ LARGEST_TEXT = 2**28  # bytes of a text file
 MISSING = "does not exist"
 _lock = threading.RLock()
 # A logger without a handler writes to standard error.
-for _library in ("trimesh", "rasterio", "PIL", "fiona"):
+for _library in ("trimesh", "rasterio", "PIL", "fiona", "matplotlib"):
     logging.getLogger(_library).addHandler(logging.NullHandler())
 
 

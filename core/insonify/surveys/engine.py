@@ -11,15 +11,19 @@ import math
 import os
 import sys
 import time
+from asyncio import CancelledError
+from collections import Counter, deque
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from pathlib import Path
+from queue import Empty, SimpleQueue
 from typing import Any, NamedTuple, Protocol
 
 from insonify.errors import SceneError
 from insonify.io.atomic import clear_ended, clear_leftovers, remove, replacing, temporary_path
 from insonify.progress import open_progress
 from insonify.surveys.schedulers import connected
+from insonify.surveys.workers import Workers
 
 FLAGS = "jobs"  # folder of the flags below that of a survey or a data set
 SHELF = 1000  # jobs whose flags share a folder
@@ -29,6 +33,8 @@ AHEAD = 3  # jobs in flight for each thread of a worker, which hides the latency
 PATIENCE = 60.0  # s, until there is a worker
 RECOUNT = 5.0  # s, after which the workers are counted again
 INTERRUPTED = 130
+MOST_TRIES = 4
+ENDED = "its worker ended four times in a row, perhaps for want of memory; give fewer workers"
 
 
 class Work(Protocol):
@@ -170,9 +176,10 @@ def run_jobs(
     """
     failures = []
     try:
-        with connected(scheduler) as client:
-            _warm_up(client, work, scheduler)
-            for outcome in _outcomes(client, work, iter(names)):
+        with connected(scheduler) as client, _watched(client, scheduler):
+            workers = Workers(client, work.folder / FLAGS, scheduler)
+            begun = _begin(client, workers, work, scheduler)
+            for outcome in _outcomes(client, workers, begun, names):
                 progress(outcome)
                 if outcome.failure:
                     failures.append(outcome)
@@ -181,54 +188,111 @@ def run_jobs(
     return tuple(failures)
 
 
-def _warm_up(client: Any, work: Work, scheduler: str) -> None:
-    """Let one worker of each machine compile the kernels; the others read them from the machine's cache."""
+@contextmanager
+def _watched(client: Any, scheduler: str) -> Iterator[None]:
+    """Say it in one sentence if the scheduler ends, which cancels all that it was to do."""
+    try:
+        yield
+    except (Exception, CancelledError):
+        if client.status == "running":
+            raise
+        raise SceneError(
+            f"--scheduler {scheduler}: the scheduler has ended, or cannot be reached any more; what is done stays: "
+            "start a scheduler with workers, and the same command goes on"
+        ) from None
+
+
+def _begin(client: Any, workers: Workers, work: Work, scheduler: str) -> Work:
+    """Let a worker make what jobs share, and one of each machine compile the kernels, which the others then read."""
     try:
         client.wait_for_workers(1, timeout=PATIENCE)
     except TimeoutError:
         raise SceneError(
             f"--scheduler {scheduler}: no worker has come within {PATIENCE:g} s; start some, with 'dask worker'"
         ) from None
-    machines = {address.rpartition(":")[0]: address for address in client.nthreads()}
-    warm = [client.submit(work.warm_up, workers=[one], pure=False) for one in machines.values()]
+    workers.count()
+    if not workers.threads:
+        raise SceneError(f"--scheduler {scheduler}: no worker may do these jobs; give another folder, or other workers")
+    machines = {address.rpartition(":")[0]: address for address in workers.threads}
+    begun: Work = _result(client.submit(work.begun, workers=list(machines.values())[:1], pure=False))
+    warm = [client.submit(begun.warm_up, workers=[one], pure=False) for one in machines.values()]
     client.gather(warm, errors="skip")  # a scene that cannot be made is reported by its job
+    return begun
 
 
-def _outcomes(client: Any, work: Work, names: Iterator[str]) -> Iterator[Outcome]:
+class _Flight(NamedTuple):
+    """Job that has been given to workers."""
+
+    name: str
+    future: Any
+    workers: frozenset[str]
+
+
+def _outcomes(client: Any, workers: Workers, work: Work, names: Iterable[str]) -> Iterator[Outcome]:
     """Outcomes of jobs as they end; as many are in flight as keep the workers busy."""
-    from distributed import as_completed
-
-    waiting, counted, most = as_completed(loop=client.loop), -math.inf, 0
-    named: dict[str, str] = {}
-    while True:
+    ended: SimpleQueue[Any] = SimpleQueue()
+    flying: dict[str, _Flight] = {}
+    tries: Counter[str] = Counter()
+    waiting, counted = deque(names), -math.inf
+    while waiting or flying:
         if time.monotonic() - counted > RECOUNT:
-            counted, most = time.monotonic(), AHEAD * max(sum(client.nthreads().values()), 1)
-        while len(named) < most and (name := next(names, None)) is not None:
-            future = client.submit(finish, work, name, pure=False)
-            named[future.key] = name
-            waiting.add(future)
-        if not named:
-            return
-        ended = next(waiting)
-        yield _outcome(ended, named.pop(ended.key))
+            counted = time.monotonic()
+            workers.count()
+            for flight in [one for one in flying.values() if not one.workers & workers.threads.keys()]:
+                del flying[flight.future.key]
+                flight.future.cancel()
+                waiting.appendleft(flight.name)
+        while waiting and len(flying) < AHEAD * sum(workers.threads.values()):
+            name = waiting.popleft()
+            tries[name] += 1
+            if tries[name] > MOST_TRIES:
+                yield Outcome(name, failure=ENDED)
+                continue
+            future = client.submit(finish, work, name, workers=list(workers.threads), pure=False)
+            flying[future.key] = _Flight(name, future, frozenset(workers.threads))
+            future.add_done_callback(ended.put)
+        with suppress(Empty):
+            future = ended.get(timeout=RECOUNT)
+            if future.key not in flying:  # given to other workers meanwhile
+                continue
+            name = flying.pop(future.key).name
+            if outcome := _outcome(future, name):
+                del tries[name]
+                yield outcome
+            else:  # it ended, but so did its worker before the outcome was fetched
+                waiting.appendleft(name)
 
 
-def _outcome(future: Any, name: str) -> Outcome:
-    """Outcome of a job that has ended; raises what stops all jobs."""
-    error = future.exception()
-    if error is None:
-        outcome: Outcome = future.result()
-        return outcome
-    if isinstance(error, SceneError):
-        return Outcome(name, failure=str(error))
+def _result(future: Any, patience: float | None = None) -> Any:
+    """Return the result of a worker; raise what stops all jobs, and TimeoutError where the result is lost."""
+    error = future.exception(patience)
     if isinstance(error, ImportError) or "deserializ" in str(error):
         raise SceneError(
             f"--scheduler: a worker cannot read its jobs ({type(error).__name__}); install the same versions of "
             "insonify, Python and dask there as here"
         )
-    if isinstance(error, (OSError, MemoryError)) or type(error).__name__ != "KilledWorker":
+    if error is not None:
         raise error
-    return Outcome(name, failure="its worker ended four times in a row, perhaps for want of memory; give fewer workers")
+    return future.result(patience)
+
+
+def _outcome(future: Any, name: str) -> Outcome | None:
+    """Outcome of a job that has ended, None if it is lost; raises what stops all jobs."""
+    try:
+        outcome: Outcome = _result(future, RECOUNT)
+    except SceneError as error:
+        if error is not future.exception():
+            raise
+        return Outcome(name, failure=str(error))
+    except TimeoutError:
+        if future.status == "error":
+            raise
+        return None
+    except Exception as error:
+        if type(error).__name__ != "KilledWorker":
+            raise
+        return Outcome(name, failure=ENDED)
+    return outcome
 
 
 class Ended(NamedTuple):
@@ -262,7 +326,7 @@ def work_on(work: Work, what: str, scheduler: str, unit: str = "job") -> Ended |
         progress.advance(1)
 
     try:
-        failures = run_jobs(work.begun(), missing, scheduler, advance)
+        failures = run_jobs(work, missing, scheduler, advance)
     except KeyboardInterrupt:
         progress.close()
         sentence = f"interrupted; {done} of {len(names)} {unit}s are done and stay; the same command goes on"

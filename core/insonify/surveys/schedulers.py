@@ -6,6 +6,7 @@ Installed packages add a kind by an entry point of the group ``insonify.schedule
 from __future__ import annotations
 
 import logging
+import os
 import signal
 import warnings
 from collections.abc import Callable, Iterator
@@ -21,7 +22,7 @@ from insonify.plugins import announced
 
 GROUP = "insonify.schedulers"
 PATIENCE = 10.0  # s, until a scheduler answers
-UNSEEN = "localhost:0"  # a dashboard that no other machine can open, at any free port
+UNSEEN = "localhost:0"  # of pages that no other machine can open and that are empty, at any free port
 LIBRARIES = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "NUMBA_NUM_THREADS")
 
 
@@ -55,12 +56,12 @@ def connected(text: str) -> Iterator[Any]:
     """Yield a client of the scheduler that a text names."""
     kind, rest = choose_scheduler(text)
     try:
-        import distributed  # noqa: F401  # lazy: an optional extra
+        import distributed  # lazy: an optional extra
     except ImportError:
         raise SceneError(
             "surveys and data sets need dask.distributed, which is not installed; run: pip install 'insonify[surveys]'"
         ) from None
-    with kind.connect(rest) as client:
+    with distributed.utils.silence_logging_cmgr(logging.CRITICAL), kind.connect(rest) as client:
         yield client
 
 
@@ -120,7 +121,14 @@ def _start_workers(text: str) -> Iterator[Any]:
     import dask
     from distributed import Client, LocalCluster
 
-    settings = {"distributed.admin.log-length": 0, "distributed.worker.profile.enabled": False}
+    # The tracker of resources and the workers import nothing from the current folder, and neither does what they start.
+    os.environ["PYTHONSAFEPATH"] = "1"
+    settings = {
+        "distributed.admin.log-length": 0,
+        "distributed.worker.profile.enabled": False,
+        "distributed.scheduler.http.routes": [],
+        "distributed.worker.http.routes": [],
+    }
     with ExitStack() as stack:
         stack.enter_context(dask.config.set(settings))
         stack.enter_context(warnings.catch_warnings())
@@ -131,7 +139,7 @@ def _start_workers(text: str) -> Iterator[Any]:
                 n_workers=workers,
                 threads_per_worker=1,
                 dashboard_address=UNSEEN,
-                worker_dashboard_address=UNSEEN,
+                scheduler_kwargs={"dashboard": False},
                 silence_logs=logging.CRITICAL,
                 env={VARIABLE: str(threads), **dict.fromkeys(LIBRARIES, str(threads))},
             )

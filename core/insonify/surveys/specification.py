@@ -3,9 +3,8 @@
 from __future__ import annotations
 
 import hashlib
-import os
 import tomllib
-from collections.abc import Iterator, Mapping
+from collections.abc import Mapping
 from functools import partial
 from importlib.metadata import version
 from pathlib import Path
@@ -15,12 +14,11 @@ from pydantic import BaseModel, ValidationError
 
 from insonify.errors import SceneError
 from insonify.files import bundled_meshes
-from insonify.io.file_access import MISSING, guarded, read_text
-from insonify.scene import Scene, scene_to_toml
+from insonify.io.file_access import MISSING, FileFault, guarded, open_regular, read_text
+from insonify.scene import Scene, plain, scene_to_toml
 from insonify.scene.faults import describe_fault
-from insonify.scene.files import LARGEST, scene_beside, with_paths_beside
+from insonify.scene.files import LARGEST, named_paths, scene_beside, with_paths_beside
 
-LONGEST_PATH = 4096  # characters; a longer text is no path
 Model = TypeVar("Model", bound=BaseModel)
 
 
@@ -51,22 +49,18 @@ def _unreadable(name: str, bundled: Mapping[str, Path], fault: str, remedy: str)
 def contents_of(specification: BaseModel, base: Scene) -> list[Any]:
     """List all that the files of a survey or a data set depend on: specification, base scene, files, version."""
     values = specification.model_dump(mode="json")
-    scene = scene_to_toml(base)
-    files = {path: _content(path) for path in sorted({*_paths(values), *_paths(tomllib.loads(scene))})}
-    return [values, scene, files, version("insonify")]
-
-
-def _paths(value: Any) -> Iterator[str]:
-    """Every text of nested values that names a file."""
-    if isinstance(value, Mapping):
-        value = list(value.values())
-    if isinstance(value, list):
-        for item in value:
-            yield from _paths(item)
-    elif isinstance(value, str) and (value in bundled_meshes() or os.path.isfile(value[:LONGEST_PATH])):
-        yield value
+    scene = plain(base)
+    files = {path: _content(path) for path in sorted({*named_paths(values), *named_paths(scene)})}
+    return [values, scene_to_toml(base), files, version("insonify")]
 
 
 def _content(path: str) -> str:
-    with open(bundled_meshes().get(path, Path(path)), "rb") as file:
-        return hashlib.file_digest(file, "sha256").hexdigest()
+    """Digest of a file; of its name where it is none."""
+    try:
+        with open_regular(bundled_meshes().get(path, path)) as file:
+            digest = hashlib.sha256()
+            while piece := file.read(2**20):
+                digest.update(piece)
+            return digest.hexdigest()
+    except (FileFault, OSError, ValueError):  # the job that reads it says what is wrong
+        return path

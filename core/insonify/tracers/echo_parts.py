@@ -14,9 +14,8 @@ from insonify.kernels.common.contributors import ContributorTable, empty_contrib
 from insonify.kernels.common.range_bins import FIXED_POINT
 from insonify.kernels.common.types import BED, Poses, SceneArrays
 from insonify.kernels.labels import echo_parts as kernels
-from insonify.kernels.labels.bed_stretches import HEARD
-from insonify.kernels.labels.echo_parts import PartList, Window, list_echo_parts
-from insonify.kernels.labels.refracted_parts import list_refracted_parts
+from insonify.kernels.labels.bed_stretches import VISIBLE
+from insonify.kernels.labels.echo_parts import PartList, Window, list_echo_parts, list_refracted_parts
 from insonify.kernels.labels.shadows import NO_TARGET
 from insonify.kernels.multipath.echo_list import EchoSink
 from insonify.kernels.multipath.image_sources import (
@@ -46,7 +45,7 @@ class EchoParts:
     Parts by way of the sea surface lie in the bins alone: their unknown columns are NaN.
     """
 
-    # HEARD, BEHIND_BED or BEHIND_TARGET; hidden parts have the echo that they would return were they in sight.
+    # VISIBLE, BEHIND_BED or BEHIND_TARGET; hidden parts have the echo that they would return were they in sight.
     state: Numbers
     path: Numbers  # place of the propagation path among `insonify.tracers.labels.PATHS`
     azimuth: Column  # of the plane in which the part lies, from athwart towards the bow, rad
@@ -189,7 +188,7 @@ def _contributor_rows(
             continue
         strongest, contributor = window.first + int(np.argmax(value)), int(place) - path * count_contributors(arrays)
         row = np.full(k.COLUMNS, np.nan)
-        row[k.STATE], row[k.AZIMUTH], row[k.HIDER] = HEARD, azimuth, NO_TARGET
+        row[k.STATE], row[k.AZIMUTH], row[k.HIDER] = VISIBLE, azimuth, NO_TARGET
         row[k.TARGET] = BED if contributor < materials or of_surface else contributor - materials
         row[k.MATERIAL] = NO_MATERIAL if of_surface else contributor_materials(arrays)[contributor]
         row[k.X_FROM] = row[k.X_TO] = table.x[place, strongest]

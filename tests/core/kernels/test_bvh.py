@@ -27,7 +27,7 @@ def search(mesh: Mesh, enters) -> list[int]:
         if not enters(mesh.low[node], mesh.high[node]):
             node = mesh.skip[node]
             continue
-        found += mesh.target[mesh.first[node] : mesh.first[node] + mesh.held[node]].tolist()
+        found += mesh.target[mesh.first[node] : mesh.first[node] + mesh.leaf_size[node]].tolist()
         node += 1
     return found
 
@@ -48,10 +48,10 @@ CASES = {
 @pytest.mark.parametrize("corners", CASES.values(), ids=CASES)
 def test_every_triangle_is_in_exactly_one_leaf_and_links_and_boxes_are_right(corners):
     mesh = mesh_of(corners)
-    leaves = np.flatnonzero(mesh.held)
-    assert mesh.held.max() <= LEAF
+    leaves = np.flatnonzero(mesh.leaf_size)
+    assert mesh.leaf_size.max() <= LEAF
     # Leaves follow one another in memory, and a search that enters everything meets everything once.
-    np.testing.assert_array_equal(mesh.first[leaves], np.cumsum(mesh.held[leaves]) - mesh.held[leaves])
+    np.testing.assert_array_equal(mesh.first[leaves], np.cumsum(mesh.leaf_size[leaves]) - mesh.leaf_size[leaves])
     assert sorted(search(mesh, lambda low, high: True)) == list(range(len(corners)))
     np.testing.assert_array_equal(mesh.corners, corners[mesh.target])
     n = mesh.skip.size
@@ -61,9 +61,9 @@ def test_every_triangle_is_in_exactly_one_leaf_and_links_and_boxes_are_right(cor
         inside = mesh.corners[mesh.first[node] : last].reshape(-1, 3)
         np.testing.assert_array_equal(mesh.low[node], inside.min(axis=0))
         np.testing.assert_array_equal(mesh.high[node], inside.max(axis=0))
-        if mesh.held[node]:
+        if mesh.leaf_size[node]:
             assert after == node + 1
-            assert last - mesh.first[node] == mesh.held[node]
+            assert last - mesh.first[node] == mesh.leaf_size[node]
         else:
             # Two branches, one after the other, end where their parent ends.
             assert mesh.first[node + 1] == mesh.first[node]
@@ -76,7 +76,7 @@ def test_the_same_triangles_make_the_same_tree_and_none_an_empty_one():
     mesh = mesh_of(np.zeros((0, 3, 3)))
     assert mesh.corners.shape == (0, 3, 3)
     assert all(column.shape == (0, 3) and column.dtype == np.float64 for column in (mesh.normal, mesh.low, mesh.high))
-    numbers = (mesh.material, mesh.target, mesh.skip, mesh.first, mesh.held)
+    numbers = (mesh.material, mesh.target, mesh.skip, mesh.first, mesh.leaf_size)
     assert all(column.shape == (0,) and column.dtype == np.int64 for column in numbers)
     # Normals point to where corners run counter-clockwise.
     mesh = mesh_of(np.array([[[0.0, 0, 0], [2, 0, 0], [0, 3, 0]]]))

@@ -3,13 +3,21 @@
 from __future__ import annotations
 
 import os
+import subprocess
 import sys
+from contextlib import ExitStack
+from pathlib import Path
+from types import SimpleNamespace
+from urllib.error import HTTPError
+from urllib.request import urlopen
 
 import pytest
 
+from insonify.compiler.build import own_build
 from insonify.errors import SceneError
 from insonify.io.atomic import temporary_path
 from insonify.surveys.engine import (
+    FLAGS,
     Ended,
     done_jobs,
     finish,
@@ -19,7 +27,8 @@ from insonify.surveys.engine import (
     read_flag,
     run_jobs,
 )
-from insonify.surveys.schedulers import choose_scheduler, find_schedulers, share_cores
+from insonify.surveys.schedulers import choose_scheduler, connected, find_schedulers, share_cores
+from insonify.surveys.workers import Workers, read_build, write_build
 from small_sets import contents
 from written_jobs import WrittenJobs
 
@@ -51,6 +60,7 @@ def undisturbed(tmp_path, count):
     work = WrittenJobs(tmp_path / "undisturbed", count)
     for name in work.names():
         finish(work, name)
+    write_build(work.folder / FLAGS, own_build())
     return contents(work.folder)
 
 
@@ -138,6 +148,103 @@ def test_a_scheduler_without_workers_is_told(tmp_path, monkeypatch):
         address = cluster.scheduler_address
         with pytest.raises(SceneError, match=f"--scheduler {address}: no worker has come within 0.2 s; start some"):
             run(WrittenJobs(tmp_path / "work", 1), address)
+
+
+OTHER = own_build()._replace(insonify="0.0.1", kernels="0123456789ab")
+
+
+class Cluster:
+    """A client of workers with given builds, or with an error instead."""
+
+    def __init__(self, **builds):
+        self.builds = builds
+
+    def nthreads(self):
+        return dict.fromkeys(self.builds, 1)
+
+    def run(self, function, workers, on_error):
+        return {address: self.builds[address] for address in workers}
+
+
+def test_workers_of_another_build_get_no_jobs_and_are_named_once(tmp_path, capsys):
+    cluster = Cluster(first=own_build(), old=OTHER, oldest=AttributeError())
+    workers = Workers(cluster, tmp_path, "tcp://host:1")
+    workers.count()
+    cluster.builds |= {"late": own_build()._replace(processor="generic-0"), "twin": own_build()}
+    workers.count()
+    workers.count()
+    assert workers.threads == {"first": 1, "twin": 1}
+    told = capsys.readouterr().err.splitlines()
+    assert len(told) == 3
+    assert f"old gets no jobs: it has insonify 0.0.1 instead of {own_build().insonify}, kernels 0123456789ab" in told[0]
+    assert "oldest gets no jobs: it does not state its version" in told[1]
+    assert "late gets no jobs: it has processor generic-0 instead of" in told[2]
+
+
+def test_what_is_begun_is_gone_on_with_by_workers_alike_alone(tmp_path, capsys):
+    elsewhere = own_build()._replace(processor="generic-0")
+    Workers(Cluster(one=elsewhere), tmp_path, "tcp://host:1").count()
+    assert read_build(tmp_path) == elsewhere
+    later = Workers(Cluster(one=own_build()), tmp_path, "tcp://host:1")
+    later.count()
+    assert later.threads == {}
+    assert "instead of generic-0" in capsys.readouterr().err
+
+
+def test_nobody_left_to_work_is_said_after_ten_seconds_and_every_minute(tmp_path, capsys, monkeypatch):
+    now = 100.0
+    monkeypatch.setattr("insonify.surveys.workers.time", SimpleNamespace(monotonic=lambda: now))
+    workers = Workers(Cluster(), tmp_path, "tcp://host:1")
+    told = []
+    for now in range(100, 200, 5):
+        workers.count()
+        told += [now for _ in capsys.readouterr().err.splitlines()]
+    assert told == [115, 180]
+
+
+def test_no_listener_is_open_to_other_machines_and_pages_are_empty(tmp_path):
+    psutil = pytest.importorskip("psutil")
+    with connected("local:1") as client:
+        own = psutil.Process()
+        listening = [
+            at.laddr
+            for process in (own, *own.children(recursive=True))
+            for at in process.net_connections("inet")
+            if at.status == psutil.CONN_LISTEN
+        ]
+        assert {address.ip for address in listening} <= {"127.0.0.1", "::1"}
+        pages = [client.scheduler_info()["services"]["dashboard"]]
+        pages += [worker["services"]["dashboard"] for worker in client.scheduler_info()["workers"].values()]
+        for port in pages:
+            with pytest.raises(HTTPError, match="404"):
+                urlopen(f"http://127.0.0.1:{port}/status")
+
+
+SCHEDULER = """
+import time
+from distributed import LocalCluster
+if __name__ == "__main__":
+    with LocalCluster(n_workers=1, threads_per_worker=1, dashboard_address="localhost:0", silence_logs=50) as cluster:
+        print(cluster.scheduler_address, flush=True)
+        time.sleep(600)
+"""
+
+
+def test_a_scheduler_that_ends_is_told_in_one_sentence(tmp_path, capsys):
+    (tmp_path / "scheduler.py").write_text(SCHEDULER)
+    command = [sys.executable, str(tmp_path / "scheduler.py")]
+    environment = os.environ | {"PYTHONPATH": str(Path(__file__).parents[2])}
+    with subprocess.Popen(command, stdout=subprocess.PIPE, text=True, env=environment) as process, ExitStack() as stack:
+        stack.callback(process.kill)
+        address = process.stdout.readline().strip()
+        work = WrittenJobs(tmp_path / "work", 20, seconds=0.1)
+
+        def end(outcome):
+            process.kill()
+
+        with pytest.raises(SceneError, match=f"--scheduler {address}: the scheduler has ended"):
+            run_jobs(work, prepare_folder(work.folder, work.names(), "test"), address, end)
+    assert capsys.readouterr().err == ""
 
 
 def test_a_missing_library_is_told_with_its_remedy(tmp_path, monkeypatch):

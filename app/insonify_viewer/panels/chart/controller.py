@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from functools import partial
 from typing import TYPE_CHECKING, Any
 
@@ -59,8 +58,8 @@ class ChartPanel(Panel):
         self._workbench.pause()
         scene, measure = self._workbench.session.scene, self.measure or _measured
         self.widget.show_busy(True)
-        work = partial(_measure_and_draw, measure, scene)
-        self._measurement = self._workbench.jobs.begin_work(f"chart of {scene.title or 'the scene'}", work)
+        title = f"chart of {scene.title or 'the scene'}"
+        self._measurement = self._workbench.jobs.begin_work(title, lambda report: draw_chart(measure(scene, report)))
 
     def stop(self) -> None:
         """Stop the measurement."""
@@ -79,7 +78,7 @@ class ChartPanel(Panel):
             return
         chart = self._picture.chart
         if path := self.widget.ask_where_to_save():
-            self._workbench.simulator.send(lambda: _written(chart, path), self._tell)
+            self._workbench.simulator.send(lambda: chart.save(path), partial(self._tell, path))
 
     def closing(self) -> None:
         """Close the window; the measurement ends with the other jobs."""
@@ -107,19 +106,10 @@ class ChartPanel(Panel):
         else:
             self.widget.show_details(details)
 
-    def _tell(self, written: str | SceneError) -> None:
-        if isinstance(written, SceneError):
-            self._workbench.complain(written)
-        self.widget.say(str(written) if isinstance(written, SceneError) else f"written to {written}")
-
-
-def _measure_and_draw(measure: Callable[[Scene, Progress], AccuracyChart], scene: Scene, report: Progress) -> Any:
-    return draw_chart(measure(scene, report))
-
-
-def _written(chart: AccuracyChart, path: str) -> str:
-    chart.save(path)
-    return path
+    def _tell(self, path: str, error: SceneError | None) -> None:
+        if error is not None:
+            self._workbench.complain(error)
+        self.widget.say(f"saved {path}" if error is None else str(error))
 
 
 def _measured(scene: Scene, progress: Progress) -> AccuracyChart:

@@ -12,7 +12,7 @@ from insonify_viewer.record.comparison.arrangement import find_pairs
 from insonify_viewer.record.comparison.recording import Recording, describe_point
 from insonify_viewer.record.record import RecordGrowth
 from insonify_viewer.state.inspection import Mark
-from insonify_viewer.work.jobs import BackgroundJob, JobList, State
+from insonify_viewer.work.jobs import BackgroundJob, State
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -66,8 +66,13 @@ class ComparisonPanel(Panel):
         recording = self._player.recording
         if recording is None or self._learning is not None:
             return
-        self.view.show_learning(True)
-        self._learning = begin_learning(self._workbench.jobs, recording, Path(file))
+        self.view.learn.setEnabled(False)
+        # The recording is read anew at the frequency that is shown.
+        known = recording.dataset.attrs
+        frequency = ["--frequency", repr(float(known["frequency"]))] if known.get("frequencies") else []
+        arguments = ["learn", str(recording.path), "-o", file, *frequency]
+        title = f"scene like {recording.path.name}"
+        self._learning = self._workbench.jobs.begin(title, arguments, Path(file))
         self._player.wait_for(f"learning a {self._learning.title}")
 
     def _connect(self) -> None:
@@ -86,7 +91,7 @@ class ComparisonPanel(Panel):
     def scene_changed(self, scene: Scene, settled: bool) -> None:
         """Show what differs from A."""
         if settled:
-            self.view.show_partner(bool(scene.partner))
+            self.view.partner.setEnabled(bool(scene.partner))
             self._show_changes()
 
     def open_pair(self, name: str) -> None:
@@ -98,7 +103,7 @@ class ComparisonPanel(Panel):
     def _show_a(self) -> None:
         """Show which record is A, and how both are arranged."""
         kept = self._comparison.kept
-        self.view.show_arrangement(self._comparison.arrangement)
+        self.view.arrangement.setCurrentText(self._comparison.arrangement.value)
         self.view.show_kept(None if kept is None else kept.scene.title)
         self._show_changes()
 
@@ -115,7 +120,7 @@ class ComparisonPanel(Panel):
             self._player.wait_for(f"learning a {job.title}", job.stage.share)
             return
         self._learning = None
-        self.view.show_learning(False)
+        self.view.learn.setEnabled(True)
         self._player.wait_for("")
         if job.state is State.DONE and job.result is not None:
             self._workbench.open_scene(load_scene(job.result), str(job.result), ask=True)
@@ -159,7 +164,7 @@ class ComparisonPanel(Panel):
         if self._wanted.get(part) is what:
             return
         self._wanted[part] = what
-        self.view.show_measuring(part)
+        self.view.show_measured(part, "measuring …")
         self._executor.submit(part, errand, lambda found: self._take(part, what, found))
 
     def _take(self, part: str, what: Any, found: Measured | None) -> None:
@@ -167,14 +172,6 @@ class ComparisonPanel(Panel):
         if self._wanted.get(part) is what:
             self._measured[part] = what
             self.view.show_measured(part, found or "cannot be measured")
-
-
-def begin_learning(jobs: JobList, recording: Recording, file: Path) -> BackgroundJob:
-    """Start to learn a scene from a recording, which is read anew at the frequency that is shown."""
-    arguments = ["learn", str(recording.path), "-o", str(file)]
-    if recording.dataset.attrs.get("frequencies"):
-        arguments += ["--frequency", repr(float(recording.dataset.attrs["frequency"]))]
-    return jobs.begin(f"scene like {recording.path.name}", arguments, file)
 
 
 def measure_record(record: xr.Dataset) -> Measured:

@@ -44,7 +44,7 @@ class ComparisonView(SidePanel):
         self.partner = push_button("Partner as A", "Simulate the other scene of the pair as A (P)")
         self.pairs = push_button("Pairs", "Scenes that are made to be compared in pairs")
         self._pairs_menu = QMenu(self.pairs)
-        self._pairs_menu.aboutToShow.connect(self._fill_pairs)
+        self._pairs_menu.aboutToShow.connect(lambda: self.show_pairs(find_pairs()))
         self._pairs_menu.triggered.connect(lambda action: self.pair_wanted.emit(action.data()))
         self.pairs.setMenu(self._pairs_menu)
         self.learn = push_button(
@@ -86,14 +86,6 @@ class ComparisonView(SidePanel):
         elif not self.back.isHidden():
             self.show_recording(None)
 
-    def show_partner(self, there: bool) -> None:
-        """Offer the partner of the scene, if it names one."""
-        self.partner.setEnabled(there)
-
-    def show_arrangement(self, arrangement: Arrangement) -> None:
-        """Show how both records are arranged."""
-        self.arrangement.setCurrentIndex(list(Arrangement).index(arrangement))
-
     def show_changes(self, changes: Sequence[Change], difference: str) -> None:
         """List what differs in B from A, and what that changes of the record."""
         listed = [change.in_words() for change in changes[:MOST]]
@@ -107,10 +99,6 @@ class ComparisonView(SidePanel):
         shown = {name: text for name, text in point.items() if at_mouse or name not in ("slant range", "level")}
         self.point.show_rows({name: (text,) for name, text in shown.items()})
 
-    def show_measuring(self, part: str) -> None:
-        """Show that a record is being measured."""
-        self.show_measured(part, "measuring …")
-
     def show_measured(self, part: str, found: dict[str, str] | str) -> None:
         """Show the statistics of the recorded or the simulated record, or a sentence instead."""
         self._found[part] = found
@@ -118,10 +106,6 @@ class ComparisonView(SidePanel):
         rows = {"": PARTS} | {name: tuple(self._entry(part, name) for part in PARTS) for name in names}
         said = [f"{part}: {each}" for part, each in self._found.items() if isinstance(each, str)]
         self.statistics.show_rows(rows, "\n".join(said))
-
-    def show_learning(self, learning: bool) -> None:
-        """Show whether a scene is being learned; one at a time is."""
-        self.learn.setEnabled(not learning)
 
     def show_pairs(self, pairs: Mapping[str, Scene] | None) -> None:
         """List the bundled pairs in their menu, once."""
@@ -131,11 +115,6 @@ class ComparisonView(SidePanel):
             action = QAction(f"{name}\t{scene.title}", self._pairs_menu)
             action.setData(name)
             self._pairs_menu.addAction(action)
-
-    def _fill_pairs(self) -> None:
-        """List the bundled pairs now if the menu opens before they are read, which takes a moment."""
-        if not self._pairs_menu.actions():
-            self.show_pairs(find_pairs())
 
     def _ask_for_scene(self) -> None:
         """Let the person name the file of the scene to be learned."""

@@ -64,7 +64,9 @@ class JobRow(QFrame):
         self.stop = push_button("Stop", "Stop this job (Delete); no half-written file is left")
         self.stop.clicked.connect(job.stop)
         self.show_result = push_button("Show", "Open the folder of the result")
-        self.show_result.clicked.connect(lambda: _show_folder(job.result))
+        self.show_result.clicked.connect(
+            lambda: QDesktopServices.openUrl(QUrl.fromLocalFile(str(Path(str(job.result)).parent)))
+        )
         self.copy = push_button("Copy details", "Copy program versions, scene and error message, to send with a report")
         self.copy.clicked.connect(lambda: self.details_wanted.emit(job))
         self.bar.setAccessibleName(f"progress of {job.title}")
@@ -113,11 +115,6 @@ class JobRow(QFrame):
             self.left.emit(1 if event.key() == Qt.Key.Key_Up else -1)
         else:
             super().keyPressEvent(event)
-
-
-def _show_folder(result: Path | None) -> None:
-    if result is not None:
-        QDesktopServices.openUrl(QUrl.fromLocalFile(str(result.parent)))
 
 
 def _words(job: BackgroundJob) -> str:
@@ -224,11 +221,19 @@ class JobsView(QWidget):
         self.resize(*SIZE)
         self.setMinimumSize(*SMALLEST)
         self._specifications = specifications
-        self.record = _button("&Record…", "Save every ping of the scene as data or as a picture", self._ask_for_record)
+        self.record = _button(
+            "&Record…",
+            "Save every ping of the scene as data or as a picture",
+            partial(self._ask, "Save the record", "record.nc", record_formats(), self.record_wanted.emit),
+        )
         self.chart = _button("&Chart…", "Measure error, time or convergence of the methods on this computer")
         self.chart.setMenu(self._charts())
         self.dataset = _button("&Data set…", "Make labelled pictures to train a detector", self._ask_for_dataset)
-        self.stability = _button("S&tability…", "Write a page on where methods fail", self._ask_for_page)
+        self.stability = _button(
+            "S&tability…",
+            "Write a page on where methods fail",
+            partial(self._ask, "Save the stability page", "stability.html", PAGES, self.stability_wanted.emit),
+        )
         self.forget = _button("C&lear", "Remove finished jobs from the list", self.forget_wanted.emit)
         self._rows: dict[BackgroundJob, JobRow] = {}
         self._lay_out()
@@ -281,29 +286,27 @@ class JobsView(QWidget):
         here = next((k for k, row in enumerate(rows) if row.hasFocus()), 0)
         rows[min(max(here + step, 0), len(rows) - 1)].setFocus()
 
-    def _ask_for_record(self) -> None:
-        if path := ask_where_to_save(self, "Save the record", "record.nc", record_formats()):
-            self.record_wanted.emit(path)
+    def _ask(self, title: str, suggestion: str, formats: Formats, wanted: Callable[[Path], None]) -> None:
+        """Begin what makes a file, once the person has named it."""
+        if path := ask_where_to_save(self, title, suggestion, formats):
+            wanted(path)
 
     def _charts(self) -> QMenu:
         """Make a menu of the kinds of charts."""
         menu = QMenu(self)
         for kind in list_chart_kinds():
-            menu.addAction(f"{kind.capitalize()}…", partial(self._ask_for_chart, kind))
+            wanted = partial(self._want_chart, kind)
+            question = partial(self._ask, f"Save the chart of {kind}", f"{kind}.png", CHARTS, wanted)
+            menu.addAction(f"{kind.capitalize()}…", question)
         return menu
 
-    def _ask_for_chart(self, kind: str) -> None:
-        if path := ask_where_to_save(self, f"Save the chart of {kind}", f"{kind}.png", CHARTS):
-            self.chart_wanted.emit(WantedChart(kind, path))
+    def _want_chart(self, kind: str, path: Path) -> None:
+        self.chart_wanted.emit(WantedChart(kind, path))
 
     def _ask_for_dataset(self) -> None:
         question = DatasetQuestion(self._specifications, self)
         if question.exec():
             self.dataset_wanted.emit(question.answer)
-
-    def _ask_for_page(self) -> None:
-        if path := ask_where_to_save(self, "Save the stability page", "stability.html", PAGES):
-            self.stability_wanted.emit(path)
 
     def _lay_out(self) -> None:
         tools = QHBoxLayout()

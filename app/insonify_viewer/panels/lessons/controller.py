@@ -172,17 +172,19 @@ class LessonsPanel(Panel):
 
     def _notice(self) -> None:
         if self.course is not None and self.course.notice(self._state):
-            self.view.show_done(True)
+            self.view.page.show_done(True)
 
     def _show_step(self, course: Course) -> None:
         """Show the present step, and light what it speaks of."""
         self.course = course
-        self.view.show_step(course.lesson, course.index)
+        self.view.page.show_step(course.lesson, course.index)
+        self.view.setCurrentWidget(self.view.page)
         self._light()
         self._notice()
 
     def _show_list(self) -> None:
-        self.view.show_list(self._lessons, self._finished)
+        self.view.list.show_lessons(self._lessons, self._finished)
+        self.view.setCurrentWidget(self.view.list)
 
     def _light(self) -> None:
         """Light the fields of the present step, with the panel that shows them in front."""

@@ -41,20 +41,6 @@ class LessonsView(QStackedWidget):
         self._size = self.font().pointSizeF()
         self.enlarge(False)
 
-    def show_list(self, lessons: Sequence[Lesson], finished: Collection[str]) -> None:
-        """Show the lessons; those that were finished are ticked."""
-        self.list.show_lessons(lessons, finished)
-        self.setCurrentWidget(self.list)
-
-    def show_step(self, lesson: Lesson, index: int) -> None:
-        """Show a step of a lesson, not yet done."""
-        self.page.show_step(lesson, index)
-        self.setCurrentWidget(self.page)
-
-    def show_done(self, done: bool) -> None:
-        """Tick the step that is shown."""
-        self.page.show_done(done)
-
     @guard_override(QSize())
     def sizeHint(self) -> QSize:
         """Preferred size."""

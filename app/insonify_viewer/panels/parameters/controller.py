@@ -71,14 +71,14 @@ class ParametersPanel(Panel):
             self._follow_history(scene)
             self.view.show_at_once(self._show)
         else:
-            self.view.show_soon(self._show_moving)
+            self.view.soon.call(self._show_moving)
 
     def record_grown(self, growth: RecordGrowth) -> None:
         """Enable the panel; measure the effects once the whole record is on screen."""
         self.view.setEnabled(True)
         if self._due and growth.current and growth.complete:
             self._due = False
-            self.view.when_still(lambda: self._measure(growth))
+            self.view.still.call(lambda: self._measure(growth))
 
     def part_added(self, path: str) -> None:
         """Unfold the section of a new part."""
@@ -131,7 +131,7 @@ class ParametersPanel(Panel):
 
     def _show_effects(self) -> None:
         scene = self._session.scene
-        self.view.show_effects(self._ticks.rows(scene, self._meter.differences(scene, self._session.modelling)))
+        self.view.effects.show_rows(self._ticks.rows(scene, self._meter.differences(scene, self._session.modelling)))
 
     def _sections(self) -> tuple[FieldSection, ...]:
         """Sections of the scene, what it is about first."""

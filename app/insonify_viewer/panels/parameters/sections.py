@@ -77,13 +77,8 @@ def sections_of(scene: Scene) -> tuple[FieldSection, ...]:
             if name == "seabed":
                 parameters += tuple(_of_field(scene, scene, "seed", "", 0))
             found.append(FieldSection(name, name.rpartition(".")[2].capitalize(), parameters))
-    return tuple(_with_names(scene, section) for section in found if section.parameters)
-
-
-def _with_names(scene: Scene, section: FieldSection) -> FieldSection:
-    """Section whose fields have full names."""
-    named = tuple(replace(each, name=name_field(scene, each.path)) for each in section.parameters)
-    return replace(section, parameters=named)
+    named = [tuple(replace(each, name=name_field(scene, each.path)) for each in one.parameters) for one in found]
+    return tuple(replace(one, parameters=rows) for one, rows in zip(found, named, strict=True) if rows)
 
 
 def pinned_section(scene: Scene, sections: tuple[FieldSection, ...]) -> FieldSection | None:

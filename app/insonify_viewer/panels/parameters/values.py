@@ -39,7 +39,8 @@ class Trials:
         link = self.links(scene)[number]
         if number in self._before and _holds(scene, link):
             return link, self._before[number]
-        self._before[number] = _part(scene, link.path.removesuffix(".kind"))
+        part = link.path.removesuffix(".kind")
+        self._before[number] = {part: _value_at(plain(scene), part)}
         return link, {link.path: link.value}
 
 
@@ -66,14 +67,6 @@ def _holds(scene: Scene, link: Link) -> bool:
         return part_at(edit(scene, {link.path: link.value}), link.path) == part_at(scene, link.path)
     except SceneError:
         return False
-
-
-def _part(scene: Scene, path: str) -> dict[str, Any]:
-    """Plain value of a part by its path; None where the scene leaves it open."""
-    values: Any = plain(scene)
-    for step in path.split("."):
-        values = values[int(step)] if isinstance(values, list) else values.get(step)
-    return {path: values}
 
 
 class Resets:

@@ -199,7 +199,8 @@ class PlanLine(QWidget):
             error, cost = share and f"error {share}", duration
         else:
             error, cost = share and f"would change the record by {share}", duration and f"would take {duration}"
-        self._numbers.setText(" · ".join(filter(None, (entry.choice, error, cost))))
+        what = entry.choice if entry.options else entry.reason  # without a choice, the reason says more
+        self._numbers.setText(" · ".join(filter(None, (what, error, cost))))
         self.setToolTip(f"{entry.reason} (plan.{entry.subject})")
         options = [*entry.options, *([forced] if forced and forced not in entry.options else [])]
         self.combo.clear()

@@ -52,11 +52,7 @@ def _what_is_there(point: MarkedPoint) -> list[str]:
     parts = ([] if across is None else [f"ground {across:.2f} m"]) + label.words
     if label.source == "bed" and not label.ghost and point.position is not None:
         parts.append(f"bed {point.position[2]:+.2f} m")
-    return parts if label.words else [*parts, _reason_of_silence(point)]
-
-
-def _reason_of_silence(point: MarkedPoint) -> str:
-    """Why a bin holds no echo although no target hides the bed."""
-    if point.ground_range is None:
-        return "water column"
-    return "no bed" if point.position is None else "hidden by the bed"
+    if label.words:
+        return parts
+    without_bed = "water column" if point.ground_range is None else "no bed"
+    return [*parts, without_bed if point.position is None else "hidden by the bed"]

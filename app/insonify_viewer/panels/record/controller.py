@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from insonify.io.georeference import Georeference
+from insonify.io.georeference import Georeference, find_georeference
 from insonify.scene import Scene
 from insonify_viewer.panels.panel import Panel, Place, Workbench
 from insonify_viewer.panels.record.view import RecordView
@@ -17,7 +17,6 @@ from insonify_viewer.record.drape import RecordStrip
 from insonify_viewer.record.measuring import (
     Location,
     degrees_of,
-    georeference_of,
     locate_recorded,
     locate_simulated,
     measure,
@@ -59,7 +58,7 @@ class RecordPanel(Panel):
         """Follow the simulation, and count the levels anew now and then."""
         if growth.answer.simulation is not self._simulation:
             self._simulation = growth.answer.simulation
-            self._simulated.show_measured(None)
+            self._simulated.show_marks(line=None)
         now = time.perf_counter()
         if growth.complete or now - self._followed > OFTEN:
             self._followed = now
@@ -159,7 +158,7 @@ class RecordPanel(Panel):
     def _measure(self, measuring: bool) -> None:
         for each in (self._simulated, self._recorded):
             each.measuring = measuring
-            each.show_measured(None)
+            each.show_marks(line=None)
         self.view.show_measured("")
         if measuring:
             self._workbench.say("drag over the record to measure, or press Return at both ends; M ends measuring")
@@ -168,7 +167,7 @@ class RecordPanel(Panel):
         ends = self._locate(view, first), self._locate(view, last)
         if ends[0] is not None and ends[1] is not None:
             words = measure(ends[0], ends[1]).words
-            view.show_measured((first, last, words))
+            view.show_marks(line=(first, last, words))
             self.view.show_measured(words)
 
     def _locate(self, view: WaterfallView, mark: Mark) -> Location | None:
@@ -230,7 +229,7 @@ class RecordPanel(Panel):
 
     def _georeference(self, view: WaterfallView) -> Georeference | None:
         if view is self._recorded and self._recording is not None:
-            return georeference_of(self._recording)
+            return find_georeference(self._recording.dataset.attrs)
         kept = self._workbench.comparison.kept
         scene = kept.scene if view is self._recorded and kept is not None else self._session.scene
         return scene.georeference
@@ -253,8 +252,8 @@ class RecordPanel(Panel):
         chosen = self.view.contacts.list.currentRow()
         for view in (self._simulated, self._recorded):
             source, bins = self._source(view), view.record.bins
-            view.show_contacts(
-                [
+            view.show_marks(
+                contacts=[
                     (each.mark, each.name, row == chosen)
                     for row, each in enumerate(self.contacts.all)
                     if each.source == source and each.range_bin < bins

@@ -224,7 +224,8 @@ class RecordView(SidePanel):
             self._key(label, key, lambda name=name: self.changed.emit({name: not getattr(self._look, name)}))
         for key, side in KEYS:
             self._key(f"Show {side}", key, lambda side=side: self.changed.emit({"side": side}))
-        self._key("True scale", "T", lambda: self.changed.emit({"scale": _other_scale(self._look)}))
+        other = {"true": "fit"}
+        self._key("True scale", "T", lambda: self.changed.emit({"scale": other.get(self._look.scale, "true")}))
         self._key("Zoom in", "+", lambda: self.zoomed.emit(1.5))
         self._key("Zoom out", "-", lambda: self.zoomed.emit(1.0 / 1.5))
         self._key("Whole record", "0", lambda: self.zoomed.emit(0.0))
@@ -235,10 +236,6 @@ class RecordView(SidePanel):
         action = make_action(self, text, text, key)
         action.triggered.connect(lambda: act())
         self.keys.append(action)
-
-
-def _other_scale(look: DisplayOptions) -> str:
-    return "fit" if look.scale == "true" else "true"
 
 
 def _choice(name: str, look: DisplayOptions) -> ChoiceField:

@@ -66,7 +66,7 @@ class WaterPanel(Panel):
         if bent and not self._bent:
             self._workbench.open_panel(self.name)
         self._bent, self._settled = bent, settled
-        self.view.follow_points(_points(scene))
+        self.view.newest = _points(scene)
         self._trace()
 
     def _aim(self, distance: float, depth: float) -> None:

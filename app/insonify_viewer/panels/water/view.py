@@ -79,7 +79,7 @@ class WaterView(PaintedOnce):
         self.setToolTip(HINT)
         self._diagram: RayDiagram | None = None
         self._points: tuple[tuple[float, float], ...] = ()
-        self._newest: tuple[tuple[float, float], ...] = ()
+        self.newest: tuple[tuple[float, float], ...] = ()  # of the present profile, whose rays may still be traced
         self._pictures: tuple[QImage, QImage] | None = None
         self._held: int | None = None
         self._scale: PlotScales | None = None  # fixed while a point is dragged or moved by a key
@@ -95,10 +95,6 @@ class WaterView(PaintedOnce):
             self._scale = None
         self._points = points
         self.paint_anew()
-
-    def follow_points(self, points: tuple[tuple[float, float], ...]) -> None:
-        """Note the points of the present profile, which keys move; its rays may still be traced."""
-        self._newest = points
 
     def place_of(self, distance: float, depth: float) -> QPointF:
         """Pixel of a range and a depth in metres."""
@@ -224,8 +220,8 @@ class WaterView(PaintedOnce):
             distance, depth = self._cross[0] + KEY_STEP * across, self._cross[1] + KEY_STEP * down
             self._cross = min(max(distance, KEY_STEP), 1.0), min(max(depth, 0.0), 1.0)
             self.update()
-        elif self._chosen < len(self._newest):
-            frame, (depth, speed) = self._frame(), self._newest[self._chosen]
+        elif self._chosen < len(self.newest):
+            frame, (depth, speed) = self._frame(), self.newest[self._chosen]
             self._scale, self._moved = frame, True
             depth = min(max(depth + DEPTH * down, 0.0), frame.bottom)
             self.point_dragged.emit(self._chosen, depth, speed + SPEED * across)

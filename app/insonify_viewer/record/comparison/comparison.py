@@ -19,7 +19,7 @@ from insonify_viewer.record.record import Record, RecordGrowth
 from insonify_viewer.state.history import Modelling
 from insonify_viewer.state.session import Session
 from insonify_viewer.work.ping_request import SimulatedScene, TracedPings
-from insonify_viewer.work.simulator import Simulator
+from insonify_viewer.work.simulator import Simulator, result_of
 from insonify_viewer.work.waiting import Waiting
 
 MOVED = 64  # pings by which a running tow moves on before the difference is measured again
@@ -237,7 +237,7 @@ class Comparison:
         if kept.simulated is None:
             self._asked = True
             prepare = partial(self._simulator.simulate_beside, kept.scene, kept.modelling)
-            self._executor.submit("record A", partial(_result_of, prepare), partial(self._take_scene, kept))
+            self._executor.submit("record A", partial(result_of, prepare), partial(self._take_scene, kept))
         elif missing.size:
             self._asked = True
             self._executor.submit("record A", partial(kept.trace, missing), partial(self._take_pings, kept, missing))
@@ -301,13 +301,6 @@ class Comparison:
             what = named if len(changes) <= TOLD else f"A → B, {len(changes)} fields"
             self._window.say(f"{what}: {self.difference}")
         self.measured.emit()
-
-
-def _result_of(prepare: partial[SimulatedScene]) -> SimulatedScene | SceneError:
-    try:
-        return prepare()
-    except SceneError as error:
-        return error
 
 
 def _compare(kept: KeptRecord, scene: Scene, record: Record) -> str:

@@ -76,7 +76,8 @@ class HeldKey(QObject):
             return False
         if event.type() is QEvent.Type.KeyRelease and not event.isAutoRepeat():
             self._set(False)
-        elif event.type() is QEvent.Type.KeyPress and not event.modifiers() and not _takes_text(watched):
+        typed = isinstance(watched, TEXTS) or (isinstance(watched, QComboBox) and watched.isEditable())
+        if event.type() is QEvent.Type.KeyPress and not event.modifiers() and not typed:
             self._set(True)
             return True
         return False
@@ -94,8 +95,3 @@ class HeldKey(QObject):
         if held != self._held:
             self._held = held
             self._tell(held)
-
-
-def _takes_text(widget: QObject) -> bool:
-    """Whether letters are typed into a widget."""
-    return isinstance(widget, TEXTS) or (isinstance(widget, QComboBox) and widget.isEditable())

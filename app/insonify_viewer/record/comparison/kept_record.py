@@ -76,7 +76,7 @@ def list_changes(before: tuple[Scene, Modelling], after: tuple[Scene, Modelling]
     return [
         Change(name_field(after[0] if path in new else before[0], path), _word(old.get(path)), _word(new.get(path)))
         for path in differing
-        if path not in UNHEARD and not (_is_one_sided(path, old, new) and _owners(path).intersection(differing))
+        if path not in UNHEARD and not ((path in old) is not (path in new) and _owners(path).intersection(differing))
     ] + list(_choices(before[1], after[1]))
 
 
@@ -89,10 +89,6 @@ def _choices(before: Modelling, after: Modelling) -> Iterator[Change]:
         chosen, instead = choices.get(subject, AUTOMATIC), others.get(subject, AUTOMATIC)
         if chosen != instead:
             yield Change(subject, chosen, instead)
-
-
-def _is_one_sided(path: str, old: dict[str, Any], new: dict[str, Any]) -> bool:
-    return (path in old) is not (path in new)
 
 
 def _owners(path: str) -> set[str]:

@@ -196,7 +196,7 @@ class RecordingPlayer:
 
     def _point_at(self, mark: Mark | None) -> None:
         known = None if self.recording is None or (mark and mark.ping >= self.recording.pings) else mark
-        self._view.show_mark(mark if self.recording is None else known)
+        self._view.show_marks(cross=mark if self.recording is None else known)
         self.pointed.emit(known)
 
 

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import os
+import re
 from collections.abc import Iterator, Mapping
 from urllib.parse import unquote
 
@@ -11,8 +13,10 @@ from numpy.typing import NDArray
 from insonify.io.file_access import FileFault, companion, open_regular
 from insonify.io.formats import FileFormat
 from insonify.io.isolation import run_isolated
+from insonify.io.meshes import MOST_TRIANGLES
 
 REMEDY = "export it again as OBJ, STL, PLY or glTF"
+HEADER = 2**14  # bytes, which hold the number of triangles of a binary STL, or of a PLY
 OTHER_DOCUMENT = "model.gltf"  # which trimesh reads instead of a document that is no JSON
 
 
@@ -51,11 +55,22 @@ def read_with_trimesh(path: str) -> NDArray[np.float64]:
     import trimesh  # slow to import, and only meshes need it
 
     with open_regular(path) as file:
+        _check_count(file.read(HEADER), os.path.getsize(path))
+        file.seek(0)
         # Textures and merged corners are of no use here.
         kind = path.rpartition(".")[2].lower()
         scene = trimesh.load_scene(file, file_type=kind, resolver=_Companions(path), process=False, skip_materials=True)
     mesh = scene.to_mesh()
     return np.asarray(mesh.vertices, np.float64).reshape(-1, 3)[np.asarray(mesh.faces, np.int64).reshape(-1, 3)]
+
+
+def _check_count(header: bytes, size: int) -> None:
+    """Refuse a file whose header announces too many triangles, before they are read."""
+    stl = int.from_bytes(header[80:84], "little")
+    ply = re.match(rb"ply\s.*?\selement\s+face\s+(\d{1,18})\s", header, re.DOTALL)
+    count = int(ply[1]) if ply else stl if size == 84 + 50 * stl else 0
+    if count > MOST_TRIANGLES:
+        raise FileFault(f"has {count} triangles", f"thin it to at most {MOST_TRIANGLES}")
 
 
 def read_y_up(path: str) -> NDArray[np.float64]:

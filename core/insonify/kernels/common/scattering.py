@@ -19,12 +19,6 @@ HIGHEST_POWER = 128  # one more than the greatest exponent for which lobes of ma
 
 
 @inlined_uncounted
-def _phong_lobe(cos_squared, shininess):
-    """Phong's lobe for sound that returns the way it came, from cos²α: R·V = cos 2α = 2 cos²α − 1."""
-    return _phong(2.0 * cos_squared - 1.0, shininess)  # docs/theory/scattering.md
-
-
-@inlined_uncounted
 def _phong(mirrored, shininess):
     """Phong's lobe max(0, R·V)ⁿ, from R·V."""
     if mirrored <= 0.0:
@@ -45,7 +39,8 @@ def _phong(mirrored, shininess):
 @inlined_uncounted
 def _specular_strength(cos_squared, specular, shininess, law):
     """Specular part of the monostatic strength of either law, from cos²α."""
-    value = specular * _phong_lobe(cos_squared, shininess)
+    # Sound returns the way it came: R·V = cos 2α = 2 cos²α − 1, docs/theory/scattering.md.
+    value = specular * _phong(2.0 * cos_squared - 1.0, shininess)
     return value if law == LIGHT else value * cos_squared * (shininess + 2.0) * (0.5 * INVERSE_PI)
 
 

@@ -71,7 +71,7 @@ class Mesh(NamedTuple):
     high: NDArray[np.float64]  # (nodes, 3) and the opposite one
     skip: NDArray[np.int64]  # (nodes,) node after this one's whole branch
     first: NDArray[np.int64]  # (nodes,) first triangle of the branch
-    held: NDArray[np.int64]  # (nodes,) triangles of a leaf, 0 for an inner node
+    leaf_size: NDArray[np.int64]  # (nodes,) triangles of a leaf, 0 for an inner node
 
 
 class BeamPattern(NamedTuple):

@@ -31,10 +31,10 @@ def build_mesh(corners: NDArray[np.float64], material: NDArray[np.int64], target
     normal = np.cross(edges[:, 0], edges[:, 1])
     normal /= np.linalg.norm(normal, axis=1, keepdims=True)
     # Without triangles, as in many scenes, the kernel is not loaded: its code takes 70 ms.
-    order, low, high, skip, first, held = _build_tree(corners) if len(corners) else _empty_tree()
+    order, low, high, skip, first, leaf_size = _build_tree(corners) if len(corners) else _empty_tree()
     return Mesh(
         np.ascontiguousarray(corners[order]), normal[order], material[order], target[order],
-        low, high, skip, first, held,
+        low, high, skip, first, leaf_size,
     )  # fmt: skip
 
 
@@ -55,7 +55,7 @@ def _build_tree(corners):
             low[i, axis], high[i, axis] = min(a, b, c), max(a, b, c)
     order = np.arange(n)
     node_low, node_high = np.empty((2 * n, 3)), np.empty((2 * n, 3))
-    skip, first, held = np.empty(2 * n, np.int64), np.empty(2 * n, np.int64), np.zeros(2 * n, np.int64)
+    skip, first, leaf_size = np.empty(2 * n, np.int64), np.empty(2 * n, np.int64), np.zeros(2 * n, np.int64)
     waiting = np.empty((n + 1, 2), np.int64)
     nodes, depth = 0, 0
     if n > 0:
@@ -67,7 +67,7 @@ def _build_tree(corners):
         _enclose(order, low, high, start, stop, node_low[nodes], node_high[nodes])
         first[nodes] = start
         if stop - start <= LEAF:
-            held[nodes] = stop - start
+            leaf_size[nodes] = stop - start
         else:
             middle = _split_triangles(order, low, high, start, stop)
             # The nearer branch is taken up next, so that it follows its parent.
@@ -77,8 +77,8 @@ def _build_tree(corners):
         nodes += 1
     # Children come after their parents: from the end, every branch below is complete.
     for i in range(nodes - 1, -1, -1):
-        skip[i] = i + 1 if held[i] > 0 else skip[skip[i + 1]]
-    return order, node_low[:nodes], node_high[:nodes], skip[:nodes], first[:nodes], held[:nodes]
+        skip[i] = i + 1 if leaf_size[i] > 0 else skip[skip[i + 1]]
+    return order, node_low[:nodes], node_high[:nodes], skip[:nodes], first[:nodes], leaf_size[:nodes]
 
 
 @inlined

@@ -58,7 +58,7 @@ def intersect_mesh(mesh, x, y, z, dx, dy, dz, reach):
         if near > far:
             node = mesh.skip[node]
             continue
-        for triangle in range(mesh.first[node], mesh.first[node] + mesh.held[node]):
+        for triangle in range(mesh.first[node], mesh.first[node] + mesh.leaf_size[node]):
             distance = _intersect_triangle(mesh.corners, triangle, shear)
             if 0.0 < distance < best:
                 best, found = distance, triangle

@@ -17,7 +17,7 @@ from insonify.kernels.sweep.partial_segments import ground_range_at, launch_angl
 from insonify.kernels.sweep.target_echoes import target_of_body
 from insonify.kernels.targets.angular_zbuffer import NO_PRIMITIVE, AngularZbuffer
 
-HEARD, BEHIND_BED, BEHIND_TARGET = 0, 1, 2
+VISIBLE, BEHIND_BED, BEHIND_TARGET = 0, 1, 2
 EACH_CELL = 3  # stretches of a segment that one cell of a z-buffer may make
 
 
@@ -26,7 +26,7 @@ class Stretches(NamedTuple):
 
     x_from: NDArray[np.float64]  # ground range of the ends, m
     x_to: NDArray[np.float64]
-    state: NDArray[np.int64]  # HEARD, BEHIND_BED or BEHIND_TARGET
+    state: NDArray[np.int64]  # VISIBLE, BEHIND_BED or BEHIND_TARGET
     hider: NDArray[np.int64]  # index of the declared target that hides it, NO_TARGET where none does
 
 
@@ -42,7 +42,7 @@ def split_segment(segment, x_from, x_to, risen, occlusion, arrays, zbuffer, stre
     """Split a segment that rises above the horizon at the ground range ``risen``; return the number of stretches."""
     n = _add_stretch(stretches, 0, x_from, risen, BEHIND_BED, NO_TARGET)
     if occlusion.edge.size == 0:
-        return _add_stretch(stretches, n, risen, x_to, HEARD, NO_TARGET)
+        return _add_stretch(stretches, n, risen, x_to, VISIBLE, NO_TARGET)
     x, low, high = risen, launch_angle(segment, risen), launch_angle(segment, x_to)
     while low < high:
         opened, closed, start, stop = next_stretch(occlusion, segment, low, high, x, x_to)
@@ -50,7 +50,7 @@ def split_segment(segment, x_from, x_to, risen, occlusion, arrays, zbuffer, stre
             n = _split_hidden(segment, low, opened, x, start, occlusion.edge, arrays, zbuffer, stretches, n)
         if opened >= high:
             break
-        n = _add_stretch(stretches, n, start, stop, HEARD, NO_TARGET)
+        n = _add_stretch(stretches, n, start, stop, VISIBLE, NO_TARGET)
         low, x = closed, stop
     return n
 

@@ -2,7 +2,7 @@
 
 The planes of the sweep are walked once more. Every segment and facet near the bins is deposited by the sweep's own
 functions into bins of its own, so that the parts add up to the sweep's record. Bed that the horizon or a target hides
-is deposited likewise, as if nothing hid it.
+is deposited likewise, as if nothing hid it. Where refraction folds, the parts are single rays.
 """
 
 from __future__ import annotations
@@ -24,8 +24,10 @@ from insonify.kernels.common.types import BED, LIGHT, SceneArrays
 from insonify.kernels.geometry.cross_sections import HalfPlane
 from insonify.kernels.labels.bed_stretches import BEHIND_BED as BEHIND_BED
 from insonify.kernels.labels.bed_stretches import BEHIND_TARGET as BEHIND_TARGET
-from insonify.kernels.labels.bed_stretches import HEARD, empty_stretches, split_segment
-from insonify.kernels.labels.shadows import NO_TARGET
+from insonify.kernels.labels.bed_stretches import VISIBLE, empty_stretches, split_segment
+from insonify.kernels.labels.shadows import NO_TARGET, target_of_body
+from insonify.kernels.rays.cast import aim_refracted, cast_refracted, unaimed
+from insonify.kernels.rays.launch import orient_beam
 from insonify.kernels.refraction.apparent_positions import TableGrid, look_up_position, prepare_table
 from insonify.kernels.sweep.facets import deposit_facet, is_facet_met
 from insonify.kernels.sweep.partial_segments import (
@@ -147,7 +149,7 @@ def _list_bed(view, cells, count, stretches, n):
         seen = launch[i + 1] > horizon[i]
         if seen and not echoes.cut[i]:
             _deposit_whole_segment(i, echoes, oblique, arrays.bin_length, bins)
-            n = _list_stretch(view, segment, i, crest, x[i], x[i + 1], HEARD, NO_TARGET, n)
+            n = _list_stretch(view, segment, i, crest, x[i], x[i + 1], VISIBLE, NO_TARGET, n)
             continue
         risen = visible_from(segment, x[i], x[i + 1], launch[i], horizon[i]) if seen else x[i + 1]
         for k in range(split_segment(segment, x[i], x[i + 1], risen, occlusion, arrays, zbuffer, stretches)):
@@ -276,7 +278,7 @@ def _list_facet(view, cell, facet, sums, n):
     if n >= view.parts.rows.shape[0]:
         return n + 1
     row, r = view.parts.rows[n], facet.centre
-    row[STATE], row[AZIMUTH], row[TARGET], row[HIDER] = HEARD, view.azimuth, cell.target, NO_TARGET
+    row[STATE], row[AZIMUTH], row[TARGET], row[HIDER] = VISIBLE, view.azimuth, cell.target, NO_TARGET
     row[MATERIAL] = cell.row
     row[CREST_X] = row[CREST_Z] = math.nan
     for end, angle, distance in ((0, facet.low, facet.near), (1, facet.high, facet.far)):
@@ -302,3 +304,66 @@ def _true_place(view, source, angle, distance):
         _, rise, _, _ = look_up_position(view.workspace.table, view.grid, x, z)
         z = apparent - rise
     return x, z + view.plane.z
+
+
+@kernel
+def list_refracted_parts(arrays, bare, poses, ping, side, rays, window, rows):
+    """List the rays of one side of one ping that echo in some range bins, and those that targets keep from the bed.
+
+    Parameters
+    ----------
+    arrays, bare : SceneArrays
+        The scene, and the same without targets.
+    poses : Poses
+    ping, side, rays : int
+    window : Window
+    rows : ndarray of float64, shape (room, COLUMNS)
+        Filled; unknown columns of a ray are NaN.
+
+    Returns
+    -------
+    int
+        Parts there are, of which as many are listed as there is room for.
+    """
+    beam, n = orient_beam(arrays, poses, ping, side), 0
+    ahead = math.cos(poses.heading[ping]), math.sin(poses.heading[ping])
+    waveguide, aim = aim_refracted(arrays, beam, poses.pitch[ping], unaimed(rays))
+    cast = cast_refracted(arrays, beam, waveguide, aim, 0.0)
+    for m in range(cast.ray.size):
+        n = _list_echo(arrays, cast, ahead, m, VISIBLE, NO_TARGET, window, rows, n)
+    if arrays.solids.shape.size + arrays.mesh.target.size > 0:
+        # The bed's echoes of the rays that meet a target first.
+        hidden, body = cast_refracted(bare, beam, waveguide, aim, 0.0), cast.rays.hits.body
+        for k in range(rays):
+            if body[k] >= 0:
+                hider = target_of_body(arrays.solids, arrays.mesh, body[k])
+                n = _list_echo(arrays, hidden, ahead, k, BEHIND_TARGET, hider, window, rows, n)
+    return n
+
+
+@inlined
+def _list_echo(arrays, cast, ahead, m, state, hider, window, rows, n):
+    """List echo m of a cast if it lies in the window; return the number of parts."""
+    k, b, value, cosine = cast.ray[m], cast.echoes.bin[m], cast.echoes.value[m], cast.echoes.cosine[m]
+    inside = b - window.first
+    if b < 0 or not 0 <= inside < window.weights.shape[1] or not value > 0.0:
+        return n
+    if n >= rows.shape[0]:
+        return n + 1
+    row, bundle, hits, arrivals = rows[n], cast.rays.bundle, cast.rays.hits, cast.rays.arrivals
+    row[:] = math.nan
+    body, material = hits.body[k], hits.material[k]
+    row[STATE], row[HIDER], row[MATERIAL], row[TARGET] = state, hider, material, BED
+    if body != BED:
+        row[TARGET] = target_of_body(arrays.solids, arrays.mesh, body)
+    forward = bundle.dx[k] * ahead[0] + bundle.dy[k] * ahead[1]
+    level = math.sqrt(bundle.dx[k] * bundle.dx[k] + bundle.dy[k] * bundle.dy[k])
+    row[AZIMUTH] = math.asin(min(max(forward / level, -1.0), 1.0)) if level > 0.0 else 0.0
+    row[X_FROM], row[Z_FROM], row[X_TO], row[Z_TO] = arrivals.x[k], arrivals.z[k], arrivals.x[k], arrivals.z[k]
+    row[NEAR], row[FAR], row[LAUNCH] = hits.distance[k], hits.distance[k], math.asin(bundle.dz[k])
+    row[COSINE] = cosine
+    numbers = arrays.reflectivity[material]
+    row[STRENGTH] = backscatter_strength(cosine, numbers[0], numbers[1], numbers[2], arrays.law)
+    for what in range(3):
+        row[ECHO + what] = window.weights[what, inside] * value
+    return n + 1

@@ -24,7 +24,7 @@ from insonify.kernels.common.contributors import (
 from insonify.kernels.common.range_bins import FIXED_POINT, accumulate_bins
 from insonify.kernels.common.scattering import backscatter_strength
 from insonify.kernels.common.types import LIGHT
-from insonify.kernels.labels.bed_stretches import BEHIND_TARGET, HEARD, empty_stretches, split_segment
+from insonify.kernels.labels.bed_stretches import BEHIND_TARGET, VISIBLE, empty_stretches, split_segment
 from insonify.kernels.labels.shadows import label_shadows, open_shadow
 from insonify.kernels.multipath.echo_list import EchoSink
 from insonify.kernels.multipath.surface_multipath import add_multipath
@@ -239,7 +239,7 @@ def _note_stretches(contributions, shadows, labelled, stretches, n):
         while state == BEHIND_TARGET and k < n and stretches.hider[k] == target and stretches.x_from[k] == stop:
             stop, k = stretches.x_to[k], k + 1
         foot = nearest_ground_range(labelled.segment, start, stop)
-        if state == HEARD:
+        if state == VISIBLE:
             _note_stretch(contributions, labelled, start, foot)
             _note_stretch(contributions, labelled, foot, stop)
         elif state == BEHIND_TARGET:

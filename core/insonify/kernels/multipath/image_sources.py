@@ -46,12 +46,6 @@ class ImagePath(NamedTuple):
     farthest: float  # ground range beyond which no echo returns within the reach, m; 0 if the path is not traced
 
 
-@inlined_uncounted
-def _sonar_itself():
-    """Return the sonar as its own image."""
-    return ImageSource(0.0, False, 1.0, 0.0)
-
-
 @kernel_uncounted
 def surface_image(arrays, z):
     """Image of the sonar in the sea surface."""
@@ -72,7 +66,7 @@ def bottom_image(arrays, x, y, z):
 @kernel_uncounted
 def image_pairs(arrays, x, y, z):
     """Pairs of images that make the propagation paths by way of the sea surface and back from the bed."""
-    multipath, sonar, drop = arrays.multipath, _sonar_itself(), z - highest_place(arrays)
+    multipath, sonar, drop = arrays.multipath, ImageSource(0.0, False, 1.0, 0.0), z - highest_place(arrays)
     surface, bottom = surface_image(arrays, z), bottom_image(arrays, x, y, z)
     is_by_bottom = multipath.second_bottom and bottom.share > 0.0
     return (

@@ -47,8 +47,15 @@ from insonify.kernels.multipath.image_sources import (
     tilt_delay,
     wave_advance,
 )
-from insonify.kernels.multipath.paired_profile import PairedEchoes, deposit_paired_profile, empty_paired_echoes
-from insonify.kernels.multipath.paired_segments import PairedSegment, SegmentLine, echo_range, list_stretch
+from insonify.kernels.multipath.paired_segments import (
+    PairedEchoes,
+    PairedSegment,
+    SegmentLine,
+    deposit_paired_profile,
+    echo_range,
+    empty_paired_echoes,
+    list_stretch,
+)
 from insonify.kernels.multipath.target_multipath import list_target_echoes
 from insonify.kernels.rays.launch import orient_beam
 from insonify.kernels.refraction.apparent_positions import COLUMNS, straight_grid
@@ -214,19 +221,14 @@ def add_image_plane(arrays, poses, ping, side, fan, k, pairs, reaches, workspace
         if cells[0] > 0:
             sectors, x, echoes = (one, other), profile.x, workspace.echoes
             n = list_target_echoes(arrays, knots, pair, plane, sectors, cells, x, views, zbuffers, echoes, n, sink)
-        _deposit(arrays, pair.passes, pair.path, workspace.echoes, n, sink)
+        facets = arrays.multipath.facets[pair.passes - 1]
+        deposit_echoes(workspace.echoes, n, facets, arrays.bin_length, pair.path, sink)
 
 
 @inlined_uncounted
 def _knots_within(x, count, reach):
     """Knots of a profile of which the last one alone may lie beyond a ground range."""
     return min(last_not_above(x[:count], reach) + 2, count) if count > 0 else 0
-
-
-@inlined_uncounted
-def _deposit(arrays, passes, path, echoes, n, sink):
-    """Deposit listed echoes, spread according to their passes of the sea surface."""
-    deposit_echoes(echoes, n, arrays.multipath.facets[passes - 1], arrays.bin_length, path, sink)
 
 
 @inlined_uncounted
@@ -295,7 +297,7 @@ def _list_bed(arrays, count, pair, images, zbuffers, cells, workspace, sink):
         i, table = segments.marked[k], arrays.reflectivity
         n = _list_segment(i, table, pair, hidden, occlusions, profile, weight, one, other, echoes, n)
         if n > ENOUGH:
-            _deposit(arrays, pair.passes, pair.path, echoes, n, sink)
+            deposit_echoes(echoes, n, arrays.multipath.facets[pair.passes - 1], arrays.bin_length, pair.path, sink)
             n = 0
     return n
 

@@ -243,7 +243,7 @@ def _highest_of_mesh(mesh, beam, top):
         if highest <= top:
             node = mesh.skip[node]
             continue
-        if mesh.held[node] > 0:
+        if mesh.leaf_size[node] > 0:
             top = highest
         node += 1
     return top

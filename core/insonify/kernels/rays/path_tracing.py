@@ -69,7 +69,9 @@ class Intersection(NamedTuple):
 def start_path(bundle, k):
     """Path that begins with a ray at the sonar."""
     dx, dy, dz = bundle.dx[k], bundle.dy[k], bundle.dz[k]
-    up, across = start_elevation_differential(dx, dy, dz), start_azimuth_differential(dx, dy)
+    level = max(math.sqrt(dx * dx + dy * dy), 1e-300)
+    up = RayDifferential(0.0, 0.0, 0.0, -dz * dx / level, -dz * dy / level, level)
+    across = RayDifferential(0.0, 0.0, 0.0, -dy / level, dx / level, 0.0)
     return SpecularPath(bundle.x[k], bundle.y[k], bundle.z[k], dx, dy, dz, up, across, 0.0, 1.0, 0, WATER)
 
 
@@ -242,20 +244,6 @@ def _leave_mesh(arrays, path):
             return Intersection(total, solids + triangle, mesh.material[triangle], -normal[0], -normal[1], -normal[2])
         total += off
     return Intersection(math.inf, NOTHING, 0, 0.0, 0.0, 0.0)
-
-
-@inlined
-def start_elevation_differential(dx, dy, dz):
-    """Differential of a ray at the sonar with its elevation, per radian."""
-    level = max(math.sqrt(dx * dx + dy * dy), 1e-300)
-    return RayDifferential(0.0, 0.0, 0.0, -dz * dx / level, -dz * dy / level, level)
-
-
-@inlined
-def start_azimuth_differential(dx, dy):
-    """Differential of a ray at the sonar with an angle at right angles to the elevation, per radian."""
-    level = max(math.sqrt(dx * dx + dy * dy), 1e-300)
-    return RayDifferential(0.0, 0.0, 0.0, -dy / level, dx / level, 0.0)
 
 
 @inlined

@@ -134,7 +134,8 @@ def _add_sheet(arrays, beam, fan, angle, place, way, sums):
         return False
     while landed.angle.size > 0:
         gaps = _spread_or_split(landed, together, arrays.solids.shape.size, arrays.bin_length, sums)
-        middles = _trace_sheet(arrays, beam, fan, _middles(landed, gaps), place, way)
+        halfway = 0.5 * (landed.angle[gaps] + landed.angle[gaps + 1])
+        middles = _trace_sheet(arrays, beam, fan, halfway, place, way)
         landed, together = _insert_middles(landed, gaps, middles), OF_THREE
     return True
 
@@ -287,12 +288,6 @@ def _add_over_ranges(value, one, other, bin_length, sums):
     density = value / (far - near)
     for b in range(first, min(last + 1, sums.size)):
         sums[b] += density * (min(far, b + 1.0) - max(near, b))
-
-
-@kernel
-def _middles(landed, gaps):
-    """Elevations halfway across gaps."""
-    return 0.5 * (landed.angle[gaps] + landed.angle[gaps + 1])
 
 
 @kernel

@@ -95,17 +95,10 @@ def load_cell(cell, bodies, plane, bent, zbuffer, bed, knot):
     body, row = zbuffer.body[p], primitive_material(solids, mesh, zbuffer, p)
     source = load_apparent_source(bent, zbuffer.source[p])
     primitive = load_primitive(solids, mesh, plane, body, zbuffer.line[p], source)
-    facets, centre = _count_facets(zbuffer, cell)
-    material, target = (table[row, 0], table[row, 1], table[row, 2]), target_of_body(solids, mesh, body)
-    low, high, knot = zbuffer.edge[cell], zbuffer.edge[cell + 1], knot_before(bed, centre, knot)
-    return TargetCell(primitive, source, body, target, row, material, low, high, facets, knot)
-
-
-@inlined_uncounted
-def _count_facets(zbuffer, cell):
-    """Count the facets into which a cell of a z-buffer is divided, and return the ground range of its middle."""
     facet = cell_facet(zbuffer, cell)
-    return _facet_count(facet), facet.centre * facet.cosine
+    material, target = (table[row, 0], table[row, 1], table[row, 2]), target_of_body(solids, mesh, body)
+    low, high, knot = zbuffer.edge[cell], zbuffer.edge[cell + 1], knot_before(bed, facet.centre * facet.cosine, knot)
+    return TargetCell(primitive, source, body, target, row, material, low, high, _facet_count(facet), knot)
 
 
 @inlined_uncounted

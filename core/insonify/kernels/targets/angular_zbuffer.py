@@ -120,7 +120,7 @@ def _cut_mesh(mesh, first_body, plane, reach, zbuffer, primitives):
         if not _may_cut_box(mesh.low[node], mesh.high[node], plane, reach):
             node = mesh.skip[node]
             continue
-        for k in range(mesh.first[node], mesh.first[node] + mesh.held[node]):
+        for k in range(mesh.first[node], mesh.first[node] + mesh.leaf_size[node]):
             primitives = _cut_triangle(mesh.corners[k], first_body + k, plane, zbuffer, primitives)
         node += 1
     return primitives

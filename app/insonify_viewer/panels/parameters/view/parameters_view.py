@@ -16,6 +16,7 @@ from insonify_viewer.panels.parameters.effects import EffectRow
 from insonify_viewer.panels.parameters.sections import PINNED, FieldSection
 from insonify_viewer.panels.parameters.view.section_box import Row, SectionBox, make_tool
 from insonify_viewer.widgets.buttons import set_icon
+from insonify_viewer.widgets.later import Later
 from insonify_viewer.widgets.side_panel import FoldingBox, SidePanel
 from insonify_viewer.widgets.theme import ACCENT
 
@@ -54,21 +55,12 @@ class ParametersView(SidePanel):
         self.effects = EffectsBox(self.ticked.emit)
         self.column.addWidget(self.effects)
         self._glide: QVariantAnimation | None = None
-        self._still = QTimer(self)
-        self._still.setSingleShot(True)
-        self._still.setInterval(STILL)
-        self._still.timeout.connect(lambda: self._when_still())
-        self._when_still: Callable[[], None] = _nothing
+        self.soon, self.still = Later(self, DELAY, anew=False), Later(self, STILL)
         self.column.addStretch(1)
         self._sections: dict[str, SectionBox] = {}
         self._lit: tuple[str, ...] = ()
         self._building = QTimer(self)
         self._building.timeout.connect(self._build)
-        self._show: Callable[[], None] = _nothing
-        self._due = QTimer(self)
-        self._due.setSingleShot(True)
-        self._due.setInterval(DELAY)
-        self._due.timeout.connect(lambda: self._show())
 
     @property
     def about(self) -> str:
@@ -77,29 +69,18 @@ class ParametersView(SidePanel):
 
     def show_at_once(self, show: Callable[[], None]) -> None:
         """Run an update now, instead of one that waits."""
-        self._due.stop()
+        self.soon.stop()
         show()
-
-    def show_soon(self, show: Callable[[], None]) -> None:
-        """Run an update after a short delay; updates within it are merged."""
-        self._show = show
-        if not self._due.isActive():
-            self._due.start()
 
     def stop_waiting(self) -> None:
         """Drop what waits."""
-        self._due.stop()
-        self._still.stop()
-        self._building.stop()
+        for timer in (self.soon, self.still, self._building):
+            timer.stop()
         self.drop_glide()
 
     def show_about(self, parts: Sequence[str | Link], tried: Sequence[bool]) -> None:
         """Show the description of the scene; links that are tried at present lead back."""
         self._about.say(parts, tried)
-
-    def show_effects(self, rows: tuple[EffectRow, ...]) -> None:
-        """Show which effects the scene has, and what each changes."""
-        self.effects.show_rows(rows)
 
     def glide(self, move: Callable[[float], object], arrive: Callable[[], object]) -> None:
         """Call ``move`` with shares from 0 to 1 during a moment, then ``arrive``; a glide under way arrives first."""
@@ -125,11 +106,6 @@ class ParametersView(SidePanel):
         if glide is not None:
             glide.stop()
             glide.deleteLater()
-
-    def when_still(self, act: Callable[[], None]) -> None:
-        """Call a function once this was not asked for again during a moment."""
-        self._when_still = act
-        self._still.start()
 
     def show_sections(self, sections: tuple[FieldSection, ...]) -> None:
         """Show these fields; only sections whose rows change are rebuilt, at most one of them at once."""
@@ -171,7 +147,7 @@ class ParametersView(SidePanel):
 
     def show_changed(self, changed: Mapping[str, str]) -> None:
         """Mark the fields that differ from the scene as it was opened, given the texts of those values."""
-        for box in self._shown_boxes():
+        for box in (*self._sections.values(), *([self._found] if self._found is not None else [])):
             box.show_changed(changed)
 
     def show_found(self, section: FieldSection | None) -> None:
@@ -191,9 +167,6 @@ class ParametersView(SidePanel):
         self._about.setVisible(section is None and bool(self._about.words))
         for box in (self.effects, *self._sections.values()):
             box.setVisible(section is None)
-
-    def _shown_boxes(self) -> list[SectionBox]:
-        return [*self._sections.values(), *([self._found] if self._found is not None else [])]
 
     def show_pictures(self, scene: Scene) -> None:
         """Show the curves of a scene, and the spectrum of its bed."""
@@ -288,10 +261,6 @@ def _search_line(view: ParametersView) -> QLineEdit:
     # Qt for Python ignores a context among the arguments; Escape would be taken from the whole window.
     QShortcut(QKeySequence(Qt.Key.Key_Escape), line, end).setContext(Qt.ShortcutContext.WidgetShortcut)
     return line
-
-
-def _nothing() -> None:
-    """Update nothing."""
 
 
 class AboutBox(FoldingBox):

@@ -55,7 +55,8 @@ class SectionBox(FoldingBox):
         self._changed: dict[str, str] = {}
         self._lit: tuple[str, ...] = ()
         self._scene: Scene | None = None
-        self._reset = make_tool("reset", "↺", "Reset this section to the scene as it was opened", self._reset_all)
+        tip = "Reset this section to the scene as it was opened"
+        self._reset = make_tool("reset", "↺", tip, lambda: signals.reset.emit(tuple(self._changed)))
         self._reset.hide()
         super().__init__(section.title, QWidget(), unfolded=unfolded, beside=_side_by_side([self._reset, *tools]))
         self._body.setEnabled(not section.locked)
@@ -110,9 +111,6 @@ class SectionBox(FoldingBox):
     def _mark_changed(self) -> None:
         for path, row in self._rows.items():
             row.label.show_reset(self._changed.get(path, ""), partial(self._signals.reset.emit, (path,)))
-
-    def _reset_all(self) -> None:
-        self._signals.reset.emit(tuple(self._changed))
 
     def show_values(self, section: FieldSection) -> None:
         """Show other values in the same rows; rows whose fields are the same objects as before stay as they are."""

@@ -1,0 +1,87 @@
+"""Workers of a scheduler that may do jobs: those whose build is that of the files already there."""
+
+from __future__ import annotations
+
+import json
+import sys
+import time
+from pathlib import Path
+from typing import Any
+
+from insonify.compiler.build import Build, own_build
+from insonify.io.atomic import replacing
+
+RECORD = "build.json"  # beside the flags of the jobs
+SILENCE, REMINDER = 10.0, 60.0  # s without a worker until the first sentence, and between it and the next one
+
+
+class Workers:
+    """Workers that calculate alike, by their addresses; others are named once and get no job.
+
+    Attributes
+    ----------
+    threads : dict of str to int
+        Number of threads of each, by its address.
+    """
+
+    def __init__(self, client: Any, flags: Path, scheduler: str) -> None:
+        self.threads: dict[str, int] = {}
+        self._client, self._flags, self._scheduler = client, flags, scheduler
+        self._builds: dict[str, Build | None] = {}
+        self._expected = read_build(flags)
+        self._since, self._told = time.monotonic(), 0.0
+
+    def count(self) -> None:
+        """Look who is there, and let those who are new state their build."""
+        present = self._client.nthreads()
+        if new := sorted(present.keys() - self._builds.keys()):
+            stated = self._client.run(own_build, workers=new, on_error="return")
+            for address in new:
+                build = stated.get(address)
+                self._builds[address] = build if isinstance(build, Build) else None
+                if fault := self._fault(self._builds[address]):
+                    _say(f"--scheduler {self._scheduler}: {address} gets no jobs: {fault}")
+        alike = (address for address, build in self._builds.items() if build is not None and build == self._expected)
+        self.threads = {address: present[address] for address in alike if address in present}
+        self._remind(len(present))
+
+    def _fault(self, build: Build | None) -> str:
+        """Return why a worker gets no job; empty if it gets some. The first one of the versions here sets the build."""
+        if build is None:
+            return "it does not state its version of insonify; install the same version there as here"
+        expected = self._expected or own_build()._replace(processor=build.processor)
+        if difference := expected.difference(build):
+            return f"it has {difference}; files of both would not be the same to the bit: let workers be alike"
+        if self._expected is None:
+            self._expected = build
+            write_build(self._flags, build)
+        return ""
+
+    def _remind(self, present: int) -> None:
+        """Say that nobody works, after a while and then every minute."""
+        now = time.monotonic()
+        if self.threads:
+            self._since, self._told = now, 0.0
+        elif now - self._since > SILENCE and now - self._told > REMINDER:
+            self._told = now
+            left = f"none of the {present} workers may do the jobs that are left" if present else "no worker is left"
+            _say(f"--scheduler {self._scheduler}: {left}; start some, or interrupt: the same command goes on")
+
+
+def write_build(flags: Path, build: Build) -> None:
+    """Record the build that files of a folder are made with."""
+    flags.mkdir(parents=True, exist_ok=True)
+    with replacing(flags / RECORD) as beside:
+        beside.write_text(json.dumps(build._asdict()), encoding="utf-8")
+
+
+def read_build(flags: Path) -> Build | None:
+    """Return the build that files of a folder were made with; None before there are any."""
+    try:
+        return Build(**json.loads((flags / RECORD).read_text(encoding="utf-8")))
+    except (OSError, ValueError, TypeError):
+        return None
+
+
+def _say(sentence: str) -> None:
+    sys.stderr.write(f"insonify: {sentence}\n")
