@@ -256,6 +256,7 @@ for path, before, changes in OF_RECEIVER:
     choice = f"receiver.{path.partition('[')[0]}"
     needs = {choice: before} | (BY_DEPTH if path in ("reverberation[surface]", "reverberation[both]") else {})
     CHANGES |= fields(f"receiver.{path}", needs, **changes)
+CHANGES |= fields("sonar", {}, preset="kayak-455")
 LOUD = {"receiver.source_level": 200.0}
 SEA_NOISE = LOUD | {"sonar.frequency": 5e4, "receiver.noise": {"kind": "sea", "wind": 20.0}}
 CHANGES |= fields("receiver.noise[density]", LOUD | {"receiver.noise": "density"}, level=50.0)

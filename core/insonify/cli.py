@@ -16,6 +16,7 @@ from typing import Any, NoReturn
 from insonify.commands import render
 from insonify.commands.options import FALLBACK, NO_WINDOW, add_scene, check_output, chosen_scene, free_name
 from insonify.compilation_bar import CompilationBar
+from insonify.compiler.cache_folder import CacheWarning
 from insonify.compiler.progress import watch_compilation
 from insonify.display.display_options import DisplayOptions
 from insonify.errors import FileWarning
@@ -61,7 +62,7 @@ def main(words: Sequence[str] | None = None) -> int:
 
 def _warn(message: Warning | str, category: type[Warning], *where: Any, **more: Any) -> None:
     """Write what a file lacks as one sentence, and other warnings as Python does."""
-    if issubclass(category, FileWarning):
+    if issubclass(category, (FileWarning, CacheWarning)):
         sys.stderr.write(f"insonify: {' '.join(str(message).split())}\n")
     else:
         sys.stderr.write(warnings.formatwarning(message, category, *where[:2]))

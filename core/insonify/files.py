@@ -39,6 +39,11 @@ def bundled_lessons() -> dict[str, Path]:
     return {path.stem: path for path in sorted((resources() / "lessons").glob("*.md"))}
 
 
+def bundled_sonars() -> dict[str, Path]:
+    """Return the presets of sonars that come with the package, by name."""
+    return {path.stem: path for path in sorted((resources() / "sonars").glob("*.toml"))}
+
+
 def bundled_meshes() -> dict[str, Path]:
     """Return the shapes that come with the package, by name."""
     # In a checkout, the scripts that make meshes stand beside them.

@@ -11,7 +11,9 @@ from pathlib import Path
 
 import platformdirs
 
-from insonify.errors import FileWarning
+
+class CacheWarning(UserWarning):
+    """Why machine code is not kept, in one sentence."""
 
 
 def cache_folder() -> Path:
@@ -33,7 +35,7 @@ def is_private(folder: Path) -> bool:
         fault = "this user has no home folder"
     if fault and parent_process() is None:
         sentence = f"{fault}; kernels are compiled at every start until that is changed, or NUMBA_CACHE_DIR is set"
-        warnings.warn(FileWarning(f"machine code is neither read from nor kept in {folder}: {sentence}"), stacklevel=2)
+        warnings.warn(CacheWarning(f"machine code is neither read from nor kept in {folder}: {sentence}"), stacklevel=2)
     if not fault:
         with contextlib.suppress(OSError):  # root's
             folder.chmod(0o700)

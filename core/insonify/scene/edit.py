@@ -12,6 +12,7 @@ from insonify.scene.base import Declaration, kind_name, models_of
 from insonify.scene.faults import describe_fault
 from insonify.scene.links import read_literal
 from insonify.scene.scene import Scene
+from insonify.scene.sonar.presets import OF_RECEIVER
 
 
 def build(values: Mapping[str, Any]) -> Scene:
@@ -39,6 +40,13 @@ def _without_none(value: Any) -> Any:
 def edit(scene: Scene, changes: Mapping[str, Any]) -> Scene:
     """Apply changes to a scene, then validate the whole scene."""
     values = plain(scene)
+    if isinstance(changes.get("sonar"), str):
+        changes = {"sonar.preset" if path == "sonar" else path: value for path, value in changes.items()}
+    if changes.get("sonar.preset") is not None:
+        # Numbers of the present sonar would override those of its successor.
+        values["sonar"] = {}
+        for path in OF_RECEIVER:
+            _put(values, path, None)
     # A kind decides which fields exist, so kinds go first whatever the order given.
     kinds = [path for path in changes if path.endswith("kind")]
     for path in kinds:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Literal
+from typing import Any, Literal
 
 from pydantic import field_validator, model_validator
 
@@ -13,6 +13,7 @@ from insonify.scene.links import Link, plain_words, split_description
 from insonify.scene.receiver import Receiver
 from insonify.scene.seabed import Seabed
 from insonify.scene.sonar import Sonar
+from insonify.scene.sonar.presets import with_preset
 from insonify.scene.targets import AnyTarget
 from insonify.scene.track import Track
 from insonify.scene.volumes import AnyVolume
@@ -60,6 +61,11 @@ class Scene(Declaration):
     sonar: Sonar = parameter(Sonar(), "the sonar")
     track: Track = parameter(Track(), "the tow")
     receiver: Receiver = parameter(Receiver(), "the receiver")
+
+    @model_validator(mode="before")
+    @classmethod
+    def _sonar_by_name(cls, values: Any) -> Any:
+        return with_preset(values)
 
     @field_validator("controls")
     @classmethod

@@ -13,6 +13,7 @@ from pydantic import BaseModel
 from pydantic.fields import FieldInfo
 
 from insonify.acoustics.water import absorption_coefficient, speed_at_sonar
+from insonify.files import bundled_sonars
 from insonify.scene import Scene, SceneError
 from insonify.scene.base import Declaration, kind_name, models_of
 from insonify.scene.edit import part_at
@@ -145,6 +146,9 @@ def _rows(scene: Scene, part: BaseModel, name: str, path: str, indent: int) -> I
         yield from _of_declaration(scene, part, name, path, indent)
     elif isinstance(part, Material) and name == "name":
         yield ChoiceField(path, label if indent else "material", tooltip, indent, value, tuple(MATERIALS))
+    elif path == "sonar.preset":
+        presets = tuple(bundled_sonars())
+        yield ChoiceField(path, label, tooltip, indent, value or "", presets if value else ("", *presets))
     elif get_origin(field.annotation) is Literal:
         options = get_args(field.annotation)
         if len(options) > 1:

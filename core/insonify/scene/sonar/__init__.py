@@ -18,6 +18,9 @@ MOST_BINS = 100_000  # greatest number of bins per side of a record, and of bins
 class Sonar(Declaration):
     """A side-scan sonar with a port and a starboard channel."""
 
+    preset: str | None = parameter(
+        None, "preset of a sonar, of which numbers apply where none are given; a bare name stands for it"
+    )
     frequency: float = parameter(400e3, "carrier frequency", "Hz", ge=1e3, le=2e6, slider=(5e4, 1.2e6), log=True)
     beam: Annotated[BeamKind, KindOf(BEAMS, default="fan")] = parameter(FanBeam(), "horizontal beam")
     vertical: Annotated[VerticalBeamKind, KindOf(VERTICAL_BEAMS, default="uniform")] = parameter(
