@@ -78,7 +78,8 @@ def _note_echoes(arrays, cast, contributions, intensity, caustic):
         open_contributor(contributions, who)
         add_contribution(contributions, who, b, value, arrivals.x[k], cosine)
         intensity[b] += value
-        if arrivals.dark[k] > 0.0:
+        # Mixed echoes may come back by a path far from the caustic.
+        if arrivals.dark[k] > 0.0 and not 0 <= n - hits.body.size < cast.mixed.ray.size:
             caustic[b] = True
 
 
