@@ -39,7 +39,8 @@ def test_the_table_is_airys_function_over_an_octave():
 def exact_field(frequency, x, half):
     """|p|² at the receiver of the sound that goes up and turns, relative to 1 m, by the integral over wave numbers.
 
-    Only launch angles up to ``half`` from that of the caustic count. Of a height both solutions are Airy functions of s = (ω²/c² - k²) / κ², κ³ = ω²b; Bi + i Ai goes downwards.
+    Only launch angles up to ``half`` from that of the caustic count. Over height both solutions are Airy functions of
+    s = (ω²/c² - k²) / κ², κ³ = ω²b; Bi + i Ai goes downwards.
     """
     omega = 2.0 * math.pi * frequency
     kappa = (omega * omega * STEEPNESS) ** (1.0 / 3.0)
