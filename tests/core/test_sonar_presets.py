@@ -51,6 +51,13 @@ def test_an_edit_replaces_one_sonar_by_another():
     assert edit(scene, {"sonar.range": 80.0}).sonar.preset == "towfish-400"
 
 
+def test_without_a_preset_its_numbers_stay():
+    scene = scene_from_toml(f"sonar = 'towfish-400'\n{BED}")
+    own = edit(scene, {"sonar.preset": "none"})
+    assert own.sonar == scene.sonar.model_copy(update={"preset": None})
+    assert scene_from_toml(f"sonar = 'none'\n{BED}") == scene_from_toml(BED)
+
+
 def test_an_unknown_preset_is_refused():
     with pytest.raises(SceneError, match=r"sonar\.preset: 'sputnik' is not a known sonar; choose one of auv-230"):
         edit(load_scene("default"), {"sonar": "sputnik"})

@@ -12,7 +12,7 @@ from insonify.scene.base import Declaration, kind_name, models_of
 from insonify.scene.faults import describe_fault
 from insonify.scene.links import read_literal
 from insonify.scene.scene import Scene
-from insonify.scene.sonar.presets import OF_RECEIVER
+from insonify.scene.sonar.presets import NO_PRESET, OF_RECEIVER
 
 
 def build(values: Mapping[str, Any]) -> Scene:
@@ -42,7 +42,7 @@ def edit(scene: Scene, changes: Mapping[str, Any]) -> Scene:
     values = plain(scene)
     if isinstance(changes.get("sonar"), str):
         changes = {"sonar.preset" if path == "sonar" else path: value for path, value in changes.items()}
-    if changes.get("sonar.preset") is not None:
+    if changes.get("sonar.preset") not in (None, NO_PRESET):
         # Numbers of the present sonar would override those of its successor.
         values["sonar"] = {}
         for path in OF_RECEIVER:

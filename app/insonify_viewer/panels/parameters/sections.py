@@ -21,6 +21,7 @@ from insonify.scene.receiver.gains import PowerTvg
 from insonify.scene.seabed.materials import MATERIALS, Material
 from insonify.scene.seabed.materials.pattern import PatternMap
 from insonify.scene.seabed.reliefs.random_relief import RandomRelief
+from insonify.scene.sonar.presets import NO_PRESET
 from insonify.scene.targets import Target
 from insonify.scene.water import WaterKind
 from insonify.scene.water.absorptions import NEPER_PER_DB
@@ -147,8 +148,7 @@ def _rows(scene: Scene, part: BaseModel, name: str, path: str, indent: int) -> I
     elif isinstance(part, Material) and name == "name":
         yield ChoiceField(path, label if indent else "material", tooltip, indent, value, tuple(MATERIALS))
     elif path == "sonar.preset":
-        presets = tuple(bundled_sonars())
-        yield ChoiceField(path, label, tooltip, indent, value or "", presets if value else ("", *presets))
+        yield ChoiceField(path, label, tooltip, indent, value or NO_PRESET, (NO_PRESET, *bundled_sonars()))
     elif get_origin(field.annotation) is Literal:
         options = get_args(field.annotation)
         if len(options) > 1:

@@ -8,6 +8,7 @@ from typing import Any
 
 from insonify.files import bundled_sonars
 
+NO_PRESET = "none"
 SLOWEST_WATER, FASTEST_PINGS = 1400.0, 30.0  # m/s, Hz
 OF_RECEIVER = ("receiver.source_level", "receiver.recorder.bits")  # fields of a preset outside of the sonar
 
@@ -15,7 +16,7 @@ OF_RECEIVER = ("receiver.source_level", "receiver.recorder.bits")  # fields of a
 def with_preset(values: Any) -> Any:
     """Return raw values of a scene with what the preset of its sonar declares and the scene does not.
 
-    A bare name stands for ``{ preset = name }``. A preset pings as fast as the range allows.
+    A bare name stands for ``{ preset = name }``; ``"none"`` is no preset. A preset pings as fast as the range allows.
     """
     sonar = values.get("sonar") if isinstance(values, dict) else None
     if isinstance(sonar, str):
@@ -23,6 +24,8 @@ def with_preset(values: Any) -> Any:
     if not isinstance(sonar, dict) or sonar.get("preset") is None:
         return values
     name = sonar["preset"]
+    if name == NO_PRESET:
+        return values | {"sonar": {key: value for key, value in sonar.items() if key != "preset"}}
     if name not in bundled_sonars():
         known = ", ".join(bundled_sonars())
         raise ValueError(f"sonar.preset: {str(name)[:40]!r} is not a known sonar; choose one of {known}")
