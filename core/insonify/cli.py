@@ -9,9 +9,9 @@ import os
 import sys
 import warnings
 from collections.abc import Sequence
-from contextlib import suppress
+from contextlib import redirect_stdout, suppress
 from pathlib import Path
-from typing import Any, NoReturn
+from typing import Any, NoReturn, TextIO
 
 from insonify.commands import render
 from insonify.commands.options import FALLBACK, NO_WINDOW, add_scene, check_output, chosen_scene, free_name
@@ -19,7 +19,7 @@ from insonify.compilation_bar import CompilationBar
 from insonify.compiler.cache_folder import CacheWarning
 from insonify.compiler.progress import watch_compilation
 from insonify.display.display_options import DisplayOptions
-from insonify.errors import FileWarning
+from insonify.errors import FileWarning, plain_text
 from insonify.plugins import announced, modules_in
 from insonify.scene import SceneError, bundled_scenes
 
@@ -35,7 +35,7 @@ APT = (
 def main(words: Sequence[str] | None = None) -> int:
     """Run the command."""
     try:
-        with warnings.catch_warnings(), watch_compilation(CompilationBar()):
+        with warnings.catch_warnings(), watch_compilation(CompilationBar()), redirect_stdout(_PlainOutput(sys.stdout)):
             warnings.simplefilter("always", FileWarning)
             warnings.showwarning = _warn
             code = _run(list(sys.argv[1:] if words is None else words))
@@ -60,17 +60,30 @@ def main(words: Sequence[str] | None = None) -> int:
         return INTERRUPTED
 
 
+class _PlainOutput:
+    """Standard output without what a terminal would obey: titles and names come from files of others."""
+
+    def __init__(self, stream: TextIO) -> None:
+        self._stream = stream
+
+    def write(self, text: str) -> int:
+        return self._stream.write(plain_text(text))
+
+    def __getattr__(self, name: str) -> Any:
+        return getattr(self._stream, name)
+
+
 def _warn(message: Warning | str, category: type[Warning], *where: Any, **more: Any) -> None:
     """Write what a file lacks as one sentence, and other warnings as Python does."""
     if issubclass(category, (FileWarning, CacheWarning)):
-        sys.stderr.write(f"insonify: {' '.join(str(message).split())}\n")
+        sys.stderr.write(f"insonify: {plain_text(' '.join(str(message).split()))}\n")
     else:
         sys.stderr.write(warnings.formatwarning(message, category, *where[:2]))
 
 
 def _complain(sentence: str) -> int:
     with suppress(OSError):  # standard error on a full disk: the exit code remains
-        sys.stderr.write(f"insonify: {' '.join(sentence.split())}\n")
+        sys.stderr.write(f"insonify: {plain_text(' '.join(sentence.split()))}\n")
         sys.stderr.flush()
     return WRONG
 

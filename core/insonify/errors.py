@@ -5,6 +5,17 @@ from __future__ import annotations
 from collections.abc import Iterator
 from contextlib import contextmanager
 
+# Control characters, which a terminal obeys, and marks that turn the direction of text; tabs and ends of lines stay.
+_UNSAFE = dict.fromkeys(
+    [*(c for c in range(0x20) if chr(c) not in "\t\n\r"), *range(0x7F, 0xA0), 0x61C, 0x200E, 0x200F,
+     *range(0x202A, 0x202F), *range(0x2066, 0x206A)]
+)  # fmt: skip
+
+
+def plain_text(text: str) -> str:
+    """Text of a file as it may be shown: without characters that a terminal or a window would obey."""
+    return text.translate(_UNSAFE)
+
 
 class SceneError(ValueError):
     """A mistake in a scene, in one sentence that names the field, the value and the remedy."""

@@ -46,6 +46,11 @@ def test_a_table_holds_everything_but_the_snapshots(tmp_path):
         ("side", "left", "side 'left'; write port or starboard"),
         ("slant_range", "", "no slant_range"),
         ("latitude", "48° N", "no valid latitude"),
+        ("latitude", "nan", "latitude nan; give at most"),
+        ("x", "1e300", "x 1e300; give at most"),
+        ("ping", "9" * 5000, "no valid ping"),
+        ("ping", "1" + "0" * 400, "ping 10000000000000000000; give at most"),
+        ("note", "x" * 131_073, "is no file of contacts"),
     ],
 )
 def test_a_mistake_is_named(tmp_path, field, value, said):
@@ -71,6 +76,29 @@ def test_what_is_no_file_of_contacts_is_refused(tmp_path, text):
             read_contacts(path)
     with pytest.raises(SceneError, match="cannot be read"):
         read_contacts(tmp_path / "missing.csv")
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        "[" * 100_000,
+        '{"features": [{"properties": {"ping": 1e400, "range_bin": 1, "side": "port", "slant_range": 1}}]}',
+    ],
+)
+def test_endless_and_deep_files_are_refused_in_a_sentence(tmp_path, text):
+    path = tmp_path / "found.geojson"
+    path.write_text(text, encoding="utf-8")
+    with pytest.raises(SceneError, match=r"is no file of contacts|no valid ping"):
+        read_contacts(path)
+
+
+def test_a_spreadsheet_takes_no_text_as_a_formula(tmp_path):
+    path = tmp_path / "found.csv"
+    contacts = [replace(IN_WATER, name=text) for text in ("=cmd|' /C calc'!A0", "+1", "-1", "@a", "'quoted'")]
+    write_contacts(path, contacts)
+    with path.open(encoding="utf-8", newline="") as file:
+        assert all(row["name"].startswith("'") for row in csv.DictReader(file))
+    assert list(read_contacts(path)) == contacts
 
 
 def test_a_list_numbers_names_and_knows_what_is_saved():

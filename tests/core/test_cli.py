@@ -96,6 +96,14 @@ def test_a_mistake_is_one_sentence(capsys, monkeypatch, tmp_path, words, expecte
     assert list(tmp_path.iterdir()) == []
 
 
+def test_a_terminal_is_given_no_commands_by_a_title(capsys, tmp_path):
+    """Escape, bell, an operating-system command, and a mark that turns text to the left."""
+    path = tmp_path / "evil.toml"
+    path.write_text('title = "a\\u001b]0;owned\\u0007\\u202eb"\n[track]\npings = 1\n', encoding="utf-8")
+    assert main(["scenes", str(path)]) == 0
+    assert capsys.readouterr().out == "a]0;ownedb\n"
+
+
 def test_scenes_lists_names_and_titles(capsys):
     assert main(["scenes"]) == 0
     lines = capsys.readouterr().out.splitlines()

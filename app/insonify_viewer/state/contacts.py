@@ -11,6 +11,7 @@ from dataclasses import asdict, dataclass, fields
 from pathlib import Path
 from typing import Any
 
+from insonify.errors import plain_text
 from insonify.io.atomic import replacing
 from insonify.scene import SceneError
 from insonify_viewer.state.inspection import SIDES, Mark
@@ -18,6 +19,9 @@ from insonify_viewer.state.inspection import SIDES, Mark
 GEOJSON, CSV = ".geojson", ".csv"
 FORMATS = (("Contacts with snapshots (GeoJSON)", GEOJSON), ("Table of contacts (CSV)", CSV))
 HEADER = 10_000  # characters, of the longest line of names
+GREATEST = 2**31 - 1  # of any number
+FORMULA = ("=", "+", "-", "@", "\t", "\r", "'")  # with which a spreadsheet takes a cell as more than text
+TEXTS = ("name", "note", "source")
 WHOLE, REAL = ("ping", "range_bin"), ("slant_range", "ground_range", "x", "y", "longitude", "latitude")
 
 
@@ -91,7 +95,7 @@ def read_contacts(path: Path) -> tuple[Contact, ...]:
             rows = [dict(feature["properties"]) for feature in json.loads(text)["features"]]
     except OSError as error:
         raise SceneError(f"{path.name}: cannot be read ({error.strerror}); choose another file") from error
-    except (ValueError, LookupError, TypeError, AttributeError) as error:
+    except (ValueError, LookupError, TypeError, AttributeError, RecursionError, csv.Error) as error:
         raise SceneError(f"{path.name}: is no file of contacts; choose a GeoJSON or CSV file saved here") from error
     return tuple(_contact(path, number, row) for number, row in enumerate(rows, start=1))
 
@@ -100,7 +104,10 @@ def _as_csv(contacts: Iterable[Contact]) -> str:
     text = io.StringIO()
     writer = csv.DictWriter(text, COLUMNS, extrasaction="ignore")
     writer.writeheader()
-    writer.writerows(asdict(contact) for contact in contacts)
+    for contact in contacts:
+        cells = asdict(contact)
+        # A spreadsheet takes what follows an apostrophe as text.
+        writer.writerow(cells | {name: f"'{cells[name]}" for name in TEXTS if cells[name].startswith(FORMULA)})
     return text.getvalue()
 
 
@@ -115,7 +122,10 @@ def _rows_of_csv(text: str) -> list[dict[str, Any]]:
     reader = csv.DictReader(io.StringIO(text))
     if "ping" not in (reader.fieldnames or ()):
         raise ValueError("no column of pings")
-    return list(reader)
+    rows = list(reader)
+    for row in rows:
+        row |= {name: row[name][1:] for name in TEXTS if (row.get(name) or "").startswith("'")}
+    return rows
 
 
 def _contact(path: Path, number: int, row: dict[str, Any]) -> Contact:
@@ -124,13 +134,16 @@ def _contact(path: Path, number: int, row: dict[str, Any]) -> Contact:
     def read(name: str, kind: Callable[[Any], Any]) -> Any:
         try:
             return kind(row.get(name))
-        except (TypeError, ValueError) as error:
+        except (TypeError, ValueError, OverflowError) as error:
             raise SceneError(f"{path.name}: contact {number} has no valid {name}; mend the file") from error
 
-    values: dict[str, Any] = {name: str(row.get(name) or "") for name in ("name", "note", "source")}
+    values: dict[str, Any] = {name: plain_text(str(row.get(name) or "")) for name in TEXTS}
     values |= {name: read(name, int) for name in WHOLE}
     values |= {name: None if row.get(name) in (None, "") else read(name, float) for name in REAL}
     values |= {"snapshot": read("snapshot", lambda text: base64.b64decode(text or "", validate=True))}
+    for name in (*WHOLE, *REAL):
+        if values[name] is not None and not abs(values[name]) <= GREATEST:
+            raise SceneError(f"{path.name}: contact {number} has {name} {row[name]!s:.20}; give at most {GREATEST}")
     if row.get("side") not in SIDES:
         raise SceneError(f"{path.name}: contact {number} has side {row.get('side')!r}; write port or starboard")
     if values["slant_range"] is None:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Annotated, Any
 
-from pydantic import Field, model_validator
+from pydantic import Field, field_validator, model_validator
 
 from insonify.files import bundled_meshes
 from insonify.scene import DEFAULT_SCENE
@@ -12,6 +12,7 @@ from insonify.scene.base import Declaration, FilePath, KindOf, parameter
 from insonify.surveys.annotations import ANNOTATIONS, AnnotationKind
 from insonify.surveys.distributions import Drawn
 from insonify.surveys.distributions.uniform import Uniform
+from insonify.surveys.engine import FLAGS
 from insonify.surveys.storages import STORAGES, Files, StorageKind
 
 Name = Annotated[str, Field(pattern=r"^[A-Za-z0-9][\w-]*$", max_length=60)]
@@ -100,6 +101,13 @@ class DatasetSpecification(Declaration):
         ("coco", "yolo"), description="formats of annotations"
     )
     storage: Annotated[StorageKind, KindOf(STORAGES)] = parameter(Files(), description="how images are stored")
+
+    @field_validator("splits")
+    @classmethod
+    def _no_split_is_a_folder_of_flags(cls, splits: dict[str, float]) -> dict[str, float]:
+        if any(name.lower() == FLAGS for name in splits):
+            raise ValueError(f"a split may not be named {FLAGS!r}, the folder of finished jobs; rename it")
+        return splits
 
     @model_validator(mode="after")
     def _classes_differ(self) -> DatasetSpecification:
