@@ -47,7 +47,6 @@ def whole(tmp_path_factory: pytest.TempPathFactory) -> Path:
 LIMITED = """
 import resource, sys
 from pathlib import Path
-sys.dont_write_bytecode = True  # cut short, it would stay and break the environment
 from insonify import cli
 folder, source, suffixes = Path(sys.argv[1]), sys.argv[2], sys.argv[3:]
 resource.setrlimit(resource.RLIMIT_FSIZE, (4000, resource.RLIM_INFINITY))
@@ -59,7 +58,8 @@ def test_a_file_that_may_not_grow_leaves_the_old_ones(tmp_path, whole):
     for suffix in OUTPUTS[:2]:
         (tmp_path / f"record{suffix}").write_text("old")
     command = [sys.executable, "-c", LIMITED, str(tmp_path), str(whole / "record.nc"), *OUTPUTS]
-    done = subprocess.run(command, capture_output=True, text=True, check=False)
+    environment = os.environ | {"PYTHONDONTWRITEBYTECODE": "1"}  # bytecode cut short would stay and break imports
+    done = subprocess.run(command, capture_output=True, text=True, check=False, env=environment)
     assert done.stdout.splitlines()[-1] == str([2] * len(OUTPUTS)), done.stderr
     lines = done.stderr.splitlines()
     assert len(lines) == len(OUTPUTS), done.stderr

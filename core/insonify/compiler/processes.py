@@ -15,7 +15,6 @@ import threading
 from collections.abc import Iterator
 
 from insonify.child_process import ChildProcess
-from insonify.compiler import digests
 from insonify.compiler.progress import report_progress
 from insonify.cores import VARIABLE, default_threads
 
@@ -98,9 +97,11 @@ class _Helper:
         self.requested: dict[bytes, CompilingProcess] = {}
 
     def start(self) -> None:
-        """Start the process, if there is a second core for it."""
+        """Start the process, if there is a second core for it and a folder for what it compiles."""
+        from insonify.compiler.digests import PRIVATE  # imports Numba, without which the window opens
+
         with contextlib.suppress(OSError):
-            if digests.PRIVATE and default_threads() > 1 and sys.executable:
+            if PRIVATE and default_threads() > 1 and sys.executable:
                 self.process = CompilingProcess(reports=False, **{VARIABLE: "1"})
 
     def finish(self) -> None:

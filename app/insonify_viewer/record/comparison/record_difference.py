@@ -9,7 +9,6 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from insonify.acoustics.flat_bed import ERROR_ALTITUDES
 from insonify.scene import Scene
 from insonify_viewer.record.record import Record
 
@@ -65,6 +64,8 @@ def are_comparable(before: Scene, after: Scene) -> bool:
 
 def compare_records(before: RecordSnapshot, after: RecordSnapshot) -> RecordDifference | None:
     """Compare two records with the same bins, ping by ping."""
+    from insonify.acoustics.flat_bed import ERROR_ALTITUDES  # imports Numba, without which the window opens
+
     _, ours, theirs = np.intersect1d(before.ping, after.ping, assume_unique=True, return_indices=True)
     if ours.size < FEWEST:
         return None
