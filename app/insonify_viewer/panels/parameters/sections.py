@@ -336,6 +336,5 @@ def value_that_applies(scene: Scene, part: BaseModel, name: str) -> float | None
         "altitude": scene.altitude,
         "depth": scene.seabed.depth - scene.altitude,
         "reference_speed": known_speed(scene),
-        "preset": NO_PRESET,
     }
     return values.get(name, part.value_in_force(name) if isinstance(part, Declaration) else None)

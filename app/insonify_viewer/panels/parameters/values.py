@@ -157,6 +157,6 @@ def _applied_value(scene: Scene, path: str) -> Any:
         return value
     owner, _, name = path.rpartition(".")
     part = part_at(scene, owner)
-    if part is None and name == "kind":
+    if name == "preset" or (part is None and name == "kind"):
         return "none"
     return value_that_applies(scene, part, name) if isinstance(part, BaseModel) else None
