@@ -1,4 +1,4 @@
-"""Workers of a scheduler that may do jobs: those whose build is that of the files already there."""
+"""Workers of a scheduler with the same build as the files that are already there: only these get jobs."""
 
 from __future__ import annotations
 

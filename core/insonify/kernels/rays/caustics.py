@@ -1,15 +1,15 @@
 """Sound near a caustic, where the tube of a ray closes and ray theory makes its intensity infinite.
 
-Near a caustic two rays reach each place on its bright side and none its dark side, and the pressure of both is an Airy
+Near a caustic two rays reach each place on its bright side and none its dark side. The pressure of both is an Airy
 function of ρ, the distance from the caustic in its own unit of length (Ludwig 1966; Brekhovskikh and Godin, Acoustics
-of Layered Media II, 6). A ray whose tube is q wide knows it from its own tube: rays launched δ aside of it have the
-slowness pδ across it and cross its front at qδ + q'δ²/2, so the caustic is q²/(2q') away, and
+of Layered Media II, 6). ρ follows from the tube of a single ray, q wide: rays launched δ beside it have the slowness pδ
+across it and cross its front at qδ + q'δ²/2, so the caustic is q²/(2q') away, and
 
     ρ = (q/u)²,   u = √2 |q'|^⅔ / (2 ω²p²)^⅙,   I = 2 · 2π Ai²(-ρ) cosθ0 / (x u)   of both rays together.
 
-Each of the two rays carries half of I, and half of the sound at the place that mirrors its own at the caustic, on the
-dark side. Paths add as energies, so Ai² is averaged over interference fringes: over one octave of frequency about the
-sonar's, which leaves the energy exactly as it is. Where q' changes within the Airy function's main maximum, as among
+Each of the two rays carries half of I. It also carries half of the sound at the place on the dark side that mirrors its
+own at the caustic. Paths add as energies, so Ai² is averaged over interference fringes, over one octave of frequency
+about the sonar's; the energy stays exactly the same. Where q' changes within the Airy function's main maximum, as among
 rays that turn in many thin layers, no tube counts as narrower than (λ / πr)^⅓ r, about its width at that maximum.
 
 Theory: docs/theory/refraction.md.
