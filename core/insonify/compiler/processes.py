@@ -98,7 +98,7 @@ class _Helper:
 
     def start(self) -> None:
         """Start the process, if there is a second core for it and a folder for what it compiles."""
-        from insonify.compiler.digests import PRIVATE  # imports Numba, without which the window opens
+        from insonify.compiler.digests import PRIVATE  # lazy: imports Numba, without which the window opens
 
         with contextlib.suppress(OSError):
             if PRIVATE and default_threads() > 1 and sys.executable:

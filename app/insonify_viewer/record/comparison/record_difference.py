@@ -64,7 +64,7 @@ def are_comparable(before: Scene, after: Scene) -> bool:
 
 def compare_records(before: RecordSnapshot, after: RecordSnapshot) -> RecordDifference | None:
     """Compare two records with the same bins, ping by ping."""
-    from insonify.acoustics.flat_bed import ERROR_ALTITUDES  # imports Numba, without which the window opens
+    from insonify.acoustics.flat_bed import ERROR_ALTITUDES  # lazy: imports Numba, without which the window opens
 
     _, ours, theirs = np.intersect1d(before.ping, after.ping, assume_unique=True, return_indices=True)
     if ours.size < FEWEST:
