@@ -33,10 +33,8 @@ from insonify.scene import Scene, SceneError
 from insonify.scene.water.absorptions import NEPER_PER_DB
 
 Curve = NDArray[np.float64]
-FARTHER, MOST_BINS = (
-    16,
-    400_000,
-)  # ranges of the record to which the end of detection is sought, in so many bins at most
+FARTHER = 16  # ranges of the record up to which the end of detection is sought
+MOST_BINS = 400_000  # in which it is sought
 SILENCE = -math.inf
 
 
