@@ -9,7 +9,7 @@ import pytest
 from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 
-from beds import arrays_of, poses_of
+from beds import arrays_of, pipe_edges, poses_of
 from insonify.scene import edit, load_scene
 from insonify.simulation import prepare
 from insonify.tracers import sweep
@@ -17,16 +17,6 @@ from insonify.tracers import sweep
 STEP = 0.02
 BINS = 3000
 LEVEL = {"seabed.relief": "flat", "sonar.pulse": "ideal", "sonar.beam": "knife", "track.pings": 1}
-
-
-def pipe_edges(altitude, offset, radius, gap):
-    """Slant ranges: near side and tangent of the pipe, beginning and end of its shadow on the bed."""
-    drop = altitude - gap - radius
-    distance = math.hypot(offset, drop)
-    angle, half = math.atan2(drop, offset), math.asin(radius / distance)
-    begins = altitude / math.sin(angle + half) if angle + half < math.pi / 2.0 else altitude
-    ends = altitude / math.sin(angle - half) if angle > half else math.inf
-    return distance - radius, math.sqrt(distance**2 - radius**2), begins, ends
 
 
 def records(altitude, solids):
@@ -54,7 +44,7 @@ def test_shadow_and_echo_lie_where_geometry_puts_them(altitude, offset, radius, 
     axis = gap + radius
     pipe = ((-60.0, offset, axis), (60.0, offset, axis), radius)
     record, bare = records(altitude, [pipe])
-    near, tangent, begins, ends = pipe_edges(altitude, offset, radius, gap)
+    near, tangent, begins, ends = pipe_edges(gap, altitude=altitude, offset=offset, radius=radius)
     # The first thing that changes is the echo, at the near side.
     changed = np.flatnonzero(np.abs(record - bare) > 0.01 * bare.max())
     assert within_a_bin(changed[0], min(near, begins))
@@ -81,7 +71,7 @@ def test_energy_of_a_pipe_is_its_integral(altitude, offset, radius, gap):
     axis = gap + radius
     record, bare = records(altitude, [((-60.0, offset, axis), (60.0, offset, axis), radius)])
     distance, half = math.hypot(offset, altitude - axis), math.asin(radius / math.hypot(offset, altitude - axis))
-    _, _, begins, ends = pipe_edges(altitude, offset, radius, gap)
+    _, _, begins, ends = pipe_edges(gap, altitude=altitude, offset=offset, radius=radius)
     turned = np.linspace(-half, half, 100_001)[1:-1]
     r = distance * np.cos(turned) - np.sqrt(radius**2 - (distance * np.sin(turned)) ** 2)
     energy = np.sum((distance * np.cos(turned) - r) / radius * r) * (turned[1] - turned[0]) / math.pi
@@ -108,7 +98,7 @@ def test_a_declared_span_stands_where_it_was_put(altitude, offset, gap, side):
         for s in (scene, bare)
     )
     step = scene.sonar.range / scene.sonar.bins
-    near, tangent, begins, ends = pipe_edges(altitude, offset, 0.5, gap)
+    near, tangent, begins, ends = pipe_edges(gap, altitude=altitude, offset=offset, radius=0.5)
     heard = np.flatnonzero(with_pipe > 1.005 * without)
     assert heard[0] * step == pytest.approx(near, abs=1.001 * step)
     silent = np.flatnonzero((with_pipe == 0.0) & (without > 0.0)) * step
@@ -122,7 +112,7 @@ def test_a_declared_span_stands_where_it_was_put(altitude, offset, gap, side):
 def test_a_shadow_without_end_reaches_the_last_bin():
     # The top of the pipe stands above the sonar.
     record, bare = records(4.0, [((-60.0, 20.0, 2.5), (60.0, 20.0, 2.5), 2.5)])
-    _, _, begins, ends = pipe_edges(4.0, 20.0, 2.5, 0.0)
+    _, _, begins, ends = pipe_edges(0.0, altitude=4.0, offset=20.0, radius=2.5)
     assert math.isinf(ends)
     assert bare[-1] > 0.0
     assert not record[math.ceil(begins / STEP) + 1 :].any()
