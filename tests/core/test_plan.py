@@ -59,7 +59,8 @@ def test_a_finer_tolerance_never_takes_fewer_planes_and_all_are_in_bounds():
 def test_the_planes_keep_what_they_promise(changes, tolerance):
     simulation = prepare(edit(DEFAULT, changes), tolerance=tolerance)
     poses = simulation.poses(np.arange(40, 480, 40))
-    record, fine = (sweep.trace(simulation.arrays, poses, planes=n) for n in (simulation.plan.planes, 2 * MOST_PLANES))
+    fine = sweep.trace(simulation.arrays, poses, planes=2 * MOST_PLANES)
+    record = sweep.trace(simulation.arrays, poses, **simulation.plan.settings)
     # The law is a fit over many beds; one bed may lie a little above it.
     assert compare_records(simulation.arrays, poses, record, fine).beyond < 1.2 * tolerance
 
@@ -73,18 +74,17 @@ def test_the_loud_echo_of_the_surface_itself_changes_nothing_else(changes):
     assert silent.ways
 
 
-def test_too_few_planes_comb_a_small_target_and_the_plan_raises_them():
+def test_too_few_planes_comb_a_small_target_and_the_plan_lays_more_across_it():
     # A ball of 5 cm in a beam 1.7 m wide: a ping hears it where a plane meets it, and not in between.
     ball = {"kind": "sphere", "position": [5.0, 38.0], "radius": 0.05}
     scene = edit(DEFAULT, {"targets": [ball], "seabed.relief": "flat", "sonar.beam.width": 2.5, "track.speed": 0.1})
     simulation = prepare(scene)
-    assert simulation.plan.planes > 10 * plan(edit(scene, {"targets": []})).planes
+    assert simulation.plan.settings["across"] >= 4
     poses = simulation.poses(np.arange(440, 560, 2))
     near = math.hypot(38.0, 10.0 - 0.05) - 0.05
     echo = slice(int(near / 0.05), int(near / 0.05) + 2)
-    few, planned = (
-        sweep.trace(simulation.arrays, poses, planes=n)[:, 0, echo].sum(axis=1) for n in (4, simulation.plan.planes)
-    )
+    settings = {"planes": 4}, simulation.plan.settings
+    few, planned = (sweep.trace(simulation.arrays, poses, **each)[:, 0, echo].sum(axis=1) for each in settings)
     bed = sweep.trace(prepare(edit(scene, {"targets": []})).arrays, poses)[0, 0, echo].sum()
     assert (few / bed - 1.0).std() > 5.0 * (planned / bed - 1.0).std()
 

@@ -36,6 +36,7 @@ class Model(NamedTuple):
     targets: tuple[int, ...] = ()  # indices of those modelled
     ways: frozenset[str] = frozenset()  # multipaths by the sea surface that are modelled
     fineness: int = 0  # what any other tracer counts by its ladder
+    across: int = 0  # planes across each target in the beam and each glint; 0 for planes alike everywhere
 
 
 @dataclass(frozen=True, eq=False)

@@ -7,7 +7,7 @@ import math
 from insonify.errors import located
 from insonify.kernels.common.types import Bed
 from insonify.scene import Scene
-from insonify.scene.targets.shape import Outline, rotation_matrix
+from insonify.scene.targets.shape import Outline
 from insonify.scene.water.surfaces import WAYS
 
 FARTHER = 1.1  # bound on how much farther refracted sound travels in the time of a slant range
@@ -36,18 +36,6 @@ def _distance(scene: Scene, number: int) -> float:
     x, y = (scene.targets[number].position[k] - scene.track.start[k] for k in (0, 1))
     c, s = math.cos(math.radians(scene.track.heading)), math.sin(math.radians(scene.track.heading))
     return math.hypot(min(x * c + y * s, 0.0), y * c - x * s)
-
-
-def find_narrowest_target(scene: Scene, targets: tuple[int, ...]) -> float:
-    """Return the least length along the track of any target over its distance from the track's start and line."""
-    heading = math.radians(scene.track.heading)
-    along = (math.cos(heading), math.sin(heading), 0.0)
-    narrowest = math.inf
-    for number in targets:
-        turned = rotation_matrix(*scene.targets[number].attitude).T @ along
-        distance = max(math.hypot(_distance(scene, number), scene.altitude), 1e-3)
-        narrowest = min(narrowest, 2.0 * outline_of(scene, number).extent(tuple(turned)) / distance)
-    return narrowest
 
 
 def find_multipaths_in_reach(scene: Scene) -> dict[str, float]:

@@ -120,10 +120,9 @@ class _Errors:
 
     def of(self, choice: Choice, model: Model) -> float:
         """Error of a model's setting of one choice."""
-        value = getattr(model, choice.field)
-        key = choice.subject, value, model.method
+        key = choice.subject, choice.measured_with(model), model.method
         if key not in self._known:
-            finest = value == choice.settings(self._case, model)[-1]
+            finest = choice.is_finest(self._case, model)
             self._known[key] = 0.0 if finest else choice.error(self._case, model)
         return self._known[key]
 

@@ -16,6 +16,13 @@ from insonify.kernels.beam.azimuth_sector import TRANSITION
 from insonify.kernels.common.types import Poses, SceneArrays
 from insonify.kernels.sweep.sweep import LOWEST, AzimuthFan
 from insonify.tow.poses import take_poses
+from insonify.tracers.target_planes import (
+    TargetSectors,
+    divide_at_targets,
+    find_pings_to_divide,
+    find_target_sectors,
+    has_bodies,
+)
 
 FEW = 16  # planes, beyond which the approximations below shrink with the spacing of the planes
 # Up to where cos θ reaches 1 - FORESHORTENED the beam's cone is followed azimuth by azimuth; beyond it the inner planes
@@ -34,18 +41,41 @@ HEIGHTS_PER_OCTAVE = 16.0  # steps to which heights are rounded up
 ROUNDED_DOWN = 2.0 ** (-1.0 / HEIGHTS_PER_OCTAVE)  # share of a step below it
 PITCH_STEP = 0.5  # step to which pitches are rounded, in half widths of the main lobe
 AT_NADIR = 1e-9  # per metre of height: all but nadir itself is far field to a plane that stands for a whole fan
+EVERYWHERE = 1e9  # near field per metre of height, beyond any range
 NEAREST, NEAREST_OF_IMAGE = 0.01, 0.001  # ground range per height from which the beam's azimuths are looked at
 GROUND_RANGES = 256  # at which the beam's azimuths are looked at
 
 
 def lay_planes(
-    arrays: SceneArrays, poses: Poses, planes: int, laid_at: float | None = None
+    arrays: SceneArrays, poses: Poses, planes: int, laid_at: float | None = None, across: int = 0
 ) -> list[tuple[NDArray[np.int64], AzimuthFan]]:
-    """Lay the planes of a scene's beam."""
+    """Lay the planes of a scene's beam, with as many across each target in the beam as are asked for."""
+    laid = _lay_alike(arrays, poses, planes, laid_at)
+    if across == 0 or arrays.half_width <= 0.0 or not has_bodies(arrays):
+        return laid
+    sectors, height = find_target_sectors(arrays, poses, across), np.maximum(poses.z - arrays.bed.low, LOWEST)
+    divided = []
+    for places, fan in laid:
+        of_fan = TargetSectors(*(column[places] for column in sectors))
+        some = find_pings_to_divide(fan, of_fan, height[places])
+        if some.size < places.size or places.size == 0:
+            divided.append((np.delete(places, some), fan))
+        for ping in places[some]:
+            # One plane stands for the whole beam, which it cannot share with others.
+            one = take_poses(poses, np.array([ping]))
+            [(_, base)] = _lay_alike(arrays, one, max(planes, 2), laid_at, divided=True)
+            divided.append((np.array([ping]), divide_at_targets(base, sectors, ping, height, across)))
+    return divided
+
+
+def _lay_alike(
+    arrays: SceneArrays, poses: Poses, planes: int, laid_at: float | None, divided: bool = False
+) -> list[tuple[NDArray[np.int64], AzimuthFan]]:
+    """Lay the planes of a scene's beam wherever targets are."""
     if planes == 1 and arrays.half_width > 0.0:
         return [(np.arange(poses.x.size), _whole_beam(arrays))]
     if not arrays.pattern.tabulated or arrays.half_width <= 0.0:
-        return [(np.arange(poses.x.size), beam_planes(arrays.half_width, planes))]
+        return [(np.arange(poses.x.size), beam_planes(arrays.half_width, planes, divided))]
     step = PITCH_STEP * arrays.half_width
     kinds, which = np.unique(
         np.column_stack(
@@ -76,10 +106,10 @@ def _octave_steps(arrays: SceneArrays, z: NDArray[np.float64]) -> NDArray[np.flo
 
 
 def lay_planes_of_images(
-    arrays: SceneArrays, poses: Poses, planes: int
+    arrays: SceneArrays, poses: Poses, planes: int, across: int = 0
 ) -> list[tuple[NDArray[np.int64], AzimuthFan, AzimuthFan]]:
     """Lay the planes of the sonar and those of its image in the sea surface, a fish upside down."""
-    laid = lay_planes(arrays, poses, planes)
+    laid = lay_planes(arrays, poses, planes, across=across)
     if not arrays.multipath.enabled:
         return [(places, beam, beam) for places, beam in laid]
     image = poses._replace(z=2.0 * arrays.water.surface - poses.z, pitch=-poses.pitch, roll=-poses.roll)
@@ -92,6 +122,7 @@ def lay_planes_of_images(
             take_poses(image, places),
             planes,
             2.0 ** float(_octave_steps(arrays, poses.z[places[:1]])[0] / HEIGHTS_PER_OCTAVE),
+            across,
         )
     ]
 
@@ -106,14 +137,15 @@ def _whole_beam(arrays: SceneArrays) -> AzimuthFan:
     return AzimuthFan(*(np.array([value]) for value in (everything if pattern.tabulated else fan)))
 
 
-def beam_planes(half_width: float, planes: int) -> AzimuthFan:
-    """Place the planes of a beam."""
+@lru_cache(maxsize=64)
+def beam_planes(half_width: float, planes: int, divided: bool = False) -> AzimuthFan:
+    """Place the planes of a beam; planes to be divided follow its cone azimuth by azimuth at every range."""
     if half_width <= 0.0:
         return AzimuthFan(*(np.array([value]) for value in (0.0, 0.0, 1.0, 0.0, 0.0, math.inf, math.inf)))
     s_beam = math.sin(half_width)
     rough = min(FEW / planes, 1.0)
     level = 1.0 - FORESHORTENED * rough * rough
-    near_field = level / math.sqrt(1.0 - level * level)
+    near_field = EVERYWHERE if divided else level / math.sqrt(1.0 - level * level)
     splayed = (1.0 + SPLAY * (1.0 - level)) * half_width
     # Sectors on one side; of an odd number of planes the first is halved, and stands for both halves.
     inner = np.append(0.0, splayed * np.arange(planes % 2 or 2, planes + 1, 2) / planes)

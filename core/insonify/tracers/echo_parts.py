@@ -90,13 +90,20 @@ def join_parts(*lists: EchoParts) -> EchoParts:
 
 
 def find_echo_parts(
-    arrays: SceneArrays, pose: Poses, side: int, window: Window, *, planes: int = 16, rays: int = 4000
+    arrays: SceneArrays,
+    pose: Poses,
+    side: int,
+    window: Window,
+    *,
+    planes: int = 16,
+    across: int = 0,
+    rays: int = 4000,
 ) -> EchoParts:
     """Find the parts of which the echo in some range bins is made."""
     _, folded = make_apparent_tables(arrays, pose)
     if folded.any():
         return _find_refracted_parts(arrays, pose, side, window, rays)
-    fans = lay_planes_of_images(arrays, pose, planes)
+    fans = lay_planes_of_images(arrays, pose, planes, across)
     if not fans:
         return _columns(np.empty((0, kernels.COLUMNS)))
     _, fan, image_fan = fans[0]

@@ -68,6 +68,7 @@ def trace_labels(
     poses: Poses,
     *,
     planes: int = 16,
+    across: int = 0,
     rays: int = 4000,
     crosstalk: float = 0.0,
     volumes: NDArray[np.float32] | None = None,
@@ -80,7 +81,7 @@ def trace_labels(
         places = np.flatnonzero(folded)
         _enter(found, places, _find_by_rays(arrays, take_poses(poses, places), rays, threads))
     clear = np.flatnonzero(~folded)
-    for among, *beams in lay_planes_of_images(arrays, take_poses(poses, clear), planes):
+    for among, *beams in lay_planes_of_images(arrays, take_poses(poses, clear), planes, across):
         places = clear[among]
         _enter(found, places, _find(arrays, take_poses(poses, places), beams, apparent, threads))
     found.energy[folded] *= FIXED_POINT  # rays count in plain units

@@ -47,19 +47,23 @@ class ScattererTracer(PreparedTracer):
         return math.ceil((self.pulse.taps.size - self.pulse.before) / (self.pulse.samples * self.pulse.cells))
 
     def trace(  # type: ignore[override]
-        self, arrays: SceneArrays, poses: Poses, *, planes: int = 16, threads: int | None = None
+        self, arrays: SceneArrays, poses: Poses, *, planes: int = 16, across: int = 0, threads: int | None = None
     ) -> Record:
         """Intensity of the sum of all scatterers' waves after the pulse."""
         out = empty_record(arrays, poses)
-        detect_samples(self.trace_waves(arrays, poses, planes=planes, threads=threads), self.pulse.samples, out)
+        detect_samples(
+            self.trace_waves(arrays, poses, planes=planes, across=across, threads=threads), self.pulse.samples, out
+        )
         return out
 
-    def trace_waves(self, arrays: SceneArrays, poses: Poses, *, planes: int = 16, threads: int | None = None) -> Waves:
+    def trace_waves(
+        self, arrays: SceneArrays, poses: Poses, *, planes: int = 16, across: int = 0, threads: int | None = None
+    ) -> Waves:
         """Sum of all scatterers' waves after the pulse, sample by sample."""
         further = _narrowed(_extend_range(arrays, self.bins_beyond), self.scatterers.patches, poses)
         capacity = profile_capacity(further.bins * further.bin_length, arrays.bed.spacing)
         out = self._empty_waves(arrays, poses)
-        for places, laid in lay_planes(further, poses, max(planes, 2)):
+        for places, laid in lay_planes(further, poses, max(planes, 2), across=across):
             some, beam = take_poses(poses, places), _sort_planes(laid)
             _refuse_fine_bed(beam.azimuth.size, capacity, arrays)
             traced = self._empty_waves(arrays, some)

@@ -16,17 +16,18 @@ from insonify.kernels.common.types import Poses, SceneArrays
 from insonify.kernels.multipath.surface_multipath import empty_multipath_workspace, sweep_multipath
 from insonify.kernels.refraction.apparent_positions import ApparentTables
 from insonify.kernels.sweep.partial_segments import FINE
-from insonify.kernels.sweep.sweep import AzimuthFan, empty_sweep_workspace, sweep_pings
+from insonify.kernels.sweep.sweep import AzimuthFan, SweepWorkspace, empty_sweep_workspace, sweep_pings
 from insonify.packing.apparent_tables import make_apparent_tables
 from insonify.packing.packed_scene import SURFACE_ECHO, Model
-from insonify.parallel import PerThread
+from insonify.parallel import PerThread, in_parallel
 from insonify.scene import Scene
 from insonify.tow.poses import take_poses
 from insonify.tracers import ray_sheets
-from insonify.tracers.azimuth_fan import lay_planes_of_images
+from insonify.tracers.azimuth_fan import beam_planes, lay_planes_of_images
 from insonify.tracers.base import PreparedTracer, Record, Tracer, new_record, trace_blocks
 from insonify.tracers.rays import trace as trace_rays
 from insonify.tracers.scatterers import make_tracer
+from insonify.tracers.target_planes import count_added_planes
 
 RAYS_A_SHEET = 8.0  # of a fan where refraction folds, per root of all its rays: both parts of the error are about equal
 PLANES_A_THREAD = 64  # planes of both sides worth handing to a thread, some 0.4 ms
@@ -41,6 +42,7 @@ SURFACE_PATH, FACET = 1.0, 0.25
 # Of a segment too long against its range for one density, taken by itself, and of each of its parts.
 CUT_SEGMENT, PART = 7.0, 2.5
 NEAR_PLANES, NEAR_PLANES_OF_PATTERN = 4.0, 12.0  # planes of the near field that several planes need
+DIVIDED = 20_000.0  # of one side of a ping that has planes of its own
 # Work of a profile with segments divided until they misplace a share of a bin's echo, over that of a whole one.
 KNOTS = {math.inf: 1.0, 0.03: 2.5, 0.01: 3.0, 0.003: 4.5}
 
@@ -49,7 +51,7 @@ class Sweep(Tracer):
     """The sweep; for coherent speckle, a tracer of scatterers that are visible to it."""
 
     name, rank, automatic = "sweep", 0, True
-    fineness = ("planes", "rays", "misplaced", "every")
+    fineness = ("planes", "across", "rays", "misplaced", "every")
     sums_waves, refracts_along = True, False
     refraction, rounding = "tables of apparent positions", SINGLE
 
@@ -59,7 +61,7 @@ class Sweep(Tracer):
 
     def settings(self, model: Model) -> dict[str, Any]:
         """Planes, and with refraction the rays of pings that are traced ray by ray."""
-        return {"planes": model.planes} | ({"rays": model.rays} if model.bent else {})
+        return {"planes": model.planes, "across": model.across} | ({"rays": model.rays} if model.bent else {})
 
     def work(self, scene: Scene, arrays: SceneArrays, model: Model) -> float:
         """Knots of all planes, of the direct path and of those by the sea surface."""
@@ -71,6 +73,10 @@ class Sweep(Tracer):
         profile = PLANE + knots * (REFRACTED if model.bent else 1.0) + TARGET * len(model.targets)
         near = NEAR_PLANES_OF_PATTERN if arrays.pattern.tabulated else NEAR_PLANES
         planes = 1.0 if model.planes == 1 else model.planes + near
+        if model.across > 0 and model.targets:
+            fan = beam_planes(arrays.half_width, max(model.planes, 2))
+            added, divided = count_added_planes(scene, arrays, model.across, fan)
+            planes += added + divided * DIVIDED / profile
         facets = arrays.multipath.facets.shape[1]
         path = SURFACE_PATH + (FACET * facets if facets > 1 else 0.0)
         return 2.0 * planes * profile * (1.0 + path * len(model.ways - {SURFACE_ECHO}))
@@ -93,6 +99,7 @@ def trace(
     poses: Poses,
     *,
     planes: int = 16,
+    across: int = 0,
     rays: int = 4000,
     threads: int | None = None,
     double: bool = False,
@@ -103,13 +110,21 @@ def trace(
     if folded.any():
         out[folded] = _trace_folded(arrays, take_poses(poses, np.flatnonzero(folded)), rays, threads)
     clear = np.flatnonzero(~folded)
-    for among, beam, image_beam in lay_planes_of_images(arrays, take_poses(poses, clear), planes):
-        places = clear[among]
-        some = take_poses(poses, places)
-        traced = out if places.size == poses.x.size else new_record(arrays, some)
-        _trace_alike(arrays, some, (beam, image_beam), apparent, double, threads, traced)
-        if traced is not out:
-            out[places] = traced
+    fans = lay_planes_of_images(arrays, take_poses(poses, clear), planes, across)
+
+    rooms = PerThread(lambda: empty_sweep_workspace(arrays, apparent, np.float64 if double else np.float32))
+
+    def block(first: int, last: int) -> None:
+        for among, *beams in fans[first:last]:
+            places = clear[among]
+            some = take_poses(poses, places)
+            traced = out if places.size == poses.x.size else new_record(arrays, some)
+            _trace_alike(arrays, some, (beams[0], beams[1]), apparent, rooms, threads, traced)
+            if traced is not out:
+                out[places] = traced
+
+    # Pings that meet targets have planes of their own, and are shared among threads one by one.
+    in_parallel(block, len(fans), threads, least=1)
     return out
 
 
@@ -126,20 +141,18 @@ def _trace_alike(
     poses: Poses,
     beams: tuple[AzimuthFan, AzimuthFan],
     apparent: ApparentTables,
-    double: bool,
+    rooms: PerThread[SweepWorkspace],
     threads: int | None,
     out: Record,
 ) -> None:
     """Trace pings that share their planes, those of the sonar and those of its image in the sea surface."""
-    real = np.float64 if double else np.float32
     beam, image_beam = beams
-    rooms = PerThread(lambda: empty_sweep_workspace(arrays, apparent, real))
 
     def block(part: Poses, first: int, last: int) -> int:
         room = rooms.own
         status = sweep_pings(arrays, part, beam, apparent, room, out[first:last])
         if arrays.multipath.enabled and status == 0:
-            images = empty_multipath_workspace(arrays, real)
+            images = empty_multipath_workspace(arrays, room.profile.x.dtype)
             sweep_multipath(arrays, part, beam, image_beam, images, empty_contributor_table(0, 0), out[first:last])
         return int(status)
 

@@ -20,14 +20,13 @@ from insonify.planning.choices.base import (
 )
 from insonify.planning.choices.effects import SMALL_EFFECTS
 from insonify.planning.plan_entries import PlanEntry, percent
-from insonify.planning.probe import FEW
-from insonify.planning.relevance import find_narrowest_target
 from insonify.scene import SceneError
 from insonify.tracers.base import AUTO, Ladder, find_tracer, list_methods
 
 # Numbers of planes that a plan may choose.
 COUNTS = (*range(1, 9), *range(10, 17, 2), *range(20, 33, 4), *range(40, 65, 8), *range(80, 129, 16))
 MOST_PLANES = COUNTS[-1]
+OF_A_TARGET = (4, 8, 16)  # planes across each target and each glint
 # Rays per side of the sweep's pings with several eigenrays or none; each number is judged by the next.
 RAYS_STEP, FOLDED_RAYS = 4, (4000, 16_000, 64_000)
 PINGS_OF_MOST_RAYS = 4  # pings traced with the most of them, a second of one core at the longest ranges
@@ -39,7 +38,6 @@ SEVERAL = 2  # planes, the fewest that average over the beam
 # Errors of effects, of segments and of nodes beside which errors of fineness are measured; what is finer than the nodes
 # may be what several planes average.
 BESIDE_EFFECTS, BESIDE_SEGMENTS, BESIDE_NODES = 0.05, 0.02, 0.005
-AT_NO_COST = 2e6  # work of the probe that takes some milliseconds
 
 
 class Method(Choice):
@@ -99,11 +97,19 @@ class Planes(Doublings):
         return super().error(case, model, cautious) if case.scene.sonar.beam.has_width else 0.0
 
     def pair(self, case: Case, model: Model, rung: int) -> tuple[Model, Model]:
-        """Models of a rung and of so many planes that some meet every target, beside others that err by little."""
-        plain = _finest(case, model)._replace(every=Spacing().common(case, model))
+        """Models of a rung and of its double, also across targets, beside other settings that err by little."""
+        plain = _finest(case, model)._replace(every=Spacing().common(case, model), across=model.across)
         coarse, fine = super().pair(case, plain, rung)
         # One plane and two within the same cells of the bed are alike, which does not predict a wider fan.
-        return coarse, fine._replace(planes=max(fine.planes, FEW_PLANES, _planes_that_meet(case, plain)))
+        return coarse, fine._replace(planes=max(fine.planes, FEW_PLANES), across=2 * model.across)
+
+    def is_finest(self, case: Case, model: Model) -> bool:
+        """Whether there are no more planes, nor more across targets."""
+        return super().is_finest(case, model) and TargetPlanes().is_finest(case, model)
+
+    def measured_with(self, model: Model) -> tuple[int, int]:
+        """Numbers on which the error depends: that of planes, and that across targets."""
+        return model.planes, model.across
 
     def entries(self, case: Case, model: Model, error: float) -> Iterator[PlanEntry]:
         """Entry of the planes, with the time beyond that of one."""
@@ -116,6 +122,33 @@ class Planes(Doublings):
         cost = case.probe.seconds(model) - case.probe.seconds(model._replace(planes=1))
         choice = f"{model.planes} plane{'s' * (model.planes > 1)}"
         yield self.entry(case, choice, reason, error=error, cost=max(cost, 0.0), options=self.offered)
+
+
+class TargetPlanes(Number):
+    """Planes across each target in the beam and across each glint, where those of the beam are farther apart."""
+
+    subject, field, stage, rank, low, high = "target_planes", "across", FINENESS, 1, 0, 64
+    offered = ("0", *(str(number) for number in OF_A_TARGET))
+
+    def settings(self, case: Case, model: Model) -> tuple[int, ...]:
+        """Return the numbers of planes across a target; none without targets or for a beam without width."""
+        if not (self.applies(model) and case.scene.sonar.beam.has_width and case.targets):
+            return (0,)
+        wish = self.wish(case)
+        if wish is not None:
+            return (wish,)
+        # Over relief more planes help the bed as well; more across targets alone are probed where there are no more.
+        every = case.scene.seabed.relief.level or model.planes >= MOST_PLANES
+        return OF_A_TARGET if every else OF_A_TARGET[:1]
+
+    def entries(self, case: Case, model: Model, error: float) -> Iterator[PlanEntry]:
+        """Entry of the planes across targets, with the time that they add to a ping on average."""
+        if model.across == 0:
+            return
+        cost = max(case.probe.seconds(model) - case.probe.seconds(model._replace(across=0)), 0.0)
+        reason = "at least as many across each target in the beam and each glint, where planes are farther apart"
+        choice = f"{model.across} planes across each target"
+        yield self.entry(case, choice, reason, error=error, cost=cost, options=self.offered)
 
 
 class Rays(Doublings):
@@ -376,6 +409,7 @@ def measure_together(case: Case, model: Model, apart: float, cautious: bool = Tr
     few = min(model.planes, max(SEVERAL, case.least_planes if fine.ways else case.few_planes))
     whole = model._replace(
         planes=few,
+        across=fine.across,
         rays=fine.rays,
         misplaced=max(model.misplaced, fine.misplaced),
         bent=model.bent and fine.bent,
@@ -419,15 +453,4 @@ def _finest(case: Case, model: Model) -> Model:
     return _single(case, model)._replace(misplaced=Segments().common(case, model))
 
 
-def _planes_that_meet(case: Case, model: Model) -> int:
-    """Planes of which at least one meets each target, a power of two; fewer where tracing those would take long."""
-    if not model.targets:
-        return 1
-    needed = 2.0 * math.sin(case.packed.arrays.half_width) / find_narrowest_target(case.scene, model.targets)
-    planes = 2 ** math.ceil(math.log2(max(needed, 1.0)))
-    while planes > 1 and FEW * case.work(model._replace(planes=planes)) > AT_NO_COST:
-        planes //= 2
-    return planes
-
-
-CHOICES: tuple[Choice, ...] = (Method(), Planes(), Rays(), Step(), Fineness(), Segments(), Spacing())
+CHOICES: tuple[Choice, ...] = (Method(), Planes(), TargetPlanes(), Rays(), Step(), Fineness(), Segments(), Spacing())

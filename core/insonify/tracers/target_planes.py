@@ -1,0 +1,255 @@
+"""Azimuths in which targets lie, and a fan with denser planes there.
+
+A target returns its energy from an azimuth as wide as itself, a glint from one far narrower. Planes that are farther
+apart may all miss it, whatever their number. Derived in docs/theory/beam.md.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from insonify.kernels.common.types import Mesh, Poses, SceneArrays, Solids
+from insonify.kernels.sweep.sweep import AzimuthFan
+from insonify.remember import remember_latest
+from insonify.scene import Scene
+from insonify.tow.line import tow_line_at
+
+# Planes across a glint of the standard deviation 1/(2√n) of incidence: with as many planes across a target, the
+# deviations of two are one plane's spacing, and a sum over the planes errs by 2 exp(-π²/2) = 1.4 %.
+OF_GLINT = 4.0
+MOST_OF_EACH = 64  # planes that a ping gets for its targets, per plane across each
+DIRECTIONS = 32  # in which the outline of a mesh is found
+COUNTED = 64  # pings over the track on which planes are counted
+MOST_AT_ONCE = 1 << 20  # pairs of planes and bodies that are compared at once
+LEAST = 1e-9  # rad, by which edges of sectors differ
+
+Angles = NDArray[np.float64]
+
+
+class TargetSectors(NamedTuple):
+    """Azimuths of bodies as each ping has them abeam, (pings, sides × bodies) each."""
+
+    low: Angles  # where a body begins, from athwart towards the bow, rad
+    high: Angles  # and ends
+    step: Angles  # greatest distance of planes across it, rad; infinite for a body on the other side
+    nearest: Angles  # bound on its least ground range, m
+
+
+class _Outlines(NamedTuple):
+    """Points with radii about them, the hulls of which are the bodies' outlines from above."""
+
+    x: Angles  # (points,) m
+    y: Angles
+    radius: Angles
+    first: NDArray[np.int64]  # (bodies,) point with which each begins
+    lobe: Angles  # (bodies,) 1/√n of its material's specular lobe, infinite where it has none
+    curvature: Angles  # (bodies,) of its sides about the vertical, 1/m
+
+
+def has_bodies(arrays: SceneArrays) -> bool:
+    """Whether a scene has targets."""
+    return arrays.solids.shape.size + arrays.mesh.target.size > 0
+
+
+def find_target_sectors(arrays: SceneArrays, poses: Poses, across: int) -> TargetSectors:
+    """Find the azimuths in which the bodies of a scene lie, and how far apart planes across them may be.
+
+    Parameters
+    ----------
+    arrays : SceneArrays
+        With at least one body.
+    poses : Poses
+        n pings.
+    across : int
+        Planes across each body, and across each glint.
+    """
+    outlines = _outlines_of(arrays.solids, arrays.mesh, arrays.reflectivity)
+    dx, dy = outlines.x - poses.x[:, None], outlines.y - poses.y[:, None]
+    cosine, sine = np.cos(poses.heading)[:, None], np.sin(poses.heading)[:, None]
+    ahead, port = dx * cosine + dy * sine, dy * cosine - dx * sine
+    sides = (_find_one_side(outlines, ahead, abeam, across, arrays.bin_length) for abeam in (port, -port))
+    return TargetSectors(*(np.concatenate(columns, axis=1) for columns in zip(*sides)))
+
+
+def _find_one_side(outlines: _Outlines, ahead: Angles, abeam: Angles, across: int, bin_length: float) -> TargetSectors:
+    """Sectors on one side; points on the other side count as at its border."""
+    first, radius = outlines.first, outlines.radius
+    distance = np.hypot(ahead, abeam)
+    azimuth = np.arctan2(ahead, np.maximum(abeam, 0.0))
+    half = np.where(distance > radius, np.arcsin(np.minimum(radius / np.maximum(distance, LEAST), 1.0)), math.pi)
+    low = np.minimum.reduceat(azimuth - half, first, axis=1)
+    high = np.maximum.reduceat(azimuth + half, first, axis=1)
+    farthest = np.maximum.reduceat(distance, first, axis=1)
+    # Both limits: docs/theory/beam.md
+    glint = OF_GLINT * outlines.lobe / np.hypot(1.0, outlines.curvature * farthest)
+    onset = np.where(outlines.curvature > 0.0, OF_GLINT * bin_length / (outlines.lobe * farthest), math.inf)
+    glint = np.where(np.isfinite(outlines.lobe), np.minimum(glint, onset), math.inf)
+    step = np.maximum(np.minimum(high - low, glint) / across, LEAST)
+    is_other_side = np.maximum.reduceat(abeam + radius, first, axis=1) <= 0.0
+    nearest = np.maximum(np.minimum.reduceat(abeam - radius, first, axis=1), 0.0)
+    return TargetSectors(low, high, np.where(is_other_side, math.inf, step), nearest)
+
+
+def count_added_planes(scene: Scene, arrays: SceneArrays, across: int, fan: AzimuthFan) -> tuple[float, float]:
+    """Planes that a ping of a track gets for its targets beyond those of a fan, and share of pings that get any."""
+    sectors = _sectors_over_track(scene, arrays, across)
+    divided = find_pings_to_divide(fan, sectors, np.full(sectors.low.shape[0], scene.altitude))
+    if divided.size == 0:
+        return 0.0, 0.0
+    half, axis = arrays.half_width, math.asin(min(max(arrays.pattern.centre, -1.0), 1.0))
+    low, high, step, nearest = (column[divided] for column in sectors)
+    within = np.maximum(np.clip(high, axis - half, axis + half) - np.clip(low, axis - half, axis + half), 0.0)
+    spacing = float(np.subtract(*_edges(fan)[::-1]).min())
+    counted = (step < spacing) & (nearest < scene.sonar.range)
+    added = np.where(counted, within * (1.0 / step - 1.0 / spacing), 0.0).sum(axis=1)
+    pings = sectors.low.shape[0]
+    return float(np.minimum(added, MOST_OF_EACH * across).sum()) / pings, divided.size / pings
+
+
+@remember_latest
+def _sectors_over_track(scene: Scene, arrays: SceneArrays, across: int) -> TargetSectors:
+    """Sectors of targets at pings over a track, of a fish without motion."""
+    pings = np.unique(np.linspace(0, scene.track.pings - 1, COUNTED).astype(np.int64))
+    line, level = tow_line_at(scene, pings), np.zeros(pings.size)
+    return find_target_sectors(arrays, Poses(line.x, line.y, level, line.heading, level, level), across)
+
+
+def find_pings_to_divide(fan: AzimuthFan, sectors: TargetSectors, height: Angles) -> NDArray[np.int64]:
+    """Pings of which planes are too wide for a body that lies across them within their reach, in order.
+
+    Parameters
+    ----------
+    fan : AzimuthFan
+    sectors : TargetSectors
+        Of n pings.
+    height : (n,) float64
+        Of the sonar above the lowest bed, m.
+    """
+    width, step = np.subtract(*_edges(fan)[::-1]), sectors.step
+    bodies = np.flatnonzero(step.min(axis=0, initial=math.inf) < width.max())
+    if bodies.size == 0 or height.size == 0:
+        return np.zeros(0, np.int64)
+    some = TargetSectors(*(column[:, bodies] for column in sectors))
+    reached = fan.reach * height.max() >= some.nearest.min()
+    wide = AzimuthFan(*(column[reached & (width > some.step.min())] for column in fan))
+    at_once = max(MOST_AT_ONCE // max(wide.azimuth.size * bodies.size, 1), 1)
+    parts = (slice(first, first + at_once) for first in range(0, height.size, at_once))
+    return np.flatnonzero(np.concatenate([find_too_wide(wide, some, part, height).any(axis=(1, 2)) for part in parts]))
+
+
+def find_too_wide(fan: AzimuthFan, sectors: TargetSectors, pings: slice, height: Angles) -> NDArray[np.bool_]:
+    """Which planes of which pings, (pings, planes, sides × bodies), lie across a body and are too wide for it."""
+    low, high = (edge[:, None] for edge in _edges(fan))
+    a, b, step, nearest = (column[pings, None, :] for column in sectors)
+    reached = nearest <= fan.reach[:, None] * height[pings, None, None]
+    return np.asarray((low < b) & (high > a) & reached & (high - low > (1.0 + LEAST) * step))
+
+
+def divide_at_targets(fan: AzimuthFan, sectors: TargetSectors, ping: int, height: Angles, across: int) -> AzimuthFan:
+    """Divide the planes of a fan that are too wide for the targets of one ping.
+
+    Across a body the parts are alike whatever the planes were: a glint is summed to a high order only by equal steps.
+    """
+    needs = find_too_wide(fan, sectors, slice(ping, ping + 1), height)[0]
+    if not needs.any():
+        return fan
+    low, high = _edges(fan)
+    a, b, step = (column[ping, needs.any(axis=0)] for column in sectors[:3])
+    edges = _place_edges(
+        (low, high), needs.any(axis=1), np.clip(a, low.min(), high.max()), np.clip(b, low.min(), high.max())
+    )
+    middle, width = 0.5 * (edges[1:] + edges[:-1]), np.diff(edges)
+    is_plane, parent = _find_parents(low, high, middle)
+    covered = (a <= middle[:, None]) & (middle[:, None] <= b) & needs.any(axis=1)[parent][:, None]
+    counts = np.maximum(width / np.where(covered, step, math.inf).min(axis=1), 1.0)
+    # Where many bodies lie in the beam, their planes are laid farther apart in equal parts.
+    stretch = max(float(counts[is_plane].sum()) / (MOST_OF_EACH * across + low.size), 1.0)
+    parts = np.where(is_plane, np.ceil(np.maximum(counts / stretch, 1.0) - LEAST), 0.0).astype(np.int64)
+    number = np.concatenate([np.arange(n) for n in parts])
+    size = np.repeat(width / np.maximum(parts, 1), parts)
+    start = np.repeat(edges[:-1], parts) + number * size
+    return _make_fan(fan, (low, high), start, start + size)
+
+
+def _place_edges(planes: tuple[Angles, Angles], dense: NDArray[np.bool_], a: Angles, b: Angles) -> Angles:
+    """Edges of planes and of bodies, without those of divided planes that lie across a body."""
+    low, high = planes
+    own = np.unique(np.concatenate(planes))
+    touching = (np.abs(own[:, None] - low) < LEAST) | (np.abs(own[:, None] - high) < LEAST)
+    across = ((a + LEAST < own[:, None]) & (own[:, None] < b - LEAST)).any(axis=1)
+    kept = own[~(across & (dense | ~touching).all(axis=1) & (own != 0.0))]
+    # Sectors of a top-hat lie on one side of athwart.
+    edges = np.unique(np.concatenate([kept, a, b, [0.0] if low.min() < 0.0 < high.max() else []]))
+    return edges[np.append(True, np.diff(edges) > LEAST)]
+
+
+def _find_parents(low: Angles, high: Angles, azimuth: Angles) -> tuple[NDArray[np.bool_], NDArray[np.int64]]:
+    """Whether azimuths lie in planes, which may have gaps between them, and in which."""
+    order = np.argsort(low)
+    parent = order[np.maximum(np.searchsorted(low[order], azimuth, side="right") - 1, 0)]
+    return (low[parent] <= azimuth) & (azimuth <= high[parent]), parent
+
+
+def _make_fan(fan: AzimuthFan, planes: tuple[Angles, Angles], low: Angles, high: Angles) -> AzimuthFan:
+    """Planes between edges, in place of those of a fan."""
+    (_, first), (_, parent), (_, last) = (
+        _find_parents(*planes, at) for at in (low + LEAST, 0.5 * (low + high), high - LEAST)
+    )
+    share = (high - low) / (planes[1] - planes[0])[parent]
+    sines = np.sin(low), np.sin(high)
+    if (fan.s_low >= 0.0).all():  # of a top-hat, for which both sides of athwart are alike
+        sines = np.minimum(*np.abs(sines)), np.maximum(*np.abs(sines))
+    return AzimuthFan(
+        azimuth=0.5 * (low + high),
+        s_low=sines[0],
+        s_high=sines[1],
+        angle=fan.angle[parent] * share,
+        far_angle=fan.far_angle[parent] * share,
+        near_field=fan.near_field[parent],
+        reach=np.maximum(np.maximum(fan.reach[first], fan.reach[last]), fan.reach[parent]),
+    )
+
+
+def _edges(fan: AzimuthFan) -> tuple[Angles, Angles]:
+    """Azimuths at which the sectors of planes begin and end, rad; those of a top-hat's planes lie on either side."""
+    low, high = np.arcsin(fan.s_low), np.arcsin(fan.s_high)
+    is_central = (fan.azimuth == 0.0) & (fan.s_low == 0.0)
+    turned = (fan.azimuth < 0.0) & (fan.s_low >= 0.0)
+    return np.where(turned | is_central, -high, low), np.where(turned, -low, high)
+
+
+@remember_latest
+def _outlines_of(solids: Solids, mesh: Mesh, reflectivity: NDArray[np.float64]) -> _Outlines:
+    """Outlines of solids and of the meshes of each target; balls at the joints of a pipe hardly show."""
+    is_ball = solids.length == 0.0
+    kept = ~(is_ball & np.isin(solids.target, solids.target[~is_ball]))
+    start, length = solids.start[kept], solids.length[kept]
+    ends = np.stack([start, start + length[:, None] * solids.axis[kept]], axis=1).reshape(-1, 3)
+    radius = np.maximum(solids.radius, solids.radius + solids.taper * solids.length)[kept]
+    first_rows = np.unique(mesh.target, return_index=True)[1]
+    hulls = [_hull_from_above(mesh.corners[mesh.target == mesh.target[row]]) for row in first_rows]
+    points = np.concatenate([ends[:, :2], *hulls])
+    materials = reflectivity[np.append(solids.material[kept], mesh.material[first_rows])]
+    # A ball turns its side with azimuth as an upright cylinder does, a level one and a flat side do not.
+    upright = np.where(is_ball, 1.0, np.abs(solids.axis[:, 2]))[kept]
+    sizes = [2] * radius.size + [len(hull) for hull in hulls]
+    lobe = 1.0 / np.sqrt(np.maximum(materials[:, 2], 1.0))
+    return _Outlines(
+        x=points[:, 0],
+        y=points[:, 1],
+        radius=np.append(np.repeat(radius, 2), np.zeros(len(points) - 2 * radius.size)),
+        first=np.append(0, np.cumsum(sizes)[:-1]).astype(np.int64),
+        lobe=np.where(materials[:, 1] > 0.0, lobe, math.inf),
+        curvature=np.append(upright / np.maximum(solids.radius[kept], LEAST), np.zeros(len(hulls))),
+    )
+
+
+def _hull_from_above(corners: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Corners that lie outermost in some direction, (n, 2)."""
+    points = corners.reshape(-1, 3)[:, :2]
+    ways = np.linspace(0.0, 2.0 * math.pi, DIRECTIONS, endpoint=False)
+    return np.asarray(points[np.unique((points @ np.array([np.cos(ways), np.sin(ways)])).argmax(axis=0))])
