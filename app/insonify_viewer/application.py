@@ -33,7 +33,7 @@ from insonify_viewer.widgets.save_dialogs import save_picture
 from insonify_viewer.widgets.theme import Theme, apply_theme
 from insonify_viewer.window.recovery import CrashRecovery
 from insonify_viewer.window.settings import Settings
-from insonify_viewer.window.uncaught_errors import reported_errors, reported_file_warnings
+from insonify_viewer.window.uncaught_errors import reported_errors, reported_warnings
 from insonify_viewer.work.gc_policy import collected_by_hand, limit_free_memory
 
 SNAPSHOT_SIZE = (1600, 1000)
@@ -71,7 +71,7 @@ def open_window(
             QTimer.singleShot(TOUR, viewer.window.tour.begin)
         signal.signal(signal.SIGINT, lambda *_: _close_on_interrupt(viewer))
         tell = partial(viewer.simulator.executor.call_later, partial(viewer.window.say, lasting=True))
-        with reported_errors(viewer.window.complain), reported_file_warnings(tell):
+        with reported_errors(viewer.window.complain), reported_warnings(tell):
             return application.exec()
 
 

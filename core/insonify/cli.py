@@ -19,7 +19,7 @@ from insonify.compilation_bar import CompilationBar
 from insonify.compiler.cache_folder import CacheWarning
 from insonify.compiler.progress import watch_compilation
 from insonify.display.display_options import DisplayOptions
-from insonify.errors import FileWarning, plain_text
+from insonify.errors import FileWarning, PlanWarning, plain_text
 from insonify.plugins import announced, modules_in
 from insonify.scene import SceneError, bundled_scenes
 
@@ -36,7 +36,8 @@ def main(words: Sequence[str] | None = None) -> int:
     """Run the command."""
     try:
         with warnings.catch_warnings(), watch_compilation(CompilationBar()), redirect_stdout(_PlainOutput(sys.stdout)):
-            warnings.simplefilter("always", FileWarning)
+            for category in (FileWarning, PlanWarning):
+                warnings.simplefilter("always", category)
             warnings.showwarning = _warn
             code = _run(list(sys.argv[1:] if words is None else words))
         sys.stdout.flush()
@@ -74,8 +75,8 @@ class _PlainOutput:
 
 
 def _warn(message: Warning | str, category: type[Warning], *where: Any, **more: Any) -> None:
-    """Write what a file lacks as one sentence, and other warnings as Python does."""
-    if issubclass(category, (FileWarning, CacheWarning)):
+    """Write what a file or a plan lacks as one sentence, and other warnings as Python does."""
+    if issubclass(category, (FileWarning, PlanWarning, CacheWarning)):
         sys.stderr.write(f"insonify: {plain_text(' '.join(str(message).split()))}\n")
     else:
         sys.stderr.write(warnings.formatwarning(message, category, *where[:2]))

@@ -25,6 +25,10 @@ class FileWarning(UserWarning):
     """What to know of a file that is used: a part that cannot be, or a better way to write it, in one sentence."""
 
 
+class PlanWarning(UserWarning):
+    """The estimated error of a record exceeds the tolerance, in one sentence that names the choice that errs most."""
+
+
 @contextmanager
 def located(path: str) -> Iterator[None]:
     """Put the dotted path of a part of a scene in front of the field that an error within names."""

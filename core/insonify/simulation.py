@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import warnings
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, NamedTuple
@@ -9,6 +10,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from insonify.errors import PlanWarning
 from insonify.io.record_block import RecordBlock
 from insonify.kernels.common.types import Poses, SceneArrays
 from insonify.packing.packed_scene import PackedScene, pack
@@ -22,7 +24,7 @@ from insonify.receiver.water_column import WaterColumn
 from insonify.record.target_truth import TargetTruth, find_target_truth, join_target_truth
 from insonify.record.variables import Columns, make_block, record_attributes
 from insonify.scene import Scene, SceneError
-from insonify.tow.poses import refuse_track_off_bed, take_poses
+from insonify.tow.poses import refuse_sonar_in_bed, refuse_track_off_bed, take_poses
 from insonify.tracers.base import PreparedTracer, prepare_tracer
 from insonify.tracers.labels import RecordLabels, trace_labels
 
@@ -91,7 +93,13 @@ class Simulation(PackedScene):
         -------
         (n, 2, bins) float32
             Linear intensity, port first: ``out``, if it is given.
+
+        Raises
+        ------
+        SceneError
+            If the sonar is inside a target, or below the bed.
         """
+        refuse_sonar_in_bed(self.scene, self.ground, pings, poses)
         with limited_threads(self.threads):
             shapes, divided = self.reception.divided_by_shape, None
             traced = self.trace(poses)
@@ -227,7 +235,10 @@ def prepare(
         packed = packed or pack(scene)
         refuse_track_off_bed(scene, packed.ground)
         if plan is None:
-            return _prepare(packed, choose_model(packed, tolerance, method, wishes), threads)
+            chosen = choose_model(packed, tolerance, method, wishes)
+            if chosen.error > tolerance:
+                warnings.warn(PlanWarning(chosen.describe_excess(tolerance)), stacklevel=3)
+            return _prepare(packed, chosen, threads)
         return _prepare(packed, keep_plan(packed, plan, method, wishes), threads)
 
 
@@ -266,7 +277,8 @@ def simulate(
     method : str
         ``sweep``, ``march``, ``rays``, or ``auto``.
     tolerance : float
-        Greatest error beyond 1.4 times the altitude, as a share of the record.
+        Greatest error beyond 1.4 times the altitude, as a share of the record. A `PlanWarning` reports an estimated
+        error beyond it.
     forced : mapping of str to str, optional
         Choices that are not left to the plan, as in `insonify.plan`.
     truth : bool

@@ -21,7 +21,7 @@ from insonify_viewer.record.comparison import recording_player
 from insonify_viewer.record.comparison.arrangement import Arrangement
 from insonify_viewer.record.comparison.recording import MAX_PINGS, Recording, compass_heading, describe_point
 from insonify_viewer.state.inspection import Mark
-from insonify_viewer.window.uncaught_errors import reported_file_warnings
+from insonify_viewer.window.uncaught_errors import reported_warnings
 from insonify_viewer.work.jobs import State
 
 REAL = Path("../shared/data/xtf/scotsman-iver2.xtf")
@@ -54,7 +54,7 @@ def open_recording(viewer, path, qtbot) -> Recording:
 def test_what_a_cut_recording_lacks_is_said_in_the_window(viewer, folder, qtbot, tmp_path):
     cut = tmp_path / "cut.xtf"
     cut.write_bytes((folder / "record.xtf").read_bytes()[:-100])
-    with reported_file_warnings(partial(viewer.simulator.executor.call_later, viewer.window.say)):
+    with reported_warnings(partial(viewer.simulator.executor.call_later, viewer.window.say)):
         assert open_recording(viewer, cut, qtbot).pings == PINGS - 1
     assert "cut.xtf: ends within the packet at byte" in viewer.window.status.sentence.text()
 

@@ -9,8 +9,9 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from insonify.io.records import write_record
+from insonify.planning import plan
 from insonify.scene import SceneError, edit, load_scene
-from insonify.simulation import simulate, simulate_blocks
+from insonify.simulation import prepare, simulate, simulate_blocks
 from insonify.terrain import build_ground
 from insonify.tow.line import tow_line_at
 from insonify.tow.poses import KNOTS, bed_beneath, interpolate_bed_beneath, make_poses
@@ -307,3 +308,23 @@ def test_the_line_is_without_the_motion():
     pings = np.arange(100)
     for one, other in zip(tow_line_at(scene, pings), tow_line_at(turn, pings)):
         np.testing.assert_array_equal(one, other)
+
+
+def test_a_sonar_below_the_bed_is_refused_with_the_ping():
+    rough = {"kind": "fractal", "beta": 1.2, "period": 25.6, "rms": 0.3}
+    scene = edit(LEVEL, {"seabed.relief": rough, "track.altitude": 0.1, "track.pings": 40, "sonar.range": 20.0})
+    ground, pings = build_ground(scene), np.arange(40)
+    placed = make_poses(scene, ground, pings)
+    inside = np.flatnonzero(placed.z < ground.height_at(placed.x, placed.y))
+    assert 0 < inside.size < 40
+    with pytest.raises(SceneError, match=rf"^track.altitude: at ping {inside[0]} the sonar is .* m below the bed; "):
+        simulate(scene)
+    clear = np.setdiff1d(pings, inside)[:3]
+    assert prepare(scene).intensity(clear).sum() > 0.0
+    with pytest.raises(SceneError, match=rf"at ping {inside[-1]} "):
+        prepare(scene).intensity(inside[-1:])
+
+
+def test_a_track_wholly_below_the_bed_is_refused_before_it_is_planned():
+    with pytest.raises(SceneError, match=r"^track.depth: at ping 0 the sonar is 5 m below the bed"):
+        plan(edit(LEVEL, {"track.depth": LEVEL.seabed.depth + 5.0, "track.altitude": None}))

@@ -24,7 +24,7 @@ from PySide6.QtGui import QOpenGLContext
 from PySide6.QtWidgets import QApplication
 from vtkmodules.vtkCommonCore import vtkOutputWindow, vtkStringOutputWindow
 
-from insonify.errors import FileWarning, SceneError
+from insonify.errors import FileWarning, PlanWarning, SceneError
 
 TICK = 5  # ms
 DEPTH = 7  # functions of a stack that are told
@@ -76,7 +76,7 @@ class Faults:
             self.add("".join(traceback.format_exception(error)) if error else "an exception without a value")
 
     def _take_warning(self, warning: Warning | str, category: type[Warning], *_: Any) -> None:
-        if not issubclass(category, FileWarning):
+        if not issubclass(category, (FileWarning, PlanWarning)):
             self.add(f"{warning!r}\n{''.join(traceback.format_stack()[:-1])}")
 
     def _take_message(self, kind: Any, _: Any, message: str) -> None:

@@ -9,7 +9,7 @@ from contextlib import contextmanager
 from types import TracebackType
 from typing import Any
 
-from insonify.errors import FileWarning
+from insonify.errors import FileWarning, PlanWarning
 from insonify.scene import SceneError
 from insonify_viewer.errors import Failure, cause_of, describe_error, format_trace
 
@@ -41,17 +41,18 @@ def reported_errors(complain: Callable[[Failure], None]) -> Iterator[None]:
 
 
 @contextmanager
-def reported_file_warnings(tell: Callable[[str], None]) -> Iterator[None]:
-    """Show warnings about incomplete files in the window; other warnings are written as before."""
+def reported_warnings(tell: Callable[[str], None]) -> Iterator[None]:
+    """Show warnings about incomplete files and inaccurate plans in the window; others are written as before."""
     before = warnings.showwarning
 
     def show(message: Warning | str, category: type[Warning], *where: Any, **more: Any) -> None:
-        if issubclass(category, FileWarning):
+        if issubclass(category, (FileWarning, PlanWarning)):
             tell(" ".join(str(message).split()))
         else:
             before(message, category, *where, **more)
 
     with warnings.catch_warnings():
-        warnings.simplefilter("always", FileWarning)
+        for category in (FileWarning, PlanWarning):
+            warnings.simplefilter("always", category)
         warnings.showwarning = show
         yield

@@ -65,6 +65,14 @@ class Plan:
         """Return the entry about a subject, if there is one."""
         return next((entry for entry in self.entries if entry.subject == subject), None)
 
+    def describe_excess(self, tolerance: float) -> str:
+        """Return a sentence about an error beyond a tolerance."""
+        most = max(self.entries, key=lambda entry: entry.error)
+        return (
+            f"the estimated error of the record is {percent(self.error)}, more than the tolerance of "
+            f"{percent(tolerance)}, most of it from '{most.choice}'; raise the tolerance or choose a simpler scene"
+        )
+
     def lines(self) -> list[str]:
         """Return one line per choice: first what is modelled, then what is left out."""
         return [

@@ -15,7 +15,7 @@ from insonify.packing.packed_scene import SURFACE_ECHO, Model, PackedScene
 from insonify.parallel import in_parallel
 from insonify.planning.probe_pings import ProbePings, spread_over_track
 from insonify.scene import SceneError
-from insonify.tow.poses import make_poses, take_poses
+from insonify.tow.poses import find_pings_in_bed, make_poses, refuse_sonar_in_bed, take_poses
 from insonify.tracers.base import find_tracer, prepare_tracer
 
 Record = NDArray[np.float32]
@@ -58,6 +58,11 @@ class Probe:
         self._packed = packed
         ordered, self._is_across = pings.interleaved()
         self._poses = make_poses(packed.scene, packed.ground, ordered)
+        clear = ~find_pings_in_bed(packed.ground, self._poses)
+        if not clear.any():
+            refuse_sonar_in_bed(packed.scene, packed.ground, ordered, self._poses)
+        # Pings from below the bed are refused when they are simulated.
+        self._poses, self._is_across = take_poses(self._poses, clear), self._is_across[clear]
         self._near = find_first_bin(1.0, packed.arrays, self._poses)
         self._beyond = find_first_bin(ERROR_ALTITUDES, packed.arrays, self._poses) - self._near
         self._scale = scale_to_flat_bed(packed.arrays, self._poses, self._near)

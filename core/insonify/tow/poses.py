@@ -40,8 +40,8 @@ def make_poses(scene: Scene, ground: AnyGround, pings: NDArray[np.int64]) -> Pos
     )
 
 
-def take_poses(poses: Poses, places: NDArray[np.int64] | slice) -> Poses:
-    """Return some of the poses, by a slice or by their places."""
+def take_poses(poses: Poses, places: NDArray[np.int64] | NDArray[np.bool_] | slice) -> Poses:
+    """Return some of the poses, by a slice, a mask or their places."""
     return Poses(*(np.ascontiguousarray(column[places]) for column in poses))
 
 
@@ -95,6 +95,24 @@ def platform_columns(poses: Poses, ground: AnyGround) -> tuple[NDArray[np.float6
     altitude = poses.z - ground.height_at(poses.x, poses.y)
     attitude = map(np.degrees, (poses.heading, poses.pitch, poses.roll))
     return poses.x, poses.y, -(poses.z + ground.datum), altitude, *attitude
+
+
+def find_pings_in_bed(ground: AnyGround, poses: Poses) -> NDArray[np.bool_]:
+    """Whether the sonar is below the bed at each pose; not where there is no bed."""
+    return np.asarray(poses.z < ground.height_at_once(poses.x, poses.y))
+
+
+def refuse_sonar_in_bed(scene: Scene, ground: AnyGround, pings: NDArray[np.int64], poses: Poses) -> None:
+    """Raise if the sonar is below the bed at one of some pings."""
+    inside = find_pings_in_bed(ground, poses)
+    if inside.any():
+        first = int(np.argmax(inside))
+        below = float(ground.height_at_once(poses.x[[first]], poses.y[[first]])[0] - poses.z[first])
+        field = "altitude" if scene.track.depth is None else "depth"
+        raise SceneError(
+            f"track.{field}: at ping {int(pings[first])} the sonar is {below:.2g} m below the bed; raise the track or "
+            "lower the relief"
+        )
 
 
 def refuse_track_off_bed(scene: Scene, ground: AnyGround) -> None:

@@ -1,0 +1,110 @@
+"""Planes across targets: a beam's sector is kept whole, and few planes find a glint that a hundred alike miss."""
+
+import math
+import warnings
+
+import numpy as np
+import pytest
+
+from beds import arrays_of, gaussian_pattern, poses_of
+from insonify.errors import PlanWarning
+from insonify.packing.packed_scene import Model, pack
+from insonify.planning import plan
+from insonify.planning.probe import trace_model
+from insonify.scene import edit, load_scene
+from insonify.simulation import prepare, simulate
+from insonify.statistics.record_errors import compare_records
+from insonify.tow.poses import make_poses
+from insonify.tracers.azimuth_fan import lay_planes
+
+MANY = 2048  # planes of a reference
+GLINTS = {
+    "large ball": (1.0, (0.0, 0.8, 10.0), "silt", 10.0),
+    "small ball, 3°": (0.2, (0.1, 0.8, 100.0), "medium_sand", 3.0),
+    "small ball, 10°": (0.2, (0.1, 0.8, 100.0), "medium_sand", 10.0),
+}
+
+
+def glinting(radius, material, bed, width, pings=1):
+    ball = {"kind": "sphere", "radius": radius, "position": [0.0, 40.0, -20.0]}
+    ball["material"] = dict(zip(("diffuse", "specular", "shininess"), material))
+    changes = {"targets": [ball], "seabed.relief": "flat", "seabed.material": bed, "sonar.beam.width": width}
+    return edit(load_scene("default"), changes | {"seabed.depth": 30.0, "track.altitude": 10.0, "track.pings": pings})
+
+
+@pytest.mark.parametrize("name", GLINTS)
+@pytest.mark.parametrize("pings", [1, 512])
+def test_a_plan_keeps_its_promise_where_a_target_glints(name, pings):
+    scene = glinting(*GLINTS[name], pings)
+    packed, made = pack(scene), plan(scene)
+    poses = make_poses(scene, packed.ground, np.array([0]))
+    right = trace_model(packed, made.model._replace(planes=MANY, every=1), poses)
+    error = compare_records(packed.arrays, poses, trace_model(packed, made.model, poses), right).beyond
+    assert error < 0.01
+    assert error < max(2.0 * made.error, 0.003)
+    assert made.planes <= 2
+
+
+@pytest.mark.parametrize("name", GLINTS)
+def test_more_planes_across_a_target_tend_to_what_many_planes_find(name):
+    scene = glinting(*GLINTS[name])
+    packed = pack(scene)
+    poses = make_poses(scene, packed.ground, np.array([0]))
+    right = trace_model(packed, Model(planes=MANY, targets=(0,)), poses)
+    for across, bound in ((4, 0.01), (16, 0.002)):
+        record = trace_model(packed, Model(planes=2, across=across, targets=(0,)), poses)
+        assert compare_records(packed.arrays, poses, record, right).beyond < bound
+    alike = trace_model(packed, Model(planes=32, targets=(0,)), poses)
+    assert compare_records(packed.arrays, poses, alike, right).beyond > 0.05
+
+
+PIPE = ((-4.0, 20.0, 0.3), (6.0, 14.0, 0.3), 0.3)
+BALL = ((1.0, -15.0, 0.6), 0.6)
+
+
+@pytest.mark.parametrize("planes", [1, 2, 3, 10, 11])
+@pytest.mark.parametrize("across", [4, 16])
+def test_divided_sectors_leave_no_azimuth_out_and_none_twice(planes, across):
+    half = math.radians(10.0)
+    arrays = arrays_of(np.zeros((8, 8)), 4.0, periodic=True, half_width=half, solids=[PIPE, BALL])
+    laid = lay_planes(arrays, poses_of([0.0, 0.5, 60.0], 0.0, 8.0), planes, across=across)
+    assert sorted(np.concatenate([places for places, _ in laid])) == [0, 1, 2]
+    divided = [fan for places, fan in laid if places.tolist() != [2]]
+    assert len(divided) == 2
+    for fan in divided:
+        assert fan.angle.sum() == pytest.approx(math.pi)
+        for hand in (1.0, -1.0):
+            of_hand = hand * fan.azimuth >= 0.0
+            order = np.argsort(fan.s_low[of_hand])
+            low, high = fan.s_low[of_hand][order], fan.s_high[of_hand][order]
+            np.testing.assert_allclose(np.append(low, 1.0), np.append(0.0, high), atol=1e-9)
+
+
+def test_divided_sectors_of_a_pattern_are_those_of_its_planes():
+    half = math.radians(2.0)
+    arrays = arrays_of(
+        np.zeros((8, 8)), 4.0, periodic=True, half_width=half, pattern=gaussian_pattern(half), solids=[BALL]
+    )
+    poses = poses_of(0.0, 0.0, 8.0)
+    [(_, whole)], [(_, divided)] = (lay_planes(arrays, poses, 2, across=across) for across in (0, 16))
+    assert divided.azimuth.size > whole.azimuth.size
+    assert divided.angle.sum() == pytest.approx(whole.angle.sum())
+    assert (divided.s_high - divided.s_low).sum() == pytest.approx((whole.s_high - whole.s_low).sum())
+
+
+def test_a_ping_does_not_depend_on_those_traced_with_it():
+    scene = edit(glinting(*GLINTS["large ball"], 40), {"track.speed": 1.0})
+    packed, model = pack(scene), Model(planes=4, across=8, targets=(0,))
+    together = trace_model(packed, model, make_poses(scene, packed.ground, np.arange(40)))
+    alone = [trace_model(packed, model, make_poses(scene, packed.ground, np.array([k]))) for k in range(40)]
+    np.testing.assert_array_equal(together, np.concatenate(alone))
+
+
+def test_an_estimated_error_beyond_the_tolerance_is_told():
+    hard = edit(load_scene("default"), {"sonar.beam.width": 10.0, "track.pings": 2, "seabed.relief.rms": 0.3})
+    with pytest.warns(PlanWarning, match=r"the estimated error of the record is .* more than the tolerance of 0.1 %"):
+        simulate(hard, tolerance=0.001)
+    easy = edit(hard, {"sonar.beam": "knife", "targets": []})
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        prepare(easy)
