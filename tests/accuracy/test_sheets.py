@@ -135,3 +135,13 @@ def test_a_reference_with_surface_paths_has_its_first_echoes_in_sheets():
 def test_the_rays_of_a_reference_are_named(bounces, surface, kind):
     arrays = rough_arrays()._replace(bounces=bounces, multipath=no_surface_multipath()._replace(enabled=surface))
     assert name_rays(arrays) == kind
+
+
+def test_the_change_by_more_rays_shows_the_error_of_steep_ground_that_glints():
+    arrays = rough_arrays(FAN)
+    steep = arrays.bed._replace(heights=4.0 * arrays.bed.heights, transposed=4.0 * arrays.bed.transposed)
+    glinting = arrays._replace(bed=steep, reflectivity=np.array([[0.1, 0.6, 50.0]]))
+    coarse, fine = (trace_exact_rays(glinting, POSES, 1 << n) for n in (13, 14))
+    right = ray_sheets.trace(glinting, POSES, sheets=64, rays=1 << 13)
+    moved = compare_records(glinting, POSES, coarse, fine).beyond
+    assert compare_records(glinting, POSES, fine, right).beyond < 5.0 * moved

@@ -310,12 +310,31 @@ def test_the_line_is_without_the_motion():
         np.testing.assert_array_equal(one, other)
 
 
+SHALLOW = edit(
+    LEVEL,
+    {
+        "seabed.relief": {"kind": "fractal", "beta": 1.2, "period": 25.6, "rms": 0.3},
+        "track.altitude": 0.1,
+        "track.pings": 40,
+        "sonar.range": 20.0,
+    },
+)
+
+
+def place_over(scene):
+    ground = build_ground(scene)
+    placed = make_poses(scene, ground, np.arange(40))
+    return placed, np.flatnonzero(placed.z < ground.height_at(placed.x, placed.y))
+
+
+def start_below_the_bed():
+    placed, inside = place_over(SHALLOW)
+    return [float(placed.x[inside[0]]), float(placed.y[inside[0]])]
+
+
 def test_a_sonar_below_the_bed_is_refused_with_the_ping():
-    rough = {"kind": "fractal", "beta": 1.2, "period": 25.6, "rms": 0.3}
-    scene = edit(LEVEL, {"seabed.relief": rough, "track.altitude": 0.1, "track.pings": 40, "sonar.range": 20.0})
-    ground, pings = build_ground(scene), np.arange(40)
-    placed = make_poses(scene, ground, pings)
-    inside = np.flatnonzero(placed.z < ground.height_at(placed.x, placed.y))
+    scene, pings = SHALLOW, np.arange(40)
+    _, inside = place_over(scene)
     assert 0 < inside.size < 40
     with pytest.raises(SceneError, match=rf"^track.altitude: at ping {inside[0]} the sonar is .* m below the bed; "):
         simulate(scene)
@@ -325,6 +344,6 @@ def test_a_sonar_below_the_bed_is_refused_with_the_ping():
         prepare(scene).intensity(inside[-1:])
 
 
-def test_a_track_wholly_below_the_bed_is_refused_before_it_is_planned():
-    with pytest.raises(SceneError, match=r"^track.depth: at ping 0 the sonar is 5 m below the bed"):
-        plan(edit(LEVEL, {"track.depth": LEVEL.seabed.depth + 5.0, "track.altitude": None}))
+def test_a_track_wholly_below_the_bed_is_refused_when_it_is_planned():
+    with pytest.raises(SceneError, match=r"^track.altitude: at ping 0 the sonar is .* m below the bed; "):
+        plan(edit(SHALLOW, {"track.pings": 1, "track.start": start_below_the_bed()}))

@@ -12,6 +12,7 @@ from insonify.tracers.base import find_tracer
 
 WIDEST, NARROWEST = 120, 60  # characters of a table
 ERROR, COST = 8, 10  # characters of the last two columns
+NEAR = "of the planes over all bins; the total is that beyond 1.4 altitudes, which has a third of this tolerance"
 
 
 @dataclass(frozen=True)
@@ -38,6 +39,7 @@ class Plan:
     model: Model  # tracer, settings and effects
     entries: tuple[PlanEntry, ...] = ()  # all choices
     error: float = 0.0  # measured error beyond 1.4 times the altitude, as a share of the record
+    near_error: float = 0.0  # measured error of the planes over all bins from the first return; 0 for none
     work: float = 0.0  # work of a ping, by which models are compared: a count, the same on every machine
     cost: float = field(default=0.0, compare=False)  # seconds per ping on this machine, both sides on one thread
 
@@ -96,6 +98,9 @@ class Plan:
             rows.append("")
         rows.append(f"{'Total':<{wide - ERROR - COST}}{_share(self.error):>{ERROR}}{_time(self.cost):>{COST}}")
         rows += textwrap.wrap("per ping, both sides, one thread", wide, initial_indent="  ")
+        if self.near_error > 0.0:
+            rows.append(f"{'From the first return':<{wide - ERROR - COST}}{_share(self.near_error):>{ERROR}}")
+            rows += textwrap.wrap(NEAR, wide, initial_indent="  ", subsequent_indent="  ")
         return "\n".join(rows)
 
 

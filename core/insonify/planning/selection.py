@@ -13,7 +13,7 @@ from insonify.packing.packed_scene import Model, PackedScene, pack
 from insonify.planning.checks import check_method
 from insonify.planning.choices import CHOICES
 from insonify.planning.choices.base import FINENESS, Case, Choice
-from insonify.planning.choices.fineness import measure_together
+from insonify.planning.choices.fineness import Planes, measure_together
 from insonify.planning.plan_entries import Plan, PlanEntry, percent
 from insonify.scene import Scene, SceneError
 from insonify.tracers.base import AUTO, find_tracer
@@ -89,7 +89,8 @@ def choose_for_case(case: Case, tolerance: float) -> Plan:
     if together > MORE_TOGETHER * error:
         entries = (*entries, _more_together(case, model, error, together))
         error = together
-    return Plan(model, entries, error, case.work(model), case.seconds(model))
+    near = Planes().near_error(case, model)
+    return Plan(model, entries, error, near, case.work(model), case.seconds(model))
 
 
 def _more_together(case: Case, model: Model, apart: float, together: float) -> PlanEntry:

@@ -55,17 +55,15 @@ def lay_planes(
         return laid
     sectors, height = find_target_sectors(arrays, poses, across), np.maximum(poses.z - arrays.bed.low, LOWEST)
     divided = []
-    for places, fan in laid:
+    # One plane stands for the whole beam, which it cannot share with others.
+    for places, fan in _lay_alike(arrays, poses, max(planes, 2), laid_at, divided=True):
         of_fan = TargetSectors(*(column[places] for column in sectors))
-        some = find_pings_to_divide(fan, of_fan, height[places])
-        if some.size < places.size or places.size == 0:
-            divided.append((np.delete(places, some), fan))
-        for ping in places[some]:
-            # One plane stands for the whole beam, which it cannot share with others.
-            one = take_poses(poses, np.array([ping]))
-            [(_, base)] = _lay_alike(arrays, one, max(planes, 2), laid_at, divided=True)
-            divided.append((np.array([ping]), divide_at_targets(base, sectors, ping, height, across)))
-    return divided
+        for ping in places[find_pings_to_divide(fan, of_fan, height[places])]:
+            divided.append((np.array([ping]), divide_at_targets(fan, sectors, ping, height, across)))
+    if not divided:
+        return laid
+    others = ((np.setdiff1d(places, np.concatenate([ping for ping, _ in divided])), fan) for places, fan in laid)
+    return [*((places, fan) for places, fan in others if places.size > 0), *divided]
 
 
 def _lay_alike(

@@ -155,8 +155,6 @@ def divide_at_targets(fan: AzimuthFan, sectors: TargetSectors, ping: int, height
     Across a body the parts are alike whatever the planes were: a glint is summed to a high order only by equal steps.
     """
     needs = find_too_wide(fan, sectors, slice(ping, ping + 1), height)[0]
-    if not needs.any():
-        return fan
     low, high = _edges(fan)
     a, b, step = (column[ping, needs.any(axis=0)] for column in sectors[:3])
     edges = _place_edges(

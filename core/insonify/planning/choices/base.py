@@ -280,6 +280,7 @@ class Doublings(Number):
     """Fineness of a tracer in doublings, the error of each measured from the next."""
 
     stage = FINENESS
+    nearer: ClassVar[float] = 0.0  # weight of the error over all bins, from the first return, in the choice
 
     def leads(self, model: Model) -> bool:
         """Whether the field is the main one of those that make a model's tracer finer."""
@@ -308,13 +309,14 @@ class Doublings(Number):
         if not self.leads(model) or number == 0:
             return 0.0
         rung = self.rung(case, model)
-        error = case.probe.difference(*self.pair(case, model, rung), cautious=cautious)
+        how = {"nearer": self.nearer * cautious, "cautious": cautious}
+        error = case.probe.difference(*self.pair(case, model, rung), **how)
         finer = max(number / rung, 1.0)
         if rung == self.first(model) or error == 0.0:
             return error * finer**-0.5
         coarser, pair = self.pair(case, model, rung // 2), self.pair(case, model, rung)
         error /= 1.0 - min(max(case.probe.trend(coarser[0], *pair), 0.0), 0.5)  # what finer ones add to the difference
-        before = case.probe.difference(*coarser, cautious=cautious)
+        before = case.probe.difference(*coarser, **how)
         return float(error * finer ** -min(max(math.log2(max(before / error, 1.0)), 0.5), 1.0))
 
     def measured(self, case: Case, model: Model, words: str, error: float) -> str:

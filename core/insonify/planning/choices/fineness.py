@@ -32,7 +32,7 @@ RAYS_STEP, FOLDED_RAYS = 4, (4000, 16_000, 64_000)
 PINGS_OF_MOST_RAYS = 4  # pings traced with the most of them, a second of one core at the longest ranges
 STRIDES, FEWEST_CELLS = (1, 2, 4, 8, 16, 32), 8  # of nodes; cells that a period of the bed keeps
 OF_LEVEL_BED = 30.0  # weight of errors of coarser nodes over a level bed: its record has a closed form
-NEARER = 1.0 / 3.0  # weight of the error of coarser nodes over all bins, the strong ones near nadir too
+NEARER = 1.0 / 3.0  # weight of the error over all bins, the strong ones near nadir too: three times the tolerance
 LITTLE_MISPLACED = 0.002  # error of whole segments below which no division of them is measured
 SEVERAL = 2  # planes, the fewest that average over the beam
 # Errors of effects, of segments and of nodes beside which errors of fineness are measured; what is finer than the nodes
@@ -80,6 +80,7 @@ class Planes(Doublings):
     """Planes across the beam."""
 
     subject, field, rank, high = "planes", "planes", 1, 512
+    nearer = NEARER
     offered = ("2", "4", "8", "16", "32", "64")
 
     def settings(self, case: Case, model: Model) -> tuple[int, ...]:
@@ -102,6 +103,12 @@ class Planes(Doublings):
         coarse, fine = super().pair(case, plain, rung)
         # One plane and two within the same cells of the bed are alike, which does not predict a wider fan.
         return coarse, fine._replace(planes=max(fine.planes, FEW_PLANES), across=2 * model.across)
+
+    def near_error(self, case: Case, model: Model) -> float:
+        """Error over all bins from the first return, measured at the doubling below."""
+        if not (self.applies(model) and case.scene.sonar.beam.has_width):
+            return 0.0
+        return case.probe.difference(*self.pair(case, model, self.rung(case, model)), nearer=1.0)
 
     def is_finest(self, case: Case, model: Model) -> bool:
         """Whether there are no more planes, nor more across targets."""
