@@ -1,7 +1,7 @@
 """Random scenes from a seed, on which methods and plans are judged; their files go into a folder.
 
 Dense ones are full of targets that hide one another, planned ones have all effects that a plan chooses about, and wide
-ones reach as far as the sliders do.
+ones reach as far as the sliders do. Short ones are wide ones of one to eight pings.
 """
 
 from __future__ import annotations
@@ -15,7 +15,7 @@ import numpy as np
 
 from beds import BOX_FACES, box_corners, icosphere
 from insonify.acoustics.beam_patterns import is_patterned
-from insonify.scene import Scene
+from insonify.scene import Scene, edit
 
 Spec = dict[str, Any]
 Random = np.random.Generator
@@ -25,6 +25,7 @@ NODES = 512  # of a period
 SUBSTANCES = ("silt", "fine_sand", "medium_sand", "coarse_sand", "sandy_gravel", "cobble", "rock", "concrete", "steel")
 MANY = 5  # halvings of an icosahedron that make 20,480 triangles
 MANY_IN = 7  # the only scene with that many
+MOST_SHORT = 8  # pings of a short track
 WIDE_PINGS, OVER, ACROSS = 400, 16, 8  # of a wide scene, and those by which it is judged
 
 
@@ -105,6 +106,25 @@ def wide_scene(seed: int, folder: Path) -> tuple[Scene, np.ndarray, np.ndarray]:
     along = np.array([places[k][0] for k in rng.integers(0, len(places), ACROSS)] if places else []) * rate / speed
     across = np.rint(along + rng.uniform(-1.0, 1.0, along.size)).astype(np.int64)
     return scene, np.unique(over), np.unique(np.clip(across, 0, WIDE_PINGS - 1))
+
+
+def short_scene(seed: int, folder: Path) -> tuple[Scene, np.ndarray]:
+    """Wide scene of a seed with a track of few pings, all judged, near a target; some targets glint."""
+    scene, over, across = wide_scene(seed, folder)
+    rng = np.random.default_rng([20261128, seed])
+    count, middle = int(rng.integers(1, MOST_SHORT + 1)), int(rng.choice(across if across.size else over))
+    step, heading = scene.track.speed / scene.sonar.ping_rate, math.radians(scene.track.heading)
+    along = (middle - int(rng.integers(0, count))) * step
+    x, y = scene.track.start
+    changes: Spec = {"title": f"short {seed}", "track.pings": count}
+    changes["track.start"] = [x + along * math.cos(heading), y + along * math.sin(heading)]
+    for number in range(len(scene.targets)):
+        if rng.random() < 0.5:
+            diffuse = rng.uniform(0.0, 0.5)
+            specular, shininess = rng.uniform(0.0, 1.0 - diffuse), _log(rng, 1.0, 1000.0)
+            material = {"diffuse": diffuse, "specular": specular, "shininess": shininess}
+            changes[f"targets.{number}.material"] = material
+    return edit(scene, changes), np.arange(count)
 
 
 def _scene(title: str, seed: int, *, sonar: Spec, **parts: Any) -> Scene:
