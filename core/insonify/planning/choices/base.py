@@ -309,7 +309,7 @@ class Doublings(Number):
         if not self.leads(model) or number == 0:
             return 0.0
         rung = self.rung(case, model)
-        how = {"nearer": self.nearer * cautious, "cautious": cautious}
+        how: dict[str, Any] = {"nearer": self.nearer * cautious, "cautious": cautious}
         error = case.probe.difference(*self.pair(case, model, rung), **how)
         finer = max(number / rung, 1.0)
         if rung == self.first(model) or error == 0.0:
