@@ -1,4 +1,4 @@
-"""Child processes that answer requests: their start, messages, limits of time and memory, and their end.
+"""Child processes that answer requests: their start, messages, limit of time, and their end.
 
 A child runs a function `main` of one module, which calls `serve`. Requests and answers are pickled. Modules of the
 current folder are never imported: a file named json.py beside somebody's data is not part of this program.
@@ -15,9 +15,11 @@ import subprocess
 import sys
 import threading
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any
+
+from insonify.operating_system import processor_time
 
 # The search path is given whole; and what a child imports is compiled once for all later ones.
 LEFT_OUT = {"PYTHONPATH", "PYTHONDONTWRITEBYTECODE"}
@@ -67,10 +69,10 @@ class ChildProcess:
 
     def _kill_after(self, seconds: float, answered: threading.Event, late: threading.Event) -> None:
         """Kill the process after a time without an answer; time in which it waits for a processor does not count."""
-        before, _ = _processor_time(self.process.pid)
+        before, _ = processor_time(self.process.pid)
         left, end = seconds, time.monotonic() + STARVED * seconds
         while not answered.wait(left):
-            taken, runs = _processor_time(self.process.pid)
+            taken, runs = processor_time(self.process.pid)
             left = min(seconds - (taken - before), end - time.monotonic()) if runs else 0.0
             if left <= 0.0:
                 late.set()
@@ -102,16 +104,6 @@ def _search_path() -> list[str]:
     return [path for path in sys.path if path and os.path.realpath(path) != here] + [own]
 
 
-def _processor_time(process: int) -> tuple[float, bool]:
-    """Processor time of a process in seconds, and whether it is running or waits for a processor."""
-    try:
-        stat = Path(f"/proc/{process}/stat").read_text(encoding="ascii", errors="replace")
-    except OSError:  # the system has no such file
-        return 0.0, False
-    state, *fields = stat.rpartition(")")[2].split()
-    return (int(fields[10]) + int(fields[11])) / os.sysconf("SC_CLK_TCK"), state == "R"
-
-
 def serve(answer: Callable[[Any, Callable[[Any], None]], None], idle: float) -> None:
     """Answer requests in a child, until it has had none for some seconds, a None, or the parent has ended.
 
@@ -138,48 +130,6 @@ def _take_requests(requests: queue.SimpleQueue[Any]) -> None:
         while True:
             requests.put(_read(sent))
     os._exit(0)
-
-
-@contextlib.contextmanager
-def ended_after(seconds: float) -> Iterator[None]:
-    """Let the system end this process if a block takes longer, where it can; also a loop that is not in Python."""
-    if not hasattr(signal, "setitimer"):
-        yield
-        return
-    signal.signal(signal.SIGALRM, signal.SIG_DFL)
-    signal.setitimer(signal.ITIMER_REAL, seconds)
-    try:
-        yield
-    finally:
-        signal.setitimer(signal.ITIMER_REAL, 0.0)
-
-
-@contextlib.contextmanager
-def limited_memory(bytes_more: int) -> Iterator[None]:
-    """Let allocations in a block fail beyond a number of bytes more than the process has now, where the system can."""
-    present = _private_bytes()
-    if present is None:
-        yield
-        return
-    # lazy: not on every system
-    import resource
-
-    soft, hard = resource.getrlimit(resource.RLIMIT_DATA)
-    most = present + bytes_more
-    resource.setrlimit(resource.RLIMIT_DATA, (most if hard == resource.RLIM_INFINITY else min(most, hard), hard))
-    try:
-        yield
-    finally:
-        resource.setrlimit(resource.RLIMIT_DATA, (soft, hard))
-
-
-def _private_bytes() -> int | None:
-    """Bytes that count towards RLIMIT_DATA; None if the system has no such limit."""
-    try:
-        status = Path("/proc/self/status").read_text(encoding="ascii", errors="replace")
-    except OSError:
-        return None
-    return int(status.partition("VmData:")[2].split()[0]) * 1024
 
 
 def _write(stream: Any, value: Any) -> None:

@@ -46,7 +46,7 @@ def usable_cores() -> int:
 def _quota() -> float:
     """Cores' worth of time that the control groups of this process grant it; infinite if they set no limit."""
     try:
-        rows = [line.split(":", 2) for line in GROUPS.read_text().splitlines()]
+        rows = [line.split(":", 2) for line in GROUPS.read_text(encoding="utf-8").splitlines()]
     except OSError:
         return math.inf
     return min((quota for row in rows if len(row) == 3 for quota in _quotas_above(row[1], row[2])), default=math.inf)
@@ -63,7 +63,7 @@ def _quotas_above(controllers: str, group: str) -> Iterator[float]:
             return
         names = ("cpu.cfs_quota_us", "cpu.cfs_period_us") if controllers else ("cpu.max",)
         try:
-            granted, period = " ".join((folder / name).read_text() for name in names).split()
+            granted, period = " ".join((folder / name).read_text(encoding="utf-8") for name in names).split()
         except (OSError, ValueError):
             continue
         if granted not in ("max", "-1"):

@@ -59,6 +59,12 @@ def replacing(path: str | Path) -> Iterator[Path]:
         raise OSError(errno.EILSEQ, "this format needs a path in UTF-8", str(path)) from error
 
 
+def write_text(path: str | Path, text: str) -> None:
+    """Write a text file whole or not at all: UTF-8 and the same ends of lines on every system."""
+    with replacing(path) as beside:
+        beside.write_text(text, encoding="utf-8", newline="")
+
+
 @contextmanager
 def _full_disk_named(folder: Path) -> Iterator[None]:
     """Turn an error of a library that does not name its cause into that of a full disk, if the disk is full."""

@@ -20,7 +20,7 @@ from queue import Empty, SimpleQueue
 from typing import Any, NamedTuple, Protocol
 
 from insonify.errors import SceneError
-from insonify.io.atomic import clear_ended, clear_leftovers, remove, replacing, temporary_path
+from insonify.io.atomic import clear_ended, clear_leftovers, remove, temporary_path, write_text
 from insonify.progress import open_progress
 from insonify.surveys.schedulers import connected
 from insonify.surveys.workers import Workers
@@ -116,8 +116,7 @@ def finish(work: Work, name: str) -> Outcome:
             with _staging(flag) as beside:
                 report = work.make(name, beside)
                 _put_below(beside, work.folder)
-            with replacing(flag) as written:
-                written.write_text(json.dumps(report, ensure_ascii=False), encoding="utf-8")
+            write_text(flag, json.dumps(report, ensure_ascii=False))
         return Outcome(name, int(read_flag(work.folder, name).get("made", 0)))
     except OSError as error:
         raise OSError(error.errno, error.strerror or str(error), str(work.folder)) from None

@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import Any
 
 from insonify.compiler.build import Build, own_build
-from insonify.io.atomic import replacing
+from insonify.io.atomic import write_text
 
 RECORD = "build.json"  # beside the flags of the jobs
 SILENCE, REMINDER = 10.0, 60.0  # s without a worker until the first sentence, and between it and the next one
@@ -71,8 +71,7 @@ class Workers:
 def write_build(flags: Path, build: Build) -> None:
     """Record the build that files of a folder are made with."""
     flags.mkdir(parents=True, exist_ok=True)
-    with replacing(flags / RECORD) as beside:
-        beside.write_text(json.dumps(build._asdict()), encoding="utf-8")
+    write_text(flags / RECORD, json.dumps(build._asdict()))
 
 
 def read_build(flags: Path) -> Build | None:
