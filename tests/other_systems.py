@@ -14,6 +14,7 @@ from __future__ import annotations
 
 import builtins
 import errno
+import fcntl
 import importlib.metadata
 import io
 import multiprocessing
@@ -21,7 +22,7 @@ import os
 import re
 import subprocess
 import sys
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping
 from functools import lru_cache
 from pathlib import Path
 from types import ModuleType
@@ -107,11 +108,26 @@ def imitate(name: str) -> None:
         missing = {one: getattr(real, one) for one in names if hasattr(real, one)}
         changed = {"os": {"name": kind}, "sys": {"platform": platform}}.get(module, {})
         imitated[module] = Imitated(real, missing, changed)
-    _hide_from_imports(imitated, modules)
+    _hide_from_imports(imitated | ({"msvcrt": _msvcrt()} if name == "windows" else {}), modules)
     _hide_system_files()
     sys.addaudithook(FileRules(windows=name == "windows").check)
     _imitate_in_children(name)
     multiprocessing.set_start_method("spawn", force=True)
+
+
+def _msvcrt() -> ModuleType:
+    """Return what this checkout uses of a module of Windows: locks on parts of files."""
+    module = ModuleType("msvcrt")
+
+    def locking(descriptor: int, mode: int, count: int) -> None:
+        del mode, count
+        try:
+            fcntl.flock(descriptor, fcntl.LOCK_EX | fcntl.LOCK_NB)
+        except BlockingIOError:
+            raise PermissionError(errno.EACCES, os.strerror(errno.EACCES)) from None
+
+    module.__dict__.update(LK_NBLCK=2, locking=locking)
+    return module
 
 
 def _is_own(module: dict[str, Any] | None) -> bool:
@@ -119,7 +135,7 @@ def _is_own(module: dict[str, Any] | None) -> bool:
     return bool(module) and str(module.get("__file__", "")).startswith(OWN) and module["__file__"] != __file__
 
 
-def _hide_from_imports(imitated: dict[str, Imitated], modules: set[str]) -> None:
+def _hide_from_imports(imitated: Mapping[str, ModuleType], modules: set[str]) -> None:
     """Let imports in modules of this checkout find the imitated modules, and others not at all."""
     before = builtins.__import__
 

@@ -23,6 +23,7 @@ from insonify.operating_system import processor_time
 
 # The search path is given whole; and what a child imports is compiled once for all later ones.
 LEFT_OUT = {"PYTHONPATH", "PYTHONDONTWRITEBYTECODE"}
+CHILD = "--child"  # first word with which the program as a folder without Python becomes a child (app/frozen)
 START = "import sys; sys.path[:] = sys.argv[2:]; __import__(sys.argv[1], fromlist=['main']).main()"
 STARVED = 6.0  # times as long an answer may take while other programs occupy the processors
 PIPE = 2**20  # bytes of a pipe, where the system lets it be chosen
@@ -36,7 +37,7 @@ class ChildProcess:
         self.owner = os.getpid()
         inherited = {name: value for name, value in os.environ.items() if name not in LEFT_OUT}
         self.process = subprocess.Popen(
-            [sys.executable, "-P", "-c", START, module, *_search_path()],
+            _command_of(module),
             stdin=subprocess.PIPE,
             stdout=subprocess.PIPE,
             stderr=subprocess.DEVNULL,
@@ -96,6 +97,23 @@ class ChildProcess:
         """End the process with the last reference to it, as when the package is imported anew."""
         if hasattr(self, "process"):
             self.stop()
+
+
+def own_command(*words: str) -> list[str]:
+    """Return the command that runs this program in a process of its own, with words as from a shell."""
+    return [sys.executable, *words] if _is_frozen() else [sys.executable, "-P", "-m", "insonify", *words]
+
+
+def _command_of(module: str) -> list[str]:
+    """Return the command that runs the `main` of a module in a child."""
+    if _is_frozen():
+        return [sys.executable, CHILD, module]
+    return [sys.executable, "-P", "-c", START, module, *_search_path()]
+
+
+def _is_frozen() -> bool:
+    """Whether this is the program as a folder without Python, whose executable is no interpreter."""
+    return bool(getattr(sys, "frozen", False))
 
 
 def _search_path() -> list[str]:

@@ -10,6 +10,7 @@ from multiprocessing import parent_process
 from pathlib import Path
 
 from insonify.errors import SceneError
+from insonify.operating_system import call_after_fork
 
 VARIABLE = "INSONIFY_THREADS"
 GROUPS = Path("/proc/self/cgroup")
@@ -70,5 +71,4 @@ def _quotas_above(controllers: str, group: str) -> Iterator[float]:
             yield int(granted) / int(period)
 
 
-if hasattr(os, "register_at_fork"):
-    os.register_at_fork(after_in_child=most_threads.cache_clear)
+call_after_fork(most_threads.cache_clear)

@@ -12,10 +12,11 @@ import re
 import signal
 import subprocess
 import sys
-from collections.abc import Iterator
+import threading
+from collections.abc import Callable, Iterator
 from multiprocessing import resource_tracker
 from pathlib import Path
-from typing import Any
+from typing import Any, cast
 
 # What Windows takes for a device, whatever follows its first dot, and characters and ends that it allows in no name.
 DEVICES = {"CON", "PRN", "AUX", "NUL", *(f"{port}{number}" for port in ("COM", "LPT") for number in range(1, 10))}
@@ -107,6 +108,20 @@ def interrupts_blocked() -> Iterator[None]:
         yield
     finally:
         signal.pthread_sigmask(signal.SIG_SETMASK, before)
+
+
+def call_after_fork(renew: Callable[[], object]) -> None:
+    """Call a function in every process that a fork makes of this one, where threads and locks are left behind."""
+    if sys.platform != "win32":
+        os.register_at_fork(after_in_child=renew)
+
+
+def interrupt_main_thread(number: int) -> None:
+    """Send a signal so that the main thread wakes where it waits, where the system can."""
+    if sys.platform == "win32":
+        signal.raise_signal(number)
+    else:
+        signal.pthread_kill(cast("int", threading.main_thread().ident), number)
 
 
 def lower_priority(process: int = 0) -> None:

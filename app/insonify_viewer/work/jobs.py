@@ -5,7 +5,6 @@ from __future__ import annotations
 import json
 import os
 import subprocess
-import sys
 import tempfile
 import threading
 import time
@@ -18,6 +17,7 @@ from typing import Any, NamedTuple, TypeVar
 
 from psygnal import Signal
 
+from insonify.child_process import own_command
 from insonify.commands.render import PICTURE
 from insonify.display.display_options import display_settings
 from insonify.operating_system import apart, end_apart, lower_priority
@@ -133,7 +133,7 @@ class CommandJob(BackgroundJob):
     def start(self) -> None:
         """Start the process, at a lower priority than the window."""
         self._process = subprocess.Popen(
-            [sys.executable, "-P", "-m", "insonify", *self.arguments],
+            own_command(*self.arguments),
             stdin=subprocess.DEVNULL,
             stdout=subprocess.PIPE,
             stderr=subprocess.PIPE,

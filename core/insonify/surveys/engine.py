@@ -20,7 +20,7 @@ from queue import Empty, SimpleQueue
 from typing import Any, NamedTuple, Protocol
 
 from insonify.errors import SceneError
-from insonify.io.atomic import clear_ended, clear_leftovers, remove, temporary_path, write_text
+from insonify.io.atomic import clear_ended, unfinished_folder
 from insonify.progress import open_progress
 from insonify.surveys.schedulers import connected
 from insonify.surveys.workers import Workers
@@ -50,8 +50,8 @@ class Work(Protocol):
     def make(self, name: str, beside: Path) -> Mapping[str, Any]:
         """Do one job: write its files below a folder as they stand below `folder`, and return its report.
 
-        The same name gives the same files on every machine. The report is kept as JSON; ``made`` of it counts what was
-        made, and is sent back to the driver.
+        The same name gives the same files on every machine with the same build. The report is kept as JSON; ``made`` of
+        it counts what was made, and is sent back to the driver.
         """
 
     def begun(self) -> Work:
@@ -112,25 +112,16 @@ def finish(work: Work, name: str) -> Outcome:
     try:
         if not flag.exists():
             flag.parent.mkdir(parents=True, exist_ok=True)
-            clear_leftovers(flag)
-            with _staging(flag) as beside:
+            with unfinished_folder(flag) as folder:
+                beside, written = folder / "files", folder / flag.name
+                beside.mkdir()
                 report = work.make(name, beside)
                 _put_below(beside, work.folder)
-            write_text(flag, json.dumps(report, ensure_ascii=False))
+                written.write_text(json.dumps(report, ensure_ascii=False), encoding="utf-8", newline="")
+                written.replace(flag)
         return Outcome(name, int(read_flag(work.folder, name).get("made", 0)))
     except OSError as error:
         raise OSError(error.errno, error.strerror or str(error), str(work.folder)) from None
-
-
-@contextmanager
-def _staging(flag: Path) -> Iterator[Path]:
-    """Yield a folder beside a flag for the files of its job, and remove it afterwards."""
-    beside = temporary_path(flag)
-    beside.mkdir()
-    try:
-        yield beside
-    finally:
-        remove(beside)
 
 
 def _put_below(beside: Path, folder: Path) -> None:

@@ -8,7 +8,7 @@ import time
 from pathlib import Path
 from typing import Any
 
-from insonify.compiler.build import Build, own_build
+from insonify.compiler.build import Build, own_build, stated_build
 from insonify.io.atomic import write_text
 
 RECORD = "build.json"  # beside the flags of the jobs
@@ -35,11 +35,10 @@ class Workers:
         """Look who is there, and let those who are new state their build."""
         present = self._client.nthreads()
         if new := sorted(present.keys() - self._builds.keys()):
-            stated = self._client.run(own_build, workers=new, on_error="return")
+            stated = self._client.run(stated_build, workers=new, on_error="return")
             for address in new:
-                build = stated.get(address)
-                self._builds[address] = build if isinstance(build, Build) else None
-                if fault := self._fault(self._builds[address]):
+                build = self._builds[address] = _as_build(stated.get(address))
+                if fault := self._fault(build):
                     _say(f"--scheduler {self._scheduler}: {address} gets no jobs: {fault}")
         alike = (address for address, build in self._builds.items() if build is not None and build == self._expected)
         self.threads = {address: present[address] for address in alike if address in present}
@@ -77,9 +76,14 @@ def write_build(flags: Path, build: Build) -> None:
 def read_build(flags: Path) -> Build | None:
     """Return the build that files of a folder were made with; None before there are any."""
     try:
-        return Build(**json.loads((flags / RECORD).read_text(encoding="utf-8")))
-    except (OSError, ValueError, TypeError):
+        return _as_build(json.loads((flags / RECORD).read_text(encoding="utf-8")))
+    except (OSError, ValueError):
         return None
+
+
+def _as_build(stated: Any) -> Build | None:
+    """Return a build from its texts; None for an error, or for what another version states."""
+    return Build(**stated) if isinstance(stated, dict) and stated.keys() == set(Build._fields) else None
 
 
 def _say(sentence: str) -> None:
