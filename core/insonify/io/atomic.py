@@ -30,7 +30,7 @@ REQUESTS = [getattr(signal, name) for name in ("SIGTERM", "SIGHUP", "SIGQUIT", "
 # Errors that say what is wrong. HDF5 gives none for anything, and permissions for a file that it cannot begin.
 NAMED = errno.errorcode.keys() - {errno.EIO, errno.EACCES}
 PROBE = 2**16  # bytes that a disk which is not full takes
-AGAIN = 1.0  # s after which a request to end is repeated
+AGAIN = 1.0  # s after which a request to end is repeated: a bare `except` in a library may swallow the exit
 
 
 @contextmanager
@@ -45,7 +45,7 @@ def replacing(path: str | Path) -> Iterator[Path]:
     final = final.resolve() if final.is_symlink() else final
     folder = final
     try:
-        with unfinished_folder(final) as folder, _terminated_cleanly(), _full_disk_named(final.parent):
+        with unfinished_folder(final) as folder, terminated_cleanly(), _full_disk_named(final.parent):
             beside = folder / f"{NEW}{final.suffix}"
             yield beside
             _put(beside, final)
@@ -119,16 +119,18 @@ def _former(folder: Path, final: Path) -> Path:
 
 
 @contextmanager
-def _terminated_cleanly() -> Iterator[None]:
-    """Turn requests to end the process into an exit that runs the clean-up, where no other handler is set."""
+def terminated_cleanly(patience: float = AGAIN) -> Iterator[None]:
+    """Turn requests to end the process into an exit that runs the clean-up, where no other handler is set.
+
+    A request is repeated after `patience` seconds, for a library may swallow the exit.
+    """
     is_main = threading.current_thread() is threading.main_thread()
     caught = [number for number in REQUESTS if is_main and signal.getsignal(number) is signal.SIG_DFL]
     reminders: list[threading.Timer] = []
 
     def leave(number: int, frame: object) -> NoReturn:
         del frame
-        # A bare `except` in a library may swallow the exit, so it is raised again.
-        reminders.append(threading.Timer(AGAIN, interrupt_main_thread, (number,)))
+        reminders.append(threading.Timer(patience, interrupt_main_thread, (number,)))
         reminders[-1].daemon = True
         reminders[-1].start()
         sys.exit(128 + number)
