@@ -16,20 +16,21 @@ import warnings
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
-from typing import NamedTuple, NoReturn, cast
+from typing import NamedTuple, NoReturn
 
 from insonify.errors import FileWarning, SceneError
 from insonify.io.lease import Lease, is_leased
+from insonify.operating_system import interrupt_main_thread
 
 UNFINISHED = "unfinished"  # in the name of the folder of incomplete files
 NEW, FORMER = "new", "former"  # stems of the content there, and of a folder while it is being replaced
 LONGEST_NAME = 255  # bytes
-# Sent by schedulers when time is up, by a terminal that is closed, and by Ctrl-\.
-REQUESTS = [getattr(signal, name) for name in ("SIGTERM", "SIGHUP", "SIGQUIT") if hasattr(signal, name)]
+# Sent by schedulers when time is up, by a terminal that is closed, by Ctrl-\, and by Ctrl-Break on Windows.
+REQUESTS = [getattr(signal, name) for name in ("SIGTERM", "SIGHUP", "SIGQUIT", "SIGBREAK") if hasattr(signal, name)]
 # Errors that say what is wrong. HDF5 gives none for anything, and permissions for a file that it cannot begin.
 NAMED = errno.errorcode.keys() - {errno.EIO, errno.EACCES}
 PROBE = 2**16  # bytes that a disk which is not full takes
-AGAIN = 1.0  # s after which a request to end is repeated
+AGAIN = 1.0  # s after which a request to end is repeated: a bare `except` in a library may swallow the exit
 
 
 @contextmanager
@@ -44,7 +45,7 @@ def replacing(path: str | Path) -> Iterator[Path]:
     final = final.resolve() if final.is_symlink() else final
     folder = final
     try:
-        with unfinished_folder(final) as folder, _terminated_cleanly(), _full_disk_named(final.parent):
+        with unfinished_folder(final) as folder, terminated_cleanly(), _full_disk_named(final.parent):
             beside = folder / f"{NEW}{final.suffix}"
             yield beside
             _put(beside, final)
@@ -56,6 +57,12 @@ def replacing(path: str | Path) -> Iterator[Path]:
             raise
         # HDF5 and GDAL take paths as UTF-8, whatever the bytes of a name on disk.
         raise OSError(errno.EILSEQ, "this format needs a path in UTF-8", str(path)) from error
+
+
+def write_text(path: str | Path, text: str) -> None:
+    """Write a text file whole or not at all: UTF-8 and the same ends of lines on every system."""
+    with replacing(path) as beside:
+        beside.write_text(text, encoding="utf-8", newline="")
 
 
 @contextmanager
@@ -112,16 +119,18 @@ def _former(folder: Path, final: Path) -> Path:
 
 
 @contextmanager
-def _terminated_cleanly() -> Iterator[None]:
-    """Turn requests to end the process into an exit that runs the clean-up, where no other handler is set."""
+def terminated_cleanly(patience: float = AGAIN) -> Iterator[None]:
+    """Turn requests to end the process into an exit that runs the clean-up, where no other handler is set.
+
+    A request is repeated after `patience` seconds, for a library may swallow the exit.
+    """
     is_main = threading.current_thread() is threading.main_thread()
     caught = [number for number in REQUESTS if is_main and signal.getsignal(number) is signal.SIG_DFL]
     reminders: list[threading.Timer] = []
 
     def leave(number: int, frame: object) -> NoReturn:
         del frame
-        # A bare `except` in a library may swallow the exit, so it is raised again.
-        reminders.append(threading.Timer(AGAIN, _interrupt_main_thread, (number,)))
+        reminders.append(threading.Timer(patience, interrupt_main_thread, (number,)))
         reminders[-1].daemon = True
         reminders[-1].start()
         sys.exit(128 + number)
@@ -135,14 +144,6 @@ def _terminated_cleanly() -> Iterator[None]:
             reminder.cancel()
         for number in caught:
             signal.signal(number, signal.SIG_DFL)
-
-
-def _interrupt_main_thread(number: int) -> None:
-    """Send a signal so that the main thread wakes where it waits, where the system can."""
-    if sys.platform == "win32":
-        signal.raise_signal(number)
-    else:
-        signal.pthread_kill(cast("int", threading.main_thread().ident), number)
 
 
 class Leftover(NamedTuple):

@@ -20,7 +20,7 @@ from queue import Empty, SimpleQueue
 from typing import Any, NamedTuple, Protocol
 
 from insonify.errors import SceneError
-from insonify.io.atomic import clear_ended, unfinished_folder
+from insonify.io.atomic import clear_ended, terminated_cleanly, unfinished_folder
 from insonify.progress import open_progress
 from insonify.surveys.schedulers import connected
 from insonify.surveys.workers import Workers
@@ -32,6 +32,7 @@ DIGEST = 12  # hexadecimal digits
 AHEAD = 3  # jobs in flight for each thread of a worker, which hides the latency of the driver
 PATIENCE = 60.0  # s, until there is a worker
 RECOUNT = 5.0  # s, after which the workers are counted again
+CLOSING = 30.0  # s for the workers to end
 INTERRUPTED = 130
 MOST_TRIES = 4
 ENDED = "its worker ended four times in a row, perhaps for want of memory; give fewer workers"
@@ -117,7 +118,7 @@ def finish(work: Work, name: str) -> Outcome:
                 beside.mkdir()
                 report = work.make(name, beside)
                 _put_below(beside, work.folder)
-                written.write_text(json.dumps(report, ensure_ascii=False), encoding="utf-8")
+                written.write_text(json.dumps(report, ensure_ascii=False), encoding="utf-8", newline="")
                 written.replace(flag)
         return Outcome(name, int(read_flag(work.folder, name).get("made", 0)))
     except OSError as error:
@@ -166,7 +167,7 @@ def run_jobs(
     """
     failures = []
     try:
-        with connected(scheduler) as client, _watched(client, scheduler):
+        with terminated_cleanly(CLOSING), connected(scheduler) as client, _watched(client, scheduler):
             workers = Workers(client, work.folder / FLAGS, scheduler)
             begun = _begin(client, workers, work, scheduler)
             for outcome in _outcomes(client, workers, begun, names):
@@ -317,10 +318,12 @@ def work_on(work: Work, what: str, scheduler: str, unit: str = "job") -> Ended |
 
     try:
         failures = run_jobs(work, missing, scheduler, advance)
-    except KeyboardInterrupt:
+    except (KeyboardInterrupt, SystemExit) as leaving:
         progress.close()
         sentence = f"interrupted; {done} of {len(names)} {unit}s are done and stay; the same command goes on"
         sys.stderr.write(f"insonify: {sentence}\n")
+        if isinstance(leaving, SystemExit):
+            raise
         return None
     finally:
         progress.close()

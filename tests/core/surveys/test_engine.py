@@ -29,7 +29,7 @@ from insonify.surveys.engine import (
     run_jobs,
 )
 from insonify.surveys.schedulers import choose_scheduler, connected, find_schedulers, share_cores
-from insonify.surveys.workers import Workers, read_build, write_build
+from insonify.surveys.workers import Workers, claim_build, read_build
 from small_sets import contents
 from written_jobs import WrittenJobs
 
@@ -61,7 +61,7 @@ def undisturbed(tmp_path, count):
     work = WrittenJobs(tmp_path / "undisturbed", count)
     for name in work.names():
         finish(work, name)
-    write_build(work.folder / FLAGS, own_build())
+    claim_build(work.folder / FLAGS, own_build())
     return contents(work.folder)
 
 
@@ -192,6 +192,16 @@ def test_what_is_begun_is_gone_on_with_by_workers_alike_alone(tmp_path, capsys):
     later.count()
     assert later.threads == {}
     assert "instead of generic-0" in capsys.readouterr().err
+
+
+def test_of_two_drivers_at_once_the_first_sets_the_build(tmp_path, capsys):
+    one = Workers(Cluster(one=stated()), tmp_path, "tcp://host:1")
+    other = Workers(Cluster(one=stated(processor="generic-0")), tmp_path, "tcp://host:2")
+    for workers in (one, other):
+        workers.count()
+    assert (one.threads, other.threads) == ({"one": 1}, {})
+    assert "processor generic-0 instead of" in capsys.readouterr().err
+    assert [file.name for file in tmp_path.iterdir()] == ["build.json"]
 
 
 def test_nobody_left_to_work_is_said_after_ten_seconds_and_every_minute(tmp_path, capsys, monkeypatch):

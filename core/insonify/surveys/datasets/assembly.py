@@ -52,7 +52,7 @@ def assemble(specification: DatasetSpecification, folder: Path, names: Iterable[
     with ExitStack() as stack:
         collectors = [stack.enter_context(kind.collect(folder, splits, classes)) for kind in specification.annotations]
         beside = stack.enter_context(replacing(folder / METADATA))
-        metadata = stack.enter_context(open(beside, "w", encoding="utf-8"))
+        metadata = stack.enter_context(open(beside, "w", encoding="utf-8", newline=""))
         for tile, scene in _tiles(folder, names):
             metadata.write(_line(tile, scene))
             for collector in (*collectors, totals, sheet):

@@ -9,6 +9,7 @@ from typing import Annotated, Any, Literal
 from pydantic import AfterValidator, Field, field_validator, model_validator
 
 from insonify.files import bundled_meshes
+from insonify.operating_system import is_portable
 from insonify.scene import DEFAULT_SCENE, Scene, SceneError
 from insonify.scene.base import Declaration, FilePath, KindOf, parameter
 from insonify.surveys.annotations import ANNOTATIONS, AnnotationKind
@@ -218,9 +219,14 @@ class DatasetSpecification(Declaration):
 
     @field_validator("splits")
     @classmethod
-    def _no_split_is_a_folder_of_flags(cls, splits: dict[str, float]) -> dict[str, float]:
+    def _splits_are_folders_of_their_own(cls, splits: dict[str, float]) -> dict[str, float]:
+        """Names must differ on systems, too, where *Train* and *train* are one folder, and *con* is a device."""
         if any(name.lower() == FLAGS for name in splits):
             raise ValueError(f"a split may not be named {FLAGS!r}, the folder of finished jobs; rename it")
+        if refused := next((name for name in splits if not is_portable(name)), None):
+            raise ValueError(f"a split may not be named {refused!r}, which Windows takes for a device; rename it")
+        if len({name.lower() for name in splits}) < len(splits):
+            raise ValueError("the names of two splits differ in the case of letters alone; rename one")
         return splits
 
     @model_validator(mode="after")
