@@ -334,4 +334,4 @@ def pack_beneath(scene: Scene, pings: NDArray[np.int64]) -> PackedScene:
 
 def _ground_of(scene: Scene) -> tuple[object, ...]:
     """Return what decides the tiles beneath the pings of a scene."""
-    return scene.seabed, scene.seed, scene.track.start, scene.track.heading
+    return scene.seabed, scene.seed, scene.pits, scene.track.start, scene.track.heading
