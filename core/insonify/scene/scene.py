@@ -14,7 +14,7 @@ from insonify.scene.receiver import Receiver
 from insonify.scene.seabed import Seabed
 from insonify.scene.sonar import Sonar
 from insonify.scene.sonar.presets import with_preset
-from insonify.scene.targets import AnyTarget
+from insonify.scene.targets import AnyTarget, Pit
 from insonify.scene.track import Track
 from insonify.scene.volumes import AnyVolume
 from insonify.scene.water import AnyWater
@@ -175,6 +175,11 @@ class Scene(Declaration):
         if measured is not None:
             return Georeference(self.world.crs or measured.crs, measured.origin)
         return None if self.world.origin is None else Georeference(self.world.crs, self.world.origin)
+
+    @property
+    def pits(self) -> tuple[Pit, ...]:
+        """Pits and mounds around targets, which are part of the bed."""
+        return tuple(target.pit for target in self.targets if target.pit is not None)
 
     @property
     def altitude(self) -> float:

@@ -241,7 +241,7 @@ def test_a_question_that_the_scene_contradicts_is_found(
 ) -> None:
     assert old in ASKING
     file = tmp_path / "height.md"
-    file.write_text(ASKING.replace(old, new, 1), encoding="utf-8")
+    file.write_text(ASKING.replace(old, new, 1), encoding="utf-8", newline="")
     complaint = refused(capsys, "lesson", "check", str(file))
     assert "step 'Lower the sonar'" in complaint
     assert told in complaint

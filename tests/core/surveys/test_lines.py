@@ -15,7 +15,7 @@ from commands import refused
 from insonify import cli
 from insonify.files import bundled_specifications
 from insonify.io.records import read_record
-from insonify.scene import load_scene
+from insonify.scene import load_scene, scene_from_toml
 from insonify.simulation import prepare
 from insonify.surveys.engine import done_jobs, finish
 from insonify.surveys.lines.specification import Area, SurveySpecification
@@ -152,6 +152,24 @@ def test_a_second_survey_is_the_same_to_the_bit(small, tmp_path):
     assert cli.main(["survey", str(write_set(tmp_path, SURVEY)), "-o", str(small), "--scheduler", "local:1"]) == 0
     assert contents(small) == before
     assert len(done_jobs(small)) == 3
+
+
+def test_a_survey_elsewhere_is_the_same_to_the_bit_and_can_be_moved(small, tmp_path):
+    (tmp_path / "here").mkdir()
+    path = write_set(tmp_path / "here", SURVEY)
+    words = ["survey", str(path), "-o", str(tmp_path / "here" / "another"), "--scheduler", "local:1"]
+    assert cli.main(words) == 0
+    before = contents(tmp_path / "here" / "another")
+    assert before == contents(small)
+    (tmp_path / "here").rename(tmp_path / "there")
+    words = [word.replace("/here", "/there") for word in words]
+    record = tmp_path / "there" / "another" / "records" / "line-0003.nc"
+    record.unlink()
+    next((tmp_path / "there" / "another" / "jobs").glob("*/0000002-*")).unlink()
+    assert cli.main(words) == 0
+    assert contents(tmp_path / "there" / "another") == before
+    scene = scene_from_toml(read_record(str(record)).attrs["scene"], source=record)
+    assert scene.track.motion.path == str(record.parents[1] / "jobs" / "track.csv")
 
 
 def test_recorded_turns_are_in_the_records(tmp_path):

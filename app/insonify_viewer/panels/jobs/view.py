@@ -42,7 +42,7 @@ CHARTS: Formats = (("Pictures", ".png"), ("Drawings", ".svg"), ("Tables", ".csv"
 PAGES: Formats = (("Pages", ".html"),)
 HINT = (
     "Jobs run in the background while you go on working. Their results equal, bit for bit, those of the command "
-    "insonify in a terminal."
+    "insonify in a terminal of this machine."
 )
 
 

@@ -11,7 +11,7 @@ from typing import Any
 from PySide6.QtGui import QPixmap
 
 from insonify.files import bundled_scenes
-from insonify.io.atomic import replacing
+from insonify.io.atomic import replacing, write_text
 from insonify.lessons import AUTOMATIC, SIDES, Lesson, LessonState, load_lessons, split_move
 from insonify.scene import Scene
 from insonify_viewer.panels.lessons.course import Course
@@ -156,8 +156,7 @@ class LessonsPanel(Panel):
             return
         try:
             pictures = {index: self._save_picture(path, index) for index in self._pictures}
-            with replacing(path) as beside:
-                beside.write_text(worksheet.to_markdown(pictures), encoding="utf-8")
+            write_text(path, worksheet.to_markdown(pictures))
         except OSError as error:
             self._workbench.complain(error)
         else:
