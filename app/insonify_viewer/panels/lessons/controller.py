@@ -2,20 +2,16 @@
 
 from __future__ import annotations
 
-import errno
 from collections.abc import Mapping
 from datetime import datetime
-from pathlib import Path
 from typing import Any
 
-from PySide6.QtGui import QPixmap
-
 from insonify.files import bundled_scenes
-from insonify.io.atomic import replacing, write_text
+from insonify.io.atomic import write_text
 from insonify.lessons import AUTOMATIC, SIDES, Lesson, LessonState, load_lessons, split_move
 from insonify.scene import Scene
 from insonify_viewer.panels.lessons.course import Course
-from insonify_viewer.panels.lessons.view import LessonsView
+from insonify_viewer.panels.lessons.view.lessons_view import LessonsView
 from insonify_viewer.panels.panel import Button, Panel, Place, Workbench
 from insonify_viewer.record.marked_point import MarkedPoint
 from insonify_viewer.record.record import RecordGrowth
@@ -42,7 +38,6 @@ class LessonsPanel(Panel):
         self._open_now = False
         self._left: Scene | None = None  # as a lesson left it, which is not the person's own work
         self._ended: Course | None = None  # the course that the summary shows
-        self._pictures: dict[int, QPixmap] = {}  # of the record at the end of each step
         self.view = view = LessonsView()
         view.list.started.connect(self.start)
         view.page.left.clicked.connect(self.leave)
@@ -96,7 +91,7 @@ class LessonsPanel(Panel):
         """Begin a lesson; the person is asked first what becomes of changes that are not of a lesson."""
         course, asked = Course(lesson), self.course is None and self._session.scene is not self._left
         self.course = None  # what changes on the way is not done by the person
-        self._pictures = {}
+        self.view.forget_pictures()
         if self._session.scene == course.start.scene or self._open(course, ask=asked):
             self._model(Modelling(), course.start.window)
             self._show_step(course)
@@ -121,7 +116,7 @@ class LessonsPanel(Panel):
         course = self.course
         if course is None:
             return
-        self._pictures[course.index] = self._workbench.record_views[0].grab()
+        self.view.keep_picture(course.index, self._workbench.record_views[0])
         if course.finished:
             self._finished.add(course.lesson.name)
         if course.last:
@@ -155,8 +150,7 @@ class LessonsPanel(Panel):
         if path is None:
             return
         try:
-            pictures = {index: self._save_picture(path, index) for index in self._pictures}
-            write_text(path, worksheet.to_markdown(pictures))
+            write_text(path, worksheet.to_markdown(self.view.save_pictures(path)))
         except OSError as error:
             self._workbench.complain(error)
         else:
@@ -240,14 +234,6 @@ class LessonsPanel(Panel):
         names = [each.name for each in self._lessons]
         place = names.index(lesson.name) + 1 if lesson.name in names else len(names)
         return self._lessons[place] if place < len(names) else None
-
-    def _save_picture(self, page: Path, index: int) -> Path:
-        """Write the picture of the record at the end of a step beside a page."""
-        path = page.with_name(f"{page.stem}-{index + 1}.png")
-        with replacing(path) as beside:
-            if not self._pictures[index].save(str(beside), "PNG"):
-                raise OSError(errno.EIO, "the picture cannot be written", str(path))
-        return path
 
     def _show_step(self, course: Course) -> None:
         """Show the present step, and light what it speaks of."""

@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Collection, Sequence
+from pathlib import Path
 
 from PySide6.QtCore import QSize, Qt, QTimer, Signal
-from PySide6.QtGui import QKeySequence, QShortcut
+from PySide6.QtGui import QKeySequence, QPixmap, QShortcut
 from PySide6.QtWidgets import (
     QFrame,
     QHBoxLayout,
@@ -20,8 +21,9 @@ from PySide6.QtWidgets import (
 
 from insonify.lessons import Lesson, Mark, Verdict, Worksheet
 from insonify_viewer.errors import guard_override
-from insonify_viewer.panels.lessons.question import QuestionBox
+from insonify_viewer.panels.lessons.view.question_box import QuestionBox
 from insonify_viewer.widgets.buttons import light, make_label, push_button
+from insonify_viewer.widgets.save_dialogs import save_pixmap
 from insonify_viewer.widgets.side_panel import ScrollColumn
 
 USUAL, LARGE = 1.2, 1.9  # factors on the size of the text, without and with a projector
@@ -41,6 +43,7 @@ class LessonsView(QStackedWidget):
         self.summary = SummaryPage()
         for page in (self.list, self.page, self.summary):
             self.addWidget(page)
+        self._pictures: dict[int, QPixmap] = {}  # of the record at the end of each step
         self._size = self.font().pointSizeF()
         self.enlarge(False)
 
@@ -48,6 +51,21 @@ class LessonsView(QStackedWidget):
     def sizeHint(self) -> QSize:
         """Preferred size."""
         return QSize(self._wide, super().sizeHint().height())
+
+    def forget_pictures(self) -> None:
+        """Begin without pictures of the record."""
+        self._pictures = {}
+
+    def keep_picture(self, index: int, record: QWidget) -> None:
+        """Keep a picture of the record at the end of a step."""
+        self._pictures[index] = record.grab()
+
+    def save_pictures(self, page: Path) -> dict[int, Path]:
+        """Write the pictures of the record beside a page; return their paths by step."""
+        paths = {index: page.with_name(f"{page.stem}-{index + 1}.png") for index in self._pictures}
+        for index, path in paths.items():
+            save_pixmap(self._pictures[index], path)
+        return paths
 
     def enlarge(self, large: bool) -> None:
         """Show text as large as a projector asks for, or at the usual size."""
