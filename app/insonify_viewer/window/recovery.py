@@ -14,7 +14,7 @@ from platformdirs import user_state_path
 from PySide6.QtCore import QLockFile, QObject, QTimer
 from PySide6.QtWidgets import QMessageBox
 
-from insonify.io.atomic import replacing
+from insonify.io.atomic import write_text
 from insonify.scene import Scene, SceneError, load_scene, scene_to_toml
 from insonify_viewer.errors import Failure, format_trace
 from insonify_viewer.state.contacts import GEOJSON, Contact, describe_contacts, read_contacts, write_contacts
@@ -63,8 +63,7 @@ class Recovery:
             if scene is None:
                 file.unlink(missing_ok=True)
             else:
-                with replacing(file) as beside:
-                    beside.write_text(scene_to_toml(scene), encoding="utf-8")
+                write_text(file, scene_to_toml(scene))
             self._scene = scene
         if contacts is not self._contacts:
             file = self._stem.with_suffix(GEOJSON)

@@ -16,16 +16,17 @@ import warnings
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
-from typing import NamedTuple, NoReturn, cast
+from typing import NamedTuple, NoReturn
 
 from insonify.errors import FileWarning, SceneError
 from insonify.io.lease import Lease, is_leased
+from insonify.operating_system import interrupt_main_thread
 
 UNFINISHED = "unfinished"  # in the name of the folder of incomplete files
 NEW, FORMER = "new", "former"  # stems of the content there, and of a folder while it is being replaced
 LONGEST_NAME = 255  # bytes
-# Sent by schedulers when time is up, by a terminal that is closed, and by Ctrl-\.
-REQUESTS = [getattr(signal, name) for name in ("SIGTERM", "SIGHUP", "SIGQUIT") if hasattr(signal, name)]
+# Sent by schedulers when time is up, by a terminal that is closed, by Ctrl-\, and by Ctrl-Break on Windows.
+REQUESTS = [getattr(signal, name) for name in ("SIGTERM", "SIGHUP", "SIGQUIT", "SIGBREAK") if hasattr(signal, name)]
 # Errors that say what is wrong. HDF5 gives none for anything, and permissions for a file that it cannot begin.
 NAMED = errno.errorcode.keys() - {errno.EIO, errno.EACCES}
 PROBE = 2**16  # bytes that a disk which is not full takes
@@ -56,6 +57,12 @@ def replacing(path: str | Path) -> Iterator[Path]:
             raise
         # HDF5 and GDAL take paths as UTF-8, whatever the bytes of a name on disk.
         raise OSError(errno.EILSEQ, "this format needs a path in UTF-8", str(path)) from error
+
+
+def write_text(path: str | Path, text: str) -> None:
+    """Write a text file whole or not at all: UTF-8 and the same ends of lines on every system."""
+    with replacing(path) as beside:
+        beside.write_text(text, encoding="utf-8", newline="")
 
 
 @contextmanager
@@ -123,7 +130,7 @@ def terminated_cleanly(patience: float = AGAIN) -> Iterator[None]:
 
     def leave(number: int, frame: object) -> NoReturn:
         del frame
-        reminders.append(threading.Timer(patience, _interrupt_main_thread, (number,)))
+        reminders.append(threading.Timer(patience, interrupt_main_thread, (number,)))
         reminders[-1].daemon = True
         reminders[-1].start()
         sys.exit(128 + number)
@@ -137,14 +144,6 @@ def terminated_cleanly(patience: float = AGAIN) -> Iterator[None]:
             reminder.cancel()
         for number in caught:
             signal.signal(number, signal.SIG_DFL)
-
-
-def _interrupt_main_thread(number: int) -> None:
-    """Send a signal so that the main thread wakes where it waits, where the system can."""
-    if sys.platform == "win32":
-        signal.raise_signal(number)
-    else:
-        signal.pthread_kill(cast("int", threading.main_thread().ident), number)
 
 
 class Leftover(NamedTuple):

@@ -118,7 +118,7 @@ def finish(work: Work, name: str) -> Outcome:
                 beside.mkdir()
                 report = work.make(name, beside)
                 _put_below(beside, work.folder)
-                written.write_text(json.dumps(report, ensure_ascii=False), encoding="utf-8")
+                written.write_text(json.dumps(report, ensure_ascii=False), encoding="utf-8", newline="")
                 written.replace(flag)
         return Outcome(name, int(read_flag(work.folder, name).get("made", 0)))
     except OSError as error:

@@ -73,7 +73,7 @@ def claim_build(flags: Path, build: Build) -> Build:
     final = flags / RECORD
     with unfinished_folder(final) as folder:
         written = folder / RECORD
-        written.write_text(json.dumps(build._asdict()), encoding="utf-8")
+        written.write_text(json.dumps(build._asdict()), encoding="utf-8", newline="")
         try:
             os.link(written, final)  # fails where there is one
         except OSError:
