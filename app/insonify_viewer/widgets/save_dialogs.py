@@ -12,6 +12,7 @@ from PySide6.QtWidgets import QFileDialog, QMessageBox, QWidget
 
 from insonify.io.atomic import replacing
 from insonify.io.records import RECORDS
+from insonify_viewer.widgets.text import literal
 
 PICTURE = ".png"
 QUICK = 80  # "quality" of a PNG, by which Qt compresses it: a third of the time of the usual one for 4 % more bytes
@@ -40,7 +41,7 @@ def ask_about_changes(window: QWidget, changed: Sequence[str]) -> Answer:
     pressed = QMessageBox.question(
         window,
         "Unsaved changes",
-        sentence,
+        literal(sentence),
         buttons.Save | buttons.Discard | buttons.Cancel,
         buttons.Save,
     )
@@ -70,7 +71,7 @@ def ask_where_to_save(window: QWidget, title: str, suggestion: str, formats: For
     if not path.exists():
         return path
     question = f"{path.name} exists already. Replace it?"  # the dialog asked about the name without the suffix
-    answer = QMessageBox.question(window, "Replace the file?", question)
+    answer = QMessageBox.question(window, "Replace the file?", literal(question))
     return path if answer is QMessageBox.StandardButton.Yes else None
 
 
