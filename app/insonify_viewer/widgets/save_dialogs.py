@@ -7,6 +7,7 @@ from collections.abc import Sequence
 from enum import Enum
 from pathlib import Path
 
+from PySide6.QtGui import QPixmap
 from PySide6.QtWidgets import QFileDialog, QMessageBox, QWidget
 
 from insonify.io.atomic import replacing
@@ -76,6 +77,11 @@ def ask_where_to_save(window: QWidget, title: str, suggestion: str, formats: For
 
 def save_picture(window: QWidget, path: Path) -> None:
     """Write a picture of the window as PNG."""
+    save_pixmap(window.grab(), path)
+
+
+def save_pixmap(picture: QPixmap, path: Path) -> None:
+    """Write a picture as PNG."""
     with replacing(path) as beside:
-        if not window.grab().save(str(beside), "PNG", QUICK):
+        if not picture.save(str(beside), "PNG", QUICK):
             raise OSError(errno.EIO, "the picture cannot be written", str(path))

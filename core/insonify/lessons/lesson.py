@@ -14,6 +14,7 @@ from insonify.errors import SceneError, plain_text
 from insonify.files import bundled_lessons
 from insonify.io.file_access import MISSING, guarded, read_text
 from insonify.lessons.conditions import Condition, parse_condition
+from insonify.lessons.questions import Ask
 from insonify.scene.base import Declaration
 from insonify.scene.faults import describe_fault
 
@@ -42,6 +43,7 @@ class StepHead(Declaration):
     move: dict[str, Any] = Field(min_length=1)
     scene: str = ""
     set: dict[str, Any] = Field(default={})
+    ask: Ask | None = None
 
 
 class Step(StepHead):
