@@ -134,11 +134,12 @@ class ListPage(QWidget):
                 self.lessons.addItem(item)
                 if todo is None and lesson.name not in finished:
                     todo = item
-        self.lessons.setCurrentItem(todo or self._first())
+        if (item := todo or self._first()) is not None:
+            self.lessons.setCurrentItem(item)
         self.start.setEnabled(bool(lessons))
 
     def _add_heading(self, course: Course, minutes: int) -> None:
-        item = QListWidgetItem(f"{course.title} · {course.level}, {minutes} min")
+        item = QListWidgetItem(f"{course.title}, {minutes} min")
         item.setFlags(Qt.ItemFlag.NoItemFlags)
         font = item.font()
         font.setBold(True)
@@ -157,7 +158,7 @@ class ListPage(QWidget):
         course = self._courses.get(name)
         self.about.setVisible(course is not None and bool(course.aims))
         if course is not None:
-            self.about.setText(f"**{course.title}** {course.aims} *Assumes:* {course.assumes}")
+            self.about.setText(f"**{course.title}** ({course.level}). {course.aims} *Assumes:* {course.assumes}")
         self.results.setEnabled(name in self._ended)
 
     def _start(self, item: QListWidgetItem | None) -> None:
