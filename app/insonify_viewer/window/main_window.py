@@ -29,6 +29,7 @@ from insonify_viewer.record.comparison.record_a_view import RecordAView, Records
 from insonify_viewer.record.waterfall_view import WaterfallView
 from insonify_viewer.state.tow_clock import SPEEDS
 from insonify_viewer.widgets.buttons import make_action, set_icon, with_key
+from insonify_viewer.widgets.text import window_title
 from insonify_viewer.widgets.theme import scaled
 from insonify_viewer.window.help_dialogs import OTHER_KEYS, AboutDialog, KeysDialog
 from insonify_viewer.window.menus import (
@@ -171,8 +172,8 @@ class MainWindow(QMainWindow):
 
     def show_title(self, title: str, file: str, *, unsaved: bool) -> None:
         """Show the title of the scene and the name of its file, with a mark for unsaved changes."""
-        named = f" · {Path(file).name}" if file else ""
-        self.setWindowTitle(f"{title}{named}[*] · insonify")
+        named = f"{title} · {Path(file).name}" if file else title
+        self.setWindowTitle(f"{window_title(named)}[*] · insonify")
         self.setWindowModified(unsaved)
 
     def show_running(self, running: bool) -> None:
