@@ -134,8 +134,9 @@ class ListPage(QWidget):
                 self.lessons.addItem(item)
                 if todo is None and lesson.name not in finished:
                     todo = item
-        if (item := todo or self._first()) is not None:
-            self.lessons.setCurrentItem(item)
+        current = todo or self._first()
+        if current is not None:
+            self.lessons.setCurrentItem(current)
         self.start.setEnabled(bool(lessons))
 
     def _add_heading(self, course: Course, minutes: int) -> None:
