@@ -17,7 +17,6 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from insonify.acoustics.flat_bed import scattering_strength
 from insonify.acoustics.pulses import spread_curve
 from insonify.acoustics.resolution_cell import axial_response, bin_centres, vertical_at
 from insonify.acoustics.water import absorption_coefficient
@@ -30,6 +29,7 @@ from insonify.receiver.reception import prepare_setup
 from insonify.receiver.stage import ReceiverSetup
 from insonify.receiver.water_column import reverberation_curves
 from insonify.scene import Scene, SceneError
+from insonify.scene.seabed.materials.sediments import scattering_strength
 from insonify.scene.water.absorptions import NEPER_PER_DB
 
 Curve = NDArray[np.float64]
@@ -66,8 +66,9 @@ class SonarEquation:
 
     @cached_property
     def disturbance(self) -> Curve:
-        """Level of noise and reverberation together, (n,)."""
-        return add_levels(*(each.decibels for each in self.disturbances))
+        """Level of noise and reverberation together, (n,); minus infinity without either."""
+        silence = np.full(self.slant_range.size, SILENCE)
+        return add_levels(silence, *(each.decibels for each in self.disturbances))
 
     @cached_property
     def record(self) -> Curve:
@@ -196,7 +197,7 @@ def _rows(level: Level, k: int) -> Iterator[tuple[Term, bool]]:
 
 
 def add_levels(*levels: Curve) -> Curve:
-    """Level of the sum of intensities; minus infinity for none."""
+    """Level of the sum of intensities."""
     return _decibels(np.asarray(sum(10.0 ** (level / 10.0) for level in levels)))
 
 

@@ -337,4 +337,6 @@ def value_that_applies(scene: Scene, part: BaseModel, name: str) -> float | None
         "depth": scene.seabed.depth - scene.altitude,
         "reference_speed": known_speed(scene),
     }
-    return values.get(name, part.value_in_force(name) if isinstance(part, Declaration) else None)
+    if name in values or not isinstance(part, Declaration):
+        return values.get(name)
+    return part.value_in_force(name, scene.sonar.scattering_frequency)
