@@ -142,7 +142,7 @@ def test_a_scene_without_noise_never_drowns(capsys):
     assert "= bed " in printed
     assert "over noise" not in printed
     assert "bed: never drowns" in printed
-    assert "  sandy_gravel        1.0000" in printed
+    assert "  sandy_gravel   1.0000" in printed
 
 
 def test_the_law_of_light_has_no_levels():

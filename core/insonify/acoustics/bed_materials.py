@@ -55,14 +55,15 @@ def describe_materials(scene: Scene) -> Iterator[str]:
     named = {one.name: one for one in scene.seabed.material.materials if one.diffuse is None}
     if frequency is None or not named:
         return
-    angles = "".join(f"{angle:6g}°" for angle in GRAZING)
-    yield f"{f'bed at {frequency / 1e3:g} kHz':<20s} diffuse  specular  exponent     dB over the model at{angles}"
+    yield f"bed at {frequency / 1e3:g} kHz, with its level over the backscatter model in dB by grazing angle"
+    angles = "".join(f"{angle:5g}°" for angle in GRAZING)
+    yield f"  {'material':<13s} diffuse specular    n{angles}"
     for name, material in named.items():
         numbers, off = material.reflectivity_at(frequency), misfit(material, frequency, np.radians(GRAZING))
-        levels = " no model: the same numbers at every frequency"
+        levels = "  no model, the same at any frequency"
         if off is not None:
-            levels = f"{'':<23s}{''.join(f'{round(level, 1) + 0.0:+7.1f}' for level in off.tolist())}"
-        yield f"  {name:<18s}{numbers.diffuse:8.4f}{numbers.specular:10.4f}{numbers.shininess:10g}  {levels}"
+            levels = "".join(f"{round(level, 1) + 0.0:+6.1f}" for level in off.tolist())
+        yield f"  {name:<13s}{numbers.diffuse:8.4f}{numbers.specular:9.4f}{numbers.shininess:5g}{levels}"
     yield from describe_limits(scene)
 
 
