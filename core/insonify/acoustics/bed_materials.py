@@ -75,7 +75,7 @@ def describe_limits(scene: Scene) -> Iterator[str]:
     if not LEAST_FREQUENCY <= frequency <= MOST_FREQUENCY:
         yield (
             f"{frequency / 1e3:g} kHz is outside the range of the backscatter model, {LEAST_FREQUENCY / 1e3:g} to "
-            f"{MOST_FREQUENCY / 1e3:g} kHz: levels of the bed are extrapolated"
+            f"{MOST_FREQUENCY / 1e3:g} kHz"
         )
     grazing = math.asin(min(scene.altitude / scene.sonar.range, 1.0))
     if grazing < LEAST_GRAZING:

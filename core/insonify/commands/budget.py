@@ -43,9 +43,7 @@ def run(arguments: argparse.Namespace) -> None:
 
     solved, farther = solve_sonar_equation(scene, arguments.target)
     unit = "re 1 µPa" if scene.receiver.source_level > 0.0 else "re the source at 1 m"
-    grazing = math.degrees(
-        float(solved.grazing[min(int(at / scene.sonar.range * scene.sonar.bins), scene.sonar.bins - 1)])
-    )
+    grazing = math.degrees(float(solved.grazing[solved.bin_at(at)]))
     say(f"levels at {at:.2f} m, grazing {grazing:.1f}°, in dB {unit}")
     for term, is_sum in solved.table(at):
         say(level_line(f"{'= ' if is_sum else '  '}{term.name}", term.decibels, term.detail))

@@ -75,6 +75,10 @@ class SonarEquation:
         """Mean level of the record of a level bed, (n,)."""
         return add_levels(self.bed.decibels, self.disturbance) + self.gain
 
+    def bin_at(self, slant_range: float) -> int:
+        """Bin that contains a slant range of the record in metres, at most the last one."""
+        return min(int(slant_range / self.scene.sonar.range * self.scene.sonar.bins), self.slant_range.size - 1)
+
     def farthest(self, level: Level) -> float:
         """Slant range in metres up to which a level exceeds noise and reverberation, infinity if it does everywhere."""
         above = np.flatnonzero(level.decibels > self.disturbance)
@@ -84,7 +88,7 @@ class SonarEquation:
 
     def table(self, slant_range: float) -> Iterator[tuple[Term, bool]]:
         """Yield the terms at a slant range, each with whether it is the sum of those before it."""
-        k = min(int(slant_range / self.scene.sonar.range * self.slant_range.size), self.slant_range.size - 1)
+        k = self.bin_at(slant_range)
         for level in (self.bed, *self.disturbances):
             yield from _rows(level, k)
         bed, target, disturbance = (
