@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import Any
 
 import pytest
+from PySide6.QtCore import Qt
 from PySide6.QtWidgets import QMessageBox
 
 from insonify.lessons import LessonState, load_lessons, parse_lesson, split_move, states_of
@@ -179,6 +180,111 @@ def test_question_and_answer(open_viewer, small, qtbot):
     assert "10 m" in page.answer.text()
     page.next.click()
     assert not page.answer.isVisible()
+
+
+ASKING = LESSON.replace(
+    'done = "sonar.range >= 60"\n',
+    """done = "sonar.range >= 60"
+
+[ask]
+value = "swath()"
+unit = "m"
+
+[[ask.mistakes]]
+value = "sonar.range"
+because = "Slant range is no distance on the bed."
+""",
+).replace(
+    'done = "plan.tolerance >= 0.2"\n',
+    """done = "plan.tolerance >= 0.2"
+
+[ask]
+choices = [{ text = "Faster", right = true }, { text = "Slower", because = "Fewer planes are traced." }]
+""",
+)
+
+
+@pytest.fixture
+def asking(monkeypatch):
+    other = parse_lesson(LESSON.replace("Range", "Another", 1), "another")
+    lessons = (parse_lesson(ASKING, "range"), other)
+    monkeypatch.setattr("insonify_viewer.panels.lessons.controller.load_lessons", lambda: lessons)
+
+
+def shown(page) -> tuple[bool, bool]:
+    """Whether what to look for and the explanation show."""
+    return page.look_for.isVisible(), page.answer.isVisible()
+
+
+@pytest.mark.usefixtures("asking")
+@pytest.mark.parametrize("first", ["answer", "move"])
+def test_the_explanation_waits_for_an_answer_and_the_move(first, open_viewer, small, qtbot):
+    viewer, panel = started(open_viewer, small, qtbot)
+    page = panel.view.page
+    assert page.ask.isVisible()
+    assert shown(page) == (False, False)
+    assert not page.reveal.isVisible()
+    actions = [lambda: (page.ask.number.setText("60 m"), page.ask.answer.click()), page.show_me.click]
+    for action in actions if first == "answer" else reversed(actions):
+        assert shown(page) == (False, False)
+        action()
+    assert shown(page) == (True, True)
+    assert page.verdict.text() == "✗ Not quite: it is 118 m. Slant range is no distance on the bed."
+    assert not page.ask.number.isEnabled()
+    viewer.session.settle({"sonar.range": 70.0})
+    assert "118 m" in page.verdict.text(), "it is judged once"
+
+
+@pytest.mark.usefixtures("asking")
+def test_a_prediction_is_judged_on_the_scene_with_the_move(open_viewer, small, qtbot):
+    viewer, panel = started(open_viewer, small, qtbot)
+    page = panel.view.page
+    viewer.session.settle({"track.altitude": 20.0})  # her own scene
+    page.ask.number.setText("113")
+    page.ask.number.returnPressed.emit()
+    assert page.ask.note.isVisible()
+    viewer.session.settle({"sonar.range": 65.0})
+    assert page.verdict.text() == "✓ Right: 113 m."
+    assert not page.ask.note.isVisible()
+
+
+@pytest.mark.usefixtures("asking")
+def test_choices_unknown_answers_and_the_summary(open_viewer, small, qtbot, tmp_path, monkeypatch):
+    _, panel = started(open_viewer, small, qtbot)
+    page, summary = panel.view.page, panel.view.summary
+    page.ask.unknown.click()
+    page.show_me.click()
+    assert page.verdict.text() == "→ It is 118 m."
+    page.next.click()
+    assert shown(page) == (False, False)
+    assert not page.ask.answer.isEnabled()
+    qtbot.mouseClick(page.ask.choices[1].label, Qt.MouseButton.LeftButton)
+    page.ask.answer.click()
+    page.show_me.click()
+    assert page.verdict.text() == "✗ Not quite: it is Faster. Fewer planes are traced."
+    page.next.click()
+    assert page.reveal.isVisible(), "the last step asks nothing in advance"
+    page.back.click()
+    assert [row.button.isChecked() for row in page.ask.choices] == [False, True], "the answer is kept"
+    page.next.click()
+    page.next.click()
+    assert panel.view.currentWidget() is summary
+    assert "2 questions: 1 wrong, 1 not known." in summary.text.text()
+    file = tmp_path / "page.md"
+    monkeypatch.setattr("insonify_viewer.panels.lessons.controller.ask_where_to_save", lambda *_: file)
+    summary.save.click()
+    text = file.read_text(encoding="utf-8")
+    assert "- **Answer**: Slower" in text
+    assert all((tmp_path / f"page-{step}.png").exists() and f"page-{step}.png" in text for step in (1, 2, 3))
+    summary.next.click()
+    assert panel.course.lesson.name == "another"
+    panel.leave()
+    panel.start("another")
+    for _ in range(3):
+        page.next.click()
+    assert not summary.next.isVisible(), "no lesson follows the last"
+    summary.left.click()
+    assert panel.view.currentWidget() is panel.view.list
 
 
 @pytest.mark.usefixtures("lessons")

@@ -28,6 +28,7 @@ from insonify_viewer.record.comparison.record_a_view import RecordAView, Records
 from insonify_viewer.record.waterfall_view import WaterfallView
 from insonify_viewer.state.tow_clock import SPEEDS
 from insonify_viewer.widgets.buttons import make_action, set_icon, with_key
+from insonify_viewer.widgets.text import window_title
 from insonify_viewer.widgets.theme import scaled
 from insonify_viewer.window.help_dialogs import OTHER_KEYS, AboutDialog, KeysDialog
 from insonify_viewer.window.menus import (
@@ -170,7 +171,7 @@ class MainWindow(QMainWindow):
 
     def show_title(self, title: str, *, unsaved: bool) -> None:
         """Show the title of the scene, with a mark for unsaved changes."""
-        self.setWindowTitle(f"{title}[*] · insonify")
+        self.setWindowTitle(f"{window_title(title)}[*] · insonify")
         self.setWindowModified(unsaved)
 
     def show_running(self, running: bool) -> None:

@@ -6,8 +6,9 @@ import re
 from collections.abc import Callable, Mapping
 from pathlib import Path
 
-from insonify.io.atomic import replacing
-from insonify.scene import Scene, scene_to_toml
+from insonify.io.atomic import write_text
+from insonify.operating_system import is_portable
+from insonify.scene import scene_to_toml
 from insonify_viewer.state.contacts import FORMATS, GEOJSON, describe_contacts, write_contacts
 from insonify_viewer.state.session import ContactList, Session
 from insonify_viewer.widgets.save_dialogs import (
@@ -59,7 +60,7 @@ class Saving:
         scene = self._session.scene
         suggestion = self._session.file or self._suggest(SCENE)
         path = ask_where_to_save(self._window, "Save the scene", suggestion, [("Scenes", SCENE)])
-        if path is None or not self._try(lambda: _write_scene(scene, path), path):
+        if path is None or not self._try(lambda: write_text(path, scene_to_toml(scene)), path):
             return False
         self._session.mark_saved(str(path))
         return True
@@ -113,12 +114,8 @@ class Saving:
     def _suggest(self, suffix: str) -> str:
         """Suggest a file name by the title of the scene."""
         words = re.findall(r"[a-z0-9]+", self._session.scene.title.lower())
-        return str(Path(self._folder, "-".join(words[:6]) or "scene").with_suffix(suffix))
-
-
-def _write_scene(scene: Scene, path: Path) -> None:
-    with replacing(path) as beside:
-        beside.write_text(scene_to_toml(scene), encoding="utf-8")
+        name = "-".join(words[:6])
+        return str(Path(self._folder, name if is_portable(name) else "scene").with_suffix(suffix))
 
 
 def _beside(scene_file: str) -> str:

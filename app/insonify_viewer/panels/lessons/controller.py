@@ -1,19 +1,23 @@
-"""Leads through lessons: opens their scenes, lights fields, and notices that a step was done."""
+"""Leads through lessons: opens their scenes, lights fields, notices that a step was done, and judges answers."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping
+from datetime import datetime
 from typing import Any
 
 from insonify.files import bundled_scenes
-from insonify.lessons import AUTOMATIC, SIDES, Lesson, LessonState, Step, load_lessons, split_move, states_of
+from insonify.io.atomic import write_text
+from insonify.lessons import AUTOMATIC, SIDES, Lesson, LessonState, load_lessons, split_move
 from insonify.scene import Scene
-from insonify_viewer.panels.lessons.view import LessonsView
+from insonify_viewer.panels.lessons.course import Course
+from insonify_viewer.panels.lessons.view.lessons_view import LessonsView
 from insonify_viewer.panels.panel import Button, Panel, Place, Workbench
 from insonify_viewer.record.marked_point import MarkedPoint
 from insonify_viewer.record.record import RecordGrowth
 from insonify_viewer.state.history import Modelling
 from insonify_viewer.state.inspection import Mark
+from insonify_viewer.widgets.save_dialogs import ask_where_to_save
 
 
 class LessonsPanel(Panel):
@@ -33,13 +37,18 @@ class LessonsPanel(Panel):
         self._newest = 0  # ping
         self._open_now = False
         self._left: Scene | None = None  # as a lesson left it, which is not the person's own work
+        self._ended: Course | None = None  # the course that the summary shows
         self.view = view = LessonsView()
         view.list.started.connect(self.start)
         view.page.left.clicked.connect(self.leave)
         view.page.show_me.clicked.connect(self.move)
         view.page.back.clicked.connect(self.back)
         view.page.next.clicked.connect(self.next)
-        for page in (view.list, view.page):
+        view.page.ask.answered.connect(self.answer)
+        view.summary.left.clicked.connect(self.leave)
+        view.summary.save.clicked.connect(self.save)
+        view.summary.next.clicked.connect(self.go_on)
+        for page in (view.list, view.page, view.summary):
             page.projector.toggled.connect(workbench.project)
 
     def opened(self, shown: bool) -> None:
@@ -82,6 +91,7 @@ class LessonsPanel(Panel):
         """Begin a lesson; the person is asked first what becomes of changes that are not of a lesson."""
         course, asked = Course(lesson), self.course is None and self._session.scene is not self._left
         self.course = None  # what changes on the way is not done by the person
+        self.view.forget_pictures()
         if self._session.scene == course.start.scene or self._open(course, ask=asked):
             self._model(Modelling(), course.start.window)
             self._show_step(course)
@@ -102,16 +112,49 @@ class LessonsPanel(Panel):
             self._go_to(self.course, self.course.index - 1)
 
     def next(self) -> None:
-        """Go to the next step, or to the list after the last; a step that was left out counts as done by the way."""
+        """Go to the next step, or to the summary after the last; a step that was left out counts as done by the way."""
         course = self.course
         if course is None:
             return
+        self.view.keep_picture(course.index, self._workbench.record_views[0])
         if course.finished:
             self._finished.add(course.lesson.name)
         if course.last:
+            course.worksheet.ended = datetime.now()
             self.leave()
+            self._ended = course
+            self.view.summary.show_summary(course.worksheet, self._following(course.lesson))
+            self.view.setCurrentWidget(self.view.summary)
         else:
             self._go_to(course, course.index + 1)
+
+    def answer(self, text: str, number: float | None) -> None:
+        """Keep the answer to the question of the present step, and judge it if the step was done."""
+        if self.course is not None and self.course.given is None:
+            self.course.answer(text, number, self._state)
+            self._explain(self.course)
+
+    def go_on(self) -> None:
+        """Begin the lesson after the one that has ended."""
+        following = self._following(self._ended.lesson) if self._ended is not None else None
+        if following is not None:
+            self.begin(following)
+
+    def save(self) -> None:
+        """Write the page to hand in, with pictures of the record beside it."""
+        if self._ended is None:
+            return
+        worksheet = self._ended.worksheet
+        suggestion = f"{worksheet.lesson.name}.md"
+        path = ask_where_to_save(self.view.window(), "Save the page to hand in", suggestion, [("Markdown", ".md")])
+        if path is None:
+            return
+        try:
+            write_text(path, worksheet.to_markdown(self.view.save_pictures(path)))
+        except OSError as error:
+            self._workbench.complain(error)
+        else:
+            self._workbench.say(f"wrote {path}")
 
     def move(self) -> None:
         """Do what the present step asks for."""
@@ -173,6 +216,24 @@ class LessonsPanel(Panel):
     def _notice(self) -> None:
         if self.course is not None and self.course.notice(self._state):
             self.view.page.show_done(True)
+            self._explain(self.course)
+
+    def _explain(self, course: Course) -> None:
+        """Show what was answered, and the explanation once the step was done, too."""
+        if course.given is None:
+            return
+        page = self.view.page
+        page.ask.show_answered(course.given.text)
+        if course.explained:
+            page.show_verdict(course.verdict(self._state))
+        else:
+            page.ask.show_note(True)
+
+    def _following(self, lesson: Lesson) -> Lesson | None:
+        """Return the lesson of the list after a lesson, None after the last and for one that is not in the list."""
+        names = [each.name for each in self._lessons]
+        place = names.index(lesson.name) + 1 if lesson.name in names else len(names)
+        return self._lessons[place] if place < len(names) else None
 
     def _show_step(self, course: Course) -> None:
         """Show the present step, and light what it speaks of."""
@@ -180,6 +241,7 @@ class LessonsPanel(Panel):
         self.view.page.show_step(course.lesson, course.index)
         self.view.setCurrentWidget(self.view.page)
         self._light()
+        self._explain(course)
         self._notice()
 
     def _show_list(self) -> None:
@@ -199,55 +261,3 @@ class LessonsPanel(Panel):
 def _file_of(course: Course) -> str:
     """File of the bundled scene that a step is about."""
     return str(bundled_scenes()[course.base])
-
-
-class Course:
-    """A lesson under way."""
-
-    def __init__(self, lesson: Lesson) -> None:
-        self.lesson, self.index = lesson, 0
-        self._states = tuple(states_of(lesson))
-        self._done: set[int] = set()
-
-    @property
-    def step(self) -> Step:
-        """The present step."""
-        return self.lesson.steps[self.index]
-
-    @property
-    def start(self) -> LessonState:
-        """The state in which the present step begins."""
-        return self._states[self.index][1]
-
-    @property
-    def base(self) -> str:
-        """Name of the bundled scene that the present step is about."""
-        own = [step.scene for step in self.lesson.steps[: self.index + 1] if step.scene]
-        return own[-1] if own else self.lesson.scene
-
-    @property
-    def done(self) -> bool:
-        """Whether the present step was done."""
-        return self.index in self._done
-
-    @property
-    def last(self) -> bool:
-        """Whether the present step is the last."""
-        return self.index + 1 == len(self.lesson.steps)
-
-    @property
-    def finished(self) -> bool:
-        """Whether every step was done."""
-        return len(self._done) == len(self.lesson.steps)
-
-    def notice(self, state: LessonState) -> bool:
-        """Note the present step as done if its condition holds; return whether it does for the first time."""
-        if self.done or not self.step.condition.holds(state.value):
-            return False
-        self._done.add(self.index)
-        return True
-
-    def go_to(self, index: int) -> None:
-        """Go to a step, which is to be done anew, with those that follow it."""
-        self.index = index
-        self._done = {number for number in self._done if number < index}

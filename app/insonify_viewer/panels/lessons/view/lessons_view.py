@@ -1,11 +1,12 @@
-"""List of lessons, and the steps of one in large type."""
+"""List of lessons, the steps of one in large type, and its summary."""
 
 from __future__ import annotations
 
 from collections.abc import Collection, Sequence
+from pathlib import Path
 
-from PySide6.QtCore import QSize, Qt, Signal
-from PySide6.QtGui import QKeySequence, QShortcut
+from PySide6.QtCore import QSize, Qt, QTimer, Signal
+from PySide6.QtGui import QKeySequence, QPixmap, QShortcut
 from PySide6.QtWidgets import (
     QFrame,
     QHBoxLayout,
@@ -18,13 +19,16 @@ from PySide6.QtWidgets import (
     QWidget,
 )
 
-from insonify.lessons import Lesson
+from insonify.lessons import Lesson, Mark, Verdict, Worksheet
 from insonify_viewer.errors import guard_override
+from insonify_viewer.panels.lessons.view.question_box import QuestionBox
 from insonify_viewer.widgets.buttons import light, make_label, push_button
+from insonify_viewer.widgets.save_dialogs import save_pixmap
 from insonify_viewer.widgets.side_panel import ScrollColumn
 
 USUAL, LARGE = 1.2, 1.9  # factors on the size of the text, without and with a projector
 HEADING = 1.25  # factor on the size of headings
+SIGNS = {Mark.RIGHT: "✓", Mark.CLOSE: "≈", Mark.WRONG: "✗", Mark.UNKNOWN: "→"}
 NARROWEST, WIDE = 230, 300  # px, least and preferred width at the usual size
 
 
@@ -36,8 +40,10 @@ class LessonsView(QStackedWidget):
         self.setObjectName("panel")
         self.list = ListPage()
         self.page = StepPage()
-        self.addWidget(self.list)
-        self.addWidget(self.page)
+        self.summary = SummaryPage()
+        for page in (self.list, self.page, self.summary):
+            self.addWidget(page)
+        self._pictures: dict[int, QPixmap] = {}  # of the record at the end of each step
         self._size = self.font().pointSizeF()
         self.enlarge(False)
 
@@ -46,18 +52,33 @@ class LessonsView(QStackedWidget):
         """Preferred size."""
         return QSize(self._wide, super().sizeHint().height())
 
+    def forget_pictures(self) -> None:
+        """Begin without pictures of the record."""
+        self._pictures = {}
+
+    def keep_picture(self, index: int, record: QWidget) -> None:
+        """Keep a picture of the record at the end of a step."""
+        self._pictures[index] = record.grab()
+
+    def save_pictures(self, page: Path) -> dict[int, Path]:
+        """Write the pictures of the record beside a page; return their paths by step."""
+        paths = {index: page.with_name(f"{page.stem}-{index + 1}.png") for index in self._pictures}
+        for index, path in paths.items():
+            save_pixmap(self._pictures[index], path)
+        return paths
+
     def enlarge(self, large: bool) -> None:
         """Show text as large as a projector asks for, or at the usual size."""
         factor = LARGE if large else USUAL
         points = self._size * factor
         self.setStyleSheet(
-            f"QLabel, QPushButton, QListWidget {{ font-size: {points:g}pt; }}"
+            f"QLabel, QPushButton, QListWidget, QLineEdit {{ font-size: {points:g}pt; }}"
             f"QLabel#lesson {{ font-size: {HEADING * points:g}pt; font-weight: 600; }}"
-            "QLabel#step { font-weight: 600; }"
+            "QLabel#step, QLabel#verdict { font-weight: 600; }"
         )
         self.setMinimumWidth(max(round(NARROWEST * factor / USUAL), self.minimumSizeHint().width()))
         self._wide = round(WIDE * factor / USUAL)
-        for page in (self.list, self.page):
+        for page in (self.list, self.page, self.summary):
             page.projector.setChecked(large)
 
 
@@ -101,14 +122,19 @@ class ListPage(QWidget):
 
 
 class StepPage(QWidget):
-    """One step: what to move, what to look for, a question and its answer."""
+    """One step: a question to answer first, what to move, what to look for, and why.
+
+    A step without a question of that kind shows what to look for, a question and a button for its answer.
+    """
 
     def __init__(self) -> None:
         super().__init__()
         self.left = push_button("‹ Lessons", "Leave this lesson; the scene stays as it is now", wide=True)
         self.projector = _projector()
-        self.lesson, self.step, self.introduction, self.text = _words("lesson"), _words("step"), _words(), _words()
+        self.lesson, self.step = make_label("lesson"), make_label("step")
+        self.introduction, self.text = _words(), _words()
         self.tick, self.look_for, self.question, self.answer = _words("tick"), _words(), _words(), _words()
+        self.ask, self.verdict = QuestionBox(), _words("verdict")
         self.show_me = push_button("Show me", "Make the change that this step describes", wide=True)
         self.reveal = push_button("Show the answer", "Show the answer to the question", wide=True)
         self.reveal.clicked.connect(lambda: self._show_answer(True))
@@ -122,6 +148,10 @@ class StepPage(QWidget):
     def show_step(self, lesson: Lesson, index: int) -> None:
         """Show a step, not yet done, its answer hidden."""
         step = lesson.steps[index]
+        first = step.ask is not None
+        if step.ask is not None:
+            self.ask.show_question(step.question, step.ask)
+        self.ask.setVisible(first)
         self.lesson.setText(lesson.title)
         self.introduction.setText(lesson.introduction)
         self.introduction.setVisible(index == 0 and bool(lesson.introduction))
@@ -129,10 +159,14 @@ class StepPage(QWidget):
         self.text.setText(step.text)
         self.look_for.setText(f"**Look for** {step.look_for}")
         self.question.setText(f"**Question** {step.question}")
-        self.answer.setText(f"**Answer** {step.answer}")
+        self.answer.setText(f"**{'Why' if first else 'Answer'}** {step.answer}")
         self.back.setEnabled(index > 0)
         self.next.setText("Next" if index + 1 < len(lesson.steps) else "Finish")
         self._show_answer(False)
+        self.reveal.setVisible(not first)
+        for part in (self.look_for, self.question):
+            part.setVisible(not first)
+        self.verdict.hide()
         self.show_done(False)
         self._scroll.verticalScrollBar().setValue(0)
 
@@ -142,6 +176,17 @@ class StepPage(QWidget):
         light(self.tick, done)
         light(self.next, done)
         self.show_me.setEnabled(not done)
+
+    def show_verdict(self, verdict: Verdict | None) -> None:
+        """Show how good the answer is, what to look for, and why; None if the question has no answer here."""
+        self.ask.show_note(False)
+        if verdict is not None:
+            self.verdict.setText(f"{SIGNS[verdict.mark]} {verdict.words}")
+        self.verdict.setVisible(verdict is not None)
+        self.look_for.show()
+        self._show_answer(True)
+        # The column is laid out when the event loop runs next.
+        QTimer.singleShot(0, self, lambda: self._scroll.ensureWidgetVisible(self.look_for))
 
     def _show_answer(self, shown: bool) -> None:
         self.answer.setVisible(shown)
@@ -153,7 +198,11 @@ class StepPage(QWidget):
         column = self._scroll.column
         column.setSpacing(10)
         done = _row(self.tick, self.show_me)
-        for part in (self.lesson, self.introduction, self.step, self.text, done, self.look_for, self.question):
+        parts = (
+            self.lesson, self.introduction, self.step, self.text, self.ask, done, self.verdict, self.look_for,
+            self.question,
+        )  # fmt: skip
+        for part in parts:
             column.addLayout(part) if isinstance(part, QHBoxLayout) else column.addWidget(part)
         column.addWidget(self.reveal)
         column.addWidget(self.answer)
@@ -162,6 +211,36 @@ class StepPage(QWidget):
         page.addLayout(_row(self.left, self.projector))
         page.addWidget(self._scroll, 1)
         page.addLayout(_row(self.back, self.next))
+
+
+class SummaryPage(QWidget):
+    """What became of a lesson: its questions, a page to hand in, and the lesson that follows."""
+
+    def __init__(self) -> None:
+        super().__init__()
+        self.left = push_button("‹ Lessons", "Return to the list; the scene stays as it is now", wide=True)
+        self.projector = _projector()
+        self.lesson, self.text = _words("lesson"), _words()
+        self.save = push_button(
+            "Save page…", "Write a page to hand in, with your answers, settings and pictures of the record", wide=True
+        )
+        self.next = push_button("Next lesson", "", wide=True)
+        column = QVBoxLayout(self)
+        column.addLayout(_row(self.left, self.projector))
+        for part in (self.lesson, self.text, self.save):
+            column.addWidget(part)
+        column.addStretch(1)
+        column.addWidget(self.next)
+
+    def show_summary(self, worksheet: Worksheet, following: Lesson | None) -> None:
+        """Show the summary of a lesson, and offer the lesson that follows."""
+        self.lesson.setText(f"{worksheet.lesson.title}: done")
+        lines = [worksheet.summary, *(f"- {result}" for result in worksheet.results())]
+        self.text.setText("\n".join([*lines, "", f"{worksheet.minutes} min."]))
+        self.next.setVisible(following is not None)
+        if following is not None:
+            self.next.setToolTip(f"Begin “{following.title}”")
+        light(self.next, following is not None)
 
 
 def _row(left: QWidget, right: QWidget) -> QHBoxLayout:
