@@ -9,17 +9,13 @@ from functools import cache
 from importlib.metadata import version
 from typing import NamedTuple
 
-import llvmlite
-import numba
-import numpy as np
-import scipy
 from numba.core.registry import cpu_target
 
 from insonify.compiler import digests
 from insonify.compiler.jit import PLAIN
 
 DIGITS = 12  # hexadecimal
-LIBRARIES = (numba, llvmlite, np, scipy)  # that calculate
+LIBRARIES = ("numba", "llvmlite", "numpy", "scipy")  # that calculate
 
 
 class Build(NamedTuple):
@@ -49,7 +45,7 @@ def own_build() -> Build:
     return Build(
         version("insonify"),
         _digest(json.dumps(digests.DIGESTS, sort_keys=True)) + "-plain" * PLAIN,
-        " ".join(f"{library.__name__} {library.__version__}" for library in LIBRARIES),
+        " ".join(f"{library} {version(library)}" for library in LIBRARIES),
         f"{platform.system()} {' '.join(filter(None, platform.libc_ver())) or platform.release()}",
         f"{name or platform.machine()}-{_digest(instructions)[:8]}",
     )
