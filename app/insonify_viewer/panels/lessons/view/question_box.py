@@ -22,7 +22,7 @@ class QuestionBox(QWidget):
         super().__init__()
         self.question = make_label("", form=Qt.TextFormat.MarkdownText)
         self.number = QLineEdit()
-        self.number.setObjectName("value")
+        self.number.setObjectName("line")
         self.number.setAccessibleName("Your answer, a number")
         self.number.setToolTip("Type a number, with a point or a comma; Return answers")
         self.number.returnPressed.connect(self._answer)
