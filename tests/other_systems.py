@@ -20,6 +20,7 @@ import io
 import multiprocessing
 import os
 import re
+import signal
 import subprocess
 import sys
 from collections.abc import Callable, Iterator, Mapping
@@ -60,6 +61,11 @@ POSIX_ALONE = {
     ),
     "time": "tzset clock_gettime clock_settime CLOCK_MONOTONIC",
     "socket": "AF_UNIX socketpair",
+}
+# A request by Ctrl-Break ends one process here; on Windows, its group.
+WINDOWS_ALONE: dict[str, dict[str, Any]] = {
+    "signal": {"CTRL_BREAK_EVENT": signal.SIGTERM},
+    "subprocess": {"CREATE_NEW_PROCESS_GROUP": 0x200, "BELOW_NORMAL_PRIORITY_CLASS": 0x4000},
 }
 POSIX_MODULES = {"fcntl", "grp", "posix", "pty", "pwd", "resource", "syslog", "termios", "tty"}
 SYSTEMS = {
@@ -102,11 +108,12 @@ def imitate(name: str) -> None:
     """Let this process, and all that it starts, be of another system."""
     platform, kind, lacking, modules = SYSTEMS[name]
     imitated = {}
-    for module in ("os", "signal", "time", "socket", "sys"):
+    for module in ("os", "signal", "time", "socket", "subprocess", "sys"):
         real = __import__(module)
         names = " ".join(each.get(module, "") for each in lacking).split()
         missing = {one: getattr(real, one) for one in names if hasattr(real, one)}
         changed = {"os": {"name": kind}, "sys": {"platform": platform}}.get(module, {})
+        changed |= WINDOWS_ALONE.get(module, {}) if name == "windows" else {}
         imitated[module] = Imitated(real, missing, changed)
     _hide_from_imports(imitated | ({"msvcrt": _msvcrt()} if name == "windows" else {}), modules)
     _hide_system_files()
@@ -243,6 +250,7 @@ def _imitate_in_children(name: str) -> None:
     before = subprocess.Popen.__init__
 
     def start(self: Any, args: Any, *rest: Any, **named: Any) -> None:
+        named.pop("creationflags", None)
         if _is_python(args):
             given = named.get("env")
             environment = dict(os.environ if given is None else given)

@@ -19,6 +19,7 @@ from insonify.scene import Scene, SceneError, load_scene, scene_to_toml
 from insonify_viewer.errors import Failure, format_trace
 from insonify_viewer.state.contacts import GEOJSON, Contact, describe_contacts, read_contacts, write_contacts
 from insonify_viewer.state.session import ContactList, Session
+from insonify_viewer.widgets.text import literal
 from insonify_viewer.window.main_window import MainWindow
 
 Work = TypeVar("Work")
@@ -157,7 +158,7 @@ class CrashRecovery(QObject):
             f"Open {'it as it was' if len(what) == 1 else 'them as they were'}?"
         )
         title = "Unsaved changes were kept"
-        return QMessageBox.question(self._window, title, question) == QMessageBox.StandardButton.Yes
+        return QMessageBox.question(self._window, title, literal(question)) == QMessageBox.StandardButton.Yes
 
     def _keep(self) -> None:
         session, contacts = self._session, self._contacts

@@ -8,7 +8,7 @@ from pydantic import field_validator, model_validator
 
 from insonify.errors import SceneError
 from insonify.io.georeference import Georeference
-from insonify.scene.base import Coordinate, Declaration, is_field, parameter
+from insonify.scene.base import Coordinate, Declaration, Words, is_field, parameter
 from insonify.scene.links import Link, plain_words, split_description
 from insonify.scene.receiver import Receiver
 from insonify.scene.seabed import Seabed
@@ -40,8 +40,8 @@ class Scene(Declaration):
     """Everything a record depends on; immutable, so an edit makes a new one."""
 
     schema_version: Literal[1] = parameter(SCHEMA, "version of the scene format")
-    title: str = parameter("Untitled", "what the scene shows", max_length=200)
-    description: str = parameter(
+    title: Words = parameter("Untitled", "what the scene shows", max_length=200)
+    description: Words = parameter(
         "",
         "what the scene shows and what to change; [words](path.to.field=value) link to a value to try",
         max_length=5000,

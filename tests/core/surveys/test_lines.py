@@ -19,7 +19,7 @@ from insonify.scene import load_scene, scene_from_toml
 from insonify.simulation import prepare
 from insonify.surveys.engine import done_jobs, finish
 from insonify.surveys.lines.specification import Area, SurveySpecification
-from insonify.surveys.lines.summary import measure_coverage
+from insonify.surveys.lines.summary import measure_coverage, summarise
 from insonify.surveys.lines.track import SurveyLine, join_lines, lay_lawnmower
 from insonify.surveys.lines.work import SurveyWork
 from insonify.surveys.mosaic import Mosaic
@@ -142,6 +142,19 @@ def test_the_page_needs_no_other_file(small):
     assert set(re.findall(r"href='([^']+)'", page)) == {f"records/line-{number:04d}.nc" for number in (1, 2, 3)}
     assert "<link" not in page
     assert "<script" not in page
+
+
+def test_the_page_shows_text_of_a_specification_as_it_is(tmp_path):
+    hostile = "\x1b]0;owned\x07<img src=x> R&D"
+    values = tomllib.loads(SURVEY) | {"title": hostile, "description": hostile}
+    values["area"] |= {"corners": [(0.0, 0.0), (6.0, 0.0), (6.0, 9.0), (0.0, 9.0)]}
+    work = SurveyWork(SurveySpecification.model_validate(values), BASE, tmp_path / "survey").begun()
+    finish(work, work.names()[0])
+    summarise(work, work.names())
+    page = (tmp_path / "survey" / "index.html").read_text()
+    assert page.count("&lt;img src=x&gt; R&amp;D") >= 4
+    assert "<img src=x" not in page
+    assert not set(page) & set("\x07\x1b")
 
 
 def test_a_second_survey_is_the_same_to_the_bit(small, tmp_path):

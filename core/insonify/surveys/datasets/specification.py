@@ -11,7 +11,7 @@ from pydantic import AfterValidator, Field, field_validator, model_validator
 from insonify.files import bundled_meshes
 from insonify.operating_system import is_portable
 from insonify.scene import DEFAULT_SCENE, Scene, SceneError
-from insonify.scene.base import Declaration, FilePath, KindOf, parameter
+from insonify.scene.base import Declaration, FilePath, KindOf, Words, parameter
 from insonify.surveys.annotations import ANNOTATIONS, AnnotationKind
 from insonify.surveys.distributions import Drawn
 from insonify.surveys.distributions.uniform import Uniform
@@ -186,8 +186,8 @@ def check_draws(model: type[Declaration]) -> AfterValidator:
 class DatasetSpecification(Declaration):
     """Everything that a data set depends on."""
 
-    title: str = parameter("Untitled", description="what the data set shows", max_length=200)
-    description: str = parameter("", description="a paragraph about it", max_length=5000)
+    title: Words = parameter("Untitled", description="what the data set shows", max_length=200)
+    description: Words = parameter("", description="a paragraph about it", max_length=5000)
     seed: int = parameter(1, description="seed of all that is drawn", ge=0, le=2**63 - 1)
     scenes: int = parameter(100, description="number of scenes", ge=1, le=10_000_000)
     base: FilePath = parameter(DEFAULT_SCENE, description="bundled scene, or TOML file, that all scenes begin with")
