@@ -123,7 +123,8 @@ for kind, (given, changes) in MAPS.items():
         f"seabed.material[{kind}].of[uniform]", needs, "seabed.material.of.1", **MATERIAL | {"name": "cobble"}
     )
 CHANGES |= fields("seabed", {}, material={"kind": "patches", "of": ["silt", "rock"], "size": 4.0})
-CHANGES |= fields("seabed.material[uniform]", {}, name="silt", diffuse=0.2, specular=0.1, shininess=4.0)
+CHANGES |= fields("seabed.material[uniform]", {}, name="silt", diffuse=0.2, specular=0.1)
+CHANGES |= fields("seabed.material[uniform]", {"seabed.material.specular": 0.1}, shininess=4.0)
 K = {"receiver.speckle": "k"}
 CHANGES |= fields("seabed.material[uniform]", K, speckle_shape=0.3)
 

@@ -279,7 +279,7 @@ class Viewer(QObject):
 
     def _show_edits(self) -> None:
         """Show what can be undone and redone, and the title with the star of unsaved changes."""
-        self.window.show_title(self.session.scene.title, unsaved=self.saving.unsaved)
+        self.window.show_title(self.session.scene.title, self.session.file, unsaved=self.saving.unsaved)
         self.window.history.show_edits(self.session.undoable, self.session.redoable)
 
     def _tick(self) -> None:

@@ -216,7 +216,7 @@ def test_typing_a_value_and_nonsense(open_viewer, small):
 
 
 def test_a_slider_that_changes_nothing_stands_aside(open_viewer, small):
-    viewer = open_viewer(small)
+    viewer = open_viewer(edit(small, {"seabed.material": {"name": "silt", "diffuse": 0.2, "specular": 0.0}}))
     row = number_row(viewer, "sonar.frequency")
     assert not row.slider.isEnabled()
     assert "changes nothing here" in row.slider.toolTip()
@@ -225,6 +225,7 @@ def test_a_slider_that_changes_nothing_stands_aside(open_viewer, small):
         {"sonar.beam": "array"},
         {"water.absorption": "francois_garrison"},
         {"receiver.speckle": "rayleigh"},
+        {"seabed.material": "silt"},
     ):
         viewer.session.settle(changes)
         row = number_row(viewer, "sonar.frequency")
@@ -232,6 +233,7 @@ def test_a_slider_that_changes_nothing_stands_aside(open_viewer, small):
         assert "has no effect" not in row.field.toolTip()
         viewer.session.undo()
         assert not number_row(viewer, "sonar.frequency").field.isEnabled()
+    assert "the specular share is 0" in number_row(viewer, "seabed.material.shininess").slider.toolTip()
     assert "it acts beside noise" in number_row(viewer, "receiver.source_level").slider.toolTip()
     viewer.session.settle({"receiver.noise": "ambient"})
     assert number_row(viewer, "receiver.source_level").slider.isEnabled()

@@ -141,13 +141,15 @@ class SaveMenu(QToolButton):
         self.setPopupMode(QToolButton.ToolButtonPopupMode.InstantPopup)
         menu = QMenu(self)
         menu.setToolTipsVisible(True)
-        self.scene = make_action(menu, "Save scene…", "Save the scene as a TOML file", "Ctrl+S")
+        self.scene = make_action(menu, "Save scene", "Save the scene in its file", "Ctrl+S")
+        tip = "Save the scene as a TOML file of another name"
+        self.scene_as = make_action(menu, "Save scene as…", tip, "Ctrl+Shift+S")
         tip = "Save every ping of the track as data or as a picture"
-        self.record = make_action(menu, "Save record…", tip, "Ctrl+Shift+S")
+        self.record = make_action(menu, "Save record…", tip, "Ctrl+Alt+S")
         self.picture = make_action(menu, "Save picture of the window…", "Save a picture of this window", "Ctrl+P")
         tip = "Charts, data sets and records that are made in the background"
         self.jobs = make_action(menu, "Jobs…", tip, "Ctrl+J")
-        menu.addActions([self.scene, self.record, self.picture])
+        menu.addActions([self.scene, self.scene_as, self.record, self.picture])
         menu.addSeparator()
         menu.addAction(self.jobs)
         window.addActions(menu.actions())

@@ -8,6 +8,7 @@ import xarray as xr
 
 from insonify.errors import SceneError
 from insonify.lessons.conditions import Reader, parse_condition, parse_expression
+from insonify.lessons.courses import check_course
 from insonify.lessons.lesson import Lesson, Step
 from insonify.lessons.quantities import QUANTITIES
 from insonify.lessons.questions import Ask
@@ -17,6 +18,7 @@ from insonify.scene import Scene
 
 def check_lesson(lesson: Lesson) -> None:
     """Check that every step of a lesson can be done, one after the other, and its questions answered."""
+    check_course(lesson)
     for step, start, end in states_of(lesson):
         with named(lesson, step):
             _check_step(step, start, end)

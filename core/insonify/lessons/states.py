@@ -90,7 +90,7 @@ def field_value(scene: Scene, path: str) -> Value | None:
     declared = [isinstance(owner, Declaration) and step in type(owner).model_fields for owner, step in fields]
     if place is None and declared[-1]:
         owner, step = fields[-1]
-        place = owner.value_in_force(step)
+        place = owner.value_in_force(step, scene.sonar.scattering_frequency)
     elif fields[-1] == (None, "kind") and declared[-2]:
         place = "none"
     return place if isinstance(place, float | int | str) else None

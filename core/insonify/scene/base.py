@@ -124,8 +124,16 @@ class Declaration(BaseModel):
         path = getattr(self, "path", None)
         return None if path is None else file_version(path)
 
-    def value_in_force(self, field: str) -> float | None:
-        """Return the number that applies where a field is left out, None if it depends on the rest of the scene."""
+    def value_in_force(self, field: str, frequency: float | None = None) -> float | None:
+        """Return the number that applies where a field is left out, None if it depends on the rest of the scene.
+
+        Parameters
+        ----------
+        field : str
+            Name of the field.
+        frequency : float or None
+            Hz, at which sediments scatter; None for the law of light.
+        """
         return None
 
 

@@ -45,7 +45,7 @@ def build_ground(scene: Scene) -> AnyGround:
     if scene.seabed.endless:
         return _endless_ground(scene, _kept_squares(*_endless_relief(scene), TILE))
     material = scene.seabed.material
-    names, reflectivities = material.rows()
+    names, reflectivities = material.rows(scene.sonar.scattering_frequency)
     place = scene.georeference if material.on_a_map else None
     heights, lattice, datum = _heights(scene)
     return Ground(
@@ -79,7 +79,7 @@ def build_excerpt(scene: Scene, low: tuple[float, float], high: tuple[float, flo
 def _endless_ground(scene: Scene, heights: Tiles) -> EndlessGround:
     """Endless ground with given tiles of heights."""
     seabed = scene.seabed
-    names, reflectivities = seabed.material.rows()
+    names, reflectivities = seabed.material.rows(scene.sonar.scattering_frequency)
     return EndlessGround(
         heights=heights,
         materials=_kept_map_tiles(*_endless_map(scene)),

@@ -72,7 +72,7 @@ class Aircraft(Sunken):
         """Span of the wings, in metres."""
         return self.length * PLANS[self.plan].span if self.span is None else self.span
 
-    def value_in_force(self, field: str) -> float | None:
+    def value_in_force(self, field: str, frequency: float | None = None) -> float | None:
         """Return the span of the plan where it is left out."""
         return self.breadth if field == "span" else None
 

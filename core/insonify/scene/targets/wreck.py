@@ -93,7 +93,7 @@ class Wreck(Sunken):
         """Breadth of the hull, in metres."""
         return self.length / FORMS[self.form].slender if self.beam is None else self.beam
 
-    def value_in_force(self, field: str) -> float | None:
+    def value_in_force(self, field: str, frequency: float | None = None) -> float | None:
         """Return the beam of the form where it is left out."""
         return self.breadth if field == "beam" else None
 
