@@ -3,8 +3,7 @@
 from __future__ import annotations
 
 from itertools import combinations
-
-import xarray as xr
+from typing import TYPE_CHECKING
 
 from insonify.errors import SceneError
 from insonify.lessons.conditions import Reader, parse_condition, parse_expression
@@ -14,6 +13,9 @@ from insonify.lessons.quantities import QUANTITIES
 from insonify.lessons.questions import Ask
 from insonify.lessons.states import LessonState, named, states_of
 from insonify.scene import Scene
+
+if TYPE_CHECKING:
+    import xarray as xr
 
 
 def check_lesson(lesson: Lesson) -> None:
