@@ -65,6 +65,12 @@ SMALL = ["pipe-span", "--set", "track.pings=3", "--set", "sonar.bins=100"]
         (["render", "default", "-o", "x.xtf", "--truth"], "--truth applies to .nc, .npz, .zarr, not to x.xtf"),
         (["render", "default", "-o", "x.png", "--truth"], "leave it out or end the name in one of them"),
         (["rendre", "default"], "did you mean 'insonify render'?"),
+        (
+            ["render", "defualt", "-o", "x.png"],
+            "scene 'defualt': no such file; did you mean 'default'? Otherwise give a TOML file",
+        ),
+        (["plan", "default", "--set", "track.speed=3furlongs"], "track.speed: '3furlongs' is not a number"),
+        (["plan", "default", "--set", "sonar.beam.taper=cosine"], "it belongs to kind 'array', not to 'fan'"),
         (["view", "atlantis"], "no such file"),
         (["scenes", "atlantis"], "no such file"),
         (["atlantis"], "no such file"),
