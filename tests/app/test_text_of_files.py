@@ -63,7 +63,7 @@ def say_an_error(viewer, tmp_path):
 
 def list_recent_files(viewer, tmp_path):
     """List a file among the recent ones."""
-    viewer.window.settings.add_recent(str(tmp_path / f"{SHOWN}.toml"))
+    viewer.window.settings.add_recent(str(tmp_path / f"{HOSTILE}.toml"))
     viewer.window.recent.fill()
 
 
@@ -84,7 +84,7 @@ def keep_as_a(viewer, tmp_path):
 
 def open_a_recording(viewer, tmp_path):
     """Open a record from a file with such a name."""
-    path = tmp_path / f"{SHOWN}.nc"
+    path = tmp_path / f"{HOSTILE}.nc"
     write_record(path, [simulate(edit(viewer.session.scene, {"track.pings": 4})).assign_attrs(title=HOSTILE)])
     viewer.recordings.open(str(path))
 

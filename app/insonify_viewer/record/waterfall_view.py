@@ -17,6 +17,7 @@ from insonify_viewer.record.record_handles import RecordHandles
 from insonify_viewer.state.inspection import Mark
 from insonify_viewer.state.session import Session
 from insonify_viewer.widgets.arrow_keys import ENTER, modifiers_of, steps_of
+from insonify_viewer.widgets.text import one_line
 from insonify_viewer.widgets.theme import TEXT
 
 PINGS_A_NOTCH = 16
@@ -135,6 +136,7 @@ class WaterfallView(RecordCanvas):
 
     def show_title(self, title: str) -> None:
         """Write a title above the record; an empty one is none."""
+        title = one_line(title)
         if title != self._title:
             self._title = title
             self.setAccessibleName(f"Record {title}".strip())

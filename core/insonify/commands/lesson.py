@@ -6,7 +6,7 @@ import argparse
 from typing import Any
 
 from insonify.commands.options import say
-from insonify.lessons import bundled_lessons, check_lesson, check_records, load_lesson, load_lessons
+from insonify.lessons import bundled_lessons, check_lesson, check_records, group_lessons, load_lesson, load_lessons
 
 
 def register(subparsers: Any) -> None:
@@ -34,12 +34,14 @@ def register(subparsers: Any) -> None:
 
 
 def run_list(arguments: argparse.Namespace) -> None:
-    """Print names and titles of the bundled lessons, in their order."""
+    """Print the bundled lessons in their order, with course, minutes and title."""
     del arguments
-    lessons = load_lessons()
-    width = max((len(lesson.name) for lesson in lessons), default=0)
-    for lesson in lessons:
-        say(f"{lesson.name:<{width}}  {lesson.title}")
+    groups = group_lessons(load_lessons())
+    width = max((len(lesson.name) for _, lessons in groups for lesson in lessons), default=0)
+    wide = max((len(course.title) for course, _ in groups), default=0)
+    for course, lessons in groups:
+        for lesson in lessons:
+            say(f"{lesson.name:<{width}}  {course.title:<{wide}}  {lesson.minutes:>2} min  {lesson.title}")
 
 
 def run_check(arguments: argparse.Namespace) -> None:

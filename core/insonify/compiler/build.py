@@ -6,7 +6,8 @@ import hashlib
 import json
 import platform
 from functools import cache
-from importlib.metadata import version
+from importlib import import_module
+from importlib.metadata import PackageNotFoundError, version
 from typing import NamedTuple
 
 from numba.core.registry import cpu_target
@@ -45,7 +46,7 @@ def own_build() -> Build:
     return Build(
         version("insonify"),
         _digest(json.dumps(digests.DIGESTS, sort_keys=True)) + "-plain" * PLAIN,
-        " ".join(f"{library} {version(library)}" for library in LIBRARIES),
+        " ".join(f"{library} {_version(library)}" for library in LIBRARIES),
         f"{platform.system()} {' '.join(filter(None, platform.libc_ver())) or platform.release()}",
         f"{name or platform.machine()}-{_digest(instructions)[:8]}",
     )
@@ -54,6 +55,13 @@ def own_build() -> Build:
 def stated_build() -> dict[str, str]:
     """Return what this process calculates with as plain texts, which another version can read."""
     return own_build()._asdict()
+
+
+def _version(library: str) -> str:
+    try:
+        return version(library)
+    except PackageNotFoundError:  # in a frozen program
+        return str(import_module(library).__version__)
 
 
 def _digest(text: str) -> str:

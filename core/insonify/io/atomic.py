@@ -169,7 +169,7 @@ def clear_leftovers(final: Path) -> None:
 
     A folder that was being replaced when its writer was killed is put back.
     """
-    for left in _leftovers(final.parent, f".*{re.escape(final.suffix)}"):
+    for left in _leftovers(final.parent, re.escape(final.suffix)):
         # A long name was cut.
         stem = left.path.name[1:].rpartition(f".{UNFINISHED}-")[0]
         cut = len(os.fsencode(left.path.name)) > LONGEST_NAME - 4

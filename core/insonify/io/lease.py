@@ -27,7 +27,7 @@ else:
 NAME = "lease"  # of the file in the folder
 BEAT = 20.0  # s between renewals
 SILENT = 600.0  # s without a renewal after which the owner has ended: kernels compile for a part of that
-TRIES, PAUSE = 20, 0.01  # to lock, and s between them: another process that looks locks for a moment
+PATIENCE, PAUSE = 1.0, 0.01  # s to lock the file, and between tries: a process that looks locks it for a moment
 UNLOCKED = "unlocked"
 FAR = 2**30  # byte that is locked where locks concern bytes, which could otherwise not be read
 
@@ -38,8 +38,8 @@ class Lease:
     def __init__(self, folder: Path) -> None:
         self._path = folder / NAME
         self._file = open(self._path, "xb")  # noqa: SIM115  # open, and locked, as long as the lease
-        tries = iter(range(TRIES))
-        while not (locked := _lock(self._file, exclusive=True)) and next(tries, None) is not None:
+        deadline = time.monotonic() + PATIENCE
+        while (locked := _lock(self._file, exclusive=True)) is False and time.monotonic() < deadline:
             time.sleep(PAUSE)
         # Written after it is locked: an empty file proves nothing.
         self._file.write((kernel() if locked else UNLOCKED).encode())

@@ -5,6 +5,7 @@ from __future__ import annotations
 from insonify.files import bundled_lessons
 from insonify.lessons.checks import check_lesson, check_records
 from insonify.lessons.conditions import Condition, Expression, Reader, parse_condition, parse_expression
+from insonify.lessons.courses import Course, group_lessons, load_courses
 from insonify.lessons.lesson import Lesson, Step, load_lesson, load_lessons, parse_lesson
 from insonify.lessons.quantities import QUANTITIES, SIDES
 from insonify.lessons.questions import UNKNOWN, Ask, Choice, Mark, Verdict, judge, read_number
@@ -21,6 +22,7 @@ __all__ = [
     "Ask",
     "Choice",
     "Condition",
+    "Course",
     "Expression",
     "Lesson",
     "LessonState",
@@ -32,7 +34,9 @@ __all__ = [
     "bundled_lessons",
     "check_lesson",
     "check_records",
+    "group_lessons",
     "judge",
+    "load_courses",
     "load_lesson",
     "load_lessons",
     "parse_condition",

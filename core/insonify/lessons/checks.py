@@ -3,20 +3,24 @@
 from __future__ import annotations
 
 from itertools import combinations
-
-import xarray as xr
+from typing import TYPE_CHECKING
 
 from insonify.errors import SceneError
 from insonify.lessons.conditions import Reader, parse_condition, parse_expression
+from insonify.lessons.courses import check_course
 from insonify.lessons.lesson import Lesson, Step
 from insonify.lessons.quantities import QUANTITIES
 from insonify.lessons.questions import Ask
 from insonify.lessons.states import LessonState, named, states_of
 from insonify.scene import Scene
 
+if TYPE_CHECKING:
+    import xarray as xr
+
 
 def check_lesson(lesson: Lesson) -> None:
     """Check that every step of a lesson can be done, one after the other, and its questions answered."""
+    check_course(lesson)
     for step, start, end in states_of(lesson):
         with named(lesson, step):
             _check_step(step, start, end)

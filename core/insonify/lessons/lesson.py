@@ -28,11 +28,13 @@ Head = TypeVar("Head", bound=Declaration)
 
 
 class LessonHead(Declaration):
-    """Front matter of a lesson: its title, the scene that it starts from, and its place in the list."""
+    """Front matter of a lesson: its title, the scene that it starts from, its course and place, and its minutes."""
 
     title: str = Field(min_length=1)
     scene: str = Field(min_length=1)
     order: int
+    course: str = ""
+    minutes: int = Field(default=0, ge=0)
     set: dict[str, Any] = Field(default={})
 
 

@@ -4,14 +4,16 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from typing import NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
-import xarray as xr
 from numpy.typing import NDArray
 
 from insonify.scene import Scene
 from insonify.scene.sonar.beams.line_array import LineArray
+
+if TYPE_CHECKING:
+    import xarray as xr
 
 SIDES = ("port", "starboard")
 # −3 dB width of a line array, one-way, in wavelengths over its length (docs/theory/beam.md).

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import difflib
 import tomllib
 import warnings
 from collections.abc import Callable, Mapping
@@ -66,7 +67,9 @@ def load_partner(scene: Scene) -> Scene | None:
 
 def _unreadable(name_or_path: str | Path, fault: str, remedy: str) -> SceneError:
     if fault == MISSING:
-        fault, remedy = "no such file", f"give a TOML file or one of {', '.join(bundled_scenes())}"
+        close = difflib.get_close_matches(str(name_or_path), bundled_scenes(), n=1)
+        given = f"did you mean {close[0]!r}? Otherwise " if close else ""
+        fault, remedy = "no such file", f"{given}give a TOML file or one of {', '.join(bundled_scenes())}"
     return SceneError(f"scene {str(name_or_path)!r}: {fault}; {remedy}")
 
 

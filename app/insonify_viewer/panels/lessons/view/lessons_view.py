@@ -6,7 +6,7 @@ from collections.abc import Collection, Sequence
 from pathlib import Path
 
 from PySide6.QtCore import QSize, Qt, QTimer, Signal
-from PySide6.QtGui import QKeySequence, QPixmap, QShortcut
+from PySide6.QtGui import QColor, QKeySequence, QPixmap, QShortcut
 from PySide6.QtWidgets import (
     QFrame,
     QHBoxLayout,
@@ -19,12 +19,13 @@ from PySide6.QtWidgets import (
     QWidget,
 )
 
-from insonify.lessons import Lesson, Mark, Verdict, Worksheet
+from insonify.lessons import Course, Lesson, Mark, Verdict, Worksheet, group_lessons
 from insonify_viewer.errors import guard_override
 from insonify_viewer.panels.lessons.view.question_box import QuestionBox
 from insonify_viewer.widgets.buttons import light, make_label, push_button
 from insonify_viewer.widgets.save_dialogs import save_pixmap
 from insonify_viewer.widgets.side_panel import ScrollColumn
+from insonify_viewer.widgets.theme import TEXT
 
 USUAL, LARGE = 1.2, 1.9  # factors on the size of the text, without and with a projector
 HEADING = 1.25  # factor on the size of headings
@@ -43,7 +44,7 @@ class LessonsView(QStackedWidget):
         self.summary = SummaryPage()
         for page in (self.list, self.page, self.summary):
             self.addWidget(page)
-        self._pictures: dict[int, QPixmap] = {}  # of the record at the end of each step
+        self._pictures: dict[str, dict[int, QPixmap]] = {}  # of the record, by lesson and step
         self._size = self.font().pointSizeF()
         self.enlarge(False)
 
@@ -52,19 +53,16 @@ class LessonsView(QStackedWidget):
         """Preferred size."""
         return QSize(self._wide, super().sizeHint().height())
 
-    def forget_pictures(self) -> None:
-        """Begin without pictures of the record."""
-        self._pictures = {}
+    def keep_picture(self, lesson: str, index: int, record: QWidget) -> None:
+        """Keep a picture of the record at the end of a step of a lesson."""
+        self._pictures.setdefault(lesson, {})[index] = record.grab()
 
-    def keep_picture(self, index: int, record: QWidget) -> None:
-        """Keep a picture of the record at the end of a step."""
-        self._pictures[index] = record.grab()
-
-    def save_pictures(self, page: Path) -> dict[int, Path]:
-        """Write the pictures of the record beside a page; return their paths by step."""
-        paths = {index: page.with_name(f"{page.stem}-{index + 1}.png") for index in self._pictures}
+    def save_pictures(self, lesson: str, page: Path) -> dict[int, Path]:
+        """Write the pictures of a lesson beside a page; return their paths by step."""
+        pictures = self._pictures.get(lesson, {})
+        paths = {index: page.with_name(f"{page.stem}-{index + 1}.png") for index in pictures}
         for index, path in paths.items():
-            save_pixmap(self._pictures[index], path)
+            save_pixmap(pictures[index], path)
         return paths
 
     def enlarge(self, large: bool) -> None:
@@ -83,9 +81,10 @@ class LessonsView(QStackedWidget):
 
 
 class ListPage(QWidget):
-    """The list of lessons, with a button that starts one."""
+    """The list of lessons by course, with a button that starts one."""
 
     started = Signal(str)
+    reviewed = Signal(str)
 
     def __init__(self) -> None:
         super().__init__()
@@ -96,29 +95,76 @@ class ListPage(QWidget):
         self.lessons.setWordWrap(True)
         self.lessons.setFrameShape(QFrame.Shape.NoFrame)
         self.lessons.itemActivated.connect(self._start)
+        self.lessons.currentItemChanged.connect(self._describe)
+        self.about = _words()
+        self.results = push_button("Results", "Show your answers to this lesson, and save them as a page", wide=True)
+        self.results.clicked.connect(lambda: self.reviewed.emit(_lesson_of(self.lessons.currentItem())))
         self.start = push_button("Start", "Open the scene of this lesson, and show its first step", wide=True)
         self.start.clicked.connect(lambda: self._start(self.lessons.currentItem()))
         self.projector = _projector()
+        self._courses: dict[str, Course] = {}
+        self._ended: Collection[str] = ()
         column = QVBoxLayout(self)
         column.addWidget(self.lessons, 1)
-        row = QHBoxLayout()
-        row.addWidget(self.projector)
-        row.addWidget(self.start, 1)
-        column.addLayout(row)
+        column.addWidget(self.about)
+        column.addLayout(_row(self.projector, self.results))
+        column.addWidget(self.start)
 
-    def show_lessons(self, lessons: Sequence[Lesson], finished: Collection[str]) -> None:
-        """Show these lessons, and select the first that is not finished."""
+    def show_lessons(self, lessons: Sequence[Lesson], finished: Collection[str], ended: Collection[str]) -> None:
+        """Show these lessons under the titles of their courses, and select the first that is not finished.
+
+        Parameters
+        ----------
+        lessons : sequence of Lesson
+            In their order.
+        finished, ended : collection of str
+            Names of the lessons whose every step was done, and of those that have a summary.
+        """
+        self._ended = ended
+        groups = group_lessons(lessons)
+        self._courses = {lesson.name: course for course, members in groups for lesson in members}
         self.lessons.clear()
-        for lesson in lessons:
-            item = QListWidgetItem(f"{'✓' if lesson.name in finished else '○'}  {lesson.title}")
-            item.setData(Qt.ItemDataRole.UserRole, lesson.name)
-            self.lessons.addItem(item)
-        todo = [row for row, lesson in enumerate(lessons) if lesson.name not in finished]
-        self.lessons.setCurrentRow(todo[0] if todo else 0)
+        todo = None
+        for course, members in groups:
+            if course.name:
+                self._add_heading(course, sum(lesson.minutes for lesson in members))
+            for lesson in members:
+                item = QListWidgetItem(f"{'✓' if lesson.name in finished else '○'}  {lesson.title}")
+                item.setData(Qt.ItemDataRole.UserRole, lesson.name)
+                self.lessons.addItem(item)
+                if todo is None and lesson.name not in finished:
+                    todo = item
+        current = todo or self._first()
+        if current is not None:
+            self.lessons.setCurrentItem(current)
         self.start.setEnabled(bool(lessons))
 
-    def _start(self, item: QListWidgetItem) -> None:
-        self.started.emit(item.data(Qt.ItemDataRole.UserRole))
+    def _add_heading(self, course: Course, minutes: int) -> None:
+        item = QListWidgetItem(f"{course.title}, {minutes} min")
+        item.setFlags(Qt.ItemFlag.NoItemFlags)
+        font = item.font()
+        font.setBold(True)
+        item.setFont(font)
+        item.setForeground(QColor(TEXT))  # a disabled item is too faint to read
+        self.lessons.addItem(item)
+
+    def _first(self) -> QListWidgetItem | None:
+        """Return the first lesson."""
+        items = (self.lessons.item(row) for row in range(self.lessons.count()))
+        return next((item for item in items if _lesson_of(item)), None)
+
+    def _describe(self, item: QListWidgetItem | None) -> None:
+        """Show aims and prerequisites of the course of a lesson."""
+        name = _lesson_of(item)
+        course = self._courses.get(name)
+        self.about.setVisible(course is not None and bool(course.aims))
+        if course is not None:
+            self.about.setText(f"**{course.title}** ({course.level}). {course.aims} *Assumes:* {course.assumes}")
+        self.results.setEnabled(name in self._ended)
+
+    def _start(self, item: QListWidgetItem | None) -> None:
+        if name := _lesson_of(item):
+            self.started.emit(name)
 
 
 class StepPage(QWidget):
@@ -241,6 +287,11 @@ class SummaryPage(QWidget):
         if following is not None:
             self.next.setToolTip(f"Begin “{following.title}”")
         light(self.next, following is not None)
+
+
+def _lesson_of(item: QListWidgetItem | None) -> str:
+    """Return the name of the lesson of an item, empty for a heading."""
+    return "" if item is None else item.data(Qt.ItemDataRole.UserRole) or ""
 
 
 def _row(left: QWidget, right: QWidget) -> QHBoxLayout:

@@ -17,7 +17,7 @@ class Given(NamedTuple):
     predicted: LessonState | None  # state after the move of the step, if the move was still to come
 
 
-class Course:
+class Progress:
     """A lesson under way."""
 
     def __init__(self, lesson: Lesson) -> None:
