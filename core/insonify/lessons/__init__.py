@@ -8,7 +8,7 @@ from insonify.lessons.conditions import Condition, Expression, Reader, parse_con
 from insonify.lessons.courses import Course, group_lessons, load_courses
 from insonify.lessons.lesson import Lesson, Step, load_lesson, load_lessons, parse_lesson
 from insonify.lessons.quantities import QUANTITIES, SIDES
-from insonify.lessons.questions import UNKNOWN, Ask, Choice, Mark, Verdict, judge, read_number
+from insonify.lessons.questions import UNKNOWN, Ask, Choice, Grade, Verdict, judge, read_number
 from insonify.lessons.states import AUTOMATIC, WINDOW_FIELDS, LessonState, split_move, states_of
 from insonify.lessons.worksheet import Answer, Worksheet
 
@@ -24,9 +24,9 @@ __all__ = [
     "Condition",
     "Course",
     "Expression",
+    "Grade",
     "Lesson",
     "LessonState",
-    "Mark",
     "Reader",
     "Step",
     "Verdict",

@@ -75,7 +75,7 @@ class Ask(Declaration):
         return self
 
 
-class Mark(Enum):
+class Grade(Enum):
     """How good an answer is."""
 
     RIGHT = "right"
@@ -88,7 +88,7 @@ class Mark(Enum):
 class Verdict:
     """How good an answer is, the right one, and the reason."""
 
-    mark: Mark
+    grade: Grade
     right: str  # the right answer, with its unit
     because: Words = ""  # the misconception, or how far off a number is
 
@@ -96,11 +96,11 @@ class Verdict:
     def words(self) -> str:
         """One or two sentences."""
         start = {
-            Mark.RIGHT: f"Right: {self.right}.",
-            Mark.CLOSE: f"Close: it is {self.right}.",
-            Mark.WRONG: f"Not quite: it is {self.right}.",
-            Mark.UNKNOWN: f"It is {self.right}.",
-        }[self.mark]
+            Grade.RIGHT: f"Right: {self.right}.",
+            Grade.CLOSE: f"Close: it is {self.right}.",
+            Grade.WRONG: f"Not quite: it is {self.right}.",
+            Grade.UNKNOWN: f"It is {self.right}.",
+        }[self.grade]
         return f"{start} {self.because}".strip()
 
 
@@ -121,9 +121,9 @@ def judge(ask: Ask, answer: int | float | None, reader: Reader) -> Verdict | Non
 def _judge_choice(ask: Ask, answer: int | float | None) -> Verdict:
     right = next(choice for choice in ask.choices if choice.right)
     if answer is None:
-        return Verdict(Mark.UNKNOWN, right.text)
+        return Verdict(Grade.UNKNOWN, right.text)
     chosen = ask.choices[int(answer)]
-    return Verdict(Mark.RIGHT if chosen.right else Mark.WRONG, right.text, chosen.because)
+    return Verdict(Grade.RIGHT if chosen.right else Grade.WRONG, right.text, chosen.because)
 
 
 def _judge_number(ask: Ask, answer: float | None, reader: Reader) -> Verdict | None:
@@ -132,17 +132,17 @@ def _judge_number(ask: Ask, answer: float | None, reader: Reader) -> Verdict | N
         return None
     right = f"{expected:.3g} {ask.unit}".strip()
     if answer is None:
-        return Verdict(Mark.UNKNOWN, right)
+        return Verdict(Grade.UNKNOWN, right)
     if _agrees(answer, expected, ask.tolerance):
-        return Verdict(Mark.RIGHT, right)
+        return Verdict(Grade.RIGHT, right)
     for mistake in ask.mistakes:
         mistaken = parse_expression(mistake.value).number(reader)
         if mistaken is not None and _agrees(answer, mistaken, ask.tolerance):
-            return Verdict(Mark.WRONG, right, mistake.because)
+            return Verdict(Grade.WRONG, right, mistake.because)
     if _agrees(answer, expected, NEARLY * ask.tolerance):
         off = 100.0 * abs(answer / expected - 1.0)
-        return Verdict(Mark.CLOSE, right, f"Yours is {off:.2g} % too {'large' if answer > expected else 'small'}.")
-    return Verdict(Mark.WRONG, right)
+        return Verdict(Grade.CLOSE, right, f"Yours is {off:.2g} % too {'large' if answer > expected else 'small'}.")
+    return Verdict(Grade.WRONG, right)
 
 
 def _agrees(answer: float, expected: float, tolerance: float) -> bool:

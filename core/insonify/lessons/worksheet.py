@@ -9,7 +9,7 @@ from pathlib import Path
 
 from insonify.lessons.conditions import Value
 from insonify.lessons.lesson import Lesson
-from insonify.lessons.questions import Mark, Verdict
+from insonify.lessons.questions import Grade, Verdict
 
 
 @dataclass(frozen=True)
@@ -41,16 +41,16 @@ class Worksheet:
         asked = sum(step.ask is not None for step in self.lesson.steps)
         if not asked:
             return "This lesson asks no question in advance."
-        marks = Counter(answer.verdict.mark for answer in self.answers.values())
-        parts = [f"{marks[mark]} {mark.value}" for mark in Mark if marks[mark]]
+        grades = Counter(answer.verdict.grade for answer in self.answers.values())
+        parts = [f"{grades[grade]} {grade.value}" for grade in Grade if grades[grade]]
         if left := asked - len(self.answers):
             parts.append(f"{left} not answered")
         return f"{asked} question{'s' * (asked > 1)}: {', '.join(parts)}."
 
     def results(self) -> list[str]:
-        """One line for every step that asks: its title and the mark of the answer."""
+        """One line for every step that asks: its title and the grade of the answer."""
         return [
-            f"{step.title}: {self.answers[index].verdict.mark.value if index in self.answers else 'not answered'}"
+            f"{step.title}: {self.answers[index].verdict.grade.value if index in self.answers else 'not answered'}"
             for index, step in enumerate(self.lesson.steps)
             if step.ask is not None
         ]

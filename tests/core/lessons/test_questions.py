@@ -17,8 +17,8 @@ from insonify.lessons import (
     QUANTITIES,
     Answer,
     Ask,
+    Grade,
     LessonState,
-    Mark,
     Worksheet,
     bundled_lessons,
     check_lesson,
@@ -87,21 +87,21 @@ def block(altitude: float) -> LessonState:
 
 
 @pytest.mark.parametrize(
-    ("answer", "mark", "told"),
+    ("answer", "grade", "told"),
     [
-        (14.1, Mark.RIGHT, "Right: 14.1 m."),
-        (14.8, Mark.RIGHT, "14.1 m"),
-        (15.5, Mark.CLOSE, "Close: it is 14.1 m. Yours is 9.6 % too large."),
-        (13.0, Mark.CLOSE, "too small"),
-        (11.2, Mark.WRONG, "A − h counts."),
-        (3.0, Mark.WRONG, "Not quite: it is 14.1 m."),
-        (None, Mark.UNKNOWN, "It is 14.1 m."),
+        (14.1, Grade.RIGHT, "Right: 14.1 m."),
+        (14.8, Grade.RIGHT, "14.1 m"),
+        (15.5, Grade.CLOSE, "Close: it is 14.1 m. Yours is 9.6 % too large."),
+        (13.0, Grade.CLOSE, "too small"),
+        (11.2, Grade.WRONG, "A − h counts."),
+        (3.0, Grade.WRONG, "Not quite: it is 14.1 m."),
+        (None, Grade.UNKNOWN, "It is 14.1 m."),
     ],
 )
-def test_a_number_is_right_close_or_a_known_mistake(answer: float | None, mark: Mark, told: str) -> None:
+def test_a_number_is_right_close_or_a_known_mistake(answer: float | None, grade: Grade, told: str) -> None:
     verdict = judge(Ask.model_validate(NUMBER), answer, block(5.0).reader(block(10.0)))
     assert verdict is not None
-    assert verdict.mark is mark
+    assert verdict.grade is grade
     assert told in verdict.words
 
 
@@ -111,7 +111,7 @@ def test_a_number_follows_the_scene_of_the_student() -> None:
         length = math.hypot(21.0, altitude - 2.0) * 2.0 / (altitude - 2.0)
         verdict = judge(ask, length, block(altitude).reader(block(10.0)))
         assert verdict is not None
-        assert verdict.mark is Mark.RIGHT
+        assert verdict.grade is Grade.RIGHT
     assert judge(ask, 1.0, LessonState(load_scene("pipe-on-bed")).reader()) is None, "a pipe has no size"
 
 

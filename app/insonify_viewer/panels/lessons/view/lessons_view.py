@@ -19,7 +19,7 @@ from PySide6.QtWidgets import (
     QWidget,
 )
 
-from insonify.lessons import Course, Lesson, Mark, Verdict, Worksheet, group_lessons
+from insonify.lessons import Course, Grade, Lesson, Verdict, Worksheet, group_lessons
 from insonify_viewer.errors import guard_override
 from insonify_viewer.panels.lessons.view.question_box import QuestionBox
 from insonify_viewer.widgets.buttons import light, make_label, push_button
@@ -29,7 +29,7 @@ from insonify_viewer.widgets.theme import TEXT
 
 USUAL, LARGE = 1.2, 1.9  # factors on the size of the text, without and with a projector
 HEADING = 1.25  # factor on the size of headings
-SIGNS = {Mark.RIGHT: "✓", Mark.CLOSE: "≈", Mark.WRONG: "✗", Mark.UNKNOWN: "→"}
+SIGNS = {Grade.RIGHT: "✓", Grade.CLOSE: "≈", Grade.WRONG: "✗", Grade.UNKNOWN: "→"}
 NARROWEST, WIDE = 230, 300  # px, least and preferred width at the usual size
 
 
@@ -227,7 +227,7 @@ class StepPage(QWidget):
         """Show how good the answer is, what to look for, and why; None if the question has no answer here."""
         self.ask.show_note(False)
         if verdict is not None:
-            self.verdict.setText(f"{SIGNS[verdict.mark]} {verdict.words}")
+            self.verdict.setText(f"{SIGNS[verdict.grade]} {verdict.words}")
         self.verdict.setVisible(verdict is not None)
         self.look_for.show()
         self._show_answer(True)
