@@ -207,12 +207,12 @@ class FileRules:
             raise FileExistsError(errno.EEXIST, f"on this system the same as {twin!r}", str(whole))
 
     def _check_closed(self, *paths: Any) -> None:
-        """Raise PermissionError for a file that this process has open."""
+        """Raise PermissionError for a file that this process has open, and for a folder with such a file."""
         if not self._windows:
             return
-        named = {os.path.realpath(os.fsdecode(path)) for path in paths if isinstance(path, (str, os.PathLike))}
-        if busy := named & set(_open_files()):
-            raise PermissionError(errno.EACCES, "The file is being used by another process", busy.pop())
+        for named in (os.path.realpath(os.fsdecode(path)) for path in paths if isinstance(path, (str, os.PathLike))):
+            if any(file == named or file.startswith(f"{named}{os.sep}") for file in _open_files()):
+                raise PermissionError(errno.EACCES, "The file is being used by another process", named)
 
 
 def _twin(path: Path) -> str:

@@ -11,7 +11,7 @@ import pytest
 import xarray as xr
 from PIL import Image
 
-from commands import refused, run_python
+from commands import LONG, PATIENCE, refused, run_python
 from insonify import __main__ as process
 from insonify.cli import main
 from insonify.io.records import read_record
@@ -364,14 +364,14 @@ def test_a_command_ends_while_a_thread_is_at_work_in_a_library(code):
 import atexit, sys, threading, time
 import insonify.__main__ as process
 atexit.register(print, "last words")
-threading.Thread(target=time.sleep, args=(60,), daemon=True).start()
+threading.Thread(target=time.sleep, args=({LONG},), daemon=True).start()
 class Teardown:
     def __del__(self):
         print("taken down")
 kept = Teardown()
 process.end({code})
 """
-    assert run_python("-c", driver, timeout=50) == (code, "last words\n", "")
+    assert run_python("-c", driver, timeout=PATIENCE) == (code, "last words\n", "")
 
 
 def test_a_reader_that_leaves_is_no_trouble():

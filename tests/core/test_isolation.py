@@ -104,6 +104,7 @@ def test_a_crash_is_one_sentence_and_the_next_file_is_read(file):
 
 
 def test_a_loop_is_ended(file, monkeypatch):
+    assert run_isolated(chatter, file) == 3  # the process has started
     began = time.perf_counter()
     with monkeypatch.context() as patched:
         patched.setattr(isolation, "LONGEST", 1.0)

@@ -83,3 +83,7 @@ def test_an_open_file_stays(tmp_path):
             with pytest.raises(PermissionError):
                 change()
     one.replace(other)
+    folder = tmp_path / "folder"
+    folder.mkdir()
+    with (folder / "file").open("w", encoding="utf-8"), pytest.raises(PermissionError):
+        folder.rename(tmp_path / "renamed")

@@ -10,6 +10,7 @@ from PySide6.QtWidgets import QWidget
 
 from insonify.display.display_options import DisplayOptions
 from insonify.display.picture import choose_contrast
+from insonify.errors import plain_text
 from insonify_viewer.errors import guard_override
 from insonify_viewer.record.record import Record
 from insonify_viewer.record.record_canvas import RecordCanvas
@@ -17,7 +18,6 @@ from insonify_viewer.record.record_handles import RecordHandles
 from insonify_viewer.state.inspection import Mark
 from insonify_viewer.state.session import Session
 from insonify_viewer.widgets.arrow_keys import ENTER, modifiers_of, steps_of
-from insonify_viewer.widgets.text import one_line
 from insonify_viewer.widgets.theme import TEXT
 
 PINGS_A_NOTCH = 16
@@ -136,7 +136,7 @@ class WaterfallView(RecordCanvas):
 
     def show_title(self, title: str) -> None:
         """Write a title above the record; an empty one is none."""
-        title = one_line(title)
+        title = plain_text(title)
         if title != self._title:
             self._title = title
             self.setAccessibleName(f"Record {title}".strip())

@@ -134,7 +134,7 @@ class Saving:
 def _has_comments(file: str) -> bool:
     """Whether a scene file has lines of comment."""
     try:
-        return any(line.lstrip().startswith("#") for line in Path(file).read_text("utf-8").splitlines())
+        return any(line.lstrip().startswith("#") for line in Path(file).read_text(encoding="utf-8").splitlines())
     except (OSError, UnicodeDecodeError):
         return False
 

@@ -270,7 +270,7 @@ class SummaryPage(QWidget):
         self.save = push_button(
             "Save page…", "Write a page to hand in, with your answers, settings and pictures of the record", wide=True
         )
-        self.next = push_button("Next lesson", "", wide=True)
+        self.next = push_button("Next lesson", "Begin the lesson that follows in the list", wide=True)
         column = QVBoxLayout(self)
         column.addLayout(_row(self.left, self.projector))
         for part in (self.lesson, self.text, self.save):

@@ -6,6 +6,7 @@ They are tables of the TOML files in ``resources/materials`` and in the folders 
 
 from __future__ import annotations
 
+import math
 import tomllib
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
@@ -65,6 +66,12 @@ class NamedMaterial(Declaration):
     @model_validator(mode="after")
     def _albedo_within_1(self) -> NamedMaterial:
         check_albedo(self.diffuse, self.specular)
+        return self
+
+    @model_validator(mode="after")
+    def _sediment_has_a_density(self) -> NamedMaterial:
+        if self.sediment is not None and math.isinf(self.density):
+            raise ValueError("density inf is that of a perfect reflector, which is no sediment; give a number")
         return self
 
     @property
