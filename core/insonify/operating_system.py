@@ -1,7 +1,7 @@
-"""What operating systems do differently: time, memory, priority and end of processes, and interrupts.
+"""What operating systems do differently: names of files; time, memory, priority and end of processes; interrupts.
 
-All other modules are the same on every system, apart from `cores` and `compiler.cache_folder`. A system that lacks
-something goes without it, as each function says.
+Other modules are the same on every system, apart from `cores`, `compiler.cache_folder`, `io.lease` and the check for a
+display in the viewer. A system that lacks something goes without it, as each function says.
 """
 
 from __future__ import annotations
@@ -14,7 +14,6 @@ import subprocess
 import sys
 import threading
 from collections.abc import Callable, Iterator
-from multiprocessing import resource_tracker
 from pathlib import Path
 from typing import Any, cast
 
@@ -101,6 +100,9 @@ def interrupts_blocked() -> Iterator[None]:
     if sys.platform == "win32":
         yield
         return
+    # lazy: only workers of surveys and data sets need it
+    from multiprocessing import resource_tracker
+
     # It unblocks interrupts when it starts, otherwise together with the first process.
     resource_tracker.ensure_running()
     before = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})

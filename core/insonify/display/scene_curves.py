@@ -120,10 +120,11 @@ def backscatter_curve(scene: Scene) -> Curve | None:
     law = _decibels(scattering_strength(material.reflectivity_at(frequency), np.sin(grazing)))
     off = misfit(material, frequency, grazing)
     assert off is not None
-    note = f"{off.min():+.1f} to {off.max():+.1f} dB over its model (dashed)".replace("-", "−")
-    limits = "".join(f"; {words}" for words in describe_limits(scene))
-    title = f"Backscatter at {frequency / 1e3:g} kHz by grazing angle"
-    return Curve(title, note + limits, np.degrees(grazing), law, "°", "dB", law - off)
+    note = f"{off.min():+.1f} to {off.max():+.1f} dB over it".replace("-", "−")
+    if any(describe_limits(scene)):
+        note += ", outside its range"
+    title = f"Backscatter at {frequency / 1e3:g} kHz, dashed: its model"
+    return Curve(title, note, np.degrees(grazing), law, "°", "dB", law - off)
 
 
 def has_backscatter_model(scene: Scene) -> bool:
