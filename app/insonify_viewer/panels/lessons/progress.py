@@ -14,7 +14,8 @@ class Given(NamedTuple):
 
     text: str
     number: float | None  # a number, or the place of a choice
-    predicted: LessonState | None  # state after the move of the step, if the move was still to come
+    # States before and after the move of the step, if the move was still to come.
+    prediction: tuple[LessonState, LessonState] | None
 
 
 class Progress:
@@ -72,13 +73,13 @@ class Progress:
 
     def answer(self, text: str, number: float | None, state: LessonState) -> None:
         """Keep an answer; one given before the move is judged on the student's scene with the move of the step."""
-        predicted = None
+        prediction = None
         if not self.done:
             try:
-                predicted = state.moved(self.step.move)
+                prediction = state, state.moved(self.step.move)
             except SceneError:  # her other edits do not allow the move, so her own move is judged
-                predicted = None
-        self._given[self.index] = Given(text, number, predicted)
+                prediction = None
+        self._given[self.index] = Given(text, number, prediction)
 
     @property
     def explained(self) -> bool:
@@ -90,7 +91,8 @@ class Progress:
         given, ask = self.given, self.step.ask
         if given is None or ask is None:
             return None
-        verdict = judge(ask, given.number, (given.predicted or state).reader(self.start))
+        before, after = given.prediction or (self.start, state)
+        verdict = judge(ask, given.number, after.reader(before))
         if verdict is not None:
             settings = tuple((path, value) for path in self.step.fields if (value := state.value(path)) is not None)
             self.worksheet.answers[self.index] = Answer(given.text, verdict, settings)
