@@ -11,6 +11,9 @@ import pytest
 
 from insonify.cli import main
 
+PATIENCE = 300.0  # s, that only a fault takes longer than, however busy the cores are
+LONG = 3600.0  # s, that nothing may wait for
+
 
 def refused(capsys: pytest.CaptureFixture[str], *words: str) -> str:
     """Run a command that must be refused; return its one line."""

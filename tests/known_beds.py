@@ -54,8 +54,9 @@ def rms_slope(scene: Scene) -> float:
 
 def errors(truth: Scene, learned: Scene) -> tuple[float, float, float]:
     """Errors of a learned scene: of β, of the slope as a share, of the material's level in dB."""
-    level = learned.seabed.material.materials[0].reflectivity.diffuse
-    known = truth.seabed.material.materials[0].reflectivity.diffuse
+    frequency = truth.sonar.frequency
+    level = learned.seabed.material.materials[0].reflectivity_at(frequency).diffuse
+    known = truth.seabed.material.materials[0].reflectivity_at(frequency).diffuse
     return (
         getattr(learned.seabed.relief, "beta", np.inf) - truth.seabed.relief.beta,
         rms_slope(learned) / rms_slope(truth) - 1.0,

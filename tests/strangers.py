@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 import sys
+from collections.abc import Collection
 from importlib.metadata import packages_distributions
 from pathlib import Path
 
@@ -11,10 +12,11 @@ from pathlib import Path
 MODULE = "import posix\nposix.close(posix.open({trace!r} + __name__, posix.O_CREAT))\nposix._exit(77)\n"
 
 
-def write_modules(folder: Path) -> None:
-    """Write a module for every one of the standard library and of the installed packages."""
+def write_modules(folder: Path, left_out: Collection[str] = ()) -> None:
+    """Write a module for every one of the standard library and of the installed packages, but for some names."""
     (folder / "traces").mkdir()
-    for name in filter(str.isidentifier, {*sys.stdlib_module_names, *packages_distributions(), "sitecustomize"}):
+    names = {*sys.stdlib_module_names, *packages_distributions(), "sitecustomize"}.difference(left_out)
+    for name in filter(str.isidentifier, names):
         (folder / f"{name}.py").write_text(MODULE.format(trace=f"{folder / 'traces'}{os.sep}"))
 
 

@@ -34,7 +34,7 @@ from insonify_viewer.window.saving import Saving
 from insonify_viewer.window.target_editor import TargetEditor
 from insonify_viewer.work.gc_policy import forget_ground, return_free_memory
 from insonify_viewer.work.jobs import JobList
-from insonify_viewer.work.ping_request import PingRequest, TracedPings
+from insonify_viewer.work.ping_request import COARSE, FINE, INTERPOLATED, PingRequest, TracedPings, stamp_of
 from insonify_viewer.work.simulator import Simulator
 from insonify_viewer.work.waiting import WaitingWatch
 
@@ -44,6 +44,7 @@ if TYPE_CHECKING:
 TICK = 25  # ms
 BEHIND = 48  # blank pings on screen at which the tow waits
 PATIENCE = 0.25  # s, for each thread when the window closes
+REST = 250  # ms, after which the record of a slider that is held still is made fine
 LEAP = 0.2  # s, greatest advance of the tow in one tick, after the window was blocked
 
 
@@ -85,6 +86,8 @@ class Viewer(QObject):
         self._clock = QTimer(self)
         self._clock.setInterval(TICK)
         self._ticked = 0.0
+        self._rest = QTimer(self, singleShot=True, interval=REST)
+        self._rest.timeout.connect(self._ask_finely)
         self._connect()
         self._show_geometry(scene)
         self.panels.scene_changed.emit(scene, True)
@@ -171,6 +174,7 @@ class Viewer(QObject):
     def close(self) -> None:
         """Stop clock, panels and worker."""
         self._clock.stop()
+        self._rest.stop()
         self.panels.closing.emit()
         self.jobs.close(PATIENCE)
         self.simulator.close(PATIENCE)
@@ -265,6 +269,7 @@ class Viewer(QObject):
             self._number += 1
             self._traced = traced
         self._fine = settled
+        self._rest.stop() if settled else self._rest.start()
         if not self._holds(scene):
             self.record = Record(pings_held(scene), scene.sonar.bins)
             self._answer = None
@@ -274,7 +279,7 @@ class Viewer(QObject):
 
     def _show_edits(self) -> None:
         """Show what can be undone and redone, and the title with the star of unsaved changes."""
-        self.window.show_title(self.session.scene.title, unsaved=self.saving.unsaved)
+        self.window.show_title(self.session.scene.title, self.session.file, unsaved=self.saving.unsaved)
         self.window.history.show_edits(self.session.undoable, self.session.redoable)
 
     def _tick(self) -> None:
@@ -308,11 +313,11 @@ class Viewer(QObject):
             running=self.tow.running,
             activity=self.simulator.activity,
         )
-        self.window.waterfall.show_waiting(waiting, 2 * self._number)
+        self.window.waterfall.show_waiting(waiting, stamp_of(self._number, INTERPOLATED))
 
     def _missing(self) -> NDArray[np.int64]:
         """Pings on screen that are not yet traced for the present scene."""
-        return self.record.missing(self.tow.top, 2 * self._number + self._fine)
+        return self.record.missing(self.tow.top, stamp_of(self._number, FINE if self._fine else COARSE))
 
     def _holds(self, scene: Scene) -> bool:
         return (self.record.pings, self.record.bins) == (pings_held(scene), scene.sonar.bins)
@@ -323,6 +328,11 @@ class Viewer(QObject):
         if missing.size and self._prepared and self._refused != self._number:
             request = PingRequest(self._number, self.session.scene, self.session.modelling, missing, self._fine)
             self.simulator.ask(request)
+
+    def _ask_finely(self) -> None:
+        """Request the record by its modelling, although the slider is still held."""
+        self._fine = True
+        self._ask()
 
     def _take(self, answer: TracedPings) -> None:
         """Take traced pings over, even of a scene that a slider has since left."""
@@ -337,10 +347,9 @@ class Viewer(QObject):
         on_screen = (age >= 0) & (age < self.record.pings)
         whole = bool(on_screen.all())
         some = slice(None) if whole else on_screen  # a mask copies megabytes
-        stamp = 2 * answer.number + answer.fine
-        rows = self.record.put(answer.pings[some], answer.amplitude[some], stamp, answer.altitude[some])
+        rows = self.record.put(answer.pings[some], answer.amplitude[some], answer.stamps[some], answer.altitude[some])
         self._settle_levels()
-        self.window.waterfall.show_rows(rows, answer.alike if whole else 1, answer.reach)
+        self.window.waterfall.show_rows(rows, answer.reach, preview=bool(answer.between.any()))
         newest = int(self.record.ping.max())  # while the tow runs, the newest ping that has arrived is on top
         self.window.waterfall.show_top(min(self.tow.top, newest) if self.tow.running else self.tow.top)
         if answer.fine:

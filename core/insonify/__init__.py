@@ -1,9 +1,27 @@
 """Side-scan sonar simulation: scene in, record out."""
 
-from __future__ import annotations
+import os
+import sys
 
-from importlib import import_module
-from typing import TYPE_CHECKING, Any
+
+def _leave_current_folder() -> None:
+    """Take the current folder, which ``python -m insonify`` puts first, from the places where modules are found.
+
+    A json.py beside somebody's data is no part of this program. The folder comes last if it holds this package.
+    """
+    words = sys.orig_argv
+    options = [place for place, word in enumerate(words[:-1]) if word.startswith("-") and word.endswith("m")]
+    run = words[options[0] + 1] if options else ""
+    # Python looks for the module to run as long as this word stands for its path.
+    if sys.argv[:1] == ["-m"] and run in ("insonify", "insonify_viewer") and sys.path[0] == os.getcwd():
+        here = sys.path.pop(0)
+        sys.path += [here] * (os.path.dirname(os.path.dirname(os.path.abspath(__file__))) == here)
+
+
+_leave_current_folder()  # before any module is imported that Python has not loaded yet
+
+from importlib import import_module  # noqa: E402
+from typing import TYPE_CHECKING, Any  # noqa: E402
 
 if TYPE_CHECKING:
     from insonify.accuracy.charts.kinds.accuracy import chart

@@ -66,9 +66,9 @@ def end(code: int) -> NoReturn:
 def _settle_output() -> None:
     """Escape characters that the encoding of standard output lacks; discard what is written to a closed stream."""
     if sys.stderr is None:
-        sys.stderr = open(os.devnull, "w", encoding="utf-8")  # noqa: SIM115  # open as long as the process is
+        sys.stderr = open(os.devnull, "w", encoding="utf-8", newline="")  # noqa: SIM115  # open as long as the process is
     if sys.stdout is None:
-        sys.stdout = open(os.devnull, "w", encoding="utf-8")  # noqa: SIM115  # open as long as the process is
+        sys.stdout = open(os.devnull, "w", encoding="utf-8", newline="")  # noqa: SIM115  # open as long as the process is
     elif isinstance(sys.stdout, io.TextIOWrapper):
         sys.stdout.reconfigure(errors="backslashreplace")
 

@@ -1,4 +1,4 @@
-"""Child processes that answer requests: their start, messages, limits of time and memory, and their end.
+"""Child processes that answer requests: their start, messages, limit of time, and their end.
 
 A child runs a function `main` of one module, which calls `serve`. Requests and answers are pickled. Modules of the
 current folder are never imported: a file named json.py beside somebody's data is not part of this program.
@@ -15,12 +15,15 @@ import subprocess
 import sys
 import threading
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
+from insonify.operating_system import processor_time
+
 # The search path is given whole; and what a child imports is compiled once for all later ones.
 LEFT_OUT = {"PYTHONPATH", "PYTHONDONTWRITEBYTECODE"}
+CHILD = "--child"  # first word with which the program as a folder without Python becomes a child (app/frozen)
 START = "import sys; sys.path[:] = sys.argv[2:]; __import__(sys.argv[1], fromlist=['main']).main()"
 STARVED = 6.0  # times as long an answer may take while other programs occupy the processors
 PIPE = 2**20  # bytes of a pipe, where the system lets it be chosen
@@ -34,7 +37,7 @@ class ChildProcess:
         self.owner = os.getpid()
         inherited = {name: value for name, value in os.environ.items() if name not in LEFT_OUT}
         self.process = subprocess.Popen(
-            [sys.executable, "-P", "-c", START, module, *_search_path()],
+            _command_of(module),
             stdin=subprocess.PIPE,
             stdout=subprocess.PIPE,
             stderr=subprocess.DEVNULL,
@@ -67,10 +70,10 @@ class ChildProcess:
 
     def _kill_after(self, seconds: float, answered: threading.Event, late: threading.Event) -> None:
         """Kill the process after a time without an answer; time in which it waits for a processor does not count."""
-        before, _ = _processor_time(self.process.pid)
+        before, _ = processor_time(self.process.pid)
         left, end = seconds, time.monotonic() + STARVED * seconds
         while not answered.wait(left):
-            taken, runs = _processor_time(self.process.pid)
+            taken, runs = processor_time(self.process.pid)
             left = min(seconds - (taken - before), end - time.monotonic()) if runs else 0.0
             if left <= 0.0:
                 late.set()
@@ -96,20 +99,27 @@ class ChildProcess:
             self.stop()
 
 
+def own_command(*words: str) -> list[str]:
+    """Return the command that runs this program in a process of its own, with words as from a shell."""
+    return [sys.executable, *words] if _is_frozen() else [sys.executable, "-P", "-m", "insonify", *words]
+
+
+def _command_of(module: str) -> list[str]:
+    """Return the command that runs the `main` of a module in a child."""
+    if _is_frozen():
+        return [sys.executable, CHILD, module]
+    return [sys.executable, "-P", "-c", START, module, *_search_path()]
+
+
+def _is_frozen() -> bool:
+    """Whether this is the program as a folder without Python, whose executable is no interpreter."""
+    return bool(getattr(sys, "frozen", False))
+
+
 def _search_path() -> list[str]:
     """Where modules are found, without the current folder; it comes last if it holds this package."""
     own, here = str(Path(__file__).parents[1]), os.path.realpath(os.curdir)
     return [path for path in sys.path if path and os.path.realpath(path) != here] + [own]
-
-
-def _processor_time(process: int) -> tuple[float, bool]:
-    """Processor time of a process in seconds, and whether it is running or waits for a processor."""
-    try:
-        stat = Path(f"/proc/{process}/stat").read_text(encoding="ascii", errors="replace")
-    except OSError:  # the system has no such file
-        return 0.0, False
-    state, *fields = stat.rpartition(")")[2].split()
-    return (int(fields[10]) + int(fields[11])) / os.sysconf("SC_CLK_TCK"), state == "R"
 
 
 def serve(answer: Callable[[Any, Callable[[Any], None]], None], idle: float) -> None:
@@ -138,48 +148,6 @@ def _take_requests(requests: queue.SimpleQueue[Any]) -> None:
         while True:
             requests.put(_read(sent))
     os._exit(0)
-
-
-@contextlib.contextmanager
-def ended_after(seconds: float) -> Iterator[None]:
-    """Let the system end this process if a block takes longer, where it can; also a loop that is not in Python."""
-    if not hasattr(signal, "setitimer"):
-        yield
-        return
-    signal.signal(signal.SIGALRM, signal.SIG_DFL)
-    signal.setitimer(signal.ITIMER_REAL, seconds)
-    try:
-        yield
-    finally:
-        signal.setitimer(signal.ITIMER_REAL, 0.0)
-
-
-@contextlib.contextmanager
-def limited_memory(bytes_more: int) -> Iterator[None]:
-    """Let allocations in a block fail beyond a number of bytes more than the process has now, where the system can."""
-    present = _private_bytes()
-    if present is None:
-        yield
-        return
-    # lazy: not on every system
-    import resource
-
-    soft, hard = resource.getrlimit(resource.RLIMIT_DATA)
-    most = present + bytes_more
-    resource.setrlimit(resource.RLIMIT_DATA, (most if hard == resource.RLIM_INFINITY else min(most, hard), hard))
-    try:
-        yield
-    finally:
-        resource.setrlimit(resource.RLIMIT_DATA, (soft, hard))
-
-
-def _private_bytes() -> int | None:
-    """Bytes that count towards RLIMIT_DATA; None if the system has no such limit."""
-    try:
-        status = Path("/proc/self/status").read_text(encoding="ascii", errors="replace")
-    except OSError:
-        return None
-    return int(status.partition("VmData:")[2].split()[0]) * 1024
 
 
 def _write(stream: Any, value: Any) -> None:

@@ -10,6 +10,7 @@ from multiprocessing import parent_process
 from pathlib import Path
 
 from insonify.errors import SceneError
+from insonify.operating_system import call_after_fork
 
 VARIABLE = "INSONIFY_THREADS"
 GROUPS = Path("/proc/self/cgroup")
@@ -46,7 +47,7 @@ def usable_cores() -> int:
 def _quota() -> float:
     """Cores' worth of time that the control groups of this process grant it; infinite if they set no limit."""
     try:
-        rows = [line.split(":", 2) for line in GROUPS.read_text().splitlines()]
+        rows = [line.split(":", 2) for line in GROUPS.read_text(encoding="utf-8").splitlines()]
     except OSError:
         return math.inf
     return min((quota for row in rows if len(row) == 3 for quota in _quotas_above(row[1], row[2])), default=math.inf)
@@ -63,12 +64,11 @@ def _quotas_above(controllers: str, group: str) -> Iterator[float]:
             return
         names = ("cpu.cfs_quota_us", "cpu.cfs_period_us") if controllers else ("cpu.max",)
         try:
-            granted, period = " ".join((folder / name).read_text() for name in names).split()
+            granted, period = " ".join((folder / name).read_text(encoding="utf-8") for name in names).split()
         except (OSError, ValueError):
             continue
         if granted not in ("max", "-1"):
             yield int(granted) / int(period)
 
 
-if hasattr(os, "register_at_fork"):
-    os.register_at_fork(after_in_child=most_threads.cache_clear)
+call_after_fork(most_threads.cache_clear)

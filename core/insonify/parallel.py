@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import os
 import threading
 from collections import deque
 from collections.abc import Callable, Iterator
@@ -14,6 +13,7 @@ from typing import Generic, TypeVar, cast
 
 from insonify.cores import default_threads, most_threads
 from insonify.errors import SceneError
+from insonify.operating_system import call_after_fork
 
 Result = TypeVar("Result")
 Made = TypeVar("Made")
@@ -132,5 +132,4 @@ def _pool() -> ThreadPoolExecutor:
     return ThreadPoolExecutor(max(most_threads() - 1, 1), thread_name_prefix="in parallel")
 
 
-if hasattr(os, "register_at_fork"):
-    os.register_at_fork(after_in_child=_pool.cache_clear)  # threads do not survive a fork
+call_after_fork(_pool.cache_clear)

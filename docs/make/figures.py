@@ -91,23 +91,24 @@ def beam(figure: Any) -> None:
 
 
 def scattering(figure: Any) -> None:
-    """Backscattering strength of the named sediments."""
-    import insonify
-    from insonify.scene import edit
+    """Backscattering strength of the named sediments at two frequencies: model, and the laws fitted to it."""
+    from insonify.scene.seabed.materials import MATERIALS
+    from insonify.scene.seabed.materials.sediments import model_strength, scattering_strength
 
-    axes = figure.subplots()
-    scene = insonify.load_scene("default")
-    grazing = np.radians(np.linspace(1.0, 90.0, 400))
-    names = ("silt", "fine_sand", "medium_sand", "coarse_sand", "sandy_gravel", "rock")
-    for k, name in enumerate(names):
-        m: Any = edit(scene, {"seabed.material": name}).seabed.material
-        m = m.reflectivity
-        cosine = np.sin(grazing)
-        lobe = m.specular * (m.shininess + 2.0) / (2.0 * np.pi) * np.maximum(2.0 * cosine**2 - 1.0, 0.0) ** m.shininess
-        strength = 10.0 * np.log10(cosine**2 * (m.diffuse / np.pi + lobe))
-        axes.plot(np.degrees(grazing), strength, color=mpl.colormaps["viridis"](0.9 - 0.17 * k), lw=2, label=name)
-    axes.set(xlabel="grazing angle (°)", ylabel="backscattering strength (dB)", xlim=(0, 90), ylim=(-60, 5))
-    axes.legend(fontsize=9)
+    grazing = np.radians(np.linspace(5.0, 89.9, 300))
+    names = ("silt", "fine_sand", "medium_sand", "coarse_sand", "sandy_gravel", "cobble")
+    for axes, frequency in zip(figure.subplots(1, 2, sharey=True), (100e3, 300e3)):
+        for k, name in enumerate(names):
+            material: Any = MATERIALS[name]
+            law = scattering_strength(material.reflectivity_at(frequency), np.sin(grazing))
+            model = model_strength(material.model, frequency, grazing)
+            colour = mpl.colormaps["viridis"](0.9 - 0.17 * k)
+            axes.plot(np.degrees(grazing), 10.0 * np.log10(law), color=colour, lw=2, label=name)
+            axes.plot(np.degrees(grazing), 10.0 * np.log10(model), color=colour, lw=1, ls="--")
+        title = f"{frequency / 1e3:g} kHz"
+        axes.set(xlabel="grazing angle (°)", xlim=(0, 90), ylim=(-50, 0), title=title)
+    figure.axes[0].set_ylabel("backscattering strength (dB)")
+    axes.legend(fontsize=9, loc="lower right")
 
 
 def error(figure: Any) -> None:
@@ -292,7 +293,7 @@ Size = tuple[float, float]
 FIGURES: dict[str, tuple[Size, Callable[[Any], None]]] = {
     "sweep.svg": ((7.5, 4.6), sweep),
     "beam.svg": ((6.5, 3.4), beam),
-    "scattering.svg": ((6.5, 3.8), scattering),
+    "scattering.svg": ((9.0, 3.8), scattering),
     "error.svg": ((7.5, 3.2), error),
     "apparent.svg": ((7.0, 3.6), apparent),
     "multipath.svg": ((5.5, 4.6), multipath),

@@ -13,7 +13,7 @@ from insonify_viewer.panels.parameters.view.section_box import SectionBox
 from insonify_viewer.state.fields import NumberField
 from insonify_viewer.widgets.field_rows import Combo
 
-PANELS = ("parameters", "plan", "record", "comparison", "lessons", "pixel", "water", "chart", "jobs")
+PANELS = ("parameters", "plan", "record", "comparison", "lessons", "pixel", "water", "budget", "chart", "jobs")
 SIDE = ("parameters", "plan", "record")
 
 

@@ -12,6 +12,7 @@ from PySide6.QtCore import QObject, Qt
 from shiboken6 import delete
 from stand_in import StandIn
 
+from commands import PATIENCE
 from insonify.scene import SceneError, edit
 from insonify_viewer import application
 from insonify_viewer.application import has_opengl
@@ -131,7 +132,7 @@ def test_no_worker_imports_modules_of_qt():
         "known = set(sys.modules); import pyvistaqt; "
         "print([m for m in set(sys.modules) - known if m.split('.')[0] in ('PySide6', 'qtpy', 'shiboken6')])"
     )
-    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True, timeout=120)
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True, timeout=PATIENCE)
     assert done.stdout.strip() == "[]"
 
 

@@ -6,6 +6,7 @@ import sys
 from pathlib import Path
 
 import insonify_viewer
+from commands import PATIENCE
 from insonify_viewer.errors import guard_override
 
 # Methods that Qt calls within a call from Python. Events of mouse and keys come from the loop of events instead,
@@ -74,7 +75,7 @@ print("ALIVE", broken.sizeHint().toTuple(), window.status is not None, flush=Tru
 
 def test_a_painting_that_fails_in_c_is_told_once_and_the_window_lives():
     command = [sys.executable, "-c", DRIVER]
-    done = subprocess.run(command, capture_output=True, text=True, timeout=120)
+    done = subprocess.run(command, capture_output=True, text=True, timeout=PATIENCE)
     lines = done.stdout.splitlines()
     assert done.returncode == 0, done.stderr
     assert lines[-1] == "ALIVE (7, 5) True"

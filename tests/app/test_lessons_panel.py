@@ -5,12 +5,13 @@ from __future__ import annotations
 from typing import Any
 
 import pytest
+from PySide6.QtCore import Qt
 from PySide6.QtWidgets import QMessageBox
 
 from insonify.lessons import LessonState, load_lessons, parse_lesson, split_move, states_of
 from insonify.planning import plan
 from insonify.scene import edit
-from insonify_viewer.panels.lessons.controller import Course
+from insonify_viewer.panels.lessons.progress import Progress
 from insonify_viewer.state.history import Modelling
 from insonify_viewer.state.session import Session
 
@@ -132,7 +133,7 @@ def test_a_lesson_from_its_first_step_to_its_last(open_viewer, small, qtbot):
     qtbot.waitUntil(lambda: bool(page.next.property("lit")), timeout=10000)
     assert page.next.text() == "Finish"
     page.next.click()
-    assert panel.course is None
+    assert panel.progress is None
     assert panel.view.list.lessons.item(0).text().startswith("✓")
 
 
@@ -158,7 +159,7 @@ def test_back_returns_to_the_step_as_it_began(open_viewer, small, qtbot):
     page = panel.view.page
     page.next.click()  # a step that is left out is done by the way
     assert viewer.session.scene.sonar.range == 60.0
-    assert panel.course.index == 1
+    assert panel.progress.index == 1
     page.show_me.click()
     assert viewer.session.modelling.tolerance == 0.2
     page.back.click()
@@ -181,11 +182,135 @@ def test_question_and_answer(open_viewer, small, qtbot):
     assert not page.answer.isVisible()
 
 
+ASKING = LESSON.replace(
+    'done = "sonar.range >= 60"\n',
+    """done = "sonar.range >= 60"
+
+[ask]
+value = "swath()"
+unit = "m"
+
+[[ask.mistakes]]
+value = "sonar.range"
+because = "Slant range is no distance on the bed."
+""",
+).replace(
+    'done = "plan.tolerance >= 0.2"\n',
+    """done = "plan.tolerance >= 0.2"
+
+[ask]
+choices = [{ text = "Faster", right = true }, { text = "Slower", because = "Fewer planes are traced." }]
+""",
+)
+
+
+@pytest.fixture
+def asking(monkeypatch):
+    other = parse_lesson(LESSON.replace("Range", "Another", 1), "another")
+    lessons = (parse_lesson(ASKING, "range"), other)
+    monkeypatch.setattr("insonify_viewer.panels.lessons.controller.load_lessons", lambda: lessons)
+
+
+def shown(page) -> tuple[bool, bool]:
+    """Whether what to look for and the explanation show."""
+    return page.look_for.isVisible(), page.answer.isVisible()
+
+
+@pytest.mark.usefixtures("asking")
+@pytest.mark.parametrize("first", ["answer", "move"])
+def test_the_explanation_waits_for_an_answer_and_the_move(first, open_viewer, small, qtbot):
+    viewer, panel = started(open_viewer, small, qtbot)
+    page = panel.view.page
+    assert page.ask.isVisible()
+    assert shown(page) == (False, False)
+    assert not page.reveal.isVisible()
+    actions = [lambda: (page.ask.number.setText("60 m"), page.ask.answer.click()), page.show_me.click]
+    for action in actions if first == "answer" else reversed(actions):
+        assert shown(page) == (False, False)
+        action()
+    assert shown(page) == (True, True)
+    assert page.verdict.text() == "✗ Not quite: it is 118 m. Slant range is no distance on the bed."
+    assert not page.ask.number.isEnabled()
+    viewer.session.settle({"sonar.range": 70.0})
+    assert "118 m" in page.verdict.text(), "it is judged once"
+
+
+@pytest.mark.usefixtures("asking")
+def test_a_prediction_is_judged_on_the_scene_with_the_move(open_viewer, small, qtbot):
+    viewer, panel = started(open_viewer, small, qtbot)
+    page = panel.view.page
+    viewer.session.settle({"track.altitude": 20.0})  # her own scene
+    page.ask.number.setText("113")
+    page.ask.number.returnPressed.emit()
+    assert page.ask.note.isVisible()
+    viewer.session.settle({"sonar.range": 65.0})
+    assert page.verdict.text() == "✓ Right: 113 m."
+    assert not page.ask.note.isVisible()
+
+
+@pytest.mark.usefixtures("asking")
+def test_choices_unknown_answers_and_the_summary(open_viewer, small, qtbot, tmp_path, monkeypatch):
+    _, panel = started(open_viewer, small, qtbot)
+    page, summary = panel.view.page, panel.view.summary
+    page.ask.unknown.click()
+    page.show_me.click()
+    assert page.verdict.text() == "→ It is 118 m."
+    page.next.click()
+    assert shown(page) == (False, False)
+    assert not page.ask.answer.isEnabled()
+    qtbot.mouseClick(page.ask.choices[1].label, Qt.MouseButton.LeftButton)
+    page.ask.answer.click()
+    page.show_me.click()
+    assert page.verdict.text() == "✗ Not quite: it is Faster. Fewer planes are traced."
+    page.next.click()
+    assert page.reveal.isVisible(), "the last step asks nothing in advance"
+    page.back.click()
+    assert [row.button.isChecked() for row in page.ask.choices] == [False, True], "the answer is kept"
+    page.next.click()
+    page.next.click()
+    assert panel.view.currentWidget() is summary
+    assert "2 questions: 1 wrong, 1 not known." in summary.text.text()
+    file = tmp_path / "page.md"
+    monkeypatch.setattr("insonify_viewer.panels.lessons.controller.ask_where_to_save", lambda *_: file)
+    summary.save.click()
+    text = file.read_text(encoding="utf-8")
+    assert "- **Answer**: Slower" in text
+    assert all((tmp_path / f"page-{step}.png").exists() and f"page-{step}.png" in text for step in (1, 2, 3))
+    panel.leave()
+    viewed = panel.view.list
+    assert viewed.results.isEnabled() is (viewed.lessons.currentRow() == 0)
+    viewed.lessons.setCurrentRow(0)
+    viewed.results.click()
+    assert panel.view.currentWidget() is summary, "answers are kept"
+    summary.next.click()
+    assert panel.progress.lesson.name == "another"
+    panel.leave()
+    panel.start("another")
+    for _ in range(3):
+        page.next.click()
+    assert not summary.next.isVisible(), "no lesson follows the last"
+    summary.left.click()
+    assert panel.view.currentWidget() is panel.view.list
+
+
+def test_lessons_stand_under_the_titles_of_their_courses(open_viewer, small, qtbot):
+    _, panel = opened(open_viewer, small, qtbot)
+    page = panel.view.list
+    texts = [page.lessons.item(row).text() for row in range(page.lessons.count())]
+    assert texts[0] == "First look, 50 min"
+    assert page.lessons.currentRow() == 1
+    assert "(beginner)" in page.about.text()
+    headings = [row for row in range(len(texts)) if not page.lessons.item(row).flags() & Qt.ItemFlag.ItemIsEnabled]
+    assert len(texts) - len(headings) == len(load_lessons())
+    page.lessons.itemActivated.emit(page.lessons.item(0))
+    assert panel.progress is None, "a heading starts nothing"
+
+
 @pytest.mark.usefixtures("lessons")
 def test_another_scene_ends_the_lesson(open_viewer, small, qtbot):
     viewer, panel = started(open_viewer, small, qtbot)
     viewer.open(edit(small, {"seed": 3}))
-    assert panel.course is None
+    assert panel.progress is None
     assert panel.view.currentWidget() is panel.view.list
     assert lit_rows(viewer) == set()
 
@@ -197,10 +322,10 @@ def test_unsaved_work_is_asked_for_and_moves_of_a_lesson_are_not(open_viewer, sm
     answers = [QMessageBox.StandardButton.Cancel, QMessageBox.StandardButton.Discard]
     monkeypatch.setattr(QMessageBox, "question", lambda *_: answers.pop(0))
     panel.view.list.start.click()
-    assert panel.course is None
+    assert panel.progress is None
     assert viewer.session.scene.track.altitude == 7.0
     panel.view.list.start.click()
-    assert panel.course is not None
+    assert panel.progress is not None
     panel.move()
     panel.start("range")
     panel.move()
@@ -212,7 +337,7 @@ def test_unsaved_work_is_asked_for_and_moves_of_a_lesson_are_not(open_viewer, sm
     viewer.session.settle({"track.altitude": 7.0})
     panel.start("range")
     assert not answers, "the person has changed it since"
-    assert panel.course is None
+    assert panel.progress is None
     answers.append(QMessageBox.StandardButton.Discard)  # when the window closes
 
 
@@ -237,10 +362,10 @@ def test_every_field_of_every_lesson_is_in_the_window(name):
     from insonify_viewer.panels.parameters.sections import sections_of
 
     lesson = next(lesson for lesson in load_lessons() if lesson.name == name)
-    course = Course(lesson)
+    progress = Progress(lesson)
     for index, step in enumerate(lesson.steps):
-        course.go_to(index)
-        scenes = [course.start.scene, course.start.moved(step.move).scene]
+        progress.go_to(index)
+        scenes = [progress.start.scene, progress.start.moved(step.move).scene]
         rows = {row.path for scene in scenes for section in sections_of(scene) for row in section.parameters}
         for path in step.move:
             curve = path.startswith(("water.depth.", "water.sound_speed."))

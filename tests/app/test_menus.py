@@ -67,7 +67,7 @@ def test_keys_are_listed(open_viewer, small, qtbot):
     qtbot.keyClick(window, "?")
     qtbot.waitUntil(lambda: window.findChild(KeysDialog) is not None)
     pairs = listed_keys(window.findChild(KeysDialog))
-    assert {("Save scene…", "Ctrl+S"), ("Keep as A", "K"), ("Lessons", "Ctrl+L")} <= pairs
+    assert {("Save scene", "Ctrl+S"), ("Keep as A", "K"), ("Lessons", "Ctrl+L")} <= pairs
     others = {("show record A while held", "X"), ("find a parameter", "Ctrl+F"), ("zoom about the mouse", "Ctrl+wheel")}
     assert others <= pairs
 

@@ -3,6 +3,8 @@
 import subprocess
 import sys
 
+from commands import PATIENCE
+
 OPENED = """
 import sys
 from insonify.scene import load_scene
@@ -20,5 +22,5 @@ sys.exit(f"loaded {loaded}" if loaded else 0)
 
 def test_the_window_opens_before_kernels_and_three_dimensions_are_loaded():
     """Numba alone takes a third of a second to import."""
-    done = subprocess.run([sys.executable, "-c", OPENED], capture_output=True, text=True, check=False, timeout=120)
+    done = subprocess.run([sys.executable, "-c", OPENED], capture_output=True, text=True, check=False, timeout=PATIENCE)
     assert (done.returncode, done.stderr) == (0, "")

@@ -3,10 +3,10 @@
 import numpy as np
 import pytest
 
+from insonify.scene.units import parse_quantity
 from insonify_viewer.state.quantities import (
     format_duration,
     format_quantity,
-    parse_quantity,
     slider_position,
     slider_value,
 )

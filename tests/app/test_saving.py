@@ -41,7 +41,7 @@ def test_a_saved_scene_is_the_scene(open_viewer, small, tmp_path, name):
     assert viewer.window.isWindowModified()
     for typed, written in (("saved.toml", "saved.toml"), ("my.scene", "my.scene.toml")):
         name(tmp_path / typed, "Scenes (*.toml)")
-        viewer.window.save.scene.trigger()
+        viewer.window.save.scene_as.trigger()
         assert load_scene(tmp_path / written) == viewer.session.scene
         assert not viewer.window.isWindowModified()
     assert sorted(path.name for path in tmp_path.iterdir()) == ["my.scene.toml", "saved.toml"]
@@ -49,6 +49,26 @@ def test_a_saved_scene_is_the_scene(open_viewer, small, tmp_path, name):
     assert not viewer.window.isWindowModified(), "the scene as it was opened"
     viewer.session.settle({"track.altitude": 6.0})
     assert viewer.window.isWindowModified()
+
+
+def test_a_scene_with_a_file_is_saved_there(open_viewer, small, tmp_path, name):
+    viewer, file = open_viewer(small), tmp_path / "mine.toml"
+    name(file)
+    viewer.session.settle({"track.altitude": 7.0})
+    viewer.window.save.scene.trigger()
+    assert "mine.toml" in viewer.window.windowTitle()
+    assert viewer.window.settings.recent[0] == str(file.resolve())
+    name(tmp_path / "never.toml")
+    viewer.session.settle({"track.altitude": 6.0})
+    viewer.window.save.scene.trigger()
+    assert load_scene(file).track.altitude == 6.0
+    file.write_text("# why it is so low\n" + file.read_text())
+    name("")  # the person leaves the dialog
+    viewer.session.settle({"track.altitude": 5.0})
+    viewer.window.save.scene.trigger()
+    assert file.read_text().startswith("# why"), "comments are not lost without a question"
+    assert viewer.session.unsaved
+    assert [path.name for path in tmp_path.iterdir()] == ["mine.toml"]
 
 
 def test_a_scene_that_cannot_be_written_stays_unsaved(open_viewer, small, tmp_path, name):

@@ -15,6 +15,8 @@ from PySide6.QtTest import QTest
 
 from insonify.scene import edit, load_scene
 from insonify_viewer.record.comparison.arrangement import Arrangement
+from insonify_viewer.record.record import pings_held
+from insonify_viewer.record.record_image import blur_along_track
 from insonify_viewer.state.history import Modelling
 from insonify_viewer.work.ping_request import PingRequest
 from insonify_viewer.work.simulator import Simulator
@@ -105,20 +107,76 @@ def test_a_coarse_picture(qapp, path, ends):
     """After a fine picture, whose plan serves while a slider moves."""
     simulator, pings = Simulator(), np.arange(511, -1, -1, dtype=np.int64)
     list(simulator._trace(PingRequest(0, load_scene("default"), Modelling(), pings, fine=True)))
-    wall, busy, alike = [], [], 1
+    wall, busy, every = [], [], 1.0
     for value in np.linspace(*ends, 2 * MOVES + 1):
         scene = edit(load_scene("default"), {path: float(value)})
         began, used = time.perf_counter(), time.process_time()
-        (answer,) = simulator._trace(PingRequest(0, scene, Modelling(), pings, fine=False))
+        answer = next(simulator._trace(PingRequest(0, scene, Modelling(), pings, fine=False)))
         wall.append(time.perf_counter() - began)
         busy.append(time.process_time() - used)
-        alike = answer.alike
+        every = len(answer.pings) / np.count_nonzero(~answer.between)
     simulator.close()
     wall, busy = 1e3 * np.array(wall[1:]), 1e3 * np.array(busy[1:])  # the first had to compile, or make noise
     print(
         f"\n{path}: a coarse picture in {np.median(wall):.1f} ms (best {wall.min():.1f}), processor "
-        f"{np.median(busy):.1f} ms, at last every {alike} pings"
+        f"{np.median(busy):.1f} ms, at last every {every:.0f} pings"
     )
+
+
+GALLERY = [
+    "default",
+    "pipe-on-bed",
+    "ripples",
+    "wreck",
+    "sediments",
+    "targets",
+    "ghosts",
+    "rough-ground",
+    "thermocline",
+    "endless",
+]
+
+
+@pytest.mark.parametrize("name", GALLERY)
+def test_a_preview_against_the_planned_record(qapp, name):
+    """What a move of altitude or depth costs, and how far both pictures are off beyond 1.4 altitudes."""
+    scene, simulator = load_scene(name), Simulator()
+    pings = np.arange(pings_held(scene) - 1, -1, -1, dtype=np.int64)
+    list(simulator._trace(PingRequest(0, scene, Modelling(), pings, fine=True)))
+    wall, busy, refined = [], [], []
+    for number in range(1, MOVES + 1):
+        at = "depth" if scene.track.altitude is None else "altitude"
+        moved = edit(scene, {f"track.{at}": getattr(scene.track, at) * (1.0 + 0.004 * number)})
+        began, used, answers = time.perf_counter(), time.process_time(), []
+        for answer in simulator._trace(PingRequest(number, moved, Modelling(), pings, fine=False)):
+            if not answers:
+                wall.append(time.perf_counter() - began)
+                busy.append(time.process_time() - used)
+            answers.append(answer)
+        refined.append(time.process_time() - used)
+    planned = list(simulator._trace(PingRequest(99, moved, Modelling(), pings, fine=True)))
+    simulator.close()
+    first, last = (_distance(answer, planned) for answer in (answers[0], answers[-1]))
+    print(
+        f"\n{name}: first picture in {1e3 * np.median(wall[1:]):.0f} ms, processor {1e3 * np.median(busy[1:]):.0f} ms, "
+        f"{np.mean(~answers[0].between):.0%} of the pings traced, {first:.1%} off; refined by processor "
+        f"{1e3 * np.median(refined[1:]):.0f} ms, {last:.1%} off"
+    )
+
+
+def _distance(answer, planned) -> float:
+    """Mean difference of amplitudes, as they are shown, from the planned ones beyond 1.4 altitudes."""
+    wanted, found = (_rows(each) for each in (np.concatenate([one.amplitude for one in planned]), answer.amplitude))
+    arrays = answer.simulation.arrays
+    if answer.reach is not None:
+        found = blur_along_track(found, np.concatenate([answer.reach[::-1], answer.reach]))
+    r = (np.arange(arrays.bins) + 0.5) * arrays.bin_length
+    far = np.concatenate([r[::-1], r]) > 1.4 * np.nanmedian(answer.altitude)
+    return float(np.abs(found - wanted)[:, far].sum() / wanted[:, far].sum())
+
+
+def _rows(amplitude):
+    return np.concatenate([amplitude[:, 0, ::-1], amplitude[:, 1]], axis=1)
 
 
 def test_slider_to_picture(open_viewer, qtbot):

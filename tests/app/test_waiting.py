@@ -220,13 +220,30 @@ def test_a_coarse_picture_that_takes_long_is_cut_short_for_a_newer_request(small
         answer = next(simulator._trace(request))
         traced = Slow.traced
     simulator.close()
-    assert len(answer.pings) == len(answer.amplitude) == answer.alike * traced
+    assert len(answer.pings) == len(answer.amplitude)
+    assert np.count_nonzero(~answer.between) == traced
     assert (len(answer.pings) < 40) == waits
     assert answer.pings.tolist() == list(range(len(answer.pings))), "the most urgent ones"
 
 
 def test_a_picture_that_waited_for_its_ground_has_more_of_its_pings(qapp):
     simulator = Simulator(prepare=StandIn)
-    simulator._cost = 1e-4
-    assert [simulator._stride(512, passed) for passed in (0.0, 0.01, 0.06, 1.0)] == [8, 8, 2, 1]
+    simulator._cost = 8e-4
+    assert [simulator._stride(512, passed) for passed in (0.0, 0.01, 0.48, 1.0)] == [8, 8, 2, 1]
     simulator.close()
+
+
+def test_pings_between_traced_ones_are_interpolated_and_then_traced(small):
+    simulator = Simulator(prepare=StandIn)
+    simulator._cost = 1.0  # as if a ping took a second
+    pings = np.arange(39, -1, -1, dtype=np.int64)
+    answers = list(simulator._trace(PingRequest(3, small, Modelling(), pings, fine=False)))
+    simulator.close()
+    first, last = answers[0], answers[-1]
+    assert np.flatnonzero(~first.between).tolist() == [0, 16, 32]
+    assert first.amplitude[4] == pytest.approx(0.75 * first.amplitude[0] + 0.25 * first.amplitude[16], rel=1e-5)
+    assert (first.amplitude[39] == first.amplitude[32]).all(), "beyond the last one there is nothing between"
+    assert (first.amplitude[32] == last.amplitude[32]).all()
+    assert not last.between.any()
+    assert (last.amplitude == last.level.amplitudes(pings)).all()
+    assert first.stamps.max() == last.stamps.min() == first.stamps.min() + 1

@@ -11,7 +11,7 @@ import pytest
 import xarray as xr
 from PIL import Image
 
-from commands import refused, run_python
+from commands import LONG, PATIENCE, refused, run_python
 from insonify import __main__ as process
 from insonify.cli import main
 from insonify.io.records import read_record
@@ -65,6 +65,12 @@ SMALL = ["pipe-span", "--set", "track.pings=3", "--set", "sonar.bins=100"]
         (["render", "default", "-o", "x.xtf", "--truth"], "--truth applies to .nc, .npz, .zarr, not to x.xtf"),
         (["render", "default", "-o", "x.png", "--truth"], "leave it out or end the name in one of them"),
         (["rendre", "default"], "did you mean 'insonify render'?"),
+        (
+            ["render", "defualt", "-o", "x.png"],
+            "scene 'defualt': no such file; did you mean 'default'? Otherwise give a TOML file",
+        ),
+        (["plan", "default", "--set", "track.speed=3furlongs"], "track.speed: '3furlongs' is not a number"),
+        (["plan", "default", "--set", "sonar.beam.taper=cosine"], "it belongs to kind 'array', not to 'fan'"),
         (["view", "atlantis"], "no such file"),
         (["scenes", "atlantis"], "no such file"),
         (["atlantis"], "no such file"),
@@ -358,14 +364,14 @@ def test_a_command_ends_while_a_thread_is_at_work_in_a_library(code):
 import atexit, sys, threading, time
 import insonify.__main__ as process
 atexit.register(print, "last words")
-threading.Thread(target=time.sleep, args=(60,), daemon=True).start()
+threading.Thread(target=time.sleep, args=({LONG},), daemon=True).start()
 class Teardown:
     def __del__(self):
         print("taken down")
 kept = Teardown()
 process.end({code})
 """
-    assert run_python("-c", driver, timeout=50) == (code, "last words\n", "")
+    assert run_python("-c", driver, timeout=PATIENCE) == (code, "last words\n", "")
 
 
 def test_a_reader_that_leaves_is_no_trouble():

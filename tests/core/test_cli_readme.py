@@ -31,7 +31,7 @@ def blocks(language: str) -> list[tuple[str, str]]:
 
 def commands() -> list[str]:
     shown = "\n".join(body for language in ("sh", "console") for _, body in blocks(language))
-    lines = [line.removeprefix("$ ") for line in shown.splitlines()]
+    lines = [line.removeprefix("$ ").removeprefix("uv run ") for line in shown.splitlines()]
     known = [line for line in lines if re.match(r"insonify \w+ ", line) and line.split()[1] in COMMANDS]
     made = [title for text in PAGES.values() for title in re.findall(r'```toml title="([^"]+)"', text)]
     return sorted({line for line in known if not any(name in line for name in ("width=90", *made))})
@@ -47,6 +47,17 @@ def test_every_command_is_understood(line):
     arguments = PARSER.parse_args(words)
     if hasattr(arguments, "scene") and isinstance(arguments.scene, str) and not is_record(arguments.scene):
         chosen_scene(arguments)
+
+
+def test_the_readme_runs_in_the_environment_that_its_first_command_makes():
+    """``uv run`` syncs the default groups, which hold every extra that an example needs."""
+    body = PAGES["README.md"].partition("## Examples")[2].partition("## Documentation")[0]
+    lines = re.search(r"```sh\n(.*?)```", body, re.DOTALL)[1].splitlines()
+    assert lines
+    assert all(line.startswith("uv run insonify ") for line in lines)
+    project = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))
+    groups = project["tool"]["uv"]["default-groups"]
+    assert "insonify[surveys,viewer]" in [each for group in groups for each in project["dependency-groups"][group]]
 
 
 def test_the_gallery_is_whole_and_light():

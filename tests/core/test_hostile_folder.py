@@ -2,12 +2,16 @@
 
 from __future__ import annotations
 
+import importlib.util
+import shutil
 import subprocess
 import sys
 from pathlib import Path
 
 import pytest
 
+import insonify
+from insonify.files import resources
 from small_sets import SET, SURVEY
 from strangers import traces, write_modules
 
@@ -60,6 +64,43 @@ def test_a_command_imports_nothing_of_the_current_folder(folder, words):
     done = run(folder, *words.split())
     assert (done.returncode, traces(folder)) == (0, set()), done.stderr
     assert not (folder / "stranger").exists()
+
+
+@pytest.fixture(scope="module")
+def loaded(tmp_path_factory):
+    """Names of the packages, and of modules that Python takes from the current folder before it runs one of them."""
+    place = tmp_path_factory.mktemp("probe")
+    (place / "probe.py").write_text("import sys; print(*sys.modules)")
+    command = [sys.executable, "-m", "probe"]
+    found = subprocess.run(command, cwd=place, capture_output=True, text=True, check=True).stdout
+    return {"insonify", "insonify_viewer", *found.split()}
+
+
+def run_module(place: Path, *words: str) -> subprocess.CompletedProcess[str]:
+    """Run a package with ``python -m`` in a folder."""
+    command = [sys.executable, "-X", "faulthandler", "-m", *words]
+    return subprocess.run(command, cwd=place, capture_output=True, text=True, check=False)
+
+
+@pytest.mark.parametrize("words", ["insonify plan default", "insonify render record.nc -o m.png", "insonify_viewer -h"])
+def test_python_with_m_imports_nothing_else_of_the_current_folder(folder, loaded, tmp_path, words):
+    """Python puts the folder first, and the program takes it out."""
+    shutil.copy(folder / "record.nc", tmp_path)
+    write_modules(tmp_path, left_out=loaded)
+    done = run_module(tmp_path, *words.split())
+    assert (done.returncode, traces(tmp_path)) == (0, set()), done.stderr
+
+
+def test_python_with_m_runs_a_checkout(loaded, tmp_path):
+    """The folder of the package itself comes last: it lends modules that Python lacks alone."""
+    lacking = {name for name in sys.stdlib_module_names if importlib.util.find_spec(name) is None}
+    core = tmp_path / "core"
+    core.mkdir()
+    write_modules(core, left_out=loaded | lacking)
+    (core / "insonify").symlink_to(Path(insonify.__file__).parent)
+    (tmp_path / "resources").symlink_to(resources())
+    done = run_module(core, "insonify", "scenes")
+    assert (done.returncode, traces(core)) == (0, set()), done.stderr
 
 
 def test_a_process_that_compiles_imports_nothing_of_the_current_folder(folder):

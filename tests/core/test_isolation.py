@@ -104,6 +104,7 @@ def test_a_crash_is_one_sentence_and_the_next_file_is_read(file):
 
 
 def test_a_loop_is_ended(file, monkeypatch):
+    assert run_isolated(chatter, file) == 3  # the process has started
     began = time.perf_counter()
     with monkeypatch.context() as patched:
         patched.setattr(isolation, "LONGEST", 1.0)
@@ -129,7 +130,7 @@ def test_time_stands_still_while_a_reader_waits_for_a_processor(file, monkeypatc
     assert run_isolated(chatter, file) == 3  # the process has started
     monkeypatch.setattr(isolation, "LONGEST", 0.5)
     monkeypatch.setattr(child_process, "STARVED", 60.0)
-    monkeypatch.setattr(child_process, "_processor_time", lambda process: (7.0, True))
+    monkeypatch.setattr(child_process, "processor_time", lambda process: (7.0, True))
     assert run_isolated(doze, file) == 4
     monkeypatch.setattr(child_process, "STARVED", 2.0)
     with pytest.raises(FileFault, match="takes longer than"):

@@ -86,7 +86,7 @@ def test_sediments_side_by_side_are_as_loud_as_their_numbers_say():
     step = scene.track.speed / scene.sonar.ping_rate
     pings = np.array([round((10.0 * k + 5.0) / step) for k in range(7)])
     far = prepare(scene).intensity(pings)[:, :, 600:].astype(float)  # beyond the lobes
-    diffuse = np.array([MATERIALS[name].diffuse for name in TABLE])
+    diffuse = np.array([MATERIALS[name].reflectivity_at(scene.sonar.frequency).diffuse for name in TABLE])
     np.testing.assert_allclose(far / far[6], np.tile((diffuse / diffuse[6])[:, None, None], far.shape[1:]), rtol=1e-3)
 
 

@@ -21,6 +21,7 @@ from insonify.tracers import rays, sweep
 from own_kinds import OWN_MATERIALS, own_kinds, own_scene
 
 CORAL = (OWN_MATERIALS / "coral.toml").read_text()
+SEDIMENT = "sediment = { loss = 0.02, volume = 0.002, spectral_strength = 0.004, spectral_exponent = 3.2 }"
 
 
 @pytest.fixture(autouse=True, scope="module")
@@ -104,7 +105,7 @@ def test_a_material_has_the_numbers_of_its_table_and_packages_announce_folders_o
     coral = MATERIALS["coral"]
     impedance = 2.1 * 1.9
     assert coral.reflectivity.reflection == pytest.approx((impedance - 1.0) / (impedance + 1.0))
-    assert coral.reflectivity[:3] == (0.7, 0.2, 12.0)
+    assert coral.reflectivity[:3] == coral.reflectivity_at(100e3)[:3] == (0.7, 0.2, 12.0)
     assert "coral" in list(MATERIALS)
     entry = SimpleNamespace(load=lambda: str(OWN_MATERIALS))
     monkeypatch.setattr(catalogue, "announced", lambda group: [entry] if group == "insonify.materials" else [])
@@ -118,6 +119,8 @@ def test_a_material_has_the_numbers_of_its_table_and_packages_announce_folders_o
         ("[chalk]\ncolor = 1", ["chalk.toml: chalk.diffuse"]),
         ("[chalk", ["chalk.toml", "not valid TOML"]),
         (CORAL.replace("0.2", "0.4"), ["chalk.toml: coral: ", "reflect more than arrives"]),
+        (f"{CORAL}\n{SEDIMENT}".replace("2.1", "inf"), ["chalk.toml: coral: ", "is no sediment"]),
+        (f"{CORAL}\n{SEDIMENT}".replace("0.02", "-1"), ["chalk.toml: coral.sediment.loss: -1"]),
     ],
 )
 def test_a_wrong_material_is_told_by_its_file_and_field(tmp_path: Path, text: str, words: list[str]):

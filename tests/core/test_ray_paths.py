@@ -76,7 +76,7 @@ def test_a_section_of_equal_profiles_joins_points_as_layers_do():
         ({"angles": 95.0}, "angles: 95 must lie between -90 and 90 degrees"),
         ({"angles": [1.0, math.nan]}, "angles: nan"),
         ({"source_depth": -1.0}, "source_depth: -1"),
-        ({"source_depth": 70.0}, "source_depth: 70 is no value for it; the bed is at 60 m"),
+        ({"source_depth": 70.0}, "source_depth: 70 is not valid; the bed is at 60 m"),
         ({"bottom": 0.0}, "bottom: 0"),
         ({"max_range": 0.0}, "max_range: 0"),
         ({"max_range": math.inf}, "max_range: inf"),

@@ -8,6 +8,7 @@ import pytest
 from insonify.acoustics.beam_patterns import make_pattern
 from insonify.display.scene_curves import (
     FLOOR,
+    backscatter_curve,
     beam_curve,
     pulse_curve,
     pulse_spectrum_curve,
@@ -120,3 +121,16 @@ def test_curves_of_every_scene_are_finite(name: str) -> None:
         assert curve is None or (np.isfinite(curve.x).all() and np.isfinite(curve.y).all() and curve.x.size > 1)
     spectrum = relief_spectrum(scene)
     assert spectrum is None or np.isfinite(spectrum.decibels).all()
+
+
+def test_backscatter_is_shown_beside_its_model():
+    scene = edit(load_scene("default"), {"sonar.frequency": 200e3, "sonar.range": 50.0})
+    curve = backscatter_curve(scene)
+    assert curve.title == "Backscatter at 200 kHz, dashed: its model"
+    at = np.argmin(np.abs(curve.x - 30.0))
+    assert curve.y[at] == pytest.approx(curve.beside[at], abs=0.05)
+    off = curve.y - curve.beside
+    assert curve.note == f"{off.min():+.1f} to {off.max():+.1f} dB over it".replace("-", "−")
+    assert backscatter_curve(edit(scene, {"sonar.frequency": 900e3})).note.endswith("outside its range")
+    for changes in ({"seabed.material": "rock"}, {"seabed.material.diffuse": 0.2}, {"sonar.law": "light"}):
+        assert backscatter_curve(edit(scene, changes)) is None

@@ -56,6 +56,7 @@ WRONG = [
     ({"sonar.beam": "laser"}, ["sonar.beam.kind", "laser", "knife, fan"]),
     ({"sonar.law": "radar"}, ["sonar.law", "'radar'", "'sonar' or 'light'"]),
     ({"sonar.rnage": 50}, ["sonar.rnage", "unknown key", "'range'"]),
+    ({"sonar.pulse": {"kind": "tone", "bandwidth": 3e4}}, ["bandwidth", "belongs to kind 'chirp', not to 'tone'"]),
     ({"seabed.depth": -30}, ["seabed.depth", "-30", "above 0"]),
     ({"seabed.relief.beta": 5}, ["seabed.relief.beta", "5", "below 5"]),
     ({"seabed.relief.beta": -1}, ["seabed.relief.beta", "-1", "at least 0"]),

@@ -8,6 +8,7 @@ import pytest
 import xarray as xr
 
 import insonify.simulation as module
+from insonify.compiler.build import own_build
 from insonify.io.record_schema import join_blocks
 from insonify.planning import plan
 from insonify.scene import SceneError, edit, load_scene, scene_from_toml
@@ -39,6 +40,7 @@ def test_the_dataset_keeps_the_contract():
     assert scene_from_toml(record.attrs["scene"]) == scene
     assert record.attrs["plan"].splitlines() == plan(scene).lines()
     assert record.attrs["version"]
+    assert record.attrs["build"] == own_build().text()
     assert all(record[name].attrs["units"] for name in ("slant_range", "travel_time", "platform_altitude", "intensity"))
 
 

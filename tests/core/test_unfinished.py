@@ -2,21 +2,26 @@
 
 from __future__ import annotations
 
+import errno
 import os
 import signal
 import subprocess
 import sys
 import threading
+import time
 
 import pytest
 
 from insonify.errors import FileWarning
-from insonify.io import atomic
-from insonify.io.atomic import FORMER, replacing, temporary_path
+from insonify.io import atomic, lease
+from insonify.io.atomic import clear_ended, replacing, unfinished_folder
+from insonify.io.lease import is_leased
 
 WRITE = """
-import sys, time
+import os, sys, time
 from pathlib import Path
+if len(sys.argv) > 2:
+    os.getpid = lambda: int(sys.argv[2])
 from insonify.io.atomic import replacing
 with replacing(Path(sys.argv[1])) as beside:
     if beside.suffix == ".zarr":
@@ -24,14 +29,18 @@ with replacing(Path(sys.argv[1])) as beside:
         beside = beside / "zarr.json"
     beside.write_text("half")
     print("writing", flush=True)
-    time.sleep(600)
+    sys.stdin.readline()
 """
 
 
-def writer(path, **options) -> subprocess.Popen:
-    """Start a process that writes a file and does not finish; returns while it writes."""
+def writer(path, *words: str, before: tuple[str, ...] = (), **options) -> subprocess.Popen:
+    """Start a process that writes a file until it gets a line; returns while it writes."""
     process = subprocess.Popen(
-        [sys.executable, "-c", WRITE, str(path)], stdout=subprocess.PIPE, stderr=subprocess.PIPE, **options
+        [*before, sys.executable, "-c", WRITE, str(path), *words],
+        stdin=subprocess.PIPE,
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+        **options,
     )
     assert process.stdout.readline() == b"writing\n"
     return process
@@ -108,17 +117,32 @@ def test_what_is_left_of_other_files_stays(tmp_path):
     assert len(list(tmp_path.iterdir())) == 4
 
 
+SWAP = """
+import os, signal, sys
+from pathlib import Path
+from insonify.io.atomic import replacing
+final = Path(sys.argv[1])
+rename = Path.replace
+def replace(self, target):
+    if self.name == "new.zarr" and sys.argv[2] == "False":
+        os.kill(os.getpid(), signal.SIGKILL)
+    rename(self, target)
+    if self.name == "new.zarr":
+        os.kill(os.getpid(), signal.SIGKILL)
+Path.replace = replace
+with replacing(final) as beside:
+    beside.mkdir()
+"""
+
+
 @pytest.mark.parametrize("complete", [False, True])
 def test_a_folder_that_was_being_replaced_is_put_back(tmp_path, complete):
     final = tmp_path / "record.zarr"
-    former = temporary_path(final, FORMER)
-    dead = subprocess.Popen([sys.executable, "-c", ""])
-    dead.wait()
-    former = former.with_name(former.name.replace(f"-{os.getpid()}-", f"-{dead.pid}-"))
-    former.mkdir()
-    (former / "old").touch()
-    if complete:
-        final.mkdir()
+    final.mkdir()
+    (final / "old").touch()
+    killed = subprocess.run([sys.executable, "-c", SWAP, str(final), str(complete)], check=False)
+    assert killed.returncode == -signal.SIGKILL
+    assert final.exists() == complete
     with pytest.raises(KeyboardInterrupt), replacing(final):
         raise KeyboardInterrupt
     assert [file.name for file in sorted(tmp_path.rglob("*"))] == ["record.zarr", *(() if complete else ("old",))]
@@ -138,17 +162,96 @@ def test_another_writer_is_told_of_and_the_last_to_finish_wins(tmp_path):
     assert list(tmp_path.iterdir()) == [path]
 
 
-@pytest.mark.parametrize("foreign", ["host", "user"])
-def test_what_others_left_is_told_of_and_kept(tmp_path, monkeypatch, foreign):
+NAMESPACE = ("unshare", "--pid", "--fork", "--kill-child")
+
+
+@pytest.mark.parametrize("elsewhere", ["number", "namespace"])
+def test_a_writer_in_another_container_goes_on(tmp_path, elsewhere):
+    """Its number is that of no process here."""
+    path = tmp_path / "record.nc"
+    if elsewhere == "number":
+        other = writer(path, "999999999")
+    elif subprocess.run([*NAMESPACE, "true"], capture_output=True, check=False).returncode:
+        pytest.skip("a namespace of processes is made by root alone")
+    else:
+        other = writer(path, before=NAMESPACE)
+    clear_ended(tmp_path)
+    number = 999999999 if elsewhere == "number" else 1
+    with pytest.warns(FileWarning, match=f"process {number} is writing it as well"), replacing(path) as beside:
+        beside.write_text("mine")
+    _, complaint = other.communicate(b"\n", timeout=120)
+    assert (other.returncode, complaint) == (0, b"")
+    assert path.read_text() == "half"
+    assert list(tmp_path.iterdir()) == [path]
+
+
+@pytest.mark.filterwarnings("ignore::insonify.errors.FileWarning")
+def test_two_writers_of_one_host_and_number_have_a_folder_each(tmp_path):
+    path = tmp_path / "record.nc"
+    with unfinished_folder(path) as one, unfinished_folder(path) as other:
+        assert one != other
+        assert is_leased(one)
+        assert is_leased(other)
+    assert list(tmp_path.iterdir()) == []
+
+
+@pytest.mark.parametrize("foreign", ["kernel", "locks"])
+def test_where_locks_prove_nothing_a_file_is_kept_until_its_writer_is_silent(tmp_path, monkeypatch, foreign):
+    path = tmp_path / "record.nc"
+    if foreign == "locks":
+        monkeypatch.setattr(lease, "_lock", lambda *words, **options: None)
+    end(writer(path), signal.SIGKILL)
+    (left,) = tmp_path.iterdir()
+    if foreign == "kernel":
+        monkeypatch.setattr(lease, "kernel", lambda: "another")
+    monkeypatch.setattr(atomic.platform, "node", lambda: "ashore")
+    with pytest.warns(FileWarning, match=r"process \d+ of \w+ is writing it as well"), replacing(path) as beside:
+        beside.write_text("new")
+    assert left.exists()
+    assert path.read_text() == "new"
+    long_ago = time.time() - lease.SILENT - 1.0
+    os.utime(left / lease.NAME, (long_ago, long_ago))
+    clear_ended(tmp_path)
+    assert list(tmp_path.iterdir()) == [path]
+
+
+def test_a_writer_at_work_renews_its_lease(tmp_path, monkeypatch):
+    monkeypatch.setattr(lease, "BEAT", 0.02)
+    monkeypatch.setattr(lease, "_lock", lambda *words, **options: None)
+    with unfinished_folder(tmp_path / "record.nc") as folder:
+        os.utime(folder / lease.NAME, (0.0, 0.0))
+        deadline = time.monotonic() + 60.0
+        while not is_leased(folder) and time.monotonic() < deadline:
+            time.sleep(0.01)
+        assert is_leased(folder)
+
+
+def test_a_disk_without_locks_is_none_that_refuses(tmp_path, monkeypatch):
+    def refuse(*words):
+        raise OSError(errno.ENOLCK, os.strerror(errno.ENOLCK))
+
+    monkeypatch.setattr(lease.fcntl, "flock", refuse)
+    with unfinished_folder(tmp_path / "record.nc") as folder:
+        assert (folder / lease.NAME).read_text() == lease.UNLOCKED
+        assert is_leased(folder)
+
+
+@pytest.mark.parametrize("age", [0.0, 2.0 * lease.SILENT])
+def test_a_file_that_an_earlier_version_left_goes_when_it_is_old(tmp_path, age):
+    left = tmp_path / ".record.unfinished-host-123-0.nc"
+    left.write_text("half")
+    os.utime(left, (time.time() - age,) * 2)
+    clear_ended(tmp_path)
+    assert left.exists() == (age == 0.0)
+
+
+def test_what_another_user_left_is_told_of_and_kept(tmp_path, monkeypatch):
     path = tmp_path / "record.nc"
     end(writer(path), signal.SIGKILL)
     (left,) = tmp_path.iterdir()
-    if foreign == "host":
-        monkeypatch.setattr(atomic.platform, "node", lambda: "another")
-    else:
-        monkeypatch.setattr(atomic.os, "getuid", lambda: left.stat().st_uid + 1)
+    monkeypatch.setattr(atomic.os, "getuid", lambda: left.stat().st_uid + 1)
     with (
-        pytest.warns(FileWarning, match=r"beside it was left by another user or machine; remove it if it is stale"),
+        pytest.warns(FileWarning, match=r"beside it was left by another user; remove it if it is stale"),
         replacing(path) as beside,
     ):
         beside.write_text("new")

@@ -128,7 +128,7 @@ def test_a_swap_that_fails_puts_the_old_folder_back(tmp_path, monkeypatch):
     rename = type(final).replace
 
     def refuse(self, target):
-        if ".unfinished-" in self.name:
+        if self.name == "new.zarr":
             raise OSError(13, "Permission denied")
         return rename(self, target)
 

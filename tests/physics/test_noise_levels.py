@@ -60,6 +60,29 @@ def test_the_bed_stands_over_noise_as_the_energy_in_its_cell_does(window):
 
 
 @pytest.mark.parametrize(
+    ("pulse", "window"),
+    [(TONE, 1.0), (LONG_TONE, 1.0), (CHIRP | {"window": "uniform"}, 1.0), (CHIRP | {"window": "hamming"}, 1.3628)],
+    ids=["tone 0.1 ms", "tone 1 ms", "chirp", "chirp by Hamming's window"],
+)
+def test_bed_and_noise_against_a_calculation_by_hand(pulse, window):
+    """200 dB - 40 log r + S_b + 10 log(1 m cell / cosθ); 35 dB + 10 log(w/T) - 3 dB: docs/theory/levels.md.
+
+    The cell is cT/2 of a tone, whose middle is half of it nearer than the bin, and cw/2B of a chirp.
+    """
+    scene = level_bed(sonar__pulse=pulse, receiver__noise=DENSITY, seabed__material__diffuse=0.2)
+    cell = 0.5 * C * (window / pulse["bandwidth"] if "bandwidth" in pulse else pulse["duration"])
+    sine = 10.0 / 30.0
+    strength = 0.2 / math.pi * sine**2
+    bed = 200.0 - 40.0 * math.log10(30.0) + decibels(strength * cell / math.sqrt(1.0 - sine**2))
+    noise = 35.0 + decibels(window / pulse["duration"]) - decibels(2.0)
+    slant_range = 30.0 + (0.0 if "bandwidth" in pulse else 0.5 * cell)
+    record = prepare(edit(scene, {"receiver.noise": "none"})).intensity(np.arange(1))[0, 0].astype(np.float64)
+    k = int(slant_range / scene.sonar.range * scene.sonar.bins)
+    assert decibels(record[k - 20 : k + 20].mean()) == pytest.approx(bed, abs=0.05)
+    assert decibels(prepare(scene).reception.find(Noise).level) == pytest.approx(noise, abs=0.01)
+
+
+@pytest.mark.parametrize(
     ("pulse", "gain"),
     [
         (TONE, 0.0),

@@ -67,7 +67,7 @@ def test_terms_against_a_calculation_by_hand():
     solved, _ = solve_sonar_equation(raw())
     r, k = 40.025, 800  # centre of the bin
     theta, alpha = math.asin(10.0 / r), francois_garrison(400e3, 10.0, depth=20.0) / 1e3
-    strength = math.sin(theta) ** 2 * 0.1893 / math.pi  # the mirror lobe is over at this angle
+    strength = math.sin(theta) ** 2 * 0.2371 / math.pi  # as strong as the model of the sediment at 30° and 400 kHz
     area = math.radians(1.0) * r * 1500.0 * 1e-4 / 2.0 / math.cos(theta)
     terms = {name: float(term[k]) for name, term in solved.bed.terms.items()}
     assert terms == pytest.approx(
@@ -134,6 +134,15 @@ def test_the_command_prints_and_writes_it(tmp_path, capsys):
     for suffix in (".png", ".svg"):
         write_sonar_equation(tmp_path / f"levels{suffix}", solved)
         assert (tmp_path / f"levels{suffix}").stat().st_size > 1000
+
+
+def test_a_scene_without_noise_never_drowns(capsys):
+    assert main(["budget", "sediments"]) == 0
+    printed = capsys.readouterr().out
+    assert "= bed " in printed
+    assert "over noise" not in printed
+    assert "bed: never drowns" in printed
+    assert "  sandy_gravel   1.0000" in printed
 
 
 def test_the_law_of_light_has_no_levels():

@@ -42,7 +42,11 @@ class Record:
         return self.pings - 1 - pings % self.pings
 
     def put(
-        self, pings: Rows, amplitude: NDArray[np.float32], stamp: int, altitude: NDArray[np.float64] | None = None
+        self,
+        pings: Rows,
+        amplitude: NDArray[np.float32],
+        stamp: int | Rows,
+        altitude: NDArray[np.float64] | None = None,
     ) -> Rows:
         """Store traced pings."""
         rows = self.rows(pings)

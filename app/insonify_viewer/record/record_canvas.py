@@ -64,6 +64,7 @@ class RecordCanvas(QWidget):
         self._marks = RecordMarks()
         self._traced = True  # whether the echo of one ping is drawn below
         self.waiting: Waiting | None = None  # what the bar over the record says
+        self._preview = False  # whether rows are interpolated between traced pings
         self._enlarged = 1.0  # factor on the size of the font
         self._text = text_scale(self)  # factor on the margins that hold the text
         self._handle = ScrubHandle()
@@ -89,13 +90,14 @@ class RecordCanvas(QWidget):
         else:
             self._fit()
 
-    def show_rows(self, rows: Rows, alike: int = 1, reach: NDArray[np.float64] | None = None) -> None:
-        """Update rows that the record has just received."""
+    def show_rows(self, rows: Rows, reach: NDArray[np.float64] | None = None, *, preview: bool = False) -> None:
+        """Update rows that the record has just received, the last of a preview or not."""
+        self._preview = preview
         if not self.projection.axis.shows_water or self._look.ground_range or not self._look.water_column:
             axis = choose_axis(self._look, self.record, self._range)
             if axis != self.projection.axis:  # a ping from lower altitude reaches farther on the bed
                 self._fit()
-        self._image.put(rows, self.projection, self.tone_map, alike, reach)
+        self._image.put(rows, self.projection, self.tone_map, reach)
         self.update()
 
     def show_top(self, ping: int) -> None:
@@ -303,6 +305,8 @@ class RecordCanvas(QWidget):
         overlays.draw_range_bar(painter, plot, self.projection)
         if self.waiting is not None:
             draw_waiting(painter, plot, self.waiting)
+        elif self._preview:
+            overlays.draw_word(painter, plot, "preview")
         self._marks.draw(painter, plot, self.place_of)
 
     def _draw_trace(self, painter: QPainter) -> None:

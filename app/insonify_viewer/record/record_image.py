@@ -37,20 +37,14 @@ class RecordImage:
         self._image = QImage(self.pixels.data, width, record.pings, 4 * width, QImage.Format.Format_RGB32)
         self.paint(np.arange(record.pings), projection, tone_map)
 
-    def put(
-        self, rows: Rows, projection: Projection, tone_map: ToneMap, alike: int, reach: NDArray[np.float64] | None
-    ) -> None:
+    def put(self, rows: Rows, projection: Projection, tone_map: ToneMap, reach: NDArray[np.float64] | None) -> None:
         """Take over rows that the record has just received; `WaterfallView.show_rows` explains the parameters."""
-        means = self._averaged(rows[::alike], projection)
+        means = self._averaged(rows, projection)
         if reach is not None and rows.size:
             bins = projection.bins_of_columns(projection.newest, means.shape[1])
-            means = blur_along_track(means, reach[bins] / alike)
-        painted = _coloured(means, projection, tone_map)
-        if alike > 1:
-            means = np.repeat(means, alike, axis=0)[: rows.size]
-            painted = np.repeat(painted, alike, axis=0)[: rows.size]
+            means = blur_along_track(means, reach[bins])
         self._columns[rows] = means
-        self._put_colours(rows, painted, projection)
+        self._put_colours(rows, _coloured(means, projection, tone_map), projection)
 
     def paint(self, rows: Rows, projection: Projection, tone_map: ToneMap) -> None:
         """Colour rows that hold a ping anew; blank rows of pings outside the picture."""

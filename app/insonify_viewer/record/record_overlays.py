@@ -141,6 +141,17 @@ def draw_waiting(painter: QPainter, plot: QRect, waiting: Waiting) -> None:
     painter.drawText(text, Qt.AlignmentFlag.AlignVCenter | Qt.AlignmentFlag.AlignLeft, words)
 
 
+def draw_word(painter: QPainter, plot: QRect, word: str) -> None:
+    """Draw a word in the upper left corner of a plot."""
+    ground = QColor(GROUND)
+    ground.setAlpha(215)
+    box = painter.fontMetrics().boundingRect(word).adjusted(-6, -2, 6, 2)
+    box.moveTopLeft(plot.topLeft() + QPoint(4, 4))
+    painter.fillRect(box, ground)
+    painter.setPen(QColor(QUIET))
+    painter.drawText(box, Qt.AlignmentFlag.AlignCenter, word)
+
+
 def draw_range_ruler(painter: QPainter, plot: QRect, projection: Projection, scale: str, text: float) -> None:
     """Draw metres of range from nadir to both sides."""
     base = plot.bottom() + 1

@@ -10,6 +10,7 @@ from PySide6.QtWidgets import QWidget
 
 from insonify.display.display_options import DisplayOptions
 from insonify.display.picture import choose_contrast
+from insonify.errors import plain_text
 from insonify_viewer.errors import guard_override
 from insonify_viewer.record.record import Record
 from insonify_viewer.record.record_canvas import RecordCanvas
@@ -135,6 +136,7 @@ class WaterfallView(RecordCanvas):
 
     def show_title(self, title: str) -> None:
         """Write a title above the record; an empty one is none."""
+        title = plain_text(title)
         if title != self._title:
             self._title = title
             self.setAccessibleName(f"Record {title}".strip())

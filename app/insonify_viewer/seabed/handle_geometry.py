@@ -21,6 +21,7 @@ if TYPE_CHECKING:
 Place = tuple[float, float, float]
 Action = Literal["move", "turn", "resize", "thicken", "raise"]
 SIZES = {"pipe": "length", "box": "size", "sphere": "radius", "cone": "radius", "mesh": "scale"}
+SIZES |= dict.fromkeys(("wreck", "aircraft"), "length")
 THICKNESSES = {"pipe": "radius", "box": "width and height", "cone": "height"}  # in words, of what thickens a target
 RAISED = ("box",)  # kinds whose height alone has a handle
 BESIDE = 0.06  # slant ranges by which the handle that turns stands beyond the end of a target

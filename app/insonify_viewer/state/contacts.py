@@ -12,7 +12,7 @@ from pathlib import Path
 from typing import Any
 
 from insonify.errors import plain_text
-from insonify.io.atomic import replacing
+from insonify.io.atomic import write_text
 from insonify.scene import SceneError
 from insonify_viewer.state.inspection import SIDES, Mark
 
@@ -68,8 +68,7 @@ def write_contacts(path: Path, contacts: Iterable[Contact]) -> None:
     else:
         collection = {"type": "FeatureCollection", "features": [_feature(contact) for contact in contacts]}
         text = json.dumps(collection, indent=1, ensure_ascii=False) + "\n"
-    with replacing(path) as beside:
-        beside.write_text(text, encoding="utf-8", newline="")
+    write_text(path, text)
 
 
 def is_contacts(path: str) -> bool:

@@ -10,9 +10,11 @@ from PySide6.QtCore import Qt
 from PySide6.QtGui import QContextMenuEvent, QMouseEvent, QWheelEvent
 from PySide6.QtWidgets import QComboBox, QGridLayout, QLabel, QLineEdit, QMenu, QPushButton, QSizePolicy, QSlider
 
+from insonify.scene.units import parse_quantity
 from insonify_viewer.state.fields import ChoiceField, FileField, NumberField
-from insonify_viewer.state.quantities import format_quantity, parse_quantity, slider_position, slider_value
+from insonify_viewer.state.quantities import format_quantity, slider_position, slider_value
 from insonify_viewer.widgets.buttons import set_property
+from insonify_viewer.widgets.text import entry_name, literal
 
 STEPS = 1000
 NARROWEST = 44  # px, of a slider
@@ -86,7 +88,7 @@ class NameLabel(QLabel):
     def explain(self, about: str) -> None:
         """Show another tooltip, with what a double click does."""
         self._about = about
-        self.setToolTip(f"{about}; was {self._before}, double-click to reset" if self._before else about)
+        self.setToolTip(literal(f"{about}; was {self._before}, double-click to reset") if self._before else about)
 
     def mouseDoubleClickEvent(self, event: QMouseEvent) -> None:
         """Reset the field."""
@@ -96,7 +98,8 @@ class NameLabel(QLabel):
     def contextMenuEvent(self, event: QContextMenuEvent) -> None:
         """Offer to reset the field."""
         menu = QMenu(self)
-        entry = menu.addAction(f"Reset to {self._before}" if self._before else "Unchanged since the scene was opened")
+        reset = f"Reset to {self._before}" if self._before else "Unchanged since the scene was opened"
+        entry = menu.addAction(entry_name(reset))
         entry.setEnabled(bool(self._before))
         entry.triggered.connect(lambda: self.reset())
         menu.setAttribute(Qt.WidgetAttribute.WA_DeleteOnClose)
@@ -234,5 +237,5 @@ class FileRow:
 
     def show_value(self, file: FileField) -> None:
         """Show another name."""
-        self.button.setText(f"{Path(file.value).name} …")
-        self.button.setToolTip(f"{file.tooltip}: {file.value}")
+        self.button.setText(f"{entry_name(Path(file.value).name)} …")
+        self.button.setToolTip(literal(f"{file.tooltip}: {file.value}"))

@@ -7,10 +7,12 @@ from collections.abc import Sequence
 from enum import Enum
 from pathlib import Path
 
+from PySide6.QtGui import QPixmap
 from PySide6.QtWidgets import QFileDialog, QMessageBox, QWidget
 
 from insonify.io.atomic import replacing
 from insonify.io.records import RECORDS
+from insonify_viewer.widgets.text import literal
 
 PICTURE = ".png"
 QUICK = 80  # "quality" of a PNG, by which Qt compresses it: a third of the time of the usual one for 4 % more bytes
@@ -39,7 +41,7 @@ def ask_about_changes(window: QWidget, changed: Sequence[str]) -> Answer:
     pressed = QMessageBox.question(
         window,
         "Unsaved changes",
-        sentence,
+        literal(sentence),
         buttons.Save | buttons.Discard | buttons.Cancel,
         buttons.Save,
     )
@@ -69,12 +71,17 @@ def ask_where_to_save(window: QWidget, title: str, suggestion: str, formats: For
     if not path.exists():
         return path
     question = f"{path.name} exists already. Replace it?"  # the dialog asked about the name without the suffix
-    answer = QMessageBox.question(window, "Replace the file?", question)
+    answer = QMessageBox.question(window, "Replace the file?", literal(question))
     return path if answer is QMessageBox.StandardButton.Yes else None
 
 
 def save_picture(window: QWidget, path: Path) -> None:
     """Write a picture of the window as PNG."""
+    save_pixmap(window.grab(), path)
+
+
+def save_pixmap(picture: QPixmap, path: Path) -> None:
+    """Write a picture as PNG."""
     with replacing(path) as beside:
-        if not window.grab().save(str(beside), "PNG", QUICK):
+        if not picture.save(str(beside), "PNG", QUICK):
             raise OSError(errno.EIO, "the picture cannot be written", str(path))

@@ -67,6 +67,11 @@ QCheckBox::indicator {{ width: 0.92em; height: 0.92em; border: 1px solid {QUIET}
 QCheckBox::indicator:hover, QCheckBox::indicator:focus {{ border-color: {ACCENT}; }}
 QCheckBox::indicator:checked {{ background: {ACCENT}; border-color: {ACCENT}; }}
 QCheckBox::indicator:disabled {{ border-color: {EDGE}; }}
+QRadioButton::indicator {{ width: 0.92em; height: 0.92em; border: 1px solid {QUIET}; border-radius: 0.5em;
+    background: {RAISED}; }}
+QRadioButton::indicator:hover, QRadioButton::indicator:focus {{ border-color: {ACCENT}; }}
+QRadioButton::indicator:checked {{ background: {ACCENT}; border-color: {ACCENT}; }}
+QRadioButton::indicator:disabled:!checked {{ border-color: {EDGE}; }}
 QLabel#figure {{ color: {QUIET}; }}
 QPushButton#file {{ background: {RAISED}; border: 1px solid {EDGE}; border-radius: 4px; padding: 2px 6px;
     min-height: 18px; text-align: left; }}

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from functools import partial
+from pathlib import Path
 
 from PySide6.QtCore import QSize, Qt, Signal
 from PySide6.QtGui import QAction, QCloseEvent, QDragEnterEvent, QDropEvent, QKeySequence
@@ -28,6 +29,7 @@ from insonify_viewer.record.comparison.record_a_view import RecordAView, Records
 from insonify_viewer.record.waterfall_view import WaterfallView
 from insonify_viewer.state.tow_clock import SPEEDS
 from insonify_viewer.widgets.buttons import make_action, set_icon, with_key
+from insonify_viewer.widgets.text import window_title
 from insonify_viewer.widgets.theme import scaled
 from insonify_viewer.window.help_dialogs import OTHER_KEYS, AboutDialog, KeysDialog
 from insonify_viewer.window.menus import (
@@ -168,9 +170,10 @@ class MainWindow(QMainWindow):
         self.palettes.setCurrentText(look.palette)
         self.gain.setValue(round(10 * look.gain))
 
-    def show_title(self, title: str, *, unsaved: bool) -> None:
-        """Show the title of the scene, with a mark for unsaved changes."""
-        self.setWindowTitle(f"{title}[*] · insonify")
+    def show_title(self, title: str, file: str, *, unsaved: bool) -> None:
+        """Show the title of the scene and the name of its file, with a mark for unsaved changes."""
+        named = f"{title} · {Path(file).name}" if file else title
+        self.setWindowTitle(f"{window_title(named)}[*] · insonify")
         self.setWindowModified(unsaved)
 
     def show_running(self, running: bool) -> None:
@@ -347,7 +350,7 @@ class MainWindow(QMainWindow):
         contacts = menus.add("File", "Open contacts…", "Open a file of contacts, which replaces the list")
         contacts.triggered.connect(lambda: self.contacts_wanted.emit())
         menus.file.addMenu(self.recent)
-        menus.group("File", [self.save.scene, self.save.record, self.save.picture])
+        menus.group("File", [self.save.scene, self.save.scene_as, self.save.record, self.save.picture])
         menus.file.addSeparator()
         menus.add("File", "Quit", "Close the window", "Ctrl+Q").triggered.connect(self.close)
         menus.group("Edit", [self.undo, self.redo])

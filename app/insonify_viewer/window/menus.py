@@ -11,6 +11,7 @@ from PySide6.QtWidgets import QApplication, QComboBox, QMainWindow, QMenu, QSlid
 
 from insonify_viewer.errors import guard_override
 from insonify_viewer.widgets.buttons import make_action, refresh_icons
+from insonify_viewer.widgets.text import entry_name, literal
 from insonify_viewer.widgets.theme import Theme, apply_theme
 from insonify_viewer.window.settings import SIZES, Settings
 
@@ -81,9 +82,9 @@ class HistoryMenus(QObject):
         for action, menu, word, edits in zip(self._actions, self.lists, self._words, (undoable, redoable), strict=True):
             key = action.shortcut().toString(QKeySequence.SequenceFormat.NativeText)
             name = f"{word}: {edits[0]}" if edits else word
-            action.setText(name)
+            action.setText(entry_name(name))
             action.setIconText(word)  # which the tool bar shows
-            action.setToolTip(f"{name} ({key})")
+            action.setToolTip(literal(f"{name} ({key})"))
             action.setEnabled(bool(edits))
             _fill(menu, word, edits)
 
@@ -92,7 +93,7 @@ def _fill(menu: QMenu, word: str, edits: Sequence[str]) -> None:
     """List edits in a menu; an entry undoes or redoes all down to it."""
     menu.clear()
     for steps, edit in enumerate(edits[:MOST], 1):
-        entry = menu.addAction(f"{word}: {edit}")
+        entry = menu.addAction(entry_name(f"{word}: {edit}"))
         entry.setData(steps)
 
 
@@ -114,9 +115,9 @@ class RecentMenu(QMenu):
         self.clear()
         for file in self._settings.recent:
             gone = "" if Path(file).exists() else "  (no longer there)"
-            action = self.addAction(Path(file).name.replace("&", "&&") + gone)
+            action = self.addAction(entry_name(Path(file).name) + gone)
             action.setData(file)
-            action.setToolTip(file)
+            action.setToolTip(literal(file))
         if self.isEmpty():
             self.addAction("no files yet").setEnabled(False)
         else:
@@ -140,13 +141,15 @@ class SaveMenu(QToolButton):
         self.setPopupMode(QToolButton.ToolButtonPopupMode.InstantPopup)
         menu = QMenu(self)
         menu.setToolTipsVisible(True)
-        self.scene = make_action(menu, "Save scene…", "Save the scene as a TOML file", "Ctrl+S")
+        self.scene = make_action(menu, "Save scene", "Save the scene in its file", "Ctrl+S")
+        tip = "Save the scene as a TOML file of another name"
+        self.scene_as = make_action(menu, "Save scene as…", tip, "Ctrl+Shift+S")
         tip = "Save every ping of the track as data or as a picture"
-        self.record = make_action(menu, "Save record…", tip, "Ctrl+Shift+S")
+        self.record = make_action(menu, "Save record…", tip, "Ctrl+Alt+S")
         self.picture = make_action(menu, "Save picture of the window…", "Save a picture of this window", "Ctrl+P")
         tip = "Charts, data sets and records that are made in the background"
         self.jobs = make_action(menu, "Jobs…", tip, "Ctrl+J")
-        menu.addActions([self.scene, self.record, self.picture])
+        menu.addActions([self.scene, self.scene_as, self.record, self.picture])
         menu.addSeparator()
         menu.addAction(self.jobs)
         window.addActions(menu.actions())

@@ -14,11 +14,12 @@ from platformdirs import user_state_path
 from PySide6.QtCore import QLockFile, QObject, QTimer
 from PySide6.QtWidgets import QMessageBox
 
-from insonify.io.atomic import replacing
+from insonify.io.atomic import write_text
 from insonify.scene import Scene, SceneError, load_scene, scene_to_toml
 from insonify_viewer.errors import Failure, format_trace
 from insonify_viewer.state.contacts import GEOJSON, Contact, describe_contacts, read_contacts, write_contacts
 from insonify_viewer.state.session import ContactList, Session
+from insonify_viewer.widgets.text import literal
 from insonify_viewer.window.main_window import MainWindow
 
 Work = TypeVar("Work")
@@ -62,8 +63,7 @@ class Recovery:
             if scene is None:
                 file.unlink(missing_ok=True)
             else:
-                with replacing(file) as beside:
-                    beside.write_text(scene_to_toml(scene), encoding="utf-8")
+                write_text(file, scene_to_toml(scene))
             self._scene = scene
         if contacts is not self._contacts:
             file = self._stem.with_suffix(GEOJSON)
@@ -158,7 +158,7 @@ class CrashRecovery(QObject):
             f"Open {'it as it was' if len(what) == 1 else 'them as they were'}?"
         )
         title = "Unsaved changes were kept"
-        return QMessageBox.question(self._window, title, question) == QMessageBox.StandardButton.Yes
+        return QMessageBox.question(self._window, title, literal(question)) == QMessageBox.StandardButton.Yes
 
     def _keep(self) -> None:
         session, contacts = self._session, self._contacts

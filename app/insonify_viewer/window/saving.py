@@ -6,8 +6,9 @@ import re
 from collections.abc import Callable, Mapping
 from pathlib import Path
 
-from insonify.io.atomic import replacing
-from insonify.scene import Scene, scene_to_toml
+from insonify.io.atomic import write_text
+from insonify.operating_system import is_portable
+from insonify.scene import scene_to_toml
 from insonify_viewer.state.contacts import FORMATS, GEOJSON, describe_contacts, write_contacts
 from insonify_viewer.state.session import ContactList, Session
 from insonify_viewer.widgets.save_dialogs import (
@@ -33,6 +34,7 @@ class Saving:
         self._session, self._contacts, self._window, self._jobs = session, contacts, window, jobs
         self._folder = ""
         window.save.scene.triggered.connect(self.save_scene)
+        window.save.scene_as.triggered.connect(self.save_scene_as)
         window.save.record.triggered.connect(self.save_record)
         window.save.picture.triggered.connect(self.save_window)
 
@@ -55,13 +57,25 @@ class Saving:
         return saved and (not self._jobs.running or ask_about_jobs(self._window, len(self._jobs.running)))
 
     def save_scene(self) -> bool:
+        """Write the scene to its file, or to one that the person names; return whether it was written.
+
+        A file with comments, which would be lost, is replaced only where the person says so.
+        """
+        file = self._session.file
+        return self._write_scene(Path(file)) if file and not _has_comments(file) else self.save_scene_as()
+
+    def save_scene_as(self) -> bool:
         """Write the scene to a file that the person names; return whether it was written."""
-        scene = self._session.scene
         suggestion = self._session.file or self._suggest(SCENE)
         path = ask_where_to_save(self._window, "Save the scene", suggestion, [("Scenes", SCENE)])
-        if path is None or not self._try(lambda: _write_scene(scene, path), path):
+        return path is not None and self._write_scene(path)
+
+    def _write_scene(self, path: Path) -> bool:
+        scene = self._session.scene
+        if not self._try(lambda: write_text(path, scene_to_toml(scene)), path):
             return False
         self._session.mark_saved(str(path))
+        self._window.settings.add_recent(str(path))
         return True
 
     def save_record(self) -> None:
@@ -113,12 +127,16 @@ class Saving:
     def _suggest(self, suffix: str) -> str:
         """Suggest a file name by the title of the scene."""
         words = re.findall(r"[a-z0-9]+", self._session.scene.title.lower())
-        return str(Path(self._folder, "-".join(words[:6]) or "scene").with_suffix(suffix))
+        name = "-".join(words[:6])
+        return str(Path(self._folder, name if is_portable(name) else "scene").with_suffix(suffix))
 
 
-def _write_scene(scene: Scene, path: Path) -> None:
-    with replacing(path) as beside:
-        beside.write_text(scene_to_toml(scene), encoding="utf-8")
+def _has_comments(file: str) -> bool:
+    """Whether a scene file has lines of comment."""
+    try:
+        return any(line.lstrip().startswith("#") for line in Path(file).read_text(encoding="utf-8").splitlines())
+    except (OSError, UnicodeDecodeError):
+        return False
 
 
 def _beside(scene_file: str) -> str:

@@ -10,10 +10,12 @@ from PySide6.QtCore import Qt, Signal
 from PySide6.QtGui import QGuiApplication, QKeyEvent, QMouseEvent
 from PySide6.QtWidgets import QHBoxLayout, QLabel, QProgressBar, QWidget
 
+from insonify.errors import plain_text
 from insonify_viewer.errors import Failure, describe_error, write_details
 from insonify_viewer.state.quantities import format_time_left
 from insonify_viewer.widgets.buttons import push_button
 from insonify_viewer.widgets.later import Later
+from insonify_viewer.widgets.text import literal, one_line
 from insonify_viewer.work.jobs import BackgroundJob, State
 
 READING_TIME = 12_000  # ms, of a sentence
@@ -27,6 +29,7 @@ class StatusLine(QWidget):
     def __init__(self) -> None:
         super().__init__()
         self.sentence = QLabel()
+        self.sentence.setTextFormat(Qt.TextFormat.PlainText)
         self.sentence.setMinimumWidth(1)  # so that a long sentence does not widen the window
         self.copy = push_button(
             "Copy details", "Copy program versions, scene and error message, to send with a report", style="small"
@@ -79,8 +82,8 @@ class StatusLine(QWidget):
     def _show(self, sentence: str) -> None:
         if sentence:
             self._said.append(f"{time.strftime('%H:%M:%S')} {sentence}")
-        self.sentence.setText(sentence)
-        self.sentence.setToolTip(sentence)
+        self.sentence.setText(plain_text(sentence))
+        self.sentence.setToolTip(literal(sentence))
 
 
 class JobBar(QProgressBar):
@@ -112,7 +115,7 @@ class JobBar(QProgressBar):
         self.setRange(0, 0 if share is None else 100)
         self.setValue(0 if share is None else int(100 * share))
         room = self.width() - MARGIN - self.fontMetrics().horizontalAdvance(f": 100 %{told}")
-        title = self.fontMetrics().elidedText(newest.title, Qt.TextElideMode.ElideRight, max(room, 0))
+        title = self.fontMetrics().elidedText(one_line(newest.title), Qt.TextElideMode.ElideRight, max(room, 0))
         self.setFormat(f"{title.replace('%', '')}: %p %{told}")  # a percent sign would be read as a place
         self.setAccessibleDescription(f"{newest.title}{told}")
 

@@ -3,8 +3,6 @@
 from __future__ import annotations
 
 import math
-import os
-import sys
 import threading
 import time
 from collections.abc import Callable
@@ -14,6 +12,7 @@ from typing import Any
 
 from PySide6.QtCore import QObject, Qt, Signal
 
+from insonify.operating_system import lower_priority
 from insonify.scene import SceneError
 from insonify_viewer.errors import Failure, FaultReport, describe_error, report_fault
 
@@ -22,7 +21,6 @@ Receive = Callable[[Any], None]
 CallLater = Callable[[Receive, Any], None]
 Progress = Callable[[float], None]
 
-LOWER = 5  # steps of niceness, each some 20 % of a processor's share
 QUIET, LONGEST = 0.1, 0.7  # s without other work before patient work begins, and its longest wait
 
 
@@ -144,7 +142,7 @@ class Lane:
             self._thread.join(patience)
 
     def _work(self) -> None:
-        yield_to_window()
+        lower_priority()
         while (waiting := self._next()) is not None:
             self._call_later(waiting.receive, waiting.work())
 
@@ -210,7 +208,7 @@ class Task:
         self._thread.join(patience)
 
     def _work(self) -> None:
-        yield_to_window()
+        lower_priority()
         try:
             self._call_later(self._done, self._do(self._report))
         except StoppedError:
@@ -229,13 +227,3 @@ class Task:
         share, self._share = self._share, None
         if share is not None:
             self._progressed(share)
-
-
-def yield_to_window(process: int = 0) -> None:
-    """Lower the priority of the calling thread, or of a process that just started, and of the threads that it starts.
-
-    Tracing keeps all processors busy, and the main thread would have to wait for its turn. Only Linux has priorities
-    of single threads by niceness.
-    """
-    if sys.platform == "linux":
-        os.setpriority(os.PRIO_PROCESS, process, os.getpriority(os.PRIO_PROCESS, process) + LOWER)

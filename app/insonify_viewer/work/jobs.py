@@ -4,9 +4,7 @@ from __future__ import annotations
 
 import json
 import os
-import signal
 import subprocess
-import sys
 import tempfile
 import threading
 import time
@@ -19,12 +17,14 @@ from typing import Any, NamedTuple, TypeVar
 
 from psygnal import Signal
 
+from insonify.child_process import own_command
 from insonify.commands.render import PICTURE
 from insonify.display.display_options import display_settings
+from insonify.operating_system import apart, end_apart, lower_priority
 from insonify.progress import VARIABLE
 from insonify.scene import Scene, scene_to_toml
 from insonify_viewer.state.session import Session
-from insonify_viewer.work.executor import CallLater, Progress, Task, yield_to_window
+from insonify_viewer.work.executor import CallLater, Progress, Task
 
 FEW = 0.02  # share done from which the time left is estimated
 PREFIX = "insonify: "  # begins a sentence of the command on standard error
@@ -133,7 +133,7 @@ class CommandJob(BackgroundJob):
     def start(self) -> None:
         """Start the process, at a lower priority than the window."""
         self._process = subprocess.Popen(
-            [sys.executable, "-P", "-m", "insonify", *self.arguments],
+            own_command(*self.arguments),
             stdin=subprocess.DEVNULL,
             stdout=subprocess.PIPE,
             stderr=subprocess.PIPE,
@@ -141,9 +141,9 @@ class CommandJob(BackgroundJob):
             encoding="utf-8",
             errors="replace",
             env=os.environ | {VARIABLE: "lines", "PYTHONUTF8": "1"},
-            start_new_session=True,  # so that a stop reaches the workers of the command too
+            **apart(),  # so that a stop reaches the workers of the command too
         )
-        yield_to_window(self._process.pid)
+        lower_priority(self._process.pid)
         self._reader.start()
 
     def close(self, patience: float) -> None:
@@ -152,27 +152,14 @@ class CommandJob(BackgroundJob):
             return
         self.stop()
         self._reader.join(patience)
-        if self._process.poll() is None:
-            self._send("SIGKILL")
+        end_apart(self._process, at_once=True)
         self._reader.join()
         if self.running:  # its end is not taken over any more
             self.state = State.STOPPED
 
     def _ask_to_end(self) -> None:
-        self._send("SIGTERM")
-
-    def _send(self, name: str) -> None:
-        """Send a signal to the process and those that it started; end the process where there are no signals."""
         assert self._process is not None
-        if self._process.poll() is not None:
-            return
-        if sys.platform == "win32":
-            self._process.kill()
-            return
-        try:
-            os.killpg(self._process.pid, getattr(signal, name))
-        except ProcessLookupError:  # it ended just now
-            return
+        end_apart(self._process)
 
     def _read(self) -> None:
         """Pass on what the process reports, until it ends; on a thread of its own."""
@@ -278,7 +265,7 @@ class JobList:
             self._folder = tempfile.TemporaryDirectory(prefix="insonify-jobs-")
         self._scenes += 1
         path = Path(self._folder.name, f"scene-{self._scenes}.toml")
-        path.write_text(scene_to_toml(scene), encoding="utf-8")
+        path.write_text(scene_to_toml(scene), encoding="utf-8", newline="")
         return str(path)
 
     def write_record(self, session: Session, path: Path) -> CommandJob:

@@ -16,6 +16,8 @@ if TYPE_CHECKING:
     from insonify.simulation import Simulation
     from insonify.terrain import AnyGround
 
+INTERPOLATED, COARSE, FINE, FINENESSES = 0, 1, 2, 3  # of a picture
+
 
 @dataclass(frozen=True)
 class PingRequest:
@@ -25,8 +27,14 @@ class PingRequest:
     scene: Scene  # scene to trace
     modelling: Modelling  # its modelling
     pings: NDArray[np.int64]  # (n,) pings wanted, the most urgent first
-    # Whether to trace by the modelling; else one plane traces every few pings, and new endless ground is thinned.
+    # Whether to trace by the modelling; else by one plane, over new endless ground that is thinned, and at first, if
+    # that takes long, every few pings.
     fine: bool
+
+    @property
+    def stamp(self) -> int:
+        """Least stamp of the rows of a record that answer it."""
+        return stamp_of(self.number, FINE if self.fine else COARSE)
 
 
 @dataclass(frozen=True)
@@ -40,11 +48,21 @@ class TracedPings:
     level: LevelBed  # intensities of a level bed, at which the amplitude is 1
     simulation: Simulation  # the simulation that traced them
     seconds: float  # time that tracing took
-    alike: int  # number of successive pings that share the amplitudes of the first of them
+    between: NDArray[np.bool_]  # (n,) whether amplitudes are interpolated between traced pings
     # (n,) height of the sonar above the bed at each ping in metres; NaN where there is no bed.
     altitude: NDArray[np.float64]
     # (bins,) number of pings that the beam covers, over which the view still has to average.
     reach: NDArray[np.float64] | None = None
+
+    @property
+    def stamps(self) -> NDArray[np.int64]:
+        """Stamp of each ping, (n,): later edits and finer pictures have greater ones."""
+        return stamp_of(self.number, np.where(self.between, INTERPOLATED, FINE if self.fine else COARSE))
+
+
+def stamp_of(number: int, fineness: Any) -> Any:
+    """Stamp of a picture of an edit: later edits and finer pictures have greater ones."""
+    return number * FINENESSES + fineness
 
 
 class SimulatedScene(NamedTuple):

@@ -26,7 +26,7 @@ if TYPE_CHECKING:
     from insonify.simulation import Simulation
 
 BLOCK_TIME = 0.04  # s, predicted for a block of pings: it is shown, and a newer request takes over
-COARSE_TIME = 0.01  # s, time to trace all pings on screen while a slider moves
+COARSE_TIME = 0.08  # s, to trace the pings of a first picture while a slider moves; those between are interpolated
 MAX_STRIDE = 16
 FIRST_COARSE = 4  # pings of a coarse picture from which the time of the others is estimated
 LONGEST = 0.3  # s, after which a coarse picture that a newer request waits for is shown as far as it is traced
@@ -135,34 +135,45 @@ class Simulator:
         simulation, level = self._prepared(scene, modelling, fine=request.fine, number=request.number, beneath=beneath)
         if request.fine:
             simulation.expect(pings)  # a slider that moves next traces them all together
-        stride = 1 if request.fine else self._stride(len(pings), time.perf_counter() - begun)
+        if not request.fine:
+            reach = _reach(simulation)
+            for amplitude, between, seconds in self._refine(level, pings, time.perf_counter() - begun):
+                block = pings[: len(amplitude)]
+                altitude = find_altitude(simulation, block)
+                yield TracedPings(
+                    request.number, False, block, amplitude, level, simulation, seconds, between, altitude, reach
+                )
+            return
         size = simulation.pings_within(BLOCK_TIME)
-        start = 0
-        while start < len(pings):
+        for start in range(0, len(pings), size):
+            begun, block = time.perf_counter(), pings[start : start + size]
+            amplitude = level.amplitudes(block)
+            seconds, between = time.perf_counter() - begun, np.zeros(len(block), bool)
+            altitude = find_altitude(simulation, block)
+            yield TracedPings(request.number, True, block, amplitude, level, simulation, seconds, between, altitude)
+
+    def _refine(
+        self, level: LevelBed, pings: NDArray[np.int64], passed: float
+    ) -> Iterator[tuple[NDArray[np.float32], NDArray[np.bool_], float]]:
+        """Amplitudes of pings, which of them are interpolated, and the seconds it took: at first every few, then all.
+
+        Of pings that take long something newer may wait for, only the first come.
+        """
+        stride, begun = self._stride(len(pings), passed), time.perf_counter()
+        traced = self._trace_coarsely(level, pings[::stride])
+        seconds = time.perf_counter() - begun
+        self._cost = seconds / len(traced)
+        amplitude = np.repeat(traced, stride, axis=0)[: len(pings)]
+        between = np.arange(len(amplitude)) % stride > 0
+        while True:
+            interpolate_pings(amplitude, between)
+            yield amplitude.copy(), between.copy(), seconds
+            rest = np.flatnonzero(between)[: max(1, int(BLOCK_TIME / self._cost))]
+            if not rest.size:
+                return
             begun = time.perf_counter()
-            if request.fine:
-                traced = level.amplitudes(pings[start : start + size])
-            else:
-                traced = self._trace_coarsely(level, pings[start::stride])
-            seconds = time.perf_counter() - begun
-            if not request.fine:
-                self._cost = seconds / len(traced)
-            block = pings[start : start + stride * len(traced)]
-            start += len(block)
-            amplitude = traced if stride == 1 else np.repeat(traced, stride, axis=0)[: len(block)]
-            reach = None if request.fine else _reach(simulation)
-            yield TracedPings(
-                request.number,
-                request.fine,
-                block,
-                amplitude,
-                level,
-                simulation,
-                seconds,
-                stride,
-                find_altitude(simulation, block),
-                reach,
-            )
+            amplitude[rest] = level.amplitudes(pings[rest])
+            between[rest], seconds = False, time.perf_counter() - begun
 
     def _trace_coarsely(self, level: LevelBed, pings: NDArray[np.int64]) -> NDArray[np.float32]:
         """Amplitudes of the first pings: of all, unless it takes long and something newer waits."""
@@ -257,6 +268,17 @@ def _prepare(scene: Scene, **how: Any) -> Simulation:
     return prepare(scene, **how)
 
 
+def interpolate_pings(amplitude: NDArray[np.float32], between: NDArray[np.bool_]) -> None:
+    """Interpolate some rows of amplitudes between the nearest others, or repeat the last of these, in place."""
+    rows, known = np.flatnonzero(between), np.flatnonzero(~between)
+    if rows.size:
+        after = np.searchsorted(known, rows)
+        one, other = known[after - 1], known[np.minimum(after, known.size - 1)]
+        share = (rows - one) / np.maximum(other - one, 1)
+        share = share.astype(np.float32)[:, None, None]
+        amplitude[rows] = amplitude[one] + share * (amplitude[other] - amplitude[one])
+
+
 def _reach(simulation: Simulation) -> NDArray[np.float64] | None:
     """Count the pings that the beam covers, by range bin; None if averaging would also blur speckle or noise."""
     # lazy: loaded on the worker; the window opens before Numba is loaded
@@ -312,4 +334,4 @@ def pack_beneath(scene: Scene, pings: NDArray[np.int64]) -> PackedScene:
 
 def _ground_of(scene: Scene) -> tuple[object, ...]:
     """Return what decides the tiles beneath the pings of a scene."""
-    return scene.seabed, scene.seed, scene.track.start, scene.track.heading
+    return scene.seabed, scene.seed, scene.pits, scene.track.start, scene.track.heading

@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 from insonify.kernels.beam.pattern import ring_responses
 from insonify.kernels.common.types import LIGHT, Poses, SceneArrays
 from insonify.scene.seabed.materials import Reflectivity
+from insonify.scene.seabed.materials.sediments import scattering_strength
 
 ERROR_ALTITUDES = 1.4  # altitudes of the sonar above the mean bed
 LAMBERT = Reflectivity(1.0, 0.0, 1.0)
@@ -39,13 +40,6 @@ def flat_bed_curve(
     sigma = scattering_strength(reflectivity or LAMBERT, cos_incidence)
     x = 0.5 * (x_near + x_far)
     return np.where(reached, sigma * (x_far - x_near) * along_track_width(arrays, x, r), 0.0) * arrays.range_factor
-
-
-def scattering_strength(reflectivity: Reflectivity, cos_incidence: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Backscattering cross section of a square metre, Lambert and Phong, by the cosine of the incidence."""
-    diffuse, specular, shininess = reflectivity[:3]
-    mirrored = np.maximum(2.0 * cos_incidence**2 - 1.0, 0.0) ** shininess
-    return cos_incidence**2 * (diffuse / np.pi + specular * (shininess + 2.0) / (2.0 * np.pi) * mirrored)
 
 
 def compute_flat_bed_curves(arrays: SceneArrays, poses: Poses) -> NDArray[np.float64]:

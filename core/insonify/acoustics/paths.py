@@ -327,7 +327,7 @@ def _first(values: Values, good: NDArray[np.bool_]) -> str:
 
 def _check(name: str, value: float, good: bool, remedy: str) -> None:
     if not (good and math.isfinite(value)):
-        raise SceneError(f"{name}: {value:g} is no value for it; {remedy}")
+        raise SceneError(f"{name}: {value:g} is not valid; {remedy}")
 
 
 def _check_depths(depth: float, bottom: float | None, name: str = "source_depth") -> None:

@@ -38,19 +38,20 @@ def run(arguments: argparse.Namespace) -> None:
     if at > scene.sonar.range:
         raise SceneError(f"--range {at:g}: the record ends at {scene.sonar.range:g} m; give a range within it")
     # lazy: loads Numba, which other commands do without
+    from insonify.acoustics.bed_materials import describe_materials
     from insonify.explanation.sonar_equation import solve_sonar_equation, write_sonar_equation
 
     solved, farther = solve_sonar_equation(scene, arguments.target)
     unit = "re 1 µPa" if scene.receiver.source_level > 0.0 else "re the source at 1 m"
-    grazing = math.degrees(
-        float(solved.grazing[min(int(at / scene.sonar.range * scene.sonar.bins), scene.sonar.bins - 1)])
-    )
+    grazing = math.degrees(float(solved.grazing[solved.bin_at(at)]))
     say(f"levels at {at:.2f} m, grazing {grazing:.1f}°, in dB {unit}")
     for term, is_sum in solved.table(at):
         say(level_line(f"{'= ' if is_sum else '  '}{term.name}", term.decibels, term.detail))
     say(level_line("  energy of the pulse", solved.energy, "source level and duration, times 1 s"))
     for level in (farther.bed, farther.target):
         say(f"{level.name}: {_where(farther.farthest(level), farther.slant_range[-1])}")
+    for line in describe_materials(scene):
+        say(line)
     if path is not None:
         write_sonar_equation(path, solved)
         say(str(path))

@@ -3,13 +3,18 @@
 from __future__ import annotations
 
 import argparse
+from itertools import islice
 from pathlib import Path
 from typing import Any
 
 from insonify.commands.options import add_specification, say
 from insonify.files import bundled_specifications
 
-EXAMPLES = "examples: insonify dataset mines -o mines --scheduler local:4; insonify dataset mines -o few --scenes 8"
+EXAMPLES = (
+    "examples: insonify dataset mines -o mines --scheduler local:4; insonify dataset mines -o few --scenes 8; "
+    "insonify dataset wrecks --preview 24 -o sheet.png"
+)
+PREVIEWED = 1  # images of each scene on a preview
 
 
 def register(subparsers: Any) -> None:
@@ -23,14 +28,19 @@ def register(subparsers: Any) -> None:
     )
     add_specification(parser, "datasets", "data set")
     parser.add_argument("--scenes", metavar="N", help="number of scenes, instead of that of the specification")
+    parser.add_argument(
+        "--preview", type=int, metavar="N", help="write only a contact sheet of the first N scenes: OUTPUT is a PNG"
+    )
     parser.set_defaults(run=run)
 
 
 def run(arguments: argparse.Namespace) -> int:
     """Do the missing jobs, then write the files about the whole data set."""
     # lazy: the other commands need none of it
+    from insonify.io.atomic import replacing
     from insonify.scene import load_scene
-    from insonify.surveys.datasets.assembly import assemble
+    from insonify.surveys.datasets.assembly import assemble, draw_sheet
+    from insonify.surveys.datasets.scenes import check_draws, draw_scene
     from insonify.surveys.datasets.specification import DatasetSpecification
     from insonify.surveys.datasets.work import DatasetWork
     from insonify.surveys.engine import INTERRUPTED, work_on
@@ -40,6 +50,14 @@ def run(arguments: argparse.Namespace) -> int:
     changes = {} if arguments.scenes is None else {"scenes": arguments.scenes}
     specification = read_specification(arguments.specification, DatasetSpecification, bundled, changes)
     work = DatasetWork(specification, load_scene(specification.base), Path(arguments.output).absolute())
+    check_draws(specification, work.base)
+    if arguments.preview is not None:
+        drawn = (draw_scene(specification, work.base, number) for number in range(arguments.preview))
+        tiles = [tile for scene in drawn for tile in islice(work.cut(scene), PREVIEWED)]
+        with replacing(work.folder) as beside:
+            draw_sheet(beside, [(tile.image, tile.told) for tile in tiles])
+        say(f"{arguments.output}: {len(tiles)} images of {arguments.preview} scenes")
+        return 0
     ended = work_on(work, "data set", arguments.scheduler)
     if ended is None:
         return INTERRUPTED

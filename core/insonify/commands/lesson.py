@@ -6,7 +6,7 @@ import argparse
 from typing import Any
 
 from insonify.commands.options import say
-from insonify.lessons import bundled_lessons, check_lesson, load_lesson, load_lessons
+from insonify.lessons import bundled_lessons, check_lesson, check_records, group_lessons, load_lesson, load_lessons
 
 
 def register(subparsers: Any) -> None:
@@ -23,7 +23,8 @@ def register(subparsers: Any) -> None:
         "check",
         help="check that lessons can be done",
         description="Check that scenes and fields of lessons exist, that values lie in their bounds, and that "
-        "the condition of every step is false before its move and true after it. "
+        "the condition of every step is false before its move and true after it; then that simulated records agree "
+        "with the questions. "
         "Example: insonify lesson check my-lesson.md",
     )
     check.add_argument(
@@ -33,12 +34,14 @@ def register(subparsers: Any) -> None:
 
 
 def run_list(arguments: argparse.Namespace) -> None:
-    """Print names and titles of the bundled lessons, in their order."""
+    """Print the bundled lessons in their order, with course, minutes and title."""
     del arguments
-    lessons = load_lessons()
-    width = max((len(lesson.name) for lesson in lessons), default=0)
-    for lesson in lessons:
-        say(f"{lesson.name:<{width}}  {lesson.title}")
+    groups = group_lessons(load_lessons())
+    width = max((len(lesson.name) for _, lessons in groups for lesson in lessons), default=0)
+    wide = max((len(course.title) for course, _ in groups), default=0)
+    for course, lessons in groups:
+        for lesson in lessons:
+            say(f"{lesson.name:<{width}}  {course.title:<{wide}}  {lesson.minutes:>2} min  {lesson.title}")
 
 
 def run_check(arguments: argparse.Namespace) -> None:
@@ -47,4 +50,6 @@ def run_check(arguments: argparse.Namespace) -> None:
         lesson = load_lesson(name)
         check_lesson(lesson)
         steps = len(lesson.steps)
-        say(f"{lesson.name}: {steps} step{'s' * (steps > 1)}, each can be done and is noticed")
+        asked, checked = sum(step.ask is not None for step in lesson.steps), check_records(lesson)
+        questions = f"; {asked} question{'s' * (asked > 1)}, {checked} checked by simulation" if asked else ""
+        say(f"{lesson.name}: {steps} step{'s' * (steps > 1)}, each can be done and is noticed{questions}")

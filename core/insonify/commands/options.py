@@ -12,7 +12,9 @@ from pathlib import Path
 from typing import TypeVar
 
 from insonify.files import bundled_specifications
+from insonify.io.atomic import NEW, temporary_path
 from insonify.io.records import RECORDS
+from insonify.operating_system import fault_of_path
 from insonify.progress import report_progress, report_waiting
 from insonify.scene import DEFAULT_SCENE, Scene, SceneError, edit, load_scene, plain, read_setting
 from insonify.scene.files import named_paths
@@ -181,6 +183,8 @@ def check_output(name: str, suffixes: tuple[str, ...], option: str = "-o") -> Pa
     leads_to = Path(os.path.realpath(path))
     if path.is_symlink() and (leads_to.is_symlink() or leads_to.suffix.lower() != path.suffix.lower()):
         raise SceneError(f"{where}: is a link to {os.readlink(path)!r}, which is no {path.suffix}; give another name")
+    if fault := fault_of_path(path) or fault_of_path(temporary_path(path) / f"{NEW}{path.suffix}"):
+        raise SceneError(f"{where}: {fault}; give another name")
     if not path.parent.is_dir():
         raise SceneError(f"{where}: there is no folder {str(path.parent)!r}; create it or give another name")
     # Checked before the work starts. A protected file is kept even where its folder permits replacing it.

@@ -15,7 +15,8 @@ def register(subparsers: Any) -> None:
         "plan",
         help="explain how a scene would be simulated",
         description="List the effects that are modelled and those that are left out, with the reason, the error of the "
-        "record and the cost of each.",
+        "record and the cost of each. Then list the numbers of the bed's materials, and their misfit to the models of "
+        "backscatter.",
     )
     add_scene(parser)
     add_method(parser)
@@ -25,9 +26,12 @@ def register(subparsers: Any) -> None:
 def run(arguments: argparse.Namespace) -> None:
     """Print the plan of a scene."""
     # lazy: not every command plans
+    from insonify.acoustics.bed_materials import describe_materials
     from insonify.planning import plan
 
     scene, forced = chosen_scene(arguments), chosen_model(arguments)
     with report_waiting():
         found = plan(scene, arguments.tolerance, method=arguments.method, forced=forced)
     say(found.table())
+    for number, line in enumerate(describe_materials(scene)):
+        say(line if number else f"\n{line}")

@@ -44,14 +44,14 @@ def source_digests(sources: Path, folder: Path | None) -> dict[str, str]:
         return _digest(texts)
     kept = folder / f"{state}.json"
     with contextlib.suppress(OSError, ValueError):
-        found = json.loads(kept.read_text())
+        found = json.loads(kept.read_text(encoding="utf-8"))
         if isinstance(found, dict) and found.keys() == texts.keys() and all(map(_is_digest, found.values())):
             return found
     digests = _digest(texts)
     with contextlib.suppress(OSError):
         folder.mkdir(parents=True, exist_ok=True)
         part = kept.with_suffix(f".{os.getpid()}")
-        part.write_text(json.dumps(digests))
+        part.write_text(json.dumps(digests), encoding="utf-8", newline="")
         part.replace(kept)
         remove_unused(folder)
     return digests

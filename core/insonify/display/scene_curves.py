@@ -1,4 +1,4 @@
-"""Curves of a scene's beams and pulse, and the spectrum of its bed, for small pictures beside their settings."""
+"""Curves of beams, pulse and backscatter, and the spectrum of a bed, for small pictures beside their settings."""
 
 from __future__ import annotations
 
@@ -9,8 +9,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from insonify.acoustics.beam_patterns import vertical_energy
+from insonify.acoustics.bed_materials import describe_limits, misfit
 from insonify.acoustics.water import speed_at_sonar
 from insonify.scene import Scene
+from insonify.scene.seabed.materials import Material
+from insonify.scene.seabed.materials.sediments import LEAST_GRAZING, STEEPEST, scattering_strength
 from insonify.scene.seabed.reliefs.fractal import Fractal, power_spectrum
 from insonify.scene.sonar.beams import BeamConditions
 from insonify.scene.sonar.pulses import PulseKind
@@ -20,6 +23,7 @@ LOBES_SHOWN = 4.0  # half widths of the main lobe on either side of a beam's axi
 PULSE_POINTS = 4096
 SIDELOBES = 8.0  # resolutions before and after the echo of a compressed pulse
 SPECTRAL_WIDTHS = 4.0  # over the pulse's resolution, the span of its spectrum
+GRAZING_ANGLES = 161  # of a curve of backscatter
 CELLS = 129  # of a spectrum's picture, a side
 WIDEST_SPECTRUM, NARROWEST_SPECTRUM = 1.5, 8.0  # of the farthest peak; cycles a period
 
@@ -33,6 +37,7 @@ class Curve(NamedTuple):
     y: NDArray[np.float64]
     x_unit: str  # the second is "dB" for levels, empty for amplitudes
     y_unit: str
+    beside: NDArray[np.float64] | None = None  # (n,) another curve to compare with
 
 
 class ReliefSpectrum(NamedTuple):
@@ -104,6 +109,28 @@ def pulse_spectrum_curve(scene: Scene) -> Curve | None:
     frequency = 1e-3 * (scene.sonar.frequency + away[shown])
     width = _width_at(frequency, level)
     return Curve("Spectrum of the echo", f"−3 dB: {width:.3g} kHz", frequency, level, "kHz", "dB")
+
+
+def backscatter_curve(scene: Scene) -> Curve | None:
+    """Backscattering strength of the bed's material over the grazing angle, beside its model; None without a model."""
+    material, frequency = scene.seabed.material, scene.sonar.scattering_frequency
+    if not has_backscatter_model(scene) or not isinstance(material, Material) or frequency is None:
+        return None
+    grazing = np.linspace(LEAST_GRAZING, STEEPEST, GRAZING_ANGLES)
+    law = _decibels(scattering_strength(material.reflectivity_at(frequency), np.sin(grazing)))
+    off = misfit(material, frequency, grazing)
+    assert off is not None
+    note = f"{off.min():+.1f} to {off.max():+.1f} dB over it".replace("-", "−")
+    if any(describe_limits(scene)):
+        note += ", outside its range"
+    title = f"Backscatter at {frequency / 1e3:g} kHz, dashed: its model"
+    return Curve(title, note, np.degrees(grazing), law, "°", "dB", law - off)
+
+
+def has_backscatter_model(scene: Scene) -> bool:
+    """Whether the bed is of one material, which follows a backscatter model."""
+    material = scene.seabed.material
+    return isinstance(material, Material) and material.model is not None and scene.sonar.law == "sonar"
 
 
 def relief_spectrum(scene: Scene, reach: float | None = None) -> ReliefSpectrum | None:

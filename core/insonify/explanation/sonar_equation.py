@@ -17,7 +17,6 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from insonify.acoustics.flat_bed import scattering_strength
 from insonify.acoustics.pulses import spread_curve
 from insonify.acoustics.resolution_cell import axial_response, bin_centres, vertical_at
 from insonify.acoustics.water import absorption_coefficient
@@ -30,6 +29,7 @@ from insonify.receiver.reception import prepare_setup
 from insonify.receiver.stage import ReceiverSetup
 from insonify.receiver.water_column import reverberation_curves
 from insonify.scene import Scene, SceneError
+from insonify.scene.seabed.materials.sediments import scattering_strength
 from insonify.scene.water.absorptions import NEPER_PER_DB
 
 Curve = NDArray[np.float64]
@@ -66,13 +66,18 @@ class SonarEquation:
 
     @cached_property
     def disturbance(self) -> Curve:
-        """Level of noise and reverberation together, (n,)."""
-        return add_levels(*(each.decibels for each in self.disturbances))
+        """Level of noise and reverberation together, (n,); minus infinity without either."""
+        silence = np.full(self.slant_range.size, SILENCE)
+        return add_levels(silence, *(each.decibels for each in self.disturbances))
 
     @cached_property
     def record(self) -> Curve:
         """Mean level of the record of a level bed, (n,)."""
         return add_levels(self.bed.decibels, self.disturbance) + self.gain
+
+    def bin_at(self, slant_range: float) -> int:
+        """Bin that contains a slant range of the record in metres, at most the last one."""
+        return min(int(slant_range / self.scene.sonar.range * self.scene.sonar.bins), self.slant_range.size - 1)
 
     def farthest(self, level: Level) -> float:
         """Slant range in metres up to which a level exceeds noise and reverberation, infinity if it does everywhere."""
@@ -83,7 +88,7 @@ class SonarEquation:
 
     def table(self, slant_range: float) -> Iterator[tuple[Term, bool]]:
         """Yield the terms at a slant range, each with whether it is the sum of those before it."""
-        k = min(int(slant_range / self.scene.sonar.range * self.slant_range.size), self.slant_range.size - 1)
+        k = self.bin_at(slant_range)
         for level in (self.bed, *self.disturbances):
             yield from _rows(level, k)
         bed, target, disturbance = (
@@ -196,7 +201,7 @@ def _rows(level: Level, k: int) -> Iterator[tuple[Term, bool]]:
 
 
 def add_levels(*levels: Curve) -> Curve:
-    """Level of the sum of intensities; minus infinity for none."""
+    """Level of the sum of intensities."""
     return _decibels(np.asarray(sum(10.0 ** (level / 10.0) for level in levels)))
 
 

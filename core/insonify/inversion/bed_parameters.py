@@ -58,7 +58,7 @@ def set_bed(scene: Scene, bed: BedParameters) -> Scene:
         "depth": scene.seabed.depth,
         "spacing": spacing,
         "relief": _relief(bed, period, spacing),
-        "material": _material(bed, period, spacing),
+        "material": _material(bed, period, spacing, scene.sonar.scattering_frequency),
     }
     speckle = choose_speckle(bed.speckle).model_dump(mode="json", exclude_none=True)
     return edit(scene, {"seabed": seabed, "receiver": values["receiver"] | {"speckle": speckle}})
@@ -110,25 +110,27 @@ def _relief(bed: BedParameters, period: float, spacing: float) -> dict[str, Any]
     return {"kind": "fractal", "beta": _rounded(bed.relief.exponent), "rms": _rounded(rms), "period": period}
 
 
-def _material(bed: BedParameters, period: float, spacing: float) -> dict[str, Any]:
+def _material(bed: BedParameters, period: float, spacing: float, frequency: float | None) -> dict[str, Any]:
     """Plain values of one material, or of a fractal map of one at several levels."""
     if bed.patches is None:
-        return _at_level(bed, 0.0)
+        return _at_level(bed, 0.0, frequency)
     spread = realised_rms(bed.patches, period, spacing) * 10.0 / math.log(10.0)  # dB
     levels = [spread * NormalDist().inv_cdf((number + 0.5) / BANDS) for number in range(BANDS)]
     return {
         "kind": "fractal",
         "beta": _rounded(bed.patches.exponent),
-        "of": [_at_level(bed, level) for level in levels],
+        "of": [_at_level(bed, level, frequency) for level in levels],
     }
 
 
-def _at_level(bed: BedParameters, decibels: float) -> dict[str, Any]:
+def _at_level(bed: BedParameters, decibels: float, frequency: float | None) -> dict[str, Any]:
     """Plain values of the sediment nearest in level to the bed plus some decibels, with its level set to that."""
     diffuse = _rounded(bed.scaled(decibels).diffuse)
-    name = min(SEDIMENTS, key=lambda one: abs(math.log(MATERIALS[one].diffuse / max(diffuse, 1e-12))))
-    specular = min(MATERIALS[name].specular, 1.0 - diffuse) if bed.mirrors else 0.0
-    return {"name": name, "diffuse": diffuse, "specular": _rounded(specular)}
+    named = {name: MATERIALS[name].reflectivity_at(frequency) for name in SEDIMENTS}
+    name = min(SEDIMENTS, key=lambda one: abs(math.log(named[one].diffuse / max(diffuse, 1e-12))))
+    specular = min(named[name].specular, 1.0 - diffuse) if bed.mirrors else 0.0
+    lobe = {"shininess": _rounded(named[name].shininess)} if specular > 0.0 else {}
+    return {"name": name, "diffuse": diffuse, "specular": _rounded(specular)} | lobe
 
 
 def _rounded(value: float) -> float:

@@ -19,7 +19,7 @@ from insonify.inversion.matching import UNDETERMINED, Matching, level_difference
 from insonify.inversion.recorded_sonar import RecordedSonar, declare_sonar
 from insonify.inversion.roughness_fit import FINEST, RoughnessFit, estimate_beam, estimate_pulse, fit_roughness
 from insonify.inversion.segment_spectra import SegmentSpectra, SoundedBed, measure_segment_spectra, sound_bed
-from insonify.io.atomic import replacing
+from insonify.io.atomic import replacing, write_text
 from insonify.scene import Scene, scene_to_toml
 from insonify.scene.edit import edit
 from insonify.simulation import simulate
@@ -72,8 +72,7 @@ class Learned:
             with replacing(beside) as unfinished:
                 scene = _on_track(scene, self.navigation, unfinished, beside.name)
             written.append(beside)
-        with replacing(path) as unfinished:
-            unfinished.write_text(scene_to_toml(scene), encoding="utf-8")
+        write_text(path, scene_to_toml(scene))
         return written
 
 

@@ -83,9 +83,10 @@ def _carried_scene(record: xr.Dataset) -> Scene | None:
     """Sonar, water, track and receiver of the scene that a simulated record carries; None for any other record."""
     try:
         scene = scene_from_toml(str(record.attrs["scene"]))
-    except (KeyError, SceneError):
+        recorded = any(motion.recording() is not None for motion in scene.track.motions)
+    except (KeyError, SceneError):  # of a track that is no longer where it was, too
         return None
-    if any(motion.recording() is not None for motion in scene.track.motions) or scene.seabed.relief.measured:
+    if recorded or scene.seabed.relief.measured:
         return None
     values = plain(scene)
     kept = {name: values[name] for name in CARRIED if name in values}

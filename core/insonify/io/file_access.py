@@ -15,6 +15,7 @@ from pathlib import Path
 from typing import BinaryIO
 
 from insonify.errors import FileWarning, SceneError
+from insonify.operating_system import call_after_fork
 
 LEAST_EXPANSION = 2**28  # bytes that any file may expand to
 EXPANSION = 64  # and its own bytes times this, which is more than measurements are compressed
@@ -164,6 +165,4 @@ def _renew_lock() -> None:
     _lock = threading.RLock()
 
 
-if hasattr(os, "register_at_fork"):
-    # The thread with the lock does not exist in the new process.
-    os.register_at_fork(after_in_child=_renew_lock)
+call_after_fork(_renew_lock)  # the thread with the lock does not exist in the new process

@@ -13,9 +13,10 @@ from collections.abc import Callable
 from importlib import import_module
 from typing import Any, TypeVar, cast
 
-from insonify.child_process import STARVED, ChildProcess, ended_after, limited_memory, serve
+from insonify.child_process import STARVED, ChildProcess, serve
 from insonify.errors import SceneError
 from insonify.io.file_access import FileFault, largest_expansion, reason, stored_bytes
+from insonify.operating_system import ended_after, limited_memory
 
 Result = TypeVar("Result")
 # s to read a small file, the import of its library included; of processor time where the system measures it

@@ -1,4 +1,4 @@
-"""Conditions over fields: comparisons, arithmetic, ``and``, ``or``, ``not``; parsed here, and never run as code."""
+"""Conditions and expressions over fields and named quantities: parsed here, and never run as code."""
 
 from __future__ import annotations
 
@@ -6,17 +6,20 @@ import operator
 import re
 from collections.abc import Callable
 from dataclasses import dataclass, field
+from typing import NamedTuple
 
 from insonify.errors import SceneError
+from insonify.lessons.quantities import QUANTITIES
 
 Value = float | str | bool
 Lookup = Callable[[str], Value | None]
+BEFORE = "before"  # function of one expression: its value before the move
 LONGEST = 1000  # characters
 DEEPEST = 50  # nested brackets and signs
 
 _TOKEN = re.compile(
     r"""\s*(?:(?P<number>\d+\.?\d*(?:[eE][+-]?\d+)?)|(?P<text>"[^"]*"|'[^']*')"""
-    r"""|(?P<name>[A-Za-z_]\w*(?:\.\w+)*)|(?P<sign>==|!=|<=|>=|[<>+\-*/()]))"""
+    r"""|(?P<name>[A-Za-z_]\w*(?:\.\w+)*)|(?P<sign>==|!=|<=|>=|[<>+\-*/(),]))"""
 )
 _CONSTANTS: dict[str, Value] = {"true": True, "false": False}
 _NOT, _COMPARISON, _SIGN = 3, 4, 7  # precedence of operators
@@ -26,7 +29,16 @@ class _NoValue(Exception):
     """A field without a value, or values that cannot be compared."""
 
 
-Term = Callable[[Lookup], Value]
+class Reader(NamedTuple):
+    """Values that a condition or an expression reads."""
+
+    lookup: Lookup  # value of the field at a dotted path, None where there is none
+    # Value of the quantity of a name with its arguments, None where there is none.
+    quantity: Callable[[str, tuple[float, ...]], float | None] = lambda name, arguments: None
+    before: Reader | None = None  # the same before the move of a step
+
+
+Term = Callable[[Reader], Value]
 
 
 @dataclass(frozen=True)
@@ -37,25 +49,57 @@ class Condition:
     fields: tuple[str, ...]  # dotted paths that it reads, each once, in the order of the text
     _term: Term = field(repr=False, compare=False)
 
-    def holds(self, lookup: Lookup) -> bool:
+    def holds(self, source: Reader | Lookup) -> bool:
         """Whether the condition holds."""
-        try:
-            return self._term(lookup) is True
-        except (_NoValue, ZeroDivisionError, TypeError):
-            return False
+        return _evaluate(self._term, source) is True
+
+
+@dataclass(frozen=True)
+class Expression:
+    """A number calculated from fields and quantities."""
+
+    text: str  # as written
+    _term: Term = field(repr=False, compare=False)
+
+    def number(self, source: Reader | Lookup) -> float | None:
+        """Return its value, None where a field or a quantity has none."""
+        value = _evaluate(self._term, source)
+        return None if value is None or isinstance(value, bool | str) else float(value)
 
 
 def parse_condition(text: str) -> Condition:
     """Parse a condition, such as ``sonar.beam.width >= 5 and sonar.beam.kind == "fan"``."""
+    parser, term = _parse(text, "join comparisons by and, or")
+    if not parser.compares:
+        raise _fault(text, "compares nothing; write for example sonar.beam.width >= 5")
+    return Condition(text, tuple(dict.fromkeys(parser.fields)), term)
+
+
+def parse_expression(text: str) -> Expression:
+    """Parse an expression of a number, such as ``shadow_length(targets.0.size.2, 21.4)``."""
+    parser, term = _parse(text, "join values by + - * /")
+    if parser.compares:
+        raise _fault(text, "compares, but should be a number; write for example 2 * altitude()")
+    return Expression(text, term)
+
+
+def _parse(text: str, remedy: str) -> tuple[_Parser, Term]:
+    """Parse a whole text."""
     if len(text) > LONGEST:
         raise _fault(text, f"has {len(text)} characters; write at most {LONGEST}")
     parser = _Parser(text)
     term = parser.expression()
     if parser.token:
-        raise _fault(text, f"{parser.token!r} does not belong there; join comparisons by and, or")
-    if not parser.compares:
-        raise _fault(text, "compares nothing; write for example sonar.beam.width >= 5")
-    return Condition(text, tuple(dict.fromkeys(parser.fields)), term)
+        raise _fault(text, f"{parser.token!r} does not belong there; {remedy}")
+    return parser, term
+
+
+def _evaluate(term: Term, source: Reader | Lookup) -> Value | None:
+    """Value of a term; None where one of its values is missing or cannot be combined."""
+    try:
+        return term(source if isinstance(source, Reader) else Reader(source))
+    except (_NoValue, ArithmeticError, TypeError, ValueError):
+        return None
 
 
 class _Parser:
@@ -86,15 +130,13 @@ class _Parser:
         token = self.token
         if token == "not" and least <= _NOT:
             term = self._deeper(_NOT)
-            return lambda lookup: not _truth(term(lookup))
+            return lambda reader: not _truth(term(reader))
         if token == "-":
             term = self._deeper(_SIGN)
-            return lambda lookup: -_number(term(lookup))
+            return lambda reader: -_number(term(reader))
         if token == "(":
             term = self._deeper(0)
-            if self.token != ")":
-                raise _fault(self.text, "a bracket is not closed; add ')'")
-            self._next()
+            self._close()
             return term
         if not token or token in _OPERATORS or token == "not" or not (token[0].isalnum() or token[0] in "_\"'"):
             raise _fault(self.text, f"a value is missing before {token or 'the end'!r}; add a field or a number")
@@ -108,8 +150,27 @@ class _Parser:
             return lambda _: float(token)
         if token in _CONSTANTS:
             return lambda _: _CONSTANTS[token]
+        if self.token == "(" and (token == BEFORE or token in QUANTITIES):
+            return self._call(token)
         self.fields.append(token)
-        return lambda lookup: _present(lookup(token))
+        return lambda reader: _present(reader.lookup(token))
+
+    def _call(self, name: str) -> Term:
+        """Parse the arguments of a quantity, or of `BEFORE`."""
+        self._descend()
+        self._next()
+        arguments = [] if self.token == ")" else [self.expression()]
+        while self.token == ",":
+            self._next()
+            arguments.append(self.expression())
+        self._close()
+        self._depth -= 1
+        wanted = 1 if name == BEFORE else len(QUANTITIES[name].arguments)
+        if len(arguments) != wanted:
+            raise _fault(self.text, f"{name} has {len(arguments)} values; it takes {wanted}")
+        if name == BEFORE:
+            return lambda reader: arguments[0](_earlier(reader))
+        return lambda reader: _present(reader.quantity(name, tuple(_number(each(reader)) for each in arguments)))
 
     def _next(self) -> str:
         """Step over a token, and return it."""
@@ -118,13 +179,23 @@ class _Parser:
 
     def _deeper(self, least: int) -> Term:
         """Step over a bracket or a sign, and parse the expression behind it."""
-        self._depth += 1
-        if self._depth > DEEPEST:
-            raise _fault(self.text, f"is nested more than {DEEPEST} deep; write it with fewer brackets")
+        self._descend()
         self._next()
         term = self.expression(least)
         self._depth -= 1
         return term
+
+    def _descend(self) -> None:
+        """Count a bracket or a sign that is nested in others."""
+        self._depth += 1
+        if self._depth > DEEPEST:
+            raise _fault(self.text, f"is nested more than {DEEPEST} deep; write it with fewer brackets")
+
+    def _close(self) -> None:
+        """Step over a closing bracket."""
+        if self.token != ")":
+            raise _fault(self.text, "a bracket is not closed; add ')'")
+        self._next()
 
 
 def _tokens(text: str) -> list[str]:
@@ -142,6 +213,12 @@ def _tokens(text: str) -> list[str]:
 def _fault(text: str, fault: str) -> SceneError:
     shown = text if len(text) <= 60 else f"{text[:57]}..."
     return SceneError(f"condition {shown!r}: {fault}")
+
+
+def _earlier(reader: Reader) -> Reader:
+    if reader.before is None:
+        raise _NoValue
+    return reader.before
 
 
 def _present(value: Value | None) -> Value:
@@ -174,16 +251,16 @@ Join = Callable[[Term, Term], Term]
 
 
 def _compared(compare: Callable[[Value, Value], bool]) -> Join:
-    return lambda left, right: lambda lookup: compare(*_alike(left(lookup), right(lookup)))
+    return lambda left, right: lambda reader: compare(*_alike(left(reader), right(reader)))
 
 
 def _calculated(operation: Callable[[float, float], float]) -> Join:
-    return lambda left, right: lambda lookup: operation(_number(left(lookup)), _number(right(lookup)))
+    return lambda left, right: lambda reader: operation(_number(left(reader)), _number(right(reader)))
 
 
 _OPERATORS: dict[str, tuple[int, Join]] = {  # rank and meaning of each
-    "or": (1, lambda left, right: lambda lookup: _truth(left(lookup)) or _truth(right(lookup))),
-    "and": (2, lambda left, right: lambda lookup: _truth(left(lookup)) and _truth(right(lookup))),
+    "or": (1, lambda left, right: lambda reader: _truth(left(reader)) or _truth(right(reader))),
+    "and": (2, lambda left, right: lambda reader: _truth(left(reader)) and _truth(right(reader))),
     "==": (_COMPARISON, _compared(operator.eq)),
     "!=": (_COMPARISON, _compared(operator.ne)),
     "<": (_COMPARISON, _compared(operator.lt)),

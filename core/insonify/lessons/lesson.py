@@ -10,10 +10,11 @@ from typing import Any, TypeVar
 
 from pydantic import Field, ValidationError
 
-from insonify.errors import SceneError
+from insonify.errors import SceneError, plain_text
 from insonify.files import bundled_lessons
 from insonify.io.file_access import MISSING, guarded, read_text
 from insonify.lessons.conditions import Condition, parse_condition
+from insonify.lessons.questions import Ask
 from insonify.scene.base import Declaration
 from insonify.scene.faults import describe_fault
 
@@ -27,11 +28,13 @@ Head = TypeVar("Head", bound=Declaration)
 
 
 class LessonHead(Declaration):
-    """Front matter of a lesson: its title, the scene that it starts from, and its place in the list."""
+    """Front matter of a lesson: its title, the scene that it starts from, its course and place, and its minutes."""
 
     title: str = Field(min_length=1)
     scene: str = Field(min_length=1)
     order: int
+    course: str = ""
+    minutes: int = Field(default=0, ge=0)
     set: dict[str, Any] = Field(default={})
 
 
@@ -42,6 +45,7 @@ class StepHead(Declaration):
     move: dict[str, Any] = Field(min_length=1)
     scene: str = ""
     set: dict[str, Any] = Field(default={})
+    ask: Ask | None = None
 
 
 class Step(StepHead):
@@ -76,7 +80,7 @@ def load_lesson(name_or_path: str | Path) -> Lesson:
     """Read a lesson."""
     path = bundled_lessons().get(str(name_or_path)) or Path(name_or_path)
     with guarded(partial(_unreadable, name_or_path), "give a readable Markdown file"):
-        text = read_text(path, largest=LARGEST)
+        text = plain_text(read_text(path, largest=LARGEST))
     return parse_lesson(text, path.stem)
 
 

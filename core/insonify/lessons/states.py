@@ -1,4 +1,4 @@
-"""States that a lesson passes through: the scene and the window's choices, and the check that each step can be done."""
+"""States that a lesson passes through: the scene and the window's choices."""
 
 from __future__ import annotations
 
@@ -9,14 +9,14 @@ from typing import Any
 
 from insonify.errors import SceneError
 from insonify.files import bundled_scenes
-from insonify.lessons.conditions import Value
+from insonify.lessons.conditions import Reader, Value
 from insonify.lessons.lesson import Lesson, Step
+from insonify.lessons.quantities import QUANTITIES, SIDES
 from insonify.scene import Scene, edit, load_scene
 from insonify.scene.base import Declaration
 
 AUTOMATIC = "auto"  # value of a choice that the plan makes itself
 USUAL_TOLERANCE = 0.03
-SIDES = ("port", "starboard")
 WINDOW_FIELDS = {
     "plan": "`plan.tolerance` is the tolerance of the plan, `plan.method` and other choices of it are texts, "
     '`"auto"` where they are not forced',
@@ -39,6 +39,15 @@ class LessonState:
             return field_value(self.scene, path)
         usual = USUAL_TOLERANCE if path == "plan.tolerance" else AUTOMATIC if path.startswith("plan.") else None
         return self.window.get(path, usual)
+
+    def quantity(self, name: str, arguments: tuple[float, ...]) -> float | None:
+        """Value of a quantity in the scene; None where only a record has it."""
+        compute = QUANTITIES[name].compute
+        return None if compute is None else compute(self.scene, *arguments)
+
+    def reader(self, before: LessonState | None = None) -> Reader:
+        """Return what questions read: this state, and that before the move."""
+        return Reader(self.value, self.quantity, None if before is None else before.reader())
 
     def moved(self, move: Mapping[str, Any]) -> LessonState:
         """Return the state after a move."""
@@ -81,7 +90,7 @@ def field_value(scene: Scene, path: str) -> Value | None:
     declared = [isinstance(owner, Declaration) and step in type(owner).model_fields for owner, step in fields]
     if place is None and declared[-1]:
         owner, step = fields[-1]
-        place = owner.value_in_force(step)
+        place = owner.value_in_force(step, scene.sonar.scattering_frequency)
     elif fields[-1] == (None, "kind") and declared[-2]:
         place = "none"
     return place if isinstance(place, float | int | str) else None
@@ -118,40 +127,20 @@ def _check_choice(scene: Scene, subject: str, choice: Any) -> None:
         check_request(scene, USUAL_TOLERANCE, "auto", {subject: choice})
 
 
-def check_lesson(lesson: Lesson) -> None:
-    """Check that every step of a lesson can be done, one after the other."""
-    for step, start, end in states_of(lesson):
-        with _named(lesson, step):
-            _check_step(step, start, end)
-
-
 def states_of(lesson: Lesson) -> Iterator[tuple[Step, LessonState, LessonState]]:
     """Yield every step of a lesson with the states before and after its move."""
-    with _named(lesson):
+    with named(lesson):
         end = start_state(lesson.scene, lesson.set)
     for step in lesson.steps:
-        with _named(lesson, step):
+        with named(lesson, step):
             start = start_state(step.scene, step.set) if step.scene else end.moved(step.set)
             end = start.moved(step.move)
         yield step, start, end
 
 
-def _check_step(step: Step, start: LessonState, end: LessonState) -> None:
-    """Check that the condition of a step is false before its move and true after it."""
-    condition = step.condition
-    for path in step.fields:
-        if start.value(path) is None and end.value(path) is None:
-            raise SceneError(
-                f"{path}: is not a number, text or truth value of this scene; name one, such as sonar.range"
-            )
-    if condition.holds(start.value):
-        raise SceneError(f"done: {step.done!r} is true before the move; ask for a change")
-    if not condition.holds(end.value):
-        raise SceneError(f"done: {step.done!r} is not true after the move {step.move}; correct one of them")
-
-
 @contextmanager
-def _named(lesson: Lesson, step: Step | None = None) -> Iterator[None]:
+def named(lesson: Lesson, step: Step | None = None) -> Iterator[None]:
+    """Put the names of the lesson and the step in front of a fault."""
     where = f"lesson {lesson.name}" + ("" if step is None else f", step {step.title!r}")
     try:
         yield

@@ -44,7 +44,10 @@ def make_optical_scene(scene: Scene) -> OpticalScene:
     pose, arrays = packed.poses(middle), packed.arrays
     reach = arrays.bins * arrays.bin_length
     ground = packed.ground.around((float(pose.x[0]), float(pose.y[0])), 1.5 * reach)  # to the corners of the cutaway
-    straight = arrays._replace(bed=make_bed(ground), water=still_water())
+    # The law of light has no frequency, to which materials would be fitted.
+    materials = (*scene.seabed.material.rows()[1], *(target.material.reflectivity for target in scene.targets))
+    reflectivity = np.array([row[:3] for row in materials])
+    straight = arrays._replace(bed=make_bed(ground), water=still_water(), reflectivity=reflectivity)
     heading = float(packed.line(middle).heading[0])
     return OpticalScene(scene=scene, ground=ground, arrays=straight, pose=pose, heading=heading)
 

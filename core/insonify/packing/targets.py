@@ -20,7 +20,8 @@ from insonify.terrain import AnyGround
 def make_bodies(scene: Scene, ground: AnyGround) -> tuple[Solids, Mesh, list[Reflectivity]]:
     """Pose every target; its material joins the table of the ground's."""
     shapes = list(_placed(scene, ground))
-    materials = [target.material.reflectivity for target in scene.targets]
+    frequency = scene.sonar.scattering_frequency
+    materials = [target.material.reflectivity_at(frequency) for target in scene.targets]
     before = len(ground.reflectivities)
     target = _numbers([len(shape.solids) for shape in shapes])
     solids = pack_solids([solid for shape in shapes for solid in shape.solids], before + target, target)

@@ -3,14 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from functools import cache
-from importlib.metadata import version
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from insonify.acoustics.water import recording_speed
+from insonify.compiler.build import own_build
 from insonify.io.georeference import find_georeference
 from insonify.io.record_block import RecordBlock, make_record_block
 from insonify.io.record_schema import coordinates, echo_variable, label_variables, platform, target_variables
@@ -23,7 +22,6 @@ from insonify.tow.poses import platform_columns
 from insonify.tracers.labels import PATHS
 
 Columns = dict[str, NDArray[Any]]
-_version = cache(version)  # reads a file
 
 
 def make_block(
@@ -53,14 +51,16 @@ def make_block(
 def record_attributes(
     scene: Scene, plan: Plan, method: str, tolerance: float, forced: Mapping[str, str] | None
 ) -> dict[str, Any]:
-    """Attributes of a record: the scene, how it was simulated, and by which version."""
+    """Attributes of a record: the scene, how it was simulated, and by which version on which machine."""
+    build = own_build()
     attributes: dict[str, Any] = {
         "title": scene.title,
         "scene": scene_to_toml(scene),
         "plan": "\n".join(plan.lines()),
         "method": method,
         "tolerance": tolerance,
-        "version": _version("insonify"),
+        "version": build.insonify,
+        "build": build.text(),
     }
     attributes |= _sonar_attributes(scene) | _place_attributes(scene)
     if forced:

@@ -15,6 +15,7 @@ from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Literal, TypeVar
 from pydantic import AfterValidator, BaseModel, ConfigDict, Field, GetCoreSchemaHandler, model_validator
 from pydantic_core import CoreSchema, core_schema
 
+from insonify.errors import plain_text
 from insonify.files import file_version
 from insonify.plugins import announced, modules_in
 
@@ -31,6 +32,8 @@ def _without_nul(path: str) -> str:
 
 
 FilePath = Annotated[str, AfterValidator(_without_nul)]
+# Words for a person, of which a terminal or a window obeys nothing.
+Words = Annotated[str, AfterValidator(plain_text)]
 
 
 class Family:
@@ -121,8 +124,16 @@ class Declaration(BaseModel):
         path = getattr(self, "path", None)
         return None if path is None else file_version(path)
 
-    def value_in_force(self, field: str) -> float | None:
-        """Return the number that applies where a field is left out, None if it depends on the rest of the scene."""
+    def value_in_force(self, field: str, frequency: float | None = None) -> float | None:
+        """Return the number that applies where a field is left out, None if it depends on the rest of the scene.
+
+        Parameters
+        ----------
+        field : str
+            Name of the field.
+        frequency : float or None
+            Hz, at which sediments scatter; None for the law of light.
+        """
         return None
 
 

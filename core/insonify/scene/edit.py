@@ -9,10 +9,11 @@ from pydantic import BaseModel, ValidationError
 
 from insonify.errors import SceneError
 from insonify.scene.base import Declaration, kind_name, models_of
-from insonify.scene.faults import describe_fault
+from insonify.scene.faults import describe_fault, unit_at
 from insonify.scene.links import read_literal
 from insonify.scene.scene import Scene
 from insonify.scene.sonar.presets import NO_PRESET, OF_RECEIVER
+from insonify.scene.units import parse_quantity
 
 
 def build(values: Mapping[str, Any]) -> Scene:
@@ -60,13 +61,22 @@ def edit(scene: Scene, changes: Mapping[str, Any]) -> Scene:
 
 
 def read_setting(text: str, option: str = "--set") -> tuple[str, Any]:
-    """Split ``path.to.field=value``; a value that is not TOML is taken as text."""
+    """Split ``path.to.field=value``; a number may have a unit (``3kn``), another value that is not TOML is text."""
     path, equals, literal = text.partition("=")
     path = path.strip()
     if not equals or not path:
         example = "path.to.field=value; write for example sonar.range=75" if option == "--set" else "name=value"
         raise SceneError(f"{option} {text!r} is not of the form {example}")
-    return path, read_literal(literal)
+    value = read_literal(literal)
+    if isinstance(value, str) and (unit := unit_at(_location(path), Scene)):
+        number = parse_quantity(value, unit)
+        value = value if number is None else number
+    return path, value
+
+
+def _location(path: str) -> tuple[int | str, ...]:
+    """Split a dotted path into its steps, positions in lists as numbers."""
+    return tuple(int(step) if step.isdecimal() else step for step in path.split("."))
 
 
 def _put(values: dict[str, Any], path: str, value: Any) -> None:

@@ -8,7 +8,7 @@ from typing import Any
 
 from pydantic import BaseModel, ValidationError
 
-from insonify.scene.base import kind_name, models_of
+from insonify.scene.base import Kind, kind_name, models_of
 
 
 def describe_fault(error: ValidationError, root: type[BaseModel]) -> str:
@@ -79,12 +79,21 @@ def _path(location: tuple[int | str, ...], root: type[BaseModel]) -> str:
     return ".".join(str(s) if str(s).replace("-", "_").isidentifier() or isinstance(s, int) else repr(s) for s in steps)
 
 
-def _unit(location: tuple[int | str, ...], root: type[BaseModel]) -> str:
-    """Return the unit of the field of a fault as it follows a number; empty for a pure number."""
+def unit_at(location: tuple[int | str, ...], root: type[BaseModel]) -> str:
+    """Return the unit of a field; empty for a pure number, a text, and what is no field."""
     unit = ""
     for step, models in _steps(location, root):
-        for field in (model.model_fields[step] for model in models if step in model.model_fields):
+        found = [model.model_fields[step] for model in models if step in model.model_fields]
+        if isinstance(step, str):
+            unit = ""
+        for field in found:
             unit = str(field.json_schema_extra.get("unit", "")) if isinstance(field.json_schema_extra, dict) else ""
+    return unit
+
+
+def _unit(location: tuple[int | str, ...], root: type[BaseModel]) -> str:
+    """Return the unit of the field of a fault as it follows a number."""
+    unit = unit_at(location, root)
     return unit if unit in ("", "°") else f" {unit}"
 
 
@@ -108,7 +117,17 @@ def _nearest(location: tuple[int | str, ...], root: type[BaseModel]) -> str:
     """Suggest the most similar field for an unknown key."""
     *_, (_, models) = _steps(location, root)
     names = [name for model in models for name in model.model_fields]
+    if others := _kinds_with(str(location[-1]), models):
+        own = " or ".join(sorted({repr(kind) for model in models if (kind := kind_name(model))}))
+        return f"it belongs to kind {' or '.join(map(repr, others))}, not to {own}; set kind, too"
     close = difflib.get_close_matches(str(location[-1]), names, n=1)
     if close:
         return f"did you mean {close[0]!r}?"
     return f"remove it, or use one of {', '.join(names)}" if names else "remove it"
+
+
+def _kinds_with(name: str, models: list[type[BaseModel]]) -> list[str]:
+    """Return the other kinds of the same choice that have a field, by name."""
+    families = {model.family for model in models if issubclass(model, Kind) and model.family is not None}
+    found = {kind: each for family in families for kind, each in family.models(Kind).items()}
+    return [kind for kind, model in found.items() if name in model.model_fields]

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import difflib
 import tomllib
 import warnings
 from collections.abc import Callable, Mapping
@@ -66,7 +67,9 @@ def load_partner(scene: Scene) -> Scene | None:
 
 def _unreadable(name_or_path: str | Path, fault: str, remedy: str) -> SceneError:
     if fault == MISSING:
-        fault, remedy = "no such file", f"give a TOML file or one of {', '.join(bundled_scenes())}"
+        close = difflib.get_close_matches(str(name_or_path), bundled_scenes(), n=1)
+        given = f"did you mean {close[0]!r}? Otherwise " if close else ""
+        fault, remedy = "no such file", f"{given}give a TOML file or one of {', '.join(bundled_scenes())}"
     return SceneError(f"scene {str(name_or_path)!r}: {fault}; {remedy}")
 
 
@@ -95,26 +98,26 @@ def scene_to_toml(scene: Scene) -> str:
 
 def with_paths_beside(source: Path, values: Mapping[str, Any]) -> dict[str, Any]:
     """Resolve every relative path of nested values against the folder of the file they were read from."""
-    resolved: dict[str, Any] = _with_paths(values, partial(_beside, source))
+    resolved: dict[str, Any] = changed_paths(values, partial(_beside, source))
     return resolved
 
 
 def named_paths(values: Mapping[str, Any]) -> list[str]:
     """List every path of nested values: of a scene, or of what its fields are set to or drawn from."""
     paths: list[str] = []
-    _with_paths(values, paths.append)
+    changed_paths(values, paths.append)
     return paths
 
 
-def _with_paths(value: Any, change: Callable[[str], Any], is_path: bool = False) -> Any:
-    """Change the fields named ``path``, also at the end of a dotted one, and the choices that are drawn for them."""
+def changed_paths(value: Any, change: Callable[[str], Any], is_path: bool = False) -> Any:
+    """Copy nested values with all paths changed: fields named ``path``, dotted ones too, and what is drawn for them."""
     if isinstance(value, Mapping):
         return {
-            key: _with_paths(child, change, key.rpartition(".")[2] == "path" or (is_path and key == "of"))
+            key: changed_paths(child, change, key.rpartition(".")[2] == "path" or (is_path and key == "of"))
             for key, child in value.items()
         }
     if isinstance(value, (list, tuple)):
-        return [_with_paths(item, change, is_path) for item in value]
+        return [changed_paths(item, change, is_path) for item in value]
     return change(value) if is_path and isinstance(value, str) else value
 
 

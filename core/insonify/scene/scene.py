@@ -8,13 +8,13 @@ from pydantic import field_validator, model_validator
 
 from insonify.errors import SceneError
 from insonify.io.georeference import Georeference
-from insonify.scene.base import Coordinate, Declaration, is_field, parameter
+from insonify.scene.base import Coordinate, Declaration, Words, is_field, parameter
 from insonify.scene.links import Link, plain_words, split_description
 from insonify.scene.receiver import Receiver
 from insonify.scene.seabed import Seabed
 from insonify.scene.sonar import Sonar
 from insonify.scene.sonar.presets import with_preset
-from insonify.scene.targets import AnyTarget
+from insonify.scene.targets import AnyTarget, Pit
 from insonify.scene.track import Track
 from insonify.scene.volumes import AnyVolume
 from insonify.scene.water import AnyWater
@@ -40,8 +40,8 @@ class Scene(Declaration):
     """Everything a record depends on; immutable, so an edit makes a new one."""
 
     schema_version: Literal[1] = parameter(SCHEMA, "version of the scene format")
-    title: str = parameter("Untitled", "what the scene shows", max_length=200)
-    description: str = parameter(
+    title: Words = parameter("Untitled", "what the scene shows", max_length=200)
+    description: Words = parameter(
         "",
         "what the scene shows and what to change; [words](path.to.field=value) link to a value to try",
         max_length=5000,
@@ -175,6 +175,11 @@ class Scene(Declaration):
         if measured is not None:
             return Georeference(self.world.crs or measured.crs, measured.origin)
         return None if self.world.origin is None else Georeference(self.world.crs, self.world.origin)
+
+    @property
+    def pits(self) -> tuple[Pit, ...]:
+        """Pits and mounds around targets, which are part of the bed."""
+        return tuple(target.pit for target in self.targets if target.pit is not None)
 
     @property
     def altitude(self) -> float:

@@ -10,7 +10,7 @@ from contextlib import AbstractContextManager, ExitStack, contextmanager, nullco
 from pathlib import Path
 from typing import IO, Any, Literal, NamedTuple, Protocol
 
-from insonify.io.atomic import replacing
+from insonify.io.atomic import replacing, write_text
 from insonify.scene.base import Family, Kind, parameter
 
 ANNOTATIONS = Family("annotations")
@@ -131,8 +131,8 @@ def _open_coco(path: Path, extent: Extent, classes: Sequence[str]) -> Iterator[_
     path.parent.mkdir(parents=True, exist_ok=True)
     with (
         replacing(path) as beside,
-        open(beside, "w", encoding="utf-8") as images,
-        tempfile.TemporaryFile("w+", encoding="utf-8", dir=path.parent) as annotations,
+        open(beside, "w", encoding="utf-8", newline="") as images,
+        tempfile.TemporaryFile("w+", encoding="utf-8", newline="", dir=path.parent) as annotations,
     ):
         images.write(f'{{"categories": {json.dumps(categories)},\n"images": [\n')
         yield _CocoFile(images, annotations, extent, classes)
@@ -162,8 +162,7 @@ class Yolo(AnnotationKind):
         roles = {"validation": "val"}
         lines = ["path: .", *(f"{roles.get(split, split)}: {split}/images" for split in splits), "names:"]
         lines += [f"  {number}: {json.dumps(name)}" for number, name in enumerate(classes)]
-        with replacing(folder / "data.yaml") as beside:
-            beside.write_text("\n".join(lines) + "\n", encoding="utf-8")
+        write_text(folder / "data.yaml", "\n".join(lines) + "\n")
 
 
 def _yolo_line(number: int, box: Sequence[int], shape: Sequence[int]) -> str:

@@ -20,7 +20,7 @@ from queue import Empty, SimpleQueue
 from typing import Any, NamedTuple, Protocol
 
 from insonify.errors import SceneError
-from insonify.io.atomic import clear_ended, clear_leftovers, remove, replacing, temporary_path
+from insonify.io.atomic import clear_ended, terminated_cleanly, unfinished_folder
 from insonify.progress import open_progress
 from insonify.surveys.schedulers import connected
 from insonify.surveys.workers import Workers
@@ -32,6 +32,7 @@ DIGEST = 12  # hexadecimal digits
 AHEAD = 3  # jobs in flight for each thread of a worker, which hides the latency of the driver
 PATIENCE = 60.0  # s, until there is a worker
 RECOUNT = 5.0  # s, after which the workers are counted again
+CLOSING = 30.0  # s for the workers to end
 INTERRUPTED = 130
 MOST_TRIES = 4
 ENDED = "its worker ended four times in a row, perhaps for want of memory; give fewer workers"
@@ -50,8 +51,8 @@ class Work(Protocol):
     def make(self, name: str, beside: Path) -> Mapping[str, Any]:
         """Do one job: write its files below a folder as they stand below `folder`, and return its report.
 
-        The same name gives the same files on every machine. The report is kept as JSON; ``made`` of it counts what was
-        made, and is sent back to the driver.
+        The same name gives the same files on every machine with the same build. The report is kept as JSON; ``made`` of
+        it counts what was made, and is sent back to the driver.
         """
 
     def begun(self) -> Work:
@@ -112,26 +113,16 @@ def finish(work: Work, name: str) -> Outcome:
     try:
         if not flag.exists():
             flag.parent.mkdir(parents=True, exist_ok=True)
-            clear_leftovers(flag)
-            with _staging(flag) as beside:
+            with unfinished_folder(flag) as folder:
+                beside, written = folder / "files", folder / flag.name
+                beside.mkdir()
                 report = work.make(name, beside)
                 _put_below(beside, work.folder)
-            with replacing(flag) as written:
-                written.write_text(json.dumps(report, ensure_ascii=False), encoding="utf-8")
+                written.write_text(json.dumps(report, ensure_ascii=False), encoding="utf-8", newline="")
+                written.replace(flag)
         return Outcome(name, int(read_flag(work.folder, name).get("made", 0)))
     except OSError as error:
         raise OSError(error.errno, error.strerror or str(error), str(work.folder)) from None
-
-
-@contextmanager
-def _staging(flag: Path) -> Iterator[Path]:
-    """Yield a folder beside a flag for the files of its job, and remove it afterwards."""
-    beside = temporary_path(flag)
-    beside.mkdir()
-    try:
-        yield beside
-    finally:
-        remove(beside)
 
 
 def _put_below(beside: Path, folder: Path) -> None:
@@ -176,7 +167,7 @@ def run_jobs(
     """
     failures = []
     try:
-        with connected(scheduler) as client, _watched(client, scheduler):
+        with terminated_cleanly(CLOSING), connected(scheduler) as client, _watched(client, scheduler):
             workers = Workers(client, work.folder / FLAGS, scheduler)
             begun = _begin(client, workers, work, scheduler)
             for outcome in _outcomes(client, workers, begun, names):
@@ -327,10 +318,12 @@ def work_on(work: Work, what: str, scheduler: str, unit: str = "job") -> Ended |
 
     try:
         failures = run_jobs(work, missing, scheduler, advance)
-    except KeyboardInterrupt:
+    except (KeyboardInterrupt, SystemExit) as leaving:
         progress.close()
         sentence = f"interrupted; {done} of {len(names)} {unit}s are done and stay; the same command goes on"
         sys.stderr.write(f"insonify: {sentence}\n")
+        if isinstance(leaving, SystemExit):
+            raise
         return None
     finally:
         progress.close()

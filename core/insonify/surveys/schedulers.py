@@ -7,17 +7,16 @@ from __future__ import annotations
 
 import logging
 import os
-import signal
 import warnings
 from collections.abc import Callable, Iterator
 from contextlib import AbstractContextManager, ExitStack, contextmanager
 from dataclasses import dataclass
 from functools import partial
-from multiprocessing import resource_tracker
 from typing import Any
 
 from insonify.cores import VARIABLE, most_threads
 from insonify.errors import SceneError
+from insonify.operating_system import interrupts_blocked
 from insonify.plugins import announced
 
 GROUP = "insonify.schedulers"
@@ -97,24 +96,6 @@ def share_cores(text: str) -> tuple[int, int]:
 
 
 @contextmanager
-def _interrupts_blocked() -> Iterator[None]:
-    """Block interrupts within; threads and processes that are started within never receive any.
-
-    A terminal sends Ctrl-C to the driver and to the workers; the driver ends the workers.
-    """
-    if not hasattr(signal, "pthread_sigmask"):
-        yield
-        return
-    # It unblocks interrupts when it starts, otherwise together with the first process.
-    resource_tracker.ensure_running()
-    before = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
-    try:
-        yield
-    finally:
-        signal.pthread_sigmask(signal.SIG_SETMASK, before)
-
-
-@contextmanager
 def _start_workers(text: str) -> Iterator[Any]:
     """Start workers on this machine, and end them after the block."""
     workers, threads = share_cores(text)
@@ -134,7 +115,7 @@ def _start_workers(text: str) -> Iterator[Any]:
         stack.enter_context(warnings.catch_warnings())
         # Warnings of slow disks and busy ports need no action of the user.
         warnings.filterwarnings("ignore", module="distributed")
-        with _interrupts_blocked():
+        with interrupts_blocked():
             cluster = LocalCluster(
                 n_workers=workers,
                 threads_per_worker=1,

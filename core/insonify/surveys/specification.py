@@ -15,9 +15,9 @@ from pydantic import BaseModel, ValidationError
 from insonify.errors import SceneError
 from insonify.files import bundled_meshes
 from insonify.io.file_access import MISSING, FileFault, guarded, open_regular, read_text
-from insonify.scene import Scene, plain, scene_to_toml
+from insonify.scene import Scene, plain
 from insonify.scene.faults import describe_fault
-from insonify.scene.files import LARGEST, named_paths, scene_beside, with_paths_beside
+from insonify.scene.files import LARGEST, changed_paths, scene_beside, with_paths_beside
 
 Model = TypeVar("Model", bound=BaseModel)
 
@@ -47,20 +47,21 @@ def _unreadable(name: str, bundled: Mapping[str, Path], fault: str, remedy: str)
 
 
 def contents_of(specification: BaseModel, base: Scene) -> list[Any]:
-    """List all that the files of a survey or a data set depend on: specification, base scene, files, version."""
-    values = specification.model_dump(mode="json")
-    scene = plain(base)
-    files = {path: _content(path) for path in sorted({*named_paths(values), *named_paths(scene)})}
-    return [values, scene_to_toml(base), files, version("insonify")]
+    """List all that a survey or a data set depends on: specification, base scene, content of files, version.
+
+    Where the files are does not count, so that a folder of all of them can be moved.
+    """
+    values = specification.model_dump(mode="json", exclude={"base"})
+    return [changed_paths(values, _content), changed_paths(plain(base), _content), version("insonify")]
 
 
 def _content(path: str) -> str:
-    """Digest of a file; of its name where it is none."""
+    """Name and digest of a file; its path where it is none."""
     try:
         with open_regular(bundled_meshes().get(path, path)) as file:
             digest = hashlib.sha256()
             while piece := file.read(2**20):
                 digest.update(piece)
-            return digest.hexdigest()
+            return f"{Path(path).name} {digest.hexdigest()}"
     except (FileFault, OSError, ValueError):  # the job that reads it says what is wrong
         return path

@@ -16,6 +16,7 @@ from insonify.scene.seabed.materials import Map, MaterialMap
 from insonify.scene.seabed.reliefs import HeightGrid, ReliefKind
 from insonify.scene.seabed.reliefs.dem import refine
 from insonify.scene.seabed.reliefs.random_relief import RandomRelief
+from insonify.scene.targets import Pit
 from insonify.terrain.endless_field import TILE, Nodes
 from insonify.terrain.endless_ground import SQUARE, AnyGround, EndlessExcerpt, EndlessGround, Tiles
 from insonify.terrain.ground import Ground
@@ -28,6 +29,7 @@ FLAT_CELLS_AT_MOST = 4096
 GROUNDS = 16  # endless grounds with cached tiles: a scene and its variants without an effect
 FEWEST_CELLS = 3  # of a period, so that it contains a wave below the Nyquist frequency
 
+Pits = tuple[Pit, ...]
 # Heights above the datum, their lattice, and the datum.
 _GridHeights = tuple[NDArray[np.float32], Lattice, float]
 # A map of materials, the version of its file, the period of the relief, the spacing, the seed and the map coordinates.
@@ -43,11 +45,11 @@ def build_ground(scene: Scene) -> AnyGround:
     if scene.seabed.endless:
         return _endless_ground(scene, _kept_squares(*_endless_relief(scene), TILE))
     material = scene.seabed.material
-    names, reflectivities = material.rows()
+    names, reflectivities = material.rows(scene.sonar.scattering_frequency)
     place = scene.georeference if material.on_a_map else None
     heights, lattice, datum = _heights(scene)
     return Ground(
-        heights=heights,
+        heights=heights if scene.seabed.relief.level else _dig(heights, lattice, scene.pits),
         materials=_kept_materials(material.layout, material.version, lattice, scene.seed, place),
         names=names,
         reflectivities=reflectivities,
@@ -62,7 +64,7 @@ def build_ground(scene: Scene) -> AnyGround:
 def build_excerpt(scene: Scene, low: tuple[float, float], high: tuple[float, float]) -> EndlessExcerpt:
     """Endless ground of a scene with one rectangle computed at once, for short-lived pictures."""
     # The fields of the rectangle are not cached; those of tiles are computed when a tile is needed.
-    heights = endless_heights(*_endless_relief(scene))
+    heights = _endless_heights(*_endless_relief(scene))
     whole = _endless_ground(scene, lambda row, column: _kept_squares(*_endless_relief(scene), TILE)(row, column))
     layout, _, period, spacing, seed, place = _endless_map(scene)
     materials = endless_materials(layout, period, spacing, seed, place)
@@ -77,7 +79,7 @@ def build_excerpt(scene: Scene, low: tuple[float, float], high: tuple[float, flo
 def _endless_ground(scene: Scene, heights: Tiles) -> EndlessGround:
     """Endless ground with given tiles of heights."""
     seabed = scene.seabed
-    names, reflectivities = seabed.material.rows()
+    names, reflectivities = seabed.material.rows(scene.sonar.scattering_frequency)
     return EndlessGround(
         heights=heights,
         materials=_kept_map_tiles(*_endless_map(scene)),
@@ -89,9 +91,35 @@ def _endless_ground(scene: Scene, heights: Tiles) -> EndlessGround:
     )
 
 
-def _endless_relief(scene: Scene) -> tuple[tuple[RandomRelief, ...], float, int]:
+def _endless_relief(scene: Scene) -> tuple[tuple[RandomRelief, ...], float, int, Pits]:
     """Return what the heights of endless ground depend on."""
-    return scene.seabed.random_reliefs, scene.seabed.spacing, scene.seed
+    return scene.seabed.random_reliefs, scene.seabed.spacing, scene.seed, scene.pits
+
+
+def _endless_heights(parts: tuple[RandomRelief, ...], spacing: float, seed: int, pits: Pits) -> Heights:
+    """Heights of endless ground with the pits around its targets."""
+    heights = endless_heights(parts, spacing, seed)
+
+    def pitted(nodes: Nodes) -> NDArray[np.float64]:
+        x = spacing * (nodes.column + np.arange(nodes.columns, dtype=np.float64))
+        y = spacing * (nodes.row + np.arange(nodes.rows, dtype=np.float64))[:, None]
+        return np.asarray(sum((pit.heights(x, y) for pit in pits), heights(nodes)))
+
+    return pitted if pits else heights
+
+
+def _dig(heights: NDArray[np.float32], lattice: Lattice, pits: Pits) -> NDArray[np.float32]:
+    """Heights with the pits around targets, which a periodic bed repeats."""
+    if not pits:
+        return heights
+    x, y = (first + lattice.spacing * np.arange(n) for first, n in zip((lattice.x0, lattice.y0), heights.shape[::-1]))
+    change: NDArray[np.float64] = np.zeros(heights.shape)
+    for pit in pits:
+        away = [x - pit.x, y - pit.y]
+        if lattice.periodic:
+            away = [(d + 0.5 * size) % size - 0.5 * size for d, size in zip(away, lattice.size)]
+        change += pit.heights(pit.x + away[0], pit.y + away[1][:, None])
+    return (heights + change).astype(np.float32)
 
 
 def _endless_map(scene: Scene) -> _EndlessMap:
@@ -189,14 +217,14 @@ def _kept_materials(
 
 
 @lru_cache(maxsize=GROUNDS)
-def _kept_relief(parts: tuple[RandomRelief, ...], spacing: float, seed: int) -> Heights:
-    return endless_heights(parts, spacing, seed)
+def _kept_relief(parts: tuple[RandomRelief, ...], spacing: float, seed: int, pits: Pits) -> Heights:
+    return _endless_heights(parts, spacing, seed, pits)
 
 
 @lru_cache(maxsize=2 * GROUNDS)
-def _kept_squares(parts: tuple[RandomRelief, ...], spacing: float, seed: int, side: int) -> Tiles:
+def _kept_squares(parts: tuple[RandomRelief, ...], spacing: float, seed: int, pits: Pits, side: int) -> Tiles:
     """Squares of some nodes a side: tiles, or the smaller squares of `EndlessGround`."""
-    heights = _kept_relief(parts, spacing, seed)
+    heights = _kept_relief(parts, spacing, seed, pits)
     return keep_arrays(lambda row, column: heights(Nodes(row * side, column * side, side, side)).astype(np.float32))
 
 

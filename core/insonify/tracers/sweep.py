@@ -60,8 +60,9 @@ class Sweep(Tracer):
         return make_tracer(scene, arrays) if scene.receiver.speckle.interferes else self
 
     def settings(self, model: Model) -> dict[str, Any]:
-        """Planes, and with refraction the rays of pings that are traced ray by ray."""
-        return {"planes": model.planes, "across": model.across} | ({"rays": model.rays} if model.bent else {})
+        """Planes, those across targets, and with refraction the rays of pings that are traced ray by ray."""
+        across = {"across": model.across} if model.across > 0 else {}
+        return {"planes": model.planes} | across | ({"rays": model.rays} if model.bent else {})
 
     def work(self, scene: Scene, arrays: SceneArrays, model: Model) -> float:
         """Knots of all planes, of the direct path and of those by the sea surface."""

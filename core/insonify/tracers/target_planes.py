@@ -83,7 +83,7 @@ def _find_one_side(outlines: _Outlines, ahead: Angles, abeam: Angles, across: in
     half = np.where(distance > radius, np.arcsin(np.minimum(radius / np.maximum(distance, LEAST), 1.0)), math.pi)
     low = np.minimum.reduceat(azimuth - half, first, axis=1)
     high = np.maximum.reduceat(azimuth + half, first, axis=1)
-    farthest = np.maximum.reduceat(distance, first, axis=1)
+    farthest = np.maximum(np.maximum.reduceat(distance, first, axis=1), LEAST)
     # Both limits: docs/theory/beam.md
     glint = OF_GLINT * outlines.lobe / np.hypot(1.0, outlines.curvature * farthest)
     onset = np.where(outlines.curvature > 0.0, OF_GLINT * bin_length / (outlines.lobe * farthest), math.inf)

@@ -5,7 +5,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from insonify.errors import SceneError
-from insonify.lessons import parse_condition
+from insonify.lessons import Reader, parse_condition, parse_expression
 
 VALUES = {
     "sonar.beam.width": 5.0,
@@ -55,6 +55,53 @@ VALUES = {
 )
 def test_conditions_mean_what_they_say(text: str, expected: bool) -> None:
     assert parse_condition(text).holds(VALUES.get) is expected
+
+
+def doubled(name: str, arguments: tuple[float, ...]) -> float | None:
+    return {"slant_range": sum(arguments), "altitude": 7.0}.get(name)
+
+
+@pytest.mark.parametrize(
+    ("text", "expected"),
+    [
+        ("altitude()", 7.0),
+        ("2 * slant_range(3, altitude() - 1) + 1", 19.0),
+        ("before(sonar.range)", 20.0),
+        ("sonar.range / before(sonar.range + 5)", 2.0),
+        ("before(before(sonar.range))", None),  # a scene has one past
+        ("swath()", None),
+        ("sqrt(absent)", None),
+        ("sonar.beam.kind", None),
+        ("sonar.range / 0", None),
+    ],
+)
+def test_expressions_call_quantities_and_read_values_before_the_move(text: str, expected: float | None) -> None:
+    before = Reader({"sonar.range": 20.0}.get)
+    assert parse_expression(text).number(Reader(VALUES.get, doubled, before)) == expected
+    assert parse_condition(f"{text} == 1 or 1 == 1").holds(Reader(VALUES.get, doubled, before)) is (
+        expected is not None
+    )
+
+
+@pytest.mark.parametrize(
+    ("text", "told"),
+    [
+        ("altitude(", "a value is missing"),
+        ("altitude(1)", "altitude has 1 values; it takes 0"),
+        ("slant_range(1)", "slant_range has 1 values; it takes 2"),
+        ("before()", "before has 0 values; it takes 1"),
+        ("eval(1)", "does not belong there"),
+        ("sqrt(1", "not closed"),
+        ("sqrt(" * 1000, "characters"),
+        ("sqrt(" * 150, "nested"),
+        ("sonar.range > 1", "should be a number"),
+        ("1, 2", "does not belong there"),
+    ],
+)
+def test_a_fault_of_an_expression_is_one_sentence(text: str, told: str) -> None:
+    with pytest.raises(SceneError) as caught:
+        parse_expression(text)
+    assert told in str(caught.value)
 
 
 def test_the_fields_are_told_once_each() -> None:

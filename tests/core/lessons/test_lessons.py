@@ -11,6 +11,8 @@ from insonify.errors import SceneError
 from insonify.lessons import (
     bundled_lessons,
     check_lesson,
+    group_lessons,
+    load_courses,
     load_lesson,
     load_lessons,
     parse_lesson,
@@ -71,6 +73,10 @@ FAULTS = {
     "order: is missing": ("order = 5\n", ""),
     "colour: unknown key": ("order = 5", 'order = 5\ncolour = "red"'),
     "order: 'five' is not a whole number": ("order = 5", 'order = "five"'),
+    "course: 'second-look' does not exist; choose one of first-look": (
+        "order = 5",
+        'order = 5\ncourse = "second-look"',
+    ),
     "has no step": ("## Widen the beam", "Widen the beam"),
     "has 0 blocks of TOML": ("```toml", "```text"),
     "done: is missing": ('done = "sonar.beam.width >= 5"\n', ""),
@@ -129,6 +135,21 @@ def test_lessons_are_listed_in_their_order(capsys: pytest.CaptureFixture[str]) -
     )
     main(["lesson"])
     assert [line.split()[0] for line in capsys.readouterr().out.splitlines()] == [lesson.name for lesson in lessons]
+
+
+def test_every_bundled_lesson_belongs_to_a_course_and_takes_some_minutes() -> None:
+    groups = group_lessons(load_lessons())
+    assert [course.name for course, _ in groups] == [course.name for course in load_courses()]
+    assert [lesson for _, lessons in groups for lesson in lessons] == list(load_lessons()), "by course and by place"
+    assert all(lesson.minutes >= 5 for lesson in load_lessons())
+    assert all(course.level and course.aims and course.assumes for course in load_courses())
+
+
+def test_lessons_of_no_course_come_last() -> None:
+    own = parse_lesson(LESSON, "width")
+    groups = group_lessons((own, *load_lessons()))
+    assert groups[-1][0].title == "Other lessons"
+    assert groups[-1][1] == [own]
 
 
 def shadow_of_block(scene: Scene) -> tuple[float, float]:

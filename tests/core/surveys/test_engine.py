@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import shutil
 import subprocess
 import sys
 from contextlib import ExitStack
@@ -15,7 +16,7 @@ import pytest
 
 from insonify.compiler.build import own_build
 from insonify.errors import SceneError
-from insonify.io.atomic import temporary_path
+from insonify.io.atomic import unfinished_folder
 from insonify.surveys.engine import (
     FLAGS,
     Ended,
@@ -28,7 +29,7 @@ from insonify.surveys.engine import (
     run_jobs,
 )
 from insonify.surveys.schedulers import choose_scheduler, connected, find_schedulers, share_cores
-from insonify.surveys.workers import Workers, read_build, write_build
+from insonify.surveys.workers import Workers, claim_build, read_build
 from small_sets import contents
 from written_jobs import WrittenJobs
 
@@ -60,7 +61,7 @@ def undisturbed(tmp_path, count):
     work = WrittenJobs(tmp_path / "undisturbed", count)
     for name in work.names():
         finish(work, name)
-    write_build(work.folder / FLAGS, own_build())
+    claim_build(work.folder / FLAGS, own_build())
     return contents(work.folder)
 
 
@@ -115,11 +116,12 @@ def test_a_folder_of_something_else_is_left_alone(tmp_path):
 def test_what_ended_workers_left_is_removed_when_work_goes_on(tmp_path):
     work = WrittenJobs(tmp_path / "work", 2)
     finish(work, work.names()[0])
-    left = temporary_path(flag_of(work.folder, work.names()[1]))
-    left.mkdir()
-    assert prepare_folder(work.folder, work.names(), "test") == work.names()[1:]
-    assert left.exists()  # this process may still be writing it
-    left.rename(left.with_name(left.name.replace(f"-{os.getpid()}-", "-999999999-")))
+    flag = flag_of(work.folder, work.names()[1])
+    with unfinished_folder(flag) as left:
+        assert prepare_folder(work.folder, work.names(), "test") == work.names()[1:]
+        assert left.exists()  # this process is still writing it
+        kept = shutil.copytree(left, tmp_path / "kept")
+    kept.rename(left)
     prepare_folder(work.folder, work.names(), "test")
     assert done_jobs(work.folder) == set(work.names()[:1])
     assert len(list(left.parent.iterdir())) == 1
@@ -150,9 +152,6 @@ def test_a_scheduler_without_workers_is_told(tmp_path, monkeypatch):
             run(WrittenJobs(tmp_path / "work", 1), address)
 
 
-OTHER = own_build()._replace(insonify="0.0.1", kernels="0123456789ab")
-
-
 class Cluster:
     """A client of workers with given builds, or with an error instead."""
 
@@ -166,29 +165,43 @@ class Cluster:
         return {address: self.builds[address] for address in workers}
 
 
+def stated(**changes):
+    return own_build()._replace(**changes)._asdict()
+
+
 def test_workers_of_another_build_get_no_jobs_and_are_named_once(tmp_path, capsys):
-    cluster = Cluster(first=own_build(), old=OTHER, oldest=AttributeError())
+    cluster = Cluster(first=stated(), old=stated(insonify="0.0.1", kernels="0123456789ab"), oldest=AttributeError())
     workers = Workers(cluster, tmp_path, "tcp://host:1")
     workers.count()
-    cluster.builds |= {"late": own_build()._replace(processor="generic-0"), "twin": own_build()}
+    cluster.builds |= {"late": stated(processor="generic-0"), "twin": stated(), "newer": stated() | {"compiler": "2"}}
     workers.count()
     workers.count()
     assert workers.threads == {"first": 1, "twin": 1}
     told = capsys.readouterr().err.splitlines()
-    assert len(told) == 3
+    assert len(told) == 4
     assert f"old gets no jobs: it has insonify 0.0.1 instead of {own_build().insonify}, kernels 0123456789ab" in told[0]
     assert "oldest gets no jobs: it does not state its version" in told[1]
     assert "late gets no jobs: it has processor generic-0 instead of" in told[2]
+    assert "newer gets no jobs: it does not state its version" in told[3]
 
 
 def test_what_is_begun_is_gone_on_with_by_workers_alike_alone(tmp_path, capsys):
-    elsewhere = own_build()._replace(processor="generic-0")
-    Workers(Cluster(one=elsewhere), tmp_path, "tcp://host:1").count()
-    assert read_build(tmp_path) == elsewhere
-    later = Workers(Cluster(one=own_build()), tmp_path, "tcp://host:1")
+    Workers(Cluster(one=stated(processor="generic-0")), tmp_path, "tcp://host:1").count()
+    assert read_build(tmp_path) == own_build()._replace(processor="generic-0")
+    later = Workers(Cluster(one=stated()), tmp_path, "tcp://host:1")
     later.count()
     assert later.threads == {}
     assert "instead of generic-0" in capsys.readouterr().err
+
+
+def test_of_two_drivers_at_once_the_first_sets_the_build(tmp_path, capsys):
+    one = Workers(Cluster(one=stated()), tmp_path, "tcp://host:1")
+    other = Workers(Cluster(one=stated(processor="generic-0")), tmp_path, "tcp://host:2")
+    for workers in (one, other):
+        workers.count()
+    assert (one.threads, other.threads) == ({"one": 1}, {})
+    assert "processor generic-0 instead of" in capsys.readouterr().err
+    assert [file.name for file in tmp_path.iterdir()] == ["build.json"]
 
 
 def test_nobody_left_to_work_is_said_after_ten_seconds_and_every_minute(tmp_path, capsys, monkeypatch):

@@ -115,12 +115,16 @@ def test_workers_killed_at_any_time_lose_nothing(tmp_path, undisturbed, jobs):
     assert contents(tmp_path / "set") == undisturbed
 
 
-def test_an_interrupted_run_keeps_what_is_done_and_goes_on(tmp_path, undisturbed):
+@pytest.mark.parametrize(("number", "code"), [(signal.SIGINT, 130), (signal.SIGTERM, 143)])
+def test_an_interrupted_run_keeps_what_is_done_and_goes_on(tmp_path, undisturbed, number, code):
     process = driver(tmp_path)
     wait_for_jobs(tmp_path, 2, process)
-    os.killpg(process.pid, signal.SIGINT)  # as a terminal sends it: to the workers as well
+    if number == signal.SIGINT:
+        os.killpg(process.pid, number)  # as a terminal sends it: to the workers as well
+    else:
+        process.send_signal(number)
     complaint = process.communicate(timeout=60)[1]
-    assert process.returncode == 130
+    assert process.returncode == code
     assert f"of {SCENES} jobs are done and stay; the same command goes on" in complaint
     assert len(complaint.splitlines()) == 1
     assert ended_workers(process)

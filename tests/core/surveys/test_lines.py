@@ -15,11 +15,11 @@ from commands import refused
 from insonify import cli
 from insonify.files import bundled_specifications
 from insonify.io.records import read_record
-from insonify.scene import load_scene
+from insonify.scene import load_scene, scene_from_toml
 from insonify.simulation import prepare
 from insonify.surveys.engine import done_jobs, finish
 from insonify.surveys.lines.specification import Area, SurveySpecification
-from insonify.surveys.lines.summary import measure_coverage
+from insonify.surveys.lines.summary import measure_coverage, summarise
 from insonify.surveys.lines.track import SurveyLine, join_lines, lay_lawnmower
 from insonify.surveys.lines.work import SurveyWork
 from insonify.surveys.mosaic import Mosaic
@@ -144,6 +144,19 @@ def test_the_page_needs_no_other_file(small):
     assert "<script" not in page
 
 
+def test_the_page_shows_text_of_a_specification_as_it_is(tmp_path):
+    hostile = "\x1b]0;owned\x07<img src=x> R&D"
+    values = tomllib.loads(SURVEY) | {"title": hostile, "description": hostile}
+    values["area"] |= {"corners": [(0.0, 0.0), (6.0, 0.0), (6.0, 9.0), (0.0, 9.0)]}
+    work = SurveyWork(SurveySpecification.model_validate(values), BASE, tmp_path / "survey").begun()
+    finish(work, work.names()[0])
+    summarise(work, work.names())
+    page = (tmp_path / "survey" / "index.html").read_text()
+    assert page.count("&lt;img src=x&gt; R&amp;D") >= 4
+    assert "<img src=x" not in page
+    assert not set(page) & set("\x07\x1b")
+
+
 def test_a_second_survey_is_the_same_to_the_bit(small, tmp_path):
     assert cli.main(["survey", str(write_set(tmp_path, SURVEY)), "-o", str(small), "--scheduler", "local:1"]) == 0
     before = contents(small)
@@ -152,6 +165,24 @@ def test_a_second_survey_is_the_same_to_the_bit(small, tmp_path):
     assert cli.main(["survey", str(write_set(tmp_path, SURVEY)), "-o", str(small), "--scheduler", "local:1"]) == 0
     assert contents(small) == before
     assert len(done_jobs(small)) == 3
+
+
+def test_a_survey_elsewhere_is_the_same_to_the_bit_and_can_be_moved(small, tmp_path):
+    (tmp_path / "here").mkdir()
+    path = write_set(tmp_path / "here", SURVEY)
+    words = ["survey", str(path), "-o", str(tmp_path / "here" / "another"), "--scheduler", "local:1"]
+    assert cli.main(words) == 0
+    before = contents(tmp_path / "here" / "another")
+    assert before == contents(small)
+    (tmp_path / "here").rename(tmp_path / "there")
+    words = [word.replace("/here", "/there") for word in words]
+    record = tmp_path / "there" / "another" / "records" / "line-0003.nc"
+    record.unlink()
+    next((tmp_path / "there" / "another" / "jobs").glob("*/0000002-*")).unlink()
+    assert cli.main(words) == 0
+    assert contents(tmp_path / "there" / "another") == before
+    scene = scene_from_toml(read_record(str(record)).attrs["scene"], source=record)
+    assert scene.track.motion.path == str(record.parents[1] / "jobs" / "track.csv")
 
 
 def test_recorded_turns_are_in_the_records(tmp_path):

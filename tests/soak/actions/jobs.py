@@ -34,6 +34,6 @@ def work_beside(viewer: Viewer, random: Random) -> Steps:
         if random.random() < 0.8:
             job.stop()
     yield 500.0
-    panel.widget.close()
+    panel.view.close()
     if random.random() < 0.5:
-        panel.widget.forget.click()
+        panel.view.forget.click()

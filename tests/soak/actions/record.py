@@ -59,7 +59,7 @@ def keep_contacts(viewer: Viewer, random: Random) -> Steps:
         mark = Mark(viewer.window.waterfall.top, int(random.integers(2)), int(random.integers(scene.sonar.bins)))
         viewer.inspection.pin(mark)
         yield 50.0
-        listed.mark_wanted.emit()
+        listed.mark.click()
         yield 30.0
     if not listed.list.count():
         return

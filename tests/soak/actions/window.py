@@ -229,7 +229,7 @@ def force_choice(viewer: Viewer, random: Random) -> Steps:
     view = viewer.panels["plan"].view
     kind = random.integers(4)
     if kind == 0:
-        view.left_to_plan.emit()
+        view.automatic.click()
     elif kind == 1:
         view.tolerated.emit(float(random.choice([0.01, 0.03, 0.1])))
     else:
@@ -240,11 +240,11 @@ def force_choice(viewer: Viewer, random: Random) -> Steps:
 @action(0.3)
 def measure_chart(viewer: Viewer, random: Random) -> Steps:
     viewer.window.open_panel("chart")
-    chart = viewer.panels["chart"].widget
+    chart = viewer.panels["chart"].view
     yield 200.0
-    chart.measure_wanted.emit()
+    chart.measure.click()
     yield float(random.choice([100.0, 4000.0, 12000.0]))
-    chart.stop_wanted.emit()
+    chart.stop.click()
     yield 100.0
     chart.close()
 

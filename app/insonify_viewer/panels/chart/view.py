@@ -15,6 +15,7 @@ from insonify_viewer.panels.chart.chart_details import ChartPicture, RowDetails,
 from insonify_viewer.state.quantities import format_time_left
 from insonify_viewer.widgets.buttons import make_label, push_button
 from insonify_viewer.widgets.painting import colour_table, column_means, round_steps, two_sided_table
+from insonify_viewer.widgets.text import window_title
 from insonify_viewer.widgets.theme import ACCENT, EDGE, GROUND, MARK, QUIET, TEXT
 
 SIZE, SMALLEST = (1120, 860), (560, 460)
@@ -76,7 +77,7 @@ class ChartWindow(QWidget):
 
     def show_chart(self, chart_picture: ChartPicture) -> None:
         """Show a measured chart."""
-        self.setWindowTitle(f"Chart of {chart_picture.chart.title or 'an untitled scene'} · insonify")
+        self.setWindowTitle(f"Chart of {window_title(chart_picture.chart.title) or 'an untitled scene'} · insonify")
         self._picture.show_chart(chart_picture)
         self._bottom.hide()
         self.save.setEnabled(True)

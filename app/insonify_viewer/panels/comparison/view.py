@@ -9,6 +9,7 @@ from PySide6.QtCore import Qt, Signal
 from PySide6.QtGui import QAction
 from PySide6.QtWidgets import QHBoxLayout, QLabel, QMenu, QWidget
 
+from insonify.errors import plain_text
 from insonify.scene import Scene
 from insonify_viewer.record.comparison.arrangement import Arrangement, find_pairs
 from insonify_viewer.record.comparison.kept_record import Change
@@ -71,7 +72,7 @@ class ComparisonView(SidePanel):
         self.back.hide()
         self.changes.hide()
         self._name = "" if recording is None else recording.path.stem
-        self.title.setText(HINT if recording is None else _about(recording))
+        self.title.setText(HINT if recording is None else plain_text(_about(recording)))
         self._show_frequencies([] if recording is None else _frequencies(recording), recording)
         if not there:
             self._found = {}
@@ -80,7 +81,7 @@ class ComparisonView(SidePanel):
         """Show the title of a kept record; None if A is none."""
         if title is not None:
             self.show_recording(None)
-            self.title.setText(f"A: {title}")
+            self.title.setText(plain_text(f"A: {title}"))
             for part in (self.leave, self.arrangement, self.back, self.changes):
                 part.show()
         elif not self.back.isHidden():
@@ -92,7 +93,7 @@ class ComparisonView(SidePanel):
         if len(changes) > MOST:
             listed.append(f"and {len(changes) - MOST} more")
         named = "B: " + "\n     ".join(listed)
-        self.changes.setText(f"{named}\n{difference}" if changes else "B equals A")
+        self.changes.setText(plain_text(f"{named}\n{difference}") if changes else "B equals A")
 
     def show_point(self, point: dict[str, str], *, at_mouse: bool) -> None:
         """Show what is known of a point; only the ping where the mouse is elsewhere."""
@@ -169,9 +170,13 @@ class _Table(QLabel):
     def show_rows(self, rows: dict[str, tuple[str, ...]], said: str = "") -> None:
         """Show rows and a sentence."""
         self.rows, self.said = rows, said
-        lines = ["".join(f"<td>{html.escape(text)}</td>" for text in (name, *texts)) for name, texts in rows.items()]
+        lines = ["".join(f"<td>{_escaped(text)}</td>" for text in (name, *texts)) for name, texts in rows.items()]
         table = f'<table width="100%" cellpadding="2">{"".join(f"<tr>{line}</tr>" for line in lines)}</table>'
-        self.setText(f"{table}<p>{html.escape(said)}</p>")
+        self.setText(f"{table}<p>{_escaped(said)}</p>")
+
+
+def _escaped(text: str) -> str:
+    return html.escape(plain_text(text))
 
 
 def _about(recording: Recording) -> str:

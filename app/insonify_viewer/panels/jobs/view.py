@@ -33,6 +33,7 @@ from insonify_viewer.state.quantities import format_time_left
 from insonify_viewer.widgets.buttons import make_label, push_button
 from insonify_viewer.widgets.save_dialogs import Formats, ask_where_to_save, record_formats
 from insonify_viewer.widgets.side_panel import ScrollColumn
+from insonify_viewer.widgets.text import one_line
 from insonify_viewer.work.jobs import BackgroundJob, State
 
 STEPS = 1000
@@ -42,7 +43,7 @@ CHARTS: Formats = (("Pictures", ".png"), ("Drawings", ".svg"), ("Tables", ".csv"
 PAGES: Formats = (("Pages", ".html"),)
 HINT = (
     "Jobs run in the background while you go on working. Their results equal, bit for bit, those of the command "
-    "insonify in a terminal."
+    "insonify in a terminal of this machine."
 )
 
 
@@ -58,7 +59,7 @@ class JobRow(QFrame):
         self.setObjectName("job")
         self.setFocusPolicy(Qt.FocusPolicy.TabFocus)
         self._job = job
-        self.title, self.words = make_label("choice", job.title), make_label("name")
+        self.title, self.words = make_label("choice", one_line(job.title)), make_label("name")
         self.bar = QProgressBar()
         self.bar.setTextVisible(False)
         self.stop = push_button("Stop", "Stop this job (Delete); no half-written file is left")

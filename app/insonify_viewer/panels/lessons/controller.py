@@ -1,19 +1,23 @@
-"""Leads through lessons: opens their scenes, lights fields, and notices that a step was done."""
+"""Leads through lessons: opens their scenes, lights fields, notices that a step was done, and judges answers."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping
+from datetime import datetime
 from typing import Any
 
 from insonify.files import bundled_scenes
-from insonify.lessons import AUTOMATIC, SIDES, Lesson, LessonState, Step, load_lessons, split_move, states_of
+from insonify.io.atomic import write_text
+from insonify.lessons import AUTOMATIC, SIDES, Lesson, LessonState, load_lessons, split_move
 from insonify.scene import Scene
-from insonify_viewer.panels.lessons.view import LessonsView
+from insonify_viewer.panels.lessons.progress import Progress
+from insonify_viewer.panels.lessons.view.lessons_view import LessonsView
 from insonify_viewer.panels.panel import Button, Panel, Place, Workbench
 from insonify_viewer.record.marked_point import MarkedPoint
 from insonify_viewer.record.record import RecordGrowth
 from insonify_viewer.state.history import Modelling
 from insonify_viewer.state.inspection import Mark
+from insonify_viewer.widgets.save_dialogs import ask_where_to_save
 
 
 class LessonsPanel(Panel):
@@ -27,19 +31,26 @@ class LessonsPanel(Panel):
     def __init__(self, workbench: Workbench) -> None:
         self._workbench, self._session = workbench, workbench.session
         self._lessons: tuple[Lesson, ...] = ()
-        self.course: Course | None = None
+        self.progress: Progress | None = None
         self._finished: set[str] = set()
         self._point: MarkedPoint | None = None
         self._newest = 0  # ping
         self._open_now = False
         self._left: Scene | None = None  # as a lesson left it, which is not the person's own work
+        self._ended: dict[str, Progress] = {}  # lessons that have a summary
+        self._shown: Progress | None = None  # whose summary is shown
         self.view = view = LessonsView()
         view.list.started.connect(self.start)
+        view.list.reviewed.connect(self.review)
         view.page.left.clicked.connect(self.leave)
         view.page.show_me.clicked.connect(self.move)
         view.page.back.clicked.connect(self.back)
         view.page.next.clicked.connect(self.next)
-        for page in (view.list, view.page):
+        view.page.ask.answered.connect(self.answer)
+        view.summary.left.clicked.connect(self.leave)
+        view.summary.save.clicked.connect(self.save)
+        view.summary.next.clicked.connect(self.go_on)
+        for page in (view.list, view.page, view.summary):
             page.projector.toggled.connect(workbench.project)
 
     def opened(self, shown: bool) -> None:
@@ -53,9 +64,9 @@ class LessonsPanel(Panel):
     def scene_changed(self, scene: Scene, settled: bool) -> None:
         """Notice what was moved; leave the lesson when the person opens another scene."""
         del settled
-        if self.course is None:
+        if self.progress is None:
             return
-        if scene.title != self.course.start.scene.title:
+        if scene.title != self.progress.start.scene.title:
             self.leave()
             self._left = None
         else:
@@ -80,66 +91,104 @@ class LessonsPanel(Panel):
 
     def begin(self, lesson: Lesson) -> None:
         """Begin a lesson; the person is asked first what becomes of changes that are not of a lesson."""
-        course, asked = Course(lesson), self.course is None and self._session.scene is not self._left
-        self.course = None  # what changes on the way is not done by the person
-        if self._session.scene == course.start.scene or self._open(course, ask=asked):
-            self._model(Modelling(), course.start.window)
-            self._show_step(course)
+        progress, asked = Progress(lesson), self.progress is None and self._session.scene is not self._left
+        self.progress = None  # what changes on the way is not done by the person
+        if self._session.scene == progress.start.scene or self._open(progress, ask=asked):
+            self._model(Modelling(), progress.start.window)
+            self._show_step(progress)
         else:
             self.leave()
 
     def leave(self) -> None:
         """Return to the list; the scene stays as it is."""
-        if self.course is not None:
+        if self.progress is not None:
             self._left = self._session.scene
-        self.course = None
+        self.progress = None
         self._workbench.light_fields(())
         self._show_list()
 
     def back(self) -> None:
         """Return to the step before, as it began."""
-        if self.course is not None and self.course.index:
-            self._go_to(self.course, self.course.index - 1)
+        if self.progress is not None and self.progress.index:
+            self._go_to(self.progress, self.progress.index - 1)
 
     def next(self) -> None:
-        """Go to the next step, or to the list after the last; a step that was left out counts as done by the way."""
-        course = self.course
-        if course is None:
+        """Go to the next step, or to the summary after the last; a step that was left out counts as done by the way."""
+        progress = self.progress
+        if progress is None:
             return
-        if course.finished:
-            self._finished.add(course.lesson.name)
-        if course.last:
+        self.view.keep_picture(progress.lesson.name, progress.index, self._workbench.record_views[0])
+        if progress.finished:
+            self._finished.add(progress.lesson.name)
+        if progress.last:
+            progress.worksheet.ended = datetime.now()
+            self._ended[progress.lesson.name] = progress
             self.leave()
+            self.review(progress.lesson.name)
         else:
-            self._go_to(course, course.index + 1)
+            self._go_to(progress, progress.index + 1)
+
+    def answer(self, text: str, number: float | None) -> None:
+        """Keep the answer to the question of the present step, and judge it if the step was done."""
+        if self.progress is not None and self.progress.given is None:
+            self.progress.answer(text, number, self._state)
+            self._explain(self.progress)
+
+    def go_on(self) -> None:
+        """Begin the lesson after the one that has ended."""
+        following = self._following(self._shown.lesson) if self._shown is not None else None
+        if following is not None:
+            self.begin(following)
+
+    def review(self, name: str) -> None:
+        """Show the summary of a lesson that has ended."""
+        self._shown = progress = self._ended[name]
+        self.view.summary.show_summary(progress.worksheet, self._following(progress.lesson))
+        self.view.setCurrentWidget(self.view.summary)
+
+    def save(self) -> None:
+        """Write the page to hand in, with pictures of the record beside it."""
+        if self._shown is None:
+            return
+        worksheet = self._shown.worksheet
+        suggestion = f"{worksheet.lesson.name}.md"
+        path = ask_where_to_save(self.view.window(), "Save the page to hand in", suggestion, [("Markdown", ".md")])
+        if path is None:
+            return
+        try:
+            write_text(path, worksheet.to_markdown(self.view.save_pictures(worksheet.lesson.name, path)))
+        except OSError as error:
+            self._workbench.complain(error)
+        else:
+            self._workbench.say(f"wrote {path}")
 
     def move(self) -> None:
         """Do what the present step asks for."""
-        if self.course is None:
+        if self.progress is None:
             return
-        inside, outside = split_move(self.course.step.move)
+        inside, outside = split_move(self.progress.step.move)
         if inside:
             self._session.settle(inside)
         self._model(self._session.modelling, outside)
         if "point.slant_range" in outside:
             self._session.point_at(self._mark(outside))
 
-    def _go_to(self, course: Course, index: int) -> None:
+    def _go_to(self, progress: Progress, index: int) -> None:
         """Begin a step as it is meant to begin, or with what the person has just done in the step before."""
-        forward, base = course.done and index > course.index, course.base
-        course.go_to(index)
-        self.course = None
-        if course.base != base:
-            self._open(course, ask=False)
-        elif not forward or course.step.set:
-            self._session.open(course.start.scene, _file_of(course), bundled=True)
-        if course.base != base or not forward:
-            self._model(Modelling(), course.start.window)
-        self._show_step(course)
+        forward, base = progress.done and index > progress.index, progress.base
+        progress.go_to(index)
+        self.progress = None
+        if progress.base != base:
+            self._open(progress, ask=False)
+        elif not forward or progress.step.set:
+            self._session.open(progress.start.scene, _file_of(progress), bundled=True)
+        if progress.base != base or not forward:
+            self._model(Modelling(), progress.start.window)
+        self._show_step(progress)
 
-    def _open(self, course: Course, *, ask: bool) -> bool:
+    def _open(self, progress: Progress, *, ask: bool) -> bool:
         """Open the scene of a step at the start of its track; return whether the person agreed."""
-        return self._workbench.open_scene(course.start.scene, _file_of(course), ask=ask)
+        return self._workbench.open_scene(progress.start.scene, _file_of(progress), ask=ask)
 
     def _model(self, modelling: Modelling, window: Mapping[str, Any]) -> None:
         """Turn to a modelling, with the choices of the plan that a state of the window names."""
@@ -171,83 +220,50 @@ class LessonsPanel(Panel):
         return LessonState(self._session.scene, window)
 
     def _notice(self) -> None:
-        if self.course is not None and self.course.notice(self._state):
+        if self.progress is not None and self.progress.notice(self._state):
             self.view.page.show_done(True)
+            self._explain(self.progress)
 
-    def _show_step(self, course: Course) -> None:
+    def _explain(self, progress: Progress) -> None:
+        """Show what was answered, and the explanation once the step was done, too."""
+        if progress.given is None:
+            return
+        page = self.view.page
+        page.ask.show_answered(progress.given.text)
+        if progress.explained:
+            page.show_verdict(progress.verdict(self._state))
+        else:
+            page.ask.show_note(True)
+
+    def _following(self, lesson: Lesson) -> Lesson | None:
+        """Return the lesson of the list after a lesson, None after the last and for one that is not in the list."""
+        names = [each.name for each in self._lessons]
+        place = names.index(lesson.name) + 1 if lesson.name in names else len(names)
+        return self._lessons[place] if place < len(names) else None
+
+    def _show_step(self, progress: Progress) -> None:
         """Show the present step, and light what it speaks of."""
-        self.course = course
-        self.view.page.show_step(course.lesson, course.index)
+        self.progress = progress
+        self.view.page.show_step(progress.lesson, progress.index)
         self.view.setCurrentWidget(self.view.page)
         self._light()
+        self._explain(progress)
         self._notice()
 
     def _show_list(self) -> None:
-        self.view.list.show_lessons(self._lessons, self._finished)
+        self.view.list.show_lessons(self._lessons, self._finished, self._ended)
         self.view.setCurrentWidget(self.view.list)
 
     def _light(self) -> None:
         """Light the fields of the present step, with the panel that shows them in front."""
-        if self.course is not None and self._open_now:
-            fields = self.course.step.fields
+        if self.progress is not None and self._open_now:
+            fields = self.progress.step.fields
             self._workbench.open_panel("plan" if fields[0].startswith("plan.") else "parameters")
             self._workbench.light_fields(fields)
         else:
             self._workbench.light_fields(())
 
 
-def _file_of(course: Course) -> str:
+def _file_of(progress: Progress) -> str:
     """File of the bundled scene that a step is about."""
-    return str(bundled_scenes()[course.base])
-
-
-class Course:
-    """A lesson under way."""
-
-    def __init__(self, lesson: Lesson) -> None:
-        self.lesson, self.index = lesson, 0
-        self._states = tuple(states_of(lesson))
-        self._done: set[int] = set()
-
-    @property
-    def step(self) -> Step:
-        """The present step."""
-        return self.lesson.steps[self.index]
-
-    @property
-    def start(self) -> LessonState:
-        """The state in which the present step begins."""
-        return self._states[self.index][1]
-
-    @property
-    def base(self) -> str:
-        """Name of the bundled scene that the present step is about."""
-        own = [step.scene for step in self.lesson.steps[: self.index + 1] if step.scene]
-        return own[-1] if own else self.lesson.scene
-
-    @property
-    def done(self) -> bool:
-        """Whether the present step was done."""
-        return self.index in self._done
-
-    @property
-    def last(self) -> bool:
-        """Whether the present step is the last."""
-        return self.index + 1 == len(self.lesson.steps)
-
-    @property
-    def finished(self) -> bool:
-        """Whether every step was done."""
-        return len(self._done) == len(self.lesson.steps)
-
-    def notice(self, state: LessonState) -> bool:
-        """Note the present step as done if its condition holds; return whether it does for the first time."""
-        if self.done or not self.step.condition.holds(state.value):
-            return False
-        self._done.add(self.index)
-        return True
-
-    def go_to(self, index: int) -> None:
-        """Go to a step, which is to be done anew, with those that follow it."""
-        self.index = index
-        self._done = {number for number in self._done if number < index}
+    return str(bundled_scenes()[progress.base])

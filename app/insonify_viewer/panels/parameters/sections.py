@@ -283,14 +283,33 @@ def _idle(scene: Scene, path: str) -> str:
     """Reason why a number has no effect in this scene; empty if it has."""
     if path == "receiver.source_level":
         return _idle_source_level(scene)
-    if path != "sonar.frequency":
-        return ""
+    if path.endswith(".shininess"):
+        return _idle_shininess(scene, path)
+    return _idle_frequency(scene) if path == "sonar.frequency" else ""
+
+
+def _idle_frequency(scene: Scene) -> str:
+    """Reason why the frequency changes nothing."""
     beams, receiver = (scene.sonar.beam, scene.sonar.vertical), scene.receiver
     if any(part.by_frequency for part in (*beams, scene.water.absorption)) or receiver.speckle.speckled:
         return ""
     if scene.water.kind != "uniform":
         return ""  # where water focuses sound, the frequency limits the level
-    return "changes nothing here: it acts on a line-array beam, Francois-Garrison absorption, caustics and speckle"
+    materials = (*scene.seabed.material.materials, *(target.material for target in scene.targets))
+    if scene.sonar.law != "light" and any(material.model is not None for material in materials):
+        return ""
+    return (
+        "changes nothing here: it acts on a line-array beam, Francois-Garrison absorption, caustics, speckle and named "
+        "sediments"
+    )
+
+
+def _idle_shininess(scene: Scene, path: str) -> str:
+    """Reason why the exponent of a mirror lobe changes nothing."""
+    material = part_at(scene, path.rpartition(".")[0])
+    if not isinstance(material, Material) or material.value_in_force("specular", scene.sonar.scattering_frequency):
+        return ""
+    return "changes nothing here: the specular share is 0"
 
 
 def _idle_source_level(scene: Scene) -> str:
@@ -337,4 +356,6 @@ def value_that_applies(scene: Scene, part: BaseModel, name: str) -> float | None
         "depth": scene.seabed.depth - scene.altitude,
         "reference_speed": known_speed(scene),
     }
-    return values.get(name, part.value_in_force(name) if isinstance(part, Declaration) else None)
+    if name in values or not isinstance(part, Declaration):
+        return values.get(name)
+    return part.value_in_force(name, scene.sonar.scattering_frequency)

@@ -14,6 +14,7 @@ from insonify_viewer.state.quantities import format_duration
 from insonify_viewer.widgets.buttons import light, make_label, push_button
 from insonify_viewer.widgets.field_rows import Combo, NumberRow
 from insonify_viewer.widgets.side_panel import FoldingBox, SidePanel
+from insonify_viewer.widgets.text import literal
 from insonify_viewer.widgets.theme import scaled
 
 if TYPE_CHECKING:
@@ -201,7 +202,7 @@ class PlanLine(QWidget):
             error, cost = share and f"would change the record by {share}", duration and f"would take {duration}"
         what = entry.choice if entry.options else entry.reason  # without a choice, the reason says more
         self._numbers.setText(" · ".join(filter(None, (what, error, cost))))
-        self.setToolTip(f"{entry.reason} (plan.{entry.subject})")
+        self.setToolTip(literal(f"{entry.reason} (plan.{entry.subject})"))
         options = [*entry.options, *([forced] if forced and forced not in entry.options else [])]
         self.combo.clear()
         self.combo.addItem(AUTOMATIC, None)

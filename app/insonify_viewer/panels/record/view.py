@@ -40,6 +40,7 @@ from insonify_viewer.state.fields import ChoiceField, NumberField
 from insonify_viewer.widgets.buttons import make_action, make_label, push_button
 from insonify_viewer.widgets.field_rows import ChoiceRow, NumberRow
 from insonify_viewer.widgets.side_panel import FoldingBox, SidePanel
+from insonify_viewer.widgets.text import literal
 from insonify_viewer.widgets.theme import ACCENT, GROUND, QUIET, RAISED, TEXT
 
 REACH = 30.0  # dB either way
@@ -344,7 +345,7 @@ def _item(contact: Contact) -> QListWidgetItem:
     if contact.snapshot and picture.loadFromData(contact.snapshot):
         item.setIcon(QIcon(picture))
     where = "" if contact.x is None or contact.y is None else f", x {contact.x:.2f} m, y {contact.y:.2f} m"
-    item.setToolTip(f"{contact.name}: {place}{where}; {contact.source}")
+    item.setToolTip(literal(f"{contact.name}: {place}{where}; {contact.source}"))
     return item
 
 

@@ -34,7 +34,7 @@ class KeptRecord:
         simulation = answer.simulation
         kept = cls(simulation.scene, modelling, SimulatedScene(simulation, answer.level))
         kept.record.amplitude[:] = record.amplitude
-        kept.record.ping[:] = np.where(record.stamp == 2 * answer.number + answer.fine, record.ping, -1)
+        kept.record.ping[:] = np.where(record.stamp == answer.stamps.max(), record.ping, -1)
         kept.record.stamp[:] = STAMP
         kept.record.altitude[:] = record.altitude
         return kept

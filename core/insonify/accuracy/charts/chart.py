@@ -81,7 +81,8 @@ def _write_csv(path: Path, table: ChartTable) -> None:
 
 def _write_json(path: Path, table: ChartTable) -> None:
     rows = [dict(zip(table.columns, map(_finite, row))) for row in table.rows]
-    path.write_text(json.dumps({**table.facts, "rows": rows}, indent=1, ensure_ascii=False), encoding="utf-8")
+    text = json.dumps({**table.facts, "rows": rows}, indent=1, ensure_ascii=False)
+    path.write_text(text, encoding="utf-8", newline="")
 
 
 def _write_picture(path: Path, suffix: str, table: ChartTable, figure: Figure) -> None:

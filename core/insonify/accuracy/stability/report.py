@@ -14,7 +14,7 @@ from matplotlib.figure import Figure
 
 from insonify.accuracy.stability.case import Approach, Outcome, StabilityCase, format_quantity
 from insonify.files import resources
-from insonify.io.atomic import replacing
+from insonify.io.atomic import write_text
 
 WIDTH, HEIGHT, DPI = 7.2, 2.9, 130
 
@@ -32,9 +32,7 @@ def write_report(
         for case in members:
             outcomes[theme].append(Outcome(case, case.measure()))
             done(case)
-    text = _lay_out_page(outcomes)
-    with replacing(path) as beside:
-        beside.write_text(text, encoding="utf-8")
+    write_text(path, _lay_out_page(outcomes))
     return [outcome for members in outcomes.values() for outcome in members]
 
 

@@ -159,12 +159,6 @@ def is_whole_beam(sector):
 
 
 @inlined_uncounted
-def is_top_hat(pattern):
-    """Whether a tabulated pattern is alike over all that it spans, at every slant range."""
-    return pattern.integral.shape[0] == 1 and pattern.integral.shape[1] == 2
-
-
-@inlined_uncounted
 def paired_weight(x, one, other, sector, pattern, law):
     """Weight of a plane that represents a whole beam, for sound that leaves by one image and returns by another.
 

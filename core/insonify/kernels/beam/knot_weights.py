@@ -14,12 +14,12 @@ from insonify.compiler.jit import NOTHING, inlined_uncounted, kernel_on_demand, 
 from insonify.kernels.beam.azimuth_sector import (
     in_plane_lobe,
     in_plane_response,
-    is_top_hat,
     paired_width,
     pattern_share,
     top_hat_share,
     top_hat_width,
 )
+from insonify.kernels.beam.pattern import is_top_hat, top_hat_level
 from insonify.kernels.beam.pattern_samples import sample_pattern
 from insonify.kernels.common.types import EVERY_GRAZING, LIGHT, TABLE
 
@@ -71,7 +71,7 @@ def _weigh_pattern(x, z, r, sector, pattern, law, fine, room, out):
 def _overlap_top_hat(x, z, r, sector, pattern, out):
     """Integral of a top-hat pattern over the sines of a sector's directions: their overlap with the beam."""
     real, half, centre, s_low, s_high = out.dtype.type, pattern.extent[0], pattern.centre, sector.s_low, sector.s_high
-    ahead_level, ahead_up, level = sector.ahead_level, sector.ahead_up, 0.5 * pattern.integral[0, 1] / pattern.extent[0]
+    ahead_level, ahead_up, level = sector.ahead_level, sector.ahead_up, top_hat_level(pattern)
     for i in range(x.size):
         per_range = 1.0 / r[i]
         athwart, tip = ahead_level * x[i] * per_range, ahead_up * z[i] * per_range - centre

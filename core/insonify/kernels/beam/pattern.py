@@ -130,6 +130,18 @@ def _energy(pattern, row, s):
 
 
 @inlined_uncounted
+def is_top_hat(pattern):
+    """Whether a tabulated pattern is alike over all that it spans, at every slant range."""
+    return pattern.integral.shape[0] == 1 and pattern.integral.shape[1] == 2
+
+
+@inlined_uncounted
+def top_hat_level(pattern):
+    """Two-way response of a top-hat pattern inside the beam."""
+    return 0.5 * pattern.integral[0, 1] / pattern.extent[0]
+
+
+@inlined_uncounted
 def widest_extent(pattern):
     """Greatest extent of any row of a pattern."""
     extent = 0.0
@@ -220,6 +232,8 @@ def shared_response(pattern, level_one, tip_one, r_one, level_other, tip_other, 
     if not low < high:
         return 0.0
     low, high = math.asin(low), math.asin(high)
+    if is_top_hat(pattern):
+        return top_hat_level(pattern) * (high - low)
     step, total = (high - low) / SHARED_SLICES, 0.0
     for k in range(SHARED_SLICES):
         sine = math.sin(low + (k + 0.5) * step)

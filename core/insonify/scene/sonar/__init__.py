@@ -39,6 +39,11 @@ class Sonar(Declaration):
         0, "specular reflections and refractions followed after the first echo", ge=0, le=16, slider=(0, 8), rare=True
     )
 
+    @property
+    def scattering_frequency(self) -> float | None:
+        """Frequency in Hz at which sediments scatter; None for the law of light, which has none."""
+        return None if self.law == "light" else self.frequency
+
     def check_ping_rate(self, sound_speed: float) -> None:
         """Raise SceneError if a ping follows before the echoes from the whole range have returned."""
         fastest = sound_speed / (2.0 * self.range)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from functools import lru_cache
-from typing import Annotated, Any, Protocol
+from typing import Annotated, Any, NamedTuple, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
@@ -13,13 +13,34 @@ from pydantic import Field, model_validator
 from insonify.errors import SceneError
 from insonify.scene.base import Coordinate, Declaration, Family, KindOf, angle, parameter
 from insonify.scene.seabed.materials import Material
-from insonify.scene.targets.shape import Outline, Shape, rotation_matrix
+from insonify.scene.targets.shape import Outline, Shape, exact_cos, rotation_matrix
 
 Height = Annotated[float, Field(ge=-2e4, le=2e4)]
 Position = tuple[Coordinate, Coordinate] | tuple[Coordinate, Coordinate, Height]
 TARGETS = Family("targets", "insonify.scene.targets")
 LEAST = 0.001  # m, of a target's dimensions
+RIM = 0.6  # of a pit: height of its rim is 0.11 of its depth
 LOWEST_GAP, HIGHEST_GAP = -100.0, 1000.0
+
+
+class Pit(NamedTuple):
+    """Scour around a target, with a low rim."""
+
+    x: float  # of its middle, in metres
+    y: float
+    heading: float  # of its long axis, counter-clockwise from +x, in degrees
+    half: tuple[float, float]  # m, from the middle along and across the axis to where the bed is little changed
+    depth: float  # m, of the middle; a negative one is a mound
+
+    def heights(self, x: NDArray[np.float64], y: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Change of the height of the bed at places, in metres."""
+        ahead = np.array([exact_cos(self.heading), exact_cos(self.heading - 90.0)])
+        along, across = (
+            (x - self.x) * ahead[0] + (y - self.y) * ahead[1],
+            (y - self.y) * ahead[0] - (x - self.x) * ahead[1],
+        )
+        squared = (along / self.half[0]) ** 2 + (across / self.half[1]) ** 2
+        return np.asarray(-self.depth * (1.0 - RIM * squared) * np.exp(-squared))
 
 
 class BedSurface(Protocol):
@@ -111,6 +132,11 @@ class Target(Declaration):
                 "move the target onto the grid or give its height as [x, y, z]"
             )
         return heights
+
+    @property
+    def pit(self) -> Pit | None:
+        """What the target does to the bed around it."""
+        return None
 
     @property
     def outline(self) -> Outline:

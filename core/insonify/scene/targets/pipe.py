@@ -115,6 +115,6 @@ class Pipe(Target):
         """The roll, the gap if z is given, and the pitch if the gap is a table."""
         return super().idle_fields | {"roll"} | ({"pitch"} if isinstance(self.gap, tuple) else set())
 
-    def value_in_force(self, field: str) -> float | None:
+    def value_in_force(self, field: str, frequency: float | None = None) -> float | None:
         """Return 0 for a pitch that is left out."""
         return 0.0 if field == "pitch" else None

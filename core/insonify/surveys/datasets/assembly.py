@@ -17,6 +17,7 @@ from insonify.io.atomic import replacing
 from insonify.surveys.datasets.scenes import hash_share
 from insonify.surveys.datasets.specification import DatasetSpecification
 from insonify.surveys.engine import read_flag
+from insonify.surveys.storages import Pixels
 
 METADATA, SHEET, BALANCE = "metadata.jsonl", "contact-sheet.png", "class-balance.png"
 OF_SCENE = ("hash", "drawn")  # metadata of the scene of a tile
@@ -51,7 +52,7 @@ def assemble(specification: DatasetSpecification, folder: Path, names: Iterable[
     with ExitStack() as stack:
         collectors = [stack.enter_context(kind.collect(folder, splits, classes)) for kind in specification.annotations]
         beside = stack.enter_context(replacing(folder / METADATA))
-        metadata = stack.enter_context(open(beside, "w", encoding="utf-8"))
+        metadata = stack.enter_context(open(beside, "w", encoding="utf-8", newline=""))
         for tile, scene in _tiles(folder, names):
             metadata.write(_line(tile, scene))
             for collector in (*collectors, totals, sheet):
@@ -103,33 +104,38 @@ class _ContactSheet:
 
     def write(self, path: Path) -> None:
         """Draw the sheet: a PNG picture."""
-        from PIL import Image
-
         chosen = (sorted(self._chosen[has_targets], key=lambda entry: entry[1]) for has_targets in (True, False))
-        tiles = [tile for half in chosen for _, _, tile in half]
-        rows = max(-(-len(tiles) // COLUMNS), 1)
-        sheet = Image.new("RGB", (COLUMNS * (SIDE + GAP) + GAP, rows * (SIDE + GAP) + GAP), PAPER)
-        for number, tile in enumerate(tiles):
-            row, column = divmod(number, COLUMNS)
-            sheet.paste(self._thumbnail(tile), (GAP + column * (SIDE + GAP), GAP + row * (SIDE + GAP)))
-        sheet.save(path, "png")
+        read = self._specification.storage.read_image
+        draw_sheet(path, [(read(self._folder, tile["file"]), tile) for half in chosen for _, _, tile in half])
 
-    def _thumbnail(self, tile: Mapping[str, Any]) -> Any:
-        """Picture of a tile with its boxes."""
-        from PIL import Image, ImageDraw
 
-        pixels = self._specification.storage.read_image(self._folder, tile["file"])
-        eight_bits = pixels if pixels.dtype.itemsize == 1 else pixels >> 8
-        small = Image.fromarray(eight_bits.astype(np.uint8)).resize((SIDE, SIDE), Image.Resampling.BOX).convert("RGB")
-        draw = ImageDraw.Draw(small)
-        height, width = tile["shape"]
-        for found in tile["targets"]:
-            for extent, colour in COLOURS.items():
-                if found[extent] is not None:
-                    x, y, wide, high = found[extent]["box"]
-                    corners = x / width, y / height, (x + wide) / width, (y + high) / height
-                    draw.rectangle([SIDE * corner for corner in corners], outline=colour)
-        return small
+def draw_sheet(path: Path, tiles: Sequence[tuple[Pixels, Mapping[str, Any]]]) -> None:
+    """Draw tiles side by side with the boxes of their targets: a PNG picture."""
+    from PIL import Image
+
+    rows = max(-(-len(tiles) // COLUMNS), 1)
+    sheet = Image.new("RGB", (COLUMNS * (SIDE + GAP) + GAP, rows * (SIDE + GAP) + GAP), PAPER)
+    for number, tile in enumerate(tiles):
+        row, column = divmod(number, COLUMNS)
+        sheet.paste(_thumbnail(*tile), (GAP + column * (SIDE + GAP), GAP + row * (SIDE + GAP)))
+    sheet.save(path, "png")
+
+
+def _thumbnail(pixels: Pixels, tile: Mapping[str, Any]) -> Any:
+    """Picture of a tile with its boxes."""
+    from PIL import Image, ImageDraw
+
+    eight_bits = pixels if pixels.dtype.itemsize == 1 else pixels >> 8
+    small = Image.fromarray(eight_bits.astype(np.uint8)).resize((SIDE, SIDE), Image.Resampling.BOX).convert("RGB")
+    draw = ImageDraw.Draw(small)
+    height, width = tile["shape"]
+    for found in tile["targets"]:
+        for extent, colour in COLOURS.items():
+            if found[extent] is not None:
+                x, y, wide, high = found[extent]["box"]
+                corners = x / width, y / height, (x + wide) / width, (y + high) / height
+                draw.rectangle([SIDE * corner for corner in corners], outline=colour)
+    return small
 
 
 def _draw_balance(path: Path, totals: Totals, classes: Sequence[str], splits: Sequence[str]) -> None:

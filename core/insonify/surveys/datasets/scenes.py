@@ -5,19 +5,26 @@ from __future__ import annotations
 import hashlib
 import math
 from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, field
 from typing import Any, NamedTuple
 
 import numpy as np
+from pydantic import ValidationError
 
-from insonify.scene import Scene, SceneError, edit, scene_to_toml
-from insonify.surveys.datasets.specification import DatasetSpecification, TargetGroup
+from insonify.scene import Scene, SceneError, edit, plain, scene_to_toml
+from insonify.scene.base import Model, is_field
+from insonify.scene.faults import describe_fault
+from insonify.surveys.datasets.specification import Chips, DatasetSpecification, Picture, Sampling, TargetGroup
 from insonify.surveys.distributions import DistributionKind
+from insonify.surveys.distributions.choice import OneOf
 from insonify.surveys.distributions.uniform import Uniform
 from insonify.tow.line import tow_line_at
 
+_Placed = tuple[list[float], "View"]
 SEED_BITS = 53  # of a drawn seed: every reader of JSON keeps it exactly
 GOLDEN = 0.5 * (math.sqrt(5.0) - 1.0)
 FARTHEST = 0.85  # of the ground range of the last bin, up to which targets lie
+PARTS = 9  # of the values of every distribution, from which scenes are drawn to check a specification
 ATTEMPTS = 200  # to find a place clear of the other targets
 DIGITS = 3  # of places, in metres
 
@@ -28,28 +35,52 @@ def hash_share(seed: int, number: int, path: str) -> float:
     return ((int.from_bytes(digest, "big") >> 12) + 0.5) * 2.0**-52
 
 
+@dataclass
 class Draws:
     """Values of one scene, and a record of them."""
 
-    def __init__(self, seed: int, number: int) -> None:
-        self._seed, self._number = seed, number
-        self.drawn: dict[str, Any] = {}
+    _seed: int
+    _number: int
+    _share_of_values: float | None = None  # that takes the place of those drawn for values
+    drawn: dict[str, Any] = field(default_factory=dict)
 
     def share(self, path: str) -> float:
         """Draw a number inside (0, 1) that is not recorded."""
         return hash_share(self._seed, self._number, path)
 
     def value(self, path: str, declared: Any) -> Any:
-        """Draw a value from a distribution; return any other value as it is."""
-        if not isinstance(declared, DistributionKind):
-            return declared
-        self.drawn[path] = declared.quantile(self.share(path))
-        return self.drawn[path]
+        """Draw a value from a distribution, and those within a table or a list; return any other value as it is."""
+        if isinstance(declared, DistributionKind):
+            chosen = declared.quantile(self._share_of_values or self.share(path))
+            value = self.drawn[path] = self.value(f"{path}.of", chosen)
+            return value
+        if isinstance(declared, dict):
+            return {name: self.value(f"{path}.{name}", part) for name, part in declared.items()}
+        if isinstance(declared, list | tuple):
+            return [self.value(f"{path}.{number}", part) for number, part in enumerate(declared)]
+        return declared
+
+    def table(self, model: type[Model], path: str, declared: Mapping[str, Any]) -> Model:
+        """Draw the fields of a declaration."""
+        try:
+            return model.model_validate({name: self.value(f"{path}.{name}", part) for name, part in declared.items()})
+        except ValidationError as error:
+            raise SceneError(f"{path.partition('.')[0]}.{describe_fault(error, model)}") from None
 
     def seed(self, path: str) -> int:
         """Draw the seed of a scene's random numbers."""
         self.drawn[path] = int(self.share(path) * 2**SEED_BITS)
         return int(self.drawn[path])
+
+
+class View(NamedTuple):
+    """Where a record of a straight tow shows a target, or would show it."""
+
+    target: int | None  # index in the scene; None of a target that was left out
+    along: float  # share of the tow
+    port: bool  # whether it lies to port
+    ground_range: float  # m
+    length: float  # m, of the target
 
 
 class DrawnScene(NamedTuple):
@@ -59,7 +90,13 @@ class DrawnScene(NamedTuple):
     scene: Scene
     split: str
     classes: dict[int, str]  # class of each drawn target by its index in the scene
-    drawn: dict[str, Any]  # every value that was drawn, by its path
+    draws: Draws  # by which it was drawn
+    views: tuple[View, ...] = ()  # of the targets
+
+    @property
+    def drawn(self) -> dict[str, Any]:
+        """Every value that was drawn, by its path."""
+        return self.draws.drawn
 
     @property
     def digest(self) -> str:
@@ -77,20 +114,77 @@ def split_of(splits: Mapping[str, float], number: int) -> str:
     return name
 
 
-def draw_scene(specification: DatasetSpecification, base: Scene, number: int) -> DrawnScene:
-    """Draw one scene of a data set."""
-    draws = Draws(specification.seed, number)
+def check_draws(specification: DatasetSpecification, base: Scene) -> None:
+    """Find misspelt fields, draws of chips and pictures out of bounds, and values of which no scene can be made.
+
+    Raises
+    ------
+    SceneError
+        If there are any. A scene that only some of the values make impossible is left to its job.
+    """
+    tables = {"": specification.set, **{f"targets.{group.name}.": group.set for group in specification.targets}}
+    for prefix, table in tables.items():
+        for path, declared in table.items():
+            place = f"targets.0.{path}" if prefix else path
+            strange = next((name for name in _paths(place, declared) if not is_field(Scene, name)), None)
+            if strange is not None:
+                told = strange.replace("targets.0.", prefix, 1) if prefix else strange
+                raise SceneError(f"set: {told} is no field of a scene; correct its name")
+    faults = []
+    negative = _first_negative(specification)
+    for part in range(PARTS):
+        share = (part + 0.5) / PARTS
+        for name, model in (("chips", Chips), ("picture", Picture)):
+            Draws(specification.seed, part, share).table(model, name, getattr(specification, name) or {})
+        try:
+            draw_scene(specification, base, negative if part % 2 else 0, share)
+        except SceneError as fault:
+            faults.append(fault)
+    if len(faults) == PARTS:
+        raise faults[0]
+
+
+def _first_negative(specification: DatasetSpecification) -> int:
+    """Return the first scene without targets of a class, 0 if there is none among the first hundred."""
+    shares = (hash_share(specification.seed, number, "negatives") for number in range(100))
+    return next((number for number, share in enumerate(shares) if share < specification.negatives), 0)
+
+
+def _paths(path: str, declared: Any) -> Iterator[str]:
+    """Paths of all fields that a value sets, in whatever part of a choice."""
+    if isinstance(declared, OneOf):
+        for part in declared.of:
+            yield from _paths(path, part)
+    elif isinstance(declared, dict):
+        for name, part in declared.items():
+            yield from _paths(f"{path}.{name}", part)
+    elif isinstance(declared, list | tuple):
+        for number, part in enumerate(declared):
+            yield from _paths(f"{path}.{number}", part)
+    else:
+        yield path
+
+
+def draw_scene(
+    specification: DatasetSpecification, base: Scene, number: int, share_of_values: float | None = None
+) -> DrawnScene:
+    """Draw one scene of a data set; a given share takes the place of those that are drawn for its values."""
+    draws = Draws(specification.seed, number, share_of_values)
     try:
         changes: dict[str, Any] = {"seed": draws.seed("seed")}
         changes |= {path: draws.value(path, declared) for path, declared in specification.set.items()}
         scene = edit(base, changes)
         is_negative = draws.share("negatives") < specification.negatives
-        groups = () if is_negative else specification.targets
-        scene, classes = _put_targets(scene, groups, draws)
+        # Chips of a bed are cut as those of a target on it, which is drawn and left out.
+        groups = () if is_negative and specification.chips is None else specification.targets
+        scene, classes, views = _put_targets(scene, specification, groups, draws)
+        if is_negative and classes:
+            kept = plain(scene)["targets"][: len(scene.targets) - len(classes)]
+            scene, classes, views = edit(scene, {"targets": kept}), {}, [view._replace(target=None) for view in views]
     except SceneError as error:
         raise SceneError(f"scene {number}: {error}") from None
     split = split_of(specification.splits, number // specification.storage.scenes)
-    return DrawnScene(number, scene, split, classes, draws.drawn)
+    return DrawnScene(number, scene, split, classes, draws, tuple(views))
 
 
 class _Wanted(NamedTuple):
@@ -101,11 +195,20 @@ class _Wanted(NamedTuple):
     shape: dict[str, Any]
 
 
-def _put_targets(scene: Scene, groups: Sequence[TargetGroup], draws: Draws) -> tuple[Scene, dict[int, str]]:
-    """Put the targets of all groups into a scene; return their classes too."""
+def _put_targets(
+    scene: Scene, specification: DatasetSpecification, groups: Sequence[TargetGroup], draws: Draws
+) -> tuple[Scene, dict[int, str], list[View]]:
+    """Put the targets of all groups into a scene; return their classes and views too."""
     wanted = [one for group in groups for one in _wanted(group, draws)]
+    sampling = None if specification.sampling is None else draws.table(Sampling, "sampling", specification.sampling)
     if not wanted:
-        return scene, {}
+        scene = scene if sampling is None else edit(scene, sampling.changes(scene, None))
+        if specification.chips is None:
+            return scene, {}, []
+        length = (sampling or Sampling()).length * scene.sonar.range / scene.sonar.bins
+        bed = TargetGroup(name="bed", of=("drum",))
+        view = _place(scene, _Wanted(bed, "bed", {}), "bed", draws)[1]
+        return scene, {}, [view._replace(length=length)]
     first = len(scene.targets)
     bare = [{**one.shape, "position": [0.0, 0.0]} for one in wanted]
     changes: dict[str, Any] = {
@@ -115,10 +218,16 @@ def _put_targets(scene: Scene, groups: Sequence[TargetGroup], draws: Draws) -> t
     }
     own = [target.model_dump(mode="json", exclude_none=True) for target in scene.targets]
     scene = edit(scene, {"targets": own + bare, **changes})
-    radii = [target.outline.radius for target in scene.targets[first:]]
-    places = _places(scene, wanted, radii, draws)
-    scene = edit(scene, {f"targets.{first + n}.position": place for n, place in enumerate(places)})
-    return scene, {first + n: one.group.name for n, one in enumerate(wanted)}
+    outlines = [target.outline for target in scene.targets[first:]]
+    if sampling is not None:
+        scene = edit(scene, sampling.changes(scene, 2.0 * outlines[0].extent((1.0, 0.0, 0.0))))
+    placed = _places(scene, wanted, [outline.radius for outline in outlines], draws)
+    scene = edit(scene, {f"targets.{first + n}.position": place for n, (place, _) in enumerate(placed)})
+    views = [
+        view._replace(target=first + n, length=2.0 * outline.extent((1.0, 0.0, 0.0)))
+        for n, (outline, (_, view)) in enumerate(zip(outlines, placed))
+    ]
+    return scene, {first + n: one.group.name for n, one in enumerate(wanted)}, views
 
 
 def _wanted(group: TargetGroup, draws: Draws) -> Iterator[_Wanted]:
@@ -128,34 +237,34 @@ def _wanted(group: TargetGroup, draws: Draws) -> Iterator[_Wanted]:
         raise SceneError(f"targets.{group.name}.count: {count!r} is no number of targets; give whole numbers to 1000")
     for number in range(count):
         path = f"targets.{group.name}.{number}"
-        shape = group.of[int(draws.share(f"{path}.of") * len(group.of))]
+        shape = draws.value(f"{path}.of", group.of[int(draws.share(f"{path}.of") * len(group.of))])
         draws.drawn[f"{path}.of"] = shape
         yield _Wanted(group, path, {"kind": "mesh", "path": shape} if isinstance(shape, str) else dict(shape))
 
 
-def _places(scene: Scene, wanted: Sequence[_Wanted], radii: Sequence[float], draws: Draws) -> list[list[float]]:
+def _places(scene: Scene, wanted: Sequence[_Wanted], radii: Sequence[float], draws: Draws) -> list[_Placed]:
     """Places of targets on the bed, clear of one another."""
-    taken: list[list[float]] = []
+    taken: list[_Placed] = []
     for one, radius in zip(wanted, radii):
         tries = (_place(scene, one, f"{one.path}.{attempt}", draws) for attempt in range(ATTEMPTS))
-        place = next((place for place in tries if _is_clear(place, radius, taken, radii)), None)
-        if place is None:
+        placed = next((placed for placed in tries if _is_clear(placed[0], radius, taken, radii)), None)
+        if placed is None:
             raise SceneError(
                 f"targets.{one.group.name}: {len(wanted)} targets find no room beside one another; lower count, or "
                 "widen along and ground_range"
             )
-        draws.drawn[f"{one.path}.position"] = place
-        taken.append(place)
+        draws.drawn[f"{one.path}.position"] = placed[0]
+        taken.append(placed)
     return taken
 
 
-def _is_clear(place: list[float], radius: float, taken: Sequence[list[float]], radii: Sequence[float]) -> bool:
+def _is_clear(place: list[float], radius: float, taken: Sequence[_Placed], radii: Sequence[float]) -> bool:
     """Whether a target of some radius touches none of those that have their places."""
-    return all(math.dist(place, other) > radius + beside for other, beside in zip(taken, radii))
+    return all(math.dist(place, other) > radius + beside for (other, _), beside in zip(taken, radii))
 
 
-def _place(scene: Scene, wanted: _Wanted, path: str, draws: Draws) -> list[float]:
-    """Place abeam of the tow, to port or to starboard."""
+def _place(scene: Scene, wanted: _Wanted, path: str, draws: Draws) -> _Placed:
+    """Place abeam of the tow, to port or to starboard, and its view."""
     along = float(_quantile(wanted.group.along, draws.share(f"{path}.along")))
     beside = wanted.group.ground_range or _anywhere(scene)
     across = float(_quantile(beside, draws.share(f"{path}.ground_range")))
@@ -163,7 +272,7 @@ def _place(scene: Scene, wanted: _Wanted, path: str, draws: Draws) -> list[float
     line = tow_line_at(scene, np.array([along * (scene.track.pings - 1)]))
     x, y, heading = (float(column[0]) for column in line)
     place = x - side * across * math.sin(heading), y + side * across * math.cos(heading)
-    return [round(coordinate, DIGITS) for coordinate in place]
+    return [round(coordinate, DIGITS) for coordinate in place], View(None, along, side > 0.0, across, 0.0)
 
 
 def _quantile(declared: Any, share: float) -> Any:

@@ -2,19 +2,23 @@
 
 from __future__ import annotations
 
-from typing import Annotated, Any
+import math
+from collections.abc import Iterator
+from typing import Annotated, Any, Literal
 
-from pydantic import Field, field_validator, model_validator
+from pydantic import AfterValidator, Field, field_validator, model_validator
 
 from insonify.files import bundled_meshes
-from insonify.scene import DEFAULT_SCENE
-from insonify.scene.base import Declaration, FilePath, KindOf, parameter
+from insonify.operating_system import is_portable
+from insonify.scene import DEFAULT_SCENE, Scene, SceneError
+from insonify.scene.base import Declaration, FilePath, KindOf, Words, parameter
 from insonify.surveys.annotations import ANNOTATIONS, AnnotationKind
 from insonify.surveys.distributions import Drawn
 from insonify.surveys.distributions.uniform import Uniform
 from insonify.surveys.engine import FLAGS
 from insonify.surveys.storages import STORAGES, Files, StorageKind
 
+SOUND_SPEED = 1500.0  # m/s, by which lengths of range become times
 Name = Annotated[str, Field(pattern=r"^[A-Za-z0-9][\w-]*$", max_length=60)]
 
 
@@ -22,7 +26,7 @@ class TargetGroup(Declaration):
     """Targets of one class, drawn anew for every scene."""
 
     name: Name = parameter(description="class of the targets in annotations")
-    of: tuple[Any, ...] = parameter(
+    of: tuple[Drawn, ...] = parameter(
         description="what a target may be: names of the library, or tables such as those of a scene",
         min_length=1,
     )
@@ -79,17 +83,128 @@ class Images(Declaration):
         return self
 
 
+class Sampling(Declaration):
+    """How finely a sonar samples a target, which sets lengths of the scene in proportion."""
+
+    length: float = parameter(120.0, description="bins that the target's length spans", gt=0.0, le=1e4)
+    bin: float | None = parameter(
+        None, unit="m", description="length of a range bin, instead; for scenes without targets", gt=0.0, le=100.0
+    )
+    step: float = parameter(1.0, description="distance from ping to ping, in bins", gt=0.0, le=100.0)
+    altitude: float | None = parameter(None, description="altitude over the range", gt=0.0, lt=1.0)
+    pulse: float | None = parameter(None, description="range resolution of the pulse, in bins", gt=0.0, le=100.0)
+    beam: float | None = parameter(
+        None, description="width of the beam at half of the range, in steps of the track", gt=0.0, le=1000.0
+    )
+    node: float | None = parameter(None, description="spacing of the nodes of the relief, in bins", gt=0.0, le=100.0)
+    relief: bool = parameter(False, description="whether the metres in seabed.relief are bins")
+    snr: float | None = parameter(
+        None, unit="dB", description="mean echo of the bed over the noise, at 0.7 of the range", ge=-100.0, le=200.0
+    )
+
+    def changes(self, scene: Scene, length: float | None) -> dict[str, Any]:
+        """Fields of a scene, given the length of its target in metres."""
+        if self.bin is None and length is None:
+            raise SceneError("sampling.length: the scene has no target; give sampling.bin, or a group of targets")
+        unit = self.bin or float(length or 0.0) / self.length
+        reach, speed = unit * scene.sonar.bins, SOUND_SPEED
+        rate = min(0.45 * speed / reach, 50.0)
+        step = self.step * unit
+        found: dict[str, Any] = {"sonar.range": reach, "sonar.ping_rate": rate, "track.speed": step * rate}
+        if self.altitude is not None:
+            found |= {"track.altitude": self.altitude * reach}
+            found |= {"seabed.depth": max(scene.seabed.depth, 1.5 * self.altitude * reach)}
+        if self.pulse is not None:
+            found |= {"sonar.pulse": {"kind": "tone", "duration": 2.0 * self.pulse * unit / speed}}
+        if self.beam is not None:
+            width = math.degrees(math.atan(self.beam * step / (0.5 * reach)))
+            found |= {"sonar.beam": {"kind": "gaussian", "width": min(max(width, 0.02), 40.0)}}
+        if self.node is not None:
+            found |= {"seabed.spacing": self.node * unit}
+        if self.relief:
+            found |= {f"seabed.relief{path}": unit * value for path, value in lengths_of(scene.seabed.relief)}
+        if self.snr is not None:
+            found |= {"receiver.noise": {"kind": "snr", "value": self.snr, "at": 0.7 * reach}}
+        return found
+
+
+def lengths_of(declared: Declaration, path: str = "") -> Iterator[tuple[str, float]]:
+    """Paths and values of the fields in metres of a declaration and of those within."""
+    for name, field in type(declared).model_fields.items():
+        value, extra = getattr(declared, name), field.json_schema_extra
+        if isinstance(value, float) and isinstance(extra, dict) and extra.get("unit") == "m":
+            yield f"{path}.{name}", value
+        for number, part in enumerate(value if isinstance(value, tuple) else [value]):
+            if isinstance(part, Declaration):
+                yield from lengths_of(part, f"{path}.{name}.{number}" if isinstance(value, tuple) else f"{path}.{name}")
+
+
+class Chips(Declaration):
+    """Square pictures about each target, and as many of the bed across the tow."""
+
+    pixels: int = parameter(128, description="side of a picture", ge=16, le=2048)
+    margin: float = parameter(1.6, description="side of the window over the target's length", gt=0.1, le=50.0)
+    aspect: float = parameter(1.0, description="metres along the tow over those across", gt=0.05, le=20.0)
+    along: float = parameter(0.0, description="place of the window's middle off the target, in sides", ge=-1.0, le=1.0)
+    across: float = parameter(0.0, description="the same, away from the tow", ge=-1.0, le=1.0)
+    turns: int = parameter(0, description="quarter turns of the picture", ge=0, le=3)
+    mirrored: bool = parameter(False, description="whether the picture is mirrored")
+    least: float = parameter(0.2, description="share of a target that is shown at least", ge=0.0, le=1.0)
+
+
+class Picture(Declaration):
+    """How a chip is displayed."""
+
+    scale: Literal["linear", "root", "log"] = parameter("log", description="grey over amplitude")
+    levelled: float = parameter(
+        1.0, description="1: divided by the median at each range; 0: as received after the gain", ge=0.0, le=1.0
+    )
+    black: float = parameter(1.0, unit="%", description="percentile that is black", ge=0.0, le=60.0)
+    white: float = parameter(99.5, unit="%", description="percentile that is white", ge=60.5, le=100.0)
+    grey: float | None = parameter(None, description="grey of the median, 0 to 1", gt=0.0, lt=1.0)
+    inverted: bool = parameter(False, description="whether strong echoes are dark")
+    ground_range: bool = parameter(False, description="whether across is ground range, without the water column")
+    water_column: bool = parameter(True, description="whether slant range begins at the sonar")
+    along: float = parameter(1.0, description="pixels over which it was averaged along the tow", ge=1.0, le=16.0)
+    across: float = parameter(1.0, description="pixels over which it was averaged across", ge=1.0, le=16.0)
+    jpeg: int | None = parameter(None, description="quality of JPEG that it went through", ge=5, le=100)
+    lines: int = parameter(0, description="number of scale lines, with a caption", ge=0, le=8)
+
+
+def check_draws(model: type[Declaration]) -> AfterValidator:
+    """Check that a table of draws names fields of a declaration."""
+
+    def check(table: dict[str, Any] | None) -> dict[str, Any] | None:
+        strange = next((name for name in table or () if name not in model.model_fields), None)
+        if strange is not None:
+            raise ValueError(f"{strange}: no such field; choose from {', '.join(model.model_fields)}")
+        return table
+
+    return AfterValidator(check)
+
+
 class DatasetSpecification(Declaration):
     """Everything that a data set depends on."""
 
-    title: str = parameter("Untitled", description="what the data set shows", max_length=200)
-    description: str = parameter("", description="a paragraph about it", max_length=5000)
+    title: Words = parameter("Untitled", description="what the data set shows", max_length=200)
+    description: Words = parameter("", description="a paragraph about it", max_length=5000)
     seed: int = parameter(1, description="seed of all that is drawn", ge=0, le=2**63 - 1)
     scenes: int = parameter(100, description="number of scenes", ge=1, le=10_000_000)
     base: FilePath = parameter(DEFAULT_SCENE, description="bundled scene, or TOML file, that all scenes begin with")
     set: dict[str, Drawn] = parameter({}, description="fields of the scene by their paths: values or distributions")
     targets: tuple[TargetGroup, ...] = parameter((), description="classes of targets")
+    tolerance: float = parameter(0.03, description="error of a record that is accepted", gt=0.0, le=1.0)
     negatives: float = parameter(0.2, description="share of the scenes that have none of these targets", ge=0.0, le=1.0)
+    sampling: Annotated[dict[str, Drawn] | None, check_draws(Sampling)] = parameter(
+        None, description="draws of how finely a target is sampled; its fields are those of `Sampling`"
+    )
+    chips: Annotated[dict[str, Drawn] | None, check_draws(Chips)] = parameter(
+        None, description="draws of windows about targets, instead of tiles; its fields are those of `Chips`"
+    )
+    chips_each: int = parameter(1, description="chips of each target, and of the bed, each drawn anew", ge=1, le=1000)
+    picture: Annotated[dict[str, Drawn], check_draws(Picture)] = parameter(
+        {}, description="draws of how chips are displayed; its fields are those of `Picture`"
+    )
     tiles: Tiles = parameter(Tiles(), description="how records are cut")
     images: Images = parameter(Images(), description="grey levels of images")
     splits: dict[Name, Annotated[float, Field(gt=0.0)]] = parameter(
@@ -104,9 +219,14 @@ class DatasetSpecification(Declaration):
 
     @field_validator("splits")
     @classmethod
-    def _no_split_is_a_folder_of_flags(cls, splits: dict[str, float]) -> dict[str, float]:
+    def _splits_are_folders_of_their_own(cls, splits: dict[str, float]) -> dict[str, float]:
+        """Names must differ on systems, too, where *Train* and *train* are one folder, and *con* is a device."""
         if any(name.lower() == FLAGS for name in splits):
             raise ValueError(f"a split may not be named {FLAGS!r}, the folder of finished jobs; rename it")
+        if refused := next((name for name in splits if not is_portable(name)), None):
+            raise ValueError(f"a split may not be named {refused!r}, which Windows takes for a device; rename it")
+        if len({name.lower() for name in splits}) < len(splits):
+            raise ValueError("the names of two splits differ in the case of letters alone; rename one")
         return splits
 
     @model_validator(mode="after")

@@ -27,7 +27,7 @@ SILENT, BED, SHADOW, OTHER, FIRST_CLASS = range(5)  # classes of a mask; the cla
 Region = NDArray[np.bool_]
 
 
-class _Target(NamedTuple):
+class TargetShown(NamedTuple):
     """A target of a class as one side of a record shows it."""
 
     number: int  # index in the scene
@@ -36,14 +36,14 @@ class _Target(NamedTuple):
     description: dict[str, Any]  # what every tile notes of it
 
 
-class _Side(NamedTuple):
+class RecordSide(NamedTuple):
     """One side of a record, (pings, bins) each."""
 
     image: NDArray[np.unsignedinteger]
     mask: NDArray[np.uint8]
     echo_id: NDArray[np.int16]
     shadow_id: NDArray[np.int16]
-    targets: list[_Target]
+    targets: list[TargetShown]
 
 
 def grey_levels(record: xr.Dataset, images: Images) -> NDArray[np.unsignedinteger]:
@@ -73,15 +73,15 @@ def cut_tiles(
             raise SceneError(f"tiles.{name}: {size} is more than the {length} {name} of scene {drawn.number}; lower it")
     grey = grey_levels(record, images)
     for channel, side in enumerate(CHANNELS):
-        whole = _take_side(drawn, record, grey[channel], channel, classes)
+        whole = take_side(drawn, record, grey[channel], channel, classes)
         for ping in starts(pings, tiles.pings, tiles.overlap):
             for first in starts(bins, tiles.bins, tiles.overlap):
                 yield _cut(drawn, whole, (side, ping, first), tiles)
 
 
-def _take_side(
+def take_side(
     drawn: DrawnScene, record: xr.Dataset, grey: NDArray[np.unsignedinteger], channel: int, classes: Sequence[str]
-) -> _Side:
+) -> RecordSide:
     """Image, mask and labels of one side."""
     columns = {name: record[name].values[channel] for name in ("target_id", "path", "shadow", "shadow_id")}
     target_id = columns["target_id"]
@@ -93,12 +93,12 @@ def _take_side(
     rows = [OTHER if name is None else FIRST_CLASS + classes.index(name) for name in numbers]
     echoes = echo_id >= 0
     mask[echoes] = np.array([*rows, 0], dtype=np.uint8)[echo_id[echoes]]
-    side = _Side(grey, mask, echo_id.astype(np.int16), shadow_id.astype(np.int16), [])
+    side = RecordSide(grey, mask, echo_id.astype(np.int16), shadow_id.astype(np.int16), [])
     side.targets.extend(_find_targets(drawn, record, channel, side))
     return side
 
 
-def _find_targets(drawn: DrawnScene, record: xr.Dataset, channel: int, side: _Side) -> Iterator[_Target]:
+def _find_targets(drawn: DrawnScene, record: xr.Dataset, channel: int, side: RecordSide) -> Iterator[TargetShown]:
     """Targets of a class on one side of a record."""
     for target, name in drawn.classes.items():
         box = record["target_box"].values[target, channel]
@@ -116,10 +116,10 @@ def _find_targets(drawn: DrawnScene, record: xr.Dataset, channel: int, side: _Si
             "shadow_length": round(length, 4),
             "target_strength": round(strength, 3) if np.isfinite(strength) else None,
         }
-        yield _Target(target, (first, last + 1, near, far + 1), area, description)
+        yield TargetShown(target, (first, last + 1, near, far + 1), area, description)
 
 
-def _cut(drawn: DrawnScene, side: _Side, place: tuple[str, int, int], tiles: Tiles) -> Tile:
+def _cut(drawn: DrawnScene, side: RecordSide, place: tuple[str, int, int], tiles: Tiles) -> Tile:
     """Cut one tile, and describe it."""
     channel, ping, first = place
     window = np.s_[ping : ping + tiles.pings, first : first + tiles.bins]
@@ -131,12 +131,12 @@ def _cut(drawn: DrawnScene, side: _Side, place: tuple[str, int, int], tiles: Til
         "first_ping": ping,
         "first_bin": first,
         "shape": [tiles.pings, tiles.bins],
-        "targets": list(_targets_within(side, ping, first, tiles)),
+        "targets": list(targets_within(side, ping, first, tiles)),
     }
     return Tile(side.image[window], side.mask[window], told)
 
 
-def _targets_within(side: _Side, ping: int, first: int, tiles: Tiles) -> Iterator[dict[str, Any]]:
+def targets_within(side: RecordSide, ping: int, first: int, tiles: Tiles) -> Iterator[dict[str, Any]]:
     """Annotate the targets that a tile shows well enough."""
     window = np.s_[ping : ping + tiles.pings, first : first + tiles.bins]
     for number, (top, bottom, left, right), area, description in side.targets:

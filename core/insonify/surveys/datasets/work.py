@@ -10,6 +10,7 @@ from typing import Any
 
 from insonify.scene import Scene, edit, scene_to_toml
 from insonify.simulation import simulate
+from insonify.surveys.datasets.chips import cut_chips
 from insonify.surveys.datasets.scenes import DrawnScene, draw_scene, hash_share
 from insonify.surveys.datasets.specification import DatasetSpecification
 from insonify.surveys.datasets.tiles import cut_tiles
@@ -62,11 +63,18 @@ class DatasetWork:
         scene = draw_scene(self.specification, self.base, 0).scene
         simulate(edit(scene, {"track.pings": min(WARMING, scene.track.pings)}), truth=True)
 
+    def cut(self, drawn: DrawnScene) -> Iterator[Tile]:
+        """Simulate a scene and cut its record."""
+        wanted = self.specification
+        record = simulate(drawn.scene, truth=True, tolerance=wanted.tolerance)
+        if wanted.chips is not None:
+            return cut_chips(drawn, record, wanted)
+        return cut_tiles(drawn, record, wanted.classes, wanted.tiles, wanted.images)
+
     def _tiles_of(self, drawn: DrawnScene) -> Iterator[Tile]:
         """Tiles of one scene that are kept, annotated."""
         wanted, classes = self.specification, self.specification.classes
-        record = simulate(drawn.scene, truth=True)
-        for tile in cut_tiles(drawn, record, classes, wanted.tiles, wanted.images):
+        for tile in self.cut(drawn):
             if not self._is_kept(tile.told):
                 continue
             for kind in wanted.annotations:
@@ -76,4 +84,6 @@ class DatasetWork:
     def _is_kept(self, told: Mapping[str, Any]) -> bool:
         """Whether a tile is stored: with targets always, without at random."""
         wanted = self.specification
+        if wanted.chips is not None:
+            return True
         return bool(told["targets"]) or hash_share(wanted.seed, told["scene"], told["name"]) < wanted.tiles.empty

@@ -25,9 +25,11 @@ class DistributionKind(Kind):
 
 
 def _as_distribution(value: Any) -> Any:
-    """Read a table with the key ``draw`` as a distribution; anything else is a value that every scene has."""
+    """Read tables with the key ``draw``, also within others, as distributions; the rest is as it is in every scene."""
+    if isinstance(value, list | tuple):
+        return [_as_distribution(part) for part in value]
     if not (isinstance(value, dict) and MARK in value):
-        return value
+        return {name: _as_distribution(part) for name, part in value.items()} if isinstance(value, dict) else value
     fields = {"kind": value[MARK]} | {name: field for name, field in value.items() if name != MARK}
     kinds = DISTRIBUTIONS.models(DistributionKind)  # type: ignore[type-abstract]  # only the kinds are made
     if fields["kind"] not in kinds:

@@ -8,7 +8,7 @@ from typing import Any, Literal
 from pydantic import model_validator
 
 from insonify.scene.base import parameter
-from insonify.surveys.distributions import DistributionKind
+from insonify.surveys.distributions import DistributionKind, Drawn
 
 
 class OneOf(DistributionKind):
@@ -16,7 +16,7 @@ class OneOf(DistributionKind):
 
     rank = 40
     kind: Literal["choice"] = "choice"
-    of: tuple[Any, ...] = parameter(description="the values", min_length=1)
+    of: tuple[Drawn, ...] = parameter(description="the values, which may hold distributions", min_length=1)
     weights: tuple[float, ...] = parameter((), description="how often each is drawn, in any unit; equally if left out")
 
     @model_validator(mode="after")

@@ -9,7 +9,7 @@ from pydantic import Field, model_validator
 
 from insonify.io.records import RECORDS
 from insonify.scene import DEFAULT_SCENE
-from insonify.scene.base import Coordinate, Declaration, FilePath, parameter
+from insonify.scene.base import Coordinate, Declaration, FilePath, Words, parameter
 from insonify.surveys import OVERLAPS
 
 Point = tuple[Coordinate, Coordinate]
@@ -54,8 +54,8 @@ class MosaicOptions(Declaration):
 class SurveySpecification(Declaration):
     """Everything that a survey depends on."""
 
-    title: str = parameter("Untitled", description="what is surveyed", max_length=200)
-    description: str = parameter("", description="a paragraph about it", max_length=5000)
+    title: Words = parameter("Untitled", description="what is surveyed", max_length=200)
+    description: Words = parameter("", description="a paragraph about it", max_length=5000)
     base: FilePath = parameter(DEFAULT_SCENE, description="bundled scene, or TOML file; its track is replaced")
     set: dict[str, Any] = parameter({}, description="fields of the scene by their paths")
     area: Area | None = parameter(None, description="area that lines cover")

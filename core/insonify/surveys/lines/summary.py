@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from insonify.display.picture import load_palette
-from insonify.io.atomic import replacing
+from insonify.io.atomic import write_text
 from insonify.io.georeference import find_georeference
 from insonify.io.geotiff import write_geotiff
 from insonify.io.records import read_record
@@ -104,8 +104,7 @@ def summarise(work: SurveyWork, names: Iterable[str]) -> Coverage:
     _write_maps(work.folder, mosaic, swaths.crs)
     tracks = [swaths.on_map([line["start"], line["end"]]) for line in lines]
     pictures = [_draw(mosaic, tracks, corners, paint) for paint in (_paint_mosaic, _paint_coverage)]
-    with replacing(work.folder / PAGE) as beside:
-        beside.write_text(_page(work, lines, coverage, mosaic, pictures), encoding="utf-8")
+    write_text(work.folder / PAGE, _page(work, lines, coverage, mosaic, pictures))
     return coverage
 
 

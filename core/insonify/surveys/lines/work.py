@@ -57,8 +57,12 @@ class SurveyWork:
     @cached_property
     def scene(self) -> Scene:
         """The scene with the track of the whole survey; the fixes are in a file of the survey's folder."""
+        return self._towed_along(str(self.folder / FLAGS / TRACK))
+
+    def _towed_along(self, path: str) -> Scene:
+        """Return the scene with the fixes in a file."""
         surveyed = edit(self.base, self.specification.set)
-        recorded = {"kind": "recorded", "path": str(self.folder / FLAGS / TRACK)}
+        recorded = {"kind": "recorded", "path": path}
         others = [motion.model_dump(mode="json") for motion in surveyed.track.motions if motion.moves]
         motion = {"kind": "sum", "of": [recorded, *others]} if others else recorded
         first = self.lines[0]
@@ -111,6 +115,8 @@ class SurveyWork:
     def _blocks(self, pings: range) -> Iterator[RecordBlock]:
         """Record of some pings, block by block."""
         simulation = prepare(self.scene, plan=self.plan)
-        attributes = record_attributes(self.scene, simulation.plan, "auto", TOLERANCE, None)
+        # In the file, the track's path begins at the folder of records: the folder of the survey can be moved.
+        scene = self._towed_along(f"../{FLAGS}/{TRACK}")
+        attributes = record_attributes(scene, simulation.plan, "auto", TOLERANCE, None)
         for block in simulation.record_blocks(pings=pings):
             yield make_block(self.scene, simulation.ground, *block, None, attributes)

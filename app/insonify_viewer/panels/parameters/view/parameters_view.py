@@ -18,6 +18,7 @@ from insonify_viewer.panels.parameters.view.section_box import Row, SectionBox, 
 from insonify_viewer.widgets.buttons import set_icon
 from insonify_viewer.widgets.later import Later
 from insonify_viewer.widgets.side_panel import FoldingBox, SidePanel
+from insonify_viewer.widgets.text import literal
 from insonify_viewer.widgets.theme import ACCENT
 
 DELAY = 20  # ms, by which the other numbers follow a slider that moves
@@ -319,7 +320,8 @@ class AboutBox(FoldingBox):
         elif self._shown[1][int(number)]:
             self.label.setToolTip("Click to go back to the value before")
         else:
-            self.label.setToolTip(f"Click to try it: {links[int(number)].path} = {_shown(links[int(number)].value)}")
+            link = links[int(number)]
+            self.label.setToolTip(literal(f"Click to try it: {link.path} = {_shown(link.value)}"))
 
 
 def _shown(value: object) -> str:

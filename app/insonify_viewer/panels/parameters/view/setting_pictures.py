@@ -1,4 +1,4 @@
-"""Pictures of settings below their rows: beam, pulse, and the spectrum of the relief."""
+"""Pictures of settings below their rows: beam, pulse, backscatter, and the spectrum of the relief."""
 
 from __future__ import annotations
 
@@ -15,7 +15,9 @@ from insonify.display.scene_curves import (
     FLOOR,
     Curve,
     ReliefSpectrum,
+    backscatter_curve,
     beam_curve,
+    has_backscatter_model,
     pulse_curve,
     pulse_spectrum_curve,
     relief_spectrum,
@@ -134,10 +136,15 @@ def _paint(painter: QPainter, curve: Curve, area: QRectF) -> None:
     _paint_scales(painter, curve, plot, (first, last))
     columns = np.linspace(0, curve.x.size - 1, max(int(2.0 * plot.width()), 2)).astype(np.int64)
     x = plot.left() + (curve.x[columns] - first) / (last - first) * plot.width()
-    y = plot.bottom() - (np.clip(curve.y[columns], low, high) - low) / (high - low) * (plot.height() - 2.0)
-    painter.setPen(QPen(QColor(ACCENT), 1.3))
     painter.setRenderHint(QPainter.RenderHint.Antialiasing)
-    painter.drawPolyline(make_polyline(x, y))
+    for values, pen in (
+        (curve.beside, QPen(QColor(MARK), 1.0, Qt.PenStyle.DashLine)),
+        (curve.y, QPen(QColor(ACCENT), 1.3)),
+    ):
+        if values is not None:
+            y = plot.bottom() - (np.clip(values[columns], low, high) - low) / (high - low) * (plot.height() - 2.0)
+            painter.setPen(pen)
+            painter.drawPolyline(make_polyline(x, y))
     painter.setRenderHint(QPainter.RenderHint.Antialiasing, False)
 
 
@@ -306,5 +313,6 @@ def pictures_of_settings() -> dict[str, SettingPicture]:
         "sonar.beam": CurvesPicture(lambda scene: scene.sonar.beam.has_width, (beam_curve,)),
         "sonar.vertical": CurvesPicture(lambda scene: scene.sonar.vertical.shades, (vertical_beam_curve,)),
         "sonar.pulse": CurvesPicture(lambda scene: scene.sonar.pulse.length > 0.0, (pulse_curve, pulse_spectrum_curve)),
+        "seabed.material": CurvesPicture(has_backscatter_model, (backscatter_curve,)),
         "seabed.relief.peaks": SpectrumPicture(),
     }

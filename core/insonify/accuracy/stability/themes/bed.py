@@ -179,7 +179,7 @@ ROUGH_BEDS = StabilityTheme("Rough beds", 6)
 ROUGH = {
     "seabed.relief": {"kind": "fractal", "beta": 1.2, "peaks": [[0.0, 0.0]], "period": 51.2, "rms": 0.16},
     "seabed.spacing": 0.1,
-    "seabed.material": {"name": "fine_sand"},
+    "seabed.material": {"name": "fine_sand", "diffuse": 0.0559},  # with its own narrow lobe
     "sonar.range": 40.0,
     "sonar.bins": 800,
 }

@@ -11,6 +11,7 @@ from pydantic import field_validator, model_validator
 from insonify.io.georeference import Georeference
 from insonify.scene.base import Declaration, Family, KindOf, parameter
 from insonify.scene.seabed.materials.catalogue import MATERIALS, NamedMaterial, Reflectivity, check_albedo
+from insonify.scene.seabed.materials.sediments import Sediment
 
 __all__ = [
     "MATERIALS",
@@ -81,10 +82,16 @@ class MaterialMap(Declaration):
         """
         raise NotImplementedError(f"the map {self.kind!r} declares no indices")
 
-    def rows(self) -> tuple[tuple[str, ...], tuple[Reflectivity, ...]]:
-        """Names and scattering parameters of the rows of its table of materials."""
+    def rows(self, frequency: float | None = None) -> tuple[tuple[str, ...], tuple[Reflectivity, ...]]:
+        """Names and scattering parameters of the rows of its table of materials.
+
+        Parameters
+        ----------
+        frequency : float or None
+            Hz, at which named sediments are fitted to their model; None for the law of light.
+        """
         materials = self.materials
-        return tuple(one.name for one in materials), tuple(one.reflectivity for one in materials)
+        return tuple(one.name for one in materials), tuple(one.reflectivity_at(frequency) for one in materials)
 
     def level_shape(self, spacing: float, fewest: int, most: int) -> tuple[int, int]:
         """Cells along y and x after which a level bed with this map repeats.
@@ -164,10 +171,28 @@ class Material(MaterialMap):
 
     @property
     def reflectivity(self) -> Reflectivity:
-        """Scattering parameters in force: the given ones, else the named material's."""
-        given = {field: getattr(self, field) for field in Reflectivity._fields}
-        named = MATERIALS[self.name].reflectivity
-        return named._replace(**{field: number for field, number in given.items() if number is not None})
+        """Scattering parameters by the law of light: the given ones, else the named material's."""
+        return self.reflectivity_at(None)
+
+    @property
+    def model(self) -> Sediment | None:
+        """Sediment of the backscatter model to which the material is fitted; None for a given diffuse share."""
+        return MATERIALS[self.name].model if self.diffuse is None else None
+
+    def reflectivity_at(self, frequency: float | None) -> Reflectivity:
+        """Scattering parameters in force: the given ones, else the named material's, fitted to its model.
+
+        Parameters
+        ----------
+        frequency : float or None
+            Hz, at which a named sediment without a given diffuse share is fitted; None for the law of light.
+        """
+        numbers = {field: getattr(self, field) for field in Reflectivity._fields}
+        given = {field: number for field, number in numbers.items() if number is not None}
+        named = MATERIALS[self.name].reflectivity_at(None if self.model is None else frequency)
+        if "specular" in given and frequency is not None:
+            named = named._replace(diffuse=min(named.diffuse, 1.0 - given["specular"]))
+        return named._replace(**given)
 
     @property
     def materials(self) -> tuple[Material, ...]:
@@ -187,9 +212,9 @@ class Material(MaterialMap):
         """Any material."""
         return Material()
 
-    def value_in_force(self, field: str) -> float | None:
-        """Return the named material's number."""
-        number: float | None = getattr(self.reflectivity, field)
+    def value_in_force(self, field: str, frequency: float | None = None) -> float | None:
+        """Return the named material's number, fitted to its model at a frequency."""
+        number: float | None = getattr(self.reflectivity_at(frequency), field)
         return number
 
 

@@ -6,6 +6,7 @@ They are tables of the TOML files in ``resources/materials`` and in the folders 
 
 from __future__ import annotations
 
+import math
 import tomllib
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
@@ -18,6 +19,7 @@ from insonify.errors import SceneError
 from insonify.files import resources
 from insonify.plugins import announced
 from insonify.scene.base import Declaration, parameter
+from insonify.scene.seabed.materials.sediments import Sediment, fit_law
 
 Share = Annotated[float, Field(ge=0.0, le=1.0)]
 DensityRatio = Annotated[float, Field(gt=0.0, allow_inf_nan=True)]
@@ -35,8 +37,20 @@ class Reflectivity(NamedTuple):
     speckle_shape: float | None = None  # shape of K speckle; the receiver's own where None
 
 
+class SedimentParameters(Declaration):
+    """Parameters of the backscatter model of a sediment, besides its density and speed."""
+
+    loss: float = parameter(description="imaginary over real part of the wave number", gt=0.0, le=1.0)
+    volume: float = parameter(description="cross section of the volume over its attenuation in dB", ge=0.0, le=1.0)
+    spectral_strength: float = parameter(description="spectrum of heights at 1/cm", unit="cm⁴", gt=0.0, le=10.0)
+    spectral_exponent: float = parameter(description="exponent of that spectrum", gt=2.0, lt=4.0)
+
+
 class NamedMaterial(Declaration):
-    """Scattering parameters, colour and source of a named material."""
+    """Scattering parameters, colour and source of a named material.
+
+    The shares and the exponent hold for the law of light, and for the law of sonar where there is no ``sediment``.
+    """
 
     diffuse: Share = parameter(description="share of energy scattered evenly (Lambert)")
     specular: Share = parameter(description="share of energy in the mirror lobe (Phong)")
@@ -45,10 +59,19 @@ class NamedMaterial(Declaration):
     speed_ratio: float = parameter(description="speed of sound inside over that of water", ge=0.1, le=10.0)
     colour: tuple[Share, Share, Share] = parameter(description="red, green and blue in the viewer, as sRGB")
     source: str = parameter(description="where the numbers come from", min_length=1)
+    sediment: SedimentParameters | None = parameter(
+        None, "model of its backscatter over frequency, to which the law of sonar is fitted"
+    )
 
     @model_validator(mode="after")
     def _albedo_within_1(self) -> NamedMaterial:
         check_albedo(self.diffuse, self.specular)
+        return self
+
+    @model_validator(mode="after")
+    def _sediment_has_a_density(self) -> NamedMaterial:
+        if self.sediment is not None and math.isinf(self.density):
+            raise ValueError("density inf is that of a perfect reflector, which is no sediment; give a number")
         return self
 
     @property
@@ -57,6 +80,22 @@ class NamedMaterial(Declaration):
         # R0 = (ρν − 1) / (ρν + 1) of two fluids at normal incidence, written so that nothing overflows for a mirror.
         reflection = 1.0 - 2.0 / (self.density * self.speed_ratio + 1.0)
         return Reflectivity(self.diffuse, self.specular, self.shininess, reflection, self.speed_ratio)
+
+    @property
+    def model(self) -> Sediment | None:
+        """Sediment of the backscatter model; None for a material without one."""
+        one = self.sediment
+        if one is None:
+            return None
+        return Sediment(
+            self.density, self.speed_ratio, one.loss, one.volume, one.spectral_strength, one.spectral_exponent
+        )
+
+    def reflectivity_at(self, frequency: float | None) -> Reflectivity:
+        """Scattering parameters fitted to the model at a frequency in Hz; the declared ones without either."""
+        if frequency is None or self.model is None:
+            return self.reflectivity
+        return self.reflectivity._replace(**fit_law(self.model, frequency, self.shininess)._asdict())
 
 
 class Catalogue(Mapping[str, NamedMaterial]):

@@ -37,9 +37,9 @@ class PatternMap(CompositeMap):
     )
     heading: float = angle("direction along the stripes, counter-clockwise from +x; their order is to its left")
 
-    def rows(self) -> tuple[tuple[str, ...], tuple[Reflectivity, ...]]:
+    def rows(self, frequency: float | None = None) -> tuple[tuple[str, ...], tuple[Reflectivity, ...]]:
         """Names and scattering parameters of the rows; those of waves are mixtures of two materials."""
-        return graded_rows(self.of) if self.shape == "waves" else super().rows()
+        return graded_rows(self.of, frequency) if self.shape == "waves" else super().rows(frequency)
 
     def indices(self, cells: Cells) -> Map:
         """Row of each cell; on a periodic bed, period and heading are adjusted to it."""
@@ -80,13 +80,15 @@ class PatternMap(CompositeMap):
         return (-sine, cosine), (cosine, sine)
 
 
-def graded_rows(materials: Sequence[Material]) -> tuple[tuple[str, ...], tuple[Reflectivity, ...]]:
+def graded_rows(
+    materials: Sequence[Material], frequency: float | None
+) -> tuple[tuple[str, ...], tuple[Reflectivity, ...]]:
     """Names and scattering parameters of equal steps from the first material through the others to the last.
 
     A name gives the percentages of the two materials of a mixture: ``25.1_silt+74.9_rock``.
     """
     levels, whole = np.linspace(0.0, len(materials) - 1.0, GRADES), np.arange(len(materials))
-    given = [material.reflectivity for material in materials]
+    given = [material.reflectivity_at(frequency) for material in materials]
     columns = [np.interp(levels, whole, column) for column in zip(*(row[:5] for row in given))]
     # Mixtures of speckle are linear in its variance 1/ν, where both materials have one.
     spiky = [math.nan if row.speckle_shape is None else 1.0 / row.speckle_shape for row in given]

@@ -99,7 +99,7 @@ class Fractal(ExtendableRelief):
         """Names of the fields without effect: the exponents of the other decays."""
         return super().idle_fields | ({"beta_x", "beta_y"} if self.decay == "isotropic" else {"beta"})
 
-    def value_in_force(self, field: str) -> float | None:
+    def value_in_force(self, field: str, frequency: float | None = None) -> float | None:
         """Exponent that applies where it is left out."""
         return self.exponents[1 if field == "beta_y" else 0]
 

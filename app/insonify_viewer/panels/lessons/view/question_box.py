@@ -1,0 +1,138 @@
+"""Question of a step, with choices or a line for a number."""
+
+from __future__ import annotations
+
+from PySide6.QtCore import Qt, Signal
+from PySide6.QtGui import QMouseEvent
+from PySide6.QtWidgets import QButtonGroup, QHBoxLayout, QLabel, QLineEdit, QRadioButton, QVBoxLayout, QWidget
+
+from insonify.lessons import UNKNOWN, Ask, read_number
+from insonify_viewer.errors import guard_override
+from insonify_viewer.widgets.buttons import light, make_label, push_button
+
+NOTED = "Your answer is kept. Now make the change, and see."
+
+
+class QuestionBox(QWidget):
+    """Asks for a choice or a number before the step shows what to look for."""
+
+    answered = Signal(str, object)  # the answer as text, and its number: a place among the choices, a number, or None
+
+    def __init__(self) -> None:
+        super().__init__()
+        self.question = make_label("", form=Qt.TextFormat.MarkdownText)
+        self.number = QLineEdit()
+        self.number.setObjectName("line")
+        self.number.setAccessibleName("Your answer, a number")
+        self.number.setToolTip("Type a number, with a point or a comma; Return answers")
+        self.number.returnPressed.connect(self._answer)
+        self.number.textChanged.connect(self._enable)
+        self.unit = QLabel()
+        self.answer = push_button("Answer", "Keep this answer; it is judged after you have made the change", wide=True)
+        self.answer.clicked.connect(self._answer)
+        self.unknown = push_button(
+            UNKNOWN, "Go on without an answer; the right one follows after the change", wide=True
+        )
+        self.unknown.clicked.connect(lambda: self.answered.emit(UNKNOWN, None))
+        self.note = make_label("quiet")
+        self.choices: list[ChoiceRow] = []
+        self._group = QButtonGroup(self)
+        self._group.buttonToggled.connect(self._enable)
+        self._lay_out()
+
+    def show_question(self, question: str, ask: Ask) -> None:
+        """Ask a question that has no answer yet."""
+        self._clear()
+        self.question.setText(f"**First, your guess** {question}")
+        for choice in ask.choices:
+            row = ChoiceRow(choice.text)
+            self.choices.append(row)
+            self._group.addButton(row.button)
+            self._rows.addWidget(row)
+        self._line.setVisible(not ask.choices)
+        self.unit.setText(ask.unit)
+        self._lock(False)
+
+    def show_answered(self, text: str) -> None:
+        """Show the answer that was given, which cannot be changed."""
+        for row in self.choices:
+            row.button.setChecked(row.label.text() == text)
+        if not self.choices and text != UNKNOWN:
+            self.number.setText(text)
+        self._lock(True)
+
+    def show_note(self, shown: bool) -> None:
+        """Show or hide the sentence that the answer is kept and the change comes next."""
+        self.note.setText(NOTED if shown else "")
+        self.note.setVisible(shown)
+
+    def _lock(self, locked: bool) -> None:
+        for widget in (self.number, *(row.button for row in self.choices)):
+            widget.setEnabled(not locked)
+        self.answer.setVisible(not locked)
+        self.unknown.setVisible(not locked)
+        self.show_note(False)
+        self._enable()
+
+    def _enable(self) -> None:
+        """Light the button as soon as there is an answer."""
+        ready = self._group.checkedButton() is not None if self.choices else read_number(self.number.text()) is not None
+        self.answer.setEnabled(ready)
+        light(self.answer, ready)
+
+    def _answer(self) -> None:
+        """Signal the answer, if there is one."""
+        if self.choices:
+            place = next((place for place, row in enumerate(self.choices) if row.button.isChecked()), None)
+            if place is not None:
+                self.answered.emit(self.choices[place].label.text(), place)
+        elif (number := read_number(self.number.text())) is not None:
+            self.answered.emit(self.number.text().strip(), number)
+
+    def _clear(self) -> None:
+        for row in self.choices:
+            self._group.removeButton(row.button)
+            self._rows.removeWidget(row)
+            row.deleteLater()
+        self.choices = []
+        self.number.clear()
+
+    def _lay_out(self) -> None:
+        self._rows = QVBoxLayout()
+        self._line = QWidget()
+        line = QHBoxLayout(self._line)
+        line.setContentsMargins(0, 0, 0, 0)
+        line.addWidget(self.number, 1)
+        line.addWidget(self.unit)
+        buttons = QHBoxLayout()
+        buttons.addWidget(self.answer)
+        buttons.addWidget(self.unknown)
+        column = QVBoxLayout(self)
+        column.setContentsMargins(0, 0, 0, 0)
+        column.addWidget(self.question)
+        column.addLayout(self._rows)
+        column.addWidget(self._line)
+        column.addLayout(buttons)
+        column.addWidget(self.note)
+
+
+class ChoiceRow(QWidget):
+    """A choice, whose text wraps and can be clicked."""
+
+    def __init__(self, text: str) -> None:
+        super().__init__()
+        self.button, self.label = QRadioButton(), QLabel(text)
+        self.button.setAccessibleName(text)
+        self.button.setToolTip("Choose this answer")
+        self.label.setWordWrap(True)
+        row = QHBoxLayout(self)
+        row.setContentsMargins(0, 0, 0, 0)
+        row.addWidget(self.button, 0, Qt.AlignmentFlag.AlignTop)
+        row.addWidget(self.label, 1)
+
+    @guard_override(None)
+    def mousePressEvent(self, event: QMouseEvent) -> None:
+        """Choose it."""
+        if self.button.isEnabled():
+            self.button.setChecked(True)
+        event.accept()

@@ -1,0 +1,54 @@
+"""Courses: the order in which lessons are taught, with level, aims and what each assumes."""
+
+from __future__ import annotations
+
+import tomllib
+from collections.abc import Sequence
+from functools import cache
+
+from pydantic import Field
+
+from insonify.errors import SceneError
+from insonify.files import bundled_courses
+from insonify.lessons.lesson import Lesson
+from insonify.scene.base import Declaration
+
+
+class Course(Declaration):
+    """A course of lessons."""
+
+    name: str
+    title: str = Field(min_length=1)
+    level: str = ""
+    aims: str = ""
+    assumes: str = ""
+
+
+OTHER = Course(name="", title="Other lessons")  # lessons that belong to no course
+
+
+class Courses(Declaration):
+    """The file of courses."""
+
+    courses: tuple[Course, ...]
+
+
+@cache
+def load_courses() -> tuple[Course, ...]:
+    """Read the courses that come with the package, in their order."""
+    return Courses.model_validate(tomllib.loads(bundled_courses().read_text(encoding="utf-8"))).courses
+
+
+def group_lessons(lessons: Sequence[Lesson]) -> list[tuple[Course, list[Lesson]]]:
+    """Group lessons by course, in the order of the courses; those of no course come last."""
+    groups = [(course, [each for each in lessons if each.course == course.name]) for course in (*load_courses(), OTHER)]
+    return [(course, members) for course, members in groups if members]
+
+
+def check_course(lesson: Lesson) -> None:
+    """Check that the course of a lesson exists."""
+    names = [course.name for course in load_courses()]
+    if lesson.course and lesson.course not in names:
+        raise SceneError(
+            f"lesson {lesson.name}: course: {lesson.course!r} does not exist; choose one of {', '.join(names)}"
+        )

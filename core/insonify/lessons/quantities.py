@@ -1,0 +1,200 @@
+"""Quantities that questions of lessons ask for: closed forms of a scene, or measured in a simulated record."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from typing import TYPE_CHECKING, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from insonify.scene import Scene
+from insonify.scene.sonar.beams.line_array import LineArray
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+SIDES = ("port", "starboard")
+# −3 dB width of a line array, one-way, in wavelengths over its length (docs/theory/beam.md).
+THREE_DECIBELS = {"uniform": 0.886, "cosine": 1.189, "hamming": 1.304, "taylor": 1.125}
+DARK = 1e-3  # share of the brightest echo below which a bin counts as dark
+
+
+class Quantity(NamedTuple):
+    """A named quantity."""
+
+    arguments: tuple[str, ...]  # names, with units in brackets
+    meaning: str  # what it is, with its unit in brackets
+    compute: Callable[..., float] | None = None  # closed form of (scene, *arguments)
+    measure: Callable[..., float] | None = None  # the same from (scene, record, *arguments)
+
+
+def _speed(scene: Scene) -> float:
+    # lazy: loads Numba, and few questions need the sound speed
+    from insonify.acoustics.water import recording_speed
+
+    return recording_speed(scene)
+
+
+def _wavelength(scene: Scene) -> float:
+    return _speed(scene) / scene.sonar.frequency
+
+
+def _slant_range(scene: Scene, across: float, height: float) -> float:
+    return math.hypot(across, scene.altitude - height)
+
+
+def _ground_range(scene: Scene, slant_range: float) -> float:
+    return math.sqrt(slant_range**2 - scene.altitude**2)
+
+
+def _shadow_end(scene: Scene, across: float, height: float) -> float:
+    """Slant range at which the ray over a point meets the bed: A / (A − h) times that of the point."""
+    return _slant_range(scene, across, height) * scene.altitude / (scene.altitude - height)
+
+
+def _shadow_length(scene: Scene, across: float, height: float) -> float:
+    return _shadow_end(scene, across, height) - _slant_range(scene, across, height)
+
+
+def _beam_width(scene: Scene) -> float:
+    """One-way full width in degrees; of an array to −3 dB in the far field, docs/theory/beam.md."""
+    beam = scene.sonar.beam
+    if isinstance(beam, LineArray):
+        return math.degrees(THREE_DECIBELS[beam.taper] * _wavelength(scene) / beam.length)
+    return float(getattr(beam, "width", 0.0))
+
+
+def _near_field(scene: Scene) -> float:
+    beam = scene.sonar.beam
+    return beam.length**2 / _wavelength(scene) if isinstance(beam, LineArray) else 0.0
+
+
+def _along_resolution(scene: Scene, slant_range: float) -> float:
+    beam = scene.sonar.beam
+    length = beam.length if isinstance(beam, LineArray) else 0.0
+    return max(length, slant_range * math.radians(_beam_width(scene)))
+
+
+def _ping_spacing(scene: Scene) -> float:
+    return scene.track.speed / scene.sonar.ping_rate
+
+
+def _pings_on(scene: Scene, length: float, slant_range: float) -> float:
+    return (length + _along_resolution(scene, slant_range)) / _ping_spacing(scene)
+
+
+def _pulse_cell(scene: Scene) -> float:
+    return scene.sonar.pulse.cell(_speed(scene))
+
+
+def _edges(scene: Scene) -> NDArray[np.float64]:
+    return np.linspace(0.0, scene.sonar.range, scene.sonar.bins + 1)
+
+
+def _abreast(scene: Scene, record: xr.Dataset) -> NDArray[np.float64]:
+    """Intensity over slant range of the ping abreast of the first target, on its side."""
+    across, along = scene.targets[0].position[1] - scene.track.start[1], scene.targets[0].position[0]
+    ping = round((along - scene.track.start[0]) / _ping_spacing(scene))
+    side = SIDES[0] if across > 0.0 else SIDES[1]
+    intensity: NDArray[np.float64] = record.intensity.isel(ping_time=ping).sel(channel=side).to_numpy()
+    return intensity
+
+
+def _dark_stretch(scene: Scene, record: xr.Dataset) -> tuple[float, float]:
+    """Slant ranges between which the longest stretch without echo behind the first return lies."""
+    edges, intensity = _edges(scene), _abreast(scene, record)
+    dark = np.flatnonzero(np.diff(np.concatenate([[1], (intensity > 0.0).astype(int), [1]])))
+    starts, ends = dark[::2], dark[1::2]
+    longest = int(np.argmax(np.where(edges[starts] > scene.altitude, ends - starts, 0)))
+    return float(edges[starts[longest]]), float(edges[ends[longest]])
+
+
+def _measured_shadow_end(scene: Scene, record: xr.Dataset, across: float, height: float) -> float:
+    del across, height
+    return _dark_stretch(scene, record)[1]
+
+
+def _measured_shadow_length(scene: Scene, record: xr.Dataset, across: float, height: float) -> float:
+    del across, height
+    begin, end = _dark_stretch(scene, record)
+    return end - begin
+
+
+def _measured_first_return(scene: Scene, record: xr.Dataset) -> float:
+    """Median over pings of the first bin that an echo reaches."""
+    heard = record.intensity.to_numpy() > 0.0
+    return float(np.median(_edges(scene)[heard.any(axis=0).argmax(axis=1)]))
+
+
+def _measured_last_return(scene: Scene, record: xr.Dataset) -> float:
+    """Median over pings of the last bin that an echo reaches."""
+    heard = record.intensity.to_numpy()[..., ::-1] > 0.0
+    return float(np.median(_edges(scene)[::-1][heard.any(axis=0).argmax(axis=1)]))
+
+
+def _within(scene: Scene, record: xr.Dataset, near: float, far: float) -> NDArray[np.float64]:
+    """Intensity of both sides between two slant ranges."""
+    centres = 0.5 * (_edges(scene)[1:] + _edges(scene)[:-1])
+    intensity: NDArray[np.float64] = record.intensity.to_numpy()[..., (centres >= near) & (centres <= far)]
+    return intensity
+
+
+def _measured_level(scene: Scene, record: xr.Dataset, near: float, far: float) -> float:
+    return 10.0 * math.log10(float(_within(scene, record, near, far).mean()))
+
+
+def _measured_contrast(scene: Scene, record: xr.Dataset, near: float, far: float) -> float:
+    """Spread of the mean over pings about a parabola of the logarithms, which takes off its fall with range."""
+    within = _within(scene, record, near, far).mean(axis=(0, 1))
+    logarithm, place = np.log(np.maximum(within, 1e-30)), np.linspace(-1.0, 1.0, within.size)
+    return float(np.std(logarithm - np.polyval(np.polyfit(place, logarithm, 2), place)))
+
+
+def _measured_dark(scene: Scene, record: xr.Dataset, near: float, far: float) -> float:
+    within = _within(scene, record, near, far)
+    return float((within < DARK * within.max()).mean())
+
+
+_AT, _STRETCH = ("slant_range (m)",), ("near (m)", "far (m)")
+_OVER = ("across (m)", "height (m)")
+# Every name that an expression or a condition may call.
+QUANTITIES: dict[str, Quantity] = {
+    "altitude": Quantity((), "height of the sonar above the mean bed (m)", lambda scene: scene.altitude),
+    "sound_speed": Quantity((), "sound speed that turns travel time into slant range (m/s)", _speed),
+    "wavelength": Quantity((), "wavelength (m)", _wavelength),
+    "bin_length": Quantity((), "length of a bin (m)", lambda scene: scene.sonar.range / scene.sonar.bins),
+    "ping_spacing": Quantity((), "way of the fish from ping to ping (m)", _ping_spacing),
+    "fastest_ping_rate": Quantity(
+        (), "ping rate at which a ping waits for the last echo of the one before (1/s)",
+        lambda scene: 0.5 * _speed(scene) / scene.sonar.range,
+    ),
+    "first_return": Quantity(
+        (), "slant range of the first echo of a level bed (m)", lambda scene: scene.altitude, _measured_first_return
+    ),
+    "slant_range": Quantity(_OVER, "slant range of a point at a height above the bed (m)", _slant_range),
+    "ground_range": Quantity(_AT, "distance across the track of the bed at a slant range (m)", _ground_range),
+    "swath": Quantity((), "width of level bed that both sides record (m)",
+                      lambda scene: 2.0 * _ground_range(scene, scene.sonar.range)),
+    "shadow_end": Quantity(_OVER, "slant range at which the shadow of a point ends (m)", _shadow_end,
+                           _measured_shadow_end),
+    "shadow_length": Quantity(_OVER, "length of the shadow of a point along the slant range (m)", _shadow_length,
+                              _measured_shadow_length),
+    "beam_width": Quantity((), "one-way width of the beam, of an array to −3 dB far away (°)", _beam_width),
+    "near_field": Quantity((), "slant range L²/λ within which an array is in its near field (m)", _near_field),
+    "along_resolution": Quantity(_AT, "width of the beam along the track (m)", _along_resolution),
+    "across_resolution": Quantity((), "slant range between two echoes that the pulse resolves (m)", _pulse_cell),
+    "pings_on": Quantity(("length (m)", *_AT), "pings that reach a target of a length along the track", _pings_on),
+    "sin": Quantity(("angle (°)",), "sine", lambda _, angle: math.sin(math.radians(angle))),
+    "cos": Quantity(("angle (°)",), "cosine", lambda _, angle: math.cos(math.radians(angle))),
+    "tan": Quantity(("angle (°)",), "tangent", lambda _, angle: math.tan(math.radians(angle))),
+    "arccos": Quantity(("cosine",), "angle (°)", lambda _, cosine: math.degrees(math.acos(cosine))),
+    "sqrt": Quantity(("number",), "square root", lambda _, number: math.sqrt(number)),
+    "log10": Quantity(("number",), "logarithm to base 10", lambda _, number: math.log10(number)),
+    "last_return": Quantity((), "slant range of the last echo (m)", measure=_measured_last_return),
+    "level": Quantity(_STRETCH, "mean intensity between two slant ranges (dB)", measure=_measured_level),
+    "contrast": Quantity(_STRETCH, "relative spread of the intensity between two slant ranges about its fall",
+                         measure=_measured_contrast),
+    "dark_share": Quantity(_STRETCH, "share of bins between two slant ranges that are dark", measure=_measured_dark),
+}  # fmt: skip

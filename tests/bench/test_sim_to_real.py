@@ -1,0 +1,164 @@
+"""A detector trained on the bundled data sets alone, tested on real pictures.
+
+``INSONIFY_REAL_PICTURES=FOLDER pytest -m bench -s tests/bench/test_sim_to_real.py``: the folder has sub-folders
+``ship``, ``plane`` and ``seafloor`` with pictures of any size. ``INSONIFY_SIM_SCENES`` is the number of scenes of each
+class (40), ``INSONIFY_SIM_SETS`` a folder in which the sets are kept and grow. No real picture is used before the test.
+"""
+
+from __future__ import annotations
+
+import json
+import os
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+from PIL import Image
+from scipy import ndimage
+from skimage.feature import local_binary_pattern
+
+from insonify import cli
+
+REAL = os.environ.get("INSONIFY_REAL_PICTURES")
+SCENES = int(os.environ.get("INSONIFY_SIM_SCENES", "40"))
+NAMES = ("seabed", "ship", "aircraft")
+FOLDERS = {"seafloor": 0, "ship": 1, "plane": 2}
+SETS = ("wrecks", "aircraft")
+SIDE, SEEDS, DRAWS = 128, 3, 1000
+
+pytestmark = [pytest.mark.bench, pytest.mark.skipif(REAL is None, reason="INSONIFY_REAL_PICTURES names no folder")]
+
+
+def as_shown(picture: Image.Image) -> np.ndarray:
+    """Grey levels of a picture whose longer side is resampled to `SIDE` pixels."""
+    size = [max(round(SIDE * side / max(picture.size)), 16) for side in picture.size]
+    return np.asarray(picture.convert("L").resize(size, Image.Resampling.BOX), float) / 255.0
+
+
+def describe(image: np.ndarray) -> np.ndarray:
+    """Features of greys, texture, edges and outline, which change little as the picture is turned or mirrored."""
+    image = (image - np.median(image)) / (image.std() + 1e-3)
+    found = [*np.percentile(image, [1, 5, 25, 75, 95, 99]), float((image**3).mean())]
+    for scale in (1, 2, 4, 8, 16):
+        soft = ndimage.gaussian_filter(image, scale)
+        found += [soft.std(), *np.percentile(soft, [1, 99]), float(((soft - soft.mean()) ** 3).mean())]
+        found.append(ndimage.gaussian_gradient_magnitude(image, scale).std())
+    greys = (255 * (image - image.min()) / np.ptp(image)).astype(np.uint8)
+    for radius in (1, 3):
+        found += [*np.histogram(local_binary_pattern(greys, 8, radius, "uniform"), np.arange(11), density=True)[0]]
+    for scale in (1.5, 3.0):
+        soft = ndimage.gaussian_filter(image, scale)
+        found += [*_edges(soft)]
+        for part in (soft, -soft, np.abs(soft)):
+            for share in (96.0, 88.0):
+                found += _outline(part[::2, ::2], share)
+    return np.array(found)
+
+
+def _edges(image: np.ndarray) -> np.ndarray:
+    """Angular harmonics of the directions of edges: one direction of ribs and rims, several of wings and bodies."""
+    dy, dx = np.gradient(image)
+    strength, angle = np.hypot(dy, dx) ** 2, np.arctan2(dy, dx)
+    total = strength.sum() + 1e-9
+    return np.array([abs((strength * np.exp(1j * m * angle)).sum()) / total for m in (1, 2, 3, 4, 6, 8)])
+
+
+def _outline(image: np.ndarray, share: float) -> list[float]:
+    """Size and elongation of the brightest part of a picture, and its angular harmonics in rings about the middle."""
+    bright = image > np.percentile(image, share)
+    parts, count = ndimage.label(bright)
+    sizes = np.bincount(parts.ravel())[1:] if count else np.ones(1)
+    is_large = np.concatenate([[False], sizes > 0.1 * sizes.max()])  # no specks
+    y, x = (place / max(image.shape) for place in np.nonzero(is_large[parts] if count else bright))
+    if len(y) < 2:
+        y = x = np.array([0.0, 1.0])
+    dy, dx = y - y.mean(), x - x.mean()
+    minor, major = np.sqrt(np.maximum(np.linalg.eigvalsh(np.cov(dy, dx)), 1e-6))
+    # In units of the larger spread, outlines of all sizes are alike.
+    radius, turn = np.hypot(dy, dx) / major, np.exp(1j * np.arctan2(dy, dx))
+    found = [major, minor / major, len(y) / image.size, len(y) / image.size / (major * minor)]
+    for inner, outer in ((0.0, 0.5), (0.5, 1.0), (1.0, 1.6), (1.6, 2.6)):
+        ring = turn[(radius >= inner) & (radius < outer)]
+        found += [len(ring) / len(y), *(abs((ring**m).sum()) / max(len(ring), 1) for m in range(1, 7))]
+    return [*found, float(count), float(sizes.max() / image.size), float(sizes.max() / max(sizes.sum(), 1))]
+
+
+def simulated(folder: Path) -> tuple[np.ndarray, np.ndarray]:
+    """Features and classes of the chips of the bundled sets, whole and cropped closely, as archives do."""
+    lines = []
+    for name in SETS:
+        place = folder / name
+        assert cli.main(["dataset", name, "-o", str(place), "--scenes", str(SCENES), "--scheduler", "local:2"]) == 0
+        told = map(json.loads, (place / "metadata.jsonl").read_text().splitlines())
+        lines += [
+            (place / line["file_name"], line["class"], [found["both"] for found in line["targets"]]) for line in told
+        ]
+    rng, boxes = np.random.default_rng(1), [boxes[0] for _, _, boxes in lines if boxes]
+    features, classes = [], []
+    for path, name, own in lines:
+        # A bed is cropped as some object is, so that the frame tells nothing.
+        box = own[0] if own else boxes[rng.integers(len(boxes))]
+        with Image.open(path) as picture:
+            features += [describe(as_shown(picture)), describe(as_shown(cropped(picture, box, rng)))]
+        classes += 2 * [0 if name is None else NAMES.index(name)]
+    return np.array(features), np.array(classes)
+
+
+def cropped(picture: Image.Image, box: list[int], rng: np.random.Generator) -> Image.Image:
+    """Window about the box of an echo and its shadow, wider by up to 0.3 of it on each side."""
+    x, y, wide, high = box
+    left, up, right, down = rng.uniform(0.03, 0.3, 4)
+    ends = min(x + wide + right * wide, picture.width), min(y + high + down * high, picture.height)
+    return picture.crop((int(max(x - left * wide, 0)), int(max(y - up * high, 0)), int(ends[0]), int(ends[1])))
+
+
+def real() -> tuple[np.ndarray, np.ndarray]:
+    """Features and classes of the real pictures."""
+    paths = [
+        (path, number) for name, number in FOLDERS.items() for path in sorted(Path(REAL or "", name).glob("*.png"))
+    ]
+    pictures = [as_shown(Image.open(path)) for path, _ in paths]
+    return np.array([describe(picture) for picture in pictures]), np.array([number for _, number in paths])
+
+
+def auc(score: np.ndarray, positive: np.ndarray) -> float:
+    """Area under the curve of true over false alarms: the chance that a positive scores above a negative."""
+    order = np.argsort(np.argsort(score)) + 1.0
+    count = int(positive.sum())
+    return float((order[positive].sum() - count * (count + 1) / 2) / max(count * (len(score) - count), 1))
+
+
+def measures(chance: np.ndarray, classes: np.ndarray) -> dict[str, float]:
+    """Columns of the table, from the chances of the three classes."""
+    decided, objects = chance.argmax(axis=1), classes > 0
+    hits = [float((decided[classes == number] == number).mean()) for number in range(3)]
+    is_plane = chance[objects, 2] / (chance[objects, 1:].sum(axis=1) + 1e-12)
+    return {
+        "AUC object": auc(1.0 - chance[:, 0], objects),
+        "accuracy, object": float(((decided > 0) == objects).mean()),
+        "3 classes": float((decided == classes).mean()),
+        "balanced": float(np.mean(hits)),
+        "AUC aircraft against ships": auc(is_plane, classes[objects] == 2),
+    }
+
+
+def test_trees_trained_on_simulation_find_real_wrecks(tmp_path, capsys):
+    ensemble = pytest.importorskip("sklearn.ensemble")
+    features, classes = simulated(Path(os.environ.get("INSONIFY_SIM_SETS", tmp_path)))
+    shown, truth = real()
+    chances = []
+    for seed in range(SEEDS):
+        trees = ensemble.ExtraTreesClassifier(600, min_samples_leaf=2, class_weight="balanced", random_state=seed)
+        chances.append(trees.fit(features, classes).predict_proba(shown))
+    chance = np.mean(chances, axis=0)
+    found, rng = measures(chance, truth), np.random.default_rng(1)
+    picks = [rng.integers(0, len(truth), len(truth)) for _ in range(DRAWS)]
+    drawn = [measures(chance[pick], truth[pick]) for pick in picks]
+    with capsys.disabled():
+        counts = f"{SCENES} scenes a set, {len(classes)} chips; {len(truth)} real pictures; {SEEDS} forests, averaged"
+        sys.stdout.write(f"\n{counts}\n")
+        for name, value in found.items():
+            low, high = np.percentile([one[name] for one in drawn], [2.5, 97.5])
+            sys.stdout.write(f"{name:28s} {value:.3f}  ({low:.3f} to {high:.3f})\n")
+    assert found["AUC object"] > 0.95

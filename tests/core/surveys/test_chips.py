@@ -1,0 +1,226 @@
+"""Chips of data sets: nested draws, sampling in bins, display, and checks before the first job."""
+
+import json
+import math
+import time
+import tomllib
+
+import numpy as np
+import pytest
+from PIL import Image
+
+from commands import refused
+from insonify import cli
+from insonify.scene import SceneError, load_scene
+from insonify.simulation import simulate
+from insonify.surveys.datasets.chips import _displayed, _edges, _finish, _grey, _means, cut_chips
+from insonify.surveys.datasets.scenes import Draws, check_draws, draw_scene
+from insonify.surveys.datasets.specification import Chips, DatasetSpecification, Picture
+from insonify.surveys.datasets.tiles import FIRST_CLASS, SHADOW
+from small_sets import SET
+
+BASE = load_scene("default")
+CHIPS = """
+title = "Wrecks"
+scenes = 3
+negatives = 0.3
+chips_each = 2
+tolerance = 0.2
+[set]
+targets = []
+"seabed.relief" = { draw = "choice", of = [
+    { kind = "fractal", beta = 1.6, rms = { draw = "uniform", low = 0.1, high = 0.5 }, period = 128.0 },
+    { kind = "sum", of = [{ kind = "ripples", wavelength = { draw = "uniform", low = 8.0, high = 20.0 } }] },
+] }
+"sonar.bins" = 192
+"track.pings" = 160
+[sampling]
+length = { draw = "uniform", low = 40.0, high = 60.0 }
+step = { draw = "uniform", low = 1.0, high = 1.5 }
+altitude = 0.2
+pulse = 1.5
+beam = 1.2
+node = 2.0
+relief = true
+snr = 25.0
+[[targets]]
+name = "wreck"
+of = [{ kind = "wreck", form = { draw = "choice", of = ["tug", "barge"] } }]
+along = 0.5
+[targets.set]
+length = { draw = "uniform", low = 10.0, high = 60.0 }
+heading = { draw = "uniform", low = -180.0, high = 180.0 }
+[chips]
+pixels = 48
+margin = 1.5
+turns = { draw = "integers", low = 0, high = 3 }
+[picture]
+scale = { draw = "choice", of = ["linear", "root", "log"] }
+ground_range = { draw = "choice", of = [true, false] }
+"""
+
+
+def specification(text=CHIPS, **changes):
+    return DatasetSpecification.model_validate({**tomllib.loads(text), **changes})
+
+
+def test_draws_within_a_choice_and_within_its_tables_are_drawn():
+    reliefs = [draw_scene(specification(), BASE, number).scene.seabed.relief for number in range(24)]
+    ripples = {relief.of[0].wavelength for relief in reliefs if relief.kind == "sum"}
+    rough = {relief.rms for relief in reliefs if relief.kind == "fractal"}
+    assert len(ripples) > 5
+    assert len(rough) > 5
+    forms = {target.form for n in range(24) for target in draw_scene(specification(), BASE, n).scene.targets}
+    assert forms == {"tug", "barge"}
+
+
+def test_a_scene_is_sampled_as_declared():
+    for number in range(12):
+        drawn = draw_scene(specification(negatives=0.0), BASE, number)
+        scene, bin_length = drawn.scene, drawn.scene.sonar.range / 192
+        assert 2.0 * scene.targets[0].outline.half[0] / bin_length == pytest.approx(
+            drawn.drawn["sampling.length"], 1e-6
+        )
+        step = scene.track.speed / scene.sonar.ping_rate
+        assert step / bin_length == pytest.approx(drawn.drawn["sampling.step"])
+        assert scene.altitude == pytest.approx(0.2 * scene.sonar.range)
+        assert 750.0 * scene.sonar.pulse.duration == pytest.approx(1.5 * bin_length)
+        half = math.radians(scene.sonar.beam.width)
+        assert math.tan(half) * 0.5 * scene.sonar.range == pytest.approx(1.2 * step)
+        assert scene.seabed.spacing == pytest.approx(2.0 * bin_length)
+        periods = [part.period for part in getattr(scene.seabed.relief, "of", [scene.seabed.relief])]
+        assert periods in (pytest.approx([128.0 * bin_length]), pytest.approx([102.4 * bin_length]))
+        assert scene.sonar.ping_rate <= 750.0 / scene.sonar.range
+
+
+def test_every_class_has_its_beds():
+    with_, without = (draw_scene(specification(negatives=share), BASE, 4) for share in (0.0, 1.0))
+    assert not without.scene.targets
+    assert without.scene.seabed == with_.scene.seabed
+    assert without.views == tuple(view._replace(target=None) for view in with_.views)
+
+
+def test_a_chip_shows_its_target_where_the_scene_has_it():
+    wanted = specification(negatives=0.0, picture={"ground_range": True}, chips={"pixels": 64, "margin": 2.0})
+    drawn = draw_scene(wanted, BASE, 1)
+    tiles = list(cut_chips(drawn, simulate(drawn.scene, truth=True, tolerance=0.2), wanted))
+    assert [tile.told["class"] for tile in tiles] == ["wreck", "wreck", None, None]
+    for tile in tiles[:2]:
+        rows, columns = np.nonzero(tile.mask == FIRST_CLASS)
+        assert abs(rows.mean() - 31.5) < 10.0
+        assert abs(columns.mean() - 31.5) < 12.0
+        assert (tile.mask == SHADOW).any()
+        x, y, wide, high = tile.told["targets"][0]["echo"]["box"]
+        assert (x, y, x + wide, y + high) == (columns.min(), rows.min(), columns.max() + 1, rows.max() + 1)
+        assert 16 < max(wide, high) < 52  # a window of twice its length
+        bright = tile.image[tile.mask == FIRST_CLASS].mean()
+        assert bright > tile.image[tile.mask == SHADOW].mean() + 30
+    assert not any((tile.mask >= FIRST_CLASS).any() for tile in tiles[2:])
+
+
+def test_ground_range_is_even_and_slant_range_may_begin_at_the_bed():
+    drawn = draw_scene(specification(negatives=0.0), BASE, 0)
+    scene, view = drawn.scene, drawn.views[0]._replace(ground_range=0.0)
+    chip, bins, bin_length = Chips(pixels=32, margin=1.0), scene.sonar.bins, scene.sonar.range / scene.sonar.bins
+    shape = scene.track.pings, bins
+    _, slant = _edges(drawn, view, shape, chip, Picture(water_column=False))
+    assert slant[0] * bin_length == pytest.approx(scene.altitude)
+    _, ground = _edges(drawn, view, shape, chip, Picture(ground_range=True))
+    ranges = np.sqrt(np.maximum((ground * bin_length) ** 2 - scene.altitude**2, 0.0))
+    assert np.diff(ranges, 2) == pytest.approx(0.0, abs=1e-5)
+    assert np.ptp(ranges) == pytest.approx(view.length)
+
+
+def test_means_between_edges_keep_the_sum_and_interpolate_lines():
+    values = np.random.default_rng(1).random((40, 3))
+    assert _means(values, np.linspace(0.0, 40.0, 11), 0).sum() * 4.0 == pytest.approx(values.sum())
+    line = np.arange(20.0)[:, None] + 0.5
+    fine = _means(line, np.linspace(4.0, 12.0, 65), 0)[:, 0]
+    assert fine == pytest.approx(np.linspace(4.0, 12.0, 65)[:-1] + 0.0625)
+
+
+def test_coarser_pictures_are_smoother():
+    noise = np.random.default_rng(2).rayleigh(1.0, (64, 64))
+    edges = (np.linspace(0.0, 64.0, 65),) * 2
+    fine, along = (_displayed(noise, edges, 64, Picture(along=a)) for a in (1.0, 4.0))
+    assert fine == pytest.approx(noise)
+    assert along.std() < 0.6 * fine.std()
+    steps = [np.abs(np.diff(along, axis=axis)).mean() for axis in (0, 1)]
+    assert steps[0] < 0.4 * steps[1]
+
+
+@pytest.mark.parametrize("scale", ["linear", "root", "log"])
+def test_greys_keep_their_order_and_median_and_invert(scale):
+    amplitude = np.random.default_rng(3).rayleigh(1.0, (50, 50))
+    grey = _grey(amplitude, Picture(scale=scale, grey=0.3))
+    order = np.argsort(amplitude, axis=None)
+    assert (np.diff(grey.ravel()[order].astype(int)) >= 0).all()
+    assert np.median(grey) == pytest.approx(0.3 * 255, abs=2)
+    assert 0.01 <= np.mean(grey == 0) < 0.03  # the percentile that is black, and what rounds to it
+    assert np.array_equal(_grey(amplitude, Picture(scale=scale, grey=0.3, inverted=True)), 255 - grey)
+
+
+def test_jpeg_and_lines_change_a_picture_as_they_are_asked_to():
+    image = np.random.default_rng(4).integers(0, 200, (64, 64)).astype(np.uint8)
+    assert np.array_equal(_finish(image, Picture()), image)
+    errors = [np.abs(_finish(image, Picture(jpeg=q)).astype(int) - image).mean() for q in (20, 90)]
+    assert errors[0] > 2.0 * errors[1] > 0.0
+    ruled = _finish(image, Picture(lines=2))
+    assert (ruled[:, [16, 48]] == 255).all()
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "fault"),
+    [
+        ('"track.pings" = 160', '"track.pingz" = 160', "track.pingz is no field of a scene"),
+        ("wavelength = {", "wavelenth = {", "seabed.relief.of.0.wavelenth is no field"),
+        ("heading = {", "haeding = {", "targets.wreck.haeding is no field"),
+        ("pixels = 48", "pixles = 48", "pixles: no such field"),
+        ("pixels = 48", "pixels = 4", "chips.pixels"),
+        ('"log"] }', '"cubic"] }', "picture.scale"),
+        ("altitude = 0.2", 'altitude = { draw = "uniform", low = 2.0, high = 3.0 }', "sampling.altitude"),
+    ],
+)
+def test_a_mistake_is_told_before_the_first_job(tmp_path, capsys, old, new, fault):
+    assert old in CHIPS
+    path = tmp_path / "set.toml"
+    path.write_text(CHIPS.replace(old, new))
+    begun = time.perf_counter()
+    complaint = refused(capsys, "dataset", str(path), "-o", str(tmp_path / "set"))
+    assert time.perf_counter() - begun < 10.0
+    assert fault in complaint
+    assert not (tmp_path / "set").exists()
+
+
+def test_what_some_values_alone_make_impossible_is_left_to_the_jobs():
+    check_draws(specification(SET.replace("low = 5.0, high = 7.0", "low = 6.0, high = 40.0")), BASE)
+    with pytest.raises(SceneError, match="ground range"):
+        check_draws(specification(SET.replace("low = 5.0, high = 7.0", "low = 23.0, high = 23.9"), negatives=0.0), BASE)
+
+
+def test_a_preview_is_one_picture_and_no_set(tmp_path):
+    path, sheet = tmp_path / "set.toml", tmp_path / "sheet.png"
+    path.write_text(CHIPS)
+    assert cli.main(["dataset", str(path), "-o", str(sheet), "--preview", "2"]) == 0
+    with Image.open(sheet) as picture:
+        assert picture.size[0] > 1000
+    assert sorted(entry.name for entry in tmp_path.iterdir()) == ["set.toml", "sheet.png"]
+
+
+def test_a_set_of_chips_is_made_by_the_command(tmp_path):
+    path, folder = tmp_path / "set.toml", tmp_path / "set"
+    path.write_text(CHIPS)
+    assert cli.main(["dataset", str(path), "-o", str(folder), "--scheduler", "local:1"]) == 0
+    lines = [json.loads(line) for line in (folder / "metadata.jsonl").read_text().splitlines()]
+    assert {line["class"] for line in lines} == {"wreck", None}
+    for line in lines:
+        with Image.open(folder / line["file_name"]) as picture:
+            assert picture.size == (48, 48)
+    assert len({line["drawn"]["sampling.length"] for line in lines}) == 3
+
+
+def test_the_draws_of_a_chip_depend_on_its_name_alone():
+    one, other = Draws(1, 2), Draws(1, 2)
+    table = specification().chips
+    other.value("else", 1.0)
+    assert one.table(Chips, "chips.0", table) == other.table(Chips, "chips.0", table)

@@ -1,0 +1,97 @@
+"""Nothing is written that another system could not take, and text is the same on all of them."""
+
+from __future__ import annotations
+
+import ast
+import os
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+from commands import refused
+from insonify import operating_system
+from insonify.commands.options import check_output
+from insonify.io.atomic import write_text
+from insonify.operating_system import is_portable
+from insonify.scene import SceneError
+from small_sets import SET
+
+ROOT = Path(__file__).parents[2]
+CHECKS = ROOT / "tests" / "imitated" / "checks.py"
+MODES = {"r", "w", "a", "x", "w+"}
+OTHERS = ("archive", "rasterio", "tarfile", "RECORDS")  # what these open is no text
+
+
+def opened_texts(tree: ast.Module):
+    """Calls that open text: line, whether it is written, and the names of arguments."""
+    for node in ast.walk(tree):
+        called = getattr(node, "func", None)
+        if not isinstance(called, (ast.Attribute, ast.Name)):
+            continue
+        owner, _, name = ast.unparse(called).rpartition(".")
+        opens = name in ("open", "fdopen", "TemporaryFile") and owner not in OTHERS
+        given = [argument.value for argument in node.args if isinstance(argument, ast.Constant)]
+        mode = next((mode for mode in given if opens and mode in MODES), None)
+        if mode or (owner and name in ("read_text", "write_text")):
+            yield node.lineno, name == "write_text" or mode not in (None, "r"), {each.arg for each in node.keywords}
+
+
+@pytest.mark.parametrize("root", ["core", "app"])
+def test_text_is_utf8_with_the_same_ends_of_lines_on_every_system(root):
+    faults = [
+        f"{path.relative_to(ROOT)}:{line}"
+        for path in sorted((ROOT / root).rglob("*.py"))
+        for line, is_written, named in opened_texts(ast.parse(path.read_text(encoding="utf-8")))
+        if "encoding" not in named or (is_written and "newline" not in named)
+    ]
+    assert faults == []
+
+
+def test_a_text_is_written_as_it_is(tmp_path):
+    write_text(tmp_path / "text", "α\nβ\r\n")
+    assert (tmp_path / "text").read_bytes() == "α\nβ\r\n".encode()
+
+
+@pytest.mark.parametrize(
+    ("name", "portable"),
+    [("record.nc", True), ("console.png", True), ("con.png", False), ("Nul", False), ("com7.a.b", False),
+     ("a:b", False), ("what?.png", False), ("end.", False), ("", False), ("α β.png", True), (".hidden", True)],
+)  # fmt: skip
+def test_windows_reserves_names_and_characters(name, portable):
+    assert is_portable(name) is portable
+
+
+@pytest.mark.parametrize(
+    ("splits", "fault"),
+    [("{ con = 1.0 }", "takes for a device"), ("{ train = 1.0, Train = 1.0 }", "differ in the case of letters alone"),
+     ("{ Jobs = 1.0 }", "may not be named 'jobs'")],
+)  # fmt: skip
+def test_a_split_is_a_folder_on_every_system(splits, fault, tmp_path, monkeypatch, capsys):
+    monkeypatch.chdir(tmp_path)
+    Path("set.toml").write_text(f"splits = {splits}\n{SET}", encoding="utf-8")
+    assert fault in refused(capsys, "dataset", "set.toml", "-o", "set")
+
+
+def test_on_windows_an_output_of_no_possible_name_is_refused_before_the_work(tmp_path, monkeypatch):
+    """A colon would write into a stream beside a file, a device would take the picture, and a long path exists not."""
+    monkeypatch.setattr(operating_system.sys, "platform", "win32")
+    for name, fault in (
+        ("a:b.png", "no name of a file"),
+        ("aux.png", "no name of a file"),
+        (220 * "x" + ".png", "too many"),
+    ):
+        with pytest.raises(SceneError, match=fault):
+            check_output(str(tmp_path / name), (".png",))
+    assert check_output(str(tmp_path / "record.png"), (".png",)) == tmp_path / "record.png"
+
+
+@pytest.mark.skipif(sys.platform != "linux", reason="other systems are imitated on Linux")
+@pytest.mark.parametrize("system", ["windows", "macos"])
+def test_an_imitated_system_lacks_what_it_lacks(system):
+    """The plugin under which the quick tests run as on another system."""
+    command = [sys.executable, "-m", "pytest", "-q", "-p", "other_systems", "-p", "no:cacheprovider", str(CHECKS)]
+    environment = os.environ | {"INSONIFY_SYSTEM": system, "PYTHONPATH": str(ROOT / "tests")}
+    done = subprocess.run(command, cwd=ROOT, env=environment, capture_output=True, text=True, check=False)
+    assert done.returncode == 0, done.stdout + done.stderr

@@ -1,0 +1,182 @@
+"""Wrecks and aircraft as generated meshes: size, place, closed parts, and that everything declared shapes them."""
+
+from typing import get_args
+
+import numpy as np
+import pytest
+
+from insonify.scene import edit, scene_from_toml
+from insonify.scene.targets import Pit
+from insonify.scene.targets.aircraft import PLANS, Aircraft, PlanName
+from insonify.scene.targets.parts import bars, blocks, draw_shares, roughen, skin, tube
+from insonify.scene.targets.wreck import FORMS, FormName, Wreck
+from insonify.simulation import simulate
+from insonify.terrain import build_ground
+
+WHOLE = {"position": (0.0, 0.0), "seed": 3}
+CASES = [(Wreck, "form", name) for name in FORMS] + [(Aircraft, "plan", name) for name in PLANS]
+SCENE = """
+[seabed]
+spacing = 0.25
+relief = { kind = "fractal", period = 64.0, beta = 1.6, rms = 0.02 }
+[[targets]]
+kind = "wreck"
+position = [12.0, 20.0]
+length = 14.0
+[sonar]
+beam = { kind = "fan", width = 1.0 }
+range = 40.0
+bins = 200
+ping_rate = 4.0
+[track]
+pings = 48
+altitude = 8.0
+"""
+SOFT = {"kind": "fractal", "period": 64.0, "rms": 0.02, "clamp": "soft", "coefficients": "gaussian"}
+
+
+def volume(triangles):
+    """Volume within closed parts, by the divergence theorem."""
+    a, b, c = np.moveaxis(triangles, 1, 0)
+    return float((a * np.cross(b, c)).sum()) / 6.0
+
+
+def is_closed(triangles):
+    """Whether every directed edge is run along as often in the other sense."""
+    corners, number = np.unique(np.rint(triangles.reshape(-1, 3) * 1e6), axis=0, return_inverse=True)
+    faces = number.reshape(-1, 3)
+    forth = np.concatenate([faces[:, [0, 1]], faces[:, [1, 2]], faces[:, [2, 0]]])
+    ways = np.unique(forth @ [len(corners), 1], return_counts=True)
+    back = np.unique(forth[:, ::-1] @ [len(corners), 1], return_counts=True)
+    return np.array_equal(ways[0], back[0]) and np.array_equal(ways[1], back[1])
+
+
+def test_names_are_those_of_the_tables():
+    assert set(get_args(FormName)) == set(FORMS)
+    assert set(get_args(PlanName)) == set(PLANS)
+
+
+def test_a_bar_and_blocks_are_closed_and_have_their_volumes():
+    bar = bars([[0, 0, 0]], [[3, 4, 0]], 0.5, faces=64)
+    assert is_closed(bar)
+    assert volume(bar) == pytest.approx(0.5 * 64 * np.sin(2 * np.pi / 64) * 0.25 * 5.0)
+    pair = blocks([[0, 0, 0], [5, 0, 1]], [1.0, 2.0, 3.0], [[0, 0, 0], [30, 20, 10]])
+    assert is_closed(pair)
+    assert volume(pair) == pytest.approx(12.0)
+
+
+def test_a_skin_is_closed_also_around_holes_and_of_its_thickness():
+    y, x = np.meshgrid(np.arange(5.0), np.arange(7.0))
+    grid = np.stack([x, y, 0.0 * x], axis=-1)
+    there = np.ones((6, 4), bool)
+    there[2, 1] = there[3, 2] = there[5, 3] = False  # two that touch at a corner, one at the rim
+    triangles = skin(grid, 0.1, there)
+    assert is_closed(triangles)
+    assert volume(triangles) == pytest.approx(0.1 * 21.0)
+    assert triangles[..., 2].max() == 0.0
+
+
+def test_a_tube_faces_outwards():
+    x = np.linspace(0.0, 10.0, 5)
+    grid = tube(np.stack([x, 0 * x, 0 * x], axis=1), np.full(5, 2.0), 48)
+    triangles = skin(grid, 0.1)
+    assert is_closed(triangles)
+    assert volume(triangles) == pytest.approx(np.pi * (2.0**2 - 1.9**2) * 10.0, rel=0.01)
+
+
+def test_shares_depend_on_seed_and_name_alone():
+    assert np.array_equal(draw_shares(1, "a", 9)[:4], draw_shares(1, "a", 4))
+    assert not np.intersect1d(draw_shares(1, "a", 50), draw_shares(1, "b", 50)).size
+    drawn = draw_shares(2**53, "c", 4000)
+    assert 0.0 < drawn.min() < 0.01 < 0.99 < drawn.max() < 1.0
+    assert drawn.mean() == pytest.approx(0.5, abs=4 / np.sqrt(12 * 4000))
+
+
+def test_roughening_stays_within_its_height_and_keeps_parts_closed():
+    smooth = blocks([[0, 0, 0]], [1.0, 2.0, 3.0])
+    rough = roughen(smooth, 0.2, 5)
+    assert is_closed(rough)
+    assert 0.0 < np.abs(rough - smooth).max() <= 0.2 + 1e-6
+
+
+@pytest.mark.parametrize(("kind", "name", "value"), CASES)
+def test_a_whole_one_is_as_long_and_as_broad_as_declared(kind, name, value):
+    states = {"decay": 0.0} if kind is Wreck else {"porosity": 0.0, "crumpled": 0.0}
+    whole = kind(**WHOLE, **states, **{name: value}, length=20.0)
+    size = np.ptp(whole.shape().triangles, axis=(0, 1))
+    assert size[0] == pytest.approx(20.0, rel=0.01)
+    assert size[1] == pytest.approx(whole.breadth, rel=0.02)
+    wider = "beam" if kind is Wreck else "span"
+    other = kind(**WHOLE, **states, **{name: value, wider: 1.3 * whole.breadth}, length=20.0)
+    assert np.ptp(other.shape().triangles[..., 1]) == pytest.approx(1.3 * whole.breadth, rel=0.02)
+    ends = whole.shape().triangles[..., 0]
+    assert ends.min() + ends.max() == pytest.approx(0.0, abs=0.2)
+
+
+@pytest.mark.parametrize(("kind", "name", "value"), CASES)
+def test_each_is_closed_and_of_few_triangles_in_any_state(kind, name, value):
+    states = [{"decay": share} for share in (0.0, 0.5, 1.0)]
+    if kind is Aircraft:
+        states = [{"porosity": share, "crumpled": share, "engines": 4} for share in (0.0, 0.5, 1.0)]
+    for number, state in enumerate(states):
+        triangles = kind(position=(0, 0), seed=number, broken=0.4 * number, **state, **{name: value}).shape().triangles
+        assert np.isfinite(triangles).all()
+        assert is_closed(triangles)
+        assert 400 < len(triangles) < 9000
+
+
+@pytest.mark.parametrize("kind", [Wreck, Aircraft])
+def test_the_same_fields_make_the_same_mesh_and_every_field_another(kind):
+    base = {"position": (0.0, 0.0), "broken": 0.3, "growth": 0.05}
+    first = kind(**base).build().triangles
+    assert np.array_equal(first, kind(**base).build().triangles)
+    others = {"length": 13.0, "seed": 2, "broken": 0.5, "buried": 0.2, "growth": 0.1, "pitch": 8.0, "roll": 8.0}
+    others |= (
+        {"form": "tug", "beam": 5.0, "timber": True, "decay": 0.6}
+        if kind is Wreck
+        else {"plan": "delta", "span": 9.0, "engines": 2, "tail": "twin", "porosity": 0.5, "crumpled": 0.4}
+    )
+    for name, value in others.items():
+        changed = kind(**{**base, name: value}).build().triangles
+        assert changed.shape != first.shape or not np.allclose(changed, first), name
+
+
+@pytest.mark.parametrize("kind", [Wreck, Aircraft])
+def test_what_is_buried_lies_below_the_bed(kind):
+    scene = scene_from_toml(SCENE)
+    ground = build_ground(scene)
+    for buried, gap in ((0.0, 0.0), (0.4, 0.0), (0.25, 0.5)):
+        target = kind(position=(12.0, 20.0), buried=buried, gap=gap, roll=15.0, heading=30.0, growth=0.05)
+        level = float(ground.height_at(np.array([12.0]), np.array([20.0]))[0]) + gap
+        z = target.placed(ground).triangles[..., 2]
+        assert (level - z.min()) / (z.max() - z.min()) == pytest.approx(buried, abs=0.05)
+
+
+def test_a_pit_has_its_depth_and_a_rim_and_ends():
+    pit = Pit(10.0, 20.0, 90.0, (8.0, 4.0), 0.5)
+    assert pit.heights(np.array([10.0]), np.array([20.0]))[0] == pytest.approx(-0.5)
+    along = pit.heights(np.full(500, 10.0), np.linspace(20.0, 60.0, 500))
+    across = pit.heights(np.linspace(10.0, 50.0, 500), np.full(500, 20.0))
+    assert along.max() == pytest.approx(across.max(), rel=1e-2)
+    assert along.max() == pytest.approx(0.5 * 0.6 * np.exp(-1.0 - 1.0 / 0.6), rel=1e-2)  # where the slope is 0
+    assert np.argmax(along) == pytest.approx(2 * np.argmax(across), abs=2)
+    assert abs(along[-1]) < 1e-8
+
+
+@pytest.mark.parametrize("extent", ["periodic", "endless"])
+def test_scour_changes_the_bed_about_a_wreck_alone(extent):
+    scene = edit(scene_from_toml(SCENE), {"seabed.relief": SOFT | {"extent": extent}})
+    before, after = build_ground(scene), build_ground(edit(scene, {"targets.0.scour": 0.8}))
+    x, y = (axis.ravel() for axis in np.meshgrid(np.arange(-2.0, 26.0), np.arange(6.0, 34.0)))
+    change = after.height_at(x, y) - before.height_at(x, y)
+    expected = edit(scene, {"targets.0.scour": 0.8}).pits[0].heights(x, y)
+    assert np.abs(change - expected).max() < 0.03  # of bilinear interpolation between nodes
+    assert change.min() == pytest.approx(-0.8, abs=0.03)
+
+
+@pytest.mark.parametrize(("kind", "name", "value"), CASES)
+def test_each_returns_an_echo_and_casts_a_shadow(kind, name, value):
+    target = {"kind": kind.__name__.lower(), "position": [12.0, 20.0], "length": 10.0, name: value}
+    record = simulate(edit(scene_from_toml(SCENE), {"targets": [target]}), truth=True)
+    assert (record.target_id == 0).sum() > 50
+    assert (record.shadow > 0.5).sum() > 50

@@ -1,0 +1,174 @@
+"""Backscatter model of sediments against its limits in closed form and published numbers; the laws fitted to it."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+from scipy.special import j0
+
+from insonify.acoustics.bed_materials import describe_limits, describe_materials, misfit
+from insonify.cli import main
+from insonify.scene import edit, load_scene
+from insonify.scene.seabed.materials import MATERIALS, Material
+from insonify.scene.seabed.materials.sediments import (
+    Sediment,
+    diffraction_integral,
+    fit_law,
+    model_strength,
+    scattering_strength,
+)
+
+SEDIMENTS = [name for name in MATERIALS if MATERIALS[name].model is not None]
+ANGLES = np.radians([10.0, 20.0, 30.0, 45.0, 60.0])
+# Jackson model at 300 kHz: backscattering strength in dB at 10, 20, 30, 45 and 60° grazing.
+PUBLISHED = {
+    "silt": (-35.7, -31.8, -29.9, -28.3, -27.4),
+    "fine_sand": (-34.5, -25.5, -23.5, -22.6, -20.4),
+    "medium_sand": (-29.8, -21.6, -18.2, -18.7, -16.8),
+    "coarse_sand": (-26.9, -18.6, -15.0, -15.1, -15.0),
+    "sandy_gravel": (-19.1, -12.0, -11.2),
+    "cobble": (-21.3, -12.4, -11.4),
+}
+QUIET = {"volume": 0.0, "loss": 1e-9}
+SAND = Sediment(1.845, 1.1782, 0.01624, 0.002, 0.004446, 3.25)
+
+
+def decibels(ratio):
+    return 10.0 * np.log10(ratio)
+
+
+def slow_integral(q, alpha):
+    """The integral itself, by Simpson's rule up to where the exponential is over."""
+    end = (36.0 / q) ** (0.5 / alpha)
+    u = np.linspace(0.0, end, 2 * int(20.0 * end + 2000.0) + 1)
+    values = u * j0(u) * np.exp(-q * u ** (2.0 * alpha))
+    return (u[1] - u[0]) / 3.0 * (values[0] + values[-1] + 4.0 * values[1::2].sum() + 2.0 * values[2:-1:2].sum())
+
+
+def first_order(sediment, frequency, grazing):
+    """Perturbation of first order of a rough fluid interface, written out (APL-UW TR 9407, section IV)."""
+    k = 2.0 * math.pi * frequency / 1500.0
+    rho, kappa, gamma = sediment.density, (1.0 + 1j * sediment.loss) / sediment.speed_ratio, sediment.spectral_exponent
+    sine, cosine = np.sin(grazing), np.cos(grazing)
+    contrast = (rho - 1.0) ** 2 * cosine**2 + rho**2 - kappa**2
+    amplitude = contrast / (rho * sine + np.sqrt(kappa**2 - cosine**2)) ** 2
+    w = sediment.spectral_strength * 1e-8 * (2.0 * k * cosine / 100.0) ** -gamma  # cm⁴ in m⁴, wave numbers in 1/cm
+    return 4.0 * k**4 * sine**4 * np.abs(amplitude) ** 2 * w
+
+
+def test_the_integral_against_its_closed_form_and_the_slow_rule():
+    q = np.array([1e-5, 1e-3, 0.05, 0.4, 3.0, 50.0])
+    np.testing.assert_allclose(diffraction_integral(q, 0.5), q / (1.0 + q**2) ** 1.5, rtol=1e-6)
+    for alpha in (0.45, 0.625, 0.8):
+        slow = [slow_integral(each, alpha) for each in q[2:]]
+        np.testing.assert_allclose(diffraction_integral(q[2:], alpha), slow, rtol=2e-4)
+
+
+@pytest.mark.parametrize("name", PUBLISHED)
+def test_it_returns_the_published_strengths(name):
+    """Within 0.6 dB for silt and sands; gravel and cobble are rougher than the approximation of small slopes."""
+    published = np.array(PUBLISHED[name])
+    found = decibels(model_strength(MATERIALS[name].model, 300e3, ANGLES[: published.size]))
+    smooth = name in ("silt", "fine_sand", "medium_sand", "coarse_sand")
+    np.testing.assert_allclose(found[1:], published[1:], atol=0.6 if smooth else 2.8)
+    assert found[0] == pytest.approx(published[0], abs=1.2 if smooth else 3.3)
+
+
+def test_a_slightly_rough_interface_scatters_by_rayleigh_and_rice():
+    smooth = SAND._replace(spectral_strength=1e-7, volume=0.0)
+    angles = np.radians([5.0, 20.0, 40.0, 60.0, 75.0])
+    found = model_strength(smooth, 100e3, angles)
+    np.testing.assert_allclose(decibels(found), decibels(first_order(smooth, 100e3, angles)), atol=0.01)
+
+
+@pytest.mark.parametrize(("density", "amplitude"), [(1e9, lambda c: 1.0 + c**2), (1e-9, lambda c: 1.0 - c**2)])
+def test_a_rigid_and_a_free_surface(density, amplitude):
+    """4k⁴ (1 + cos²θ)² W and 4k⁴ sin⁴θ W (Rayleigh and Rice)."""
+    hard = Sediment(density, 1.0, 1e-9, 0.0, 1e-7, 3.25)
+    angles = np.radians([10.0, 30.0, 60.0])
+    k = 2.0 * math.pi * 100e3 / 1500.0
+    spectrum = 1e-7 * 1e-8 * (2.0 * k * np.cos(angles) / 100.0) ** -3.25
+    exact = 4.0 * k**4 * amplitude(np.cos(angles)) ** 2 * spectrum
+    np.testing.assert_allclose(decibels(model_strength(hard, 100e3, angles)), decibels(exact), atol=0.01)
+
+
+def test_normal_incidence_is_kirchhoff_s_glint():
+    """R²/8π Γ(1/α)/2α q^(−1/α), the density of facets that face the sonar (Jackson et al. 1986)."""
+    sand, alpha, k = SAND._replace(volume=0.0), 0.625, 2.0 * math.pi * 300e3 / 1500.0
+    w = SAND.spectral_strength * 100.0 ** (3.25 - 4.0)
+    structure = 2.0 * math.pi * w * math.gamma(2.0 - alpha) * 2.0 ** (-2.0 * alpha)
+    structure /= alpha * (1.0 - alpha) * math.gamma(1.0 + alpha)
+    q = structure * 2.0 ** (1.0 - 2.0 * alpha) * k ** (2.0 * (1.0 - alpha))
+    impedance = SAND.density * SAND.speed_ratio
+    reflected = (impedance - 1.0) / (impedance + 1.0)
+    exact = reflected**2 / (8.0 * math.pi) * math.gamma(1.0 / alpha) / (2.0 * alpha) * q ** (-1.0 / alpha)
+    found = model_strength(sand, 300e3, np.radians([89.9]))
+    assert decibels(found[0]) == pytest.approx(decibels(exact), abs=0.02)
+
+
+def test_a_volume_without_contrast_returns_as_the_sine():
+    """All of the sound enters: σ₂ α_dB/(4kδ) sinθ = 5 σ₂ sinθ / ln 10."""
+    angles = np.radians([10.0, 30.0, 60.0, 85.0])
+    watery = Sediment(1.0, 1.0, 1e-4, 0.002, 1e-12, 3.25)
+    exact = 5.0 * 0.002 * np.sin(angles) / math.log(10.0)
+    np.testing.assert_allclose(model_strength(watery, 100e3, angles), exact, rtol=1e-3)
+
+
+def test_roughness_rises_with_frequency_and_the_volume_does_not():
+    """First order: k⁴ k^−γ, 0.75 of an octave's 3 dB; a fluid of silt scatters by its volume."""
+    angle = np.radians([15.0])
+    rough = [decibels(model_strength(SAND._replace(volume=0.0), f, angle))[0] for f in (20e3, 40e3)]
+    assert rough[1] - rough[0] == pytest.approx(0.75 * decibels(2.0), abs=0.05)
+    silt = [decibels(model_strength(MATERIALS["silt"].model, f, ANGLES[2:3]))[0] for f in (30e3, 900e3)]
+    assert silt[1] - silt[0] == pytest.approx(0.0, abs=0.1)
+
+
+@pytest.mark.parametrize("name", SEDIMENTS)
+def test_the_laws_follow_the_model(name):
+    """As strong at 30°, as strong at normal incidence where the lobe counts, and never more than arrives."""
+    model = MATERIALS[name].model
+    for frequency in (12e3, 30e3, 100e3, 300e3, 455e3, 900e3, 1.6e6):
+        fit = fit_law(model, frequency, 20.0)
+        assert 0.0 <= fit.diffuse <= 1.0
+        assert 0.0 <= fit.specular <= 1.0 - fit.diffuse
+        at = np.radians([30.0, 89.9])
+        law, exact = scattering_strength(fit, np.sin(at)), model_strength(model, frequency, at)
+        assert fit.diffuse == 1.0 or decibels(law[0] / exact[0]) == pytest.approx(0.0, abs=1e-9)
+        assert fit.specular == 0.0 or law[1] == pytest.approx(exact[1], rel=0.02) or sum(fit[:2]) == 1.0
+        assert fit.specular > 0.0 or law[1] >= exact[1] * 0.999 or fit.diffuse == 1.0
+
+
+def test_misfits_of_sands_are_small_where_a_side_scan_looks():
+    """From 10 to 45° grazing, at the frequencies with which the model was compared."""
+    angles = np.radians(np.arange(10.0, 46.0, 5.0))
+    for name in ("fine_sand", "medium_sand", "coarse_sand"):
+        for frequency in (100e3, 200e3, 300e3):
+            assert np.abs(misfit(Material(name=name), frequency, angles)).max() < 3.5, (name, frequency)
+
+
+def test_given_numbers_and_the_law_of_light_keep_theirs():
+    given = Material(name="medium_sand", diffuse=0.4, shininess=12.0)
+    assert given.reflectivity_at(900e3) == given.reflectivity
+    assert Material(name="steel").reflectivity_at(900e3) == MATERIALS["steel"].reflectivity
+    shiny = Material(name="coarse_sand", specular=0.5).reflectivity_at(900e3)
+    assert (shiny.diffuse, shiny.specular) == (0.5, 0.5)
+    light = edit(load_scene("pipe-on-bed"), {"sonar.law": "light", "receiver.reverberation": "none"})
+    assert light.seabed.material.rows(light.sonar.scattering_frequency)[1] == (MATERIALS["medium_sand"].reflectivity,)
+
+
+def test_a_scene_is_told_of_misfits_and_limits(capsys):
+    scene = edit(load_scene("pipe-on-bed"), {"sonar.frequency": 900e3, "sonar.range": 80.0, "sonar.ping_rate": 5.0})
+    lines = list(describe_materials(scene))
+    off = misfit(scene.seabed.material, 900e3, np.radians([10.0]))[0]
+    assert lines[2].split()[:4] == ["medium_sand", "0.4383", "0.0000", "30"]
+    assert f"{off:+.1f}" in lines[2]
+    assert [line for line in lines if "outside the range" in line] == lines[3:4]
+    assert lines[4].startswith("the record reaches down to 7.2° grazing")
+    near = edit(scene, {"sonar.frequency": 200e3, "sonar.range": 40.0})
+    assert list(describe_limits(near)) == []
+    assert list(describe_materials(edit(scene, {"seabed.material.diffuse": 0.2}))) == []
+    assert "no model" in list(describe_materials(edit(scene, {"seabed.material": "rock"})))[2]
+    assert main(["plan", "pipe-on-bed", "--set", "sonar.frequency=100e3"]) == 0
+    assert "  medium_sand    0.08" in capsys.readouterr().out
