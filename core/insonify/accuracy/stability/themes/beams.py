@@ -52,7 +52,7 @@ def _worst_error(values: Values, exact: Values | float) -> float:
     "variation of a small sphere's echo within the beam",
     "%",
     failing=Approach("Uses as few planes as a tolerance of 1 allows, alike whatever lies in the beam.", 100.0),
-    right=Approach("Lays planes across the sphere as close as its size requires, and chooses the others in the plan.", 30.0),
+    right=Approach("Lays planes across the sphere as close as its size requires, others by the plan.", 30.0),
     scene="breaks-comb",
 )
 def _few_planes() -> Measured:
