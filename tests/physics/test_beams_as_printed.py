@@ -135,7 +135,7 @@ def test_a_top_hat_from_a_table_is_the_fan():
 ALTITUDE = 4.0
 
 
-def profile(simulation, slant, along, bodies, planes):
+def profile(simulation, slant, along, bodies, planes, across=0):
     """Energy of balls, by their places along the track and radii, on a bed all but black, by the fish's place."""
     x, given = math.sqrt(slant**2 - ALTITUDE**2), simulation.arrays
     arrays = arrays_of(
@@ -144,7 +144,7 @@ def profile(simulation, slant, along, bodies, planes):
         reflectivity=[(1e-9, 0.0, 1.0), (1.0, 0.0, 1.0)],
     )  # fmt: skip
     arrays = arrays._replace(solids=arrays.solids._replace(material=np.ones(len(bodies), np.int64)))
-    record = sweep.trace(arrays, poses_of(along, 0.0, ALTITUDE), planes=planes)
+    record = sweep.trace(arrays, poses_of(along, 0.0, ALTITUDE), planes=planes, across=across)
     return record[:, 1].sum(axis=1, dtype=float)
 
 
@@ -189,9 +189,9 @@ def test_a_ball_is_heard_in_the_sidelobes_as_the_pattern_has_them(two_way, decib
     radius, slant, length, wavelength = 0.3, 30.0, 0.025, 1.5e-3
     changes = {"sonar.beam": {"kind": "array", "length": length, "two_way": two_way}, "sonar.frequency": 1e6}
     ball = {"kind": "sphere", "position": [0.0, -29.0], "radius": radius}
-    planes = prepare(edit(LEVEL, changes | {"targets": [ball]})).plan.planes
+    model = prepare(edit(LEVEL, changes | {"targets": [ball]})).plan.model
     along = np.arange(0.0, 8.0, 0.1)
-    found = profile(prepare(edit(LEVEL, changes)), slant, along, [(0.0, radius)], planes)
+    found = profile(prepare(edit(LEVEL, changes)), slant, along, [(0.0, radius)], model.planes, model.across)
     # A Lambert ball sends back (1 - (y/a)²)^1.5 along its own length.
     y = np.linspace(-radius, radius, 41)[1:-1]
     share = (1.0 - (y / radius) ** 2) ** 1.5

@@ -153,7 +153,7 @@ def _trace_alike(
         room = rooms.own
         status = sweep_pings(arrays, part, beam, apparent, room, out[first:last])
         if arrays.multipath.enabled and status == 0:
-            images = empty_multipath_workspace(arrays, room.profile.x.dtype)
+            images = empty_multipath_workspace(arrays, room.profile.slope.dtype)
             sweep_multipath(arrays, part, beam, image_beam, images, empty_contributor_table(0, 0), out[first:last])
         return int(status)
 
