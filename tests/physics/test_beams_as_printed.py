@@ -185,11 +185,12 @@ def test_a_knife_never_merges_a_pair():
 
 @pytest.mark.parametrize(("two_way", "decibels"), [(False, -13.26), (True, -26.52)])
 def test_a_ball_is_heard_in_the_sidelobes_as_the_pattern_has_them(two_way, decibels):
-    # A far-field array of 3 degrees, as many planes as its plan lays; the sidelobes pass the ball without a comb.
+    # A far-field array of 3 degrees, as many planes as its plan lays; the sidelobes pass the ball without a comb. Their
+    # nulls, 30 dB below the main lobe, count in decibels here: a tolerance of 3 % of the energy leaves them 1.7 dB off.
     radius, slant, length, wavelength = 0.3, 30.0, 0.025, 1.5e-3
     changes = {"sonar.beam": {"kind": "array", "length": length, "two_way": two_way}, "sonar.frequency": 1e6}
     ball = {"kind": "sphere", "position": [0.0, -29.0], "radius": radius}
-    model = prepare(edit(LEVEL, changes | {"targets": [ball]})).plan.model
+    model = prepare(edit(LEVEL, changes | {"targets": [ball]}), tolerance=0.005).plan.model
     along = np.arange(0.0, 8.0, 0.1)
     found = profile(prepare(edit(LEVEL, changes)), slant, along, [(0.0, radius)], model.planes, model.across)
     # A Lambert ball sends back (1 - (y/a)²)^1.5 along its own length.
