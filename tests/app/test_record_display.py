@@ -257,8 +257,9 @@ def test_newest_below_is_the_picture_upside_down(viewer):
     upright = view.grab(area).toImage()
     viewer.session.show(newest_on_top=False)
     turned = view.grab(area).toImage().flipped(Qt.Orientation.Vertical)
-    a, b = (np.frombuffer(i.convertToFormat(i.Format.Format_RGB32).constBits(), np.uint8) for i in (upright, turned))
-    assert np.abs(a.astype(int) - b.astype(int)).mean() < 2.0
+    pictures = [each.convertToFormat(each.Format.Format_RGB32) for each in (upright, turned)]  # which own their bytes
+    a, b = (np.frombuffer(each.constBits(), np.uint8).astype(int) for each in pictures)
+    assert np.abs(a - b).mean() < 2.0
 
 
 def test_options_reach_a_recording_and_its_saved_picture(viewer):
