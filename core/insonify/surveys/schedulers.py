@@ -21,6 +21,7 @@ from insonify.plugins import announced
 
 GROUP = "insonify.schedulers"
 PATIENCE = 10.0  # s, until a scheduler answers
+SAFE_PATH = "PYTHONSAFEPATH"
 UNSEEN = "localhost:0"  # of pages that no other machine can open and that are empty, at any free port
 LIBRARIES = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "NUMBA_NUM_THREADS")
 
@@ -96,14 +97,25 @@ def share_cores(text: str) -> tuple[int, int]:
 
 
 @contextmanager
+def _safe_path() -> Iterator[None]:
+    """Let the tracker of resources, the workers and what they start import nothing from the current folder."""
+    before = os.environ.get(SAFE_PATH)
+    os.environ[SAFE_PATH] = "1"
+    try:
+        yield
+    finally:
+        os.environ.pop(SAFE_PATH)
+        if before is not None:
+            os.environ[SAFE_PATH] = before
+
+
+@contextmanager
 def _start_workers(text: str) -> Iterator[Any]:
     """Start workers on this machine, and end them after the block."""
     workers, threads = share_cores(text)
     import dask
     from distributed import Client, LocalCluster
 
-    # The tracker of resources and the workers import nothing from the current folder, and neither does what they start.
-    os.environ["PYTHONSAFEPATH"] = "1"
     settings = {
         "distributed.admin.log-length": 0,
         "distributed.worker.profile.enabled": False,
@@ -111,6 +123,7 @@ def _start_workers(text: str) -> Iterator[Any]:
         "distributed.worker.http.routes": [],
     }
     with ExitStack() as stack:
+        stack.enter_context(_safe_path())
         stack.enter_context(dask.config.set(settings))
         stack.enter_context(warnings.catch_warnings())
         # Warnings of slow disks and busy ports need no action of the user.
