@@ -121,4 +121,7 @@ def _share(error: float) -> str:
 
 
 def _time(seconds: float) -> str:
-    return "-" if seconds <= 0.0 else f"{1e6 * seconds:.3g} µs"
+    if seconds <= 0.0:
+        return "-"
+    # Without an exponent, which would fill the column and touch the one before.
+    return f"{1e6 * seconds:.0f} µs" if seconds >= 1e-4 else f"{1e6 * seconds:.3g} µs"
