@@ -44,7 +44,7 @@ if TYPE_CHECKING:
 TICK = 25  # ms
 BEHIND = 48  # blank pings on screen at which the tow waits
 PATIENCE = 0.25  # s, for each thread when the window closes
-REST = 250  # ms, after which the record of a slider that is held still is made fine
+REST = 250  # ms without a move of a held slider, after which the planned record is traced
 LEAP = 0.2  # s, greatest advance of the tow in one tick, after the window was blocked
 
 

@@ -112,7 +112,7 @@ def _command_of(module: str) -> list[str]:
 
 
 def _is_frozen() -> bool:
-    """Whether this is the program as a folder without Python, whose executable is no interpreter."""
+    """Whether the program runs from a folder without Python, where its executable is not an interpreter."""
     return bool(getattr(sys, "frozen", False))
 
 

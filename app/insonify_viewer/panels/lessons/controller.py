@@ -38,7 +38,7 @@ class LessonsPanel(Panel):
         self._open_now = False
         self._left: Scene | None = None  # as a lesson left it, which is not the person's own work
         self._ended: dict[str, Progress] = {}  # lessons that have a summary
-        self._shown: Progress | None = None  # whose summary is shown
+        self._shown: Progress | None = None  # answers of the summary on screen
         self.view = view = LessonsView()
         view.list.started.connect(self.start)
         view.list.reviewed.connect(self.review)

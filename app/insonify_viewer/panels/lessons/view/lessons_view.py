@@ -118,7 +118,7 @@ class ListPage(QWidget):
         lessons : sequence of Lesson
             In their order.
         finished, ended : collection of str
-            Names of the lessons whose every step was done, and of those that have a summary.
+            Names of the lessons with all steps done, and of those that have a summary.
         """
         self._ended = ended
         groups = group_lessons(lessons)

@@ -117,7 +117,7 @@ class QuestionBox(QWidget):
 
 
 class ChoiceRow(QWidget):
-    """A choice, whose text wraps and can be clicked."""
+    """A choice with a text that wraps; a click on the text chooses it."""
 
     def __init__(self, text: str) -> None:
         super().__init__()
