@@ -223,7 +223,9 @@ class Simulator:
             with self._doing("building the bed"):
                 kept |= self._packed(scene, number, beneath, tell=fine)
             with self._doing("choosing the fastest method within the tolerance"):
-                simulation = self._prepare(scene, tolerance=modelling.tolerance, forced=dict(modelling.forced), **kept)
+                # A preview has one plane for all of its beam: those across targets take longer than all others.
+                forced = dict(modelling.forced) | ({} if fine else {"target_planes": "0"})
+                simulation = self._prepare(scene, tolerance=modelling.tolerance, forced=forced, **kept)
                 last = self._last[fine] = (scene, modelling, simulation, LevelBed(simulation))
         return last[2:]
 
