@@ -141,17 +141,22 @@ def _draw(application: QApplication, viewer: Viewer, path: Path, begin: Callable
     begin()
     viewer.start()
     try:
-        with _slot_errors() as errors:
-            failure = _wait_for_picture(application, viewer, errors)
-        if failure:
-            raise SceneError(failure)
+        wait_for_picture(application, viewer)
         viewer.seabed.draw_now()
         save_picture(viewer.window, path)
     finally:
         viewer.window.close()
 
 
-def _wait_for_picture(application: QApplication, viewer: Viewer, errors: list[BaseException]) -> str:
+def wait_for_picture(application: QApplication, viewer: Viewer) -> None:
+    """Wait until the window shows its scene; raise SceneError with the reason if it does not."""
+    with _slot_errors() as errors:
+        failure = _wait_for_scene(application, viewer, errors)
+    if failure:
+        raise SceneError(failure)
+
+
+def _wait_for_scene(application: QApplication, viewer: Viewer, errors: list[BaseException]) -> str:
     """Wait until the window shows its scene; return why it does not, in one sentence, or nothing."""
     since = time.monotonic()
 

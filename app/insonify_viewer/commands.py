@@ -1,4 +1,4 @@
-"""``insonify view``: check for a screen, then open the viewer or draw its window into a picture."""
+"""``insonify view`` and ``insonify movie``: open the viewer, or draw its window into a picture or a movie."""
 
 from __future__ import annotations
 
@@ -12,12 +12,17 @@ from typing import Any
 from insonify.commands.options import (
     FALLBACK,
     NO_WINDOW,
+    add_output,
     add_scene,
+    bounded,
     check_output,
+    chosen_output,
     chosen_scene,
     find_pixel,
     free_name,
     is_record,
+    say,
+    tracked,
 )
 from insonify.io.records import RECORDS
 from insonify.lessons import Lesson, check_lesson, load_lesson, states_of
@@ -33,6 +38,7 @@ LIBRARIES = (
     "libegl1 libgl1 libglib2.0-0 libxkbcommon0 libdbus-1-3 libfontconfig1 "
     "libxcb-cursor0 libxcb-icccm4 libxcb-keysyms1 libxcb-shape0 libxkbcommon-x11-0"
 )
+MOVIES, MOVIE_SIZE = (".webp", ".gif", ".mp4"), (880, 480)
 APT = f"apt-get install {LIBRARIES}"
 WINDOW_LIBRARIES = (
     "libxcb.so.1",
@@ -79,6 +85,21 @@ def register(subparsers: Any) -> None:
         help="begin a lesson in its own scene, by name or Markdown file (see 'insonify lesson')",
     )
     parser.set_defaults(run=run)
+    movie = subparsers.add_parser(
+        "movie",
+        help="draw a tow as a moving picture: .webp, .gif, .mp4",
+        description="Draw the tow of a scene, the seabed in 3-D beside the record that grows ping by ping. It needs no "
+        "screen. A .mp4 needs the package imageio-ffmpeg.",
+        epilog="examples: insonify movie wreck -o tow.webp; insonify movie default -o tow.mp4 --size 1280x720",
+    )
+    add_scene(movie)
+    add_output(movie, MOVIES)
+    seconds, size = bounded(1.0, 600.0, "1 to 600 seconds"), f"{MOVIE_SIZE[0]}x{MOVIE_SIZE[1]}"
+    movie.add_argument("--seconds", type=seconds, default=10.0, metavar="S", help="duration (default: %(default)g)")
+    movie.add_argument(
+        "--size", type=_size, default=MOVIE_SIZE, metavar="WxH", help=f"width and height in pixels (default: {size})"
+    )
+    movie.set_defaults(run=run_movie)
 
 
 def run(arguments: argparse.Namespace) -> int:
@@ -95,10 +116,7 @@ def run(arguments: argparse.Namespace) -> int:
 
         return open_window(scene, pin, lesson, recording, pair, _known_panel(arguments.panel))
     path = check_output(arguments.snapshot or free_name(FALLBACK), (".png",), "--snapshot")
-    os.environ["QT_QPA_PLATFORM"] = "offscreen"
-    if reason and sys.platform.startswith("linux"):
-        # Without this, VTK tries the display first and prints an error.
-        os.environ.setdefault("VTK_DEFAULT_OPENGL_WINDOW", "vtkEGLRenderWindow")
+    _leave_screen(reason)
     # lazy: loads Qt, which no other command needs
     from insonify_viewer.application import draw_window
 
@@ -107,6 +125,37 @@ def run(arguments: argparse.Namespace) -> int:
         sys.stderr.write(f"insonify: no window can be opened ({reason}); it was drawn into {path}\n")
         return NO_WINDOW
     return 0
+
+
+def run_movie(arguments: argparse.Namespace) -> None:
+    """Draw the tow of a scene into a movie."""
+    path, scene = chosen_output(arguments), chosen_scene(arguments)
+    _leave_screen(why_no_window())
+    # lazy: loads Qt, which no other command needs
+    from insonify_viewer.movie import draw_views, tow_views, write_movie
+
+    views = tow_views(scene, arguments.seconds)
+    drawn = tracked(draw_views(scene, arguments.size, views), len(views), lambda _: 1, "picture")
+    write_movie(path, drawn)
+    say(f"{path}: {len(views)} pictures of {arguments.size[0]} x {arguments.size[1]}")
+
+
+def _leave_screen(reason: str) -> None:
+    """Let Qt and VTK draw without a screen; a reason tells that there is none."""
+    os.environ["QT_QPA_PLATFORM"] = "offscreen"
+    if reason and sys.platform.startswith("linux"):
+        # Without this, VTK tries the display first and prints an error.
+        os.environ.setdefault("VTK_DEFAULT_OPENGL_WINDOW", "vtkEGLRenderWindow")
+
+
+def _size(text: str) -> tuple[int, int]:
+    """Width and height of a movie, even numbers as video formats require."""
+    width, cross, height = text.partition("x")
+    allowed = cross and width.isdecimal() and height.isdecimal()
+    size = (int(width), int(height)) if allowed and len(text) < len("10000x10000") else (0, 0)
+    if not (760 <= size[0] <= 3840 and 420 <= size[1] <= 2160 and size[0] % 2 == size[1] % 2 == 0):
+        raise argparse.ArgumentTypeError(f"{text}: give even numbers from 760x420 to 3840x2160, such as 1280x720")
+    return size
 
 
 def _chosen_lesson(arguments: argparse.Namespace) -> Lesson:

@@ -1,8 +1,9 @@
 """Regenerate what the documentation prints and shows: reference pages, outputs of commands, pictures, figures.
 
 ``python docs/make`` makes all anew; ``python docs/make PAGE …`` makes the named ones alone (``reference``,
-``figures``, ``gallery``, ``scene-pictures``, or a path below ``docs`` such as ``tutorial/python``). ``--check`` changes
-nothing: it compares what is quick to make with the files as they are, names what is out of date, and exits with 1.
+``figures``, ``movie``, ``gallery``, ``scene-pictures``, or a path below ``docs`` such as ``tutorial/python``).
+``--check`` changes nothing: it compares what is quick to make with the files as they are, names what is out of date,
+and exits with 1.
 """
 
 from __future__ import annotations
@@ -15,9 +16,11 @@ from pathlib import Path
 
 sys.path.insert(0, str(Path(__file__).parent))
 
+import courses
 import fields
 import figures
 import gallery
+import movie
 import packages
 import pages
 import reference
@@ -28,6 +31,7 @@ GENERATED = {
     "reference/scene.md": fields.page,
     "reference/cli.md": reference.command_page,
     "reference/python.md": reference.python_page,
+    "howto/courses.md": courses.page,
     "howto/index.md": reference.howto_page,
     "architecture/rooms.md": packages.page,
 }
@@ -36,6 +40,7 @@ TIMES = re.compile(
 )  # measured anew at every run; a page is not out of date for them
 DRAWN: dict[str, Callable[[], None]] = {
     "figures": lambda: figures.draw(DOCS / "pictures"),
+    "movie": lambda: movie.draw(DOCS / "pictures" / "tow.webp"),
     "gallery": lambda: gallery.draw(DOCS),
     "scene-pictures": lambda: scene_pictures.draw(DOCS.parent / "resources" / "scenes" / "pictures"),
 }

@@ -219,11 +219,11 @@ def _is_store(path: Path) -> bool:
     return path.suffix.lower() in RECORDS.folders() and ((path / "zarr.json").is_file() or not any(path.iterdir()))
 
 
-def tracked(blocks: Iterator[Block], pings: int, count: Callable[[Block], int]) -> Iterator[Block]:
-    """Yield blocks of pings; a terminal shows their progress when the work takes longer than a second."""
+def tracked(blocks: Iterator[Block], total: int, count: Callable[[Block], int], unit: str = "ping") -> Iterator[Block]:
+    """Yield blocks, of pings or another unit; a terminal shows their progress after a second of work."""
     with report_waiting():
         block = next(blocks, None)  # makes the bed and the plan, where they have not been made
-    with report_progress("", pings, "ping", delay=1.0) as progress:
+    with report_progress("", total, unit, delay=1.0) as progress:
         while block is not None:
             yield block
             progress.advance(count(block))
@@ -255,7 +255,7 @@ def _number(text: str) -> float:
         raise argparse.ArgumentTypeError(f"{text!r} is not a number; give a plain number") from None
 
 
-def _bounded(low: float, high: float, remedy: str) -> Callable[[str], float]:
+def bounded(low: float, high: float, remedy: str) -> Callable[[str], float]:
     """Parser of a number between bounds."""
 
     def parse(text: str) -> float:
@@ -267,6 +267,6 @@ def _bounded(low: float, high: float, remedy: str) -> Callable[[str], float]:
     return parse
 
 
-decibels = _bounded(-200.0, 200.0, "decibels from -200 to 200")
-metres = _bounded(1e-3, 1e6, "metres from 0.001 to 1000000")
-_share = _bounded(math.ulp(0.0), 1.0, "a number above 0 and at most 1, e.g. 0.03")
+decibels = bounded(-200.0, 200.0, "decibels from -200 to 200")
+metres = bounded(1e-3, 1e6, "metres from 0.001 to 1000000")
+_share = bounded(math.ulp(0.0), 1.0, "a number above 0 and at most 1, e.g. 0.03")

@@ -1,0 +1,107 @@
+"""The tow of a scene as a moving picture: the seabed in 3-D beside its record, which grows ping by ping."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator, Mapping
+from pathlib import Path
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+from PIL import Image
+from PySide6.QtCore import QEventLoop
+from PySide6.QtGui import QImage
+from PySide6.QtWidgets import QDockWidget, QToolBar
+
+from insonify.io.atomic import replacing
+from insonify.scene import Scene, SceneError
+from insonify_viewer.application import main_thread_collection, make_application, wait_for_picture
+from insonify_viewer.viewer import Viewer
+
+RATE = 12  # pictures per second
+WEBP_QUALITY = 70  # of 100
+
+Picture = NDArray[np.uint8]  # (height, width, 3)
+
+
+class View(NamedTuple):
+    """What one picture shows: the newest ping, and fields of the scene that have other values by then."""
+
+    ping: int
+    changes: Mapping[str, Any] = {}
+
+
+def tow_views(scene: Scene, seconds: float) -> list[View]:
+    """Return the views of a tow along the whole track of a scene."""
+    pings = np.linspace(0.0, scene.track.pings - 1, max(round(RATE * seconds), 2) + 1)[1:]
+    return [View(round(ping)) for ping in pings]
+
+
+def draw_views(scene: Scene, size: tuple[int, int], views: Iterable[View]) -> Iterator[Picture]:
+    """Yield a picture of seabed and record for every view, (height, width, 3); needs no screen."""
+    application = make_application()
+    with main_thread_collection():
+        viewer = Viewer(scene, accelerated=False)
+        window = viewer.window
+        shown = window.centralWidget()
+        assert shown is not None
+        window.may_close = lambda: True  # changes of the views are not asked about
+        window.waterfall.toggle_trace()
+        bars = window.menuBar(), window.statusBar(), *window.findChildren(QToolBar)
+        for part in (*bars, *window.findChildren(QDockWidget)):
+            part.hide()
+        window.resize(*size)
+        window.show()
+        viewer.tow.run(False)
+        viewer.start()
+        try:
+            for view in views:
+                if view.changes:
+                    viewer.session.settle(view.changes)
+                viewer.go_to(view.ping)
+                wait_for_picture(application, viewer)
+                viewer.seabed.draw_now()
+                application.processEvents(QEventLoop.ProcessEventsFlag.ExcludeUserInputEvents)
+                yield _array_of(shown.grab().toImage())
+        finally:
+            window.close()
+
+
+def write_movie(path: Path, pictures: Iterable[Picture]) -> None:
+    """Write pictures as GIF or WebP, which repeat, or as MP4 (H.264), by the suffix of the path."""
+    with replacing(path) as beside:
+        if path.suffix.lower() == ".mp4":
+            _write_video(beside, iter(pictures))
+            return
+        images = [Image.fromarray(picture) for picture in pictures]
+        options: dict[str, Any] = {"quality": WEBP_QUALITY, "method": 4}
+        if path.suffix.lower() == ".gif":
+            # One palette for all pictures, without dithering: what rests stays as it is, and compresses.
+            palette = images[len(images) // 2].quantize(256)
+            images, options = [image.quantize(palette=palette, dither=Image.Dither.NONE) for image in images], {}
+        duration = round(1000 / RATE)
+        images[0].save(beside, save_all=True, append_images=images[1:], duration=duration, loop=0, **options)
+
+
+def _write_video(path: Path, pictures: Iterator[Picture]) -> None:
+    try:
+        # lazy: an optional package
+        from imageio_ffmpeg import write_frames
+    except ImportError as error:
+        raise SceneError(
+            f"{path.suffix}: needs imageio-ffmpeg; install it by 'pip install imageio-ffmpeg', or write .webp or .gif"
+        ) from error
+    first = next(pictures)
+    height, width = first.shape[:2]
+    writer = write_frames(str(path), (width, height), fps=RATE, quality=7, macro_block_size=2)
+    writer.send(None)
+    writer.send(np.ascontiguousarray(first))
+    for picture in pictures:
+        writer.send(np.ascontiguousarray(picture))
+    writer.close()
+
+
+def _array_of(image: QImage) -> Picture:
+    image = image.convertToFormat(QImage.Format.Format_RGB888)
+    rows = np.frombuffer(image.constBits(), dtype=np.uint8).reshape(image.height(), image.bytesPerLine())
+    return rows[:, : 3 * image.width()].reshape(image.height(), image.width(), 3).copy()

@@ -1,0 +1,69 @@
+"""Write the teacher's page: courses and lessons, questions, right answers, and the misconceptions behind wrong ones."""
+
+from __future__ import annotations
+
+from insonify.lessons import (
+    Ask,
+    Course,
+    Lesson,
+    LessonState,
+    Step,
+    group_lessons,
+    load_lessons,
+    parse_expression,
+    states_of,
+)
+
+HEAD = """# Teach a course
+
+What each course of [lessons](lessons.md) asks, the right answers, and the misconceptions behind the wrong ones that the
+viewer knows. Numbers are those of the scene as the lesson opens it; an answer is judged on the student's own scene.
+After a lesson, *Save page…* writes answers and records as a page to hand in, which serves as the worksheet.
+
+| course | level | lessons | minutes | assumes |
+|---|---|---|---|---|
+"""
+
+
+def page() -> str:
+    """Return the page."""
+    groups = [(course, lessons) for course, lessons in group_lessons(load_lessons()) if course.name]
+    rows = [
+        f"| [{course.title}](#{course.title.lower().replace(' ', '-')}) | {course.level} | {len(lessons)} | "
+        f"{sum(each.minutes for each in lessons)} | {course.assumes} |"
+        for course, lessons in groups
+    ]
+    return HEAD + "\n".join(rows) + "\n\n" + "\n".join(_course(*each) for each in groups)
+
+
+def _course(course: Course, lessons: list[Lesson]) -> str:
+    return f"## {course.title}\n\n{course.aims}\n\n" + "\n".join(map(_lesson, lessons))
+
+
+def _lesson(lesson: Lesson) -> str:
+    steps = [_step(*each) for each in states_of(lesson)]
+    return (
+        f"### {lesson.title}\n\nLesson `{lesson.name}`, scene `{lesson.scene}`, {lesson.minutes} minutes.\n\n"
+        + "\n".join(steps)
+    )
+
+
+def _step(step: Step, start: LessonState, end: LessonState) -> str:
+    asked = [] if step.ask is None else _answers(step.ask, start, end)
+    checked = " Checked against the simulated record." if step.ask is not None and step.ask.holds else ""
+    question = f"**{step.title}.** {' '.join(step.question.split())}{checked}\n"
+    return "\n".join([question, *(f"- {line}" for line in asked), *([""] if asked else [])])
+
+
+def _answers(ask: Ask, start: LessonState, end: LessonState) -> list[str]:
+    """Return the right answer, then each wrong one with the misconception behind it."""
+    if ask.choices:
+        right = [f"right: {each.text}" for each in ask.choices if each.right]
+        return right + [f"wrong: {each.text}. {each.because}" for each in ask.choices if not each.right]
+    reader = end.reader(start)
+    numbers = [parse_expression(each.value).number(reader) for each in (ask, *ask.mistakes)]
+    shown = ["of a record" if number is None else f"{number:.3g} {ask.unit}".strip() for number in numbers]
+    return [
+        f"right: {shown[0]}, within {100 * ask.tolerance:g} %",
+        *(f"wrong: {number}. {mistake.because}" for number, mistake in zip(shown[1:], ask.mistakes)),
+    ]
