@@ -183,7 +183,7 @@ class Viewer(QObject):
     def _workbench(self) -> Workbench:
         """Return what the panels are made with."""
 
-        def open_scene(scene: Scene, file: str, *, ask: bool) -> bool:
+        def open_scene(scene: Scene, file: str, *, ask: bool = False) -> bool:
             if ask and not self.saving.may_leave():
                 return False
             self.open(scene, file)

@@ -15,6 +15,7 @@ from PySide6.QtWidgets import (
     QMainWindow,
     QMenu,
     QSplitter,
+    QStyle,
     QToolBar,
     QToolButton,
     QWidget,
@@ -49,7 +50,9 @@ from insonify_viewer.window.status_line import JobBar, StatusLine
 from insonify_viewer.window.target_placement import target_menu
 from insonify_viewer.window.tour import Tour, tour_steps
 
-USUAL, ROOMY = (1480, 900), 0.7  # px, and share of a large screen, that the window takes at the first start
+# px at the usual size of the text, and share of a large screen, that the window takes at the first start.
+USUAL, ROOMY = (1480, 900), 0.7
+VIEWS = 400, 600  # shares of the 3-D view and the record
 SMALLEST = (760, 420)  # px, which fits half of a screen of 1600 × 900 at twice the scale
 GAIN_REACH = 30  # dB either way
 LARGE = 1.6  # factor on the text of the record for a projector
@@ -69,8 +72,9 @@ class MainWindow(QMainWindow):
     def __init__(self, *, native: bool, palettes: tuple[str, ...]) -> None:
         super().__init__()
         self.setWindowTitle("insonify")
-        screen = self.screen().availableSize()
-        self.resize(QSize(*USUAL).expandedTo(screen * ROOMY).boundedTo(screen))
+        screen = self.screen().availableSize() - QSize(0, self.style().pixelMetric(QStyle.PixelMetric.PM_TitleBarHeight))
+        usual = QSize(*(scaled(self, pixels) for pixels in USUAL))
+        self.resize(usual.expandedTo(screen * ROOMY).boundedTo(screen))
         self.setMinimumSize(*SMALLEST)
         self.waterfall = WaterfallView(native=native)
         self.trace = make_action(self, "Echo", "Show the echo of one ping as a curve below the record", "E")
@@ -80,7 +84,7 @@ class MainWindow(QMainWindow):
         self._splitter = QSplitter(Qt.Orientation.Horizontal)
         self._splitter.addWidget(self._placeholder)
         self._splitter.addWidget(self.waterfall)
-        self._splitter.setSizes([500, 500])
+        self._splitter.setSizes([*VIEWS])
         self._splitter.setChildrenCollapsible(False)
         self.record_a = RecordAView(native=native)
         self.records = RecordsSideBySide(self._splitter, self.waterfall, self.record_a)
