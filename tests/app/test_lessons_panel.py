@@ -14,6 +14,7 @@ from insonify.scene import edit
 from insonify_viewer.panels.lessons.progress import Progress
 from insonify_viewer.state.history import Modelling
 from insonify_viewer.state.session import Session
+from insonify_viewer.widgets.theme import Theme
 
 LESSON = """+++
 title = "Range"
@@ -333,15 +334,22 @@ def test_a_lesson_asks_nothing_and_undo_returns_to_unsaved_work(open_viewer, sma
 
 
 @pytest.mark.usefixtures("lessons")
-def test_the_view_for_a_projector_is_full_screen_in_large_type(open_viewer, small, qtbot):
+def test_a_lecture_is_full_screen_in_large_type(open_viewer, small, qtbot):
     viewer, panel = started(open_viewer, small, qtbot)
     window, page = viewer.window, panel.view.page
     before = page.text.font().pointSizeF(), window.waterfall.font().pointSizeF()
-    window.projector.trigger()
+    window.lecture.action.trigger()
     assert window.isFullScreen()
     assert page.projector.isChecked()
     assert page.text.font().pointSizeF() >= 1.5 * before[0]
     assert window.waterfall.font().pointSizeF() >= 1.5 * before[1]
+    strip = viewer.panels["parameters"].strip
+    assert list(strip.rows) == ["sonar.range"], "what the step speaks of"
+    qtbot.waitUntil(lambda: panel.view.isVisible() and panel.view.width() > 0.9 * window.width())
+    window.looks.show_theme(Theme.LIGHT)
+    assert page.text.font().pointSizeF() >= 1.5 * before[0]
+    assert window.waterfall.font().pointSizeF() >= 1.5 * before[1]
+    window.looks.show_theme(Theme.DARK)
     page.projector.click()
     assert not window.isFullScreen()
     assert (page.text.font().pointSizeF(), window.waterfall.font().pointSizeF()) == pytest.approx(before)

@@ -65,7 +65,7 @@ class RecordCanvas(QWidget):
         self._traced: bool | None = None  # whether the echo of one ping is drawn below; None: where the view is high
         self.waiting: Waiting | None = None  # what the bar over the record says
         self._preview = False  # whether rows are interpolated between traced pings
-        self._enlarged = 1.0  # factor on the size of the font
+        self._points = self.font().pointSizeF()  # usual size of the text
         self._text = text_scale(self)  # factor on the margins that hold the text
         self._handle = ScrubHandle()
         self._fit()
@@ -225,10 +225,9 @@ class RecordCanvas(QWidget):
 
     def enlarge_text(self, factor: float) -> None:
         """Draw the text of the rulers by a factor larger than usual."""
-        font = self.font()
-        font.setPointSizeF(font.pointSizeF() * factor / self._enlarged)
-        self.setFont(font)
-        self._enlarged = factor
+        points = factor * self._points
+        self.setStyleSheet(f"font-size: {points:g}pt" if factor != 1.0 else "")  # another theme would reset a font
+        self.ensurePolished()
         self._text = text_scale(self)
         self._fit()
 

@@ -78,6 +78,7 @@ OTHER_KEYS: tuple[tuple[str, tuple[tuple[str, str], ...]], ...] = (
     ("Chart", (("choose the point before or after", "← →"),)),
     ("Contrast", (("move the upper end", "← →"), ("move the lower end", "Shift+← →"))),
     ("Lessons", (("go to the step before", "PgUp"), ("go to the next step", "PgDown"))),
+    ("Lecture", (("show a preset", "1 … 9"), ("make the screen black, or show it", "."), ("leave it", "Esc"))),
     ("Jobs", (("go from job to job", "↓ ↑"), ("stop the job that has the keyboard", "Delete"))),
     ("Tour", (("leave it", "Esc"),)),
 )
