@@ -137,7 +137,7 @@ class ParametersPanel(Panel):
         self._show_effects()
 
     def _show_strip(self) -> None:
-        """Show the fields that are lit, else those that the scene is about, else the first, in the strip of a lecture."""
+        """Show in the strip the fields that are lit, else those that the scene is about, else the first."""
         fields = {field.path: alone(field) for section in self._shown for field in section.parameters}
         about = [path for path in self._session.scene.controls if path in fields]
         lit = [path for path in self._lit if path in fields]

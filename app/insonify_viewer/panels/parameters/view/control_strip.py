@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from typing import Any
 
 from PySide6.QtWidgets import QGridLayout, QHBoxLayout, QWidget
 
@@ -23,7 +24,7 @@ class ControlStrip(QWidget):
         super().__init__()
         self._dragged, self._settled = dragged, settled
         self._structure: tuple[object, ...] = ()
-        self.rows: dict[str, NumberRow | ChoiceRow] = {}
+        self.rows: dict[str, Any] = {}  # a `NumberRow` or `ChoiceRow` by its path
         self._cells: list[QWidget] = []
         self._line = QHBoxLayout(self)
         self._line.setContentsMargins(8, 0, 8, 0)
@@ -39,10 +40,7 @@ class ControlStrip(QWidget):
             self._build(shown)
         for field in shown:
             row = self.rows[field.path]
-            if isinstance(row, NumberRow) and isinstance(field, NumberField):
-                row.show_value(field)
-            elif isinstance(row, ChoiceRow) and isinstance(field, ChoiceField):
-                row.show_value(field)
+            row.show_value(field)
             light(row.label, field.path in lit)
 
     def _build(self, fields: Sequence[NumberField | ChoiceField]) -> None:
