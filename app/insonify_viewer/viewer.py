@@ -31,6 +31,7 @@ from insonify_viewer.state.tow_clock import TowClock, next_pause
 from insonify_viewer.window.file_opening import FileOpening
 from insonify_viewer.window.main_window import MainWindow
 from insonify_viewer.window.presets import Presets
+from insonify_viewer.window.record_menu import RecordMenu
 from insonify_viewer.window.saving import Saving
 from insonify_viewer.window.target_editor import TargetEditor
 from insonify_viewer.work.gc_policy import forget_ground, return_free_memory
@@ -73,6 +74,7 @@ class Viewer(QObject):
         added = self.panels.part_added.emit
         self.targets = TargetEditor(self.session, self.window, self.simulator, self.files, added)
         self.window.mount(tuple(self.panels.values()))
+        self.record_menu = RecordMenu(self.window, self.session, self.inspection)
         self.presets = Presets(self.session, self.window, self.open)
         self.failure = ""
         self.seabed = SeabedController(self.simulator, self.inspection, accelerated=accelerated)

@@ -53,6 +53,15 @@ class Button(NamedTuple):
     menu: str = "View"  # title of its menu: File, Edit, View, Record, Tools or Help
 
 
+class Entry(NamedTuple):
+    """What the command palette finds."""
+
+    kind: str  # such as Scene or Parameter
+    name: str
+    about: str  # its tooltip
+    do: Callable[[], object]
+
+
 @dataclass(frozen=True)
 class Workbench:
     """What the viewer offers to its panels."""
@@ -125,6 +134,10 @@ class Panel(Protocol):
     def widget(self) -> Any:
         """The QWidget to show; asked for when the window mounts the panel, or first opens it as a window."""
         return self.view
+
+    def entries(self) -> Sequence[Entry]:
+        """List what the command palette finds in the panel."""
+        return ()
 
     @property
     def complete(self) -> bool:

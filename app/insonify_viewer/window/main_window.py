@@ -32,6 +32,7 @@ from insonify_viewer.state.tow_clock import SPEEDS
 from insonify_viewer.widgets.buttons import make_action, set_icon, with_key
 from insonify_viewer.widgets.text import window_title
 from insonify_viewer.widgets.theme import lecture_scale, scaled
+from insonify_viewer.window.command_palette import CommandPalette, entries_of_menus, entries_of_scenes
 from insonify_viewer.window.help_dialogs import OTHER_KEYS, AboutDialog, KeysDialog
 from insonify_viewer.window.lecture import Lecture
 from insonify_viewer.window.menus import (
@@ -147,6 +148,15 @@ class MainWindow(QMainWindow):
             self._buttons[name].setChecked(True)
         if name in self._docks:
             self._docks.bring_forward(name)
+
+    def open_palette(self) -> CommandPalette:
+        """Open the list of all commands, scenes, lessons and parameters."""
+        entries = entries_of_menus(self.menus.all) + entries_of_scenes(self.scenes.wanted.emit)
+        palette = CommandPalette(
+            self, [*entries, *(entry for panel in self._panels.values() for entry in panel.entries())]
+        )
+        palette.show()
+        return palette
 
     @property
     def seabed(self) -> QWidget | None:
@@ -367,6 +377,8 @@ class MainWindow(QMainWindow):
         menus.group("View", [self.reset_view])
         self.looks = LooksMenu(self, menus.view, self.settings, self.say)
         menus.view.addSeparator()
+        tip = "Find a command, scene, lesson or parameter by some letters of its name"
+        menus.add("Help", "Find…", tip, "Ctrl+Shift+P").triggered.connect(self.open_palette)
         keys = menus.add("Help", "Keyboard shortcuts", "Every command that has a key", "?")
         keys.triggered.connect(lambda: KeysDialog(self, menus.all, OTHER_KEYS).show())
         menus.add("Help", "Tour", "See the window in five steps").triggered.connect(self.tour.begin)

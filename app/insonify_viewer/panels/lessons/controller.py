@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from datetime import datetime
+from functools import partial
 from typing import Any
 
 from insonify.files import bundled_scenes
@@ -12,7 +13,7 @@ from insonify.lessons import AUTOMATIC, SIDES, Lesson, LessonState, load_lessons
 from insonify.scene import Scene
 from insonify_viewer.panels.lessons.progress import Progress
 from insonify_viewer.panels.lessons.view.lessons_view import LessonsView
-from insonify_viewer.panels.panel import Button, Panel, Place, Workbench
+from insonify_viewer.panels.panel import Button, Entry, Panel, Place, Workbench
 from insonify_viewer.record.marked_point import MarkedPoint
 from insonify_viewer.record.record import RecordGrowth
 from insonify_viewer.state.history import Modelling
@@ -82,6 +83,18 @@ class LessonsPanel(Panel):
     def projected(self, large: bool) -> None:
         """Enlarge the text."""
         self.view.enlarge(large)
+
+    def entries(self) -> list[Entry]:
+        """List the lessons for the command palette."""
+        return [
+            Entry("Lesson", each.title, each.introduction, partial(self._begin_in_panel, each))
+            for each in load_lessons()
+        ]
+
+    def _begin_in_panel(self, lesson: Lesson) -> None:
+        """Open the panel and begin a lesson."""
+        self._workbench.open_panel(self.name)
+        self.begin(lesson)
 
     def start(self, name: str) -> None:
         """Start a lesson of the list."""

@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
+from functools import partial
 from typing import Any
 
 from insonify.scene import Scene, plain
 from insonify.scene.edit import part_at
 from insonify.scene.links import split_description
-from insonify_viewer.panels.panel import Panel, Place, Workbench
+from insonify_viewer.panels.panel import Entry, Panel, Place, Workbench
 from insonify_viewer.panels.parameters.effects import EffectMeter, EffectTicks, describe_tick
 from insonify_viewer.panels.parameters.sections import (
     FieldSection,
@@ -83,6 +84,15 @@ class ParametersPanel(Panel):
         if self._due and growth.current and growth.complete:
             self._due = False
             self.view.still.call(lambda: self._measure(growth))
+
+    def entries(self) -> list[Entry]:
+        """List the fields of the scene for the command palette, each of which comes into view and is lit."""
+        fields = [field for section in sections_of(self._session.scene) for field in section.parameters]
+        return [Entry("Parameter", each.name, each.tooltip, partial(self._point_to, each.path)) for each in fields]
+
+    def _point_to(self, path: str) -> None:
+        self._workbench.open_panel(self.name)
+        self._workbench.light_fields((path,))
 
     def part_added(self, path: str) -> None:
         """Unfold the section of a new part."""
