@@ -1,7 +1,5 @@
 """Opens the viewer on a screen, or draws its window into a picture."""
 
-from __future__ import annotations
-
 import linecache
 import os
 import signal

@@ -1,7 +1,5 @@
 """Errors as one sentence, with traceback and details for faults of the program, and guards of Qt's overrides."""
 
-from __future__ import annotations
-
 import platform
 import sys
 import traceback

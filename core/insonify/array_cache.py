@@ -1,7 +1,5 @@
 """Results that are kept for the next call, in one store of bounded size for the whole process."""
 
-from __future__ import annotations
-
 import weakref
 from collections import OrderedDict, deque
 from collections.abc import Callable, Hashable

@@ -4,8 +4,6 @@ A child runs a function `main` of one module, which calls `serve`. Requests and 
 current folder are never imported: a file named json.py beside somebody's data is not part of this program.
 """
 
-from __future__ import annotations
-
 import contextlib
 import os
 import pickle

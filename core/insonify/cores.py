@@ -1,7 +1,5 @@
 """Cores that this process may use: its affinity, the quota of its control group, and the limit that its user sets."""
 
-from __future__ import annotations
-
 import math
 import os
 from collections.abc import Iterator

@@ -4,8 +4,6 @@ Other modules are the same on every system, apart from `cores`, `compiler.cache_
 display in the viewer. A system that lacks something goes without it, as each function says.
 """
 
-from __future__ import annotations
-
 import contextlib
 import os
 import re

@@ -1,7 +1,5 @@
 """Pings shared among the threads of one pool: kernels release the GIL, and results do not depend on the threads."""
 
-from __future__ import annotations
-
 import threading
 from collections import deque
 from collections.abc import Callable, Iterator

@@ -1,7 +1,5 @@
 """Find extensions: the modules of a package, and the entry points that installed packages announce."""
 
-from __future__ import annotations
-
 import pkgutil
 from collections.abc import Iterable
 from functools import cache

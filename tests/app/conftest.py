@@ -1,7 +1,5 @@
 """One window a test, and nothing left behind."""
 
-from __future__ import annotations
-
 import os
 import threading
 from collections.abc import Callable, Iterator

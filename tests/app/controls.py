@@ -1,7 +1,5 @@
 """Controls of a window, as the person and assistive technology meet them."""
 
-from __future__ import annotations
-
 from PySide6.QtCore import Qt
 from PySide6.QtGui import QAccessible
 from PySide6.QtWidgets import (

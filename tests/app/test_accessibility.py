@@ -1,7 +1,5 @@
 """Every control of the window explains itself, has a name for screen readers, and is reached by the keyboard."""
 
-from __future__ import annotations
-
 import pytest
 from controls import accessible_name, bring_to_front, controls_of, place_of, takes_keyboard
 from PySide6.QtCore import QPoint, Qt

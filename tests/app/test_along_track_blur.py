@@ -1,7 +1,5 @@
 """One plane's picture, blurred as the beam would: what is seen while a slider moves."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 from stand_in import StandIn

@@ -1,7 +1,5 @@
 """The chart's window: measured on a thread of its own, stopped, picked from, saved."""
 
-from __future__ import annotations
-
 import threading
 from collections.abc import Callable
 

@@ -1,7 +1,5 @@
 """Record A beside the live record: kept, shown by a key, wiped, subtracted, measured, returned to."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 from controls import bring_to_front

@@ -1,7 +1,5 @@
 """The echo of one ping below the record."""
 
-from __future__ import annotations
-
 import numpy as np
 from PySide6.QtCore import QRect
 from PySide6.QtGui import QImage, QPainter

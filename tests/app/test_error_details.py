@@ -1,7 +1,5 @@
 """Errors are one sentence, with details to copy; a fault in a slot leaves the window alive."""
 
-from __future__ import annotations
-
 from importlib.metadata import version
 from pathlib import Path
 

@@ -1,7 +1,5 @@
 """The fan in three dimensions ends at what the sound meets, and has gaps where something shades it."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 import pyvista as pv

@@ -1,7 +1,5 @@
 """Files of every kind dropped on the window, and the list of recent files."""
 
-from __future__ import annotations
-
 import shutil
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Jobs beside the window: records, charts, data sets and pages, with progress, a stop, and nothing half-written."""
 
-from __future__ import annotations
-
 import threading
 from pathlib import Path
 from typing import Any

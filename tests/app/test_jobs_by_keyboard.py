@@ -1,7 +1,5 @@
 """Jobs are begun, followed and stopped by the keyboard alone, and screen readers hear what they are."""
 
-from __future__ import annotations
-
 import time
 from collections.abc import Callable
 

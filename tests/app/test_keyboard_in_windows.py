@@ -1,7 +1,5 @@
 """Windows and panels of their own are worked by the keyboard alone, links in texts too."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 
 import pytest

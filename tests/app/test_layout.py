@@ -1,7 +1,5 @@
 """Room for every widget, and words that can be told apart and read."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 from PySide6.QtCore import QPoint, QRect, Qt

@@ -1,7 +1,5 @@
 """Both themes can be read, change while the window is open, and are kept."""
 
-from __future__ import annotations
-
 from collections import Counter
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Distances and heights that are measured on a record are those of its scene."""
 
-from __future__ import annotations
-
 import math
 from typing import Any
 

@@ -1,7 +1,5 @@
 """Menu bar and tool bar: every command has its place, a key works once, and the tools fit narrow windows."""
 
-from __future__ import annotations
-
 from collections import Counter
 from importlib.metadata import version
 from pathlib import Path

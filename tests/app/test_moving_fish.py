@@ -1,7 +1,5 @@
 """The fish in motion, as the viewer shows it."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

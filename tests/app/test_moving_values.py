@@ -1,7 +1,5 @@
 """While a slider moves, the rows show the values of the scene as a whole description of it would."""
 
-from __future__ import annotations
-
 from typing import Any
 
 import pytest

@@ -1,7 +1,5 @@
 """The panel of parameters in a real window: what is pinned, rare fields, links to try, effects, names of edits."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 from PySide6.QtCore import QEvent, QObject, QPoint, Qt

@@ -1,7 +1,5 @@
 """The plan's panel: what is modelled, what is left out, and what forcing a choice changes."""
 
-from __future__ import annotations
-
 import numpy as np
 
 from insonify.cli import main

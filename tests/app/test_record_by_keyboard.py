@@ -1,7 +1,5 @@
 """The record is looked back along, pointed at, explained, marked and wiped by keys alone."""
 
-from __future__ import annotations
-
 import pytest
 from PySide6.QtCore import QEvent, QPointF, Qt
 from PySide6.QtGui import QMouseEvent

@@ -1,7 +1,5 @@
 """The record is shown by its display options; places of the plot lead to bins and back in every one of them."""
 
-from __future__ import annotations
-
 from itertools import pairwise, product
 
 import numpy as np

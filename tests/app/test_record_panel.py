@@ -1,7 +1,5 @@
 """The record panel: display options by clicks and keys, contrast by dragging, measuring, contacts and their files."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 
 import numpy as np

@@ -1,7 +1,5 @@
 """A recording is opened beside the simulated record, scrolls, tells where the sonar was, and is measured."""
 
-from __future__ import annotations
-
 from functools import partial
 from pathlib import Path
 

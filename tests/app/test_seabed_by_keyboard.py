@@ -1,7 +1,5 @@
 """The three-dimensional view is turned and zoomed by keys as by the mouse; all other keys are those of the window."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

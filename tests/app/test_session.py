@@ -1,7 +1,5 @@
 """Session, parameters, record and tow: what needs no window."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 from typing import Any
 

@@ -1,7 +1,5 @@
 """Pictures below the rows of beam, pulse and bed: they follow the scene, and a peak is dragged in one undo step."""
 
-from __future__ import annotations
-
 import threading
 from typing import Any
 

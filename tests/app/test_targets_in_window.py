@@ -1,7 +1,5 @@
 """Adding, turning and removing targets in the window."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 from PySide6.QtWidgets import QFileDialog, QToolButton

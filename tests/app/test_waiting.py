@@ -1,7 +1,5 @@
 """What the window shows while it waits."""
 
-from __future__ import annotations
-
 import threading
 import time
 

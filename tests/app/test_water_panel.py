@@ -1,7 +1,5 @@
 """The water's panel: rays of the current scene, points to drag, eigenrays on a click."""
 
-from __future__ import annotations
-
 from typing import Any
 
 import pytest

@@ -1,7 +1,5 @@
 """The real window on a virtual screen, over a simulation of known numbers."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 from PySide6.QtCore import QPoint, Qt

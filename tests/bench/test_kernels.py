@@ -4,8 +4,6 @@ The floor only reads a ping's heights and writes its bins. Embree casts 2000 ray
 the optional extra `embree`. Times are those of the thread itself, so that what else the machine does hardly counts.
 """
 
-from __future__ import annotations
-
 import math
 import sys
 from dataclasses import replace

@@ -1,7 +1,5 @@
 """Speed and accuracy side by side, printed: run with `pytest -m bench -s tests/bench`."""
 
-from __future__ import annotations
-
 import sys
 from time import thread_time
 

@@ -4,8 +4,6 @@ Images a second on one and two workers, what the engine takes beside the tracing
 over 2,000 images, and the jobs a second that the scheduler and the driver manage, by jobs that do nothing.
 """
 
-from __future__ import annotations
-
 import sys
 import threading
 import time

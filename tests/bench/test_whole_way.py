@@ -4,8 +4,6 @@ A knife over a bare bed of 1024², 2 × 1000 bins and an ideal pulse: the less a
 counts. All calls take turns in one process. The floor only reads a ping's heights and writes its bins.
 """
 
-from __future__ import annotations
-
 import os
 import sys
 

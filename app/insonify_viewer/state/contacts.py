@@ -1,7 +1,5 @@
 """Contacts: marked points of a record with a name, and the files that hold them."""
 
-from __future__ import annotations
-
 import base64
 import csv
 import io

@@ -1,7 +1,5 @@
 """Session: the scene, its modelling, contacts, their history, and the marked point; without widgets."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import replace
 from pathlib import Path

@@ -1,7 +1,5 @@
 """Widgets that keep their picture, colour tables, polylines, marks and round values for rulers."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Iterable
 from typing import Any

@@ -1,7 +1,5 @@
 """Work beside the window: threads by key on which the newest work wins, and long tasks with progress."""
 
-from __future__ import annotations
-
 import math
 import threading
 import time

@@ -1,7 +1,5 @@
 """Beam patterns: tables of the two-way sensitivity of the sonar by range and direction."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

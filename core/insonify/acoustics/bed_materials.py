@@ -1,7 +1,5 @@
 """Materials of a bed against the backscatter models of their sediments: fitted numbers, misfits, limits of validity."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Iterator
 

@@ -5,8 +5,6 @@ Nearer than `ERROR_ALTITUDES` bins have strong echoes near nadir, to which no to
 Theory: docs/theory/error.md.
 """
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Pulses after the receiver's filter: the echo of a point, and the energy and coherence it gives neighbouring bins."""
 
-from __future__ import annotations
-
 import math
 from functools import lru_cache
 from typing import NamedTuple

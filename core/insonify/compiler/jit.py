@@ -24,8 +24,6 @@ With ``INSONIFY_COMPILER=numba`` all of them are plain `numba.njit`, which compi
 takes longer, but relies on nothing private of Numba.
 """
 
-from __future__ import annotations
-
 import os
 from collections.abc import Callable
 from typing import Any

@@ -7,8 +7,6 @@ process ends, and they block other threads of Python for long. If a process cann
 compiled here.
 """
 
-from __future__ import annotations
-
 import contextlib
 import sys
 import threading

@@ -3,8 +3,6 @@
 Pictures show amplitudes as `insonify.display.normalisation` makes them.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable
 from functools import cache

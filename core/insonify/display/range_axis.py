@@ -1,7 +1,5 @@
 """Distances across the picture of a record: slant range, slant range behind the first echo, or ground range."""
 
-from __future__ import annotations
-
 import math
 from typing import NamedTuple
 

@@ -1,7 +1,5 @@
 """Curves of beams, pulse and backscatter, and the spectrum of a bed, for small pictures beside their settings."""
 
-from __future__ import annotations
-
 import math
 from typing import NamedTuple
 

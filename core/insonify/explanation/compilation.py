@@ -1,7 +1,5 @@
 """Compilation of the kernels that explain pixels and label points, before the first of them is needed."""
 
-from __future__ import annotations
-
 import numpy as np
 
 from insonify.explanation.cross_section import cut_cross_section

@@ -5,8 +5,6 @@ without speckle. Levels are in dB re 1 µPa with a source level, else re the sou
 2010, ch. 6). Theory: docs/theory/speckle.md.
 """
 
-from __future__ import annotations
-
 import csv
 import math
 from collections.abc import Iterator

@@ -1,7 +1,5 @@
 """Footprint of a sonar in the spectra of its record: averaging by beam, pulse and bins, and the spectrum of speckle."""
 
-from __future__ import annotations
-
 from typing import NamedTuple
 
 import numpy as np

@@ -3,8 +3,6 @@
 Theory: docs/theory/inversion.md.
 """
 
-from __future__ import annotations
-
 from typing import NamedTuple
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Two-dimensional spectra of a record's relative amplitude, in segments of the bed grouped by grazing angle."""
 
-from __future__ import annotations
-
 from typing import NamedTuple
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Write a file, or a folder that counts as one, whole or not at all; remove what an ended process left unfinished."""
 
-from __future__ import annotations
-
 import errno
 import os
 import platform

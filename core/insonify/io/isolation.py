@@ -4,8 +4,6 @@ GDAL, netCDF and trimesh read formats of great complexity. A damaged file can ma
 bound, or write to the terminal past Python.
 """
 
-from __future__ import annotations
-
 import atexit
 import os
 import sys

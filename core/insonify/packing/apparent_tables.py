@@ -1,7 +1,5 @@
 """Tables of apparent positions in a scene's layered water, kept from call to call."""
 
-from __future__ import annotations
-
 import math
 from typing import NamedTuple
 

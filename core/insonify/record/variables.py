@@ -1,7 +1,5 @@
 """Variables, coordinates and attributes of a simulated record."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from typing import Any
 

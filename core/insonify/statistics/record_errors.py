@@ -6,8 +6,6 @@ near bins do not dominate.
 Theory: docs/theory/error.md.
 """
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass
 

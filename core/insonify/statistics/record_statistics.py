@@ -4,8 +4,6 @@ They are measured on amplitudes relative to the record's median curve (`estimate
 altitude, so that gain, range and the strong echoes near nadir have no effect.
 """
 
-from __future__ import annotations
-
 from typing import NamedTuple
 
 import numpy as np

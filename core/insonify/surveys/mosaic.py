@@ -1,7 +1,5 @@
 """Mosaic: the swaths of several records on one grid of the map."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Collection, Iterable
 from dataclasses import dataclass

@@ -1,7 +1,5 @@
 """Specifications of surveys and data sets, read from TOML files."""
 
-from __future__ import annotations
-
 import hashlib
 import tomllib
 from collections.abc import Mapping

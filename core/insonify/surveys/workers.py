@@ -1,7 +1,5 @@
 """Workers of a scheduler with the same build as the files that are already there: only these get jobs."""
 
-from __future__ import annotations
-
 import json
 import os
 import sys

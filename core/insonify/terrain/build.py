@@ -1,7 +1,5 @@
 """Build the ground of a scene from its declarations: heights, materials and the grid they lie on."""
 
-from __future__ import annotations
-
 from functools import lru_cache
 
 import numpy as np

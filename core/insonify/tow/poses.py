@@ -1,7 +1,5 @@
 """Navigation: position and attitude of the sonar at every ping."""
 
-from __future__ import annotations
-
 import math
 from typing import get_args
 

@@ -3,8 +3,6 @@
 Derived in docs/theory/speckle.md.
 """
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass
 

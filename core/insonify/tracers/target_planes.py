@@ -4,8 +4,6 @@ A target returns its energy from an azimuth as wide as itself, a glint from one 
 apart may all miss it, whatever their number. Derived in docs/theory/beam.md.
 """
 
-from __future__ import annotations
-
 import math
 from typing import NamedTuple
 

@@ -1,7 +1,5 @@
 """Charts measured on this machine, written as a picture or as a table with the facts of the measurement."""
 
-from __future__ import annotations
-
 import csv
 import json
 import math

@@ -1,7 +1,5 @@
 """Reference of a chart: exact rays, doubled until their record changes by a tenth of the smallest error shown."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable, Sequence
 from concurrent.futures import ThreadPoolExecutor

@@ -11,8 +11,6 @@ The structures are those of pyxtf. Where the format leaves a choice, the fields 
 - Dates are valid, because pyxtf and auvlib sort by them.
 """
 
-from __future__ import annotations
-
 import ctypes
 import math
 import tempfile

@@ -4,8 +4,6 @@ Logs of Valeport (Swift and MIDAS), of AML Oceanographic and of the Castaway hav
 the columns, and a row for each sample.
 """
 
-from __future__ import annotations
-
 import re
 from collections.abc import Mapping
 

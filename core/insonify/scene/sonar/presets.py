@@ -1,7 +1,5 @@
 """Presets of sonars: numbers of a class of sonars, of which a scene takes what it does not give itself."""
 
-from __future__ import annotations
-
 import tomllib
 from functools import cache
 from typing import Any

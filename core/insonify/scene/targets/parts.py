@@ -1,7 +1,5 @@
 """Closed parts of triangles from which generated targets are put together: skins of plates, bars and blocks."""
 
-from __future__ import annotations
-
 import hashlib
 import math
 

@@ -1,7 +1,5 @@
 """The sea surface, a mirror that is flat or raised by the wind."""
 
-from __future__ import annotations
-
 import math
 from typing import Literal
 

@@ -3,8 +3,6 @@
 The chart is a table or a figure of the time and the error of every method.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field

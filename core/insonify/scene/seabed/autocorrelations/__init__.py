@@ -1,7 +1,5 @@
 """Autocorrelations of heights: their base class."""
 
-from __future__ import annotations
-
 from abc import abstractmethod
 
 from insonify.scene.base import Family, Kind

@@ -1,7 +1,5 @@
 """Regular patterns of materials: stripes, checks, and waves of graded rows."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Sequence
 from typing import Literal

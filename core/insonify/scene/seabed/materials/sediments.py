@@ -7,8 +7,6 @@ References: APL-UW TR 9407 (1994), section IV; Jackson and Richardson 2007, ch. 
 docs/theory/scattering.md.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Sequence
 from functools import lru_cache

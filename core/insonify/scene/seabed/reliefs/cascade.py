@@ -1,7 +1,5 @@
 """A multifractal bed."""
 
-from __future__ import annotations
-
 import math
 from typing import Literal
 

@@ -1,7 +1,5 @@
 """Sand ripples."""
 
-from __future__ import annotations
-
 import math
 from typing import Literal
 

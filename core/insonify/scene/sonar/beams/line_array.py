@@ -1,7 +1,5 @@
 """The beam of a line of transducers."""
 
-from __future__ import annotations
-
 import math
 from typing import Literal
 
