@@ -56,13 +56,7 @@ _watchers: list[Watcher] = []
 
 @contextlib.contextmanager
 def watch_compilation(watcher: Watcher) -> Iterator[None]:
-    """Report the progress of every compilation while the context lasts.
-
-    Parameters
-    ----------
-    watcher : callable
-        Called with a `Compilation`, and with None when its kernel is finished. It must not raise.
-    """
+    """Call ``watcher`` with every `Compilation`, and with None when its kernel is finished, while the context lasts."""
     _watchers.append(watcher)
     try:
         yield

@@ -54,17 +54,7 @@ def has_bodies(arrays: SceneArrays) -> bool:
 
 
 def find_target_sectors(arrays: SceneArrays, poses: Poses, across: int) -> TargetSectors:
-    """Find the azimuths in which the bodies of a scene lie, and how far apart planes across them may be.
-
-    Parameters
-    ----------
-    arrays : SceneArrays
-        With at least one body.
-    poses : Poses
-        n pings.
-    across : int
-        Planes across each body, and across each glint.
-    """
+    """Find the azimuths in which the bodies of a scene lie, and how far apart planes across them may be."""
     outlines = _outlines_of(arrays.solids, arrays.mesh, arrays.reflectivity)
     dx, dy = outlines.x - poses.x[:, None], outlines.y - poses.y[:, None]
     cosine, sine = np.cos(poses.heading)[:, None], np.sin(poses.heading)[:, None]
@@ -117,16 +107,7 @@ def _sectors_over_track(scene: Scene, arrays: SceneArrays, across: int) -> Targe
 
 
 def find_pings_to_divide(fan: AzimuthFan, sectors: TargetSectors, height: Angles) -> NDArray[np.int64]:
-    """Pings of which planes are too wide for a body that lies across them within their reach, in order.
-
-    Parameters
-    ----------
-    fan : AzimuthFan
-    sectors : TargetSectors
-        Of n pings.
-    height : (n,) float64
-        Of the sonar above the lowest bed, m.
-    """
+    """Pings with planes too wide for a body across them within reach, in order, by height above the lowest bed, m."""
     width, step = np.subtract(*_edges(fan)[::-1]), sectors.step
     bodies = np.flatnonzero(step.min(axis=0, initial=math.inf) < width.max())
     if bodies.size == 0 or height.size == 0:

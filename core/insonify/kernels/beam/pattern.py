@@ -330,15 +330,6 @@ def ring_responses(pattern, x, r, out):
 
 @kernel
 def vertical_responses(pattern, elevation, out):
-    """Two-way response of the vertical beam of a level fish at many elevations.
-
-    Parameters
-    ----------
-    pattern : BeamPattern
-    elevation : ndarray of float64, shape (n,)
-        Above the horizontal, rad.
-    out : ndarray of float64, shape (n,)
-        Takes the responses.
-    """
+    """Two-way response of the vertical beam of a level fish at elevations above the horizontal, rad, into an array."""
     for k in range(elevation.size):
         out[k] = vertical_response(pattern, math.cos(elevation[k]), math.sin(elevation[k]))

@@ -20,10 +20,4 @@ class AutocorrelationKind(Kind):
 
     @abstractmethod
     def density(self, variance: float) -> Density:
-        """Spectral density of heights of that variance (m²): P(k) = h² 2π ∫ ρ(r) J₀(kr) r dr (Wiener–Khinchin).
-
-        Raises
-        ------
-        SceneError
-            If no surface can have that autocorrelation, or its file cannot be read.
-        """
+        """Spectral density of heights of that variance (m²): P(k) = h² 2π ∫ ρ(r) J₀(kr) r dr (Wiener–Khinchin)."""
