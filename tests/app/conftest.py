@@ -159,3 +159,13 @@ def open_viewer(
         await_threads(before)
         assert not [t for viewer in viewers for t in viewer.findChildren(QTimer) if t.isActive()]
         viewers.clear()
+
+
+@pytest.fixture
+def viewer(open_viewer: Opener, small: Scene) -> Viewer:
+    return open_viewer(small)
+
+
+@pytest.fixture
+def window(viewer: Viewer) -> Any:
+    return viewer.window

@@ -16,9 +16,8 @@ SIDE = ("parameters", "plan", "record")
 
 
 @pytest.fixture
-def window(open_viewer, small):
+def window(viewer):
     """Window in which every panel was opened, and every section of the parameters unfolded."""
-    viewer = open_viewer(small)
     opened = viewer.window
     for name in PANELS:
         opened.open_panel(name)
@@ -193,8 +192,7 @@ def test_large_text_has_room(open_viewer, small, qapp):
 @pytest.mark.usefixtures("_large_text")
 @pytest.mark.parametrize("panel", ["lessons", None])
 @pytest.mark.parametrize(("width", "height"), [(900, 540), (1920, 1000)])
-def test_large_text_fits_a_window(width, height, panel, open_viewer, small, qtbot):
-    viewer = open_viewer(small)
+def test_large_text_fits_a_window(width, height, panel, viewer, qtbot):
     window = viewer.window
     if panel is not None:
         window.open_panel(panel)

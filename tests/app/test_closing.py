@@ -31,8 +31,7 @@ def test_a_closed_view_names_nothing_that_qt_deletes_with_the_window(open_viewer
     assert kept._surface is None
 
 
-def test_no_worker_collects_what_belongs_to_a_window(open_viewer, small, qtbot):
-    viewer = open_viewer(small)
+def test_no_worker_collects_what_belongs_to_a_window(viewer, qtbot):
     part, ends, done = QObject(), [], []
     part.itself = part
     part.destroyed.connect(lambda: ends.append(threading.current_thread()), Qt.ConnectionType.DirectConnection)
@@ -91,8 +90,7 @@ def test_a_window_closes_during_work_beside_it_at_once(open_viewer, small, busy)
     going.set()
 
 
-def test_beds_share_one_texture(open_viewer, small, qtbot):
-    viewer = open_viewer(small)
+def test_beds_share_one_texture(viewer, qtbot):
     view = viewer.seabed.view
     texture, before = view._bed_actor.texture, view.grab().toImage()
     viewer.session.settle({"track.start": [500.0, 0.0], "seabed.material.name": "rock"})
@@ -117,8 +115,7 @@ def test_windows_are_opened_and_drawn_with_garbage_in_one_place(small, qapp, mon
     assert gc.isenabled()
 
 
-def test_what_a_thread_has_found_when_qt_has_ended_is_dropped(open_viewer, small):
-    viewer = open_viewer(small)
+def test_what_a_thread_has_found_when_qt_has_ended_is_dropped(viewer):
     viewer.window.close()
     later = viewer.simulator.executor.call_later
     delete(viewer.simulator.executor)

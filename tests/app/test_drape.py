@@ -49,8 +49,7 @@ def test_a_record_narrower_than_a_pixel_of_the_bed_leaves_it_as_it_is(small):
     np.testing.assert_array_equal(drape_record(bed, (0.0, 0.0), 90.0, strip), bed)
 
 
-def test_the_option_lays_the_record_over_the_bed_and_takes_it_off(open_viewer, small, qtbot):
-    viewer = open_viewer(small)
+def test_the_option_lays_the_record_over_the_bed_and_takes_it_off(viewer, qtbot):
     shown = []
     show = viewer.seabed.view.show_texture
     viewer.seabed.view.show_texture = lambda image: (shown.append(image.copy()), show(image))
@@ -62,8 +61,7 @@ def test_the_option_lays_the_record_over_the_bed_and_takes_it_off(open_viewer, s
     assert (shown[1] == viewer.seabed._patch.image).all()
 
 
-def test_the_record_stays_over_the_bed_when_the_window_of_the_bed_moves(open_viewer, small, qtbot):
-    viewer = open_viewer(small)
+def test_the_record_stays_over_the_bed_when_the_window_of_the_bed_moves(viewer, qtbot):
     seabed, bare = viewer.seabed, []
     viewer.session.show(draped=True)
     qtbot.waitUntil(lambda: seabed.complete)

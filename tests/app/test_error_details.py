@@ -23,8 +23,7 @@ def copied(viewer) -> str:
     return QGuiApplication.clipboard().text()
 
 
-def test_a_mistake_is_copied_with_versions_scene_and_what_was_said(open_viewer, small):
-    viewer = open_viewer(small)
+def test_a_mistake_is_copied_with_versions_scene_and_what_was_said(viewer):
     status = viewer.window.status
     viewer.window.say("a sentence before")
     assert not status.copy.isVisible()
@@ -42,8 +41,7 @@ def test_a_mistake_is_copied_with_versions_scene_and_what_was_said(open_viewer, 
     assert not status.copy.isVisible()
 
 
-def test_the_button_is_reached_by_the_keyboard(open_viewer, small):
-    viewer = open_viewer(small)
+def test_the_button_is_reached_by_the_keyboard(viewer):
     viewer.window.complain(SceneError("track.pings: 0 is too few; give at least 1"))
     button = viewer.window.status.copy
     button.setFocus()
@@ -67,9 +65,7 @@ def test_a_fault_of_the_core_is_copied_with_its_traceback(open_viewer, small, qt
     assert "in intensity" in text
 
 
-def test_a_fault_in_a_slot_is_one_sentence_and_the_window_lives(open_viewer, small, qtbot):
-    viewer = open_viewer(small)
-
+def test_a_fault_in_a_slot_is_one_sentence_and_the_window_lives(viewer, qtbot):
     def fail():
         raise KeyError("no such thing")
 
@@ -83,9 +79,7 @@ def test_a_fault_in_a_slot_is_one_sentence_and_the_window_lives(open_viewer, sma
     qtbot.waitUntil(lambda: viewer.complete)
 
 
-def test_a_file_that_is_damaged_while_it_is_shown_is_no_fault_of_the_program(open_viewer, small, qtbot):
-    viewer = open_viewer(small)
-
+def test_a_file_that_is_damaged_while_it_is_shown_is_no_fault_of_the_program(viewer, qtbot):
     def fail():
         raise SceneError("tow.csv: has no rows; export it again")
 
@@ -95,8 +89,7 @@ def test_a_file_that_is_damaged_while_it_is_shown_is_no_fault_of_the_program(ope
     assert not printed
 
 
-def test_a_fault_in_a_thread_beside_the_window_is_told_once(open_viewer, small, qtbot):
-    viewer = open_viewer(small)
+def test_a_fault_in_a_thread_beside_the_window_is_told_once(viewer, qtbot):
     received = []
 
     def fail():
@@ -119,9 +112,7 @@ def test_a_fault_in_a_thread_beside_the_window_is_told_once(open_viewer, small, 
         assert "in fail" in copied(viewer)
 
 
-def test_a_fault_of_an_explanation_is_told(open_viewer, small, qtbot, monkeypatch):
-    viewer = open_viewer(small)
-
+def test_a_fault_of_an_explanation_is_told(viewer, qtbot, monkeypatch):
     def fail(*_):
         int(float("nan"))
 
@@ -133,8 +124,7 @@ def test_a_fault_of_an_explanation_is_told(open_viewer, small, qtbot, monkeypatc
     assert "in fail" in copied(viewer)
 
 
-def test_a_job_that_failed_offers_its_details(open_viewer, small, qtbot, tmp_path):
-    viewer = open_viewer(small)
+def test_a_job_that_failed_offers_its_details(viewer, qtbot, tmp_path):
     viewer.window.open_panel("jobs")
     panel = viewer.panels["jobs"]
     panel.write_record(tmp_path / "nowhere" / "record.nc")
@@ -147,8 +137,7 @@ def test_a_job_that_failed_offers_its_details(open_viewer, small, qtbot, tmp_pat
     assert QGuiApplication.clipboard().text().startswith(row.words.text())
 
 
-def test_a_command_that_crashes_leaves_its_traceback(open_viewer, small, qtbot):
-    viewer = open_viewer(small)
+def test_a_command_that_crashes_leaves_its_traceback(viewer, qtbot):
     job = viewer.jobs.begin("crash", ["render", "--display", "palette=none-such"], Path("none.png"))
     qtbot.waitUntil(lambda: not job.running, timeout=60_000)
     assert job.sentence

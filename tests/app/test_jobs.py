@@ -65,8 +65,7 @@ def test_a_command_imports_nothing_of_the_current_folder(monkeypatch, qtbot, tmp
     assert (job.state, traces(tmp_path)) == (State.DONE, set())
 
 
-def test_a_record_is_modelled_as_in_the_window(open_viewer, small, qtbot, tmp_path):
-    viewer = open_viewer(small)
+def test_a_record_is_modelled_as_in_the_window(viewer, small, qtbot, tmp_path):
     viewer.session.model(viewer.session.modelling.forcing("planes", "2").tolerating(0.2))
     job = viewer.jobs.write_record(viewer.session, tmp_path / "record.nc")
     qtbot.waitUntil(lambda: not job.running, timeout=PATIENCE)

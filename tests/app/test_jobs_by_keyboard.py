@@ -78,8 +78,7 @@ def test_a_record_is_begun_followed_and_stopped(open_viewer, endless_work, qtbot
     assert not view.isVisible()
 
 
-def test_keys_go_from_job_to_job_in_the_order_in_which_they_stand(open_viewer, small, qtbot):
-    viewer = open_viewer(small)
+def test_keys_go_from_job_to_job_in_the_order_in_which_they_stand(viewer, qtbot):
     view = jobs_of(viewer)
     activate(view, qtbot)
     for title in ("first", "second", "third"):
@@ -103,8 +102,7 @@ def test_keys_go_from_job_to_job_in_the_order_in_which_they_stand(open_viewer, s
     qtbot.waitUntil(lambda: not viewer.jobs.running, timeout=10_000)
 
 
-def test_the_bar_of_the_window_opens_the_list_and_stops_the_newest(open_viewer, small, qtbot):
-    viewer = open_viewer(small)
+def test_the_bar_of_the_window_opens_the_list_and_stops_the_newest(viewer, qtbot):
     activate(viewer.window, qtbot)
     older, newer = begin_waiting(viewer, "older"), begin_waiting(viewer, "newer")
     bar = viewer.window.jobs

@@ -57,8 +57,7 @@ def is_silent(widget: QWidget) -> bool:
 
 
 @pytest.mark.parametrize("name", ["chart", "jobs"])
-def test_tab_reaches_every_control_of_a_window(name, open_viewer, small, qtbot):
-    viewer = open_viewer(small)
+def test_tab_reaches_every_control_of_a_window(name, viewer, qtbot):
     viewer.window.open_panel(name)
     window = viewer.panels[name].widget
     activate(window, qtbot)
@@ -84,8 +83,7 @@ def test_tab_reaches_every_control_of_a_dialog(name, open_viewer, small, qtbot):
 
 
 @pytest.mark.parametrize("name", ["water", "lessons", "pixel", "comparison"])
-def test_tab_reaches_every_control_of_an_opened_panel(name, open_viewer, small, qtbot):
-    viewer = open_viewer(small)
+def test_tab_reaches_every_control_of_an_opened_panel(name, viewer, qtbot):
     activate(viewer.window, qtbot)
     viewer.window.open_panel(name)
     qtbot.waitUntil(viewer.panels[name].widget.isVisible)
@@ -93,8 +91,7 @@ def test_tab_reaches_every_control_of_an_opened_panel(name, open_viewer, small, 
     assert [place_of(child) for child in wanted - reached] == []
 
 
-def test_tab_reaches_the_buttons_of_contacts(open_viewer, small, qtbot):
-    viewer = open_viewer(small)
+def test_tab_reaches_the_buttons_of_contacts(viewer, qtbot):
     activate(viewer.window, qtbot)
     viewer.window.open_panel("record")
     contacts = viewer.panels["record"].view.contacts

@@ -95,8 +95,7 @@ def test_the_arrow_of_a_list_stands_clear_of_its_edge(theme, scale, qtbot, qapp)
     assert len(ink) - 1 - drawn[-1] >= 1
 
 
-def test_the_window_fits_half_a_screen(open_viewer, small, qtbot):
-    viewer = open_viewer(small)
+def test_the_window_fits_half_a_screen(viewer, qtbot):
     window = viewer.window
     assert window.minimumSizeHint().width() <= 800
     window.resize(800, 450)
@@ -157,8 +156,7 @@ def default():
 
 @pytest.mark.parametrize("width", [780, 900, 1000, 1600])
 @pytest.mark.parametrize("panel", ["lessons", None])
-def test_panels_at_both_sides_stay_within_the_window(width, panel, open_viewer, small, qtbot):
-    viewer = open_viewer(small)
+def test_panels_at_both_sides_stay_within_the_window(width, panel, viewer, qtbot):
     window = viewer.window
     window.resize(width, 540)
     if panel is not None:
@@ -180,8 +178,7 @@ def test_panels_at_both_sides_stay_within_the_window(width, panel, open_viewer, 
 
 
 @pytest.mark.parametrize("size", [(1280, 800), (1600, 1000)])
-def test_record_and_seabed_keep_room_beside_a_lesson_and_rays(size, open_viewer, small, qtbot):
-    viewer = open_viewer(small)
+def test_record_and_seabed_keep_room_beside_a_lesson_and_rays(size, viewer, qtbot):
     window = viewer.window
     window.resize(*size)
     for panel in ("lessons", "water"):
@@ -197,8 +194,7 @@ def test_record_and_seabed_keep_room_beside_a_lesson_and_rays(size, open_viewer,
     qtbot.waitUntil(lambda: places[1].mapTo(window, QPoint(0, 0)).x() < (views.x() if size[0] > 1500 else size[0]))
 
 
-def test_the_window_lies_on_its_screen_with_its_frame(open_viewer, small, monkeypatch):
-    window = open_viewer(small).window
+def test_the_window_lies_on_its_screen_with_its_frame(window, monkeypatch):
     room = window.screen().availableGeometry()
     monkeypatch.setattr(window, "frameGeometry", lambda: window.geometry().adjusted(-4, -30, 4, 4))
     window.resize(room.size())

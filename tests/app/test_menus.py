@@ -25,8 +25,7 @@ def activate(window: QWidget, qtbot):
     qtbot.waitUntil(window.isActiveWindow)
 
 
-def test_every_tool_stands_in_a_menu(open_viewer, small):
-    window = open_viewer(small).window
+def test_every_tool_stands_in_a_menu(window):
     menus = [action.menu() for action in window.menuBar().actions()]
     assert [menu.title().replace("&", "") for menu in menus] == ["File", "Edit", "View", "Record", "Tools", "Help"]
     listed = {action for menu in menus for action in entries(menu)}
@@ -36,15 +35,13 @@ def test_every_tool_stands_in_a_menu(open_viewer, small):
     assert all(menu.actions() for menu in menus)
 
 
-def test_no_key_stands_for_two_commands(open_viewer, small):
-    window = open_viewer(small).window
+def test_no_key_stands_for_two_commands(window):
     keys = Counter(action.shortcut().toString() for action in window.findChildren(QAction) if not action.menu())
     del keys[""]
     assert [key for key, times in keys.items() if times > 1] == []
 
 
-def test_tools_fit_900_px(open_viewer, small, qtbot):
-    window = open_viewer(small).window
+def test_tools_fit_900_px(window, qtbot):
     bar = window.findChild(QToolBar)
     assert bar.sizeHint().width() <= 900
     window.resize(900, 540)
@@ -52,15 +49,13 @@ def test_tools_fit_900_px(open_viewer, small, qtbot):
     assert not window.findChild(QToolButton, "qt_toolbar_ext_button").isVisible()
 
 
-def test_a_key_of_a_command_in_a_menu_works(open_viewer, small, qtbot):
-    window = open_viewer(small).window
+def test_a_key_of_a_command_in_a_menu_works(window, qtbot):
     activate(window, qtbot)
     qtbot.keyClick(window, Qt.Key.Key_L, Qt.KeyboardModifier.ControlModifier)
     qtbot.waitUntil(lambda: window.panel_widget("lessons").isVisible())
 
 
-def test_keys_are_listed(open_viewer, small, qtbot):
-    window = open_viewer(small).window
+def test_keys_are_listed(window, qtbot):
     activate(window, qtbot)
     qtbot.keyClick(window, "?")
     qtbot.waitUntil(lambda: window.findChild(KeysDialog) is not None)
@@ -70,8 +65,7 @@ def test_keys_are_listed(open_viewer, small, qtbot):
     assert others <= pairs
 
 
-def test_every_key_that_is_made_is_listed(open_viewer, small, qtbot):
-    viewer = open_viewer(small)
+def test_every_key_that_is_made_is_listed(viewer, qtbot):
     window = viewer.window
     for name in viewer.panels:
         window.open_panel(name)
@@ -94,8 +88,7 @@ def listed_keys(dialog: KeysDialog) -> set[tuple[str, str]]:
     return {(row.text(0), row.text(1)) for row in rows}
 
 
-def test_about_is_copied(open_viewer, small, qtbot):
-    window = open_viewer(small).window
+def test_about_is_copied(window, qtbot):
     next(action for action in window.menus.help.actions() if action.text().startswith("About")).trigger()
     qtbot.mouseClick(window.findChild(AboutDialog).copy, Qt.MouseButton.LeftButton)
     copied = QGuiApplication.clipboard().text()

@@ -56,8 +56,7 @@ def test_what_stays_is_the_same_object_and_a_choice_or_missing_part_is_told():
     assert follow_values(edit(scene, {"targets": []}), sections) is None
 
 
-def test_the_number_and_the_marks_follow_a_slider_that_is_held(open_viewer, small, qtbot):
-    viewer = open_viewer(small)
+def test_the_number_and_the_marks_follow_a_slider_that_is_held(viewer, small, qtbot):
     view = viewer.panels["parameters"].view
     row = view.row("track.altitude")
     row.slider.setSliderDown(True)

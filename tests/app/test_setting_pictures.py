@@ -74,8 +74,7 @@ def test_curves_follow_the_scene(open_viewer, small, qtbot, monkeypatch):
     assert threading.main_thread() not in threads, "painting computes nothing"
 
 
-def test_what_has_no_curve_takes_no_room(open_viewer, small):
-    viewer = open_viewer(small)
+def test_what_has_no_curve_takes_no_room(viewer):
     changes = {"sonar.beam": {"kind": "knife"}, "sonar.pulse": {"kind": "ideal"}, "seabed.material.diffuse": 0.2}
     assert viewer.session.settle(changes)
     assert not [one for one in pictures_in(viewer, CurvesPicture) if one.isVisible()]
