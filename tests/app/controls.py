@@ -1,5 +1,7 @@
 """Controls of a window, as the person and assistive technology meet them."""
 
+from typing import Any
+
 from PySide6.QtCore import Qt
 from PySide6.QtGui import QAccessible
 from PySide6.QtWidgets import (
@@ -39,6 +41,13 @@ def is_control(widget: QWidget) -> bool:
     if any(isinstance(parent, WHOLE) for parent in _parents(widget)):
         return False
     return not widget.objectName().startswith(("qt_", "ScrollLeft", "ScrollRight"))
+
+
+def activate(window: QWidget, qtbot: Any) -> None:
+    """Give a window the keyboard, also where no window manager does."""
+    window.windowHandle().requestActivate()
+    window.activateWindow()
+    qtbot.waitUntil(window.isActiveWindow)
 
 
 def bring_to_front(window: MainWindow, panel: str) -> None:

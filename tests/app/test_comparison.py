@@ -2,13 +2,12 @@
 
 import numpy as np
 import pytest
-from controls import bring_to_front
+from controls import activate, bring_to_front
 from PIL import Image
 from PySide6.QtCore import QPoint, QRect, Qt
 from PySide6.QtGui import QImage
 from PySide6.QtTest import QTest
 from PySide6.QtWidgets import QAbstractButton, QAbstractSlider, QApplication, QComboBox, QLineEdit, QListWidget, QTabBar
-from test_menus import activate
 
 from insonify.cli import main
 from insonify.scene import edit, load_partner, load_scene

@@ -1,9 +1,9 @@
 """The tour of the window: five steps, each beside its part, left at any time."""
 
 import pytest
+from controls import activate
 from PySide6.QtCore import QRect, Qt
 from PySide6.QtWidgets import QApplication
-from test_menus import activate
 
 from insonify_viewer import application
 from insonify_viewer.window.settings import Settings

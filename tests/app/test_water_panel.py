@@ -3,10 +3,10 @@
 from typing import Any
 
 import pytest
+from controls import activate
 from PySide6.QtCore import QPoint, Qt
 from PySide6.QtTest import QTest
 from PySide6.QtWidgets import QApplication, QFileDialog
-from test_menus import activate
 
 from insonify.scene import edit
 from insonify_viewer.state.session import Session
