@@ -4,23 +4,12 @@ import shutil
 
 import numpy as np
 import pytest
-from PySide6.QtCore import QMimeData, QPoint, QPointF, Qt, QUrl
-from PySide6.QtGui import QDragEnterEvent, QDropEvent
-from PySide6.QtWidgets import QApplication, QFileDialog, QMessageBox
+from controls import drop
+from PySide6.QtWidgets import QFileDialog, QMessageBox
 
 from insonify.scene import bundled_meshes, bundled_scenes, edit, scene_to_toml
 from insonify_viewer.state.contacts import Contact, write_contacts
 from insonify_viewer.window.settings import RECENT, Settings
-
-
-def drop(window, *paths):
-    data = QMimeData()
-    data.setUrls([QUrl.fromLocalFile(str(path)) for path in paths])
-    buttons, none = Qt.MouseButton.LeftButton, Qt.KeyboardModifier.NoModifier
-    enter = QDragEnterEvent(QPoint(300, 300), Qt.DropAction.CopyAction, data, buttons, none)
-    QApplication.sendEvent(window, enter)
-    assert enter.isAccepted()
-    QApplication.sendEvent(window, QDropEvent(QPointF(300, 300), Qt.DropAction.CopyAction, data, buttons, none))
 
 
 def test_a_scene_is_dropped(open_viewer, small, tmp_path):
