@@ -91,10 +91,8 @@ def _private_bytes() -> int | None:
 
 @contextlib.contextmanager
 def interrupts_blocked() -> Iterator[None]:
-    """Block interrupts within; threads and processes that are started within never receive any. Not on Windows.
-
-    A terminal sends Ctrl-C to the driver and to the workers; the driver ends the workers.
-    """
+    """Block interrupts within; threads and processes that are started within never receive any. Not on Windows."""
+    # A terminal sends Ctrl-C to the driver and to the workers; the driver ends the workers.
     if sys.platform == "win32":
         yield
         return

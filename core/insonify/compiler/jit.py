@@ -86,10 +86,8 @@ def inlined_ieee(function: Function) -> Function:
 
 
 def inlined_before_typing(function: Function) -> Function:
-    """Write a small function out in each of its callers before types are inferred.
-
-    The per-cell loops of rays run faster so; types are inferred anew in every caller, which takes longer to compile.
-    """
+    """Write a small function out in each of its callers before types are inferred."""
+    # The per-cell loops of rays run faster so; types are inferred anew in every caller, which takes longer to compile.
     return njit(**COMMON, fastmath=FAST, inline="always")(function)
 
 

@@ -33,10 +33,8 @@ class Compilation(NamedTuple):
 
     @property
     def by_now(self) -> Compilation:
-        """Progress at present, as predicted by the last report.
-
-        The longest step comes last, when a kernel is optimised as a whole: nothing is reported meanwhile.
-        """
+        """Progress at present, as predicted by the last report."""
+        # The longest step comes last, when a kernel is optimised as a whole: nothing is reported meanwhile.
         if self.seconds_left is None:
             return self
         passed = min(max(time.monotonic() - self.reported, 0.0) / self.seconds_left, NEARLY)

@@ -27,10 +27,8 @@ class RangeAxis(NamedTuple):
         return self.kind == SLANT
 
     def bins_at(self, distance: Values, altitude: Values) -> Values:
-        """Position in bins, from 0 at the sonar to ``bins``, of distances under a sonar at altitudes.
-
-        An altitude below 0, as in damaged recordings, gives no bin before the first.
-        """
+        """Position in bins, from 0 at the sonar to ``bins``, of distances under a sonar at altitudes."""
+        # An altitude below 0, as in damaged recordings, gives no bin before the first.
         if self.kind == GROUND:
             slant = np.hypot(distance, altitude)
         else:

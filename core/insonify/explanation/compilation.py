@@ -12,10 +12,8 @@ SIDES = (0, 1)
 
 
 def compile_explanations(simulation: Simulation) -> None:
-    """Explain and label a few pixels of a simulation, so that all kernels for it are compiled.
-
-    Kernels of targets are compiled at the first ping that crosses one: the pixels lie on pings abeam of targets too.
-    """
+    """Explain and label a few pixels of a simulation, so that all kernels for it are compiled."""
+    # Kernels of targets are compiled at the first ping that crosses one: the pixels lie on pings abeam of targets too.
     scene = simulation.scene
     pings = _pings_abeam(simulation)
     for ping in pings:

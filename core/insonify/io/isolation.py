@@ -35,10 +35,8 @@ _child: ChildProcess | None = None
 
 
 def run_isolated(read: Callable[[str], Result], path: str) -> Result:
-    """Call a reader in another process.
-
-    The process is kept for later calls. To be called within `guarded`, one at a time.
-    """
+    """Call a reader in another process."""
+    # The process is kept for later calls. To be called within `guarded`, one at a time.
     path = os.path.abspath(path)
     if not sys.executable:  # Python is embedded in another program
         return read(path)

@@ -129,10 +129,8 @@ def find_too_wide(fan: AzimuthFan, sectors: TargetSectors, pings: slice, height:
 
 
 def divide_at_targets(fan: AzimuthFan, sectors: TargetSectors, ping: int, height: Angles, across: int) -> AzimuthFan:
-    """Divide the planes of a fan that are too wide for the targets of one ping.
-
-    Across a body the parts are alike whatever the planes were: a glint is summed to a high order only by equal steps.
-    """
+    """Divide the planes of a fan that are too wide for the targets of one ping."""
+    # Across a body the parts are alike whatever the planes were: a glint is summed to a high order only by equal steps.
     needs = find_too_wide(fan, sectors, slice(ping, ping + 1), height)[0]
     low, high = _edges(fan)
     a, b, step = (column[ping, needs.any(axis=0)] for column in sectors[:3])

@@ -85,11 +85,9 @@ def name_rays(arrays: SceneArrays) -> str:
 def trace_exact_rays(
     arrays: SceneArrays, poses: Poses, count: int, report: Callable[[], None] = lambda: None
 ) -> Record:
-    """Trace with a number of exact rays per side, pings in parallel.
-
-    First echoes are traced in ray sheets, echoes by way of the sea surface ray by ray, and a scene with bounces ray by
-    ray altogether. ``report`` is called after every ping and may raise to stop.
-    """
+    """Trace with a number of exact rays per side, pings in parallel."""
+    # First echoes are traced in ray sheets, echoes by way of the sea surface ray by ray, and a scene with bounces ray
+    # by ray altogether. ``report`` is called after every ping and may raise to stop.
     first = arrays._replace(multipath=no_surface_multipath())
 
     def single(pose: Poses) -> Record:

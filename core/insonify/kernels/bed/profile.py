@@ -44,10 +44,8 @@ class Profile(NamedTuple):
 
 @inlined_uncounted
 def list_marked(marks, segments, indices):
-    """List the indices of marked segments and return their number; a word of marks beyond the segments is cleared.
-
-    Few segments are marked, so that whole words of marks are tested at once.
-    """
+    """List the indices of marked segments and return their number; a word of marks beyond the segments is cleared."""
+    # Few segments are marked, so that whole words of marks are tested at once.
     marks[segments : segments + WORD] = False
     words, n = marks[: (segments + WORD - 1) // WORD * WORD].view(np.int64), 0
     for word in range(words.size):

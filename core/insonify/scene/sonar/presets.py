@@ -12,10 +12,8 @@ OF_RECEIVER = ("receiver.source_level", "receiver.recorder.bits")  # fields of a
 
 
 def with_preset(values: Any) -> Any:
-    """Return raw values of a scene with what the preset of its sonar declares and the scene does not.
-
-    A bare name stands for ``{ preset = name }``; ``"none"`` is no preset. A preset pings as fast as the range allows.
-    """
+    """Return raw values of a scene with what the preset of its sonar declares and the scene does not."""
+    # A bare name stands for ``{ preset = name }``; ``"none"`` is no preset. A preset pings as fast as the range allows.
     sonar = values.get("sonar") if isinstance(values, dict) else None
     if isinstance(sonar, str):
         sonar = {"preset": sonar}
