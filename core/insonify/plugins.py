@@ -20,7 +20,4 @@ def announced(group: str) -> Iterable[EntryPoint]:
     return found
 
 
-@cache
-def _entry_points() -> Any:
-    """All entry points, looked up once: it takes 2 ms, and every family of kinds needs them."""
-    return entry_points()
+_entry_points: Any = cache(entry_points)  # looked up once: it takes 2 ms, and every family of kinds needs them

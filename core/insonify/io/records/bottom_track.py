@@ -45,16 +45,11 @@ def track_bottom(intensity: NDArray[np.float32], bin_length: float) -> NDArray[n
     # plus a cost for every change from ping to ping (dynamic programming), so that an object in the water column, the
     # transmitted pulse, or a shadow at nadir does not displace it.
     width = max(round(BEHIND * intensity.shape[2]), 1)
-    edges = _steadiest(_scores(intensity, width), intensity.shape[1])
+    groups = (intensity[:, first : first + GROUP] for first in range(0, intensity.shape[1], GROUP))  # one in memory
+    edges = _steadiest((score for group in groups for score in _score(_kinds(group), width)), intensity.shape[1])
     if not np.median(_contrast(intensity, edges, width)) >= FAINT:
         return np.full(len(edges), np.nan)
     return np.asarray(bin_length * (edges + 0.5), dtype=np.float64)
-
-
-def _scores(intensity: NDArray[np.float32], width: int) -> Iterator[NDArray[np.float64]]:
-    """Yield the scores of successive pings, (bins - width + 1,) each, in the memory of a group of pings."""
-    for first in range(0, intensity.shape[1], GROUP):
-        yield from _score(_kinds(intensity[:, first : first + GROUP]), width)
 
 
 def _kinds(intensity: NDArray[np.float32]) -> NDArray[np.float64]:
