@@ -1,7 +1,5 @@
 """The lessons' panel in a window: steps are noticed, fields are lit, and scenes follow."""
 
-from __future__ import annotations
-
 from typing import Any
 
 import pytest

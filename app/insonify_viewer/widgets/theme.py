@@ -1,7 +1,5 @@
 """Colours and style sheet of the window, dark or light, and the scale of its text."""
 
-from __future__ import annotations
-
 from enum import Enum
 
 from PySide6.QtCore import Qt
