@@ -261,7 +261,7 @@ def test_a_set_of_chips_is_made_by_the_command(tmp_path):
 def test_loaders_of_the_documentation_load_a_set(tmp_path, library):
     pytest.importorskip(library)
     text = Path(__file__).parents[3].joinpath("docs/howto/data-sets.md").read_text(encoding="utf-8")
-    blocks = dict(re.findall(r'```python title="(.+?)"\n(.+?)```', text, re.DOTALL))
+    blocks = dict(re.findall(r'```py title="(.+?)"\n(.+?)```', text, re.DOTALL))
     lines = []
     for number, (split, shows) in enumerate([("train", "ship"), ("train", None), ("test", "ship")]):
         Image.new("L", (20, 30 + number), 51).save(tmp_path / f"{number}.png")
