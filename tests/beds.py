@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from insonify.kernels.common.range_bins import average_over_bins
+from insonify.kernels.common.range_bins import mean_over_centre
 from insonify.kernels.common.types import (
     EVERY_GRAZING,
     FRUSTUM,
@@ -218,7 +218,7 @@ def arrays_of(
         limits=make_limits(reflectivity, pattern or plain_pattern(), bin_length),
         bins=bins,
         bin_length=bin_length,
-        range_factor=average_over_bins(centres**-decay.spreading, decay),
+        range_factor=centres**-decay.spreading * mean_over_centre(bins, decay),
         range_decay=decay,
     )
 

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from insonify.acoustics.beam_patterns import make_pattern
 from insonify.acoustics.sea_surface import make_surface_multipath
 from insonify.acoustics.water import absorption_coefficient, make_water, recording_speed
-from insonify.kernels.common.range_bins import average_over_bins
+from insonify.kernels.common.range_bins import mean_over_centre
 from insonify.kernels.common.types import (
     EVERY_GRAZING,
     LIGHT,
@@ -62,7 +62,7 @@ def pack_scene(scene: Scene, ground: AnyGround) -> SceneArrays:
         pattern=pattern,
         bins=sonar.bins,
         bin_length=bin_length,
-        range_factor=average_over_bins(range_factor(scene, centres, depth), decay),
+        range_factor=range_factor(scene, centres, depth) * mean_over_centre(sonar.bins, decay),
         range_decay=decay,
         limits=make_limits(ground.reflectivities, pattern, bin_length),
         bounces=sonar.bounces,

@@ -7,7 +7,7 @@ from insonify.kernels.common.range_bins import (
     FIXED_POINT,
     RangeBins,
     accumulate_bins,
-    average_over_bins,
+    mean_over_centre,
     range_weight,
     spread_energy,
     step_density,
@@ -43,14 +43,14 @@ def test_energy_goes_where_the_piece_lies():
 @pytest.mark.parametrize("loss", [0.0, 0.05])
 def test_an_energy_is_weighed_by_its_own_range_and_not_by_that_of_its_bin(near, far, loss):
     decay = RangeDecay(4.0, loss)
-    centres, out = np.arange(20) + 0.5, spread_over([(near, far, 1.0)], decay=decay).astype(float)
-    out *= average_over_bins(centres**-4.0 * np.exp(-loss * centres), decay)
+    centres = np.arange(20) + 0.5
+    mean = centres**-4.0 * np.exp(-loss * centres) * mean_over_centre(20, decay)
+    out = spread_over([(near, far, 1.0)], decay=decay) * mean
     r = near + (far - near) * (np.arange(10000) + 0.5) / 10000
     exact = np.bincount(r.astype(int), r**-4.0 * np.exp(-loss * r) / r.size, 20)
     np.testing.assert_allclose(out, exact, rtol=0.03, atol=0.01 * exact.max())  # half as much as the second order
     single = [range_weight(decay, k, place, 0.0) for k, place in zip(r.astype(int), r)]
-    by_rays = np.bincount(r.astype(int), single, 20) * average_over_bins(centres**-4.0 * np.exp(-loss * centres), decay)
-    np.testing.assert_allclose(by_rays / r.size, exact, rtol=2e-3)
+    np.testing.assert_allclose(np.bincount(r.astype(int), single, 20) / r.size * mean, exact, rtol=2e-3)
 
 
 @pytest.mark.parametrize("length", [1e-5, 2e-6, 1.1e-6])

@@ -32,10 +32,10 @@ class RangeBins(NamedTuple):
     decay: RangeDecay
 
 
-def average_over_bins(factor: NDArray[np.float64], decay: RangeDecay) -> NDArray[np.float64]:
-    """Mean of the range factor over each bin, from its values at the centres of the bins, (bins,) each."""
-    found = np.minimum(decay.spreading / (np.arange(factor.size) + 0.5) + decay.loss, MOST_DECAY)
-    return factor * (1.0 + MEAN_SQUARE * found**2)
+def mean_over_centre(bins: int, decay: RangeDecay) -> NDArray[np.float64]:
+    """Mean of the range factor over each bin, over its value at the centre of the bin, (bins,)."""
+    found = np.minimum(decay.spreading / (np.arange(bins) + 0.5) + decay.loss, MOST_DECAY)
+    return 1.0 + MEAN_SQUARE * found**2
 
 
 @inlined
