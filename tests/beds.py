@@ -1,7 +1,5 @@
 """Small scenes for tests, packed for the kernels straight from arrays."""
 
-from __future__ import annotations
-
 import itertools
 import math
 from collections.abc import Sequence

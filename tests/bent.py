@@ -1,7 +1,5 @@
 """Sound through layered water by brute force, in one plane: fine fans of rays, each followed by tiny steps."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Sequence
 
 import numpy as np

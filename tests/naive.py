@@ -1,7 +1,5 @@
 """Slow, obvious twins of the kernels: plain Python and NumPy, dense sampling instead of geometry."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Sequence
 

@@ -1,7 +1,5 @@
 """Seas for tests over small scenes, and a slow, obvious twin of how their multipath echoes are swept."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable
 

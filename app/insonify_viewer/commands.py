@@ -1,7 +1,5 @@
 """``insonify view``: check for a screen, then open the viewer or draw its window into a picture."""
 
-from __future__ import annotations
-
 import argparse
 import ctypes
 import os

@@ -1,7 +1,5 @@
 """The chart's window: measured on a thread of its own, stopped, picked from, saved."""
 
-from __future__ import annotations
-
 import threading
 from collections.abc import Callable
 
@@ -49,8 +47,7 @@ def a_chart(scene, progress: Callable[[float], None] = lambda share: None) -> Ac
 
 
 @pytest.fixture
-def window(open_viewer, small, qtbot):
-    viewer = open_viewer(small)
+def window(viewer, qtbot):
     viewer.panels["chart"].measure = a_chart
     viewer.panels["plan"].view.chart.click()
     assert viewer.panels["chart"].view.isVisible()

@@ -1,16 +1,13 @@
 """Record A beside the live record: kept, shown by a key, wiped, subtracted, measured, returned to."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
-from controls import bring_to_front
+from controls import activate, bring_to_front
 from PIL import Image
 from PySide6.QtCore import QPoint, QRect, Qt
 from PySide6.QtGui import QImage
 from PySide6.QtTest import QTest
 from PySide6.QtWidgets import QAbstractButton, QAbstractSlider, QApplication, QComboBox, QLineEdit, QListWidget, QTabBar
-from test_menus import activate
 
 from insonify.cli import main
 from insonify.scene import edit, load_partner, load_scene
@@ -374,8 +371,7 @@ def test_a_scene_is_traced_as_a(open_viewer, small, qtbot):
     assert viewer.comparison.a is None
 
 
-def test_without_a_the_keys_say_how_to_keep_one(open_viewer, small):
-    viewer = open_viewer(small)
+def test_without_a_the_keys_say_how_to_keep_one(viewer):
     for key in ("W", "D", "Shift+K"):
         press(viewer, key)
         assert "press K" in viewer.window.status.sentence.text()
@@ -385,8 +381,7 @@ def test_without_a_the_keys_say_how_to_keep_one(open_viewer, small):
     QTest.keyRelease(viewer.window, Qt.Key.Key_X)
 
 
-def test_the_panel_keeps_arranges_and_leaves(open_viewer, small, qtbot):
-    viewer = open_viewer(small)
+def test_the_panel_keeps_arranges_and_leaves(viewer, small, qtbot):
     viewer.window.open_panel("comparison")
     panel = viewer.panels["comparison"].view
     QTest.mouseClick(panel.keep, Qt.MouseButton.LeftButton)
@@ -409,8 +404,7 @@ def test_the_panel_keeps_arranges_and_leaves(open_viewer, small, qtbot):
 
 
 @pytest.mark.parametrize("name", ["figure-2b", "figure-4b", "figure-5-relief", "ghosts"])
-def test_one_action_opens_a_pair(open_viewer, small, qtbot, name):
-    viewer = open_viewer(small)
+def test_one_action_opens_a_pair(viewer, qtbot, name):
     panel = viewer.panels["comparison"].view
     assert not panel.partner.isEnabled()
     panel._pairs_menu.aboutToShow.emit()
@@ -438,8 +432,7 @@ def test_pairs_are_read_before_their_menu_opens(open_viewer, small, qtbot):
     assert len(panel._pairs_menu.actions()) == 4
 
 
-def test_a_scene_without_partner_says_so(open_viewer, small):
-    viewer = open_viewer(small)
+def test_a_scene_without_partner_says_so(viewer, small):
     press(viewer, "P")
     assert "not one of a pair" in viewer.window.status.sentence.text()
     viewer.session.open(edit(small, {"partner": ["no-such-scene"]}))

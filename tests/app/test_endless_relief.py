@@ -1,7 +1,5 @@
 """Heights of endless ground may take a second: the main thread never computes them."""
 
-from __future__ import annotations
-
 import threading
 from typing import Any
 

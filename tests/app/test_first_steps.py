@@ -1,7 +1,5 @@
 """What a person reaches who never saw the window: each within three actions, counted, from the window as it opens."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any

@@ -1,7 +1,5 @@
 """A pixel is clicked and explained; a place in three dimensions is clicked and its pixels light up."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 
 import numpy as np

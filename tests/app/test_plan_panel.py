@@ -1,7 +1,5 @@
 """The plan's panel: what is modelled, what is left out, and what forcing a choice changes."""
 
-from __future__ import annotations
-
 import numpy as np
 
 from insonify.cli import main
@@ -78,8 +76,7 @@ def test_what_cannot_be_done_is_said_and_taken_back(open_viewer, small, qtbot):
     assert "coherent" in viewer.window.status.sentence.text()
 
 
-def test_the_tolerance_is_final_when_it_is_let_go(open_viewer, small, qtbot):
-    viewer = open_viewer(small)
+def test_the_tolerance_is_final_when_it_is_let_go(viewer, qtbot):
     slider = viewer.panels["plan"].view._tolerance.slider
     slider.setSliderDown(True)
     slider.setValue(1000)

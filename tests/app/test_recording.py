@@ -1,17 +1,14 @@
 """A recording is opened beside the simulated record, scrolls, tells where the sonar was, and is measured."""
 
-from __future__ import annotations
-
 from functools import partial
 from pathlib import Path
 
 import numpy as np
 import pytest
-from controls import bring_to_front
-from PySide6.QtCore import QMimeData, QPoint, QPointF, Qt, QUrl
-from PySide6.QtGui import QDragEnterEvent, QDropEvent
+from controls import bring_to_front, drop
+from PySide6.QtCore import QPoint, Qt
 from PySide6.QtTest import QTest
-from PySide6.QtWidgets import QApplication, QFileDialog
+from PySide6.QtWidgets import QFileDialog
 
 from insonify.cli import main
 from insonify.io.records import read_record
@@ -57,18 +54,6 @@ def test_what_a_cut_recording_lacks_is_said_in_the_window(viewer, folder, qtbot,
     with reported_warnings(partial(viewer.simulator.executor.call_later, viewer.window.say)):
         assert open_recording(viewer, cut, qtbot).pings == PINGS - 1
     assert "cut.xtf: ends within the packet at byte" in viewer.window.status.sentence.text()
-
-
-def drop(window, path):
-    """Drop a file on a window as a file manager does."""
-    data = QMimeData()
-    data.setUrls([QUrl.fromLocalFile(str(path))])
-    rest = (Qt.DropAction.CopyAction, data, Qt.MouseButton.LeftButton, Qt.KeyboardModifier.NoModifier)
-    enter, dropped = QDragEnterEvent(QPoint(400, 300), *rest), QDropEvent(QPointF(400, 300), *rest)
-    for event in (enter, dropped):
-        event.ignore()
-        QApplication.sendEvent(window, event)
-        assert event.isAccepted()
 
 
 def test_a_recording_is_shown_beside_the_simulated_record(viewer, folder, qtbot):

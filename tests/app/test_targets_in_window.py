@@ -1,7 +1,5 @@
 """Adding, turning and removing targets in the window."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 from PySide6.QtWidgets import QFileDialog, QToolButton
@@ -56,8 +54,7 @@ def test_targets_keep_apart_from_one_another(open_viewer, small, qtbot):
     assert distances.min() > 7.0
 
 
-def test_a_cross_removes_its_target_alone(open_viewer, small, qtbot):
-    viewer = open_viewer(small)
+def test_a_cross_removes_its_target_alone(viewer, small, qtbot):
     pipe, first, second = small.targets
     assert len(removers(viewer)) == 3
     removers(viewer)[1].click()

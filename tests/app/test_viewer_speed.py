@@ -2,8 +2,6 @@
 
 # ruff: noqa: T201
 
-from __future__ import annotations
-
 import sys
 import time
 from collections.abc import Callable

@@ -1,14 +1,12 @@
 """The water's panel: rays of the current scene, points to drag, eigenrays on a click."""
 
-from __future__ import annotations
-
 from typing import Any
 
 import pytest
+from controls import activate
 from PySide6.QtCore import QPoint, Qt
 from PySide6.QtTest import QTest
 from PySide6.QtWidgets import QApplication, QFileDialog
-from test_menus import activate
 
 from insonify.scene import edit
 from insonify_viewer.state.session import Session
@@ -32,8 +30,7 @@ def colours(widget) -> int:
     return len({picture.pixel(x, y) for x in range(0, picture.width(), 3) for y in range(0, picture.height(), 3)})
 
 
-def test_the_panel_opens_with_layered_water_and_stays_out_of_the_way_without(open_viewer, small, layered, qtbot):
-    viewer = open_viewer(small)
+def test_the_panel_opens_with_layered_water_and_stays_out_of_the_way_without(viewer, layered, qtbot):
     assert not viewer.panels["water"].view.isVisible()
     viewer.session.open(layered)
     wait_for_rays(viewer, qtbot)
@@ -45,8 +42,7 @@ def test_the_panel_opens_with_layered_water_and_stays_out_of_the_way_without(ope
     assert not viewer.panels["water"].view.isVisible()
 
 
-def test_uniform_water_can_be_looked_at_too(open_viewer, small, qtbot):
-    viewer = open_viewer(small)
+def test_uniform_water_can_be_looked_at_too(viewer, qtbot):
     viewer.window._buttons["water"].trigger()
     wait_for_rays(viewer, qtbot)
     assert viewer.panels["water"].complete

@@ -1,7 +1,5 @@
 """Where methods of this kind are known to fail: each test is a trigger and the right behaviour."""
 
-from __future__ import annotations
-
 import ast
 import math
 from pathlib import Path

@@ -5,8 +5,6 @@ Nearer than `ERROR_ALTITUDES` bins have strong echoes near nadir, to which no to
 Theory: docs/theory/error.md.
 """
 
-from __future__ import annotations
-
 import math
 
 import numpy as np
@@ -48,22 +46,18 @@ def flat_bed_curve(
 
 
 def compute_flat_bed_curves(arrays: SceneArrays, poses: Poses) -> NDArray[np.float64]:
-    """Record of a level Lambert bed under every pose, (n, 1, bins) float64.
-
-    A sonar below the mean bed, in a trough, is taken one bin above it.
-    """
+    """Record of a level Lambert bed under every pose, (n, 1, bins) float64."""
+    # A sonar below the mean bed, in a trough, is taken one bin above it.
     altitudes, which = np.unique(np.maximum(poses.z, arrays.bin_length), return_inverse=True)
     curves = np.array([flat_bed_curve(arrays, float(altitude)) for altitude in altitudes])
     return curves.reshape(-1, arrays.bins)[which][:, None, :]
 
 
 def along_track_width(arrays: SceneArrays, x: NDArray[np.float64], r: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Length of the arc of a level bed inside the beam at ground range ``x`` and slant range ``r``, in metres.
-
-    The beam angle φ_b of azimuth φ and grazing angle θ obeys sin φ_b = cos θ sin φ. A top-hat holds all azimuths with
-    |sin φ_b| below the sine of its half width, so all of them near nadir; a pattern weighs them. A knife is 1 m wide by
-    definition.
-    """
+    """Length of the arc of a level bed inside the beam at ground range ``x`` and slant range ``r``, in metres."""
+    # The beam angle φ_b of azimuth φ and grazing angle θ obeys sin φ_b = cos θ sin φ. A top-hat holds all azimuths with
+    # |sin φ_b| below the sine of its half width, so all of them near nadir; a pattern weighs them. A knife is 1 m wide
+    # by definition.
     if arrays.half_width <= 0.0:
         return np.ones_like(x)
     if arrays.pattern.tabulated:

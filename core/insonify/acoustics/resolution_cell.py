@@ -1,7 +1,5 @@
 """The resolution cell of a bin: its width along the track, and the volume of water and area of sea surface in it."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

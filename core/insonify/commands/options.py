@@ -1,7 +1,5 @@
 """Options that the sub-commands share: scene, method, output; progress and printed lines."""
 
-from __future__ import annotations
-
 import argparse
 import math
 import os

@@ -5,8 +5,6 @@ without speckle. Levels are in dB re 1 µPa with a source level, else re the sou
 2010, ch. 6). Theory: docs/theory/speckle.md.
 """
 
-from __future__ import annotations
-
 import csv
 import math
 from collections.abc import Iterator
@@ -105,25 +103,7 @@ class SonarEquation:
 
 
 def solve_sonar_equation(scene: Scene, target_strength: float = -20.0) -> tuple[SonarEquation, SonarEquation]:
-    """Solve the sonar equation of a scene.
-
-    Parameters
-    ----------
-    scene : Scene
-        What there is; its targets and volumes do not count.
-    target_strength : float
-        Of a target that is small against the beam, dB re 1 m².
-
-    Returns
-    -------
-    SonarEquation, SonarEquation
-        Over the record, and over several times its range, without gain.
-
-    Raises
-    ------
-    SceneError
-        For the law of light, which has no levels.
-    """
+    """Solve the sonar equation for a target strength in dB: over the record, and over several times its range."""
     if scene.sonar.law == "light":
         raise SceneError("sonar.law 'light' has no areas and no spreading, hence no sonar equation; use law 'sonar'")
     packed = pack(scene)

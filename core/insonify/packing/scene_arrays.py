@@ -1,7 +1,5 @@
 """A scene as the arrays and numbers that kernels take."""
 
-from __future__ import annotations
-
 import math
 import weakref
 from collections.abc import Iterable, Sequence

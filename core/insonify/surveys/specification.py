@@ -1,7 +1,5 @@
 """Specifications of surveys and data sets, read from TOML files."""
 
-from __future__ import annotations
-
 import hashlib
 import tomllib
 from collections.abc import Mapping
@@ -47,10 +45,8 @@ def _unreadable(name: str, bundled: Mapping[str, Path], fault: str, remedy: str)
 
 
 def contents_of(specification: BaseModel, base: Scene) -> list[Any]:
-    """List all that a survey or a data set depends on: specification, base scene, content of files, version.
-
-    Where the files are does not count, so that a folder of all of them can be moved.
-    """
+    """List all that a survey or a data set depends on: specification, base scene, content of files, version."""
+    # Where the files are does not count, so that a folder of all of them can be moved.
     values = specification.model_dump(mode="json", exclude={"base"})
     return [changed_paths(values, _content), changed_paths(plain(base), _content), version("insonify")]
 

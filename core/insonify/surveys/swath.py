@@ -40,10 +40,8 @@ class Swath:
         return float(np.median(steps)) if steps.size else 0.0
 
     def energy(self, ping: int, ground_range: NDArray[np.float64]) -> NDArray[np.float64]:
-        """Energy that a ping hears at ground ranges on both sides, (2, n); NaN beyond its last bin.
-
-        A level bed at the altitude of the ping turns slant range into ground range: r² = g² + h².
-        """
+        """Energy that a ping hears at ground ranges on both sides, (2, n); NaN beyond its last bin."""
+        # A level bed at the altitude of the ping turns slant range into ground range: r² = g² + h².
         slant = np.hypot(ground_range, self.altitude[ping])
         bins = np.floor(slant / self.bin_length).astype(np.int64)
         inside = bins < self.amplitude.shape[2]

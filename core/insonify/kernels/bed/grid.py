@@ -32,10 +32,8 @@ def clip_to_grid(origin, rate, highest, near, far):
 
 @inlined_uncounted
 def first_line(v, step):
-    """Last grid line at or behind a place of a walk; a line just ahead counts as reached.
-
-    With ``-step`` it is the first line at or beyond the place; a line just behind counts as reached.
-    """
+    """Last grid line at or behind a place of a walk; a line just ahead counts as reached."""
+    # With ``-step`` it is the first line at or beyond the place; a line just behind counts as reached.
     return math.floor(v + MERGED) if step > 0 else math.ceil(v - MERGED)
 
 

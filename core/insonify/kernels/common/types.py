@@ -116,19 +116,7 @@ class Water(NamedTuple):
 
 
 def still_water(speed: float = 1500.0, surface: float = 0.0) -> Water:
-    """Return water of one speed, in which sound goes straight.
-
-    Parameters
-    ----------
-    speed : float
-        m/s.
-    surface : float
-        Height of the sea surface above the datum, m.
-
-    Returns
-    -------
-    Water
-    """
+    """Return water of one speed, m/s, in which sound goes straight, below a surface at a height above the datum, m."""
     return Water(False, np.zeros(1), np.full((1, 1), speed), np.zeros(1), 1.0, 0.0, speed, surface)
 
 

@@ -89,17 +89,6 @@ class PlaneView(NamedTuple):
 def list_echo_parts(arrays, poses, ping, side, fan, apparent, workspace, window, parts):
     """List the parts of the echo in some range bins of one side of one ping by the direct path.
 
-    Parameters
-    ----------
-    arrays : SceneArrays
-    poses : Poses
-    ping, side : int
-    fan : AzimuthFan
-    apparent : ApparentTables
-    workspace : SweepWorkspace
-    window : Window
-    parts : PartList
-
     Returns
     -------
     int
@@ -314,9 +303,7 @@ def list_refracted_parts(arrays, bare, poses, ping, side, rays, window, rows):
     ----------
     arrays, bare : SceneArrays
         The scene, and the same without targets.
-    poses : Poses
-    ping, side, rays : int
-    window : Window
+    poses, ping, side, rays, window : Poses, int, int, int, Window
     rows : ndarray of float64, shape (room, COLUMNS)
         Filled; unknown columns of a ray are NaN.
 

@@ -31,10 +31,8 @@ def label_refracted_pings(arrays, bare, poses, rays, contributions, shadows, lab
         n pings.
     rays : int
         A side.
-    contributions : ContributorTable
-        Empty, with a row for every contributor.
-    shadows : ShadowTable
-        Empty, with a row for every target.
+    contributions, shadows : ContributorTable, ShadowTable
+        Empty, with a row for every contributor, and one for every target.
     labels : BinLabels
         Of n pings; takes the result.
 

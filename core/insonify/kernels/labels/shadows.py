@@ -29,19 +29,7 @@ class ShadowTable(NamedTuple):
 
 
 def empty_shadow_table(targets: int, bins: int) -> ShadowTable:
-    """Make room for one side of a ping; memory of targets that hide nothing is never touched.
-
-    Parameters
-    ----------
-    targets : int
-        Declared targets.
-    bins : int
-        Range bins.
-
-    Returns
-    -------
-    ShadowTable
-    """
+    """Make room for one side of a ping; memory of targets that hide nothing is never touched."""
     return ShadowTable(np.zeros(targets, np.bool_), np.empty((targets, bins)))
 
 

@@ -92,18 +92,7 @@ class MultipathWorkspace(NamedTuple):
 
 
 def empty_multipath_workspace(arrays: SceneArrays, dtype: DTypeLike = np.float32) -> MultipathWorkspace:
-    """Make room for what two images see of a profile.
-
-    Parameters
-    ----------
-    arrays : SceneArrays
-    dtype : dtype
-        Of the profile: single precision or double.
-
-    Returns
-    -------
-    MultipathWorkspace
-    """
+    """Make room for what two images see of a profile in single or double precision."""
     reach = arrays.bins * arrays.bin_length + wave_advance(arrays.multipath, MOST_PASSES)
     capacity = profile_capacity(reach, arrays.bed.spacing)
     lower, higher = (ImageProfile(*np.zeros((3, capacity)), *np.zeros((3, capacity), dtype)) for _ in range(2))
@@ -377,26 +366,9 @@ def add_surface_echo(arrays, poses, ping, side, echoes, sink):
 
 @kernel
 def note_plane_echoes(arrays, poses, ping, side, path, fan, k, workspace, sink):
-    """Note the contributors of the echoes by one propagation path in plane k of a fan.
+    """Note the contributors of the echoes by one path of the sea surface in plane k of a fan; return whether it exists.
 
-    Parameters
-    ----------
-    arrays : SceneArrays
-    poses : Poses
-    ping, side : int
-    path : int
-        By way of the sea surface; the surface's own echo has no plane.
-    fan : AzimuthFan
-        Of the sonar, or of its image for a path that leaves and returns by the surface.
-    k : int
-    workspace : MultipathWorkspace
-    sink : EchoSink
-        Takes the echoes and their contributors.
-
-    Returns
-    -------
-    bool
-        Whether the path is traced at all.
+    The fan is that of the sonar, or of its image for a path that leaves and returns by the surface.
     """
     if path == SURFACE_ECHO:
         if arrays.multipath.surface_echo:

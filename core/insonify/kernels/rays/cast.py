@@ -175,20 +175,7 @@ def cast_refracted(arrays, beam, waveguide, aim, step):
 
 @kernel
 def echo_dark_sides(arrays, rays, own):
-    """Echoes from the dark sides of caustics, of a surface like that where the rays land on the bright side.
-
-    Parameters
-    ----------
-    arrays : SceneArrays
-    rays : LandedRays of ndarrays, shape (n,)
-        Refracted ones.
-    own : RayEchoes of ndarrays, shape (n,)
-        Echoes of the rays.
-
-    Returns
-    -------
-    DarkEchoes
-    """
+    """Echoes from the dark sides of caustics, of a surface like that where refracted rays land on the bright side."""
     hits, arrivals = rays.hits, rays.arrivals
     ray = np.flatnonzero((own.bin >= 0) & (arrivals.dark > 0.0)) if arrays.law != LIGHT else np.empty(0, np.int64)
     dark = DarkEchoes(ray, np.empty(ray.size, np.int64), np.zeros(ray.size), np.empty(ray.size))

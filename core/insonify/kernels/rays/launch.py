@@ -93,10 +93,8 @@ def orient_beam(arrays, poses, ping, side):
 
 @kernel
 def aim_rays(launch, height, top, reach, half_width, law, spreads):
-    """Aim all rays of a side: equal steps of slant range on a level bed, then elevations up to ``top``, rad.
-
-    A beam pattern that spreads the rays over azimuths does so afterwards: then they are aimed athwart.
-    """
+    """Aim all rays of a side: equal steps of slant range on a level bed, then elevations up to ``top``, rad."""
+    # A beam pattern that spreads the rays over azimuths does so afterwards: then they are aimed athwart.
     n = launch.up.size
     level = height > 0.0 and height < reach
     lowest = -math.asin(height / reach) if level else -0.5 * math.pi

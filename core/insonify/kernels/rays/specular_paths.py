@@ -94,14 +94,7 @@ def add_specular_echoes(arrays, beam, bundle, hits, weight, sums):
 
 @kernel
 def follow_specular_paths(arrays, bundle, reach):
-    """All hits of rays followed until they fade or leave.
-
-    Parameters
-    ----------
-    arrays : SceneArrays
-    bundle : RayBundle of ndarrays, shape (n,)
-    reach : float
-        Length of water after which a path ends, m.
+    """All hits of rays followed until they fade or leave, or over a length of water, m.
 
     Returns
     -------

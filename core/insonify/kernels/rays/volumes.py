@@ -32,17 +32,7 @@ class EchoPoints(NamedTuple):
 
 @kernel
 def add_volume_echoes(arrays, poses, points, out):
-    """Add the mean energy of points of the water to range bins.
-
-    Parameters
-    ----------
-    arrays : SceneArrays
-    poses : Poses
-        n pings.
-    points : EchoPoints
-    out : ndarray of float32, shape (n, 2, bins)
-        Added to.
-    """
+    """Add the mean energy of points of the water to the range bins of n pings, float32 of shape (n, 2, bins)."""
     for ping in range(poses.x.size):
         for side in range(2):
             beam, begin = orient_beam(arrays, poses, ping, side), 0

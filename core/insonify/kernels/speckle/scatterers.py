@@ -94,18 +94,7 @@ class ScattererEcho(NamedTuple):
 
 
 def empty_signal(bins: int, pulse: PulseTaps) -> CoherentSignal:
-    """Make room for the coherent signal of a record.
-
-    Parameters
-    ----------
-    bins : int
-        Of the record, with what a pulse takes in before and after them.
-    pulse : PulseTaps
-
-    Returns
-    -------
-    CoherentSignal
-    """
+    """Make room for the coherent signal of a record's bins and of those that a pulse takes in before and after them."""
     size = bins * pulse.samples * pulse.cells + pulse.taps.size
     return CoherentSignal(*np.zeros((2, size)))
 
@@ -122,13 +111,8 @@ def trace_scatterers(arrays, poses, fan, scatterers, pulse, profile, visible_bed
         n pings.
     fan : AzimuthFan
         Planes in which the visible bed is found, their azimuths ascending.
-    scatterers : Scatterers
-    pulse : PulseTaps
-    profile : Profile
-        Work space.
-    visible_bed : VisibleBed
-        Work space.
-    signal : CoherentSignal
+    scatterers, pulse : Scatterers, PulseTaps
+    profile, visible_bed, signal : Profile, VisibleBed, CoherentSignal
         Work space.
     out : ndarray of complex128, shape (n, 2, bins * samples)
         Takes the waves after the pulse.

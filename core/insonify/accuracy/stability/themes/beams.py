@@ -1,7 +1,5 @@
 """Failures of beams and of paths by the sea surface: too few planes and pings, a cone taken for a wedge, two legs."""
 
-from __future__ import annotations
-
 import math
 from textwrap import wrap
 from typing import Any

@@ -1,7 +1,5 @@
 """Failures of refraction: false and lost rays, caustics, steps past a grazing point, echoes along bent paths."""
 
-from __future__ import annotations
-
 import math
 from decimal import Decimal, localcontext
 

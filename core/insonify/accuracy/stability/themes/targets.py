@@ -1,7 +1,5 @@
 """Failures of targets: walls that leak or count twice, intervals of angles that do not exist."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np
