@@ -123,6 +123,7 @@ def _separations(tables: dict[str, list[Floats]]) -> Iterator[Separation]:
 
 def draw_realism(path: Path, found: Realism, sets: tuple[Images, Images], names: tuple[str, str]) -> None:
     """Draw the distances as bars beside some images of both sets: a PNG picture."""
+    # lazy: slow to import
     from insonify.display.style import BLUE, INK, ORANGE, label_axes, make_figure, style_axes
 
     figure = make_figure(12.0, 7.0, layout="constrained")
