@@ -21,6 +21,7 @@ from insonify_viewer.record.comparison.record_difference import (
     compare_records,
     visible_share,
 )
+from insonify_viewer.record.projection import Zoom
 from insonify_viewer.record.record import Record
 from insonify_viewer.state.history import Modelling
 
@@ -333,6 +334,35 @@ def test_a_follows_the_pings_of_b(compared, qtbot):
     kept = compared.comparison.kept.record
     np.testing.assert_array_equal(np.sort(kept.ping), np.sort(compared.record.ping))
     np.testing.assert_allclose(kept.amplitude * 2.0, compared.record.amplitude, rtol=1e-5)
+
+
+def test_linked_records_zoom_scroll_and_point_together(compared, qtbot):
+    """The padlock parts them."""
+    window, links = compared.window, compared.comparison.links
+    live, beside = window.waterfall, window.record_a
+    compared.comparison.arrange(Arrangement.BESIDE)
+    qtbot.waitUntil(beside.isVisible)
+    beside.magnify(2.0)
+    assert live._zoom == beside._zoom != Zoom()
+    live.magnify(1.5)
+    assert live._zoom == beside._zoom
+    mark = live.mark_at(live.plot_area.center())
+    assert links.find_place(live, beside, mark) == mark
+    live.hovered.emit(mark)
+    assert beside._marks.cross == mark
+    beside.hovered.emit(mark)
+    assert live._marks.cross == mark
+    beside.clicked.emit(mark)
+    assert compared.inspection.mark == mark, "what is clicked in A is explained in B"
+    top = live.top
+    compared.go_to(100)
+    beside.scrolled.emit(10)
+    assert live.top == beside.top == 90 != top
+    links.padlock.click()
+    beside.show_zoom(Zoom())
+    assert live._zoom != Zoom()
+    live.hovered.emit(None)
+    assert beside._marks.cross == mark
 
 
 def test_a_returns_with_its_modelling(compared, qtbot):
