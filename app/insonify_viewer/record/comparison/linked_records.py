@@ -26,7 +26,7 @@ class LinkedRecords(QObject):
         self.by_ping = True  # whether rows of both are paired by ping, else by metres along the track
         self._passing = False  # whether a change is being passed on, which must not come back
         self.padlock = QToolButton(beside)
-        self.padlock.setObjectName("lock")
+        self.padlock.setObjectName("link")
         self.padlock.setFocusPolicy(Qt.FocusPolicy.TabFocus)
         self.padlock.setCheckable(True)
         self.padlock.setChecked(True)
