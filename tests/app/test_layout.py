@@ -195,6 +195,12 @@ def test_record_and_seabed_keep_room_beside_a_lesson_and_rays(size, viewer, qtbo
     assert (window.width(), window.height()) == size
     places = [viewer.panels[name].widget for name in ("parameters", "lessons", "water")]
     assert all(not place.visibleRegion().isEmpty() for place in places), "none hides another"
+    assert window.waterfall.width() > window.seabed.width()
+    if size == (1280, 800):
+        qtbot.waitUntil(lambda: places[1].height() > 1.3 * places[0].height())
+        assert window.waterfall.trace_area() is None, "the record has its room"
+        window.trace.trigger()
+        assert window.waterfall.trace_area() is not None, "unless the person asks for it"
     for panel in ("lessons", "water"):
         window._buttons[panel].setChecked(False)
     window.open_panel("lessons")

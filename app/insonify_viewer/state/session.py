@@ -114,6 +114,10 @@ class Session:
         """Whether the scene differs from every one that was opened or saved, as it is in its file now."""
         return self.scene not in self._saved.values()
 
+    def count_as_saved(self, name: str, scene: Scene) -> None:
+        """Count a scene as saved that is kept elsewhere than in a file of its own."""
+        self._saved[name] = scene
+
     def mark_saved(self, file: str) -> None:
         """Note that the scene is in a file as it is."""
         self._saved[file] = self.scene

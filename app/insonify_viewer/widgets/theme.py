@@ -8,6 +8,7 @@ from PySide6.QtWidgets import QApplication, QWidget
 
 from insonify.files import resources
 
+LARGE = 1.6  # size of the text in a lecture over the usual one
 USUAL_LINE = 14  # px, height of a line of text for which lengths in pixels are given
 
 
@@ -187,6 +188,11 @@ def _palette() -> QPalette:
 def text_scale(widget: QWidget) -> float:
     """Height of a line of a widget's text over the usual one."""
     return widget.fontMetrics().height() / USUAL_LINE
+
+
+def lecture_scale(widget: QWidget) -> float:
+    """Factor by which a lecture enlarges a widget's text; text that is large already stays as it is."""
+    return max(LARGE / text_scale(widget), 1.0)
 
 
 def scaled(widget: QWidget, pixels: int) -> int:
