@@ -2,8 +2,10 @@
 
 import json
 import math
+import re
 import time
 import tomllib
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -253,6 +255,31 @@ def test_a_set_of_chips_is_made_by_the_command(tmp_path):
         with Image.open(folder / line["file_name"]) as picture:
             assert picture.size == (48, 48)
     assert len({line["drawn"]["sampling.length"] for line in lines}) == 3
+
+
+@pytest.mark.parametrize("library", ["sklearn", "torch", "keras"])
+def test_loaders_of_the_documentation_load_a_set(tmp_path, library):
+    pytest.importorskip(library)
+    text = Path(__file__).parents[3].joinpath("docs/howto/data-sets.md").read_text(encoding="utf-8")
+    blocks = dict(re.findall(r'```py title="(.+?)"\n(.+?)```', text, re.DOTALL))
+    lines = []
+    for number, (split, shows) in enumerate([("train", "ship"), ("train", None), ("test", "ship")]):
+        Image.new("L", (20, 30 + number), 51).save(tmp_path / f"{number}.png")
+        lines.append(json.dumps({"file_name": f"{number}.png", "split": split, "class": shows}))
+    (tmp_path / "metadata.jsonl").write_text("\n".join(lines))
+    loaders = {}
+    exec(blocks["scikit-learn"], loaders)
+    images, numbers = loaders["load"](tmp_path, "train", ["ship"])
+    assert images.shape == (2, 64, 64)
+    assert images == pytest.approx(0.2)
+    assert list(numbers) == [1, 0]
+    if library == "torch":
+        exec(blocks["PyTorch"], loaders)
+        image, number = loaders["Chips"](tmp_path, "train", ["ship"])[0]
+        assert (tuple(image.shape), int(number)) == ((1, 64, 64), 1)
+    if library == "keras":
+        exec(blocks["Keras"], loaders)
+        assert loaders["Batches"](tmp_path, "train", ["ship"])[0][0].shape == (2, 64, 64, 1)
 
 
 def test_the_draws_of_a_chip_depend_on_its_name_alone():
