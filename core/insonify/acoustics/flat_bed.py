@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from insonify.kernels.beam.pattern import ring_responses
+from insonify.kernels.common.range_bins import range_weight
 from insonify.kernels.common.types import LIGHT, Poses, SceneArrays
 from insonify.scene.seabed.materials import Reflectivity
 from insonify.scene.seabed.materials.sediments import scattering_strength
@@ -31,13 +32,17 @@ def flat_bed_curve(
     reached = far > near
     r = np.where(reached, 0.5 * (near + far), 1.0)
     cos_incidence = altitude / r
+    factor, first = arrays.range_factor.copy(), int(altitude / arrays.bin_length)
+    if first < arrays.bins:  # that bin begins with the first return, nearer than which there is no bed
+        spanned = (far[first] - near[first]) / arrays.bin_length
+        factor[first] *= range_weight(arrays.range_decay, first, r[first] / arrays.bin_length, spanned)
     if arrays.law == LIGHT:
         mirrored = np.maximum(2.0 * cos_incidence**2 - 1.0, 0.0) ** shininess
         shade = diffuse * cos_incidence + specular * mirrored
-        return np.where(reached, shade * (far - near) / arrays.bin_length, 0.0) * arrays.range_factor
+        return np.where(reached, shade * (far - near) / arrays.bin_length * factor, 0.0)
     sigma = scattering_strength(reflectivity or LAMBERT, cos_incidence)
     x = 0.5 * (x_near + x_far)
-    return np.where(reached, sigma * (x_far - x_near) * along_track_width(arrays, x, r), 0.0) * arrays.range_factor
+    return np.where(reached, sigma * (x_far - x_near) * along_track_width(arrays, x, r) * factor, 0.0)
 
 
 def compute_flat_bed_curves(arrays: SceneArrays, poses: Poses) -> NDArray[np.float64]:

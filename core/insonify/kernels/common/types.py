@@ -138,6 +138,16 @@ def no_surface_multipath() -> SurfaceMultipath:
     return SurfaceMultipath(False, False, False, False, False, 0.0, 0.0, np.zeros((2, 1, 4)))
 
 
+class RangeDecay(NamedTuple):
+    """How spreading and absorption decrease with slant range."""
+
+    spreading: float  # power of slant range
+    loss: float  # relative decrease per bin by absorption
+
+
+NO_DECAY = RangeDecay(0.0, 0.0)
+
+
 class SceneArrays(NamedTuple):
     """Arrays of one scene, packed from its declarations, as every tracer takes them."""
 
@@ -151,7 +161,8 @@ class SceneArrays(NamedTuple):
     pattern: BeamPattern
     bins: int  # per side
     bin_length: float  # true slant range that one bin spans, m
-    range_factor: NDArray[np.float64]  # (bins,) spreading and absorption at the bin centres
+    range_factor: NDArray[np.float64]  # (bins,) spreading and absorption, their mean over each bin
+    range_decay: RangeDecay
     limits: SegmentLimits
     bounces: int = 0  # specular reflections and transmissions followed after the first echo
     water: Water = still_water()

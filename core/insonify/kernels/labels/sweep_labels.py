@@ -21,7 +21,7 @@ from insonify.kernels.common.contributors import (
     spanned_bins,
     spread_contribution,
 )
-from insonify.kernels.common.range_bins import FIXED_POINT, accumulate_bins
+from insonify.kernels.common.range_bins import FIXED_POINT, RangeBins, accumulate_bins
 from insonify.kernels.common.scattering import backscatter_strength
 from insonify.kernels.common.types import LIGHT
 from insonify.kernels.labels.bed_stretches import BEHIND_TARGET, VISIBLE, empty_stretches, split_segment
@@ -122,7 +122,7 @@ def label_swept_pings(arrays, poses, fan, image_fan, apparent, workspace, multip
     int
         0, or -1 - k if the sonar is inside body k.
     """
-    bins = np.zeros(arrays.bins + 2, np.int64)
+    bins = RangeBins(np.zeros(arrays.bins + 2, np.int64), arrays.range_decay)
     straight, by_surface = np.zeros((2, arrays.bins), np.float32)
     profile, echoes, zbuffer = workspace.profile, workspace.echoes, workspace.zbuffer
     stretches = empty_stretches(zbuffer)

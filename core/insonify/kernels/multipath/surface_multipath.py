@@ -21,7 +21,7 @@ from insonify.kernels.beam.pattern import two_way_response
 from insonify.kernels.beam.pattern_samples import FINE_ROOT, FINE_SINE
 from insonify.kernels.bed.profile import Profile, empty_profile, list_marked, padded_count, profile_capacity
 from insonify.kernels.bed.slice import slice_bed
-from insonify.kernels.common.range_bins import accumulate_bins
+from insonify.kernels.common.range_bins import RangeBins, accumulate_bins
 from insonify.kernels.common.search import last_not_above
 from insonify.kernels.common.types import LIGHT, SONAR, SceneArrays, SegmentLimits
 from insonify.kernels.geometry.cross_sections import HalfPlane
@@ -122,7 +122,8 @@ def sweep_multipath(arrays, poses, fan, image_fan, workspace, contributions, out
     out : ndarray of float32, shape (n, 2, bins)
         Added to.
     """
-    bins, line = np.zeros(arrays.bins + 2, np.int64), np.zeros(arrays.bins, np.float32)
+    bins = RangeBins(np.zeros(arrays.bins + 2, np.int64), arrays.range_decay)
+    line = np.zeros(arrays.bins, np.float32)
     sink = EchoSink(bins, contributions, False)
     for ping in range(poses.x.size):
         for side in range(2):
