@@ -40,9 +40,9 @@ def test_no_worker_collects_what_belongs_to_a_window(viewer, qtbot):
     part.destroyed.connect(lambda: ends.append(threading.current_thread()), Qt.ConnectionType.DirectConnection)
     del part
     viewer.simulator.send(lambda: len([[number] for number in range(300_000)]), done.append)
-    qtbot.waitUntil(lambda: bool(done), timeout=20000)
+    qtbot.waitUntil(lambda: bool(done))
     kept = [[number] for number in range(2 * gc.get_threshold()[0])]
-    qtbot.waitUntil(lambda: bool(ends), timeout=20000)
+    qtbot.waitUntil(lambda: bool(ends))
     assert kept
     assert ends == [threading.main_thread()]
 
@@ -73,7 +73,7 @@ def test_opening_a_scene_frees_what_the_one_before_held(open_viewer, small, qtbo
     gone = weakref.ref(part)
     del part
     viewer.open(edit(small, {"seed": 7}))
-    qtbot.waitUntil(lambda: viewer.complete and gone() is None, timeout=10000)
+    qtbot.waitUntil(lambda: viewer.complete and gone() is None)
 
 
 @pytest.mark.parametrize("busy", ["a bed", "a chart"])
@@ -146,7 +146,7 @@ def test_threads_beside_the_window_yield_the_processor_to_it(open_viewer, small,
     viewer.simulator.send(niceness, found.append)
     viewer.simulator.executor.start("test", niceness, done=found.append, failed=print)
     viewer.simulator.executor.submit("test", niceness, found.append)
-    qtbot.waitUntil(lambda: len(found) == 3, timeout=5000)
+    qtbot.waitUntil(lambda: len(found) == 3)
     assert min(found) > niceness()
 
 

@@ -122,7 +122,7 @@ def test_the_window_shows_the_fan_that_is_cut(open_viewer, qtbot):
         points = np.asarray(pv.wrap(view._sheet_actor.mapper.GetInput()).points)
         return points.shape == (3 * len(expected), 3) and bool(np.allclose(points, expected.reshape(-1, 3), atol=1e-3))
 
-    qtbot.waitUntil(shown, timeout=60000)
+    qtbot.waitUntil(shown)
 
 
 @pytest.mark.parametrize("name", ["double-image", "endless"])

@@ -134,7 +134,7 @@ def test_a_job_that_failed_offers_its_details(viewer, qtbot, tmp_path):
     viewer.window.open_panel("jobs")
     panel = viewer.panels["jobs"]
     panel.write_record(tmp_path / "nowhere" / "record.nc")
-    qtbot.waitUntil(lambda: not viewer.jobs.running, timeout=60_000)
+    qtbot.waitUntil(lambda: not viewer.jobs.running)
     (row,) = panel.view.rows
     assert row.copy.isVisible()
     assert copied(viewer).startswith(row.words.text())
@@ -145,7 +145,7 @@ def test_a_job_that_failed_offers_its_details(viewer, qtbot, tmp_path):
 
 def test_a_command_that_crashes_leaves_its_traceback(viewer, qtbot):
     job = viewer.jobs.begin("crash", ["render", "--display", "palette=none-such"], Path("none.png"))
-    qtbot.waitUntil(lambda: not job.running, timeout=60_000)
+    qtbot.waitUntil(lambda: not job.running)
     assert job.sentence
     assert viewer.window.status.copy.isVisible()
 

@@ -37,18 +37,18 @@ def test_a_mesh_is_dropped_and_opened_again(open_viewer, small, qtbot, tmp_path)
     shutil.copy(bundled_meshes()["drum"], path)
     viewer = open_viewer(small)
     drop(viewer.window, path)
-    qtbot.waitUntil(lambda: len(viewer.session.scene.targets) == len(small.targets) + 1, timeout=20000)
+    qtbot.waitUntil(lambda: len(viewer.session.scene.targets) == len(small.targets) + 1)
     target = viewer.session.scene.targets[-1]
     assert (target.kind, target.path) == ("mesh", str(path))
     x, y = target.position[:2]
     assert said(viewer) == f"mesh {path.name} added as target {len(small.targets) + 1}, at x {x:g} m, y {y:g} m"
     open_again(viewer, path.name)
-    qtbot.waitUntil(lambda: len(viewer.session.scene.targets) == len(small.targets) + 2, timeout=20000)
+    qtbot.waitUntil(lambda: len(viewer.session.scene.targets) == len(small.targets) + 2)
 
 
 def test_a_mesh_that_comes_with_the_program_is_not_among_recent_files(viewer, small, qtbot):
     drop(viewer.window, bundled_meshes()["drum"])
-    qtbot.waitUntil(lambda: len(viewer.session.scene.targets) == len(small.targets) + 1, timeout=20000)
+    qtbot.waitUntil(lambda: len(viewer.session.scene.targets) == len(small.targets) + 1)
     assert Settings().recent == []
 
 
@@ -62,7 +62,7 @@ def bed(tmp_path):
 def test_a_bed_is_dropped_and_opened_again(viewer, small, qtbot, bed):
     for attempt in (drop, lambda window, _: open_again(viewer, "bed.npy")):
         attempt(viewer.window, bed)
-        qtbot.waitUntil(lambda: viewer.session.scene.seabed.relief.kind == "dem", timeout=20000)
+        qtbot.waitUntil(lambda: viewer.session.scene.seabed.relief.kind == "dem")
         assert said(viewer).endswith("the 3 targets were removed with the scene before (Undo restores it)")
         assert Settings().recent == [str(bed)]
         viewer.session.undo()
@@ -81,7 +81,7 @@ def test_a_bed_asks_about_unsaved_changes(open_viewer, small, qtbot, bed, monkey
     assert viewer.session.scene is changed
     assert not said(viewer).startswith("reading")
     drop(viewer.window, bed)
-    qtbot.waitUntil(lambda: viewer.session.scene.seabed.relief.kind == "dem", timeout=20000)
+    qtbot.waitUntil(lambda: viewer.session.scene.seabed.relief.kind == "dem")
     assert asked == [f"The scene “{small.title}” has changes that are not saved."] * 2
 
 
@@ -96,7 +96,7 @@ def test_a_cast_is_dropped_and_opened_again(open_viewer, small, qtbot, cast):
     viewer = open_viewer(edit(small, {"water.absorption": 12.0, "sonar.ping_rate": 15.0}))
     for attempt in (drop, lambda window, _: open_again(viewer, "cast.csv")):
         attempt(viewer.window, cast)
-        qtbot.waitUntil(lambda: viewer.session.scene.water.kind == "cast", timeout=20000)
+        qtbot.waitUntil(lambda: viewer.session.scene.water.kind == "cast")
         assert viewer.session.scene.water.absorption.coefficient == 12.0, "the rest of the water stays"
         assert said(viewer).startswith("sound speed of cast.csv: 3 depths, down to 40 m; ping rate lowered to")
         assert viewer.window.undo.text() == "Undo: sound speed of cast.csv"
@@ -115,7 +115,7 @@ def tow(tmp_path):
 def test_navigation_is_dropped_and_opened_again(viewer, small, qtbot, tow):
     for attempt in (drop, lambda window, _: open_again(viewer, "tow.csv")):
         attempt(viewer.window, tow)
-        qtbot.waitUntil(lambda: viewer.session.scene.track.motion.kind == "recorded", timeout=20000)
+        qtbot.waitUntil(lambda: viewer.session.scene.track.motion.kind == "recorded")
         assert viewer.session.scene.track.motion.path == str(tow)
         assert said(viewer) == "navigation of tow.csv: x, y, heading at 31 times, 30 s in all"
         assert viewer.window.undo.text() == "Undo: navigation of tow.csv"

@@ -137,7 +137,7 @@ def test_a_target_is_moved(viewer, hand, qtbot):
     assert viewer.session.undoable[0].endswith("moved")
     moved = [a.position != b.position for a, b in zip(before, viewer.session.scene.targets)]
     assert moved.count(True) == 1
-    qtbot.waitUntil(lambda: viewer.complete, timeout=60000)
+    qtbot.waitUntil(lambda: viewer.complete)
     assert hand.actions <= MOST
 
 

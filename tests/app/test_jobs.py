@@ -99,7 +99,7 @@ def test_progress_is_shown_and_a_stop_leaves_nothing(open_viewer, endless_work, 
     qtbot.waitUntil(lambda: job.seconds_left is not None, timeout=PATIENCE)
     assert viewer.window.jobs.isVisible()
     qtbot.mouseClick(view.rows[0].stop, Qt.MouseButton.LeftButton)
-    qtbot.waitUntil(lambda: not job.running, timeout=10_000)
+    qtbot.waitUntil(lambda: not job.running)
     assert job.state is State.STOPPED
     assert list(tmp_path.iterdir()) == []
     assert not viewer.window.jobs.isVisible()
@@ -168,7 +168,7 @@ def test_a_data_set_is_stopped_with_its_workers(open_viewer, knife, qtbot, tmp_p
     job = viewer.jobs.begin("data set", arguments, tmp_path / "mines")
     qtbot.waitUntil(lambda: job.stage.unit == "job", timeout=PATIENCE)
     job.stop()
-    qtbot.waitUntil(lambda: not job.running, timeout=30_000)
+    qtbot.waitUntil(lambda: not job.running)
     assert job.state is State.STOPPED
 
 
@@ -263,7 +263,7 @@ def test_a_record_is_begun_followed_and_stopped(open_viewer, endless_work, qtbot
     assert accessible_name(row.stop) == "Stop: writing record.nc"
     press(qtbot, Qt.Key.Key_Return)
     assert focus() is row, "the keyboard stays at the job that was stopped"
-    qtbot.waitUntil(lambda: not job.running, timeout=10_000)
+    qtbot.waitUntil(lambda: not job.running)
     assert job.state is State.STOPPED
     assert "stopped" in accessible_name(row)
     assert list(tmp_path.iterdir()) == []
@@ -290,11 +290,11 @@ def test_keys_go_from_job_to_job_in_the_order_in_which_they_stand(viewer, qtbot)
     press(qtbot, Qt.Key.Key_Up)
     assert focus() is second
     press(qtbot, Qt.Key.Key_Delete)
-    qtbot.waitUntil(lambda: not viewer.jobs.jobs[1].running, timeout=10_000)
+    qtbot.waitUntil(lambda: not viewer.jobs.jobs[1].running)
     assert [job.state for job in viewer.jobs.jobs] == [State.RUNNING, State.STOPPED, State.RUNNING]
     for job in viewer.jobs.running:
         job.stop()
-    qtbot.waitUntil(lambda: not viewer.jobs.running, timeout=10_000)
+    qtbot.waitUntil(lambda: not viewer.jobs.running)
 
 
 def test_the_bar_of_the_window_opens_the_list_and_stops_the_newest(viewer, qtbot):
@@ -307,13 +307,13 @@ def test_the_bar_of_the_window_opens_the_list_and_stops_the_newest(viewer, qtbot
     heard = QAccessible.queryAccessibleInterface(bar)
     qtbot.waitUntil(lambda: heard.text(QAccessible.Text.Description).startswith("newer"))
     qtbot.keyClick(bar, Qt.Key.Key_Delete)
-    qtbot.waitUntil(lambda: not newer.running, timeout=10_000)
+    qtbot.waitUntil(lambda: not newer.running)
     assert older.running
     qtbot.keyClick(bar, Qt.Key.Key_Return)
     view = viewer.panels["jobs"].widget
     qtbot.waitUntil(view.isVisible)
     older.stop()
-    qtbot.waitUntil(lambda: not older.running, timeout=10_000)
+    qtbot.waitUntil(lambda: not older.running)
 
 
 def test_a_file_is_named_by_the_keyboard(open_viewer, endless_work, qtbot, tmp_path):

@@ -23,7 +23,7 @@ def test_looking_back_traces_the_old_pings_again(viewer, qtbot):
 def test_the_handle_brings_the_fish_abeam_of_the_pipe(viewer, qtbot):
     waterfall, handle = viewer.window.waterfall, viewer.window.waterfall._handle
     viewer.run(True)
-    qtbot.waitUntil(lambda: handle.last == 127 or viewer.tow.newest > 127, timeout=2000)
+    qtbot.waitUntil(lambda: handle.last == 127 or viewer.tow.newest > 127)
     QTest.mousePress(waterfall, Qt.MouseButton.LeftButton, pos=handle.place_of(waterfall.top).toPoint())
     assert handle.held
     assert not viewer.tow.running

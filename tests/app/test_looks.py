@@ -206,7 +206,7 @@ def test_a_histogram_stands_out(theme, qtbot):
 def test_angles_over_the_water_are_written_on_the_ground_of_the_window(theme, viewer, qtbot, qapp):
     apply_theme(qapp, theme)
     viewer.window.open_panel("water")
-    qtbot.waitUntil(lambda: viewer.complete, timeout=60000)
+    qtbot.waitUntil(lambda: viewer.complete)
     view = viewer.panels["water"].view
     picture = view.grab().toImage()
     above = [picture.pixelColor(x, y).name() for x in range(view.width() // 2, view.width()) for y in range(2, 20)]

@@ -98,11 +98,11 @@ def test_a_link_moves_its_control_in_sight_and_back(open_viewer, small, qtbot, m
         assert view.row("track.altitude").label.property("lit")
         qtbot.waitUntil(lambda: len({round(altitude, 2) for altitude in seen}) > 3)
         view.end_glide()
-    qtbot.waitUntil(lambda: session.undoable[:1] == ("altitude",), timeout=5000)
+    qtbot.waitUntil(lambda: session.undoable[:1] == ("altitude",))
     assert seen[-1] == 4.0
     assert "↩" in view._about.label.text()
     view._about.label.linkActivated.emit("0")
-    qtbot.waitUntil(lambda: session.scene.track.altitude == 10.0 and len(session.undoable) == 2, timeout=5000)
+    qtbot.waitUntil(lambda: session.scene.track.altitude == 10.0 and len(session.undoable) == 2)
     assert "↩" not in view._about.label.text()
     view._about.label.linkActivated.emit("1")
     assert session.scene.sonar.beam.kind == "knife"
@@ -231,7 +231,7 @@ def test_grain_that_is_drawn_anew_counts_as_no_change_by_the_pulse(open_viewer, 
 
 
 def test_figures_are_measured_once(viewer, qtbot):
-    qtbot.waitUntil(lambda: panel(viewer).at_rest, timeout=20000)
+    qtbot.waitUntil(lambda: panel(viewer).at_rest)
     traced = []
     beside = viewer.simulator.trace_beside
 
@@ -242,12 +242,12 @@ def test_figures_are_measured_once(viewer, qtbot):
     viewer.simulator.trace_beside = count
     viewer.session.settle({"track.altitude": 8.0})
     assert figure(viewer, "beam") == "…"
-    qtbot.waitUntil(lambda: panel(viewer).at_rest, timeout=20000)
+    qtbot.waitUntil(lambda: panel(viewer).at_rest)
     assert figure(viewer, "beam").startswith("changes")
     once = len(traced)
     assert once == 2, "beam and pulse"
     viewer.session.settle({"track.altitude": 7.0})
-    qtbot.waitUntil(lambda: panel(viewer).at_rest, timeout=20000)
+    qtbot.waitUntil(lambda: panel(viewer).at_rest)
     viewer.session.undo()
     assert figure(viewer, "beam").startswith("changes"), "known at once"
     viewer.run(True)

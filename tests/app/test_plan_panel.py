@@ -72,7 +72,7 @@ def test_every_entry_has_a_line_in_its_group(open_viewer, small, qtbot):
 def test_what_cannot_be_done_is_said_and_taken_back(open_viewer, small, qtbot):
     viewer = open_viewer(edit(small, {"receiver.speckle": "coherent"}))
     viewer.session.model(Modelling(forced=(("method", "rays"),)))
-    qtbot.waitUntil(lambda: viewer.session.modelling == Modelling(), timeout=20000)
+    qtbot.waitUntil(lambda: viewer.session.modelling == Modelling())
     assert "coherent" in viewer.window.status.sentence.text()
 
 

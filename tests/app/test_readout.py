@@ -58,4 +58,4 @@ def test_the_readout_tells_the_truth_of_the_core(open_viewer, small, qtbot):
     for words, found in (("pipe 1", labels.target_id == 0), ("shadow of pipe 1", labels.shadow > 0.9)):
         _, side, range_bin = np.argwhere(found)[0]
         viewer.window.waterfall.hovered.emit(Mark(100, int(side), int(range_bin)))
-        qtbot.waitUntil(lambda words=words: words in readout.text(), timeout=60000)
+        qtbot.waitUntil(lambda words=words: words in readout.text())

@@ -21,7 +21,7 @@ def add(viewer, kind: str, qtbot):
     action = next(a for a in viewer.window.targets.menu().actions() if a.data() == kind)
     action.trigger()
     # A mesh imports its reader first.
-    qtbot.waitUntil(lambda: len(viewer.session.scene.targets) == before + 1, timeout=60000)
+    qtbot.waitUntil(lambda: len(viewer.session.scene.targets) == before + 1)
     return viewer.session.scene.targets[-1]
 
 
@@ -77,7 +77,7 @@ def test_a_wrong_mesh_is_said_and_nothing_added(open_viewer, small, qtbot, monke
     pick_file(monkeypatch, str(tmp_path / "empty.obj"))
     viewer = open_viewer(small)
     viewer.window.target_wanted.emit("mesh")
-    qtbot.waitUntil(lambda: "holds no triangles" in viewer.window.status.sentence.text(), timeout=60000)
+    qtbot.waitUntil(lambda: "holds no triangles" in viewer.window.status.sentence.text())
     assert viewer.session.scene == small
 
 

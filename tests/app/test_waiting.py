@@ -153,13 +153,11 @@ def test_the_new_bed_is_told_before_its_methods_are_chosen(small, qtbot):
         for scene, beds in zip(scenes, (1, 1, 2)):
             going.clear()
             simulator.prepare(scene, Modelling(), ready.append)
-            qtbot.waitUntil(
-                lambda: simulator.activity.what == "choosing the fastest method within the tolerance", timeout=60000
-            )
+            qtbot.waitUntil(lambda: simulator.activity.what == "choosing the fastest method within the tolerance")
             qtbot.waitUntil(lambda beds=beds: len(told) >= beds)
             qtbot.wait(20)  # for one that is told twice
             going.set()
-            qtbot.waitUntil(lambda: len(ready) > 0, timeout=60000)
+            qtbot.waitUntil(lambda: len(ready) > 0)
             ready.clear()
         assert [scene.seabed.relief.beta for _, scene in told] == [1.4, 2.0], "once for each bed"
         assert not any(prepared for prepared, _ in told)

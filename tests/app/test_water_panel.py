@@ -21,7 +21,7 @@ def layered(small):
 
 
 def wait_for_rays(viewer, qtbot):
-    qtbot.waitUntil(lambda: viewer.complete, timeout=60000)
+    qtbot.waitUntil(lambda: viewer.complete)
 
 
 def colours(widget) -> int:
@@ -88,7 +88,7 @@ def test_a_click_into_the_water_asks_for_the_rays_to_it(open_viewer, layered, qt
     view_shown = view.show_diagram
     view.show_diagram = lambda diagram, points: (shown.append(diagram), view_shown(diagram, points))
     qtbot.mouseClick(view, Qt.MouseButton.LeftButton, pos=view.place_of(30.0, 25.0).toPoint())
-    qtbot.waitUntil(lambda: bool(shown), timeout=60000)
+    qtbot.waitUntil(lambda: bool(shown))
     assert shown[0].target == pytest.approx((30.0, 25.0), abs=0.3)
     assert len(shown[0].eigenrays) == 1
     assert viewer.session.scene == layered

@@ -97,7 +97,7 @@ def test_pause_holds_the_rows_and_running_scrolls(viewer, qtbot):
     assert (viewer.window.waterfall.picture() == held).all()
     assert viewer.window.pause.shortcut().toString() == "Space"
     viewer.window.pause.trigger()
-    qtbot.waitUntil(lambda: viewer.window.waterfall.top > 129, timeout=3000)
+    qtbot.waitUntil(lambda: viewer.window.waterfall.top > 129)
     viewer.window.pause.trigger()
     assert not viewer.tow.running
 
@@ -105,7 +105,7 @@ def test_pause_holds_the_rows_and_running_scrolls(viewer, qtbot):
 def test_the_tow_pauses_once_before_the_targets_leave(viewer, small, qtbot):
     viewer.tow.speed = 16.0
     viewer.run(True)
-    qtbot.waitUntil(lambda: not viewer.tow.running, timeout=5000)
+    qtbot.waitUntil(lambda: not viewer.tow.running)
     # The pipe begins 12 m along the track, at ping 60; 124 of the 128 on screen lie above it.
     assert viewer.tow.newest == 60 + 123
     assert "press Space to go on" in viewer.window.status.sentence.text()
@@ -113,9 +113,9 @@ def test_the_tow_pauses_once_before_the_targets_leave(viewer, small, qtbot):
     viewer.open(edit(small, {"seed": 7}))
     assert viewer.tow.running
     assert not viewer.window.pause.isChecked()
-    qtbot.waitUntil(lambda: not viewer.tow.running, timeout=5000)
+    qtbot.waitUntil(lambda: not viewer.tow.running)
     viewer.run(True)
-    qtbot.waitUntil(lambda: viewer.tow.newest > 400, timeout=5000)
+    qtbot.waitUntil(lambda: viewer.tow.newest > 400)
 
 
 def test_the_menu_opens_bundled_scenes(viewer, qtbot):
@@ -316,13 +316,13 @@ def test_dem_is_opened_and_the_tow_ends_with_it(open_viewer, small, tmp_path, qt
     np.save(tmp_path / "hill.npy", np.hypot(x - 45.0, y - 30.0) / -20.0)
     viewer = open_viewer(small, prepare=prepare)
     viewer.files.open_dem(edit(small, {"seabed.spacing": 1.0}), str(tmp_path / "hill.npy"))
-    qtbot.waitUntil(lambda: viewer.complete and viewer.session.scene.seabed.relief.kind == "dem", timeout=60000)
+    qtbot.waitUntil(lambda: viewer.complete and viewer.session.scene.seabed.relief.kind == "dem")
     scene = viewer.session.scene
     assert (scene.title, scene.sonar.range, scene.targets) == ("hill.npy", 18.0, ())
     assert viewer.record.amplitude.max() > 0.0
     viewer.tow.speed = 16.0
     viewer.run(True)
-    qtbot.waitUntil(lambda: not viewer.tow.running, timeout=5000)
+    qtbot.waitUntil(lambda: not viewer.tow.running)
     assert "left the measured bed" in viewer.window.status.sentence.text()
     viewer.files.open_dem(scene, str(tmp_path / "none.npy"))
     said = viewer.window.status.sentence

@@ -45,6 +45,7 @@ class RecordCanvas(QWidget):
     """Draws a `Record`; a row is coloured once, when it arrives."""
 
     moved = Signal(int)  # newest ping on screen
+    zoomed = Signal(object)  # the `Zoom` that is shown now
     recoloured = Signal()  # the colours of amplitudes have changed
 
     def __init__(self, *, native: bool = False, parent: QWidget | None = None) -> None:
@@ -148,6 +149,7 @@ class RecordCanvas(QWidget):
         if zoom != self._zoom:
             self._zoom = zoom
             self._fit()
+            self.zoomed.emit(zoom)
 
     def show_marks(self, **changes: Any) -> None:
         """Change some of the `RecordMarks`, and draw the record anew unless they are as before."""

@@ -59,6 +59,8 @@ QToolButton#remove, QToolButton#reset, QToolButton#copy, QToolButton#lock {{ bac
     border-radius: 4px; color: {QUIET}; padding: 0; }}
 QToolButton#remove:hover, QToolButton#reset:hover, QToolButton#copy:hover, QToolButton#lock:hover {{ background: {EDGE};
     color: {ACCENT}; }}
+QToolButton#link {{ background: {RAISED}; border: 0; border-radius: 4px; padding: 2px; }}
+QToolButton#link:checked {{ background: {ACCENT}; }}
 QToolButton#more {{ background: transparent; border: 0; color: {QUIET}; padding: 1px 2px; }}
 QToolButton#more:hover {{ color: {ACCENT}; }}
 QCheckBox::indicator {{ width: 0.92em; height: 0.92em; border: 1px solid {QUIET}; border-radius: 3px;

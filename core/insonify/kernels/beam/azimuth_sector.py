@@ -4,8 +4,6 @@ A beam is a cone, a plane is not: planes decide what is visible, sectors weigh i
 docs/theory/beam.md.
 """
 
-from __future__ import annotations
-
 import math
 from typing import NamedTuple
 

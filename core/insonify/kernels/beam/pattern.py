@@ -5,8 +5,6 @@ Tables are by row of slant range and by the sine s of the angle from athwart.
 Theory: docs/theory/beam.md.
 """
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

@@ -6,8 +6,6 @@ compiler can use its vector units.
 Theory: docs/theory/beam.md.
 """
 
-from __future__ import annotations
-
 import math
 from typing import NamedTuple
 

@@ -1,7 +1,5 @@
 """Places on the grid of a bed: indices of nodes, wrapped where the bed repeats, and the part of a line within it."""
 
-from __future__ import annotations
-
 import math
 
 from insonify.compiler.jit import inlined_uncounted

@@ -6,8 +6,6 @@ give to a knot or a segment. The knot on the line u is written in any case, and 
 none: a branch would be mispredicted. Derived in docs/theory/sweep.md.
 """
 
-from __future__ import annotations
-
 from typing import NamedTuple
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Work space for one profile of the bed, and how far the vectorised passes over it run."""
 
-from __future__ import annotations
-
 import math
 from typing import NamedTuple
 

@@ -6,8 +6,6 @@ beam; the density of the echo over slant range, which is spread evenly; and the 
 in docs/theory/sweep.md.
 """
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

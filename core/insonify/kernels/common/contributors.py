@@ -1,7 +1,5 @@
 """Shares of contributors (materials of the bed, targets) in the energy of every range bin of one side of a ping."""
 
-from __future__ import annotations
-
 from typing import NamedTuple
 
 import numpy as np

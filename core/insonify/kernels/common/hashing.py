@@ -1,7 +1,5 @@
 """Random numbers by hashing: each is a function of its purpose and place alone, never of the order of execution."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

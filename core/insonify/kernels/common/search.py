@@ -1,7 +1,5 @@
 """Search in ascending numbers."""
 
-from __future__ import annotations
-
 from insonify.compiler.jit import inlined_uncounted
 
 

@@ -1,7 +1,5 @@
 """Bounding volume hierarchy over triangles, built by the surface area heuristic."""
 
-from __future__ import annotations
-
 import numpy as np
 from numpy.typing import NDArray
 

@@ -1,7 +1,5 @@
 """Rays against analytic convex bodies: exact entry and exit, and the outward normals there."""
 
-from __future__ import annotations
-
 import math
 from typing import NamedTuple
 

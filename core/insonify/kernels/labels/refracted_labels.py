@@ -4,8 +4,6 @@ The echo of every ray and every mixed path is noted like that of the sweep's seg
 found by the same rays in the scene without targets.
 """
 
-from __future__ import annotations
-
 import numpy as np
 
 from insonify.compiler.jit import kernel

@@ -5,8 +5,6 @@ other. Its share is taken of the echo that the whole bed would return without th
 returns nothing either way and does not count.
 """
 
-from __future__ import annotations
-
 from typing import NamedTuple
 
 import numpy as np

@@ -4,8 +4,6 @@ The surface is a perfect mirror at its own height. For the second bottom echo th
 mirror, which reflects the share R0² of the energy that its material sets. Derived in docs/theory/multipath.md.
 """
 
-from __future__ import annotations
-
 import math
 from typing import NamedTuple
 

@@ -3,8 +3,6 @@
 Theory: docs/theory/multipath.md.
 """
 
-from __future__ import annotations
-
 import math
 from typing import NamedTuple
 

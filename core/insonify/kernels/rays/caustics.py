@@ -15,8 +15,6 @@ rays that turn in many thin layers, no tube counts as narrower than (λ / πr)^�
 Theory: docs/theory/refraction.md.
 """
 
-from __future__ import annotations
-
 import math
 from typing import NamedTuple
 

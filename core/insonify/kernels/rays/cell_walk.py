@@ -7,8 +7,6 @@ into it from the side or starts inside it ends there and returns no echo.
 Theory: docs/theory/sweep.md.
 """
 
-from __future__ import annotations
-
 import math
 from typing import NamedTuple
 

@@ -6,8 +6,6 @@ over the exact width of the cone |sin φ_b| = cos θ |sin φ| <= sin(w/2) at eac
 the azimuths in the beam, half in proportion to the pattern. The beam as a cone is derived in docs/theory/beam.md.
 """
 
-from __future__ import annotations
-
 import math
 from typing import NamedTuple
 

@@ -4,8 +4,6 @@ The method may step over anything thinner than a step. A mesh has no inside to s
 exactly.
 """
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

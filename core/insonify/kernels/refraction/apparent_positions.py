@@ -14,8 +14,6 @@ cosθ0 / (x |q|) = (x'/x) / (N r'²). Hence spreading and along-track width foll
 the direction of arrival. Derived in docs/theory/refraction.md.
 """
 
-from __future__ import annotations
-
 import math
 from typing import NamedTuple
 

@@ -8,8 +8,6 @@ the ranges and their exact derivatives reveal is refined.
 Theory: docs/theory/refraction.md.
 """
 
-from __future__ import annotations
-
 import math
 from typing import NamedTuple
 
