@@ -1,7 +1,5 @@
 """Measured beds for tests: grids written as GeoTIFF, and scenes over them."""
 
-from __future__ import annotations
-
 import warnings
 
 import numpy as np

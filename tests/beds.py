@@ -1,7 +1,5 @@
 """Small scenes for tests, packed for the kernels straight from arrays."""
 
-from __future__ import annotations
-
 import itertools
 import math
 from collections.abc import Sequence
@@ -10,15 +8,18 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
+from insonify.kernels.common.range_bins import mean_over_centre
 from insonify.kernels.common.types import (
     EVERY_GRAZING,
     FRUSTUM,
+    NO_DECAY,
     SONAR,
     SPHERE,
     BeamPattern,
     Bed,
     Mesh,
     Poses,
+    RangeDecay,
     SceneArrays,
     Solids,
     plain_pattern,
@@ -202,6 +203,7 @@ def arrays_of(
 ) -> SceneArrays:
     """Scene over (ny, nx) heights; everything is of the first material, and the range factor 1 unless spreading."""
     centres = (np.arange(bins) + 0.5) * bin_length
+    decay = RangeDecay(4.0, 0.0) if spreading else NO_DECAY
     return SceneArrays(
         bed=bed_of(heights, spacing, x0=x0, y0=y0, periodic=periodic),
         solids=solids_of(solids),
@@ -214,7 +216,8 @@ def arrays_of(
         limits=make_limits(reflectivity, pattern or plain_pattern(), bin_length),
         bins=bins,
         bin_length=bin_length,
-        range_factor=centres**-4.0 if spreading else np.ones(bins),
+        range_factor=centres**-decay.spreading * mean_over_centre(bins, decay),
+        range_decay=decay,
     )
 
 

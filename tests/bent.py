@@ -1,13 +1,12 @@
 """Sound through layered water by brute force, in one plane: fine fans of rays, each followed by tiny steps."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Sequence
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from insonify.kernels.common.types import SceneArrays, Water
+from naive import range_factor
 
 Heights = Callable[[np.ndarray], np.ndarray]
 Disc = tuple[float, float, float]  # ground range and height of the centre above the sonar's datum, radius
@@ -115,14 +114,15 @@ def knife(
     energy = cosine**2 * diffuse / np.pi * ds * spread**2 * middle**4
     # A jump from one ridge to the next is no piece of surface.
     same &= ds * cosine < 4.0 * np.diff(angles) * middle
-    return _spread(arrays, r[:-1][same], r[1:][same], energy[same]) * arrays.range_factor
+    return _spread(arrays, r[:-1][same], r[1:][same], energy[same])
 
 
 def _spread(arrays: SceneArrays, near: np.ndarray, far: np.ndarray, energy: np.ndarray) -> np.ndarray:
     """Spread energies evenly over stretches of slant range."""
     out = np.zeros(arrays.bins)
     for share in (np.arange(8) + 0.5) / 8:
-        k = np.floor((near + share * (far - near)) / arrays.bin_length).astype(int)
+        place = near + share * (far - near)
+        k = np.floor(place / arrays.bin_length).astype(int)
         inside = (k >= 0) & (k < arrays.bins)
-        np.add.at(out, k[inside], energy[inside] / 8)
+        np.add.at(out, k[inside], energy[inside] / 8 * range_factor(arrays, place[inside]))
     return out

@@ -1,7 +1,5 @@
 """Echoes of bare targets by brute force: a grid of rays in plain NumPy, apart from the program."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 
 import numpy as np

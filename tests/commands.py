@@ -1,7 +1,5 @@
 """The command in tests: run where it must be refused, and other programs in a Python of their own."""
 
-from __future__ import annotations
-
 import os
 import subprocess
 import sys

@@ -1,7 +1,5 @@
 """What all tests share."""
 
-from __future__ import annotations
-
 import gc
 import itertools
 import os
@@ -17,6 +15,9 @@ LONG = (
     "test_plans_keep_to_their_tolerances[first]",
     "test_a_real_recording_is_learned",
     "test_any_mistake_is_one_sentence",
+    "test_every_method_is_measured",
+    "test_more_tolerance_never_means_more_work[12]",
+    "test_a_killed_driver_loses_nothing",
     "test_any_scene_makes_a_record_or_says_why_not",
     "test_what_comes_back_by_other_paths_is_spread_over_its_bins",
     "test_the_main_thread_never_sums_the_relief",

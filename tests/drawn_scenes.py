@@ -1,7 +1,5 @@
 """Scenes drawn at random from the declarations themselves: every field, within its own bounds, now and then beyond."""
 
-from __future__ import annotations
-
 import math
 import typing
 from collections.abc import Callable, Iterable

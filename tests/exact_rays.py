@@ -1,7 +1,5 @@
 """Records by exact rays, refined until they are good enough to judge others, and orders of convergence."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable
 

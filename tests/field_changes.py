@@ -1,7 +1,5 @@
 """What to set for each field of a scene to move its record, and what it needs to be there at all."""
 
-from __future__ import annotations
-
 import re
 from collections.abc import Callable
 from typing import Any

@@ -1,7 +1,5 @@
 """The least that any tracer does: a kernel that reads the heights abeam of every ping and writes its bins."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Scenes whose relief, material and speckle are known, drawn by seed: what is learned from their records is judged."""
 
-from __future__ import annotations
-
 import numpy as np
 
 from insonify import relief

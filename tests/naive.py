@@ -1,7 +1,5 @@
 """Slow, obvious twins of the kernels: plain Python and NumPy, dense sampling instead of geometry."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Sequence
 
@@ -184,6 +182,11 @@ def _bodies_in_plane(
     }  # fmt: skip
 
 
+def range_factor(arrays: SceneArrays, r: np.ndarray) -> np.ndarray:
+    """Spreading and absorption at slant ranges."""
+    return r**-arrays.range_decay.spreading * np.exp(-arrays.range_decay.loss * r / arrays.bin_length)
+
+
 def naive_ping(
     arrays: SceneArrays,
     pose_x: float,
@@ -210,7 +213,7 @@ def naive_ping(
             s = plane_samples(arrays, (pose_x, pose_y, pose_z), ex, ey, samples_per_cell)
             share = _share_of_beam(arrays, s, azimuth, wedge) if fan else np.ones_like(s["x"])
             out[side] += _deposit(arrays, s, share, wedge if fan else 0.0)
-    return out * arrays.range_factor
+    return out
 
 
 def _share_of_beam(arrays: SceneArrays, s: dict[str, np.ndarray], azimuth: float, wedge: float) -> np.ndarray:
@@ -233,6 +236,7 @@ def _deposit(arrays: SceneArrays, s: dict[str, np.ndarray], share: np.ndarray, w
     else:
         width = s["x"] * wedge if wedge else 1.0
         energy = value * s["seen"] * width / np.maximum(s["cos"], 1e-9)
+    energy *= range_factor(arrays, s["r"])
     k = np.floor(s["r"] / arrays.bin_length).astype(int)
     ok = (k < arrays.bins) & (s["cos"] > 0)
     return np.bincount(k[ok], weights=(energy * share)[ok], minlength=arrays.bins)

@@ -10,8 +10,6 @@ What libraries in C do (Qt, VTK, HDF5, GDAL), how fonts look and how a window be
 PYTEST_DONT_REWRITE: it is imported before pytest in the processes that pytest-xdist starts.
 """
 
-from __future__ import annotations
-
 import builtins
 import errno
 import fcntl

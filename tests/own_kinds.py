@@ -1,7 +1,5 @@
 """Kinds that a package of somebody else may bring: two shapes, a map in halves and a material."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path

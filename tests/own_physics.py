@@ -1,7 +1,5 @@
 """Kinds of relief, beam, pulse, absorption, water and motion that a package of somebody else may bring."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Iterator
 from contextlib import ExitStack, contextmanager

@@ -4,8 +4,6 @@ Dense ones are full of targets that hide one another, planned ones have all effe
 ones reach as far as the sliders do. Short ones are wide ones of one to eight pings.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable
 from pathlib import Path

@@ -1,7 +1,5 @@
 """Receivers over a level bed, as declared by the default scene but for some fields, and moments of what they record."""
 
-from __future__ import annotations
-
 import math
 from typing import Any
 

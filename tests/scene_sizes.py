@@ -1,7 +1,5 @@
 """How much memory and how many steps a scene can ask for, from what it declares alone: slow clocks say nothing here."""
 
-from __future__ import annotations
-
 import math
 
 from insonify.io.meshes import read_mesh

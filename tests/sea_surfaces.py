@@ -1,7 +1,5 @@
 """Seas for tests over small scenes, and a slow, obvious twin of how their multipath echoes are swept."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable
 
@@ -12,7 +10,7 @@ from brute_force import Material, Meeting, Response, dot, norm
 from insonify.acoustics.sea_surface import make_surface_multipath
 from insonify.kernels.common.types import LIGHT, SceneArrays, still_water
 from insonify.scene.water.surfaces import WAYS, FlatSurface, RoughSurface
-from naive import gradients, heights
+from naive import gradients, heights, range_factor
 
 REFLECTION = 0.4
 
@@ -77,8 +75,8 @@ def naive_ghost(arrays: SceneArrays, x: float, y: float, z: float, way: str, sam
             energy = sigma * normal * step / (r[0] * r[1]) ** 2 * where**4
         k = (where / arrays.bin_length).astype(int)
         lit &= k < arrays.bins
-        out[side] = np.bincount(k[lit], (share * energy)[lit], arrays.bins)
-    return out * arrays.range_factor
+        out[side] = np.bincount(k[lit], (share * energy * range_factor(arrays, where))[lit], arrays.bins)
+    return out
 
 
 def naive_level_ghost(
@@ -102,10 +100,10 @@ def naive_level_ghost(
         energy = 0.25 * (one / r + other / s) * (x / r + x / s) / arrays.bin_length * averaged
     else:
         energy = one * other / (r * s) ** 3 * (0.5 * (r + s)) ** 4 / math.pi * taken_in * x
-    up_to = np.concatenate([[0.0], np.cumsum(share * energy * step)])
+    up_to = np.concatenate([[0.0], np.cumsum(share * energy * step * range_factor(arrays, 0.5 * (r + s)))])
     where = 0.5 * (np.hypot(edges, one) + np.hypot(edges, other))
     borders = np.arange(arrays.bins + 1) * arrays.bin_length
-    return np.asarray(np.diff(np.interp(borders, where, up_to)) * arrays.range_factor)
+    return np.asarray(np.diff(np.interp(borders, where, up_to)))
 
 
 def _bistatic(law: int, one: np.ndarray, other: np.ndarray, towards: np.ndarray, material: Material) -> np.ndarray:
@@ -179,5 +177,6 @@ def naive_target_ghost(
             width = near * np.cos(angle) * 2.0 * widest / across if sine > 0.0 else 1.0
             energy = value * width * near * np.diff(edges) / cos_near * (r * r / (near * far)) ** 2
         lit &= np.isfinite(energy) & (r < arrays.bins * arrays.bin_length)
-        out += np.bincount((r[lit] / arrays.bin_length).astype(int), share * energy[lit], arrays.bins)
-    return out * arrays.range_factor
+        energy *= share * range_factor(arrays, r)
+        out += np.bincount((r[lit] / arrays.bin_length).astype(int), energy[lit], arrays.bins)
+    return out

@@ -1,7 +1,5 @@
 """Small specifications of data sets and surveys, and comparisons of the folders that they make."""
 
-from __future__ import annotations
-
 import hashlib
 from pathlib import Path
 

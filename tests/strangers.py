@@ -1,7 +1,5 @@
 """Modules of a stranger in a folder, by every name that a program may import."""
 
-from __future__ import annotations
-
 import os
 import sys
 from collections.abc import Collection

@@ -1,7 +1,5 @@
 """Waters of tests, and rays through them one at a time."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

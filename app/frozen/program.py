@@ -1,7 +1,5 @@
 """The program as a folder that needs no Python (`insonify.spec`): the command, and the processes that it starts."""
 
-from __future__ import annotations
-
 import sys
 from importlib import import_module
 from multiprocessing import freeze_support

@@ -1,7 +1,5 @@
 """``python -m insonify_viewer [SCENE]``: the same as ``insonify view``."""
 
-from __future__ import annotations
-
 import sys
 
 from insonify.__main__ import end

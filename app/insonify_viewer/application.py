@@ -1,7 +1,5 @@
 """Opens the viewer on a screen, or draws its window into a picture."""
 
-from __future__ import annotations
-
 import linecache
 import os
 import signal
@@ -226,13 +224,11 @@ def make_application(theme: Theme = Theme.DARK) -> QApplication:
 
 
 def leave_sources_unread() -> None:
-    """Import modules from now on without reading their sources.
-
-    From its first import on, PySide6 reads the source of every module that is imported, to learn whether the module
-    may use the optional spelling of ``from __feature__ import snake_case``. None here does. A thousand sources would
-    stay in `linecache`, 60 MB, and reading them holds the interpreter. PySide6 has no switch for it; a version that
-    keeps the search elsewhere goes on as before.
-    """
+    """Import modules from now on without reading their sources."""
+    # From its first import on, PySide6 reads the source of every module that is imported, to learn whether the module
+    # may use the optional spelling of ``from __feature__ import snake_case``. None here does. A thousand sources would
+    # stay in `linecache`, 60 MB, and reading them holds the interpreter. PySide6 has no switch for it; a version that
+    # keeps the search elsewhere goes on as before.
     feature: Any = sys.modules.get("shibokensupport.feature")
     if hasattr(feature, "_mod_uses_pyside"):
         feature._mod_uses_pyside = lambda module: False

@@ -1,7 +1,5 @@
 """``insonify view`` and ``insonify movie``: open the viewer, or draw its window into a picture or a movie."""
 
-from __future__ import annotations
-
 import argparse
 import ctypes
 import os

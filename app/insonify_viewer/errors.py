@@ -1,7 +1,5 @@
 """Errors as one sentence, with traceback and details for faults of the program, and guards of Qt's overrides."""
 
-from __future__ import annotations
-
 import platform
 import sys
 import traceback
@@ -99,11 +97,9 @@ def report_fault(error: Exception) -> None:
 
 
 def guard_override(otherwise: R) -> Callable[[Callable[P, R]], Callable[P, R]]:
-    """Decorate a method that overrides one of Qt's, so that no exception passes from it into Qt.
-
-    PySide 6.11 on Python 3.11 ends the process when a function written in C raises in an override that Qt calls on
-    behalf of Python code, for instance in a ``paintEvent`` under ``repaint()`` or a ``resizeEvent`` under ``show()``.
-    """
+    """Decorate a method that overrides one of Qt's, so that no exception passes from it into Qt."""
+    # PySide 6.11 on Python 3.11 ends the process when a function written in C raises in an override that Qt calls on
+    # behalf of Python code, for instance in a ``paintEvent`` under ``repaint()`` or a ``resizeEvent`` under ``show()``.
 
     def decorate(method: Callable[P, R]) -> Callable[P, R]:
         reports: WeakKeyDictionary[object, FaultReport] = WeakKeyDictionary()

@@ -30,6 +30,8 @@ from insonify_viewer.state.session import ContactList, Session
 from insonify_viewer.state.tow_clock import TowClock, next_pause
 from insonify_viewer.window.file_opening import FileOpening
 from insonify_viewer.window.main_window import MainWindow
+from insonify_viewer.window.presets import Presets
+from insonify_viewer.window.record_menu import RecordMenu
 from insonify_viewer.window.saving import Saving
 from insonify_viewer.window.target_editor import TargetEditor
 from insonify_viewer.work.gc_policy import forget_ground, return_free_memory
@@ -72,6 +74,8 @@ class Viewer(QObject):
         added = self.panels.part_added.emit
         self.targets = TargetEditor(self.session, self.window, self.simulator, self.files, added)
         self.window.mount(tuple(self.panels.values()))
+        self.record_menu = RecordMenu(self.window, self.session, self.inspection)
+        self.presets = Presets(self.session, self.window, self.open)
         self.failure = ""
         self.seabed = SeabedController(self.simulator, self.inspection, accelerated=accelerated)
         self._number, self._fine, self._refused = 0, True, -1
@@ -183,7 +187,7 @@ class Viewer(QObject):
     def _workbench(self) -> Workbench:
         """Return what the panels are made with."""
 
-        def open_scene(scene: Scene, file: str, *, ask: bool) -> bool:
+        def open_scene(scene: Scene, file: str, *, ask: bool = False) -> bool:
             if ask and not self.saving.may_leave():
                 return False
             self.open(scene, file)
@@ -218,7 +222,7 @@ class Viewer(QObject):
             save_contacts=self.saving.save_contacts,
             open_scene=open_scene,
             light_fields=lambda paths: self.panels.fields_lit.emit(paths),
-            project=self.window.projector.setChecked,
+            project=self.window.lecture.action.setChecked,
         )
 
     def _connect(self) -> None:
@@ -257,7 +261,7 @@ class Viewer(QObject):
         session.displayed.connect(lambda _: self._show_sonar())
         window.speed_changed.connect(lambda speed: setattr(self.tow, "speed", speed))
         window.running_changed.connect(self.run)
-        window.projector.toggled.connect(lambda large: self.panels.projected.emit(large))
+        window.lecture.begun.connect(lambda large: self.panels.projected.emit(large))
         window.may_close = self.saving.may_close
         window.closing.connect(self.close)
         self._clock.timeout.connect(self._tick)

@@ -5,10 +5,8 @@ import sys
 
 
 def _leave_current_folder() -> None:
-    """Take the current folder, which ``python -m insonify`` puts first, from the places where modules are found.
-
-    A json.py beside somebody's data is no part of this program. The folder comes last if it holds this package.
-    """
+    """Take the current folder, which ``python -m insonify`` puts first, from the places where modules are found."""
+    # A json.py beside somebody's data is no part of this program. The folder comes last if it holds this package.
     words = sys.orig_argv
     options = [place for place, word in enumerate(words[:-1]) if word.startswith("-") and word.endswith("m")]
     run = words[options[0] + 1] if options else ""

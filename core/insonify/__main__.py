@@ -50,11 +50,9 @@ def run() -> NoReturn:
 
 
 def end(code: int) -> NoReturn:
-    """End the process: at once after an interrupt, or while a thread is at work.
-
-    A thread that compiles or traces cannot be interrupted. The interpreter would wait for some; others it would leave
-    at work while the libraries below them are taken down, which ends the process by a signal.
-    """
+    """End the process: at once after an interrupt, or while a thread is at work."""
+    # A thread that compiles or traces cannot be interrupted. The interpreter would wait for some; others it would leave
+    # at work while the libraries below them are taken down, which ends the process by a signal.
     if code > ENDED or any(thread.daemon for thread in threading.enumerate()):
         atexit._run_exitfuncs()  # ends the processes that read files; threads would be waited for after it
         sys.stdout.flush()

@@ -1,7 +1,5 @@
 """Results that are kept for the next call, in one store of bounded size for the whole process."""
 
-from __future__ import annotations
-
 import weakref
 from collections import OrderedDict, deque
 from collections.abc import Callable, Hashable
@@ -35,10 +33,8 @@ class ArrayCache:
         return self._bytes
 
     def keep(self, function: Callable[Arguments, Kept]) -> Callable[Arguments, Kept]:
-        """Return a function that keeps its results, which must not be written to.
-
-        Arguments must be hashable. The results go with the function that is returned.
-        """
+        """Return a function of hashable arguments that keeps its results, which must not be written to."""
+        # The results go with the function that is returned.
         token = object()
 
         @wraps(function)
@@ -97,10 +93,8 @@ class ArrayCache:
             self._bytes -= self._results.popitem(last=False)[1][1]
 
     def _drop(self, token: object) -> None:
-        """Drop the results of a function that is gone, now or with the next result.
-
-        A finalizer runs wherever memory is allocated, even while this thread holds the lock.
-        """
+        """Drop the results of a function that is gone, now or with the next result."""
+        # A finalizer runs wherever memory is allocated, even while this thread holds the lock.
         self._dead.append(token)
         if self._lock.acquire(blocking=False):
             try:

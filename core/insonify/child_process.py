@@ -4,8 +4,6 @@ A child runs a function `main` of one module, which calls `serve`. Requests and 
 current folder are never imported: a file named json.py beside somebody's data is not part of this program.
 """
 
-from __future__ import annotations
-
 import contextlib
 import os
 import pickle
@@ -123,15 +121,7 @@ def _search_path() -> list[str]:
 
 
 def serve(answer: Callable[[Any, Callable[[Any], None]], None], idle: float) -> None:
-    """Answer requests in a child, until it has had none for some seconds, a None, or the parent has ended.
-
-    Parameters
-    ----------
-    answer : callable
-        Called with each request and with what sends an answer; it must not raise.
-    idle : float
-        Seconds without a request after which the process ends.
-    """
+    """Answer requests in a child by ``answer``, which must not raise, until ``idle`` seconds pass without one."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)  # an interrupt reaches the parent too, which ends this process
     requests: queue.SimpleQueue[Any] = queue.SimpleQueue()
     threading.Thread(target=_take_requests, args=(requests,), daemon=True).start()

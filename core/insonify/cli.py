@@ -1,7 +1,5 @@
 """The ``insonify`` command: finds the sub-commands, and turns every mistake into one sentence."""
 
-from __future__ import annotations
-
 import argparse
 import difflib
 import importlib.metadata

@@ -1,7 +1,5 @@
 """Progress of compilation, for the person at a terminal or the program that started the command."""
 
-from __future__ import annotations
-
 from insonify.compiler.progress import Compilation
 from insonify.progress import Progress, open_progress
 

@@ -1,7 +1,5 @@
 """Cores that this process may use: its affinity, the quota of its control group, and the limit that its user sets."""
 
-from __future__ import annotations
-
 import math
 import os
 from collections.abc import Iterator
@@ -31,10 +29,8 @@ def most_threads() -> int:
 
 
 def default_threads() -> int:
-    """Return the number of threads that work at a time if the caller names none: all, but one in a worker process.
-
-    A process that `multiprocessing` started is one of several as a rule: of a pool, of a data loader, of a cluster.
-    """
+    """Return the number of threads that work at a time if the caller names none: all, but one in a worker process."""
+    # A process that `multiprocessing` started is one of several as a rule: of a pool, of a data loader, of a cluster.
     return 1 if parent_process() is not None and not os.environ.get(VARIABLE, "").strip() else most_threads()
 
 

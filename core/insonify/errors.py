@@ -1,7 +1,5 @@
 """The error that reports a mistake in a scene or a file to the user."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 from contextlib import contextmanager
 

@@ -1,7 +1,5 @@
 """Files that come with the package, and versions of files on disk."""
 
-from __future__ import annotations
-
 import os
 import tomllib
 from collections.abc import Callable

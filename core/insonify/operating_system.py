@@ -4,8 +4,6 @@ Other modules are the same on every system, apart from `cores`, `compiler.cache_
 display in the viewer. A system that lacks something goes without it, as each function says.
 """
 
-from __future__ import annotations
-
 import contextlib
 import os
 import re
@@ -93,10 +91,8 @@ def _private_bytes() -> int | None:
 
 @contextlib.contextmanager
 def interrupts_blocked() -> Iterator[None]:
-    """Block interrupts within; threads and processes that are started within never receive any. Not on Windows.
-
-    A terminal sends Ctrl-C to the driver and to the workers; the driver ends the workers.
-    """
+    """Block interrupts within; threads and processes that are started within never receive any. Not on Windows."""
+    # A terminal sends Ctrl-C to the driver and to the workers; the driver ends the workers.
     if sys.platform == "win32":
         yield
         return

@@ -1,7 +1,5 @@
 """Pings shared among the threads of one pool: kernels release the GIL, and results do not depend on the threads."""
 
-from __future__ import annotations
-
 import threading
 from collections import deque
 from collections.abc import Callable, Iterator
@@ -52,22 +50,18 @@ def count_threads(threads: int | None = None) -> int:
 def in_parallel(
     block: Callable[[int, int], Result], count: int, threads: int | None = None, least: int = SMALLEST
 ) -> list[Result]:
-    """Call ``block(first, last)`` over [0, count) in shares, on several threads.
-
-    The calling thread takes part. The others come from one pool of the process, however many callers it has; a share
-    may call `in_parallel` itself and is helped by those that are free.
-    """
+    """Call ``block(first, last)`` over [0, count) in shares, on several threads."""
+    # The calling thread takes part. The others come from one pool of the process, however many callers it has; a share
+    # may call `in_parallel` itself and is helped by those that are free.
     workers = min(count_threads(threads), max(count // least, 1))
     shares = [(0, count)] if workers == 1 else list(_shares(count, workers, least))
     return _work_off([partial(block, *share) for share in shares], workers) if count > 0 else []
 
 
 def _shares(count: int, workers: int, least: int) -> Iterator[tuple[int, int]]:
-    """Split [0, count) into shares of two thirds of what each worker has left: long ones, then shorter ones.
-
-    Each share costs a call of a kernel, some 40 µs, and the last ones keep a busy core, or pings that cross targets,
-    from making the others wait.
-    """
+    """Split [0, count) into shares of two thirds of what each worker has left: long ones, then shorter ones."""
+    # Each share costs a call of a kernel, some 40 µs, and the last ones keep a busy core, or pings that cross targets,
+    # from making the others wait.
     first = 0
     while first < count:
         last = min(first + max(least, 2 * (count - first) // (3 * workers)), count)
@@ -103,10 +97,8 @@ def _work_off(tasks: list[Callable[[], Result]], workers: int) -> list[Result]:
 
 
 def one_ahead(items: Iterator[Result]) -> Iterator[Result]:
-    """Yield items; the next one is made on another thread while the caller works on the last.
-
-    A caller that is interrupted while it waits does not wait for the item, which may take long.
-    """
+    """Yield items; the next one is made on another thread while the caller works on the last."""
+    # A caller that is interrupted while it waits does not wait for the item, which may take long.
     maker = ThreadPoolExecutor(1, thread_name_prefix="one ahead")
     in_time = True
     try:

@@ -1,7 +1,5 @@
 """Find extensions: the modules of a package, and the entry points that installed packages announce."""
 
-from __future__ import annotations
-
 import pkgutil
 from collections.abc import Iterable
 from functools import cache
@@ -22,7 +20,4 @@ def announced(group: str) -> Iterable[EntryPoint]:
     return found
 
 
-@cache
-def _entry_points() -> Any:
-    """All entry points, looked up once: it takes 2 ms, and every family of kinds needs them."""
-    return entry_points()
+_entry_points: Any = cache(entry_points)  # looked up once: it takes 2 ms, and every family of kinds needs them

@@ -1,7 +1,5 @@
 """Results of a function for its latest arguments, which are compared by identity."""
 
-from __future__ import annotations
-
 from collections import deque
 from collections.abc import Callable
 from functools import wraps

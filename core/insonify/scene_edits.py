@@ -1,7 +1,5 @@
 """Dependent edits: the further fields that an edit of a scene must change to keep the scene valid and meaningful."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Mapping
 from typing import Any

@@ -78,27 +78,7 @@ class Simulation(PackedScene):
         return self.record(pings, self.poses(pings))
 
     def record(self, pings: NDArray[np.int64], poses: Poses, out: Echoes | None = None) -> Echoes:
-        """Trace and receive pings at given poses.
-
-        Parameters
-        ----------
-        pings : (n,) int64
-            Ping numbers.
-        poses : Poses
-            Their poses.
-        out : (n, 2, bins) float32, optional
-            Takes the intensity.
-
-        Returns
-        -------
-        (n, 2, bins) float32
-            Linear intensity, port first: ``out``, if it is given.
-
-        Raises
-        ------
-        SceneError
-            If the sonar is inside a target, or below the bed.
-        """
+        """Trace and receive pings at given poses, as `intensity` does, into ``out`` if it is given."""
         refuse_sonar_in_bed(self.scene, self.ground, pings, poses)
         with limited_threads(self.threads):
             shapes, divided = self.reception.divided_by_shape, None

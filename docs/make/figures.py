@@ -161,6 +161,27 @@ def apparent(figure: Any) -> None:
     axes.legend(loc="upper right")
 
 
+def caustics(figure: Any) -> None:
+    """Level bed at three frequencies, about the caustic of water that slows down with depth."""
+    import insonify
+    from insonify.scene import edit
+
+    layers = {"kind": "profile", "depth": [0, 2, 14, 60], "sound_speed": [1540, 1530, 1490, 1487.5]}
+    changes: dict[str, Any] = {
+        "seabed.depth": 54.0, "seabed.relief": "flat", "targets": (), "water": layers, "track.altitude": 38.0,
+        "track.pings": 1, "sonar.beam": "knife", "sonar.pulse": "ideal", "sonar.range": 420.0, "sonar.bins": 4200,
+        "sonar.ping_rate": 1.0, "seabed.material": {"name": "medium_sand", "diffuse": 0.2, "specular": 0.0},
+    }  # fmt: skip
+    axes = figure.subplots()
+    for frequency, color in ((12e3, LIT), (120e3, ACCENT), (1e6, INK)):
+        scene = edit(insonify.load_scene("default"), {**changes, "sonar.frequency": frequency})
+        record = insonify.simulate(scene)
+        level = 10.0 * np.log10(np.maximum(record.intensity.values[1, 0].astype(float), 1e-30))
+        axes.plot(record.slant_range.values, level, color=color, lw=1.2, label=f"{frequency / 1e3:g} kHz")
+    axes.set(xlabel="slant range (m)", ylabel="intensity of a bin (dB)", xlim=(375, 405), ylim=(-150, -90))
+    axes.legend()
+
+
 def multipath(figure: Any) -> None:
     """Geometry of the images in the sea surface."""
     axes = figure.subplots()
@@ -296,6 +317,7 @@ FIGURES: dict[str, tuple[Size, Callable[[Any], None]]] = {
     "scattering.svg": ((9.0, 3.8), scattering),
     "error.svg": ((7.5, 3.2), error),
     "apparent.svg": ((7.0, 3.6), apparent),
+    "caustics.svg": ((7.0, 3.6), caustics),
     "multipath.svg": ((5.5, 4.6), multipath),
     "speckle.svg": ((6.5, 3.8), speckle),
     "data-flow.svg": ((11.0, 3.2), data_flow),

@@ -331,6 +331,27 @@ def rock(seed: int, size: tuple[float, float, float], roughness: float, facets: 
     return Mesh(0.5 * np.asarray(size) * way * radius[:, None], ball.faces, process=False)
 
 
+def figure() -> Mesh:
+    """Human figure that lies on its back: trunk, head, and limbs bent a little, 1.75 m."""
+
+    def limb(*joints: tuple[float, float, float, float]) -> list[Mesh]:
+        balls = [trimesh.creation.icosphere(1, radius).apply_translation(at) for *at, radius in joints]
+        return [trimesh.convex.convex_hull(joined(*pair)) for pair in itertools.pairwise(balls)]
+
+    outline = ((-1.0, 0.0), (-0.6, 0.9), (0.6, 0.9), (1.0, 0.0), (0.6, -0.9), (-0.6, -0.9))
+    widths = ((0.52, 0.13), (0.4, 0.22), (0.0, 0.15), (-0.12, 0.18))
+    trunk = hull([(x, y * wide, 0.12 + z * 0.11) for x, wide in widths for y, z in outline])
+    parts = [trunk, trimesh.creation.icosphere(2, 0.105).apply_translation((0.7, 0.02, 0.13))]
+    parts += limb((0.45, 0.0, 0.12, 0.07), (0.66, 0.02, 0.13, 0.06))
+    for hand, spread in ((1.0, 0.1), (-1.0, 0.04)):
+        wide = 0.12 + spread
+        elbow, wrist = (0.15, (0.27 + spread) * hand, 0.09, 0.045), (-0.1, (0.24 + 2.0 * spread) * hand, 0.08, 0.04)
+        knee, heel, toe = (-0.5, wide, 0.14, 0.06), (-0.9, wide, 0.08, 0.045), (-0.94, wide + 0.03, 0.2, 0.035)
+        leg = [(x, y * hand, z, radius) for x, y, z, radius in ((-0.1, 0.1, 0.12, 0.085), knee, heel, toe)]
+        parts += limb((0.42, 0.2 * hand, 0.12, 0.06), elbow, wrist) + limb(*leg)
+    return joined(*parts)
+
+
 LIBRARY: dict[str, Callable[[], Mesh]] = {
     "mine-cylinder": mine_cylinder,
     "mine-manta": mine_manta,
@@ -347,6 +368,7 @@ LIBRARY: dict[str, Callable[[], Mesh]] = {
     "lobster-trap": lobster_trap,
     "crab-pot": crab_pot,
     "mooring-block": mooring_block,
+    "figure": figure,
     "rock-round": lambda: rock(11, (1.1, 0.95, 0.8), 1.1, 4),
     "rock-flat": lambda: rock(29, (1.5, 1.15, 0.45), 0.7, 9),
     "rock-jagged": lambda: rock(37, (0.9, 0.8, 0.95), 1.6, 22),

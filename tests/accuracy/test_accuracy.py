@@ -1,7 +1,5 @@
 """Errors, orders of convergence, the reference and the clock."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

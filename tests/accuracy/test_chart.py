@@ -1,7 +1,5 @@
 """The chart, on a scene small enough to measure in a moment."""
 
-from __future__ import annotations
-
 import csv
 import itertools
 import json

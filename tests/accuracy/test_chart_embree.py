@@ -1,7 +1,5 @@
 """Embree over a scene of triangles, beside exact rays over the bilinear bed and the bodies themselves."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

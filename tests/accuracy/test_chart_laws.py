@@ -1,7 +1,5 @@
 """The charts of cost and convergence, and the laws through them."""
 
-from __future__ import annotations
-
 import json
 import math
 

@@ -1,7 +1,5 @@
 """Where shadows and echoes lie, on records that are moved by known amounts, and how alike pictures are."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

@@ -7,8 +7,6 @@ that keeps to the tolerance. The echo of the sea surface itself is left out ever
 and so loud that beside it nothing would be an error.
 """
 
-from __future__ import annotations
-
 import itertools
 import math
 import sys

@@ -5,8 +5,6 @@ far the last doubling of the rays moved their record, and about half of that is 
 reference goes dark or lit for at least two bins. Likewise through thermoclines, by tables against arcs.
 """
 
-from __future__ import annotations
-
 import sys
 from dataclasses import dataclass
 from pathlib import Path

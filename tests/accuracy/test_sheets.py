@@ -1,7 +1,5 @@
 """Rays in sheets against closed forms, and against many rays one by one."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

@@ -1,7 +1,5 @@
 """The sweep against the ray tracer: how near, and how fast it gets nearer."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

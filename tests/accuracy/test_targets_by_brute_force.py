@@ -1,7 +1,5 @@
 """Echoes of round and flat targets with specular lobes of any width, against a grid of rays in plain NumPy."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

@@ -1,7 +1,5 @@
 """One window a test, and nothing left behind."""
 
-from __future__ import annotations
-
 import os
 import threading
 from collections.abc import Callable, Iterator
@@ -161,3 +159,13 @@ def open_viewer(
         await_threads(before)
         assert not [t for viewer in viewers for t in viewer.findChildren(QTimer) if t.isActive()]
         viewers.clear()
+
+
+@pytest.fixture
+def viewer(open_viewer: Opener, small: Scene) -> Viewer:
+    return open_viewer(small)
+
+
+@pytest.fixture
+def window(viewer: Viewer) -> Any:
+    return viewer.window

@@ -1,14 +1,15 @@
 """Controls of a window, as the person and assistive technology meet them."""
 
-from __future__ import annotations
+from typing import Any
 
-from PySide6.QtCore import Qt
-from PySide6.QtGui import QAccessible
+from PySide6.QtCore import QMimeData, QPoint, QPointF, Qt, QUrl
+from PySide6.QtGui import QAccessible, QDragEnterEvent, QDropEvent
 from PySide6.QtWidgets import (
     QAbstractButton,
     QAbstractItemView,
     QAbstractSlider,
     QAbstractSpinBox,
+    QApplication,
     QComboBox,
     QHeaderView,
     QLineEdit,
@@ -43,12 +44,30 @@ def is_control(widget: QWidget) -> bool:
     return not widget.objectName().startswith(("qt_", "ScrollLeft", "ScrollRight"))
 
 
+def activate(window: QWidget, qtbot: Any) -> None:
+    """Give a window the keyboard, also where no window manager does."""
+    window.windowHandle().requestActivate()
+    window.activateWindow()
+    qtbot.waitUntil(window.isActiveWindow)
+
+
 def bring_to_front(window: MainWindow, panel: str) -> None:
     """Show the panel of a tab at the side."""
     for bar in window.findChildren(QTabBar):
         for index in range(bar.count()):
             if bar.tabText(index) == window._panels[panel].title:
                 bar.setCurrentIndex(index)
+
+
+def drop(window: QWidget, *paths: object) -> None:
+    """Drop files on a window as a file manager does."""
+    data = QMimeData()
+    data.setUrls([QUrl.fromLocalFile(str(path)) for path in paths])
+    rest = (Qt.DropAction.CopyAction, data, Qt.MouseButton.LeftButton, Qt.KeyboardModifier.NoModifier)
+    for event in (QDragEnterEvent(QPoint(400, 300), *rest), QDropEvent(QPointF(400, 300), *rest)):
+        event.ignore()
+        QApplication.sendEvent(window, event)
+        assert event.isAccepted()
 
 
 def accessible_name(widget: QWidget) -> str:

@@ -1,7 +1,5 @@
 """A simulation that costs nothing: numbers one can predict, in the shapes of the real one."""
 
-from __future__ import annotations
-
 from functools import lru_cache
 from typing import Any
 

@@ -1,7 +1,5 @@
 """The panel of the sonar equation: terms at the range under the cursor, curves over range, sentences."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 from PySide6.QtCore import QPoint, Qt

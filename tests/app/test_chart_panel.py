@@ -1,7 +1,5 @@
 """The chart's window: measured on a thread of its own, stopped, picked from, saved."""
 
-from __future__ import annotations
-
 import threading
 from collections.abc import Callable
 
@@ -49,8 +47,7 @@ def a_chart(scene, progress: Callable[[float], None] = lambda share: None) -> Ac
 
 
 @pytest.fixture
-def window(open_viewer, small, qtbot):
-    viewer = open_viewer(small)
+def window(viewer, qtbot):
     viewer.panels["chart"].measure = a_chart
     viewer.panels["plan"].view.chart.click()
     assert viewer.panels["chart"].view.isVisible()
@@ -59,7 +56,7 @@ def window(open_viewer, small, qtbot):
 
 def measure(viewer, qtbot):
     viewer.panels["chart"].view.measure.click()
-    qtbot.waitUntil(lambda: not viewer.panels["chart"].busy, timeout=30000)
+    qtbot.waitUntil(lambda: not viewer.panels["chart"].busy)
 
 
 def test_a_click_on_a_point_shows_its_record(window, qtbot):
@@ -68,7 +65,7 @@ def test_a_click_on_a_point_shows_its_record(window, qtbot):
     assert window.session.scene.title in view.windowTitle()
     loud = next(point.row for point in window.panels["chart"]._picture.points if point.row.method == "rays")
     qtbot.mouseClick(view.picture, Qt.MouseButton.LeftButton, pos=view.picture.place_of(loud).toPoint())
-    qtbot.waitUntil(lambda: bool(view._numbers.text()), timeout=20000)
+    qtbot.waitUntil(lambda: bool(view._numbers.text()))
     assert "error 10 % beyond" in view._numbers.text()
     assert "energy +10 %" in view._numbers.text()
     assert view._strips.isVisible()
@@ -83,7 +80,7 @@ def test_points_are_stepped_through_by_keys(window, qtbot):
     panel.view.picked.connect(picked.append)
     for key in (Qt.Key.Key_Right, Qt.Key.Key_Right, Qt.Key.Key_Left, Qt.Key.Key_Left):
         qtbot.keyClick(panel.view.picture, key)
-        qtbot.waitUntil(lambda: panel.view.picture._chosen is picked[-1], timeout=20000)
+        qtbot.waitUntil(lambda: panel.view.picture._chosen is picked[-1])
     assert [id(row) for row in picked] == [id(points[k].row) for k in (0, 1, 0, len(points) - 1)]
 
 
@@ -158,11 +155,11 @@ def test_it_is_saved(window, qtbot, tmp_path, monkeypatch):
     view = window.panels["chart"].view
     monkeypatch.setattr(QFileDialog, "getSaveFileName", lambda *_: (str(tmp_path / "c.csv"), ""))
     view.save.click()
-    qtbot.waitUntil(lambda: "saved" in view._sentence.text(), timeout=20000)
+    qtbot.waitUntil(lambda: "saved" in view._sentence.text())
     assert "1,000 rays" in (tmp_path / "c.csv").read_text()
     monkeypatch.setattr(QFileDialog, "getSaveFileName", lambda *_: (str(tmp_path / "c.doc"), ""))
     view.save.click()
-    qtbot.waitUntil(lambda: "saved" not in view._sentence.text(), timeout=20000)
+    qtbot.waitUntil(lambda: "saved" not in view._sentence.text())
     assert ".png" in view._sentence.text()
 
 

@@ -1,7 +1,5 @@
 """The command as people run it, without a screen."""
 
-from __future__ import annotations
-
 import os
 import subprocess
 import sys

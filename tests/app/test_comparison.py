@@ -1,16 +1,13 @@
 """Record A beside the live record: kept, shown by a key, wiped, subtracted, measured, returned to."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
-from controls import bring_to_front
+from controls import activate, bring_to_front
 from PIL import Image
 from PySide6.QtCore import QPoint, QRect, Qt
 from PySide6.QtGui import QImage
 from PySide6.QtTest import QTest
 from PySide6.QtWidgets import QAbstractButton, QAbstractSlider, QApplication, QComboBox, QLineEdit, QListWidget, QTabBar
-from test_menus import activate
 
 from insonify.cli import main
 from insonify.scene import edit, load_partner, load_scene
@@ -24,6 +21,7 @@ from insonify_viewer.record.comparison.record_difference import (
     compare_records,
     visible_share,
 )
+from insonify_viewer.record.projection import Zoom
 from insonify_viewer.record.record import Record
 from insonify_viewer.state.history import Modelling
 
@@ -139,7 +137,7 @@ def compared(open_viewer, small, qtbot):
     press(viewer, "K")
     assert viewer.comparison.kept is not None
     viewer.session.settle(LIGHT)
-    qtbot.waitUntil(lambda: viewer.complete, timeout=60000)
+    qtbot.waitUntil(lambda: viewer.complete)
     return viewer
 
 
@@ -255,7 +253,7 @@ def in_view(window, kind):
 def test_both_records_have_one_display(compared, qtbot):
     window = compared.window
     window.gain.setValue(60)
-    qtbot.waitUntil(lambda: window.record_a.levels == window.waterfall.levels, timeout=5000)
+    qtbot.waitUntil(lambda: window.record_a.levels == window.waterfall.levels)
     window.palettes.setCurrentText("grey")
     window.palettes.activated.emit(window.palettes.currentIndex())
     compared.session.show(ground_range=True, side="starboard")
@@ -272,7 +270,7 @@ def test_a_lies_pixel_for_pixel_over_b(compared, qtbot, options):
     compared.session.show(**options)
     view, overlay = compared.window.waterfall, compared.window.overlay
     view.magnify(1.6)
-    qtbot.waitUntil(lambda: compared.complete, timeout=60000)
+    qtbot.waitUntil(lambda: compared.complete)
     compared.find_levels()
     compared.comparison.tick(0.0)
     overlay.hide()
@@ -324,18 +322,47 @@ def test_the_difference_is_drawn_in_decibels_with_a_scale(compared, qtbot):
     held = picture.pixels[:, picture.pixels.shape[1] // 4]
     assert len(set(held.tolist())) == 1, "every ping is as much louder"
     compared.session.undo()
-    qtbot.waitUntil(lambda: compared.complete, timeout=60000)
+    qtbot.waitUntil(lambda: compared.complete)
     assert compared.window.waterfall.grab().toImage() != before
     assert compared.window.overlay.difference.span == SPANS[0], "both are the same"
 
 
 def test_a_follows_the_pings_of_b(compared, qtbot):
     compared.go_to(400)
-    qtbot.waitUntil(lambda: compared.complete, timeout=60000)
+    qtbot.waitUntil(lambda: compared.complete)
     assert compared.window.record_a.top == compared.window.waterfall.top == 400
     kept = compared.comparison.kept.record
     np.testing.assert_array_equal(np.sort(kept.ping), np.sort(compared.record.ping))
     np.testing.assert_allclose(kept.amplitude * 2.0, compared.record.amplitude, rtol=1e-5)
+
+
+def test_linked_records_zoom_scroll_and_point_together(compared, qtbot):
+    """The padlock parts them."""
+    window, links = compared.window, compared.comparison.links
+    live, beside = window.waterfall, window.record_a
+    compared.comparison.arrange(Arrangement.BESIDE)
+    qtbot.waitUntil(beside.isVisible)
+    beside.magnify(2.0)
+    assert live._zoom == beside._zoom != Zoom()
+    live.magnify(1.5)
+    assert live._zoom == beside._zoom
+    mark = live.mark_at(live.plot_area.center())
+    assert links.find_place(live, beside, mark) == mark
+    live.hovered.emit(mark)
+    assert beside._marks.cross == mark
+    beside.hovered.emit(mark)
+    assert live._marks.cross == mark
+    beside.clicked.emit(mark)
+    assert compared.inspection.mark == mark, "what is clicked in A is explained in B"
+    top = live.top
+    compared.go_to(100)
+    beside.scrolled.emit(10)
+    assert live.top == beside.top == 90 != top
+    links.padlock.click()
+    beside.show_zoom(Zoom())
+    assert live._zoom != Zoom()
+    live.hovered.emit(None)
+    assert beside._marks.cross == mark
 
 
 def test_a_returns_with_its_modelling(compared, qtbot):
@@ -351,7 +378,7 @@ def test_a_returns_with_its_modelling(compared, qtbot):
 
 def test_another_scene_with_other_bins_stands_beside(compared, small, qtbot):
     compared.open(edit(small, {"sonar.bins": 160, "sonar.range": 40.0, "track.pings": 64}))
-    qtbot.waitUntil(lambda: compared.complete, timeout=60000)
+    qtbot.waitUntil(lambda: compared.complete)
     assert "not measured, because A has 100 bins of 50 m" in compared.comparison.difference
     place, plot = compared.window.overlay.place_of_a(), compared.window.waterfall.plot_area
     assert place.width() / plot.width() == pytest.approx(50.0 / 40.0)
@@ -367,15 +394,14 @@ def test_another_scene_with_other_bins_stands_beside(compared, small, qtbot):
 def test_a_scene_is_traced_as_a(open_viewer, small, qtbot):
     viewer = open_viewer(edit(small, LIGHT))
     viewer.comparison.keep_scene(edit(small, DARK))
-    qtbot.waitUntil(lambda: viewer.complete, timeout=60000)
+    qtbot.waitUntil(lambda: viewer.complete)
     np.testing.assert_allclose(viewer.comparison.kept.record.amplitude * 2.0, viewer.record.amplitude, rtol=1e-5)
     viewer.comparison.keep_scene(edit(small, {"seed": 666}))
-    qtbot.waitUntil(lambda: "666 is refused" in viewer.window.status.sentence.text(), timeout=20000)
+    qtbot.waitUntil(lambda: "666 is refused" in viewer.window.status.sentence.text())
     assert viewer.comparison.a is None
 
 
-def test_without_a_the_keys_say_how_to_keep_one(open_viewer, small):
-    viewer = open_viewer(small)
+def test_without_a_the_keys_say_how_to_keep_one(viewer):
     for key in ("W", "D", "Shift+K"):
         press(viewer, key)
         assert "press K" in viewer.window.status.sentence.text()
@@ -385,8 +411,7 @@ def test_without_a_the_keys_say_how_to_keep_one(open_viewer, small):
     QTest.keyRelease(viewer.window, Qt.Key.Key_X)
 
 
-def test_the_panel_keeps_arranges_and_leaves(open_viewer, small, qtbot):
-    viewer = open_viewer(small)
+def test_the_panel_keeps_arranges_and_leaves(viewer, small, qtbot):
     viewer.window.open_panel("comparison")
     panel = viewer.panels["comparison"].view
     QTest.mouseClick(panel.keep, Qt.MouseButton.LeftButton)
@@ -398,7 +423,7 @@ def test_the_panel_keeps_arranges_and_leaves(open_viewer, small, qtbot):
         panel.arrangement.activated.emit(index)
         assert viewer.comparison.arrangement is arrangement
     viewer.session.settle(LIGHT)
-    qtbot.waitUntil(lambda: viewer.complete, timeout=60000)
+    qtbot.waitUntil(lambda: viewer.complete)
     QTest.mouseClick(panel.back, Qt.MouseButton.LeftButton)
     assert viewer.session.scene == small
     QTest.mouseClick(panel.leave, Qt.MouseButton.LeftButton)
@@ -409,8 +434,7 @@ def test_the_panel_keeps_arranges_and_leaves(open_viewer, small, qtbot):
 
 
 @pytest.mark.parametrize("name", ["figure-2b", "figure-4b", "figure-5-relief", "ghosts"])
-def test_one_action_opens_a_pair(open_viewer, small, qtbot, name):
-    viewer = open_viewer(small)
+def test_one_action_opens_a_pair(viewer, qtbot, name):
     panel = viewer.panels["comparison"].view
     assert not panel.partner.isEnabled()
     panel._pairs_menu.aboutToShow.emit()
@@ -438,8 +462,7 @@ def test_pairs_are_read_before_their_menu_opens(open_viewer, small, qtbot):
     assert len(panel._pairs_menu.actions()) == 4
 
 
-def test_a_scene_without_partner_says_so(open_viewer, small):
-    viewer = open_viewer(small)
+def test_a_scene_without_partner_says_so(viewer, small):
     press(viewer, "P")
     assert "not one of a pair" in viewer.window.status.sentence.text()
     viewer.session.open(edit(small, {"partner": ["no-such-scene"]}))
@@ -462,8 +485,8 @@ def test_a_follows_a_tow_that_runs(compared, qtbot):
     compared.tow.speed = 4.0
     compared.tow.restart(1000)  # past the targets, before which the tow would pause
     compared.run(True)
-    qtbot.waitUntil(lambda: compared.window.waterfall.top > 1060, timeout=20000)
+    qtbot.waitUntil(lambda: compared.window.waterfall.top > 1060)
     compared.run(False)
-    qtbot.waitUntil(lambda: compared.complete, timeout=20000)
+    qtbot.waitUntil(lambda: compared.complete)
     assert compared.window.record_a.top == compared.window.waterfall.top
     np.testing.assert_allclose(kept.record.amplitude * 2.0, compared.record.amplitude, rtol=1e-5)

@@ -1,7 +1,5 @@
 """Heights of endless ground may take a second: the main thread never computes them."""
 
-from __future__ import annotations
-
 import threading
 from typing import Any
 
@@ -41,16 +39,16 @@ def summing(monkeypatch):
 def test_the_main_thread_never_sums_the_relief(open_viewer, summing, qtbot):
     scene = edit(load_scene("endless"), {"sonar.bins": 100, "track.pings": 128, "seed": 77})
     viewer = open_viewer(scene, prepare=prepare)
-    qtbot.waitUntil(lambda: viewer.seabed.complete, timeout=60000)
+    qtbot.waitUntil(lambda: viewer.seabed.complete)
     ARRAYS.clear()  # as when other scenes were open meanwhile
     summing.append("looking back")
     viewer.go_to(40)
     qtbot.waitUntil(lambda: viewer.window.waterfall.top == 40)
-    qtbot.waitUntil(lambda: summing[-1] != "looking back", timeout=60000)
+    qtbot.waitUntil(lambda: summing[-1] != "looking back")
     ARRAYS.clear()
     summing.append("pointing")
     viewer.session.point_at(Mark(30, 0, 60))
-    qtbot.waitUntil(lambda: summing[-1] != "pointing", timeout=60000)
+    qtbot.waitUntil(lambda: summing[-1] != "pointing")
     assert threading.main_thread().name not in summing
     qtbot.waitUntil(lambda: viewer._marks._point is not None and viewer._marks._point.mark == Mark(30, 0, 60))
 
@@ -60,9 +58,9 @@ def spacings_of_dragged(viewer, qtbot, changes: dict[str, Any]) -> list[tuple[bo
     answers: list[tuple[bool, float]] = []
     viewer.simulator.answered.connect(lambda answer: answers.append((answer.fine, answer.simulation.ground.spacing)))
     viewer.session.drag(changes)
-    qtbot.waitUntil(lambda: bool(answers), timeout=60000)
+    qtbot.waitUntil(lambda: bool(answers))
     viewer.session.settle(None, "moved")
-    qtbot.waitUntil(lambda: viewer.complete and answers[-1][0], timeout=60000)
+    qtbot.waitUntil(lambda: viewer.complete and answers[-1][0])
     return answers
 
 

@@ -1,28 +1,15 @@
 """Files of every kind dropped on the window, and the list of recent files."""
 
-from __future__ import annotations
-
 import shutil
 
 import numpy as np
 import pytest
-from PySide6.QtCore import QMimeData, QPoint, QPointF, Qt, QUrl
-from PySide6.QtGui import QDragEnterEvent, QDropEvent
-from PySide6.QtWidgets import QApplication, QFileDialog, QMessageBox
+from controls import drop
+from PySide6.QtWidgets import QFileDialog, QMessageBox
 
 from insonify.scene import bundled_meshes, bundled_scenes, edit, scene_to_toml
 from insonify_viewer.state.contacts import Contact, write_contacts
 from insonify_viewer.window.settings import RECENT, Settings
-
-
-def drop(window, *paths):
-    data = QMimeData()
-    data.setUrls([QUrl.fromLocalFile(str(path)) for path in paths])
-    buttons, none = Qt.MouseButton.LeftButton, Qt.KeyboardModifier.NoModifier
-    enter = QDragEnterEvent(QPoint(300, 300), Qt.DropAction.CopyAction, data, buttons, none)
-    QApplication.sendEvent(window, enter)
-    assert enter.isAccepted()
-    QApplication.sendEvent(window, QDropEvent(QPointF(300, 300), Qt.DropAction.CopyAction, data, buttons, none))
 
 
 def test_a_scene_is_dropped(open_viewer, small, tmp_path):
@@ -50,19 +37,18 @@ def test_a_mesh_is_dropped_and_opened_again(open_viewer, small, qtbot, tmp_path)
     shutil.copy(bundled_meshes()["drum"], path)
     viewer = open_viewer(small)
     drop(viewer.window, path)
-    qtbot.waitUntil(lambda: len(viewer.session.scene.targets) == len(small.targets) + 1, timeout=20000)
+    qtbot.waitUntil(lambda: len(viewer.session.scene.targets) == len(small.targets) + 1)
     target = viewer.session.scene.targets[-1]
     assert (target.kind, target.path) == ("mesh", str(path))
     x, y = target.position[:2]
     assert said(viewer) == f"mesh {path.name} added as target {len(small.targets) + 1}, at x {x:g} m, y {y:g} m"
     open_again(viewer, path.name)
-    qtbot.waitUntil(lambda: len(viewer.session.scene.targets) == len(small.targets) + 2, timeout=20000)
+    qtbot.waitUntil(lambda: len(viewer.session.scene.targets) == len(small.targets) + 2)
 
 
-def test_a_mesh_that_comes_with_the_program_is_not_among_recent_files(open_viewer, small, qtbot):
-    viewer = open_viewer(small)
+def test_a_mesh_that_comes_with_the_program_is_not_among_recent_files(viewer, small, qtbot):
     drop(viewer.window, bundled_meshes()["drum"])
-    qtbot.waitUntil(lambda: len(viewer.session.scene.targets) == len(small.targets) + 1, timeout=20000)
+    qtbot.waitUntil(lambda: len(viewer.session.scene.targets) == len(small.targets) + 1)
     assert Settings().recent == []
 
 
@@ -73,11 +59,10 @@ def bed(tmp_path):
     return path
 
 
-def test_a_bed_is_dropped_and_opened_again(open_viewer, small, qtbot, bed):
-    viewer = open_viewer(small)
+def test_a_bed_is_dropped_and_opened_again(viewer, small, qtbot, bed):
     for attempt in (drop, lambda window, _: open_again(viewer, "bed.npy")):
         attempt(viewer.window, bed)
-        qtbot.waitUntil(lambda: viewer.session.scene.seabed.relief.kind == "dem", timeout=20000)
+        qtbot.waitUntil(lambda: viewer.session.scene.seabed.relief.kind == "dem")
         assert said(viewer).endswith("the 3 targets were removed with the scene before (Undo restores it)")
         assert Settings().recent == [str(bed)]
         viewer.session.undo()
@@ -96,7 +81,7 @@ def test_a_bed_asks_about_unsaved_changes(open_viewer, small, qtbot, bed, monkey
     assert viewer.session.scene is changed
     assert not said(viewer).startswith("reading")
     drop(viewer.window, bed)
-    qtbot.waitUntil(lambda: viewer.session.scene.seabed.relief.kind == "dem", timeout=20000)
+    qtbot.waitUntil(lambda: viewer.session.scene.seabed.relief.kind == "dem")
     assert asked == [f"The scene “{small.title}” has changes that are not saved."] * 2
 
 
@@ -111,7 +96,7 @@ def test_a_cast_is_dropped_and_opened_again(open_viewer, small, qtbot, cast):
     viewer = open_viewer(edit(small, {"water.absorption": 12.0, "sonar.ping_rate": 15.0}))
     for attempt in (drop, lambda window, _: open_again(viewer, "cast.csv")):
         attempt(viewer.window, cast)
-        qtbot.waitUntil(lambda: viewer.session.scene.water.kind == "cast", timeout=20000)
+        qtbot.waitUntil(lambda: viewer.session.scene.water.kind == "cast")
         assert viewer.session.scene.water.absorption.coefficient == 12.0, "the rest of the water stays"
         assert said(viewer).startswith("sound speed of cast.csv: 3 depths, down to 40 m; ping rate lowered to")
         assert viewer.window.undo.text() == "Undo: sound speed of cast.csv"
@@ -127,11 +112,10 @@ def tow(tmp_path):
     return path
 
 
-def test_navigation_is_dropped_and_opened_again(open_viewer, small, qtbot, tow):
-    viewer = open_viewer(small)
+def test_navigation_is_dropped_and_opened_again(viewer, small, qtbot, tow):
     for attempt in (drop, lambda window, _: open_again(viewer, "tow.csv")):
         attempt(viewer.window, tow)
-        qtbot.waitUntil(lambda: viewer.session.scene.track.motion.kind == "recorded", timeout=20000)
+        qtbot.waitUntil(lambda: viewer.session.scene.track.motion.kind == "recorded")
         assert viewer.session.scene.track.motion.path == str(tow)
         assert said(viewer) == "navigation of tow.csv: x, y, heading at 31 times, 30 s in all"
         assert viewer.window.undo.text() == "Undo: navigation of tow.csv"
@@ -149,8 +133,7 @@ def test_a_table_that_is_neither_is_refused(open_viewer, small, qtbot, tmp_path)
     assert Settings().recent == []
 
 
-def test_a_file_that_a_field_takes_over_is_among_recent_ones(open_viewer, small, cast, tow, bed, monkeypatch):
-    viewer = open_viewer(small)
+def test_a_file_that_a_field_takes_over_is_among_recent_ones(viewer, cast, tow, bed, monkeypatch):
     settle = viewer.panels["parameters"]._settle
     for path, kind, file in (("water.kind", "cast", cast), ("track.motion.kind", "recorded", tow)):
         monkeypatch.setattr(QFileDialog, "getOpenFileName", lambda *_, file=file: (str(file), ""))
@@ -184,8 +167,7 @@ def test_contacts_are_dropped_and_opened_by_menu(open_viewer, small, tmp_path, s
     assert len(viewer.contacts) == 2
 
 
-def test_several_files_at_once_are_refused_in_one_sentence(open_viewer, small, cast, tow):
-    viewer = open_viewer(small)
+def test_several_files_at_once_are_refused_in_one_sentence(viewer, small, cast, tow):
     drop(viewer.window, cast, tow)
     assert said(viewer) == "2 files were dropped at once; drop one file at a time"
     assert viewer.session.scene == small
@@ -232,7 +214,6 @@ def test_the_list_has_an_end(tmp_path):
 
 
 @pytest.mark.parametrize("name", ["default", "wreck"])
-def test_bundled_scenes_are_not_among_them(open_viewer, small, name):
-    viewer = open_viewer(small)
+def test_bundled_scenes_are_not_among_them(viewer, name):
     viewer.window.scenes.wanted.emit(str(bundled_scenes()[name]))
     assert Settings().recent == []

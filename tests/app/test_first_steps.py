@@ -1,7 +1,5 @@
 """What a person reaches who never saw the window: each within three actions, counted, from the window as it opens."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -139,7 +137,7 @@ def test_a_target_is_moved(viewer, hand, qtbot):
     assert viewer.session.undoable[0].endswith("moved")
     moved = [a.position != b.position for a, b in zip(before, viewer.session.scene.targets)]
     assert moved.count(True) == 1
-    qtbot.waitUntil(lambda: viewer.complete, timeout=60000)
+    qtbot.waitUntil(lambda: viewer.complete)
     assert hand.actions <= MOST
 
 

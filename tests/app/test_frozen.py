@@ -1,7 +1,5 @@
 """The program as a folder that needs no Python: its processes, and the recipe itself where PyInstaller is installed."""
 
-from __future__ import annotations
-
 import os
 import subprocess
 import sys

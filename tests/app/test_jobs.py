@@ -1,22 +1,25 @@
-"""Jobs beside the window: records, charts, data sets and pages, with progress, a stop, and nothing half-written."""
-
-from __future__ import annotations
+"""Jobs beside the window: begun, followed and stopped, also by the keyboard alone, with nothing half-written."""
 
 import threading
+import time
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
+from controls import accessible_name, activate
 from PIL import Image
-from PySide6.QtCore import Qt
-from PySide6.QtWidgets import QMessageBox
+from PySide6.QtCore import Qt, QTimer
+from PySide6.QtGui import QAccessible
+from PySide6.QtWidgets import QApplication, QFileDialog, QMessageBox, QWidget
 
 from insonify import simulate
 from insonify.commands.render import write
 from insonify.display.display_options import DisplayOptions
 from insonify.io.records import read_record
 from insonify.scene import edit
+from insonify_viewer.panels.jobs import view as jobs_window
 from insonify_viewer.panels.jobs.view import JobsView, WantedChart, WantedDataset
 from insonify_viewer.state.quantities import format_time_left
 from insonify_viewer.work import jobs as background_job
@@ -67,8 +70,7 @@ def test_a_command_imports_nothing_of_the_current_folder(monkeypatch, qtbot, tmp
     assert (job.state, traces(tmp_path)) == (State.DONE, set())
 
 
-def test_a_record_is_modelled_as_in_the_window(open_viewer, small, qtbot, tmp_path):
-    viewer = open_viewer(small)
+def test_a_record_is_modelled_as_in_the_window(viewer, small, qtbot, tmp_path):
     viewer.session.model(viewer.session.modelling.forcing("planes", "2").tolerating(0.2))
     job = viewer.jobs.write_record(viewer.session, tmp_path / "record.nc")
     qtbot.waitUntil(lambda: not job.running, timeout=PATIENCE)
@@ -97,7 +99,7 @@ def test_progress_is_shown_and_a_stop_leaves_nothing(open_viewer, endless_work, 
     qtbot.waitUntil(lambda: job.seconds_left is not None, timeout=PATIENCE)
     assert viewer.window.jobs.isVisible()
     qtbot.mouseClick(view.rows[0].stop, Qt.MouseButton.LeftButton)
-    qtbot.waitUntil(lambda: not job.running, timeout=10_000)
+    qtbot.waitUntil(lambda: not job.running)
     assert job.state is State.STOPPED
     assert list(tmp_path.iterdir()) == []
     assert not viewer.window.jobs.isVisible()
@@ -166,7 +168,7 @@ def test_a_data_set_is_stopped_with_its_workers(open_viewer, knife, qtbot, tmp_p
     job = viewer.jobs.begin("data set", arguments, tmp_path / "mines")
     qtbot.waitUntil(lambda: job.stage.unit == "job", timeout=PATIENCE)
     job.stop()
-    qtbot.waitUntil(lambda: not job.running, timeout=30_000)
+    qtbot.waitUntil(lambda: not job.running)
     assert job.state is State.STOPPED
 
 
@@ -213,3 +215,126 @@ def test_the_bar_shortens_the_title_and_keeps_the_time_left(open_viewer, knife, 
     assert bar.fontMetrics().horizontalAdvance(words) <= bar.width()
     going.set()
     qtbot.waitUntil(lambda: not bar.isVisible())
+
+
+def focus() -> QWidget:
+    """Widget that has the keyboard."""
+    held = QApplication.focusWidget()
+    assert held is not None
+    return held
+
+
+def press(qtbot, key: Qt.Key, modifier=Qt.KeyboardModifier.NoModifier):
+    qtbot.keyClick(focus(), key, modifier)
+
+
+def begin_waiting(viewer, title: str):
+    """Begin work that ends when it is stopped."""
+
+    def work(report: Callable[[float], None]):
+        while True:
+            time.sleep(0.02)
+            report(0.4)
+
+    return viewer.jobs.begin_work(title, work)
+
+
+def test_a_record_is_begun_followed_and_stopped(open_viewer, endless_work, qtbot, tmp_path, monkeypatch):
+    viewer = open_viewer(endless_work)
+    path = tmp_path / "record.nc"
+    monkeypatch.setattr(jobs_window, "ask_where_to_save", lambda *_: path)
+    activate(viewer.window, qtbot)
+    qtbot.keyClick(viewer.window, Qt.Key.Key_J, Qt.KeyboardModifier.ControlModifier)
+    view = viewer.panels["jobs"].widget
+    activate(view, qtbot)
+    assert focus() is view.record
+    press(qtbot, Qt.Key.Key_Return)
+    (job,) = viewer.jobs.jobs
+    qtbot.waitUntil(lambda: advanced(job), timeout=PATIENCE)
+    (row,) = view.rows
+    for _ in range(5):  # past the other buttons
+        press(qtbot, Qt.Key.Key_Tab)
+    assert focus() is row
+    heard = accessible_name(row)
+    assert heard.startswith("writing record.nc: ")
+    assert "of 1000000 pings" in heard
+    press(qtbot, Qt.Key.Key_Tab)
+    assert focus() is row.stop
+    assert accessible_name(row.stop) == "Stop: writing record.nc"
+    press(qtbot, Qt.Key.Key_Return)
+    assert focus() is row, "the keyboard stays at the job that was stopped"
+    qtbot.waitUntil(lambda: not job.running)
+    assert job.state is State.STOPPED
+    assert "stopped" in accessible_name(row)
+    assert list(tmp_path.iterdir()) == []
+    press(qtbot, Qt.Key.Key_L, Qt.KeyboardModifier.AltModifier)
+    qtbot.waitUntil(lambda: not view.rows)  # a button that is pressed by its letter is shown pressed for a moment
+    qtbot.keyClick(view, Qt.Key.Key_Escape)
+    assert not view.isVisible()
+
+
+def test_keys_go_from_job_to_job_in_the_order_in_which_they_stand(viewer, qtbot):
+    view = jobs_of(viewer)
+    activate(view, qtbot)
+    for title in ("first", "second", "third"):
+        begin_waiting(viewer, title)
+    first, second, third = view.rows
+    qtbot.waitUntil(first.isVisible)
+    view.forget.setFocus()
+    order = []
+    for _ in range(6):
+        press(qtbot, Qt.Key.Key_Tab)
+        order.append(focus())
+    assert order == [third, third.stop, second, second.stop, first, first.stop]
+    first.setFocus()
+    press(qtbot, Qt.Key.Key_Up)
+    assert focus() is second
+    press(qtbot, Qt.Key.Key_Delete)
+    qtbot.waitUntil(lambda: not viewer.jobs.jobs[1].running)
+    assert [job.state for job in viewer.jobs.jobs] == [State.RUNNING, State.STOPPED, State.RUNNING]
+    for job in viewer.jobs.running:
+        job.stop()
+    qtbot.waitUntil(lambda: not viewer.jobs.running)
+
+
+def test_the_bar_of_the_window_opens_the_list_and_stops_the_newest(viewer, qtbot):
+    activate(viewer.window, qtbot)
+    older, newer = begin_waiting(viewer, "older"), begin_waiting(viewer, "newer")
+    bar = viewer.window.jobs
+    qtbot.waitUntil(bar.isVisible)
+    bar.setFocus(Qt.FocusReason.TabFocusReason)
+    assert bar.focusPolicy() & Qt.FocusPolicy.TabFocus
+    heard = QAccessible.queryAccessibleInterface(bar)
+    qtbot.waitUntil(lambda: heard.text(QAccessible.Text.Description).startswith("newer"))
+    qtbot.keyClick(bar, Qt.Key.Key_Delete)
+    qtbot.waitUntil(lambda: not newer.running)
+    assert older.running
+    qtbot.keyClick(bar, Qt.Key.Key_Return)
+    view = viewer.panels["jobs"].widget
+    qtbot.waitUntil(view.isVisible)
+    older.stop()
+    qtbot.waitUntil(lambda: not older.running)
+
+
+def test_a_file_is_named_by_the_keyboard(open_viewer, endless_work, qtbot, tmp_path):
+    """Through the dialog itself: its field has the keyboard, and Return saves."""
+    viewer = open_viewer(endless_work)
+    view = jobs_of(viewer)
+    activate(view, qtbot)
+    QApplication.setAttribute(Qt.ApplicationAttribute.AA_DontUseNativeDialogs)
+
+    def answer():
+        dialog, focused = QApplication.activeModalWidget(), QApplication.focusWidget()
+        # The keyboard may come to the dialog later than the dialog to the screen.
+        if not isinstance(dialog, QFileDialog) or focused is None or not dialog.isAncestorOf(focused):
+            QTimer.singleShot(50, answer)
+            return
+        qtbot.keyClicks(focus(), str(tmp_path / "record.nc"))
+        qtbot.keyClick(focus(), Qt.Key.Key_Return)
+
+    QTimer.singleShot(50, answer)
+    press(qtbot, Qt.Key.Key_Return)
+    (job,) = viewer.jobs.jobs
+    assert job.result == tmp_path / "record.nc"
+    job.stop()
+    qtbot.waitUntil(lambda: not job.running, timeout=PATIENCE)

@@ -1,13 +1,17 @@
-"""Room for every widget, and words that can be told apart and read."""
+"""Menus and tools have their places, there is room for every widget, and words can be told apart and read."""
 
-from __future__ import annotations
+from collections import Counter
+from importlib.metadata import version
+from pathlib import Path
 
 import numpy as np
 import pytest
+from controls import activate
 from PySide6.QtCore import QPoint, QRect, Qt
-from PySide6.QtGui import QImage, QPainter
-from PySide6.QtWidgets import QWidget
+from PySide6.QtGui import QAction, QGuiApplication, QImage, QKeySequence, QPainter, QShortcut
+from PySide6.QtWidgets import QMenu, QToolBar, QToolButton, QWidget
 
+import insonify_viewer
 from insonify.scene import bundled_scenes, edit, load_scene
 from insonify_viewer.panels.parameters.sections import sections_of
 from insonify_viewer.panels.parameters.view.parameters_view import ParametersView
@@ -16,6 +20,7 @@ from insonify_viewer.record.record_overlays import draw_measured, write_towed
 from insonify_viewer.state.inspection import Mark
 from insonify_viewer.widgets.field_rows import Combo, NameLabel
 from insonify_viewer.widgets.theme import Theme, apply_theme
+from insonify_viewer.window.help_dialogs import OTHER_KEYS, AboutDialog, KeysDialog
 
 MOTIONS = {"kind": "sum", "of": [{"kind": "heave", "period": 8.0}, {"kind": "heave", "period": 3.0}, {"kind": "roll"}]}
 
@@ -97,8 +102,7 @@ def test_the_arrow_of_a_list_stands_clear_of_its_edge(theme, scale, qtbot, qapp)
     assert len(ink) - 1 - drawn[-1] >= 1
 
 
-def test_the_window_fits_half_a_screen(open_viewer, small, qtbot):
-    viewer = open_viewer(small)
+def test_the_window_fits_half_a_screen(viewer, qtbot):
     window = viewer.window
     assert window.minimumSizeHint().width() <= 800
     window.resize(800, 450)
@@ -159,8 +163,7 @@ def default():
 
 @pytest.mark.parametrize("width", [780, 900, 1000, 1600])
 @pytest.mark.parametrize("panel", ["lessons", None])
-def test_panels_at_both_sides_stay_within_the_window(width, panel, open_viewer, small, qtbot):
-    viewer = open_viewer(small)
+def test_panels_at_both_sides_stay_within_the_window(width, panel, viewer, qtbot):
     window = viewer.window
     window.resize(width, 540)
     if panel is not None:
@@ -182,8 +185,7 @@ def test_panels_at_both_sides_stay_within_the_window(width, panel, open_viewer, 
 
 
 @pytest.mark.parametrize("size", [(1280, 800), (1600, 1000)])
-def test_record_and_seabed_keep_room_beside_a_lesson_and_rays(size, open_viewer, small, qtbot):
-    viewer = open_viewer(small)
+def test_record_and_seabed_keep_room_beside_a_lesson_and_rays(size, viewer, qtbot):
     window = viewer.window
     window.resize(*size)
     for panel in ("lessons", "water"):
@@ -193,17 +195,100 @@ def test_record_and_seabed_keep_room_beside_a_lesson_and_rays(size, open_viewer,
     assert (window.width(), window.height()) == size
     places = [viewer.panels[name].widget for name in ("parameters", "lessons", "water")]
     assert all(not place.visibleRegion().isEmpty() for place in places), "none hides another"
+    assert window.waterfall.width() > window.seabed.width()
+    if size == (1280, 800):
+        qtbot.waitUntil(lambda: places[1].height() > 1.3 * places[0].height())
+        assert window.waterfall.trace_area() is None, "the record has its room"
+        window.trace.trigger()
+        assert window.waterfall.trace_area() is not None, "unless the person asks for it"
     for panel in ("lessons", "water"):
         window._buttons[panel].setChecked(False)
     window.open_panel("lessons")
     qtbot.waitUntil(lambda: places[1].mapTo(window, QPoint(0, 0)).x() < (views.x() if size[0] > 1500 else size[0]))
 
 
-def test_the_window_lies_on_its_screen_with_its_frame(open_viewer, small, monkeypatch):
-    window = open_viewer(small).window
+def test_the_window_lies_on_its_screen_with_its_frame(window, monkeypatch):
     room = window.screen().availableGeometry()
     monkeypatch.setattr(window, "frameGeometry", lambda: window.geometry().adjusted(-4, -30, 4, 4))
     window.resize(room.size())
     window.fit_screen()
     assert window.frameGeometry().size().boundedTo(room.size()) == window.frameGeometry().size()
     assert window.statusBar().isVisible()
+
+
+def entries(menu: QMenu) -> list[QAction]:
+    """Commands of a menu and of the menus in it."""
+    found = [action for action in menu.actions() if not action.isSeparator()]
+    return [one for action in found for one in (entries(action.menu()) if action.menu() else [action])]
+
+
+def test_every_tool_stands_in_a_menu(window):
+    menus = [action.menu() for action in window.menuBar().actions()]
+    assert [menu.title().replace("&", "") for menu in menus] == ["File", "Edit", "View", "Record", "Tools", "Help"]
+    listed = {action for menu in menus for action in entries(menu)}
+    tools = [action for action in window.findChild(QToolBar).actions() if action.text() and not action.isSeparator()]
+    assert len(tools) >= 8
+    assert set(tools) <= listed
+    assert all(menu.actions() for menu in menus)
+
+
+def test_no_key_stands_for_two_commands(window):
+    keys = Counter(action.shortcut().toString() for action in window.findChildren(QAction) if not action.menu())
+    del keys[""]
+    assert [key for key, times in keys.items() if times > 1] == []
+
+
+def test_tools_fit_900_px(window, qtbot):
+    bar = window.findChild(QToolBar)
+    assert bar.sizeHint().width() <= 900
+    window.resize(900, 540)
+    qtbot.waitUntil(lambda: window.width() == 900)
+    assert not window.findChild(QToolButton, "qt_toolbar_ext_button").isVisible()
+
+
+def test_a_key_of_a_command_in_a_menu_works(window, qtbot):
+    activate(window, qtbot)
+    qtbot.keyClick(window, Qt.Key.Key_L, Qt.KeyboardModifier.ControlModifier)
+    qtbot.waitUntil(lambda: window.panel_widget("lessons").isVisible())
+
+
+def test_keys_are_listed(window, qtbot):
+    activate(window, qtbot)
+    qtbot.keyClick(window, "?")
+    qtbot.waitUntil(lambda: window.findChild(KeysDialog) is not None)
+    pairs = listed_keys(window.findChild(KeysDialog))
+    assert {("Save scene", "Ctrl+S"), ("Keep as A", "K"), ("Lessons", "Ctrl+L")} <= pairs
+    others = {("show record A while held", "X"), ("find a parameter", "Ctrl+F"), ("zoom about the mouse", "Ctrl+wheel")}
+    assert others <= pairs
+
+
+def test_every_key_that_is_made_is_listed(viewer, qtbot):
+    window = viewer.window
+    for name in viewer.panels:
+        window.open_panel(name)
+    dialog = KeysDialog(window, window.menus.all, OTHER_KEYS)
+    listed = {key for _, keys in listed_keys(dialog) for key in (keys, *keys.split())}
+    native = QKeySequence.SequenceFormat.NativeText
+    actions = {action.shortcut().toString(native) for action in window.findChildren(QAction)} - {""}
+    assert actions - listed == set()
+    shortcuts = [shortcut.key().toString(native) for shortcut in window.findChildren(QShortcut)]
+    assert set(shortcuts) - listed == set()
+    sources = Path(insonify_viewer.__file__).parent.rglob("*.py")
+    made = sum(path.read_text(encoding="utf-8").count("QShortcut(") for path in sources)
+    assert len(shortcuts) >= made, "this test sees every shortcut that is made"
+
+
+def listed_keys(dialog: KeysDialog) -> set[tuple[str, str]]:
+    """What the list of keys shows: commands with their keys."""
+    groups = (dialog.list.topLevelItem(number) for number in range(dialog.list.topLevelItemCount()))
+    rows = (group.child(number) for group in groups for number in range(group.childCount()))
+    return {(row.text(0), row.text(1)) for row in rows}
+
+
+def test_about_is_copied(window, qtbot):
+    next(action for action in window.menus.help.actions() if action.text().startswith("About")).trigger()
+    qtbot.mouseClick(window.findChild(AboutDialog).copy, Qt.MouseButton.LeftButton)
+    copied = QGuiApplication.clipboard().text()
+    assert f"insonify {version('insonify')}" in copied
+    assert "MIT licence" in copied
+    assert "To cite it" in copied

@@ -1,7 +1,5 @@
 """The lessons' panel in a window: steps are noticed, fields are lit, and scenes follow."""
 
-from __future__ import annotations
-
 from typing import Any
 
 import pytest
@@ -14,6 +12,7 @@ from insonify.scene import edit
 from insonify_viewer.panels.lessons.progress import Progress
 from insonify_viewer.state.history import Modelling
 from insonify_viewer.state.session import Session
+from insonify_viewer.widgets.theme import Theme
 
 LESSON = """+++
 title = "Range"
@@ -316,41 +315,39 @@ def test_another_scene_ends_the_lesson(open_viewer, small, qtbot):
 
 
 @pytest.mark.usefixtures("lessons")
-def test_unsaved_work_is_asked_for_and_moves_of_a_lesson_are_not(open_viewer, small, qtbot, monkeypatch):
+def test_a_lesson_asks_nothing_and_undo_returns_to_unsaved_work(open_viewer, small, qtbot, monkeypatch):
     viewer, panel = opened(open_viewer, small, qtbot)
     viewer.session.settle({"track.altitude": 7.0})
-    answers = [QMessageBox.StandardButton.Cancel, QMessageBox.StandardButton.Discard]
-    monkeypatch.setattr(QMessageBox, "question", lambda *_: answers.pop(0))
+    mine = viewer.session.scene
+    monkeypatch.setattr(QMessageBox, "question", lambda *_: pytest.fail("asked"))
     panel.view.list.start.click()
-    assert panel.progress is None
-    assert viewer.session.scene.track.altitude == 7.0
-    panel.view.list.start.click()
+    panel.move()
+    panel.start("range")
     assert panel.progress is not None
-    panel.move()
-    panel.start("range")
-    panel.move()
-    panel.leave()
-    panel.start("range")  # the scene is as the lesson left it
-    assert not answers
-    panel.leave()
-    answers.append(QMessageBox.StandardButton.Cancel)
-    viewer.session.settle({"track.altitude": 7.0})
-    panel.start("range")
-    assert not answers, "the person has changed it since"
-    assert panel.progress is None
-    answers.append(QMessageBox.StandardButton.Discard)  # when the window closes
+    while viewer.session.scene != mine:
+        viewer.session.undo()
+    assert panel.progress is None, "another scene ends the lesson"
+    assert viewer.saving.unsaved
+    viewer.session.undo()  # so that the window closes without a question
 
 
 @pytest.mark.usefixtures("lessons")
-def test_the_view_for_a_projector_is_full_screen_in_large_type(open_viewer, small, qtbot):
+def test_a_lecture_is_full_screen_in_large_type(open_viewer, small, qtbot):
     viewer, panel = started(open_viewer, small, qtbot)
     window, page = viewer.window, panel.view.page
     before = page.text.font().pointSizeF(), window.waterfall.font().pointSizeF()
-    window.projector.trigger()
+    window.lecture.action.trigger()
     assert window.isFullScreen()
     assert page.projector.isChecked()
     assert page.text.font().pointSizeF() >= 1.5 * before[0]
     assert window.waterfall.font().pointSizeF() >= 1.5 * before[1]
+    strip = viewer.panels["parameters"].strip
+    assert list(strip.rows) == ["sonar.range"], "what the step speaks of"
+    qtbot.waitUntil(lambda: panel.view.isVisible() and panel.view.width() > 0.9 * window.width())
+    window.looks.show_theme(Theme.LIGHT)
+    assert page.text.font().pointSizeF() >= 1.5 * before[0]
+    assert window.waterfall.font().pointSizeF() >= 1.5 * before[1]
+    window.looks.show_theme(Theme.DARK)
     page.projector.click()
     assert not window.isFullScreen()
     assert (page.text.font().pointSizeF(), window.waterfall.font().pointSizeF()) == pytest.approx(before)

@@ -8,8 +8,7 @@ from PySide6.QtTest import QTest
 from insonify_viewer.record.record_image import EMPTY
 
 
-def test_looking_back_traces_the_old_pings_again(open_viewer, small, qtbot):
-    viewer = open_viewer(small)
+def test_looking_back_traces_the_old_pings_again(viewer, qtbot):
     first = viewer.window.waterfall.picture().copy()
     viewer.tow.restart(1000)
     viewer.run(False)
@@ -21,11 +20,10 @@ def test_looking_back_traces_the_old_pings_again(open_viewer, small, qtbot):
     assert (viewer.window.waterfall.picture() == first).all()
 
 
-def test_the_handle_brings_the_fish_abeam_of_the_pipe(open_viewer, small, qtbot):
-    viewer = open_viewer(small)
+def test_the_handle_brings_the_fish_abeam_of_the_pipe(viewer, qtbot):
     waterfall, handle = viewer.window.waterfall, viewer.window.waterfall._handle
     viewer.run(True)
-    qtbot.waitUntil(lambda: handle.last == 127 or viewer.tow.newest > 127, timeout=2000)
+    qtbot.waitUntil(lambda: handle.last == 127 or viewer.tow.newest > 127)
     QTest.mousePress(waterfall, Qt.MouseButton.LeftButton, pos=handle.place_of(waterfall.top).toPoint())
     assert handle.held
     assert not viewer.tow.running
@@ -42,8 +40,7 @@ def test_the_handle_brings_the_fish_abeam_of_the_pipe(open_viewer, small, qtbot)
     assert viewer.tow.top == viewer.tow.newest == shown, "the tow goes on from the ping that was scrubbed to"
 
 
-def test_below_the_first_ping_the_record_is_empty(open_viewer, small, qtbot):
-    viewer = open_viewer(small)
+def test_below_the_first_ping_the_record_is_empty(viewer, qtbot):
     waterfall = viewer.window.waterfall
     whole = waterfall._image.pixels.copy()
     viewer.go_to(60)
@@ -66,16 +63,14 @@ def test_the_handle_reaches_every_ping(open_viewer, small):
     assert [handle.ping_at(handle.place_of(ping)) for ping in range(128)] == list(range(128))
 
 
-def test_the_button_says_what_it_does(open_viewer, small):
-    window = open_viewer(small).window
+def test_the_button_says_what_it_does(window):
     assert (window.pause.text(), window.pause.isChecked()) == ("Play", True)
     window.pause.trigger()
     assert (window.pause.text(), window.pause.isChecked()) == ("Pause", False)
     assert "Space" in window.pause.toolTip()
 
 
-def test_sentences_go_when_they_are_read(open_viewer, small, qtbot):
-    viewer = open_viewer(small)
+def test_sentences_go_when_they_are_read(viewer, qtbot):
     viewer.window.status._fading.setInterval(30)
     viewer.window.say("saved it")
     qtbot.waitUntil(lambda: viewer.window.status.sentence.text() == "")
@@ -86,8 +81,7 @@ def test_sentences_go_when_they_are_read(open_viewer, small, qtbot):
     assert viewer.window.status.sentence.text() == ""
 
 
-def test_wheel_looks_back_only_when_paused(open_viewer, small, qtbot):
-    viewer = open_viewer(small)
+def test_wheel_looks_back_only_when_paused(viewer, qtbot):
     viewer.tow.restart(500)
     viewer.run(True)
     viewer.window.waterfall.scrolled.emit(40)

@@ -1,7 +1,5 @@
 """Both themes can be read, change while the window is open, and are kept."""
 
-from __future__ import annotations
-
 from collections import Counter
 
 import numpy as np
@@ -55,8 +53,7 @@ def corner(widget: QWidget) -> QColor:
     return widget.grab().toImage().pixelColor(1, 1)
 
 
-def test_the_theme_changes_in_the_open_window(open_viewer, small, qapp):
-    viewer = open_viewer(small)
+def test_the_theme_changes_in_the_open_window(viewer, qapp):
     window = viewer.window
     themes = {action.data(): action for action in window.looks.themes}
     try:
@@ -114,8 +111,7 @@ def test_an_icon_is_drawn_once_in_a_colour(qapp, monkeypatch):
     assert not first.isNull()
 
 
-def test_links_of_a_description_take_the_colour_of_the_theme(open_viewer, small, qapp):
-    viewer = open_viewer(small)
+def test_links_of_a_description_take_the_colour_of_the_theme(viewer, qapp):
     words = viewer.panels["parameters"].widget.findChild(AboutBox).label
     apply_theme(qapp, Theme.LIGHT)
     assert ACCENT.name() in words.text()
@@ -207,11 +203,10 @@ def test_a_histogram_stands_out(theme, qtbot):
     assert contrast(peak, beside) >= 3.0
 
 
-def test_angles_over_the_water_are_written_on_the_ground_of_the_window(theme, open_viewer, small, qtbot, qapp):
-    viewer = open_viewer(small)
+def test_angles_over_the_water_are_written_on_the_ground_of_the_window(theme, viewer, qtbot, qapp):
     apply_theme(qapp, theme)
     viewer.window.open_panel("water")
-    qtbot.waitUntil(lambda: viewer.complete, timeout=60000)
+    qtbot.waitUntil(lambda: viewer.complete)
     view = viewer.panels["water"].view
     picture = view.grab().toImage()
     above = [picture.pixelColor(x, y).name() for x in range(view.width() // 2, view.width()) for y in range(2, 20)]

@@ -1,7 +1,5 @@
 """The fish in motion, as the viewer shows it."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np
@@ -113,8 +111,7 @@ def _looks(view) -> float:
     return math.atan2(ahead[1], ahead[0])
 
 
-def test_the_view_is_reset_and_its_zoom_is_limited(open_viewer, small, qtbot):
-    viewer = open_viewer(small)
+def test_the_view_is_reset_and_its_zoom_is_limited(viewer, qtbot):
     view = viewer.seabed.view
     camera = view._canvas.plotter.camera
     home, focus = np.array(camera.position), np.array(camera.focal_point)
@@ -139,8 +136,7 @@ def test_the_camera_stays_above_the_bed(open_viewer, small):
     assert away[2] > 0.0
 
 
-def test_the_wheel_does_not_zoom_beyond_the_limits(open_viewer, small, qtbot):
-    viewer = open_viewer(small)
+def test_the_wheel_does_not_zoom_beyond_the_limits(viewer, qtbot):
     view = viewer.seabed.view
     if not has_opengl():
         pytest.skip("no OpenGL for a widget")
@@ -158,8 +154,7 @@ def test_the_wheel_does_not_zoom_beyond_the_limits(open_viewer, small, qtbot):
             assert camera.distance == at_limit
 
 
-def test_a_view_that_is_turned_draws_a_lighter_bed_of_the_same_shape(open_viewer, small, qtbot):
-    viewer = open_viewer(small)
+def test_a_view_that_is_turned_draws_a_lighter_bed_of_the_same_shape(viewer, qtbot):
     view = viewer.seabed.view
     if not has_opengl():
         pytest.skip("no OpenGL for a widget")
@@ -188,8 +183,7 @@ def _drawn_beds(view) -> tuple[bool, bool]:
     return bool(view._bed_actor.visibility), bool(view._thinned_actor.visibility)
 
 
-def test_a_slider_moves_the_fish_once_for_each_drawing(open_viewer, small, qtbot):
-    viewer = open_viewer(small)
+def test_a_slider_moves_the_fish_once_for_each_drawing(viewer, qtbot):
     view, places = viewer.seabed.view, []
     show = view.show_sonar
     view.show_sonar = lambda arrays, pose, heading: (places.append(float(pose.z[0])), show(arrays, pose, heading))

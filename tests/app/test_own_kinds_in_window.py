@@ -25,7 +25,7 @@ def test_the_menu_puts_a_hoop_on_the_bed(open_viewer, small, qtbot):
     viewer = open_viewer(edit(small, {"targets": []}))
     action = next(action for action in viewer.window.targets.menu().actions() if action.text() == "Hoop")
     action.trigger()
-    qtbot.waitUntil(lambda: len(viewer.session.scene.targets) == 1, timeout=60000)
+    qtbot.waitUntil(lambda: len(viewer.session.scene.targets) == 1)
     assert viewer.session.scene.targets[0].kind == "hoop"
     row = viewer.panels["parameters"].view.row("targets.0.tube")
     qtbot.waitUntil(row.label.isVisible)

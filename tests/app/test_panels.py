@@ -1,7 +1,5 @@
 """Panels are found by being there or by being announced, mounted in order, and told of what happens."""
 
-from __future__ import annotations
-
 from importlib.metadata import EntryPoint
 from typing import Any
 

@@ -1,7 +1,5 @@
 """The panel of parameters in a real window: what is pinned, rare fields, links to try, effects, names of edits."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 from PySide6.QtCore import QEvent, QObject, QPoint, Qt
@@ -56,8 +54,7 @@ def sections_paths(scene) -> set[str]:
     return {row.path for section in sections_of(scene) for row in section.parameters}
 
 
-def test_pinned_rows_stand_on_top_and_edit_the_scene(open_viewer, small, qtbot):
-    viewer = open_viewer(small)
+def test_pinned_rows_stand_on_top_and_edit_the_scene(viewer, qtbot):
     view = panel(viewer).view
     row = view.row("track.altitude")
     assert row is view._sections["controls"].rows["track.altitude"]
@@ -72,8 +69,7 @@ def test_pinned_rows_stand_on_top_and_edit_the_scene(open_viewer, small, qtbot):
     assert other.field.text() == row.field.text()
 
 
-def test_rare_fields_are_folded_until_asked_for(open_viewer, small, qtbot):
-    viewer = open_viewer(small)
+def test_rare_fields_are_folded_until_asked_for(viewer, qtbot):
     view = panel(viewer).view
     box = view._sections["sonar"]
     squint = box.rows["sonar.beam.squint"]
@@ -102,11 +98,11 @@ def test_a_link_moves_its_control_in_sight_and_back(open_viewer, small, qtbot, m
         assert view.row("track.altitude").label.property("lit")
         qtbot.waitUntil(lambda: len({round(altitude, 2) for altitude in seen}) > 3)
         view.end_glide()
-    qtbot.waitUntil(lambda: session.undoable[:1] == ("altitude",), timeout=5000)
+    qtbot.waitUntil(lambda: session.undoable[:1] == ("altitude",))
     assert seen[-1] == 4.0
     assert "↩" in view._about.label.text()
     view._about.label.linkActivated.emit("0")
-    qtbot.waitUntil(lambda: session.scene.track.altitude == 10.0 and len(session.undoable) == 2, timeout=5000)
+    qtbot.waitUntil(lambda: session.scene.track.altitude == 10.0 and len(session.undoable) == 2)
     assert "↩" not in view._about.label.text()
     view._about.label.linkActivated.emit("1")
     assert session.scene.sonar.beam.kind == "knife"
@@ -234,9 +230,8 @@ def test_grain_that_is_drawn_anew_counts_as_no_change_by_the_pulse(open_viewer, 
     assert "compared without speckle" not in tips["speckle"]
 
 
-def test_figures_are_measured_once(open_viewer, small, qtbot):
-    viewer = open_viewer(small)
-    qtbot.waitUntil(lambda: panel(viewer).at_rest, timeout=20000)
+def test_figures_are_measured_once(viewer, qtbot):
+    qtbot.waitUntil(lambda: panel(viewer).at_rest)
     traced = []
     beside = viewer.simulator.trace_beside
 
@@ -247,12 +242,12 @@ def test_figures_are_measured_once(open_viewer, small, qtbot):
     viewer.simulator.trace_beside = count
     viewer.session.settle({"track.altitude": 8.0})
     assert figure(viewer, "beam") == "…"
-    qtbot.waitUntil(lambda: panel(viewer).at_rest, timeout=20000)
+    qtbot.waitUntil(lambda: panel(viewer).at_rest)
     assert figure(viewer, "beam").startswith("changes")
     once = len(traced)
     assert once == 2, "beam and pulse"
     viewer.session.settle({"track.altitude": 7.0})
-    qtbot.waitUntil(lambda: panel(viewer).at_rest, timeout=20000)
+    qtbot.waitUntil(lambda: panel(viewer).at_rest)
     viewer.session.undo()
     assert figure(viewer, "beam").startswith("changes"), "known at once"
     viewer.run(True)
@@ -261,8 +256,7 @@ def test_figures_are_measured_once(open_viewer, small, qtbot):
     assert len(traced) == 2 * once
 
 
-def test_undo_says_what_it_undoes(open_viewer, small, qtbot):
-    viewer = open_viewer(small)
+def test_undo_says_what_it_undoes(viewer, small, qtbot):
     undo, redo = viewer.window.undo, viewer.window.redo
     assert not undo.isEnabled()
     row = panel(viewer).view.row("sonar.beam.width")
@@ -327,8 +321,7 @@ def test_edits_have_names():
     assert session.redoable == ("tolerance", "open A wreck with a standing mast")
 
 
-def test_a_value_is_reset_by_its_name(open_viewer, small, qtbot):
-    viewer = open_viewer(small)
+def test_a_value_is_reset_by_its_name(viewer, qtbot):
     view, session = panel(viewer).view, viewer.session
     row = view.row("track.altitude")
     assert not row.label.property("changed")
@@ -344,8 +337,7 @@ def test_a_value_is_reset_by_its_name(open_viewer, small, qtbot):
     assert not row.label.property("changed")
 
 
-def test_a_section_is_reset_with_its_kinds(open_viewer, small, qtbot):
-    viewer = open_viewer(small)
+def test_a_section_is_reset_with_its_kinds(viewer, small, qtbot):
     view, session = panel(viewer).view, viewer.session
     assert not view._sections["sonar"]._reset.isVisible()
     session.settle({"sonar.beam": {"kind": "gaussian", "width": 4.0}})
@@ -360,8 +352,7 @@ def test_a_section_is_reset_with_its_kinds(open_viewer, small, qtbot):
     assert session.scene.sonar.beam.kind == "gaussian", "one step"
 
 
-def test_a_parameter_is_found_by_words(open_viewer, small, qtbot):
-    viewer = open_viewer(small)
+def test_a_parameter_is_found_by_words(viewer, qtbot):
     view = panel(viewer).view
     shortcut = view.findChild(QShortcut)
     assert shortcut.key().toString() == "Ctrl+F"
@@ -387,8 +378,7 @@ def test_a_parameter_is_found_by_words(open_viewer, small, qtbot):
     assert view._sections["sonar"].isVisible()
 
 
-def test_a_target_is_duplicated_and_locked(open_viewer, small, qtbot):
-    viewer = open_viewer(small)
+def test_a_target_is_duplicated_and_locked(viewer, qtbot):
     view, session = panel(viewer).view, viewer.session
 
     def press(key, name):

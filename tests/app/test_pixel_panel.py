@@ -1,7 +1,5 @@
 """A pixel is clicked and explained; a place in three dimensions is clicked and its pixels light up."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 
 import numpy as np
@@ -128,14 +126,14 @@ def test_an_edit_explains_the_pinned_pixel_anew(viewer, qtbot):
     click(viewer, SHADOW, qtbot)
     viewer.session.settle({"targets": []})
     view = viewer.panels["pixel"].view
-    qtbot.waitUntil(lambda: viewer.complete and "bed, medium sand" in view.summary.text(), timeout=60000)
+    qtbot.waitUntil(lambda: viewer.complete and "bed, medium sand" in view.summary.text())
     assert "pipe 1" not in budget(viewer)
 
 
 def test_another_scene_lets_go_of_the_pixel(viewer, scene, qtbot):
     click(viewer, SHADOW, qtbot)
     viewer.open(edit(scene, {"sonar.bins": 500}))
-    qtbot.waitUntil(lambda: viewer.complete, timeout=60000)
+    qtbot.waitUntil(lambda: viewer.complete)
     assert viewer.inspection.mark is None
 
 

@@ -1,7 +1,5 @@
 """The plan's panel: what is modelled, what is left out, and what forcing a choice changes."""
 
-from __future__ import annotations
-
 import numpy as np
 
 from insonify.cli import main
@@ -74,12 +72,11 @@ def test_every_entry_has_a_line_in_its_group(open_viewer, small, qtbot):
 def test_what_cannot_be_done_is_said_and_taken_back(open_viewer, small, qtbot):
     viewer = open_viewer(edit(small, {"receiver.speckle": "coherent"}))
     viewer.session.model(Modelling(forced=(("method", "rays"),)))
-    qtbot.waitUntil(lambda: viewer.session.modelling == Modelling(), timeout=20000)
+    qtbot.waitUntil(lambda: viewer.session.modelling == Modelling())
     assert "coherent" in viewer.window.status.sentence.text()
 
 
-def test_the_tolerance_is_final_when_it_is_let_go(open_viewer, small, qtbot):
-    viewer = open_viewer(small)
+def test_the_tolerance_is_final_when_it_is_let_go(viewer, qtbot):
     slider = viewer.panels["plan"].view._tolerance.slider
     slider.setSliderDown(True)
     slider.setValue(1000)

@@ -8,8 +8,7 @@ from insonify.scene import edit
 from insonify_viewer.state.inspection import Mark
 
 
-def test_hover_tells_the_point_and_marks_it(open_viewer, small, qtbot):
-    viewer = open_viewer(small)
+def test_hover_tells_the_point_and_marks_it(viewer, qtbot):
     waterfall = viewer.window.waterfall
     mark = Mark(ping=100, side=1, bin=60)
     assert waterfall.mark_at(waterfall.place_of(mark)) == mark
@@ -36,8 +35,7 @@ def test_hover_tells_the_point_and_marks_it(open_viewer, small, qtbot):
         (90, ["hidden by the bed"], ["incidence"]),
     ],
 )
-def test_the_readout_names_what_a_pixel_is(open_viewer, small, qtbot, range_bin, told, untold):
-    viewer = open_viewer(small)
+def test_the_readout_names_what_a_pixel_is(viewer, qtbot, range_bin, told, untold):
     readout = viewer.panels["readout"].widget
     viewer.window.waterfall.hovered.emit(Mark(ping=100, side=0, bin=range_bin))
     qtbot.waitUntil(lambda: told[0] in readout.text())
@@ -60,4 +58,4 @@ def test_the_readout_tells_the_truth_of_the_core(open_viewer, small, qtbot):
     for words, found in (("pipe 1", labels.target_id == 0), ("shadow of pipe 1", labels.shadow > 0.9)):
         _, side, range_bin = np.argwhere(found)[0]
         viewer.window.waterfall.hovered.emit(Mark(100, int(side), int(range_bin)))
-        qtbot.waitUntil(lambda words=words: words in readout.text(), timeout=60000)
+        qtbot.waitUntil(lambda words=words: words in readout.text())

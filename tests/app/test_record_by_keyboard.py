@@ -1,13 +1,11 @@
 """The record is looked back along, pointed at, explained, marked and wiped by keys alone."""
 
-from __future__ import annotations
-
 import pytest
+from controls import activate
 from PySide6.QtCore import QEvent, QPointF, Qt
 from PySide6.QtGui import QMouseEvent
 from PySide6.QtTest import QTest
 from PySide6.QtWidgets import QApplication
-from test_menus import activate
 
 from insonify_viewer.record.comparison.arrangement import Arrangement
 from insonify_viewer.record.comparison.comparison_overlay import WIPE

@@ -1,7 +1,6 @@
 """The record is shown by its display options; places of the plot lead to bins and back in every one of them."""
 
-from __future__ import annotations
-
+import math
 from itertools import pairwise, product
 
 import numpy as np
@@ -12,16 +11,31 @@ from PySide6.QtCore import QEvent, QPoint, QPointF, Qt
 from PySide6.QtGui import QMouseEvent, QWheelEvent
 from PySide6.QtTest import QTest
 from PySide6.QtWidgets import QApplication, QFileDialog
+from stand_in import StandIn
 
 from insonify.display.display_options import DisplayOptions, read_display
+from insonify.display.normalisation import LevelBed, normalise
+from insonify.display.picture import choose_contrast, colour_rows
 from insonify.display.range_axis import make_range_axis
-from insonify.scene import edit
+from insonify.scene import edit, load_scene
+from insonify.simulation import prepare
 from insonify_viewer.record.projection import Projection, Zoom, project_record, zoom_to_true_scale
 from insonify_viewer.record.record import Record
-from insonify_viewer.record.record_image import EMPTY
+from insonify_viewer.record.record_image import EMPTY, blur_along_track
 from insonify_viewer.record.tone_map import make_tone_map
+from insonify_viewer.state.history import Modelling
 from insonify_viewer.state.inspection import Mark
-from insonify_viewer.widgets.painting import colour_table
+from insonify_viewer.widgets.painting import (
+    HEADROOM,
+    KNEE,
+    colour_table,
+    column_means,
+    compress_highlights,
+    round_steps,
+    with_highlights,
+)
+from insonify_viewer.work.ping_request import PingRequest
+from insonify_viewer.work.simulator import Simulator
 
 PINGS, BINS, RANGE = 40, 200, 50.0
 KINDS = ("slant", "bed", "ground")
@@ -278,3 +292,124 @@ def test_a_saved_picture_of_the_record_is_drawn_by_the_options(viewer, tmp_path,
     viewer.window.save.record.trigger()
     settings = [word for before, word in pairwise(begun[0]) if before == "--display"]
     assert DisplayOptions(**read_display(settings)) == viewer.session.display
+
+
+@pytest.mark.parametrize("width", [1, 7, 100, 101, 350])
+def test_display_columns_drop_no_echo(width):
+    amplitude = np.zeros((1, 100), np.float32)
+    for column in range(100):
+        amplitude[:] = 0.0
+        amplitude[0, column] = 1.0
+        assert column_means(amplitude, width).max() > 0.0
+    assert column_means(np.ones((2, 100), np.float32), width).tolist() == [[1.0] * width] * 2
+
+
+def test_colours_run_from_low_to_high():
+    table = colour_table(np.repeat(np.arange(256, dtype=np.uint8)[:, None], 3, axis=1))
+    painted = colour_rows(np.array([[-1.0, 1.0, 2.0, 3.0, 9.0]], np.float32), 1.0, 3.0, table)
+    assert [hex(int(word)) for word in painted[0]] == [
+        "0xff000000",
+        "0xff000000",
+        "0xff7f7f7f",
+        "0xffffffff",
+        "0xffffffff",
+    ]
+
+
+def test_highlights_are_told_apart_and_the_bed_keeps_its_tones():
+    tones = np.linspace(0.0, KNEE, 50, dtype=np.float32)
+    np.testing.assert_allclose(compress_highlights(tones), tones, atol=1e-6)
+    targets = compress_highlights(np.array([1.0, 2.0, 5.0, 10.0, HEADROOM], np.float32))
+    assert (np.diff(targets) > 0.03).all()
+    assert targets[-1] == pytest.approx(1.0)
+    table = with_highlights(colour_table(np.repeat(np.arange(256, dtype=np.uint8)[:, None], 3, axis=1)))
+    painted = colour_rows(np.array([[-1.0, 0.0, 0.5, 2.0, 5.0, 99.0]], np.float32), 0.0, 1.0, table)
+    grey = [int(word) & 0xFF for word in painted[0]]
+    assert grey[:3] == [0, 0, 127]
+    assert grey[2] < grey[3] < grey[4] < grey[5] == 255
+
+
+def test_the_target_of_a_scene_is_not_saturated():
+    scene = edit(load_scene("pipe-on-bed"), {"track.pings": 32})
+    simulation, pings = prepare(scene), np.arange(32)
+    amplitude = LevelBed(simulation).amplitudes(pings)
+    labels = simulation.truth(pings)
+    low, high = choose_contrast(amplitude)
+    tones = compress_highlights((amplitude - np.float32(low)) / np.float32(high - low))
+    assert (tones[(labels.target_id == 0) & (labels.path == 0)] > 0.999).mean() < 0.05
+
+
+def test_ticks_are_round():
+    assert round_steps(0.0, 50.0, 3) == [0.0, 20.0, 40.0]
+    assert round_steps(0.0, 0.7, 3) == pytest.approx([0.0, 0.5])
+    assert round_steps(0.0, 1.0, 1) == [0.0, 1.0]
+
+
+@pytest.mark.parametrize("ends", [(1.0, 1.0), (2.0, 1.0), (0.0, math.nan), (-math.inf, 0.0)])
+def test_there_are_no_ticks_of_no_range(ends):
+    assert round_steps(*ends, 3) == []
+
+
+def box(energy: np.ndarray, ping: int, pings: float) -> float:
+    """Mean over so many pings about one, by small steps; the ends go on."""
+    places = ping + 0.5 + pings * ((np.arange(20000) + 0.5) / 20000 - 0.5)
+    return float(energy[np.clip(np.floor(places).astype(int), 0, len(energy) - 1)].mean())
+
+
+def test_energies_are_averaged_over_what_the_beam_takes_in():
+    columns = np.random.default_rng(1).uniform(0.0, 3.0, (9, 12)).astype(np.float32)
+    reach = np.array([0.2, 0.9, 1.0, 1.7, 2.0, 31.4])
+    found = blur_along_track(columns, np.concatenate([reach[::-1], reach]))
+    for ping in range(9):
+        for column in range(12):
+            pings = max(reach[5 - column if column < 6 else column - 6], 1.0)
+            expected = np.sqrt(box(columns[:, column].astype(float) ** 2, ping, pings))
+            assert found[ping, column] == pytest.approx(expected, rel=1e-3), (ping, column)
+
+
+def test_silence_stays_silent_and_loudness_what_it_is():
+    columns = np.zeros((200, 4), np.float32)
+    columns[:100] = 7.0
+    found = blur_along_track(columns, np.full(4, 10.3))
+    assert (found[110:] < 1e-2).all()
+    assert found[:90] == pytest.approx(7.0, rel=1e-5)
+    assert (blur_along_track(columns[:1], np.full(4, 10.3)) == columns[:1]).all()
+
+
+@pytest.mark.parametrize("width", [1.0, 2.5])
+def test_a_drag_looks_like_what_it_leads_to(width):
+    scene = edit(load_scene("default"), {"sonar.beam.width": width, "sonar.bins": 250, "track.pings": 160})
+    pings = np.arange(159, -1, -1)
+    simulator = Simulator()
+    simulator._cost = 0.0  # as if pings cost nothing, none to be thinned out
+    (coarse,) = simulator._trace(PingRequest(0, scene, Modelling(), pings, fine=False))
+    simulator.close()
+    simulation = prepare(scene)
+    fine = normalise(simulation.intensity(pings), LevelBed(simulation).curves(pings))
+    wanted, plane = (np.concatenate([one[:, 0, ::-1], one[:, 1]], axis=1) for one in (fine, coarse.amplitude))
+    assert coarse.reach is not None
+    assert apart(blur_along_track(plane, np.concatenate([coarse.reach[::-1], coarse.reach])), wanted) < 0.5 * apart(
+        plane, wanted
+    )
+
+
+def apart(record: np.ndarray, wanted: np.ndarray) -> float:
+    """Difference of energies beyond 1.4 altitudes, of pings whose beams lie within the record."""
+    energy, right = (one[25:-25, np.r_[0:180, 320:500]] ** 2 for one in (record, wanted))
+    return float(np.linalg.norm(energy - right) / np.linalg.norm(right))
+
+
+@pytest.mark.parametrize(
+    "changes",
+    [
+        {"sonar.beam": "knife"},
+        {"receiver.speckle": "rayleigh"},
+        {"receiver.noise": "ambient"},
+        {"receiver.recorder.dropped_pings": 0.1},
+    ],
+)
+def test_what_is_random_or_has_no_width_is_not_smeared(small, changes):
+    simulator = Simulator(StandIn)
+    (answer,) = simulator._trace(PingRequest(0, edit(small, changes), Modelling(), np.arange(3), fine=False))
+    simulator.close()
+    assert answer.reach is None

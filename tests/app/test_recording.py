@@ -1,17 +1,14 @@
 """A recording is opened beside the simulated record, scrolls, tells where the sonar was, and is measured."""
 
-from __future__ import annotations
-
 from functools import partial
 from pathlib import Path
 
 import numpy as np
 import pytest
-from controls import bring_to_front
-from PySide6.QtCore import QMimeData, QPoint, QPointF, Qt, QUrl
-from PySide6.QtGui import QDragEnterEvent, QDropEvent
+from controls import bring_to_front, drop
+from PySide6.QtCore import QPoint, Qt
 from PySide6.QtTest import QTest
-from PySide6.QtWidgets import QApplication, QFileDialog
+from PySide6.QtWidgets import QFileDialog
 
 from insonify.cli import main
 from insonify.io.records import read_record
@@ -59,18 +56,6 @@ def test_what_a_cut_recording_lacks_is_said_in_the_window(viewer, folder, qtbot,
     assert "cut.xtf: ends within the packet at byte" in viewer.window.status.sentence.text()
 
 
-def drop(window, path):
-    """Drop a file on a window as a file manager does."""
-    data = QMimeData()
-    data.setUrls([QUrl.fromLocalFile(str(path))])
-    rest = (Qt.DropAction.CopyAction, data, Qt.MouseButton.LeftButton, Qt.KeyboardModifier.NoModifier)
-    enter, dropped = QDragEnterEvent(QPoint(400, 300), *rest), QDropEvent(QPointF(400, 300), *rest)
-    for event in (enter, dropped):
-        event.ignore()
-        QApplication.sendEvent(window, event)
-        assert event.isAccepted()
-
-
 def test_a_recording_is_shown_beside_the_simulated_record(viewer, folder, qtbot):
     view = viewer.window.record_a
     assert not view.isVisible()
@@ -92,12 +77,12 @@ def test_a_recording_is_shown_beside_the_simulated_record(viewer, folder, qtbot)
 @pytest.mark.parametrize("name", ["record.xtf", "record.nc"])
 def test_a_recording_is_opened_by_a_drop_and_by_the_menu(viewer, folder, name, qtbot, monkeypatch):
     drop(viewer.window, folder / name)
-    qtbot.waitUntil(lambda: viewer.recordings.recording is not None, timeout=60000)
+    qtbot.waitUntil(lambda: viewer.recordings.recording is not None)
     dropped = viewer.recordings.recording
     assert dropped.path.name == name
     monkeypatch.setattr(QFileDialog, "getOpenFileName", lambda *_: (str(folder / name), ""))
     viewer.window.open_recording.trigger()
-    qtbot.waitUntil(lambda: viewer.recordings.recording is not dropped, timeout=60000)
+    qtbot.waitUntil(lambda: viewer.recordings.recording is not dropped)
     assert viewer.recordings.recording.path.name == name
     qtbot.waitUntil(lambda: viewer.complete, timeout=120000)
 
@@ -223,11 +208,11 @@ def test_a_broken_file_is_one_sentence_and_leaves_the_recording(viewer, folder, 
     broken = tmp_path / "broken.xtf"
     broken.write_bytes(b"no recording" * 200)
     viewer.recordings.open(str(broken))
-    qtbot.waitUntil(lambda: "not an XTF file" in viewer.window.status.sentence.text(), timeout=60000)
+    qtbot.waitUntil(lambda: "not an XTF file" in viewer.window.status.sentence.text())
     assert not viewer.window.record_a.isVisible()
     recording = open_recording(viewer, folder / "record.xtf", qtbot)
     viewer.recordings.open(str(broken))
-    qtbot.waitUntil(lambda: "not an XTF file" in viewer.window.status.sentence.text(), timeout=60000)
+    qtbot.waitUntil(lambda: "not an XTF file" in viewer.window.status.sentence.text())
     assert viewer.recordings.recording is recording
     assert viewer.window.record_a.isVisible()
     assert viewer.window.record_a.waiting is None
@@ -248,7 +233,7 @@ def test_reading_shows_a_bar_and_the_last_file_wins(viewer, folder, qtbot, monke
     assert viewer.window.record_a.waiting.what.startswith("reading record.xtf, ")
     assert not viewer.complete
     viewer.recordings.open(str(folder / "record.nc"))
-    qtbot.waitUntil(lambda: viewer.recordings.recording is not None, timeout=60000)
+    qtbot.waitUntil(lambda: viewer.recordings.recording is not None)
     assert viewer.recordings.recording.path.suffix == ".nc"
     go_on.set()
     qtbot.waitUntil(lambda: viewer.complete, timeout=120000)
@@ -355,7 +340,7 @@ def test_learning_is_stopped_and_leaves_nothing(viewer, folder, tmp_path, qtbot,
     QTest.mouseClick(panel.learn, Qt.MouseButton.LeftButton)
     viewer.window.open_panel("jobs")
     QTest.mouseClick(viewer.panels["jobs"].view.rows[0].stop, Qt.MouseButton.LeftButton)
-    qtbot.waitUntil(lambda: not viewer.jobs.running, timeout=20000)
+    qtbot.waitUntil(lambda: not viewer.jobs.running)
     assert viewer.jobs.jobs[-1].state is State.STOPPED
     assert panel.learn.isEnabled()
     assert viewer.session.scene is scene
@@ -392,11 +377,11 @@ def test_in_a_narrow_window_the_records_take_the_room(viewer, folder, qtbot):
 def test_targets_that_leave_the_simulated_record_do_not_stop_the_recording(viewer, folder, qtbot):
     viewer.tow.speed = 16.0
     viewer.run(True)
-    qtbot.waitUntil(lambda: not viewer.tow.running, timeout=20000)
+    qtbot.waitUntil(lambda: not viewer.tow.running)
     stopped = viewer.tow.newest
     assert "before the targets scroll out" in viewer.window.status.sentence.text()
     viewer.tow.restart(255)
     open_recording(viewer, folder / "record.xtf", qtbot)
     viewer.run(True)
-    qtbot.waitUntil(lambda: viewer.tow.newest > stopped + 50, timeout=20000)
+    qtbot.waitUntil(lambda: viewer.tow.newest > stopped + 50)
     assert viewer.tow.running

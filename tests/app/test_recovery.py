@@ -1,7 +1,5 @@
 """A window that is killed loses seconds of work at most, and the next one offers scene and contacts once."""
 
-from __future__ import annotations
-
 import os
 import signal
 import subprocess

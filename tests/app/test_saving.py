@@ -35,8 +35,7 @@ def answer(monkeypatch):
     return set_answer
 
 
-def test_a_saved_scene_is_the_scene(open_viewer, small, tmp_path, name):
-    viewer = open_viewer(small)
+def test_a_saved_scene_is_the_scene(viewer, tmp_path, name):
     viewer.session.settle({"track.altitude": 7.0})
     assert viewer.window.isWindowModified()
     for typed, written in (("saved.toml", "saved.toml"), ("my.scene", "my.scene.toml")):
@@ -71,8 +70,7 @@ def test_a_scene_with_a_file_is_saved_there(open_viewer, small, tmp_path, name):
     assert [path.name for path in tmp_path.iterdir()] == ["mine.toml"]
 
 
-def test_a_scene_that_cannot_be_written_stays_unsaved(open_viewer, small, tmp_path, name):
-    viewer = open_viewer(small)
+def test_a_scene_that_cannot_be_written_stays_unsaved(viewer, tmp_path, name):
     viewer.session.settle({"track.altitude": 7.0})
     name(tmp_path / "nowhere" / "saved.toml")
     viewer.window.save.scene.trigger()
@@ -125,8 +123,7 @@ def test_a_window_closed_while_a_record_is_written_leaves_nothing(open_viewer, s
     assert list(tmp_path.iterdir()) == []
 
 
-def test_the_picture_is_a_file_of_its_own(open_viewer, small, tmp_path, name):
-    viewer = open_viewer(small)
+def test_the_picture_is_a_file_of_its_own(viewer, tmp_path, name):
     name(tmp_path / "window.png")
     viewer.window.save.picture.trigger()
     with Image.open(tmp_path / "window.png") as picture:
@@ -134,8 +131,7 @@ def test_the_picture_is_a_file_of_its_own(open_viewer, small, tmp_path, name):
         assert picture.size == shown.toTuple()
 
 
-def test_closing_asks_about_changes(open_viewer, small, tmp_path, name, answer):
-    viewer = open_viewer(small)
+def test_closing_asks_about_changes(viewer, small, tmp_path, name, answer):
     viewer.session.settle({"track.altitude": 7.0})
     asked = answer(Buttons.Cancel)
     assert not viewer.window.close()
@@ -152,16 +148,14 @@ def test_closing_asks_about_changes(open_viewer, small, tmp_path, name, answer):
 
 
 @pytest.mark.parametrize("change", [{}, {"track.altitude": 7.0}])
-def test_closing_without_changes_or_discarding_them(open_viewer, small, answer, change):
-    viewer = open_viewer(small)
+def test_closing_without_changes_or_discarding_them(viewer, answer, change):
     asked = answer(Buttons.Discard)
     viewer.session.settle(change)
     assert viewer.window.close()
     assert len(asked) == len(change)
 
 
-def test_another_scene_asks_about_changes(open_viewer, small, qtbot, answer):
-    viewer = open_viewer(small)
+def test_another_scene_asks_about_changes(viewer, qtbot, answer):
     menu = viewer.window.scenes
     menu.fill()
     other = next(action for action in menu.menu().actions() if action.text().startswith("figure-4b"))

@@ -1,15 +1,13 @@
 """The three-dimensional view is turned and zoomed by keys as by the mouse; all other keys are those of the window."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np
 import pytest
+from controls import activate
 from PySide6.QtCore import QPoint, Qt
 from PySide6.QtTest import QTest
 from PySide6.QtWidgets import QApplication, QWidget
-from test_menus import activate
 
 from insonify_viewer.application import has_opengl
 from insonify_viewer.seabed.seabed_canvas import CLOSER, STEP

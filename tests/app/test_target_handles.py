@@ -1,7 +1,5 @@
 """Targets are picked, dragged, turned and resized in the record and in three dimensions."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

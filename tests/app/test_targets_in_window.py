@@ -1,7 +1,5 @@
 """Adding, turning and removing targets in the window."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 from PySide6.QtWidgets import QFileDialog, QToolButton
@@ -23,7 +21,7 @@ def add(viewer, kind: str, qtbot):
     action = next(a for a in viewer.window.targets.menu().actions() if a.data() == kind)
     action.trigger()
     # A mesh imports its reader first.
-    qtbot.waitUntil(lambda: len(viewer.session.scene.targets) == before + 1, timeout=60000)
+    qtbot.waitUntil(lambda: len(viewer.session.scene.targets) == before + 1)
     return viewer.session.scene.targets[-1]
 
 
@@ -56,8 +54,7 @@ def test_targets_keep_apart_from_one_another(open_viewer, small, qtbot):
     assert distances.min() > 7.0
 
 
-def test_a_cross_removes_its_target_alone(open_viewer, small, qtbot):
-    viewer = open_viewer(small)
+def test_a_cross_removes_its_target_alone(viewer, small, qtbot):
     pipe, first, second = small.targets
     assert len(removers(viewer)) == 3
     removers(viewer)[1].click()
@@ -80,7 +77,7 @@ def test_a_wrong_mesh_is_said_and_nothing_added(open_viewer, small, qtbot, monke
     pick_file(monkeypatch, str(tmp_path / "empty.obj"))
     viewer = open_viewer(small)
     viewer.window.target_wanted.emit("mesh")
-    qtbot.waitUntil(lambda: "holds no triangles" in viewer.window.status.sentence.text(), timeout=60000)
+    qtbot.waitUntil(lambda: "holds no triangles" in viewer.window.status.sentence.text())
     assert viewer.session.scene == small
 
 

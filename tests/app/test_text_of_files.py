@@ -1,7 +1,5 @@
 """Text of files in the window: every character is shown as it is, none is obeyed."""
 
-from __future__ import annotations
-
 import re
 
 import pytest

@@ -1,9 +1,9 @@
 """The tour of the window: five steps, each beside its part, left at any time."""
 
 import pytest
+from controls import activate
 from PySide6.QtCore import QRect, Qt
 from PySide6.QtWidgets import QApplication
-from test_menus import activate
 
 from insonify_viewer import application
 from insonify_viewer.window.settings import Settings
@@ -16,8 +16,7 @@ def begin(viewer):
     return viewer.window.tour
 
 
-def test_five_steps_lead_through_the_window(open_viewer, small, qtbot):
-    viewer = open_viewer(small)
+def test_five_steps_lead_through_the_window(viewer, qtbot):
     tour = begin(viewer)
     titles = []
     while tour.card is not None:
@@ -38,8 +37,7 @@ def test_back_and_skip(open_viewer, small, qtbot):
     assert tour.card is None
 
 
-def test_escape_leaves_the_tour(open_viewer, small, qtbot):
-    viewer = open_viewer(small)
+def test_escape_leaves_the_tour(viewer, qtbot):
     window = viewer.window
     activate(window, qtbot)
     window.waterfall.setFocus()
@@ -56,8 +54,7 @@ def test_escape_leaves_the_tour(open_viewer, small, qtbot):
         assert QApplication.focusWidget() is elsewhere
 
 
-def test_the_window_stays_free_during_the_tour(open_viewer, small):
-    viewer = open_viewer(small)
+def test_the_window_stays_free_during_the_tour(viewer):
     begin(viewer)
     assert viewer.session.settle({"track.altitude": 7.0})
     viewer.window.resize(960, 600)

@@ -2,8 +2,6 @@
 
 # ruff: noqa: T201
 
-from __future__ import annotations
-
 import sys
 import time
 from collections.abc import Callable
@@ -243,7 +241,7 @@ def test_slider_at_60_hz(open_viewer, qtbot, name, path):
     timer.timeout.connect(move)
     row.slider.setSliderDown(True)
     timer.start()
-    qtbot.waitUntil(lambda: not timer.isActive(), timeout=60000)
+    qtbot.waitUntil(lambda: not timer.isActive())
     gaps.stop()
     row.slider.setSliderDown(False)
     print(f"\n{name}, {path}: {len(delays)} pictures of {2 * RATE} moves; {gaps.sentence()}")
@@ -324,7 +322,7 @@ def test_a_and_b_change_places(open_viewer, qtbot, pings):
     viewer.comparison.keep()
     kept = time.perf_counter() - began
     viewer.session.settle({"sonar.beam.width": 2.0})
-    qtbot.waitUntil(lambda: viewer.complete and bool(viewer.comparison.difference), timeout=60000)
+    qtbot.waitUntil(lambda: viewer.complete and bool(viewer.comparison.difference))
     view, flips = viewer.window.waterfall, []
     for turn in range(2 * TURNS):
         key = QTest.keyRelease if turn % 2 else QTest.keyPress

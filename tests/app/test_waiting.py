@@ -1,7 +1,5 @@
 """What the window shows while it waits."""
 
-from __future__ import annotations
-
 import threading
 import time
 
@@ -155,13 +153,11 @@ def test_the_new_bed_is_told_before_its_methods_are_chosen(small, qtbot):
         for scene, beds in zip(scenes, (1, 1, 2)):
             going.clear()
             simulator.prepare(scene, Modelling(), ready.append)
-            qtbot.waitUntil(
-                lambda: simulator.activity.what == "choosing the fastest method within the tolerance", timeout=60000
-            )
+            qtbot.waitUntil(lambda: simulator.activity.what == "choosing the fastest method within the tolerance")
             qtbot.waitUntil(lambda beds=beds: len(told) >= beds)
             qtbot.wait(20)  # for one that is told twice
             going.set()
-            qtbot.waitUntil(lambda: len(ready) > 0, timeout=60000)
+            qtbot.waitUntil(lambda: len(ready) > 0)
             ready.clear()
         assert [scene.seabed.relief.beta for _, scene in told] == [1.4, 2.0], "once for each bed"
         assert not any(prepared for prepared, _ in told)
@@ -170,8 +166,7 @@ def test_the_new_bed_is_told_before_its_methods_are_chosen(small, qtbot):
         simulator.close()
 
 
-def test_the_bar_tells_what_is_compiled(open_viewer, small, qtbot):
-    viewer = open_viewer(small)
+def test_the_bar_tells_what_is_compiled(viewer, qtbot):
     viewer.simulator.ask = lambda request: None
     viewer.session.settle({"seed": 5})
     report_progress(Compilation("bent rays", 0.4, 55.0))
@@ -184,8 +179,7 @@ def test_the_bar_tells_what_is_compiled(open_viewer, small, qtbot):
     assert viewer.simulator.activity == Waiting(), "a closed window does not watch"
 
 
-def test_a_new_bed_is_shown_while_its_first_ping_is_awaited(open_viewer, small, qtbot):
-    viewer = open_viewer(small)
+def test_a_new_bed_is_shown_while_its_first_ping_is_awaited(viewer, small, qtbot):
     shown = viewer.seabed.view._bed.points.copy()
     viewer.simulator.ask = lambda request: None  # as if kernels were compiled for minutes
     other = edit(small, {"seabed.relief.rms": 0.3, "track.start": [500.0, 0.0]})

@@ -1,14 +1,12 @@
 """The water's panel: rays of the current scene, points to drag, eigenrays on a click."""
 
-from __future__ import annotations
-
 from typing import Any
 
 import pytest
+from controls import activate
 from PySide6.QtCore import QPoint, Qt
 from PySide6.QtTest import QTest
 from PySide6.QtWidgets import QApplication, QFileDialog
-from test_menus import activate
 
 from insonify.scene import edit
 from insonify_viewer.state.session import Session
@@ -23,7 +21,7 @@ def layered(small):
 
 
 def wait_for_rays(viewer, qtbot):
-    qtbot.waitUntil(lambda: viewer.complete, timeout=60000)
+    qtbot.waitUntil(lambda: viewer.complete)
 
 
 def colours(widget) -> int:
@@ -32,8 +30,7 @@ def colours(widget) -> int:
     return len({picture.pixel(x, y) for x in range(0, picture.width(), 3) for y in range(0, picture.height(), 3)})
 
 
-def test_the_panel_opens_with_layered_water_and_stays_out_of_the_way_without(open_viewer, small, layered, qtbot):
-    viewer = open_viewer(small)
+def test_the_panel_opens_with_layered_water_and_stays_out_of_the_way_without(viewer, layered, qtbot):
     assert not viewer.panels["water"].view.isVisible()
     viewer.session.open(layered)
     wait_for_rays(viewer, qtbot)
@@ -45,8 +42,7 @@ def test_the_panel_opens_with_layered_water_and_stays_out_of_the_way_without(ope
     assert not viewer.panels["water"].view.isVisible()
 
 
-def test_uniform_water_can_be_looked_at_too(open_viewer, small, qtbot):
-    viewer = open_viewer(small)
+def test_uniform_water_can_be_looked_at_too(viewer, qtbot):
     viewer.window._buttons["water"].trigger()
     wait_for_rays(viewer, qtbot)
     assert viewer.panels["water"].complete
@@ -92,7 +88,7 @@ def test_a_click_into_the_water_asks_for_the_rays_to_it(open_viewer, layered, qt
     view_shown = view.show_diagram
     view.show_diagram = lambda diagram, points: (shown.append(diagram), view_shown(diagram, points))
     qtbot.mouseClick(view, Qt.MouseButton.LeftButton, pos=view.place_of(30.0, 25.0).toPoint())
-    qtbot.waitUntil(lambda: bool(shown), timeout=60000)
+    qtbot.waitUntil(lambda: bool(shown))
     assert shown[0].target == pytest.approx((30.0, 25.0), abs=0.3)
     assert len(shown[0].eigenrays) == 1
     assert viewer.session.scene == layered

@@ -1,7 +1,5 @@
 """The real window on a virtual screen, over a simulation of known numbers."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 from PySide6.QtCore import QPoint, Qt
@@ -36,8 +34,7 @@ def drag(viewer, path: str, *positions: int):
     return slider
 
 
-def test_a_slider_held_still_gives_a_fine_record(open_viewer, small, qtbot):
-    viewer = open_viewer(small)
+def test_a_slider_held_still_gives_a_fine_record(viewer, qtbot):
     fine = []
     viewer.simulator.answered.connect(lambda answer: fine.append(answer.fine))
     slider = drag(viewer, "track.altitude", 300)
@@ -47,8 +44,7 @@ def test_a_slider_held_still_gives_a_fine_record(open_viewer, small, qtbot):
     slider.setSliderDown(False)
 
 
-def test_slider_gives_another_waterfall(open_viewer, small, qtbot):
-    viewer = open_viewer(small)
+def test_slider_gives_another_waterfall(viewer, qtbot):
     before = viewer.window.waterfall.picture().copy()
     drag(viewer, "seabed.material.diffuse", 600).setSliderDown(False)
     qtbot.waitUntil(lambda: viewer.complete)
@@ -86,8 +82,7 @@ def test_drag_is_coarse_and_release_is_fine(open_viewer, small, qtbot):
     assert viewer.session.scene == before, "a drag is one step of undo"
 
 
-def test_rows_stand_where_the_simulation_says(open_viewer, small):
-    viewer = open_viewer(small)
+def test_rows_stand_where_the_simulation_says(viewer):
     record = viewer.record
     for ping in (0, 5, 127):
         expected = MATERIALS["medium_sand"].diffuse * (1.0 + (ping % 7) / 10.0)
@@ -95,24 +90,22 @@ def test_rows_stand_where_the_simulation_says(open_viewer, small):
         assert record.amplitude_at(ping, 1, 3) == 0.0
 
 
-def test_pause_holds_the_rows_and_running_scrolls(open_viewer, small, qtbot):
-    viewer = open_viewer(small)
+def test_pause_holds_the_rows_and_running_scrolls(viewer, qtbot):
     held = viewer.window.waterfall.picture().copy()
     qtbot.wait(150)
     assert viewer.tow.newest == 127
     assert (viewer.window.waterfall.picture() == held).all()
     assert viewer.window.pause.shortcut().toString() == "Space"
     viewer.window.pause.trigger()
-    qtbot.waitUntil(lambda: viewer.window.waterfall.top > 129, timeout=3000)
+    qtbot.waitUntil(lambda: viewer.window.waterfall.top > 129)
     viewer.window.pause.trigger()
     assert not viewer.tow.running
 
 
-def test_the_tow_pauses_once_before_the_targets_leave(open_viewer, small, qtbot):
-    viewer = open_viewer(small)
+def test_the_tow_pauses_once_before_the_targets_leave(viewer, small, qtbot):
     viewer.tow.speed = 16.0
     viewer.run(True)
-    qtbot.waitUntil(lambda: not viewer.tow.running, timeout=5000)
+    qtbot.waitUntil(lambda: not viewer.tow.running)
     # The pipe begins 12 m along the track, at ping 60; 124 of the 128 on screen lie above it.
     assert viewer.tow.newest == 60 + 123
     assert "press Space to go on" in viewer.window.status.sentence.text()
@@ -120,13 +113,12 @@ def test_the_tow_pauses_once_before_the_targets_leave(open_viewer, small, qtbot)
     viewer.open(edit(small, {"seed": 7}))
     assert viewer.tow.running
     assert not viewer.window.pause.isChecked()
-    qtbot.waitUntil(lambda: not viewer.tow.running, timeout=5000)
+    qtbot.waitUntil(lambda: not viewer.tow.running)
     viewer.run(True)
-    qtbot.waitUntil(lambda: viewer.tow.newest > 400, timeout=5000)
+    qtbot.waitUntil(lambda: viewer.tow.newest > 400)
 
 
-def test_the_menu_opens_bundled_scenes(open_viewer, small, qtbot):
-    viewer = open_viewer(small)
+def test_the_menu_opens_bundled_scenes(viewer, qtbot):
     menu = viewer.window.scenes
     menu.fill()
     *plain, last = menu.menu().actions()
@@ -156,8 +148,7 @@ def test_the_tow_waits_for_pings_that_take_long(open_viewer, small, qtbot):
     assert 127 + 48 < viewer.tow.newest <= 127 + 48 + round(0.2 * 16.0 * 10.0) + 1
 
 
-def test_kind_edits_the_scene_and_its_rows(open_viewer, small):
-    viewer = open_viewer(small)
+def test_kind_edits_the_scene_and_its_rows(viewer):
     pick(viewer, "sonar.beam.kind", "knife")
     assert viewer.session.scene.sonar.beam.kind == "knife"
     with pytest.raises(StopIteration):
@@ -175,8 +166,7 @@ def test_material_name_turns_into_its_numbers(open_viewer, small):
     assert shown == [f"{value:.4g}" for value in MATERIALS["rock"].reflectivity[:3]]
 
 
-def test_refused_edit_is_said_and_the_slider_returns(open_viewer, small):
-    viewer = open_viewer(small)
+def test_refused_edit_is_said_and_the_slider_returns(viewer, small):
     row = number_row(viewer, "seabed.depth")
     home = row.slider.value()
     drag(viewer, "seabed.depth", 0).setSliderDown(False)
@@ -186,15 +176,13 @@ def test_refused_edit_is_said_and_the_slider_returns(open_viewer, small):
     assert row.field.text() == "30 m"
 
 
-def test_core_refusal_goes_back(open_viewer, small, qtbot):
-    viewer = open_viewer(small)
+def test_core_refusal_goes_back(viewer, small, qtbot):
     viewer.session.settle({"seed": 666})
     qtbot.waitUntil(lambda: viewer.session.scene == small)
     assert "666" in viewer.window.status.sentence.text()
 
 
-def test_range_takes_the_ping_rate_along(open_viewer, small):
-    viewer = open_viewer(small)
+def test_range_takes_the_ping_rate_along(viewer):
     viewer.session.drag({"sonar.range": 150.0})
     assert viewer.session.scene.sonar.ping_rate == 5.0
     assert "ping rate lowered to 5 Hz" in viewer.window.status.sentence.text()
@@ -239,8 +227,7 @@ def test_a_slider_that_changes_nothing_stands_aside(open_viewer, small):
     assert number_row(viewer, "receiver.source_level").slider.isEnabled()
 
 
-def test_undo_and_redo(open_viewer, small):
-    viewer = open_viewer(small)
+def test_undo_and_redo(viewer):
     assert not viewer.window.undo.isEnabled()
     viewer.session.settle({"track.altitude": 6.0})
     viewer.session.settle({"track.altitude": 7.0})
@@ -251,8 +238,7 @@ def test_undo_and_redo(open_viewer, small):
     assert not viewer.window.redo.isEnabled()
 
 
-def test_palette_and_gain_change_the_colours(open_viewer, small):
-    viewer = open_viewer(small)
+def test_palette_and_gain_change_the_colours(viewer):
     waterfall = viewer.window.waterfall
     copper = waterfall.picture().copy()
     viewer.window.palettes.setCurrentText("pen")
@@ -266,8 +252,7 @@ def test_palette_and_gain_change_the_colours(open_viewer, small):
     assert (waterfall.picture() == pen).all()
 
 
-def test_port_is_left_and_newest_on_top(open_viewer, small):
-    viewer = open_viewer(small)
+def test_port_is_left_and_newest_on_top(viewer):
     amplitude = np.zeros((1, 2, 100), np.float32)
     amplitude[0, 0, 99] = 50.0
     viewer.window.waterfall.show_rows(viewer.record.put(np.array([127]), amplitude, 99))
@@ -277,8 +262,7 @@ def test_port_is_left_and_newest_on_top(open_viewer, small):
     assert brightest[1] < picture.shape[1] // 50
 
 
-def test_bins_and_pings_make_a_new_record(open_viewer, small, qtbot):
-    viewer = open_viewer(small)
+def test_bins_and_pings_make_a_new_record(viewer, qtbot):
     viewer.session.settle({"sonar.bins": 50, "track.pings": 40})
     qtbot.waitUntil(lambda: viewer.complete)
     assert (viewer.record.pings, viewer.record.bins) == (40, 50)
@@ -293,8 +277,7 @@ def test_one_ping_one_bin(open_viewer, small, qtbot):
     assert viewer.window.waterfall.picture().shape[0] == 1
 
 
-def test_small_window_clips_no_tool(open_viewer, small, qtbot):
-    viewer = open_viewer(small)
+def test_small_window_clips_no_tool(viewer, qtbot):
     viewer.window.resize(900, 600)
     qtbot.waitUntil(lambda: viewer.window.width() == 900)
     qtbot.wait(50)
@@ -333,13 +316,13 @@ def test_dem_is_opened_and_the_tow_ends_with_it(open_viewer, small, tmp_path, qt
     np.save(tmp_path / "hill.npy", np.hypot(x - 45.0, y - 30.0) / -20.0)
     viewer = open_viewer(small, prepare=prepare)
     viewer.files.open_dem(edit(small, {"seabed.spacing": 1.0}), str(tmp_path / "hill.npy"))
-    qtbot.waitUntil(lambda: viewer.complete and viewer.session.scene.seabed.relief.kind == "dem", timeout=60000)
+    qtbot.waitUntil(lambda: viewer.complete and viewer.session.scene.seabed.relief.kind == "dem")
     scene = viewer.session.scene
     assert (scene.title, scene.sonar.range, scene.targets) == ("hill.npy", 18.0, ())
     assert viewer.record.amplitude.max() > 0.0
     viewer.tow.speed = 16.0
     viewer.run(True)
-    qtbot.waitUntil(lambda: not viewer.tow.running, timeout=5000)
+    qtbot.waitUntil(lambda: not viewer.tow.running)
     assert "left the measured bed" in viewer.window.status.sentence.text()
     viewer.files.open_dem(scene, str(tmp_path / "none.npy"))
     said = viewer.window.status.sentence
@@ -347,8 +330,7 @@ def test_dem_is_opened_and_the_tow_ends_with_it(open_viewer, small, tmp_path, qt
     assert viewer.session.scene == scene
 
 
-def test_scene_file_that_cannot_be_read_is_said(open_viewer, small, tmp_path):
-    viewer = open_viewer(small)
+def test_scene_file_that_cannot_be_read_is_said(viewer, small, tmp_path):
     (tmp_path / "bad.toml").write_text("[sonar]\nrang = 3\n")
     viewer.files.open_scene(str(tmp_path / "bad.toml"))
     assert "did you mean 'range'" in viewer.window.status.sentence.text()

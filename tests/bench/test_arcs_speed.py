@@ -1,7 +1,5 @@
 """What a bent ray costs, printed: run with `pytest -m bench -s tests/bench`."""
 
-from __future__ import annotations
-
 import math
 import sys
 

@@ -4,8 +4,6 @@ Seconds of one thread's own time, so that what else the machine does hardly coun
 rounds taken in turns.
 """
 
-from __future__ import annotations
-
 import sys
 import time
 

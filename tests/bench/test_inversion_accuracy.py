@@ -1,7 +1,5 @@
 """How well known beds are learned from their records, printed: run with `pytest -m bench -s tests/bench`."""
 
-from __future__ import annotations
-
 import sys
 from time import perf_counter
 

@@ -4,10 +4,7 @@ The floor only reads a ping's heights and writes its bins. Embree casts 2000 ray
 the optional extra `embree`. Times are those of the thread itself, so that what else the machine does hardly counts.
 """
 
-from __future__ import annotations
-
 import math
-import sys
 from dataclasses import replace
 from functools import partial
 from importlib.util import find_spec
@@ -78,11 +75,6 @@ def planes_of(simulation, planes):
     return lay_planes_of_images(simulation.reduced, simulation.poses(PINGS[:1]), planes)[0][1].azimuth.size
 
 
-def say(capsys, text):
-    with capsys.disabled():
-        sys.stdout.write(f"\n{text}")
-
-
 def crossing(simulation, position, width):
     """Pings whose beam's middle lies within a length of a position along the track."""
     pings = np.arange(simulation.scene.track.pings)
@@ -123,33 +115,31 @@ def cases():
     return calls, pairs
 
 
-def test_kernels(capsys):
+def test_kernels(say):
     calls, pairs = cases()
     timings = time_calls({name: call for name, (call, _) in calls.items()}, rounds=ROUNDS, clock=thread_time)
     each = {name: 1e6 * timings[name].median / pings for name, (_, pings) in calls.items()}
     embree = each.get("Embree, 2000 casts", np.nan)
     for name, microseconds in each.items():
         say(
-            capsys,
             f"{name:28s} {microseconds:10.2f} µs a ping ± {100 * timings[name].spread:3.0f} %, "
             f"{microseconds / each['floor']:8.2f} × the floor, Embree's casts {embree / microseconds:8.2f} ×",
         )
-    say(capsys, f"knife: {each['knife'] / each['floor']:.1f} × the floor (at most 3)")
+    say(f"knife: {each['knife'] / each['floor']:.1f} × the floor (at most 3)")
     if math.isfinite(embree):
-        say(capsys, f"knife: {embree / each['knife']:.0f} × fewer µs than Embree's casts (at least 100)")
-    say(capsys, f"targets + {each['knife with targets'] - each['knife']:.1f} µs a ping (at most 8)")
+        say(f"knife: {embree / each['knife']:.0f} × fewer µs than Embree's casts (at least 100)")
+    say(f"targets + {each['knife with targets'] - each['knife']:.1f} µs a ping (at most 8)")
     for what, beside, more, goal in pairs:
-        say(capsys, f"{what}: {each[what] / each[beside] / more:.2f} × {beside} (at most {goal})")
+        say(f"{what}: {each[what] / each[beside] / more:.2f} × {beside} (at most {goal})")
 
 
-def test_the_default_fan_as_planned(capsys):
+def test_the_default_fan_as_planned(say):
     simulation = prepare(DEFAULT)
     calls = {threads: trace_call(simulation, threads=threads) for threads in (1, THREADS)}
     timings = time_calls(calls, rounds=ROUNDS)
     timing = timings[THREADS]
     planes = simulation.plan.planes
     say(
-        capsys,
         f"default fan, {planes} planes, {PINGS.size} pings on {THREADS} threads: {1e3 * timing.median:.1f} ms "
         f"± {100 * timing.spread:.0f} % (at most 25), {timings[1].median / timing.median:.2f} × as fast as one "
         "(at least 1.8)",
@@ -157,7 +147,7 @@ def test_the_default_fan_as_planned(capsys):
     for where, pings in (("spread over the track", SPREAD), ("across its targets", across_targets(simulation))):
         coarse, fine = (trace_call(simulation, pings, planes=n)() for n in (planes, JUDGES))
         error = compare_records(simulation.reduced, simulation.poses(pings), coarse, fine).beyond
-        say(capsys, f"default fan, {pings.size} pings {where}: {100 * error:.2f} % from {JUDGES} planes (at most 3)")
+        say(f"default fan, {pings.size} pings {where}: {100 * error:.2f} % from {JUDGES} planes (at most 3)")
 
 
 def across_targets(simulation):

@@ -3,8 +3,6 @@
 Run with `pytest -m bench -s tests/bench/test_pixel_speed.py`.
 """
 
-from __future__ import annotations
-
 import sys
 from statistics import median
 from time import perf_counter

@@ -4,8 +4,6 @@ Each is measured as the ratio of the times of two models of one scene, traced in
 the thread itself, so that what else the machine does hardly counts.
 """
 
-from __future__ import annotations
-
 import math
 import sys
 from time import thread_time

@@ -1,7 +1,5 @@
 """What each effect of the receiver costs, printed: run with `pytest -m bench -s tests/bench`."""
 
-from __future__ import annotations
-
 import sys
 
 import numpy as np

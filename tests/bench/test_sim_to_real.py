@@ -5,8 +5,6 @@
 class (40), ``INSONIFY_SIM_SETS`` a folder in which the sets are kept and grow. No real picture is used before the test.
 """
 
-from __future__ import annotations
-
 import json
 import os
 import sys

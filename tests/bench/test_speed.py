@@ -1,8 +1,5 @@
 """Speed and accuracy side by side, printed: run with `pytest -m bench -s tests/bench`."""
 
-from __future__ import annotations
-
-import sys
 from time import thread_time
 
 import numpy as np
@@ -20,28 +17,22 @@ PINGS = np.arange(512)
 SOME = np.arange(40, 480, 40)
 
 
-def say(capsys, text):
-    with capsys.disabled():
-        sys.stdout.write(f"\n{text}")
-
-
-def test_a_knife_on_one_thread(capsys):
+def test_a_knife_on_one_thread(say):
     simulation = prepare(edit(DEFAULT, {"sonar.beam": "knife", "targets": []}))
     arrays, poses = simulation.arrays, simulation.poses(PINGS)
     timing = time_calls({"knife": lambda: sweep.trace(arrays, poses, threads=1)}, rounds=9, clock=thread_time)["knife"]
     few = simulation.poses(SOME)
     errors = compare_records(arrays, few, sweep.trace(arrays, few), rays.trace(arrays, few, rays=1 << 18))
     say(
-        capsys,
         f"knife, 2 × 1000 bins over 1024²: {PINGS.size / timing.median:,.0f} pings/s a thread "
         f"({1e6 * timing.median / PINGS.size:.1f} µs a ping, ± {100 * timing.spread:.0f} %), "
         f"error {100 * errors.beyond:.2f} % beyond 1.4 altitudes, {100 * errors.all_bins:.2f} % in all",
     )
     single = compare_records(arrays, few, sweep.trace(arrays, few), sweep.trace(arrays, few, double=True))
-    say(capsys, f"knife: single precision errs by {single.beyond:.1e} of double")
+    say(f"knife: single precision errs by {single.beyond:.1e} of double")
 
 
-def test_a_fan_as_planned(capsys):
+def test_a_fan_as_planned(say):
     fans = {
         f"{width:g}°{', no targets' if not targets else ''}": prepare(
             edit(DEFAULT, {"sonar.beam.width": width} | ({} if targets else {"targets": []}))
@@ -60,13 +51,12 @@ def test_a_fan_as_planned(capsys):
         record, fine = (sweep.trace(simulation.arrays, poses, planes=n) for n in (simulation.plan.planes, 64))
         errors = compare_records(simulation.arrays, poses, record, fine)
         say(
-            capsys,
             f"fan of {name}: {simulation.plan.planes} planes, {1e3 * timings[name].median:.0f} ms for "
             f"{PINGS.size} pings on two threads, {100 * errors.beyond:.2f} % from 64 planes",
         )
 
 
-def test_a_fan_by_planes(capsys):
+def test_a_fan_by_planes(say):
     # How few planes come within 1.5 % of 64?
     bare = prepare(edit(DEFAULT, {"sonar.beam.width": 2.5, "targets": []}))
     poses, some = bare.poses(PINGS), bare.poses(SOME)
@@ -79,13 +69,12 @@ def test_a_fan_by_planes(capsys):
     for planes, timing in timings.items():
         errors = compare_records(bare.arrays, some, sweep.trace(bare.arrays, some, planes=planes), fine)
         say(
-            capsys,
             f"fan of 2.5°, no targets, {planes} planes: {1e3 * timing.median:.0f} ms for {PINGS.size} pings on two "
             f"threads, {100 * errors.beyond:.2f} % from 64 planes, {100 * errors.all_bins:.2f} % in all",
         )
 
 
-def test_from_a_slider_to_the_record(capsys):
+def test_from_a_slider_to_the_record(say):
     # The altitude moves: what has been built of the bed stays.
     altitudes = iter(np.linspace(8.0, 12.0, 1000))
 
@@ -96,4 +85,4 @@ def test_from_a_slider_to_the_record(capsys):
 
     timings = time_calls({"coarse": moved(0.2), "fine": moved(0.03)}, rounds=7)
     for name, timing in timings.items():
-        say(capsys, f"slider to record, {name}: {1e3 * timing.median:.0f} ms for {PINGS.size} pings")
+        say(f"slider to record, {name}: {1e3 * timing.median:.0f} ms for {PINGS.size} pings")

@@ -3,8 +3,6 @@
 Run with `pytest -m bench -s tests/bench/test_start.py`.
 """
 
-from __future__ import annotations
-
 import os
 import subprocess
 import sys

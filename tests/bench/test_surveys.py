@@ -4,9 +4,6 @@ Images a second on one and two workers, what the engine takes beside the tracing
 over 2,000 images, and the jobs a second that the scheduler and the driver manage, by jobs that do nothing.
 """
 
-from __future__ import annotations
-
-import sys
 import threading
 import time
 import tomllib
@@ -35,11 +32,6 @@ def specification(scenes, **tow) -> DatasetSpecification:
     return DatasetSpecification.model_validate(
         {**values, "scenes": scenes, "tiles": TILES, "set": {**values["set"], **fields}}
     )
-
-
-def say(capsys, text):
-    with capsys.disabled():
-        sys.stdout.write(f"\n{text}")
 
 
 class Memory:
@@ -97,29 +89,28 @@ def run_timed(folder, scenes, workers, monkeypatch):
     return images / seconds, used / images, workers * seconds / inside - 1.0
 
 
-def test_two_workers_make_images_twice_as_fast(tmp_path, capsys, monkeypatch):
+def test_two_workers_make_images_twice_as_fast(tmp_path, say, monkeypatch):
     """On cores that nothing else uses. The processor's time for an image tells what two workers cost each other."""
     found = {1: [], 2: []}
     for turn, workers in enumerate((1, 2, 1, 2)):
         found[workers].append(run_timed(tmp_path / str(turn), 24, workers, monkeypatch))
     rates = {workers: max(rate for rate, *_ in runs) for workers, runs in found.items()}
     used = {workers: min(used for _, used, _ in runs) for workers, runs in found.items()}
-    say(capsys, f"images a second: {rates[1]:.1f} on one worker, {rates[2]:.1f} on two: × {rates[2] / rates[1]:.2f}")
+    say(f"images a second: {rates[1]:.1f} on one worker, {rates[2]:.1f} on two: × {rates[2] / rates[1]:.2f}")
     say(
-        capsys,
         f"processor: {1e3 * used[1]:.1f} ms an image on one worker, {1e3 * used[2]:.1f} on each of two: "
         f"× {2.0 * used[1] / used[2]:.2f} on free cores\n",
     )
 
 
-def test_the_engine_takes_little_beside_the_tracing(tmp_path, capsys, monkeypatch):
+def test_the_engine_takes_little_beside_the_tracing(tmp_path, say, monkeypatch):
     """The time of a worker that it does not spend in its jobs: flags, files put in place, the way to the driver."""
     _, _, share = run_timed(tmp_path / "set", 24, 1, monkeypatch)
-    say(capsys, f"engine beside its jobs: {100 * share:.1f} %\n")
+    say(f"engine beside its jobs: {100 * share:.1f} %\n")
     assert share <= 0.1
 
 
-def test_memory_stays_flat_over_two_thousand_images(tmp_path, capsys):
+def test_memory_stays_flat_over_two_thousand_images(tmp_path, say):
     work = DatasetWork(specification(84, **{"track.pings": 384}), load_scene("default"), tmp_path / "set")
     with Memory() as memory:
         run_jobs(work, work.names(), "local:2", lambda ended: None)
@@ -128,7 +119,6 @@ def test_memory_stays_flat_over_two_thousand_images(tmp_path, capsys):
     half = len(samples) // 2
     early, late = samples[half // 2 : half, 1:].mean(axis=0) / 1e6, samples[-half // 2 :, 1:].mean(axis=0) / 1e6
     say(
-        capsys,
         f"memory over {images} images: driver {early[0]:.0f} to {late[0]:.0f} MB, "
         f"worker {early[1]:.0f} to {late[1]:.0f} MB\n",
     )
@@ -138,7 +128,7 @@ def test_memory_stays_flat_over_two_thousand_images(tmp_path, capsys):
 
 
 @pytest.mark.parametrize("count", [2000, 10_000])
-def test_empty_jobs_show_the_load_of_driver_and_scheduler(tmp_path, capsys, count):
+def test_empty_jobs_show_the_load_of_driver_and_scheduler(tmp_path, say, count):
     work = WrittenJobs(tmp_path / "set", count)
     begun, driver = time.perf_counter(), psutil.Process().cpu_times()
     run_jobs(work, work.names(), "local:2", lambda ended: None)
@@ -148,7 +138,6 @@ def test_empty_jobs_show_the_load_of_driver_and_scheduler(tmp_path, capsys, coun
     assert len(done_jobs(tmp_path / "set")) == count
     listed = time.perf_counter() - listed
     say(
-        capsys,
         f"{count} jobs that write 3 small files: {count / seconds:.0f} a second on two workers; driver and "
         f"scheduler {1e3 * cpu / count:.2f} ms of processor a job; {1e3 * listed:.0f} ms to list what is done\n",
     )

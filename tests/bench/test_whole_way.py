@@ -4,10 +4,7 @@ A knife over a bare bed of 1024², 2 × 1000 bins and an ideal pulse: the less a
 counts. All calls take turns in one process. The floor only reads a ping's heights and writes its bins.
 """
 
-from __future__ import annotations
-
 import os
-import sys
 
 import numpy as np
 import pytest
@@ -49,17 +46,11 @@ def fresh(path, write, *given, **named):
     write(*given, **named)
 
 
-def say(capsys, text):
-    with capsys.disabled():
-        sys.stdout.write(f"\n{text}")
-
-
-def tell(capsys, title, timings, pings, own):
-    say(capsys, f"{title}:")
+def tell(say, title, timings, pings, own):
+    say(f"{title}:")
     for name, timing in timings.items():
         over = 1e3 * (timing.median - 1.5 * timings[own].median)
         say(
-            capsys,
             f"  {name:32s} {1e6 * timing.median / pings:8.2f} µs a ping ± {100 * timing.spread:3.0f} %, "
             f"{timing.median / timings[own].median:6.2f} × the tracer, 1.5 × {over:+.1f} ms",
         )
@@ -67,7 +58,7 @@ def tell(capsys, title, timings, pings, own):
 
 @pytest.mark.parametrize("pings", [512, 20_000])
 @pytest.mark.parametrize("threads", THREADS)
-def test_from_call_to_dataset(capsys, pings, threads):
+def test_from_call_to_dataset(say, pings, threads):
     scene = edit(BARE, {"track.pings": pings})
     simulation = prepare(scene, threads=threads)
     calls = {
@@ -80,21 +71,21 @@ def test_from_call_to_dataset(capsys, pings, threads):
         "simulate_blocks": lambda: [None for _ in simulate_blocks(scene, threads=threads)],
     }
     timings = time_calls(calls, rounds=9 if pings < 5000 else 7)
-    tell(capsys, f"{pings} pings, {threads} threads", timings, pings, "tracer")
+    tell(say, f"{pings} pings, {threads} threads", timings, pings, "tracer")
 
 
 @pytest.mark.parametrize("pings", [512, 20_000])
 @pytest.mark.parametrize("threads", THREADS)
-def test_from_command_to_file(capsys, tmp_path, pings, threads):
+def test_from_command_to_file(say, tmp_path, pings, threads):
     scene = edit(BARE, {"track.pings": pings})
     calls = {"tracer": tracer(prepare(scene), pings, threads), "simulate": lambda: simulate(scene, threads=threads)}
     for name in ("record.nc", "record.npz", "record.png"):
         calls[name] = lambda path=tmp_path / name: fresh(path, write, scene, path, DisplayOptions(), threads=threads)
     timings = time_calls(calls, rounds=5)
-    tell(capsys, f"{pings} pings to a file, {threads} threads", timings, pings, "tracer")
+    tell(say, f"{pings} pings to a file, {threads} threads", timings, pings, "tracer")
 
 
-def test_writing_beside_the_disk(capsys, tmp_path):
+def test_writing_beside_the_disk(say, tmp_path):
     """Ready blocks of a record written, beside as many bytes that have reached the disk."""
     scene = edit(BARE, {"track.pings": 20_000})
     blocks = list(simulate_blocks(scene))
@@ -113,13 +104,12 @@ def test_writing_beside_the_disk(capsys, tmp_path):
     for name in ("record.nc", "record.npz"):
         size, took = os.path.getsize(tmp_path / name), timings[name].median
         say(
-            capsys,
             f"{name} of ready blocks: {size / took / 1e6:,.0f} MB/s, {100 * disk / took:.0f} % of the "
             f"{data.nbytes / disk / 1e6:,.0f} that the disk takes",
         )
 
 
-def test_threads(capsys):
+def test_threads(say):
     counts = sorted({1, min(2, count_threads()), count_threads()})
     fan = edit(DEFAULT, {"sonar.pulse": "ideal"})
     for name, scene, pings in (
@@ -135,10 +125,10 @@ def test_threads(capsys):
             f"± {100 * timing.spread:.0f} %)"
             for n, timing in timings.items()
         )
-        say(capsys, f"{name}, {pings} pings, threads {times}")
+        say(f"{name}, {pings} pings, threads {times}")
 
 
-def test_share_of_the_receiver(capsys):
+def test_share_of_the_receiver(say):
     """What tracing and each stage of the receiver take of the default scene's own record, one thread."""
     pings = np.arange(512)
     for name, changes in {
@@ -157,4 +147,4 @@ def test_share_of_the_receiver(capsys):
             rounds=7,
         )
         trace, rest = (1e6 * timings[part].median / pings.size for part in ("tracer", "receiver"))
-        say(capsys, f"{name}: tracer {trace:.1f} µs a ping, receiver {rest:.1f} ({100 * rest / (trace + rest):.0f} %)")
+        say(f"{name}: tracer {trace:.1f} µs a ping, receiver {rest:.1f} ({100 * rest / (trace + rest):.0f} %)")

@@ -1,7 +1,5 @@
 """Faults of the machine: full disks, two writers, no home, locked caches, odd clocks; what is promised of each."""
 
-from __future__ import annotations
-
 import errno
 import hashlib
 import os

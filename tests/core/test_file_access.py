@@ -1,7 +1,5 @@
 """Files of unknown origin: what is opened, what is refused before it is opened, and how much may be expanded."""
 
-from __future__ import annotations
-
 import io
 import json
 import os

@@ -1,7 +1,5 @@
 """Nothing of the current folder is run: neither by a command nor by a process that it starts."""
 
-from __future__ import annotations
-
 import importlib.util
 import shutil
 import subprocess

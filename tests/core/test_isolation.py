@@ -1,7 +1,5 @@
 """Readers in a process of their own: what they return, and what becomes of crashes, loops and allocations."""
 
-from __future__ import annotations
-
 import itertools
 import multiprocessing
 import os

@@ -1,7 +1,5 @@
 """Nothing is written that another system could not take, and text is the same on all of them."""
 
-from __future__ import annotations
-
 import ast
 import os
 import subprocess

@@ -1,10 +1,14 @@
 """Every mistake gives one sentence with the field, the value and the remedy."""
 
 import math
+from itertools import permutations
 
 import pytest
 
-from insonify.scene import SceneError, edit, load_scene, plain, read_setting
+from insonify.scene import Scene, SceneError, edit, load_scene, plain, read_setting
+from insonify.scene.base import kind_name, models_of
+from insonify.scene.seabed import Seabed
+from insonify.scene_edits import add_dependent_edits
 
 BOX, BALL = ({"kind": kind, "position": [1.0, 2.0]} for kind in ("box", "sphere"))
 PROFILE, SPEEDS = {"kind": "profile"}, [1520.0, 1519.0, 1501.0, 1500.0]
@@ -211,3 +215,58 @@ def test_a_byte_order_mark_is_no_matter_and_a_folder_no_scene(tmp_path):
     assert load_scene(path).title == "Marked"
     with pytest.raises(SceneError, match=r"cannot be read \(Is a directory\)"):
         load_scene(tmp_path)
+
+
+@pytest.mark.parametrize(
+    ("text", "value"),
+    [
+        ("track.speed=3kn", 3.0 * 1852.0 / 3600.0),
+        ("track.speed=3 kn", 3.0 * 1852.0 / 3600.0),
+        ("track.speed=3", 3),
+        ("sonar.frequency=455kHz", 455e3),
+        ("sonar.pulse.duration=0.1ms", 1e-4),
+        ("sonar.beam.width=2°", 2.0),
+        ("track.start.0=0.2 km", 200.0),
+        ("targets.0.radius=30cm", 0.3),
+        ("title=3kn", "3kn"),
+        ("water.absorption=francois_garrison", "francois_garrison"),
+    ],
+)
+def test_a_number_may_have_a_unit_where_its_field_has_one(text: str, value: float | str) -> None:
+    path, read = read_setting(text)
+    assert read == (pytest.approx(value) if isinstance(value, float) else value)
+    edit(load_scene("default"), {path: read})
+
+
+def test_an_unknown_unit_stays_text() -> None:
+    assert read_setting("track.speed=3furlongs") == ("track.speed", "3furlongs")
+    assert read_setting("nowhere.at.all=3kn") == ("nowhere.at.all", "3kn")
+
+
+KINDS = [kind_name(model) for model in models_of(Seabed, "relief") if kind_name(model) != "dem"]
+ENDLESS = ["fractal", "power_law", "von_karman", "ripples", "autocorrelation", "sum"]
+
+
+def changed(scene: Scene, **changes) -> Scene:
+    named = {f"seabed.relief.{name.replace('__', '.')}": value for name, value in changes.items()}
+    return edit(scene, add_dependent_edits(scene, named)[0])
+
+
+@pytest.fixture
+def scene() -> Scene:
+    return load_scene("default")
+
+
+@pytest.mark.parametrize(("first", "second"), list(permutations(KINDS, 2)))
+def test_any_kind_follows_any_other(scene, first, second):
+    assert changed(changed(scene, kind=first), kind=second).seabed.relief.kind == second
+
+
+@pytest.mark.parametrize("first", ENDLESS)
+@pytest.mark.parametrize("second", KINDS)
+def test_any_kind_follows_an_endless_one(scene, first, second):
+    before = changed(scene, kind=first)
+    place = {"of__0__extent": "endless"} if first == "sum" else {"extent": "endless"}
+    endless = changed(before, **place)
+    assert endless.seabed.endless
+    assert changed(endless, kind=second).seabed.relief.kind == second

@@ -1,7 +1,5 @@
 """Presets of sonars: every one simulates, fields beside it override it, and an edit replaces one by another."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

@@ -1,16 +1,23 @@
-"""Wrecks and aircraft as generated meshes: size, place, closed parts, and that everything declared shapes them."""
+"""Generated wrecks and aircraft, and the library of meshes: size, place, closed parts, and what a record shows."""
 
+import runpy
 from typing import get_args
 
 import numpy as np
 import pytest
+import trimesh
 
-from insonify.scene import edit, scene_from_toml
+import insonify
+from insonify import cli
+from insonify.files import bundled_meshes, bundled_targets, resources
+from insonify.io.meshes import read_mesh
+from insonify.scene import edit, load_scene, scene_from_toml
 from insonify.scene.targets import Pit
 from insonify.scene.targets.aircraft import PLANS, Aircraft, PlanName
 from insonify.scene.targets.parts import bars, blocks, draw_shares, roughen, skin, tube
 from insonify.scene.targets.wreck import FORMS, FormName, Wreck
-from insonify.simulation import simulate
+from insonify.simulation import prepare, simulate
+from insonify.statistics.record_statistics import measure_statistics
 from insonify.terrain import build_ground
 
 WHOLE = {"position": (0.0, 0.0), "seed": 3}
@@ -180,3 +187,91 @@ def test_each_returns_an_echo_and_casts_a_shadow(kind, name, value):
     record = simulate(edit(scene_from_toml(SCENE), {"targets": [target]}), truth=True)
     assert (record.target_id == 0).sum() > 50
     assert (record.shadow > 0.5).sum() > 50
+
+
+MAST = np.arange(352, 378)  # pings about it
+STARBOARD = 1
+
+
+@pytest.fixture(scope="module")
+def scene():
+    return load_scene("wreck")
+
+
+def test_the_mesh_is_a_ship_of_24_m_with_a_mast():
+    corners = read_mesh("wreck")
+    assert 5_000 < len(corners) < 20_000
+    low, high = corners.min(axis=(0, 1)), corners.max(axis=(0, 1))
+    assert 24.0 < high[0] - low[0] < 28.0
+    assert high[2] > 7.0
+    # Closed parts, wound outwards, hold a volume; an open or inverted one would take it away.
+    a, b, c = np.moveaxis(corners, 1, 0)
+    assert (a * np.cross(b, c)).sum() / 6.0 > 5.0
+
+
+def test_the_bed_is_as_alike_as_the_real_ones_even_patches(scene):
+    bed = measure_statistics(simulate(edit(scene, {"targets": [], "track.pings": 192})))
+    low, middle, high = np.percentile(bed.variation, [10.0, 50.0, 90.0])
+    assert 0.25 < low < middle < high < 0.53
+    # The real recording falls by -0.43 along the track and -0.21 across it.
+    assert -0.7 < bed.along.slope() < -0.15
+    assert -0.5 < bed.across.slope() < -0.05
+
+
+def test_the_shadows_are_as_deep_as_the_real_ones_and_hull_and_mast_are_in_the_record(scene):
+    # 24.7 dB in the real recording.
+    assert measure_statistics(simulate(scene)).shadow_depth == pytest.approx(25.0, abs=4.0)
+    without = edit(scene, {"targets": []})
+    pings = np.arange(240, 300, 4)
+    a, b = (prepare(s).intensity(pings)[:, STARBOARD] for s in (scene, without))
+    ratio = 10.0 * np.log10(a.mean(axis=0) / b.mean(axis=0))
+    assert ratio[170:450].max() > 6.0  # the sides
+    assert ratio[400:560].min() < -15.0  # the shadow beyond
+
+
+def test_the_mast_throws_its_shadow_to_the_last_bin(scene):
+    heard = prepare(scene).intensity(MAST)[:, STARBOARD, 620:]
+    far = 10.0 * np.log10(heard.reshape(len(MAST), 4, -1).mean(axis=2))  # four stretches of range
+    dark = far < np.median(far, axis=0) - 12.0
+    assert (dark.sum(axis=0) >= 3).all()
+    assert (dark.sum(axis=0) <= 9).all()
+    assert dark.all(axis=1).sum() >= 3  # the same pings at every range: straight across the track
+
+
+SCRIPT = resources() / "meshes" / "make_library.py"
+
+
+@pytest.fixture(scope="module")
+def script() -> dict[str, object]:
+    return runpy.run_path(str(SCRIPT))
+
+
+def test_the_library_names_every_mesh_that_the_script_makes(script):
+    assert set(bundled_targets()) == set(script["LIBRARY"]) <= set(bundled_meshes())
+    assert len(bundled_targets()) >= 12
+
+
+@pytest.mark.parametrize("name", list(bundled_targets()))
+def test_a_target_is_closed_and_as_its_script_makes_it(name, script):
+    path = bundled_meshes()[name]
+    mesh, made = trimesh.load_mesh(path, process=False), script["target"](name)
+    np.testing.assert_allclose(mesh.triangles, made.triangles, atol=1e-5)
+    assert made.is_watertight
+    assert all(part.volume > 0.0 for part in made.split())
+    assert path.stat().st_size < 100_000
+    assert 0.1 < mesh.extents.max() < 5.0
+    assert mesh.bounds[0, 2] == 0.0
+
+
+def test_the_listing_gives_the_measures_of_a_drum(capsys):
+    assert cli.main(["targets"]) == 0
+    lines = dict(line.split(maxsplit=1) for line in capsys.readouterr().out.splitlines())
+    assert list(lines) == list(bundled_targets())
+    assert lines["drum"] == "0.89 x 0.60 x 0.60 m  steel drum of 200 l, lying"
+
+
+def test_a_drum_by_its_name_is_seen_with_its_shadow():
+    target = {"kind": "mesh", "path": "drum", "position": [5.0, 12.0]}
+    changes = {"targets": [target], "track.pings": 50, "sonar.range": 25.0}
+    record = insonify.simulate(edit(insonify.load_scene("default"), changes), truth=True)
+    assert float(record["shadow_length"].sel(channel="port")[0]) > 0.5

@@ -14,7 +14,8 @@ from insonify.acoustics.flat_bed import flat_bed_curve
 from insonify.kernels.common.types import LIGHT, SONAR
 from insonify.scene import edit, load_scene
 from insonify.simulation import simulate
-from insonify.tracers import rays, sweep
+from insonify.statistics.record_errors import compare_records
+from insonify.tracers import ray_sheets, rays, sweep
 
 FLAT = np.zeros((4, 4))
 FAN = math.radians(1.25)
@@ -54,6 +55,19 @@ def test_knife_agrees_with_brute_force(seed, x, heading, altitude, law, bodies):
     twin = naive.naive_ping(arrays, x, 2.2, altitude, heading)
     assert distance(record, twin) < NEAR
     assert record.sum(dtype=float) == pytest.approx(twin.sum(), rel=0.01)
+
+
+@pytest.mark.parametrize("heading", [0.0, 0.6])
+def test_glints_in_coarse_bins_are_weighed_by_their_own_range(heading):
+    """By spreading at the centres of bins the records are 1.0 % and 6.9 % off."""
+    options = {"reflectivity": [(0.02, 0.8, 50.0)], "bins": 100, "bin_length": 0.4, "spreading": True}
+    arrays = arrays_of(rough(256, 256, 0.16, 5), 0.1, periodic=True, **options)
+    poses = poses_of([0.0371, 1.0371], 0.0, 8.0, heading)
+    twin = np.array([naive.naive_ping(arrays, x, 0.0, 8.0, heading, samples_per_cell=400) for x in poses.x])
+    by_rays = rays.trace(arrays, poses, rays=1 << 16)
+    by_sheets = ray_sheets.trace(arrays, poses, sheets=1, rays=1 << 14)
+    for record, error in ((quiet(arrays, poses), 0.003), (by_rays, 0.006), (by_sheets, 0.006)):
+        assert compare_records(arrays, poses, record, twin).beyond < error
 
 
 @pytest.mark.parametrize("law", [LIGHT, SONAR])

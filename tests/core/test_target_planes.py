@@ -1,4 +1,6 @@
-"""Planes across targets: a beam's sector is kept whole, and few planes find a glint that a hundred alike miss."""
+"""Planes across targets and of the sonar's image: sectors are kept whole, and few planes find a glint."""
+
+from __future__ import annotations
 
 import math
 import warnings
@@ -8,6 +10,7 @@ import pytest
 
 from beds import arrays_of, gaussian_pattern, poses_of
 from insonify.errors import PlanWarning
+from insonify.kernels.beam.pattern import is_top_hat, shared_response
 from insonify.packing.packed_scene import Model, pack
 from insonify.planning import plan
 from insonify.planning.probe import trace_model
@@ -15,7 +18,7 @@ from insonify.scene import edit, load_scene
 from insonify.simulation import prepare, simulate
 from insonify.statistics.record_errors import compare_records
 from insonify.tow.poses import make_poses
-from insonify.tracers.azimuth_fan import lay_planes
+from insonify.tracers.azimuth_fan import lay_planes, lay_planes_of_images
 
 MANY = 2048  # planes of a reference
 GLINTS = {
@@ -108,3 +111,44 @@ def test_an_estimated_error_beyond_the_tolerance_is_told():
     with warnings.catch_warnings():
         warnings.simplefilter("error")
         prepare(easy)
+
+
+@pytest.mark.parametrize("planes", [5, 8, 16, 33])
+@pytest.mark.parametrize("beam", [{"kind": "fan", "width": 1.0}, {"kind": "array", "length": 0.3, "two_way": True}])
+def test_the_image_of_a_level_fish_has_the_planes_of_the_fish(planes, beam):
+    scene = edit(load_scene("ghosts"), {"sonar.beam": beam})
+    packed = pack(scene)
+    [(_, fan, image)] = lay_planes_of_images(packed.arrays, make_poses(scene, packed.ground, np.arange(4)), planes)
+    for name in ("azimuth", "s_low", "s_high", "angle", "near_field"):
+        np.testing.assert_array_equal(getattr(image, name)[: fan.azimuth.size], getattr(fan, name))
+    if beam["kind"] == "fan":
+        # From a greater height the same directions lead to places as much farther out, but for the grid of places.
+        heard, near = image.reach[: fan.azimuth.size], fan.reach < 0.5
+        np.testing.assert_allclose(heard[near], fan.reach[near], rtol=0.06)
+    order = np.argsort(image.s_low)
+    np.testing.assert_allclose(image.s_low[order][1:], image.s_high[order][:-1], atol=1e-12)
+    assert image.s_low.min() == pytest.approx(-1.0)
+    assert image.s_high.max() == pytest.approx(1.0)
+
+
+def test_no_pings_have_no_planes():
+    scene = load_scene("ghosts")
+    packed = pack(scene)
+    assert lay_planes_of_images(packed.arrays, make_poses(scene, packed.ground, np.arange(0)), 4) == []
+
+
+@pytest.mark.parametrize(
+    ("level", "tip", "level_other", "tip_other"),
+    [(0.9, 0.0, 0.7, 0.0), (0.3, 0.002, 0.2, -0.003), (0.004, 0.0, 0.003, 0.001), (0.9, 0.02, 0.9, -0.02)],
+)
+def test_azimuths_shared_by_two_directions_of_a_fan(level, tip, level_other, tip_other) -> None:
+    pattern = pack(edit(load_scene("ghosts"), {"track.pings": 1})).arrays.pattern
+    assert is_top_hat(pattern)
+    sines = np.sin((np.arange(1_000_000) + 0.5) / 1_000_000 * math.pi - math.pi / 2.0)
+    covered = (abs(level * sines + tip) <= pattern.extent[0]) & (
+        abs(level_other * sines + tip_other) <= pattern.extent[0]
+    )
+    response = pattern.integral[0, 1] / (2.0 * pattern.extent[0])
+    expected = response * covered.mean() * math.pi
+    found = shared_response(pattern, level, tip, 20.0, level_other, tip_other, 25.0)
+    assert found == pytest.approx(expected, abs=2e-5)

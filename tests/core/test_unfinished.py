@@ -1,7 +1,5 @@
 """Files that a writer did not finish: removed on request, recognised after a kill, kept where they are another's."""
 
-from __future__ import annotations
-
 import errno
 import os
 import signal

@@ -1,7 +1,5 @@
 """Workflows for the day on which the project is public: few rights, actions by commit, and what they run exists."""
 
-from __future__ import annotations
-
 import re
 import shutil
 import subprocess

@@ -1,7 +1,5 @@
 """Long runs: ``python -m fuzz [FIRST:]LAST [FORMAT ...]``, with ``tests`` on the path, prints faults and figures."""
 
-from __future__ import annotations
-
 import sys
 import time
 

@@ -1,7 +1,5 @@
 """Seeded mutations of valid files: of bytes, of numbers in text, and of what containers hold."""
 
-from __future__ import annotations
-
 import io
 import json
 import re

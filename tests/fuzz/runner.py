@@ -1,7 +1,5 @@
 """Starts workers, gives them cases, and stops those that hang."""
 
-from __future__ import annotations
-
 import contextlib
 import json
 import os

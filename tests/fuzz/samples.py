@@ -4,8 +4,6 @@
 who only damages files does not hold them.
 """
 
-from __future__ import annotations
-
 import io
 import sys
 import warnings

@@ -1,7 +1,5 @@
 """Damaged files of every format: the command makes a record of them or refuses them in one sentence."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 
 import pytest

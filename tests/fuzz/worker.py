@@ -1,7 +1,5 @@
 """Runs the command on mutated files, one case a line of standard input; a process of its own, which may die or hang."""
 
-from __future__ import annotations
-
 import contextlib
 import io
 import json

@@ -1,7 +1,5 @@
 """What `other_systems` imitates, as modules of this checkout find it; run by `tests/core/test_other_systems.py`."""
 
-from __future__ import annotations
-
 import os
 import signal
 import sys

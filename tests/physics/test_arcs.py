@@ -1,7 +1,5 @@
 """Rays through layered water against closed forms and printed numbers."""
 
-from __future__ import annotations
-
 import csv
 import math
 from pathlib import Path

@@ -1,7 +1,5 @@
 """Beams against what is printed of them: widths, sidelobes, near field, and what they do to a record."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Rays along arcs over a bed and among targets: closed forms, integrals done by hand, a slow walk in tiny steps."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

@@ -1,7 +1,5 @@
 """The sweep through layered water: closed forms of one gradient, rays by brute force, targets, heave, folds."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

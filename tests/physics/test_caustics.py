@@ -1,7 +1,5 @@
 """Caustics against closed forms: n²-linear water, a gradient below even water, the Airy function."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Caustics at three frequencies: the exact field of n²-linear water, conservation of energy, records against waves."""
 
-from __future__ import annotations
-
 import math
 from functools import partial
 

@@ -1,7 +1,5 @@
 """Speckle that scatterers make by themselves: its mean, its distribution and how far it keeps together."""
 
-from __future__ import annotations
-
 import itertools
 import math
 

@@ -1,7 +1,5 @@
 """Things heard along several bent paths: where their images are, and how loud."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Rays that join two points of layered water: all of them, exactly, the same both ways."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

@@ -1,7 +1,5 @@
 """The sweep over a level bed, against integrals done by hand."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

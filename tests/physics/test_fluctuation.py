@@ -1,7 +1,5 @@
 """Fluctuation from ping to ping: its distribution, its memory, and what it leaves alone."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

@@ -1,7 +1,5 @@
 """One trace, two interpretations: a level patterned bed and dunes of one material."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

@@ -1,7 +1,5 @@
 """What motion does to a record: the first return follows the altitude, yaw drags echoes along the track."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Multipath of round targets against launch angles and azimuths in plain NumPy."""
 
-from __future__ import annotations
-
 import itertools
 import math
 from functools import lru_cache, partial

@@ -1,7 +1,5 @@
 """Levels of noise against hand calculations: energy over density, directivity, spectra of the sea, a wanted ratio."""
 
-from __future__ import annotations
-
 import math
 import warnings
 

@@ -1,7 +1,5 @@
 """Noise, reverberation and crosstalk are waves: they add to the echo before detection, for every speckle."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Echo and shadow of a pipe over a level bed, against their closed forms, wherever it lies."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

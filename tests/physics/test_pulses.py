@@ -1,7 +1,5 @@
 """Pulses: resolution, sidelobes and energy, against closed forms."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

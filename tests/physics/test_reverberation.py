@@ -1,7 +1,5 @@
 """Reverberation, noise and time-varied gain, against the sonar equation."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

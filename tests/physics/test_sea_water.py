@@ -1,7 +1,5 @@
 """Absorption and speed of sound in sea water, against published tables and through to the record."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Rays through water that differs along their way."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

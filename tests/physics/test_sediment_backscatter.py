@@ -1,7 +1,5 @@
 """Backscatter model of sediments against its limits in closed form and published numbers; the laws fitted to it."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

@@ -1,7 +1,5 @@
 """The sonar equation against simulated records and hand calculations; target strengths of the record against theory."""
 
-from __future__ import annotations
-
 import csv
 import math
 

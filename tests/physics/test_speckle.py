@@ -1,7 +1,5 @@
 """Speckle: its distribution, and how far it keeps together, against closed forms."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Surface multipath against the ranges as printed, integrals done by hand and single rays."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

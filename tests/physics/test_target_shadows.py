@@ -1,7 +1,5 @@
 """Shadows of targets as labels: share of the bed's echo that is hidden, against brute force and against records."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

@@ -1,7 +1,5 @@
 """What a record tells of each target, against closed forms: boxes, shadow length, target strength."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Vertical beams by a table and of an array: their patterns, and what they take from a level bed."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Schools and plumes: their energy by the sonar equation, where they lie, and their speckle."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Uses the window at random: ``python -m soak MINUTES SEED``, with ``tests`` on the path and a screen."""
 
-from __future__ import annotations
-
 import os
 import sys
 import tempfile

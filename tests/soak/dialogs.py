@@ -1,7 +1,5 @@
 """Answers to the window's dialogs, drawn at random: whole files, damaged files, files of another kind, none."""
 
-from __future__ import annotations
-
 import subprocess
 import sys
 from pathlib import Path

@@ -1,7 +1,5 @@
 """Mouse and wheel, and choices at random, for the actions."""
 
-from __future__ import annotations
-
 from typing import Any
 
 from PySide6.QtCore import QEvent, QPoint, QPointF, Qt

@@ -1,7 +1,5 @@
 """The window used at random for two minutes: no exception, no message of Qt or OpenGL, no thread left."""
 
-from __future__ import annotations
-
 import subprocess
 import sys
 from pathlib import Path

@@ -1,7 +1,5 @@
 """What goes wrong in a window, and what it takes: faults, gaps of the main thread, memory."""
 
-from __future__ import annotations
-
 import faulthandler
 import os
 import re

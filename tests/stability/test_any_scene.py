@@ -1,7 +1,5 @@
 """Any scene that validates makes a record of finite numbers, none negative; any other says why in one sentence."""
 
-from __future__ import annotations
-
 import re
 import tracemalloc
 from collections.abc import Callable

@@ -1,7 +1,5 @@
 """Every stability case and the scenes named after what breaks: the common method fails, the program's own holds."""
 
-from __future__ import annotations
-
 import math
 import re
 

@@ -1,7 +1,5 @@
 """Where ways to bend rays are known to fail: each test is a trigger and the right behaviour."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

@@ -53,6 +53,15 @@ class Button(NamedTuple):
     menu: str = "View"  # title of its menu: File, Edit, View, Record, Tools or Help
 
 
+class Entry(NamedTuple):
+    """What the command palette finds."""
+
+    kind: str  # such as Scene or Parameter
+    name: str
+    about: str  # its tooltip
+    do: Callable[[], object]
+
+
 @dataclass(frozen=True)
 class Workbench:
     """What the viewer offers to its panels."""
@@ -88,7 +97,7 @@ class Workbench:
     open_scene: Callable[..., bool]
     # Lights the fields at some dotted paths wherever they are shown, and no others.
     light_fields: Callable[[tuple[str, ...]], None]
-    project: Callable[[bool], None]  # switches the view for a projector, full screen and in large type, on or off
+    project: Callable[[bool], None]  # switches the view for a lecture, full screen and in large type, on or off
 
 
 class Panel(Protocol):
@@ -117,6 +126,7 @@ class Panel(Protocol):
     rank: ClassVar[int] = 100
     button: ClassVar[Button | None] = None
     view: Any  # the widget, unless `widget` is overridden
+    strip: Any = None  # QWidget with a few controls in one line, which a lecture shows below the views; None for none
 
     def __init__(self, workbench: Workbench) -> None: ...
 
@@ -124,6 +134,10 @@ class Panel(Protocol):
     def widget(self) -> Any:
         """The QWidget to show; asked for when the window mounts the panel, or first opens it as a window."""
         return self.view
+
+    def entries(self) -> Sequence[Entry]:
+        """List what the command palette finds in the panel."""
+        return ()
 
     @property
     def complete(self) -> bool:
@@ -157,7 +171,7 @@ class Panel(Protocol):
         """Light the fields at these dotted paths, bring the first into view, and light no others."""
 
     def projected(self, large: bool) -> None:
-        """Follow the view for a projector, which shows text large."""
+        """Follow the view for a lecture, which shows text large."""
 
     def opened(self, shown: bool) -> None:
         """Follow the opening and closing of the panel."""

@@ -14,13 +14,13 @@ from insonify_viewer.widgets.theme import ACCENT, EDGE, MARK, QUIET, RAISED
 
 LEAST, GAP = 84, 22  # px, height of the trace, and its distance from the ruler above it
 CAPTION, WIDE = 16, 150  # px, of the words that are clicked to show or hide it
-ROOMY = 340  # px, height of the view from which there is room for a trace
+LOW, ROOMY = 340, 520  # px, heights of a view from which a trace can be drawn, and from which it is unless asked for
 FLOOR, STEP = -30.0, 10.0  # dB re level bed: lowest of the scale, and its lines
 
 
 def room_for_trace(height: int) -> int:
     """Height in px to keep free for the trace in a view; 0 where it is too low."""
-    return LEAST + GAP if height >= ROOMY else 0
+    return LEAST + GAP if height >= LOW else 0
 
 
 def draw_trace(painter: QPainter, area: QRect, loudest: NDArray[np.float32], title: str, at: float | None) -> None:

@@ -14,7 +14,7 @@ from PySide6.QtWidgets import QWidget
 from insonify.display.display_options import DisplayOptions, Levels
 from insonify_viewer.errors import guard_override
 from insonify_viewer.record import record_overlays as overlays
-from insonify_viewer.record.echo_trace import CAPTION, GAP, WIDE, draw_caption, draw_trace, room_for_trace
+from insonify_viewer.record.echo_trace import CAPTION, GAP, ROOMY, WIDE, draw_caption, draw_trace, room_for_trace
 from insonify_viewer.record.projection import (
     Zoom,
     choose_axis,
@@ -45,6 +45,7 @@ class RecordCanvas(QWidget):
     """Draws a `Record`; a row is coloured once, when it arrives."""
 
     moved = Signal(int)  # newest ping on screen
+    zoomed = Signal(object)  # the `Zoom` that is shown now
     recoloured = Signal()  # the colours of amplitudes have changed
 
     def __init__(self, *, native: bool = False, parent: QWidget | None = None) -> None:
@@ -62,10 +63,10 @@ class RecordCanvas(QWidget):
         self.levels: Levels = (0.0, 1.0)
         self._look, self._zoom = DisplayOptions(), Zoom()
         self._marks = RecordMarks()
-        self._traced = True  # whether the echo of one ping is drawn below
+        self._traced: bool | None = None  # whether the echo of one ping is drawn below; None: where the view is high
         self.waiting: Waiting | None = None  # what the bar over the record says
         self._preview = False  # whether rows are interpolated between traced pings
-        self._enlarged = 1.0  # factor on the size of the font
+        self._points = self.font().pointSizeF()  # usual size of the text
         self._text = text_scale(self)  # factor on the margins that hold the text
         self._handle = ScrubHandle()
         self._fit()
@@ -148,6 +149,7 @@ class RecordCanvas(QWidget):
         if zoom != self._zoom:
             self._zoom = zoom
             self._fit()
+            self.zoomed.emit(zoom)
 
     def show_marks(self, **changes: Any) -> None:
         """Change some of the `RecordMarks`, and draw the record anew unless they are as before."""
@@ -158,7 +160,7 @@ class RecordCanvas(QWidget):
 
     def toggle_trace(self) -> None:
         """Show the echo of one ping under the record, or give its room to the record."""
-        self._traced = not self._traced
+        self._traced = not self._shows_trace
         self._fit()
 
     def show_waiting(self, waiting: Waiting | None, oldest: int) -> None:
@@ -198,14 +200,18 @@ class RecordCanvas(QWidget):
         u, v = self.projection.place_of(mark)
         return QPoint(plot.left() + int(u * plot.width()), plot.top() + int(v * plot.height()))
 
+    @property
+    def _shows_trace(self) -> bool:
+        return self.height() >= ROOMY if self._traced is None else self._traced
+
     def _room(self) -> QRect:
         left, top, right, bottom = map(self._scaled, (LEFT, TOP, RIGHT, BOTTOM))
-        below = bottom + (room_for_trace(self.height()) if self._traced else 0)
+        below = bottom + (room_for_trace(self.height()) if self._shows_trace else 0)
         return self.rect().adjusted(left, top, -right, -below)
 
     def trace_area(self) -> QRect | None:
         """Place of the echo trace, from below the rulers to the end of the view; None where there is none."""
-        if not self._traced or not room_for_trace(self.height()):
+        if not self._shows_trace or not room_for_trace(self.height()):
             return None
         plot = self.plot_area
         top = plot.bottom() + self._scaled(BOTTOM) + GAP
@@ -221,10 +227,9 @@ class RecordCanvas(QWidget):
 
     def enlarge_text(self, factor: float) -> None:
         """Draw the text of the rulers by a factor larger than usual."""
-        font = self.font()
-        font.setPointSizeF(font.pointSizeF() * factor / self._enlarged)
-        self.setFont(font)
-        self._enlarged = factor
+        points = factor * self._points
+        self.setStyleSheet(f"font-size: {points:g}pt" if factor != 1.0 else "")  # another theme would reset a font
+        self.ensurePolished()
         self._text = text_scale(self)
         self._fit()
 

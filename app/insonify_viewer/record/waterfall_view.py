@@ -5,7 +5,16 @@ from __future__ import annotations
 from collections.abc import Callable
 
 from PySide6.QtCore import QEvent, QPoint, QRect, Qt, Signal
-from PySide6.QtGui import QColor, QFocusEvent, QKeyEvent, QMouseEvent, QPainter, QPaintEvent, QWheelEvent
+from PySide6.QtGui import (
+    QColor,
+    QContextMenuEvent,
+    QFocusEvent,
+    QKeyEvent,
+    QMouseEvent,
+    QPainter,
+    QPaintEvent,
+    QWheelEvent,
+)
 from PySide6.QtWidgets import QWidget
 
 from insonify.display.display_options import DisplayOptions
@@ -41,6 +50,7 @@ class WaterfallView(RecordCanvas):
     scrolled = Signal(int)  # pings further back
     scrubbed = Signal(int)  # ping to put on top
     clicked = Signal(object)  # Mark
+    menu_wanted = Signal(object, QPoint)  # Mark or None, and a place of the screen
     measured = Signal(object, object)  # Marks of both ends of a line
 
     def __init__(self, *, native: bool = False, parent: QWidget | None = None) -> None:
@@ -133,6 +143,12 @@ class WaterfallView(RecordCanvas):
         self.setToolTip("Drag to any ping of the tow" if on_rail else gripped)
         self._cursor.put(place)
         self.hovered.emit(self.mark_at(place))
+
+    def contextMenuEvent(self, event: QContextMenuEvent) -> None:
+        """Signal where a menu is wanted: under the mouse, or at the cursor by the key for it."""
+        by_key = event.reason() is QContextMenuEvent.Reason.Keyboard
+        place = self._cursor.place if by_key else event.pos()
+        self.menu_wanted.emit(self.mark_at(place), self.mapToGlobal(place))
 
     def show_title(self, title: str) -> None:
         """Write a title above the record; an empty one is none."""

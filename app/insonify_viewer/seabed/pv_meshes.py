@@ -207,11 +207,9 @@ def scan_line(ground: AnyGround, arrays: SceneArrays, pose: Poses) -> ScanLine:
 
 
 def _ahead(distance: NDArray[np.float64], height: float, pitch: float, squint: float) -> NDArray[np.float64]:
-    """Distance ahead of the fish at which its beam meets a level bed, given the distance athwart.
-
-    With x ahead, the bow's direction (cos p, sin p) and d the distance athwart, the cone is
-    x cos p − h sin p = s √(x² + d²); of the two roots of its square the one on the side of s.
-    """
+    """Distance ahead of the fish at which its beam meets a level bed, given the distance athwart."""
+    # With x ahead, the bow's direction (cos p, sin p) and d the distance athwart, the cone is x cos p − h sin p = s
+    # √(x² + d²); of the two roots of its square the one on the side of s.
     cos, lean = math.cos(pitch), height * math.sin(pitch)
     square = cos**2 - squint**2
     return np.asarray((cos * lean + squint * np.sqrt(lean**2 + square * distance**2)) / square)

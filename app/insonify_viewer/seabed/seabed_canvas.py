@@ -1,7 +1,5 @@
 """Canvas of the three-dimensional view: an OpenGL widget or a picture in memory, and its keys."""
 
-from __future__ import annotations
-
 import time
 from collections.abc import Callable
 from typing import Any

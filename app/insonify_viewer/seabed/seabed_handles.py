@@ -1,7 +1,5 @@
 """Handles of targets in the three-dimensional view: the mouse drags them before it turns the view."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Sequence
 from typing import Any
 

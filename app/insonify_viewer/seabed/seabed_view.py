@@ -1,7 +1,5 @@
 """Three-dimensional view of bed, targets, towfish, scan line and the sound of a pixel."""
 
-from __future__ import annotations
-
 import math
 import time
 from collections.abc import Callable, Sequence

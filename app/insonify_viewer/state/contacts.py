@@ -1,7 +1,5 @@
 """Contacts: marked points of a record with a name, and the files that hold them."""
 
-from __future__ import annotations
-
 import base64
 import csv
 import io
@@ -58,11 +56,9 @@ def describe_contacts(number: int) -> str:
 
 
 def write_contacts(path: Path, contacts: Iterable[Contact]) -> None:
-    """Write contacts by the suffix of a file.
-
-    GeoJSON follows RFC 7946: geometries hold longitude and latitude, and are null where these are not known. All fields
-    are properties, the snapshot as base64.
-    """
+    """Write contacts by the suffix of a file."""
+    # GeoJSON follows RFC 7946: geometries hold longitude and latitude, and are null where these are not known. All
+    # fields are properties, the snapshot as base64.
     if path.suffix.lower() == CSV:
         text = _as_csv(contacts)
     else:

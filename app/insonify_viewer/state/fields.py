@@ -1,7 +1,5 @@
 """Descriptions and names of editable fields: a number on a slider, a choice among names, a file."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any

@@ -1,7 +1,5 @@
 """What the person inspects: a pinned pixel of the record, a picked place of the scene, and what is drawn of both."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Numbers as text with units, and as positions of sliders."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Sequence
 

@@ -1,7 +1,5 @@
 """Session: the scene, its modelling, contacts, their history, and the marked point; without widgets."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import replace
 from pathlib import Path
@@ -56,10 +54,8 @@ class Session:
         return self._history.present.display
 
     def show(self, name: str = "", **options: Any) -> None:
-        """Change some of the display options, by a step of undo that takes up further changes of the same.
-
-        While edits of the scene or of contacts can be redone, it is no step of its own: they stay.
-        """
+        """Change some of the display options, by a step of undo that takes up further changes of the same."""
+        # While edits of the scene or of contacts can be redone, it is no step of its own: they stay.
         display = self.display._replace(**options)
         if display != self.display:
             self._history.show(display, name or name_display(self.display, display))
@@ -117,6 +113,10 @@ class Session:
     def unsaved(self) -> bool:
         """Whether the scene differs from every one that was opened or saved, as it is in its file now."""
         return self.scene not in self._saved.values()
+
+    def count_as_saved(self, name: str, scene: Scene) -> None:
+        """Count a scene as saved that is kept elsewhere than in a file of its own."""
+        self._saved[name] = scene
 
     def mark_saved(self, file: str) -> None:
         """Note that the scene is in a file as it is."""

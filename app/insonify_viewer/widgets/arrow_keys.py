@@ -1,7 +1,5 @@
 """Steps of arrow keys, the same in every view."""
 
-from __future__ import annotations
-
 from PySide6.QtCore import Qt
 from PySide6.QtGui import QKeyEvent
 

@@ -1,7 +1,5 @@
 """Makers of push buttons, labels and actions, and icons in the colours of the theme."""
 
-from __future__ import annotations
-
 from functools import cache
 
 from PySide6.QtCore import QByteArray, QRectF, Qt

@@ -1,7 +1,5 @@
 """Rows of widgets for one field each: a slider with a number, a combo box, or a file button."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any

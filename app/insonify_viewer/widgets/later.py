@@ -1,7 +1,5 @@
 """Timer that calls a function once, a moment after it was asked for."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 
 from PySide6.QtCore import QObject, QTimer

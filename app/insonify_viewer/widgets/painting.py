@@ -1,7 +1,5 @@
 """Widgets that keep their picture, colour tables, polylines, marks and round values for rulers."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Iterable
 from typing import Any
@@ -91,11 +89,9 @@ def column_means(amplitude: NDArray[np.float32], width: int) -> NDArray[np.float
 
 
 def compress_highlights(tone: NDArray[np.float32]) -> NDArray[np.float32]:
-    """Tones of amplitudes between the two levels (0 and 1) and beyond, from 0 to 1.
-
-    Up to `KNEE` they stay as they are. Beyond, they grow with the logarithm up to `HEADROOM` times the upper level, so
-    that a target far above the bed keeps its highlights apart.
-    """
+    """Tones of amplitudes between the two levels (0 and 1) and beyond, from 0 to 1."""
+    # Up to `KNEE` they stay as they are. Beyond, they grow with the logarithm up to `HEADROOM` times the upper level,
+    # so that a target far above the bed keeps its highlights apart.
     above = np.maximum((tone - np.float32(KNEE)) / np.float32(1.0 - KNEE), 0.0)
     most = math.log1p((HEADROOM - KNEE) / (1.0 - KNEE))
     curved = KNEE + (1.0 - KNEE) * np.log1p(above) / most

@@ -1,7 +1,5 @@
 """Questions before files are written, and the picture of a window."""
 
-from __future__ import annotations
-
 import errno
 from collections.abc import Sequence
 from enum import Enum

@@ -1,7 +1,5 @@
 """Column of widgets at a side of the window that scrolls down, and boxes in it that fold."""
 
-from __future__ import annotations
-
 from typing import ClassVar
 
 from PySide6.QtCore import Qt

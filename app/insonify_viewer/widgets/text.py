@@ -1,7 +1,5 @@
 """Text of files in widgets that obey some characters: HTML in labels, tips and questions, & and tabs in menus."""
 
-from __future__ import annotations
-
 import html
 
 from insonify.errors import plain_text

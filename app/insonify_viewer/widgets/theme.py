@@ -1,7 +1,5 @@
 """Colours and style sheet of the window, dark or light, and the scale of its text."""
 
-from __future__ import annotations
-
 from enum import Enum
 
 from PySide6.QtCore import Qt
@@ -10,6 +8,7 @@ from PySide6.QtWidgets import QApplication, QWidget
 
 from insonify.files import resources
 
+LARGE = 1.6  # size of the text in a lecture over the usual one
 USUAL_LINE = 14  # px, height of a line of text for which lengths in pixels are given
 
 
@@ -60,6 +59,8 @@ QToolButton#remove, QToolButton#reset, QToolButton#copy, QToolButton#lock {{ bac
     border-radius: 4px; color: {QUIET}; padding: 0; }}
 QToolButton#remove:hover, QToolButton#reset:hover, QToolButton#copy:hover, QToolButton#lock:hover {{ background: {EDGE};
     color: {ACCENT}; }}
+QToolButton#link {{ background: {RAISED}; border: 0; border-radius: 4px; padding: 2px; }}
+QToolButton#link:checked {{ background: {ACCENT}; }}
 QToolButton#more {{ background: transparent; border: 0; color: {QUIET}; padding: 1px 2px; }}
 QToolButton#more:hover {{ color: {ACCENT}; }}
 QCheckBox::indicator {{ width: 0.92em; height: 0.92em; border: 1px solid {QUIET}; border-radius: 3px;
@@ -189,6 +190,11 @@ def _palette() -> QPalette:
 def text_scale(widget: QWidget) -> float:
     """Height of a line of a widget's text over the usual one."""
     return widget.fontMetrics().height() / USUAL_LINE
+
+
+def lecture_scale(widget: QWidget) -> float:
+    """Factor by which a lecture enlarges a widget's text; text that is large already stays as it is."""
+    return max(LARGE / text_scale(widget), 1.0)
 
 
 def scaled(widget: QWidget, pixels: int) -> int:

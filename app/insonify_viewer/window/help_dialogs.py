@@ -39,6 +39,7 @@ OTHER_KEYS: tuple[tuple[str, tuple[tuple[str, str], ...]], ...] = (
         "Record, with the mouse",
         (
             ("explain a pixel, or release it", "click"),
+            ("all that can be done with a pixel and its record", "right click"),
             ("look back along a paused record", "wheel"),
             ("zoom about the mouse", "Ctrl+wheel"),
             ("move a zoomed record across", "Shift+wheel"),
@@ -78,6 +79,10 @@ OTHER_KEYS: tuple[tuple[str, tuple[tuple[str, str], ...]], ...] = (
     ("Chart", (("choose the point before or after", "← →"),)),
     ("Contrast", (("move the upper end", "← →"), ("move the lower end", "Shift+← →"))),
     ("Lessons", (("go to the step before", "PgUp"), ("go to the next step", "PgDown"))),
+    (
+        "Lecture",
+        (("show a preset", "1 2 3 4 5 6 7 8 9"), ("make the screen black, or show it", "."), ("leave it", "Esc")),
+    ),
     ("Jobs", (("go from job to job", "↓ ↑"), ("stop the job that has the keyboard", "Delete"))),
     ("Tour", (("leave it", "Esc"),)),
 )
@@ -96,7 +101,7 @@ class KeysDialog(QDialog):
         self.list.setAccessibleName("Keyboard shortcuts")
         self.list.setHeaderLabels(["command", "key"])
         for menu in menus:
-            self._add(menu.title().replace("&", ""), [(a.text(), a.shortcut()) for a in _commands(menu)])
+            self._add(menu.title().replace("&", ""), [(a.text(), a.shortcut()) for a in commands_of(menu)])
         for title, keys in others:
             self._add(title, list(keys))
         self.list.expandAll()
@@ -157,10 +162,10 @@ def _closing(dialog: QDialog) -> QDialogButtonBox:
     return buttons
 
 
-def _commands(menu: QMenu) -> list[QAction]:
+def commands_of(menu: QMenu) -> list[QAction]:
     """Commands of a menu and of the menus in it."""
     found: list[QAction] = []
     for action in menu.actions():
         inner = action.menu()
-        found += _commands(inner) if isinstance(inner, QMenu) else [action]
+        found += commands_of(inner) if isinstance(inner, QMenu) else [action]
     return found

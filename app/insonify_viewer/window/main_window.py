@@ -15,6 +15,7 @@ from PySide6.QtWidgets import (
     QMainWindow,
     QMenu,
     QSplitter,
+    QStyle,
     QToolBar,
     QToolButton,
     QWidget,
@@ -30,8 +31,10 @@ from insonify_viewer.record.waterfall_view import WaterfallView
 from insonify_viewer.state.tow_clock import SPEEDS
 from insonify_viewer.widgets.buttons import make_action, set_icon, with_key
 from insonify_viewer.widgets.text import window_title
-from insonify_viewer.widgets.theme import scaled
+from insonify_viewer.widgets.theme import lecture_scale, scaled
+from insonify_viewer.window.command_palette import CommandPalette, entries_of_menus, entries_of_scenes
 from insonify_viewer.window.help_dialogs import OTHER_KEYS, AboutDialog, KeysDialog
+from insonify_viewer.window.lecture import Lecture
 from insonify_viewer.window.menus import (
     GainSlider,
     HistoryMenus,
@@ -49,10 +52,11 @@ from insonify_viewer.window.status_line import JobBar, StatusLine
 from insonify_viewer.window.target_placement import target_menu
 from insonify_viewer.window.tour import Tour, tour_steps
 
-USUAL, ROOMY = (1480, 900), 0.7  # px, and share of a large screen, that the window takes at the first start
+# px at the usual size of the text, and share of a large screen, that the window takes at the first start.
+USUAL, ROOMY = (1480, 900), 0.7
+VIEWS = 400, 600  # shares of the 3-D view and the record
 SMALLEST = (760, 420)  # px, which fits half of a screen of 1600 × 900 at twice the scale
 GAIN_REACH = 30  # dB either way
-LARGE = 1.6  # factor on the text of the record for a projector
 
 
 class MainWindow(QMainWindow):
@@ -69,8 +73,11 @@ class MainWindow(QMainWindow):
     def __init__(self, *, native: bool, palettes: tuple[str, ...]) -> None:
         super().__init__()
         self.setWindowTitle("insonify")
-        screen = self.screen().availableSize()
-        self.resize(QSize(*USUAL).expandedTo(screen * ROOMY).boundedTo(screen))
+        screen = self.screen().availableSize() - QSize(
+            0, self.style().pixelMetric(QStyle.PixelMetric.PM_TitleBarHeight)
+        )
+        usual = QSize(*(scaled(self, pixels) for pixels in USUAL))
+        self.resize(usual.expandedTo(screen * ROOMY).boundedTo(screen))
         self.setMinimumSize(*SMALLEST)
         self.waterfall = WaterfallView(native=native)
         self.trace = make_action(self, "Echo", "Show the echo of one ping as a curve below the record", "E")
@@ -80,7 +87,7 @@ class MainWindow(QMainWindow):
         self._splitter = QSplitter(Qt.Orientation.Horizontal)
         self._splitter.addWidget(self._placeholder)
         self._splitter.addWidget(self.waterfall)
-        self._splitter.setSizes([500, 500])
+        self._splitter.setSizes([*VIEWS])
         self._splitter.setChildrenCollapsible(False)
         self.record_a = RecordAView(native=native)
         self.records = RecordsSideBySide(self._splitter, self.waterfall, self.record_a)
@@ -96,6 +103,8 @@ class MainWindow(QMainWindow):
         self.settings = Settings()
         self._add_tools(palettes)
         self.menus = Menus(self)
+        self.lecture = Lecture(self, self._docks, self._splitter)
+        self.lecture.begun.connect(self._enlarge_records)
         self.recent = RecentMenu(self, self.settings)
         sliders = partial(self.panel_widget, "parameters")
         parts = lambda: self.scenes, sliders, lambda: self.waterfall, lambda: self.seabed, self.menuBar
@@ -117,6 +126,7 @@ class MainWindow(QMainWindow):
                 self.statusBar().addPermanentWidget(panel.widget)
             if panel.button is not None:
                 self._add_button(panel)
+        self.lecture.mount([panel.strip for panel in panels if panel.strip is not None])
 
     def fit_screen(self) -> None:
         """Shrink and move the window, with its frame, into the room that its screen leaves to windows."""
@@ -138,6 +148,15 @@ class MainWindow(QMainWindow):
             self._buttons[name].setChecked(True)
         if name in self._docks:
             self._docks.bring_forward(name)
+
+    def open_palette(self) -> CommandPalette:
+        """Open the list of all commands, scenes, lessons and parameters."""
+        entries = entries_of_menus(self.menus.all) + entries_of_scenes(self.scenes.wanted.emit)
+        palette = CommandPalette(
+            self, [*entries, *(entry for panel in self._panels.values() for entry in panel.entries())]
+        )
+        palette.show()
+        return palette
 
     @property
     def seabed(self) -> QWidget | None:
@@ -193,6 +212,7 @@ class MainWindow(QMainWindow):
             event.ignore()
             return
         self._closed = True
+        self.lecture.action.setChecked(False)
         self.status.stop()
         self.hide()
         self.closing.emit()
@@ -284,9 +304,6 @@ class MainWindow(QMainWindow):
         self.palettes = make_combo([(name, name) for name in palettes], "Palette of the record")
         tip = "Reset view: put the camera behind and above the fish again"
         self.reset_view = self._tool(bar, "Reset view", tip, "Home")
-        self.projector = make_action(self, "Projector", "Full screen, in large type", "F11")
-        self.projector.setCheckable(True)
-        self.projector.toggled.connect(self._project)
         self._bar, self._after_buttons = bar, bar.addWidget(self.palettes)
         self._add_gain(bar)
 
@@ -306,14 +323,10 @@ class MainWindow(QMainWindow):
         self.targets.setMenu(menu)
         bar.addWidget(self.targets)
 
-    def _project(self, large: bool) -> None:
-        """Fill the screen, with large type at a wide record, or return to the window."""
-        self.waterfall.enlarge_text(LARGE if large else 1.0)
-        self._splitter.setSizes([300, 700, 700] if large else [500, 500, 500])
-        if large:
-            self.showFullScreen()
-        else:
-            self.showNormal()
+    def _enlarge_records(self, large: bool) -> None:
+        """Draw the rulers of both records in large type, or as usual."""
+        for record in (self.waterfall, self.record_a):
+            record.enlarge_text(lecture_scale(self) if large else 1.0)
 
     def _add_gain(self, bar: QToolBar) -> None:
         self.gain = GainSlider()
@@ -359,9 +372,13 @@ class MainWindow(QMainWindow):
         menus.group("Record", [self.pause, self.levels, self.trace])
         menus.group("Record", self.comparison.actions)
         menus.group("Tools", [self.save.jobs])
-        menus.group("View", [self.projector, self.reset_view])
+        menus.group("View", [self.lecture.action])
+        self.lecture.fill(menus.view)
+        menus.group("View", [self.reset_view])
         self.looks = LooksMenu(self, menus.view, self.settings, self.say)
         menus.view.addSeparator()
+        tip = "Find a command, scene, lesson or parameter by some letters of its name"
+        menus.add("Help", "Find…", tip, "Ctrl+Shift+P").triggered.connect(self.open_palette)
         keys = menus.add("Help", "Keyboard shortcuts", "Every command that has a key", "?")
         keys.triggered.connect(lambda: KeysDialog(self, menus.all, OTHER_KEYS).show())
         menus.add("Help", "Tour", "See the window in five steps").triggered.connect(self.tour.begin)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from itertools import pairwise
 
 from PySide6.QtCore import QEvent, QObject, Qt
@@ -14,8 +14,9 @@ from insonify_viewer.widgets.theme import scaled
 
 HANDLES = 24  # px, of the lines between the parts
 STACKED = 220  # px at the usual size of the text, least height of one of two panels that stand one below the other
+UPPER_AND_LOWER = 100, 150  # shares of their height
 LEAST = 0.45  # of the window, that the 3-D view and the record keep beside the panels
-SIDE = 332  # px at the usual size of the text, width of the panels at the side
+SIDE, NARROW = 332, 320  # px at the usual size of the text, usual and least width of the panels at the side
 BELOW = 0.32  # of the height of the window, of the panels below when one is first opened
 
 AREAS = {
@@ -28,8 +29,9 @@ AREAS = {
 class PanelRoom(QObject):
     """Keeps room for the 3-D view and the record beside the panels.
 
-    A panel at the left side stands below those at the right one, and panels below are lower, where the two views would
-    have less than `LEAST` of the window. The 3-D view is left out where panels and record need its room even so.
+    Where the two views would have less than `LEAST` of the window, a panel of the left side stands below those at the
+    right one, and panels below and at the right are smaller. The 3-D view is left out where panels and record need its
+    room even so.
     """
 
     def __init__(self, window: QMainWindow, splitter: QSplitter) -> None:
@@ -37,6 +39,7 @@ class PanelRoom(QObject):
         self._window, self._splitter = window, splitter
         self._homes: dict[QDockWidget, Place] = {}
         self._making = False
+        self.resting = False  # whether the panels stay as they are
         window.installEventFilter(self)
 
     def watch(self, dock: QDockWidget, place: Place) -> None:
@@ -44,12 +47,16 @@ class PanelRoom(QObject):
         self._homes[dock] = place
         dock.installEventFilter(self)
 
+    def home_of(self, dock: QDockWidget) -> Place:
+        """Place of a panel's dock where there is room."""
+        return self._homes[dock]
+
     def make(self) -> None:
         """Place the panels anew, and show the 3-D view where there is room for it."""
-        if not self._making:
+        if not self._making and not self.resting:
             self._making = True
             self._stack()
-            self._lower()
+            self._shrink()
             self._show_solid()
             self._making = False
 
@@ -65,7 +72,7 @@ class PanelRoom(QObject):
     def _room_for_views(self) -> int:
         """Height of the window without its bars."""
         window = self._window
-        bars = window.menuBar(), window.statusBar(), *window.findChildren(QToolBar)
+        bars = window.menuBar(), window.statusBar(), *(b for b in window.findChildren(QToolBar) if not b.isHidden())
         return window.height() - sum(bar.sizeHint().height() for bar in bars)
 
     def _stack(self) -> None:
@@ -80,16 +87,21 @@ class PanelRoom(QObject):
             if self._window.dockWidgetArea(dock) is not area:
                 self._window.addDockWidget(area, dock, upright)
                 if stacked:
-                    self._window.resizeDocks([*self._open(Place.SIDE)[:1], dock], [100, 100], upright)
+                    self._window.resizeDocks([*self._open(Place.SIDE)[:1], dock], [*UPPER_AND_LOWER], upright)
 
-    def _lower(self) -> None:
-        """Make the panels below as low as the views need."""
-        lefts = self._open(Place.LEFT)
-        beside = [dock for dock in lefts if self._window.dockWidgetArea(dock) is AREAS[Place.LEFT]]
+    def _shrink(self) -> None:
+        """Make the panels below as low, and those at the right side as narrow, as the views need."""
+        lefts, window = self._open(Place.LEFT), self._window
+        beside = [dock for dock in lefts if window.dockWidgetArea(dock) is AREAS[Place.LEFT]]
         wide = max((dock.sizeHint().width() for dock in beside), default=0)
-        most = self._room_for_views() - self._height_beside(wide)
+        room = self._room_for_views()
+        most = max(room - self._height_beside(wide), 1)
         docks = [dock for dock in self._open(Place.BELOW) if dock.height() > max(most, dock.minimumSizeHint().height())]
-        self._window.resizeDocks(docks, [max(most, 1)] * len(docks), Qt.Orientation.Vertical)
+        window.resizeDocks(docks, [most] * len(docks), Qt.Orientation.Vertical)
+        needed = round(LEAST * window.width() * window.height() / max(room, 1))
+        most = max(window.width() - wide - needed - HANDLES, scaled(window, NARROW))
+        docks = [dock for dock in self._open(Place.SIDE) if dock.width() > most]
+        window.resizeDocks(docks, [most] * len(docks), Qt.Orientation.Horizontal)
 
     def _show_solid(self) -> None:
         """Show the 3-D view, unless the window is too narrow for it beside the panels and the record."""
@@ -185,6 +197,33 @@ class PanelDocks:
         else:
             self._docks[panel.name].hide()
         panel.opened(shown)
+
+    def stow(self, height: int) -> Callable[[], None]:
+        """Hide all panels but those of the left side, which stand below, with a height; return what restores them."""
+        window, shown = self._window, [dock for dock in self._docks.values() if not dock.isHidden()]
+        front = [dock for dock in shown if not dock.visibleRegion().isEmpty()]
+        widths = [dock.width() for dock in front]
+        self._room.resting = True
+        for dock in shown:
+            if self._room.home_of(dock) is Place.LEFT:
+                window.addDockWidget(AREAS[Place.BELOW], dock)
+                window.resizeDocks([dock], [height], Qt.Orientation.Vertical)
+            else:
+                dock.hide()
+
+        def restore() -> None:
+            for name, dock in self._docks.items():
+                if dock in shown and dock.isHidden():
+                    self.bring_forward(name)
+                elif dock not in shown:
+                    dock.hide()
+            for dock in front:
+                dock.raise_()
+            self._room.resting = False
+            self._room.make()
+            window.resizeDocks(front, widths, Qt.Orientation.Horizontal)
+
+        return restore
 
     def _dock(self, panel: Panel, area: Qt.DockWidgetArea) -> QDockWidget:
         """Put a panel at a side, without a title bar."""

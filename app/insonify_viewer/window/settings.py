@@ -68,6 +68,15 @@ class Settings:
         self._store.setValue("toured", toured)
 
     @property
+    def presets(self) -> str:
+        """File of the presets that were opened or saved last; empty without one."""
+        return str(self._store.value("presets", ""))
+
+    @presets.setter
+    def presets(self, file: str) -> None:
+        self._store.setValue("presets", file)
+
+    @property
     def display(self) -> dict[str, Any]:
         """Display options of the record that differ from the usual ones, of those that are `KEPT`."""
         kept = self._store.value("display")

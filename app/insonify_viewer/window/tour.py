@@ -105,7 +105,7 @@ class TourCard(QFrame):
         super().__init__(window)
         self.setObjectName("tour")
         self.setFixedWidth(WIDTH)
-        _lay_over_native_views(self)
+        lay_over_native_views(self)
         self.title, self.words = QLabel(), QLabel()
         self.title.setObjectName("choice")
         self.words.setWordWrap(True)
@@ -139,7 +139,7 @@ class _Outline(QFrame):
     def __init__(self, window: QWidget) -> None:
         super().__init__(window)
         self.setStyleSheet(f"background: {ACCENT.name()}")
-        _lay_over_native_views(self)
+        lay_over_native_views(self)
 
     def show_about(self, part: QRect) -> None:
         """Frame a rectangle of the window."""
@@ -149,7 +149,7 @@ class _Outline(QFrame):
         self.raise_()
 
 
-def _lay_over_native_views(widget: QWidget) -> None:
+def lay_over_native_views(widget: QWidget) -> None:
     """Give a widget a native window: the record and the 3-D view have one, and hide widgets that have none."""
     widget.setAttribute(Qt.WidgetAttribute.WA_DontCreateNativeAncestors)
     widget.setAttribute(Qt.WidgetAttribute.WA_NativeWindow)

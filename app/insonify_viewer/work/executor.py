@@ -1,7 +1,5 @@
 """Work beside the window: threads by key on which the newest work wins, and long tasks with progress."""
 
-from __future__ import annotations
-
 import math
 import threading
 import time
@@ -42,11 +40,9 @@ class Executor(QObject):
         self._posted.connect(self._call, Qt.ConnectionType.QueuedConnection)
 
     def submit(self, key: str, work: Work, receive: Receive) -> None:
-        """Run work on the thread of a key and pass its result to the main thread, or None where it raises.
-
-        A `SceneError` is dropped, because the simulator reports it too; any other exception is reported, a repeated
-        one once.
-        """
+        """Run work on the thread of a key and pass its result to the main thread, or None where it raises."""
+        # A `SceneError` is dropped, because the simulator reports it too; any other exception is reported, a repeated
+        # one once.
         if key not in self._lanes:
             self._lanes[key], self._faults[key] = Lane(key, self.call_later), FaultReport()
         self._lanes[key].put(key, lambda: _outcome(work), lambda outcome: self._take(key, receive, *outcome))

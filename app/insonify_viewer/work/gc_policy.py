@@ -27,10 +27,8 @@ _left_out = threading.Event()  # libraries, since collection by hand began; to c
 
 @contextmanager
 def collected_by_hand() -> Iterator[GcPolicy]:
-    """Turn automatic collection off until the block ends, and collect everything then.
-
-    Objects that exist before are frozen meanwhile: they are mostly those of libraries, which take long to traverse.
-    """
+    """Turn automatic collection off until the block ends, and collect everything then."""
+    # Objects that exist before are frozen meanwhile: they are mostly those of libraries, which take long to traverse.
     gc.disable()
     gc.freeze()
     _left_out.clear()
@@ -45,21 +43,17 @@ def collected_by_hand() -> Iterator[GcPolicy]:
 
 
 def leave_out_libraries() -> None:
-    """Leave everything that exists out of later collections; to be called once libraries are loaded.
-
-    Their objects are most of all that there are: a collection that goes through them holds the main thread for 75 ms
-    instead of 10.
-    """
+    """Leave everything that exists out of later collections; to be called once libraries are loaded."""
+    # Their objects are most of all that there are: a collection that goes through them holds the main thread for 75 ms
+    # instead of 10.
     gc.freeze()
     _left_out.set()
 
 
 def limit_free_memory() -> None:
-    """Let the C library keep little of the memory that is freed.
-
-    By default it keeps a store of freed memory for up to eight threads a core, and from the first large array that is
-    freed on it takes arrays of up to 32 MB from these stores, which break up: half a gigabyte after some minutes.
-    """
+    """Let the C library keep little of the memory that is freed."""
+    # By default it keeps a store of freed memory for up to eight threads a core, and from the first large array that is
+    # freed on it takes arrays of up to 32 MB from these stores, which break up: half a gigabyte after some minutes.
     try:
         adjust = ctypes.CDLL(None).mallopt
     except (AttributeError, OSError, TypeError):  # another C library

@@ -1,7 +1,5 @@
 """Jobs: commands and other long work beside the window, with progress, the time left, and a stop."""
 
-from __future__ import annotations
-
 import json
 import os
 import subprocess

@@ -89,10 +89,8 @@ class Simulator:
         return SimulatedScene(simulation, LevelBed(simulation))
 
     def send(self, work: Work, receive: Receive) -> None:
-        """Run work on the simulator's thread, before any request, and pass its result to the main thread.
-
-        An exception is passed on as a `SceneError`.
-        """
+        """Run work on the simulator's thread, before any request, and pass its result to the main thread."""
+        # An exception is passed on as a `SceneError`.
         self._lane.put(object(), lambda: result_of(work), receive, rank=0)
 
     def send_patiently(self, key: str, work: Work, receive: Receive) -> None:
@@ -306,11 +304,9 @@ def result_of(work: Work) -> Any:
 
 
 def thin_new_ground(scene: Scene, known: Scene | None) -> Scene:
-    """Scene on fewer nodes, where its ground is endless and not that of another scene whose tiles are known.
-
-    Endless ground shares all but its finest waves with the same ground at a multiple of the spacing, and the time that
-    a window takes falls with the square of it.
-    """
+    """Scene on fewer nodes, where its ground is endless and not that of another scene whose tiles are known."""
+    # Endless ground shares all but its finest waves with the same ground at a multiple of the spacing, and the time
+    # that a window takes falls with the square of it.
     if not scene.seabed.endless or (known is not None and _ground_of(scene) == _ground_of(known)):
         return scene
     for times in THINNINGS:

@@ -1,7 +1,5 @@
 """What the record waits for, and how much of it is done."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from typing import NamedTuple
 

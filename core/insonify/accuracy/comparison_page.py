@@ -1,7 +1,5 @@
 """Page of two records side by side, with their statistics."""
 
-from __future__ import annotations
-
 from pathlib import Path
 from typing import Any
 

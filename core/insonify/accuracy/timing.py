@@ -1,7 +1,5 @@
 """Timing of several calls side by side, and the machine on which it depends."""
 
-from __future__ import annotations
-
 import math
 import platform
 from collections.abc import Callable, Hashable, Mapping

@@ -1,7 +1,5 @@
 """Beam patterns: tables of the two-way sensitivity of the sonar by range and direction."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np
@@ -75,11 +73,9 @@ def vertical_energy(
 
 
 def directivity(sonar: Sonar, sound_speed: float) -> float:
-    """Response of one side's array to isotropic noise, 4π / ∫ b dΩ, as a ratio of at least 1.
-
-    Directions are the sine s along the track and the angle ψ about it: dΩ = ds dψ. A knife has no aperture that would
-    make it narrow, so it counts as even along the track.
-    """
+    """Response of one side's array to isotropic noise, 4π / ∫ b dΩ, as a ratio of at least 1."""
+    # Directions are the sine s along the track and the angle ψ about it: dΩ = ds dψ. A knife has no aperture that would
+    # make it narrow, so it counts as even along the track.
     beam, conditions = sonar.beam, BeamConditions(sound_speed, sonar.frequency, FAR)
     along = 2.0
     if beam.has_width:

@@ -1,7 +1,5 @@
 """Materials of a bed against the backscatter models of their sediments: fitted numbers, misfits, limits of validity."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Iterator
 
@@ -23,17 +21,7 @@ GRAZING = (10.0, 20.0, 30.0, 45.0, 60.0, 90.0)  # degrees at which misfits are l
 
 
 def misfit(material: Material, frequency: float, grazing: NDArray[np.float64]) -> NDArray[np.float64] | None:
-    """Level in dB of Lambert's and Phong's laws over the model of a material; None for a material without a model.
-
-    Parameters
-    ----------
-    material : Material
-        Of the bed or of a target.
-    frequency : float
-        Hz.
-    grazing : ndarray of float64
-        Grazing angles in radians.
-    """
+    """Level in dB of Lambert's and Phong's laws over the model of a material, by grazing angle; None without one."""
     if material.model is None:
         return None
     angle = np.minimum(grazing, STEEPEST)

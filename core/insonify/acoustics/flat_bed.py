@@ -5,14 +5,13 @@ Nearer than `ERROR_ALTITUDES` bins have strong echoes near nadir, to which no to
 Theory: docs/theory/error.md.
 """
 
-from __future__ import annotations
-
 import math
 
 import numpy as np
 from numpy.typing import NDArray
 
 from insonify.kernels.beam.pattern import ring_responses
+from insonify.kernels.common.range_bins import range_weight
 from insonify.kernels.common.types import LIGHT, Poses, SceneArrays
 from insonify.scene.seabed.materials import Reflectivity
 from insonify.scene.seabed.materials.sediments import scattering_strength
@@ -33,32 +32,32 @@ def flat_bed_curve(
     reached = far > near
     r = np.where(reached, 0.5 * (near + far), 1.0)
     cos_incidence = altitude / r
+    factor, first = arrays.range_factor.copy(), int(altitude / arrays.bin_length)
+    if first < arrays.bins:  # that bin begins with the first return, nearer than which there is no bed
+        spanned = (far[first] - near[first]) / arrays.bin_length
+        factor[first] *= range_weight(arrays.range_decay, first, r[first] / arrays.bin_length, spanned)
     if arrays.law == LIGHT:
         mirrored = np.maximum(2.0 * cos_incidence**2 - 1.0, 0.0) ** shininess
         shade = diffuse * cos_incidence + specular * mirrored
-        return np.where(reached, shade * (far - near) / arrays.bin_length, 0.0) * arrays.range_factor
+        return np.where(reached, shade * (far - near) / arrays.bin_length * factor, 0.0)
     sigma = scattering_strength(reflectivity or LAMBERT, cos_incidence)
     x = 0.5 * (x_near + x_far)
-    return np.where(reached, sigma * (x_far - x_near) * along_track_width(arrays, x, r), 0.0) * arrays.range_factor
+    return np.where(reached, sigma * (x_far - x_near) * along_track_width(arrays, x, r) * factor, 0.0)
 
 
 def compute_flat_bed_curves(arrays: SceneArrays, poses: Poses) -> NDArray[np.float64]:
-    """Record of a level Lambert bed under every pose, (n, 1, bins) float64.
-
-    A sonar below the mean bed, in a trough, is taken one bin above it.
-    """
+    """Record of a level Lambert bed under every pose, (n, 1, bins) float64."""
+    # A sonar below the mean bed, in a trough, is taken one bin above it.
     altitudes, which = np.unique(np.maximum(poses.z, arrays.bin_length), return_inverse=True)
     curves = np.array([flat_bed_curve(arrays, float(altitude)) for altitude in altitudes])
     return curves.reshape(-1, arrays.bins)[which][:, None, :]
 
 
 def along_track_width(arrays: SceneArrays, x: NDArray[np.float64], r: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Length of the arc of a level bed inside the beam at ground range ``x`` and slant range ``r``, in metres.
-
-    The beam angle φ_b of azimuth φ and grazing angle θ obeys sin φ_b = cos θ sin φ. A top-hat holds all azimuths with
-    |sin φ_b| below the sine of its half width, so all of them near nadir; a pattern weighs them. A knife is 1 m wide by
-    definition.
-    """
+    """Length of the arc of a level bed inside the beam at ground range ``x`` and slant range ``r``, in metres."""
+    # The beam angle φ_b of azimuth φ and grazing angle θ obeys sin φ_b = cos θ sin φ. A top-hat holds all azimuths with
+    # |sin φ_b| below the sine of its half width, so all of them near nadir; a pattern weighs them. A knife is 1 m wide
+    # by definition.
     if arrays.half_width <= 0.0:
         return np.ones_like(x)
     if arrays.pattern.tabulated:

@@ -276,7 +276,8 @@ def _as_eigenrays(rows: Values, target_range: float) -> xr.Dataset:
         "capped": rows[:, GRAZED] > 0.0,
     }
     units = {"angle": "degree", "arrival": "degree", "time": "s", "tube": "m/rad"}
-    return xr.Dataset({name: ("eigenray", values, _units(units, name)) for name, values in variables.items()})
+    attributes = {name: {"units": unit} for name, unit in units.items()}
+    return xr.Dataset({name: ("eigenray", values, attributes.get(name)) for name, values in variables.items()})
 
 
 def _below_surface(water: WaterKind) -> LaidWater:
@@ -302,10 +303,6 @@ def _height_of(bottom: float | None) -> float:
 def _downwards(cosine: Values, sine: Values) -> Values:
     """Direction in degrees below the horizontal."""
     return np.degrees(np.arctan2(0.0 - sine, cosine))
-
-
-def _units(units: dict[str, str], name: str) -> dict[str, str]:
-    return {"units": units[name]} if name in units else {}
 
 
 def _ranges(ranges: ArrayLike | None, max_range: float) -> Values:

@@ -1,7 +1,5 @@
 """Pulses after the receiver's filter: the echo of a point, and the energy and coherence it gives neighbouring bins."""
 
-from __future__ import annotations
-
 import math
 from functools import lru_cache
 from typing import NamedTuple
@@ -94,10 +92,7 @@ def _integrated_coherence(pulse: PulseKind, sound_speed: float, bin_length: floa
 
 @lru_cache(maxsize=16)
 def coherent_taps(pulse: PulseKind, sound_speed: float, bin_length: float) -> NDArray[np.float64]:
-    """Weights of a filter that gives white noise the coherence of a pulse.
-
-    Parameters as in `coherence`.
-    """
+    """Weights of a filter that gives white noise the coherence of a pulse."""
     line = coherence(pulse, sound_speed, bin_length)
     if line.size == 1:
         return np.ones(1)

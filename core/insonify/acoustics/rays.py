@@ -1,7 +1,5 @@
 """Ray paths, eigenrays between two points and shadow zones in water packed for the kernels."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable
 from typing import Any

@@ -1,7 +1,5 @@
 """The resolution cell of a bin: its width along the track, and the volume of water and area of sea surface in it."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np
@@ -9,6 +7,7 @@ from numpy.typing import NDArray
 
 from insonify.acoustics.flat_bed import along_track_width
 from insonify.kernels.beam.pattern import vertical_responses
+from insonify.kernels.common.range_bins import mean_over_centre
 from insonify.kernels.common.types import EVERY_GRAZING, SceneArrays
 
 Curve = NDArray[np.float64]
@@ -55,7 +54,7 @@ def volume_echo(arrays: SceneArrays, altitude: float, depth: float) -> Curve:
     below = np.concatenate([[0.0], np.cumsum(response)]) * math.pi / ELEVATIONS
     top, bottom = np.arcsin(np.minimum(max(depth, 0.0) / r, 1.0)), -np.arcsin(np.minimum(altitude / r, 1.0))
     about = np.interp(top, elevation, below) - np.interp(bottom, elevation, below)
-    return along_track_angle(arrays) * about * r**2 * arrays.bin_length * arrays.range_factor
+    return along_track_angle(arrays) * about * r**2 * arrays.bin_length * _centre_factor(arrays)
 
 
 def surface_echo(arrays: SceneArrays, depth: float) -> Curve:
@@ -65,7 +64,12 @@ def surface_echo(arrays: SceneArrays, depth: float) -> Curve:
     x = np.sqrt((edges - height) * (edges + height))  # never of a negative number, as a difference of squares may be
     centre, r = 0.5 * (x[1:] + x[:-1]), np.maximum(0.5 * (edges[1:] + edges[:-1]), 1e-9)
     width = along_track_width(arrays, centre, r)
-    return width * vertical_at(arrays, np.arcsin(np.minimum(height / r, 1.0))) * np.diff(x) * arrays.range_factor
+    return width * vertical_at(arrays, np.arcsin(np.minimum(height / r, 1.0))) * np.diff(x) * _centre_factor(arrays)
+
+
+def _centre_factor(arrays: SceneArrays) -> Curve:
+    """Spreading and absorption at the centres of the bins."""
+    return arrays.range_factor / mean_over_centre(arrays.bins, arrays.range_decay)
 
 
 def _at_bins(arrays: SceneArrays, values: NDArray[np.float64]) -> Curve:

@@ -4,8 +4,6 @@ At sonar frequencies a rough surface of rms height h keeps exp(−4k²h² sin²�
 (Eckart 1953), which is next to nothing. Facets of all heights and tilts reflect the rest.
 """
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Declared water: absorption, sound speed over depth or along a line, its packing for the kernels, and refraction."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass
 from functools import lru_cache

@@ -1,7 +1,5 @@
 """``insonify budget``: the sonar equation of a scene, line by line and over range."""
 
-from __future__ import annotations
-
 import argparse
 import math
 from typing import Any

@@ -1,7 +1,5 @@
 """``insonify chart``: speed against accuracy, measured on this machine."""
 
-from __future__ import annotations
-
 import argparse
 from typing import Any
 

@@ -1,7 +1,5 @@
 """``insonify dataset``: a labelled data set by its specification."""
 
-from __future__ import annotations
-
 import argparse
 from itertools import islice
 from pathlib import Path

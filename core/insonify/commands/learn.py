@@ -1,7 +1,5 @@
 """``insonify learn``: a scene whose record resembles a recording."""
 
-from __future__ import annotations
-
 import argparse
 from typing import Any
 

@@ -1,7 +1,5 @@
 """``insonify lesson``: list the lessons of the viewer, or check lessons."""
 
-from __future__ import annotations
-
 import argparse
 from typing import Any
 

@@ -1,7 +1,5 @@
 """``insonify light``: a scene as light shows it."""
 
-from __future__ import annotations
-
 import argparse
 from typing import Any
 

@@ -1,7 +1,5 @@
 """``insonify mosaic``: records on a map, as a GeoTIFF."""
 
-from __future__ import annotations
-
 import argparse
 from typing import Any
 

@@ -1,7 +1,5 @@
 """Options that the sub-commands share: scene, method, output; progress and printed lines."""
 
-from __future__ import annotations
-
 import argparse
 import math
 import os
@@ -152,10 +150,12 @@ def chosen_scene(arguments: argparse.Namespace) -> Scene:
     return edit(scene, changes) if changes else scene
 
 
-def add_output(parser: argparse.ArgumentParser, suffixes: tuple[str, ...], explained: str | None = None) -> None:
+def add_output(
+    parser: argparse.ArgumentParser, suffixes: tuple[str, ...], explained: str | None = None, *, required: bool = True
+) -> None:
     """Add the option for the file to write."""
     help_text = f"file to write: {explained or ', '.join(suffixes)}"
-    parser.add_argument("-o", "--output", required=True, metavar="OUT", help=help_text)
+    parser.add_argument("-o", "--output", required=required, metavar="OUT", help=help_text)
     parser.set_defaults(suffixes=suffixes)
 
 

@@ -1,7 +1,5 @@
 """``insonify plan``: how a scene would be simulated, why, and at what cost."""
 
-from __future__ import annotations
-
 import argparse
 from typing import Any
 

@@ -1,7 +1,5 @@
 """``insonify rays``: a ray diagram of the water of a scene."""
 
-from __future__ import annotations
-
 import argparse
 from typing import Any
 

@@ -1,7 +1,5 @@
 """``insonify relief``: the heights of the bed as a grey picture."""
 
-from __future__ import annotations
-
 import argparse
 from typing import Any
 

@@ -1,7 +1,5 @@
 """``insonify render``: a scene or a record in, a record or a picture out."""
 
-from __future__ import annotations
-
 import argparse
 from collections.abc import Callable, Iterator, Mapping
 from pathlib import Path

@@ -1,7 +1,5 @@
 """``insonify scenes``: list the bundled scenes, or describe some."""
 
-from __future__ import annotations
-
 import argparse
 import textwrap
 from typing import Any

@@ -1,7 +1,5 @@
 """``insonify survey``: a scene along many lines, by its specification."""
 
-from __future__ import annotations
-
 import argparse
 from pathlib import Path
 from typing import Any

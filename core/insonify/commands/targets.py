@@ -1,7 +1,5 @@
 """``insonify targets``: list the library of targets."""
 
-from __future__ import annotations
-
 import argparse
 from typing import Any
 

@@ -162,11 +162,9 @@ class _CacheFile(IndexDataCacheFile):
     """Index and machine code of one kernel, by signature."""
 
     def save(self, key: Any, data: Any) -> None:
-        """Keep the code of a signature in a file named by its content, written before the index names it.
-
-        Numba numbers the files by the index as it was read: of two processes that compile two signatures at once, one
-        may then load the other's code. Here the worst is that the index loses one, which is compiled anew.
-        """
+        """Keep the code of a signature in a file named by its content, written before the index names it."""
+        # Numba numbers the files by the index as it was read: of two processes that compile two signatures at once, one
+        # may then load the other's code. Here the worst is that the index loses one, which is compiled anew.
         content = self._dump(data)
         name = _name_of_content(content)
         self._save_data(name, content)
@@ -215,10 +213,8 @@ class KernelCache(FunctionCache):
         return repr(super()._index_key(sig, codegen))
 
     def load_overload(self, sig: Any, target_context: Any) -> Any:
-        """Return the code kept for a signature, or None.
-
-        Numba would first load all that it can compile, a tenth of a second; finished code needs its runtime alone.
-        """
+        """Return the code kept for a signature, or None."""
+        # Numba would first load all that it can compile, a tenth of a second; finished code needs its runtime alone.
         try:
             rtsys.initialize(target_context)
             return self._load_overload(sig, target_context)

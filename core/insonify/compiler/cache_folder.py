@@ -1,7 +1,5 @@
 """The folder of machine code on disk, which is run unchecked: it must be out of reach of other users."""
 
-from __future__ import annotations
-
 import contextlib
 import os
 import stat

@@ -1,7 +1,5 @@
 """Numba's events of compilation, turned into the progress of one kernel at a time."""
 
-from __future__ import annotations
-
 import time
 from dataclasses import dataclass, field
 from types import FunctionType

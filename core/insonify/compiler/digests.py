@@ -5,8 +5,6 @@ folder named by a digest of the module and of all kernel modules that it imports
 share it. Comments, docstrings and line numbers do not count, for they do not change the code.
 """
 
-from __future__ import annotations
-
 import ast
 import contextlib
 import hashlib

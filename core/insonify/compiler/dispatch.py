@@ -6,8 +6,6 @@ code. It is optimised with the caller's code; on its own only if it has innermos
 The callers' machine code is the same, and the first call of a kernel takes half the time.
 """
 
-from __future__ import annotations
-
 import dis
 import importlib
 import threading

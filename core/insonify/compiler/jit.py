@@ -24,8 +24,6 @@ With ``INSONIFY_COMPILER=numba`` all of them are plain `numba.njit`, which compi
 takes longer, but relies on nothing private of Numba.
 """
 
-from __future__ import annotations
-
 import os
 from collections.abc import Callable
 from typing import Any
@@ -88,10 +86,8 @@ def inlined_ieee(function: Function) -> Function:
 
 
 def inlined_before_typing(function: Function) -> Function:
-    """Write a small function out in each of its callers before types are inferred.
-
-    The per-cell loops of rays run faster so; types are inferred anew in every caller, which takes longer to compile.
-    """
+    """Write a small function out in each of its callers before types are inferred."""
+    # The per-cell loops of rays run faster so; types are inferred anew in every caller, which takes longer to compile.
     return njit(**COMMON, fastmath=FAST, inline="always")(function)
 
 

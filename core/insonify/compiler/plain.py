@@ -1,7 +1,5 @@
 """Kernels compiled by `numba.njit` alone, for versions of Numba whose private interfaces have changed."""
 
-from __future__ import annotations
-
 import contextlib
 from collections.abc import Callable
 from typing import Any

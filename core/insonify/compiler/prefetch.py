@@ -1,7 +1,5 @@
 """Prefetch memory before it is needed: what a ping reads and writes is fetched while the ping before is computed."""
 
-from __future__ import annotations
-
 from typing import Any
 
 from llvmlite import ir

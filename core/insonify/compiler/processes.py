@@ -7,8 +7,6 @@ process ends, and they block other threads of Python for long. If a process cann
 compiled here.
 """
 
-from __future__ import annotations
-
 import contextlib
 import sys
 import threading
@@ -165,10 +163,8 @@ elsewhere = _Elsewhere()
 
 @contextlib.contextmanager
 def compiled_elsewhere() -> Iterator[None]:
-    """Let another process compile the kernels that are called until the block ends.
-
-    Threads that then still wait for a kernel get a `CompilationStoppedError`.
-    """
+    """Let another process compile the kernels that are called until the block ends."""
+    # Threads that then still wait for a kernel get a `CompilationStoppedError`.
     elsewhere.wanted = True
     try:
         yield

@@ -33,10 +33,8 @@ class Compilation(NamedTuple):
 
     @property
     def by_now(self) -> Compilation:
-        """Progress at present, as predicted by the last report.
-
-        The longest step comes last, when a kernel is optimised as a whole: nothing is reported meanwhile.
-        """
+        """Progress at present, as predicted by the last report."""
+        # The longest step comes last, when a kernel is optimised as a whole: nothing is reported meanwhile.
         if self.seconds_left is None:
             return self
         passed = min(max(time.monotonic() - self.reported, 0.0) / self.seconds_left, NEARLY)
@@ -56,13 +54,7 @@ _watchers: list[Watcher] = []
 
 @contextlib.contextmanager
 def watch_compilation(watcher: Watcher) -> Iterator[None]:
-    """Report the progress of every compilation while the context lasts.
-
-    Parameters
-    ----------
-    watcher : callable
-        Called with a `Compilation`, and with None when its kernel is finished. It must not raise.
-    """
+    """Call ``watcher`` with every `Compilation`, and with None when its kernel is finished, while the context lasts."""
     _watchers.append(watcher)
     try:
         yield

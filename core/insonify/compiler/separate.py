@@ -5,8 +5,6 @@ compiled, by a second process; or when it is first called, for what most scenes 
 as seven numbers and more: a whole scene costs half a microsecond. No inner loop should make such a call.
 """
 
-from __future__ import annotations
-
 import ctypes
 import hashlib
 from collections.abc import Callable

@@ -1,7 +1,5 @@
 """The child process that compiles kernels (`processes`)."""
 
-from __future__ import annotations
-
 import contextlib
 from collections.abc import Callable
 from typing import Any

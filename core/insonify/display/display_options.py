@@ -1,7 +1,5 @@
 """Display options of a record, by name alone, so that the command line loads no plotting library."""
 
-from __future__ import annotations
-
 import json
 import math
 from collections.abc import Sequence

@@ -74,10 +74,8 @@ class LevelBed:
 
 
 def extend_to_water_column(curve: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Extend the first return of a curve over the bins before it, in which objects above the bed may echo.
-
-    The first bin of the bed is partly filled, so the larger of the first two values is used.
-    """
+    """Extend the first return of a curve over the bins before it, in which objects above the bed may echo."""
+    # The first bin of the bed is partly filled, so the larger of the first two values is used.
     positive = np.flatnonzero(curve > 0.0)
     if positive.size == 0:
         return np.ones_like(curve)
@@ -90,11 +88,9 @@ def extend_to_water_column(curve: NDArray[np.float64]) -> NDArray[np.float64]:
 def estimate_median_curve(
     intensity: NDArray[np.float32], altitude: NDArray[np.float64], bin_length: float
 ) -> NDArray[np.float64]:
-    """Estimate the curve by which a picture of a recording of unknown sonar and bed is normalised.
-
-    It is the median of the recording at every slant range, after Lambert's law has removed the effect of the grazing
-    angle as the altitude changes.
-    """
+    """Estimate the curve by which a picture of a recording of unknown sonar and bed is normalised."""
+    # It is the median of the recording at every slant range, after Lambert's law has removed the effect of the grazing
+    # angle as the altitude changes.
     some = slice(None, None, intensity.shape[1] // _PINGS + 1)
     r = (np.arange(intensity.shape[-1]) + 0.5) * bin_length
     sine = np.clip(np.where(altitude > 0.0, altitude, np.inf)[:, None] / r, _FLATTEST, 1.0)
@@ -130,10 +126,8 @@ def normalise(intensity: NDArray[np.float32], curve: NDArray[np.float64]) -> NDA
 
 
 def _relate(intensity: NDArray[np.float32], curves: NDArray[np.float64], which: NDArray[np.int64]) -> None:
-    """Turn intensities into amplitudes relative to curves, (curves, bins), one of them for each row of a record.
-
-    They are written in place: to touch fresh memory takes longer than the arithmetic.
-    """
+    """Turn intensities into amplitudes relative to curves, (curves, bins), one of them for each row of a record."""
+    # They are written in place: to touch fresh memory takes longer than the arithmetic.
     record, inverse, rows = intensity.reshape(-1, intensity.shape[-1]), 1.0 / curves, which.ravel()
 
     def block(first: int, last: int) -> None:

@@ -3,8 +3,6 @@
 Pictures show amplitudes as `insonify.display.normalisation` makes them.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable
 from functools import cache
@@ -47,12 +45,10 @@ def shown_palette(look: DisplayOptions) -> NDArray[np.uint8]:
 
 
 def choose_contrast(amplitude: NDArray[np.float32], *, decibels: bool = False) -> Levels:
-    """Choose the amplitudes that become the darkest and the brightest colour.
-
-    Shadows (zeros) do not count. The span follows the texture of the bed within limits: a bed without texture stays in
-    the middle of the palette and distinct from a shadow, one strong target does not darken the rest, and a material
-    that covers a tenth of the picture keeps its texture however strong it is.
-    """
+    """Choose the amplitudes that become the darkest and the brightest colour."""
+    # Shadows (zeros) do not count. The span follows the texture of the bed within limits: a bed without texture stays
+    # in the middle of the palette and distinct from a shadow, one strong target does not darken the rest, and a
+    # material that covers a tenth of the picture keeps its texture however strong it is.
     sample = amplitude.ravel()[:: amplitude.size // _ENOUGH + 1]
     positive = sample[np.isfinite(sample) & (sample > 0.0)]
     if positive.size == 0:

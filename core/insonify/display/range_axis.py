@@ -1,7 +1,5 @@
 """Distances across the picture of a record: slant range, slant range behind the first echo, or ground range."""
 
-from __future__ import annotations
-
 import math
 from typing import NamedTuple
 
@@ -29,10 +27,8 @@ class RangeAxis(NamedTuple):
         return self.kind == SLANT
 
     def bins_at(self, distance: Values, altitude: Values) -> Values:
-        """Position in bins, from 0 at the sonar to ``bins``, of distances under a sonar at altitudes.
-
-        An altitude below 0, as in damaged recordings, gives no bin before the first.
-        """
+        """Position in bins, from 0 at the sonar to ``bins``, of distances under a sonar at altitudes."""
+        # An altitude below 0, as in damaged recordings, gives no bin before the first.
         if self.kind == GROUND:
             slant = np.hypot(distance, altitude)
         else:

@@ -1,7 +1,5 @@
 """Curves of beams, pulse and backscatter, and the spectrum of a bed, for small pictures beside their settings."""
 
-from __future__ import annotations
-
 import math
 from typing import NamedTuple
 
@@ -92,10 +90,8 @@ def pulse_curve(scene: Scene) -> Curve | None:
 
 
 def pulse_spectrum_curve(scene: Scene) -> Curve | None:
-    """Level of the spectrum of a point's echo over frequency; None for a pulse shorter than any bin.
-
-    The spectrum is the transform of the echo's envelope about the carrier.
-    """
+    """Level of the spectrum of a point's echo over frequency; None for a pulse shorter than any bin."""
+    # The spectrum is the transform of the echo's envelope about the carrier.
     pulse = scene.sonar.pulse
     if pulse.length == 0.0:
         return None

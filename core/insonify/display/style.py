@@ -1,7 +1,5 @@
 """One style of all figures: colours, figures, axes and their labels."""
 
-from __future__ import annotations
-
 from typing import Any
 
 from matplotlib.backends.backend_agg import FigureCanvasAgg

@@ -15,15 +15,7 @@ ANGLES = ((75.0, ", almost grazing"), (60.0, ", at a low angle"), (30.0, ""), (0
 
 
 def describe_brightness(explanation: PixelExplanation, amplitude: float | None) -> str:
-    """Sentence on why a pixel is bright or dark, given its amplitude over that of a level bed, if known.
-
-    Parameters
-    ----------
-    explanation : PixelExplanation
-        From `insonify.explanation.pixel.explain_pixel`.
-    amplitude : float or None
-        As in the picture of a record: 1 is the echo of a level bed at the same range.
-    """
+    """Sentence on why a pixel is bright or dark, given its amplitude over that of a level bed, if known."""
     level = 20.0 * math.log10(amplitude) if amplitude else -math.inf
     tone = next(word for least, word in TONES if level >= least)
     hiders, echoes = explanation.obstructions, explanation.contributions

@@ -1,7 +1,5 @@
 """Compilation of the kernels that explain pixels and label points, before the first of them is needed."""
 
-from __future__ import annotations
-
 import numpy as np
 
 from insonify.explanation.cross_section import cut_cross_section
@@ -14,10 +12,8 @@ SIDES = (0, 1)
 
 
 def compile_explanations(simulation: Simulation) -> None:
-    """Explain and label a few pixels of a simulation, so that all kernels for it are compiled.
-
-    Kernels of targets are compiled at the first ping that crosses one: the pixels lie on pings abeam of targets too.
-    """
+    """Explain and label a few pixels of a simulation, so that all kernels for it are compiled."""
+    # Kernels of targets are compiled at the first ping that crosses one: the pixels lie on pings abeam of targets too.
     scene = simulation.scene
     pings = _pings_abeam(simulation)
     for ping in pings:

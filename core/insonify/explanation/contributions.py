@@ -1,7 +1,5 @@
 """Sources of the echo in one pixel, obstructions that hide bed there, and a sentence about both."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass

@@ -1,7 +1,5 @@
 """Cross-section of the scene in the plane along the axis of the beam of one ping."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Pixels of a record in which one place echoes: straight, and by way of the sea surface."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass
 

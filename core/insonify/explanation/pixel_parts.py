@@ -1,7 +1,5 @@
 """Parts of the echo in one pixel, the range bins that the pulse brings into it, and the scene about it."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass, replace
 from typing import NamedTuple
 

@@ -5,8 +5,6 @@ without speckle. Levels are in dB re 1 µPa with a source level, else re the sou
 2010, ch. 6). Theory: docs/theory/speckle.md.
 """
 
-from __future__ import annotations
-
 import csv
 import math
 from collections.abc import Iterator
@@ -22,6 +20,7 @@ from insonify.acoustics.resolution_cell import axial_response, bin_centres, vert
 from insonify.acoustics.water import absorption_coefficient
 from insonify.explanation.pixel import Term
 from insonify.io.atomic import replacing
+from insonify.kernels.common.range_bins import mean_over_centre
 from insonify.packing.packed_scene import pack
 from insonify.packing.scene_arrays import range_factor
 from insonify.receiver.levels import time_varied_gain
@@ -104,25 +103,7 @@ class SonarEquation:
 
 
 def solve_sonar_equation(scene: Scene, target_strength: float = -20.0) -> tuple[SonarEquation, SonarEquation]:
-    """Solve the sonar equation of a scene.
-
-    Parameters
-    ----------
-    scene : Scene
-        What there is; its targets and volumes do not count.
-    target_strength : float
-        Of a target that is small against the beam, dB re 1 m².
-
-    Returns
-    -------
-    SonarEquation, SonarEquation
-        Over the record, and over several times its range, without gain.
-
-    Raises
-    ------
-    SceneError
-        For the law of light, which has no levels.
-    """
+    """Solve the sonar equation for a target strength in dB: over the record, and over several times its range."""
     if scene.sonar.law == "light":
         raise SceneError("sonar.law 'light' has no areas and no spreading, hence no sonar equation; use law 'sonar'")
     packed = pack(scene)
@@ -130,7 +111,7 @@ def solve_sonar_equation(scene: Scene, target_strength: float = -20.0) -> tuple[
     gain = 10.0 * np.log10(time_varied_gain(setup))
     bins = max(min(FARTHER * setup.arrays.bins, MOST_BINS), setup.arrays.bins)
     centres = (np.arange(bins, dtype=np.float64) + 0.5) * setup.arrays.bin_length
-    factor = range_factor(scene, centres, setup.depth)
+    factor = range_factor(scene, centres, setup.depth) * mean_over_centre(bins, setup.arrays.range_decay)
     farther = replace(setup, arrays=setup.arrays._replace(bins=bins, range_factor=factor))
     return _solve(setup, setup.noise, target_strength, gain), _solve(
         farther, setup.noise, target_strength, 0.0 * centres

@@ -1,7 +1,5 @@
 """Paths of sound from the sonar to a place and back: straight, bent, or by the sea surface, as lines of points."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass
 

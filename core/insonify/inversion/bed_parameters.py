@@ -65,10 +65,8 @@ def set_bed(scene: Scene, bed: BedParameters) -> Scene:
 
 
 def choose_grid(scene: Scene) -> tuple[float, float]:
-    """Period and spacing of a bed in metres: two swaths long, and as fine as the resolution in range.
-
-    A period has 2048 nodes at most.
-    """
+    """Period and spacing of a bed in metres: two swaths long, and as fine as the resolution in range."""
+    # A period has 2048 nodes at most.
     sonar = scene.sonar
     cell = max(sonar.range / sonar.bins, sonar.pulse.cell(scene.water.only_speed or USUAL_SPEED))
     swath = LONGEST_PERIOD * sonar.range
@@ -145,11 +143,9 @@ def variance_of_looks(looks: float) -> float:
 
 
 def choose_speckle(variance: float) -> SpeckleKind:
-    """Speckle with a given variance of its relative amplitude.
-
-    Below half the variance of 32 looks there is none; up to 1.5 times that of one look it is Rayleigh speckle of some
-    looks; beyond, K speckle of one look.
-    """
+    """Speckle with a given variance of its relative amplitude."""
+    # Below half the variance of 32 looks there is none; up to 1.5 times that of one look it is Rayleigh speckle of some
+    # looks; beyond, K speckle of one look.
     if variance < 0.5 * variance_of_looks(MOST_LOOKS):
         return NoSpeckle()
     if variance <= SPIKY * variance_of_looks(1):

@@ -1,7 +1,5 @@
 """Footprint of a sonar in the spectra of its record: averaging by beam, pulse and bins, and the spectrum of speckle."""
 
-from __future__ import annotations
-
 from typing import NamedTuple
 
 import numpy as np
@@ -56,11 +54,9 @@ class Footprint(NamedTuple):
         return np.maximum(spectrum, FAINTEST)
 
     def respond_to_slope(self, sine: float) -> float:
-        """Relative change of a Lambert bed's amplitude with its slope, by the sine of the grazing angle.
-
-        Law `sonar`: a step of slant range returns sin²(θ + δ) / cos(θ + δ) from a bed that rises by δ; half the
-        logarithm of it changes by cot θ + ½ tan θ. Law `light`: sin(θ + δ), hence ½ cot θ.
-        """
+        """Relative change of a Lambert bed's amplitude with its slope, by the sine of the grazing angle."""
+        # Law `sonar`: a step of slant range returns sin²(θ + δ) / cos(θ + δ) from a bed that rises by δ; half the
+        # logarithm of it changes by cot θ + ½ tan θ. Law `light`: sin(θ + δ), hence ½ cot θ.
         cotangent = float(np.sqrt(1.0 - sine**2)) / sine
         return 0.5 * cotangent if self.light else cotangent + 0.5 / cotangent
 

@@ -1,7 +1,5 @@
 """Bed from a record: a scene with a similar simulated record, found by simulation, and compared with the record."""
 
-from __future__ import annotations
-
 import tempfile
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager

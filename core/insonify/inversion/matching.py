@@ -1,7 +1,5 @@
 """Match of a simulated record to a recorded one: simulate, measure, and correct the parameters of the bed."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable
 from dataclasses import dataclass, replace

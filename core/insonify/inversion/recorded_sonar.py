@@ -1,7 +1,5 @@
 """Sonar and track of a record, from its declarations, from its echoes, and by assumptions."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from typing import Any, NamedTuple
 

@@ -3,8 +3,6 @@
 Theory: docs/theory/inversion.md.
 """
 
-from __future__ import annotations
-
 from typing import NamedTuple
 
 import numpy as np
@@ -59,13 +57,11 @@ class _GroupModel(NamedTuple):
 def fit_roughness(
     spectra: SegmentSpectra, footprint: Footprint, *, patches: bool = False, near: RoughnessFit | None = None
 ) -> RoughnessFit:
-    """Fit a power-law relief, on request patches of material, and speckle to the spectra of a record.
-
-    A slope p along the line of sight changes the amplitude by κ p, see `Footprint.respond_to_slope`; patches change it
-    by half the logarithm of their backscatter in every direction alike. Beam, pulse and bins average both. Speckle is
-    white but for the pulse. Whittle's likelihood, Σ ln S + I/S over frequencies, weighs each frequency by its
-    information (Whittle 1953).
-    """
+    """Fit a power-law relief, on request patches of material, and speckle to the spectra of a record."""
+    # A slope p along the line of sight changes the amplitude by κ p, see `Footprint.respond_to_slope`; patches change
+    # it by half the logarithm of their backscatter in every direction alike. Beam, pulse and bins average both. Speckle
+    # is white but for the pulse. Whittle's likelihood, Σ ln S + I/S over frequencies, weighs each frequency by its
+    # information (Whittle 1953).
     models = [_group_model(group, spectra, footprint, patches) for group in spectra.groups]
     laws = len(models[0].transfers)
     noise = np.array([np.log(np.mean(model.power / model.speckle)) for model in models])
@@ -155,12 +151,10 @@ def _start(models: list[_GroupModel], noise: Field, exponent: float) -> Field:
 
 
 def estimate_pulse(spectra: SegmentSpectra, bin_length: float, sound_speed: float) -> dict[str, float | str]:
-    """Pulse as plain values, by the correlation of speckle in neighbouring bins.
-
-    Waves along the track that are hardly longer than the distance between pings hold speckle and little bed, least of
-    all at steep angles. Two bins one bin length Δ apart share the part 1 − Δ/L of a tone with the resolution L = cτ/2,
-    and their energies, and nearly their amplitudes, correlate as the square of it.
-    """
+    """Pulse as plain values, by the correlation of speckle in neighbouring bins."""
+    # Waves along the track that are hardly longer than the distance between pings hold speckle and little bed, least of
+    # all at steep angles. Two bins one bin length Δ apart share the part 1 − Δ/L of a tone with the resolution L =
+    # cτ/2, and their energies, and nearly their amplitudes, correlate as the square of it.
     shortest = np.abs(spectra.along) >= SHORTEST_WAVES * np.abs(spectra.along).max()
     lines = spectra.groups[-1].power[shortest].mean(axis=0)
     both = np.concatenate([lines, lines[-2:0:-1]])  # of both signs of the frequency

@@ -1,7 +1,5 @@
 """Two-dimensional spectra of a record's relative amplitude, in segments of the bed grouped by grazing angle."""
 
-from __future__ import annotations
-
 from typing import NamedTuple
 
 import numpy as np
@@ -156,11 +154,9 @@ def sound_bed(record: xr.Dataset, altitude: Field, *, separate: bool) -> Sounded
 
 
 def measure_segment_spectra(bed: SoundedBed) -> SegmentSpectra:
-    """Measure the spectra of a bed beyond 1.4 altitudes.
-
-    The amplitude is the square root of the intensity over the level of the record. For a Lambert bed it is nearly
-    linear in the slope along the line of sight. The median over the segments of a group is robust against targets.
-    """
+    """Measure the spectra of a bed beyond 1.4 altitudes."""
+    # The amplitude is the square root of the intensity over the level of the record. For a Lambert bed it is nearly
+    # linear in the slope along the line of sight. The median over the segments of a group is robust against targets.
     sine, ranges, power = _measure_periodograms(bed)
     order = np.argsort(sine, kind="stable")
     groups = []

@@ -1,7 +1,5 @@
 """Write a file, or a folder that counts as one, whole or not at all; remove what an ended process left unfinished."""
 
-from __future__ import annotations
-
 import errno
 import os
 import platform
@@ -35,11 +33,9 @@ AGAIN = 1.0  # s after which a request to end is repeated: a bare `except` in a 
 
 @contextmanager
 def replacing(path: str | Path) -> Iterator[Path]:
-    """Yield a temporary path for the new content of a file; when it is complete, it replaces the file.
-
-    After an error, an interrupt or a request to end, the old file is unchanged and no temporary file is left. What a
-    killed process left is removed by the next one that writes the same file.
-    """
+    """Yield a temporary path for the new content of a file; when it is complete, it replaces the file."""
+    # After an error, an interrupt or a request to end, the old file is unchanged and no temporary file is left. What a
+    # killed process left is removed by the next one that writes the same file.
     final = Path(path)
     # A link is followed, so that the file it points to is replaced, not the link.
     final = final.resolve() if final.is_symlink() else final
@@ -120,10 +116,8 @@ def _former(folder: Path, final: Path) -> Path:
 
 @contextmanager
 def terminated_cleanly(patience: float = AGAIN) -> Iterator[None]:
-    """Turn requests to end the process into an exit that runs the clean-up, where no other handler is set.
-
-    A request is repeated after `patience` seconds, for a library may swallow the exit.
-    """
+    """Turn requests to end the process into an exit that runs the clean-up, where no other handler is set."""
+    # A request is repeated after `patience` seconds, for a library may swallow the exit.
     is_main = threading.current_thread() is threading.main_thread()
     caught = [number for number in REQUESTS if is_main and signal.getsignal(number) is signal.SIG_DFL]
     reminders: list[threading.Timer] = []
@@ -165,10 +159,8 @@ def temporary_path(final: Path) -> Path:
 
 
 def clear_leftovers(final: Path) -> None:
-    """Remove what ended processes of this user left beside a file; warn of what others write or left.
-
-    A folder that was being replaced when its writer was killed is put back.
-    """
+    """Remove what ended processes of this user left beside a file; warn of what others write or left."""
+    # A folder that was being replaced when its writer was killed is put back.
     for left in _leftovers(final.parent, re.escape(final.suffix)):
         # A long name was cut.
         stem = left.path.name[1:].rpartition(f".{UNFINISHED}-")[0]

@@ -1,7 +1,5 @@
 """Access to files of unknown origin: regular files only, bounded sizes, errors of libraries in one sentence."""
 
-from __future__ import annotations
-
 import errno
 import glob
 import logging

@@ -1,7 +1,5 @@
 """File formats by suffix: a format is one module of its package, or comes with an installed package."""
 
-from __future__ import annotations
-
 import os
 from collections.abc import Callable, Iterable, Iterator
 from contextlib import AbstractContextManager, contextmanager

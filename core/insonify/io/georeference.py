@@ -1,7 +1,5 @@
 """Place of a record on Earth: its own x and y, map coordinates, longitude and latitude."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from functools import lru_cache
 from typing import Any, NamedTuple

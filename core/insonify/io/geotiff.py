@@ -1,7 +1,5 @@
 """GeoTIFF: one band of numbers on a north-up grid of a map."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import numpy as np

@@ -4,8 +4,6 @@ GDAL, netCDF and trimesh read formats of great complexity. A damaged file can ma
 bound, or write to the terminal past Python.
 """
 
-from __future__ import annotations
-
 import atexit
 import os
 import sys
@@ -37,10 +35,8 @@ _child: ChildProcess | None = None
 
 
 def run_isolated(read: Callable[[str], Result], path: str) -> Result:
-    """Call a reader in another process.
-
-    The process is kept for later calls. To be called within `guarded`, one at a time.
-    """
+    """Call a reader in another process."""
+    # The process is kept for later calls. To be called within `guarded`, one at a time.
     path = os.path.abspath(path)
     if not sys.executable:  # Python is embedded in another program
         return read(path)

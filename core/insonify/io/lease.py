@@ -6,8 +6,6 @@ disk has no locks, a folder is given up when the file's time is old. Numbers of 
 with one disk have the same ones.
 """
 
-from __future__ import annotations
-
 import os
 import platform
 import sys

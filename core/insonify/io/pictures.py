@@ -1,7 +1,5 @@
 """Pixels of PNG and TIFF pictures, decoded in a process of its own."""
 
-from __future__ import annotations
-
 import numpy as np
 from numpy.typing import NDArray
 

@@ -72,11 +72,9 @@ def labels(unit: str, text: str) -> dict[str, str]:
 
 
 def join_blocks(blocks: Sequence[xr.Dataset]) -> xr.Dataset:
-    """Join successive blocks of pings into one record.
-
-    Variables of targets cover all pings so far and are taken from the last block. What else does not change with
-    time is taken from the first.
-    """
+    """Join successive blocks of pings into one record."""
+    # Variables of targets cover all pings so far and are taken from the last block. What else does not change with time
+    # is taken from the first.
     import xarray as xr  # slow to import, and a preview in the viewer needs none of it
 
     if len(blocks) == 1:

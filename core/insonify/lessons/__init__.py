@@ -1,7 +1,5 @@
 """Lessons: a question to answer first, what to move in a scene, what to look for, and why."""
 
-from __future__ import annotations
-
 from insonify.files import bundled_lessons
 from insonify.lessons.checks import check_lesson, check_records
 from insonify.lessons.conditions import Condition, Expression, Reader, parse_condition, parse_expression

@@ -1,7 +1,5 @@
 """Courses: the order in which lessons are taught, with level, aims and what each assumes."""
 
-from __future__ import annotations
-
 import tomllib
 from collections.abc import Sequence
 from functools import cache

@@ -1,7 +1,5 @@
 """Lessons read from Markdown files with TOML in front and in every step."""
 
-from __future__ import annotations
-
 import re
 import tomllib
 from functools import partial

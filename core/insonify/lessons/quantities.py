@@ -85,10 +85,6 @@ def _pings_on(scene: Scene, length: float, slant_range: float) -> float:
     return (length + _along_resolution(scene, slant_range)) / _ping_spacing(scene)
 
 
-def _pulse_cell(scene: Scene) -> float:
-    return scene.sonar.pulse.cell(_speed(scene))
-
-
 def _edges(scene: Scene) -> NDArray[np.float64]:
     return np.linspace(0.0, scene.sonar.range, scene.sonar.bins + 1)
 
@@ -184,7 +180,8 @@ QUANTITIES: dict[str, Quantity] = {
     "beam_width": Quantity((), "one-way width of the beam, of an array to −3 dB far away (°)", _beam_width),
     "near_field": Quantity((), "slant range L²/λ within which an array is in its near field (m)", _near_field),
     "along_resolution": Quantity(_AT, "width of the beam along the track (m)", _along_resolution),
-    "across_resolution": Quantity((), "slant range between two echoes that the pulse resolves (m)", _pulse_cell),
+    "across_resolution": Quantity((), "slant range between two echoes that the pulse resolves (m)",
+                                  lambda scene: scene.sonar.pulse.cell(_speed(scene))),
     "pings_on": Quantity(("length (m)", *_AT), "pings that reach a target of a length along the track", _pings_on),
     "sin": Quantity(("angle (°)",), "sine", lambda _, angle: math.sin(math.radians(angle))),
     "cos": Quantity(("angle (°)",), "cosine", lambda _, angle: math.cos(math.radians(angle))),

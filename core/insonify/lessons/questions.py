@@ -111,10 +111,7 @@ def read_number(text: str) -> float | None:
 
 
 def judge(ask: Ask, answer: int | float | None, reader: Reader) -> Verdict | None:
-    """Judge an answer: the place of a choice, a number, or None for "I don't know".
-
-    Returns None if the number that the question asks for does not exist in the scene.
-    """
+    """Judge the place of a choice, a number, or None for "I don't know"; None if the scene lacks the right number."""
     return _judge_choice(ask, answer) if ask.choices else _judge_number(ask, answer, reader)
 
 

@@ -1,7 +1,5 @@
 """The page that a student hands in: answers, verdicts, and the settings of her scene."""
 
-from __future__ import annotations
-
 from collections import Counter
 from dataclasses import dataclass, field
 from datetime import datetime

@@ -1,7 +1,5 @@
 """Box of seabed and water that a light picture shows, packed for rays of light, and the camera that looks at it."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass
 from itertools import product

@@ -1,7 +1,5 @@
 """Colours of materials: as shown on a screen, and as linear hues for light that is summed."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 
 import numpy as np

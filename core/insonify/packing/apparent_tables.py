@@ -1,7 +1,5 @@
 """Tables of apparent positions in a scene's layered water, kept from call to call."""
 
-from __future__ import annotations
-
 import math
 from typing import NamedTuple
 
@@ -61,10 +59,8 @@ def make_apparent_tables(arrays: SceneArrays, poses: Poses) -> tuple[ApparentTab
 
 
 def _extend_below_bed(arrays: SceneArrays) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    """Nodes of the water, extended below the lowest bed with the gradient that holds there.
-
-    No sound goes there, but a ray that turns up again from there appears to come from below the bed, which hides it.
-    """
+    """Nodes of the water, extended below the lowest bed with the gradient that holds there."""
+    # No sound goes there, but a ray that turns up again from there appears to come from below the bed, which hides it.
     water, low = arrays.water, arrays.bed.low
     above = water.height > low
     height = np.concatenate([[low], water.height[above]])

@@ -1,7 +1,5 @@
 """Refusal of a sonar that is inside a target."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

@@ -1,7 +1,5 @@
 """A scene with its ground and its arrays, and the same without what a model of it leaves out."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass, field
 from typing import Any, NamedTuple

@@ -1,7 +1,5 @@
 """A scene as the arrays and numbers that kernels take."""
 
-from __future__ import annotations
-
 import math
 import weakref
 from collections.abc import Iterable, Sequence
@@ -13,7 +11,17 @@ from numpy.typing import NDArray
 from insonify.acoustics.beam_patterns import make_pattern
 from insonify.acoustics.sea_surface import make_surface_multipath
 from insonify.acoustics.water import absorption_coefficient, make_water, recording_speed
-from insonify.kernels.common.types import EVERY_GRAZING, LIGHT, SONAR, BeamPattern, Bed, SceneArrays, SegmentLimits
+from insonify.kernels.common.range_bins import mean_over_centre
+from insonify.kernels.common.types import (
+    EVERY_GRAZING,
+    LIGHT,
+    SONAR,
+    BeamPattern,
+    Bed,
+    RangeDecay,
+    SceneArrays,
+    SegmentLimits,
+)
 from insonify.packing.targets import make_bodies
 from insonify.scene import Scene
 from insonify.terrain import AnyGround, EndlessGround, Ground
@@ -38,6 +46,9 @@ def pack_scene(scene: Scene, ground: AnyGround) -> SceneArrays:
     half_width, pattern = make_pattern(scene, water.reference)
     bin_length = sonar.range / sonar.bins / (recording_speed(scene, ground.datum) / water.reference)
     centres = (np.arange(sonar.bins, dtype=np.float64) + 0.5) * np.float64(bin_length)
+    depth = sonar_height(scene, ground) + ground.datum
+    loss = 4.0 * absorption_coefficient(scene.water.absorption, sonar.frequency, abs(depth)) * bin_length
+    decay = RangeDecay(4.0 if sonar.law == "sonar" else 0.0, loss)
     return SceneArrays(
         bed=bed,
         solids=solids,
@@ -49,7 +60,8 @@ def pack_scene(scene: Scene, ground: AnyGround) -> SceneArrays:
         pattern=pattern,
         bins=sonar.bins,
         bin_length=bin_length,
-        range_factor=range_factor(scene, centres, sonar_height(scene, ground) + ground.datum),
+        range_factor=range_factor(scene, centres, depth) * mean_over_centre(sonar.bins, decay),
+        range_decay=decay,
         limits=make_limits(ground.reflectivities, pattern, bin_length),
         bounces=sonar.bounces,
         water=water,

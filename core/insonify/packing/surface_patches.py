@@ -1,7 +1,5 @@
 """Patches of the surfaces of a scene's solids and meshes, over which scatterers are distributed."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Iterator
 from typing import NamedTuple

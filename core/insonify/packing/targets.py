@@ -1,7 +1,5 @@
 """Solids and triangles of all targets in world coordinates, as arrays for the kernels."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator, Sequence
 
 import numpy as np

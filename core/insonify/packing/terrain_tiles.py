@@ -36,10 +36,8 @@ class TerrainTiles:
         self._beds = _beds_of(ground, reach) if isinstance(ground, EndlessGround) else None
 
     def expect(self, poses: Poses) -> None:
-        """Keep the beds of all windows beneath some poses, up to `MOST_BEDS`, once they are made.
-
-        Calls over one window after another otherwise drop the first beds, which a later call over all of them needs.
-        """
+        """Keep the beds of all windows beneath some poses, up to `MOST_BEDS`, once they are made."""
+        # Calls over one window after another otherwise drop the first beds, which a later call over all of them needs.
         if self._beds is not None and poses.x.size:
             assert isinstance(self._ground, EndlessGround)
             self._beds.make_room(len(np.unique(self._ground.cell(poses.x, poses.y), axis=0)))

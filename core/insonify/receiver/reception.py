@@ -3,8 +3,6 @@
 Theory: docs/theory/speckle.md.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from functools import cached_property
 from typing import TypeVar

@@ -1,7 +1,5 @@
 """Waves of a block of pings: complex amplitudes that add before detection, and random fields of them."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from itertools import pairwise
 

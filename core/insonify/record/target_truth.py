@@ -9,8 +9,6 @@ I r⁴ is the backscattering cross-section in m² and TS is in dB re 1 m². The 
 in: only the part of a target within the beam counts, and a knife is 1 m wide along the track.
 """
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from functools import reduce
 from typing import Any, NamedTuple

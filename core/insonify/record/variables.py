@@ -1,7 +1,5 @@
 """Variables, coordinates and attributes of a simulated record."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from typing import Any
 
@@ -62,7 +60,9 @@ def record_attributes(
         "version": build.insonify,
         "build": build.text(),
     }
-    attributes |= _sonar_attributes(scene) | _place_attributes(scene)
+    attributes |= _sonar_attributes(scene)
+    if scene.georeference is not None:
+        attributes |= scene.georeference.attributes()
     if forced:
         attributes["model"] = " ".join(f"{subject}={choice}" for subject, choice in forced.items())
     return attributes
@@ -78,9 +78,3 @@ def _sonar_attributes(scene: Scene) -> dict[str, float]:
         "vertical_beam_tilt": getattr(sonar.vertical, "tilt", None),
     }
     return {name: value for name, value in values.items() if value is not None}
-
-
-def _place_attributes(scene: Scene) -> dict[str, Any]:
-    """Where the scene lies on Earth, if it is declared."""
-    place = scene.georeference
-    return {} if place is None else place.attributes()

@@ -53,7 +53,8 @@ def edit(scene: Scene, changes: Mapping[str, Any]) -> Scene:
     for path in kinds:
         _put(values, path, changes[path])
     if kinds:
-        values = _drop_foreign_fields(values)
+        # The new kind of a changed choice may lack some fields of the old one.
+        values = {key: _shared_fields(child, Scene, key) for key, child in values.items()}
     for path, value in changes.items():
         if path not in kinds:
             _put(values, path, value)
@@ -68,15 +69,11 @@ def read_setting(text: str, option: str = "--set") -> tuple[str, Any]:
         example = "path.to.field=value; write for example sonar.range=75" if option == "--set" else "name=value"
         raise SceneError(f"{option} {text!r} is not of the form {example}")
     value = read_literal(literal)
-    if isinstance(value, str) and (unit := unit_at(_location(path), Scene)):
+    location = tuple(int(step) if step.isdecimal() else step for step in path.split("."))
+    if isinstance(value, str) and (unit := unit_at(location, Scene)):
         number = parse_quantity(value, unit)
         value = value if number is None else number
     return path, value
-
-
-def _location(path: str) -> tuple[int | str, ...]:
-    """Split a dotted path into its steps, positions in lists as numbers."""
-    return tuple(int(step) if step.isdecimal() else step for step in path.split("."))
 
 
 def _put(values: dict[str, Any], path: str, value: Any) -> None:
@@ -127,11 +124,6 @@ def _expanded(walked: list[str], value: Any) -> dict[str, Any]:
     if isinstance(value, str):
         return {"name" if walked[-1] == "material" else "kind": value}
     return {}
-
-
-def _drop_foreign_fields(values: dict[str, Any]) -> dict[str, Any]:
-    """Drop the fields that the new kind of a changed choice does not have."""
-    return {key: _shared_fields(child, Scene, key) for key, child in values.items()}
 
 
 def _shared_fields(value: Any, parent: type[BaseModel], key: str) -> Any:

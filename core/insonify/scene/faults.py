@@ -1,7 +1,5 @@
 """Faults of declarations, each described in one sentence: field, value, remedy."""
 
-from __future__ import annotations
-
 import difflib
 from collections.abc import Iterator
 from typing import Any

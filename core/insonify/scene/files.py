@@ -1,7 +1,5 @@
 """Scenes read from TOML files and written to them."""
 
-from __future__ import annotations
-
 import difflib
 import tomllib
 import warnings

@@ -1,7 +1,5 @@
 """Links in descriptions to a field and a value to try: ``[lower the fish](track.altitude=5)``."""
 
-from __future__ import annotations
-
 import re
 import tomllib
 from typing import Any, NamedTuple

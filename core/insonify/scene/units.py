@@ -1,7 +1,5 @@
 """Numbers as text with the units that people write."""
 
-from __future__ import annotations
-
 import math
 import re
 

@@ -6,8 +6,6 @@ near bins do not dominate.
 Theory: docs/theory/error.md.
 """
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass
 
@@ -119,12 +117,10 @@ def measure_displacement(
 
 
 def find_edge_shifts(a: NDArray[np.floating], b: NDArray[np.floating]) -> list[float]:
-    """Bins by which a record displaces the edges of its reference's shadows.
-
-    A shadow is a run of at least `SHADOW_BINS` bins darker than `DARK` times the median of the bins with an echo. Its
-    edge is where a record, from the middle of the shadow outwards, first rises to half of the reference's level just
-    outside, interpolated between bin centres. Where a record has no shadow at all, the edge is the middle itself.
-    """
+    """Bins by which a record displaces the edges of its reference's shadows."""
+    # A shadow is a run of at least `SHADOW_BINS` bins darker than `DARK` times the median of the bins with an echo. Its
+    # edge is where a record, from the middle of the shadow outwards, first rises to half of the reference's level just
+    # outside, interpolated between bin centres. Where a record has no shadow at all, the edge is the middle itself.
     lit = b[b > 0.0]
     if lit.size == 0:
         return []
@@ -154,13 +150,11 @@ def _rise(levels: NDArray[np.floating], threshold: float) -> float:
 
 
 def find_echo_shifts(a: NDArray[np.floating], b: NDArray[np.floating]) -> list[float]:
-    """Bins by which a record displaces the echoes that stand out in its reference.
-
-    An echo stands out where the reference exceeds `LOUD` times the median of the bins with an echo and is the maximum
-    within `WINDOW` bins. That window slides along the record by up to `MAX_LAG` bins to the maximum of the normalised
-    correlation; the difference of the centroids there adds the fraction of a bin. The echo counts as lost where the
-    record stays below `LOUD` / 2 medians or below `LOST` times the echo.
-    """
+    """Bins by which a record displaces the echoes that stand out in its reference."""
+    # An echo stands out where the reference exceeds `LOUD` times the median of the bins with an echo and is the maximum
+    # within `WINDOW` bins. That window slides along the record by up to `MAX_LAG` bins to the maximum of the normalised
+    # correlation; the difference of the centroids there adds the fraction of a bin. The echo counts as lost where the
+    # record stays below `LOUD` / 2 medians or below `LOST` times the echo.
     lit = b[b > 0.0]
     if lit.size == 0:
         return []

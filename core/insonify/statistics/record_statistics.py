@@ -4,8 +4,6 @@ They are measured on amplitudes relative to the record's median curve (`estimate
 altitude, so that gain, range and the strong echoes near nadir have no effect.
 """
 
-from __future__ import annotations
-
 from typing import NamedTuple
 
 import numpy as np
@@ -143,10 +141,8 @@ def _spectrum(amplitude: NDArray[np.float32], bed: NDArray[np.bool_], step: floa
 
 
 def _periodograms(segments: NDArray[np.float64], step: float) -> NDArray[np.float64]:
-    """Power per frequency of segments less their linear trends and under a Hann window; the middle ones count twice.
-
-    The same as `scipy.signal.periodogram`; importing that would take 0.3 s and 40 MB.
-    """
+    """Power per frequency of segments less their linear trends and under a Hann window; the middle ones count twice."""
+    # The same as `scipy.signal.periodogram`; importing that would take 0.3 s and 40 MB.
     count = segments.shape[-1]
     window = 0.5 - 0.5 * np.cos(2.0 * np.pi * np.arange(count) / count)
     line = np.arange(count) - 0.5 * (count - 1)
@@ -174,12 +170,10 @@ def _clipped(intensity: NDArray[np.float32]) -> NDArray[np.bool_]:
 def _measure_shadows(
     amplitude: NDArray[np.float32], bed: NDArray[np.bool_], limit: NDArray[np.float64]
 ) -> tuple[float, bool]:
-    """Depth of shadows in dB, NaN where there are none, and whether most are darker than the record resolves.
-
-    The darkest blocks at neighbouring ranges give the noise floor there, since nothing but noise is in a shadow. Where
-    it lies farther below the bed's median than the bed's own levels spread, blocks nearer the floor than the median, in
-    decibels, are shadows.
-    """
+    """Depth of shadows in dB, NaN where there are none, and whether most are darker than the record resolves."""
+    # The darkest blocks at neighbouring ranges give the noise floor there, since nothing but noise is in a shadow.
+    # Where it lies farther below the bed's median than the bed's own levels spread, blocks nearer the floor than the
+    # median, in decibels, are shadows.
     whole = _tiles(bed, BLOCK).all(axis=(1, 2))
     level = (_tiles(amplitude, BLOCK)[whole].astype(np.float64) ** 2).mean(axis=(1, 2))
     if not np.median(level) > 0.0:  # most of the record is silent: it has no level to compare shadows with

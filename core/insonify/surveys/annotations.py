@@ -1,7 +1,5 @@
 """Formats of annotations: COCO, with boxes and masks of every target, and YOLO, with a text of boxes per image."""
 
-from __future__ import annotations
-
 import json
 import shutil
 import tempfile

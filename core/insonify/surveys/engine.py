@@ -160,11 +160,9 @@ def _clear_unfinished(folder: Path) -> None:
 def run_jobs(
     work: Work, names: Sequence[str], scheduler: str, progress: Callable[[Outcome], object]
 ) -> tuple[Outcome, ...]:
-    """Do jobs on a scheduler's workers; return those that could not be done.
-
-    A job whose worker ends is done by another one, up to three times. A job that cannot be done stops no other; a file
-    that cannot be written stops them all.
-    """
+    """Do jobs on a scheduler's workers; return those that could not be done."""
+    # A job whose worker ends is done by another one, up to three times. A job that cannot be done stops no other; a
+    # file that cannot be written stops them all.
     failures = []
     try:
         with terminated_cleanly(CLOSING), connected(scheduler) as client, _watched(client, scheduler):

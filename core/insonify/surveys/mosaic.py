@@ -1,7 +1,5 @@
 """Mosaic: the swaths of several records on one grid of the map."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Collection, Iterable
 from dataclasses import dataclass
@@ -51,11 +49,9 @@ def choose_cell(swaths: Collection[Swath]) -> float:
 
 
 def make_mosaic(swaths: Collection[Swath], cell: float | None = None, overlap: str = OVERLAPS[0]) -> Mosaic:
-    """Put the swaths of records together.
-
-    Every swath is filled between successive pings of its record, except over gaps of more than five times their usual
-    distance, and averaged in energy within a cell. The rule of overlaps then decides between records.
-    """
+    """Put the swaths of records together."""
+    # Every swath is filled between successive pings of its record, except over gaps of more than five times their usual
+    # distance, and averaged in energy within a cell. The rule of overlaps then decides between records.
     cell = choose_cell(swaths) if cell is None else cell
     low, shape = _extent(swaths, cell)
     layers = (_lay(swath, low, shape, cell) for swath in swaths)
@@ -79,10 +75,8 @@ def _extent(swaths: Collection[Swath], cell: float) -> tuple[tuple[float, float]
 
 
 def _lay(swath: Swath, low: tuple[float, float], shape: tuple[int, int], cell: float) -> _Layer:
-    """Add up the samples of one record in every cell.
-
-    Samples are dense enough, half a cell apart at most, that each cell within the swath holds one.
-    """
+    """Add up the samples of one record in every cell."""
+    # Samples are dense enough, half a cell apart at most, that each cell within the swath holds one.
     layer = _Layer(np.zeros(shape), np.zeros(shape), np.zeros(shape, dtype=np.int64))
     step = min(0.5 * cell, swath.bin_length)
     ground_range = np.arange(0.5 * step, swath.reach, step, dtype=np.float64)

@@ -3,8 +3,6 @@
 Installed packages add a kind by an entry point of the group ``insonify.schedulers``.
 """
 
-from __future__ import annotations
-
 import logging
 import os
 import warnings

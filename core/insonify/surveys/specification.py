@@ -1,7 +1,5 @@
 """Specifications of surveys and data sets, read from TOML files."""
 
-from __future__ import annotations
-
 import hashlib
 import tomllib
 from collections.abc import Mapping
@@ -24,20 +22,36 @@ Model = TypeVar("Model", bound=BaseModel)
 
 def read_specification(name: str, model: type[Model], bundled: Mapping[str, Path], changes: Mapping[str, Any]) -> Model:
     """Read a specification."""
-    path = bundled.get(name) or Path(name)
+    values = _read_values(name, Path(), bundled)
+    try:
+        return model.model_validate({**values, **changes})
+    except ValidationError as error:
+        raise SceneError(f"{Path(bundled.get(name) or name).name}: {describe_fault(error, model)}") from None
+
+
+def _read_values(
+    name: str, folder: Path, bundled: Mapping[str, Path], parents: tuple[Path, ...] = ()
+) -> dict[str, Any]:
+    """Read the values of a specification, over those of the one that it is `like`: tables are joined."""
+    path = bundled.get(name) or folder / name
+    if path in parents:
+        raise SceneError(f"{path.name}: like: the specification is like itself; name another one")
     with guarded(partial(_unreadable, name, bundled), "give a readable TOML file"):
         text = read_text(path, largest=LARGEST)
     try:
         values = with_paths_beside(path, tomllib.loads(text))
-        if isinstance(base := values.get("base"), str):
-            values["base"] = scene_beside(path, base)
-        return model.model_validate({**values, **changes})
     except tomllib.TOMLDecodeError as error:
         raise SceneError(f"{path.name}: is not valid TOML ({error}); correct that line") from None
     except RecursionError:
         raise SceneError(f"{path.name}: is nested too deeply to be read; write fewer tables in tables") from None
-    except ValidationError as error:
-        raise SceneError(f"{path.name}: {describe_fault(error, model)}") from None
+    if isinstance(base := values.get("base"), str):
+        values["base"] = scene_beside(path, base)
+    if (like := values.pop("like", None)) is None:
+        return values
+    inherited = _read_values(str(like), path.parent, bundled, (*parents, path))
+    both = ((key, values[key], inherited.get(key)) for key in values)
+    joined = {key: {**old, **new} if isinstance(old, dict) and isinstance(new, dict) else new for key, new, old in both}
+    return {**inherited, **joined}
 
 
 def _unreadable(name: str, bundled: Mapping[str, Path], fault: str, remedy: str) -> SceneError:
@@ -47,10 +61,8 @@ def _unreadable(name: str, bundled: Mapping[str, Path], fault: str, remedy: str)
 
 
 def contents_of(specification: BaseModel, base: Scene) -> list[Any]:
-    """List all that a survey or a data set depends on: specification, base scene, content of files, version.
-
-    Where the files are does not count, so that a folder of all of them can be moved.
-    """
+    """List all that a survey or a data set depends on: specification, base scene, content of files, version."""
+    # Where the files are does not count, so that a folder of all of them can be moved.
     values = specification.model_dump(mode="json", exclude={"base"})
     return [changed_paths(values, _content), changed_paths(plain(base), _content), version("insonify")]
 

@@ -1,7 +1,5 @@
 """Storage of images and masks: pictures in folders, archives of WebDataset, Zarr stores."""
 
-from __future__ import annotations
-
 import io
 import json
 import tarfile

@@ -40,14 +40,13 @@ class Swath:
         return float(np.median(steps)) if steps.size else 0.0
 
     def energy(self, ping: int, ground_range: NDArray[np.float64]) -> NDArray[np.float64]:
-        """Energy that a ping hears at ground ranges on both sides, (2, n); NaN beyond its last bin.
-
-        A level bed at the altitude of the ping turns slant range into ground range: r² = g² + h².
-        """
+        """Energy that a ping hears at ground ranges on both sides, (2, n); NaN beyond its last bin."""
+        # A level bed at the altitude of the ping turns slant range into ground range: r² = g² + h².
         slant = np.hypot(ground_range, self.altitude[ping])
-        bins = np.floor(slant / self.bin_length).astype(np.int64)
-        inside = bins < self.amplitude.shape[2]
-        heard = self.amplitude[ping][:, np.where(inside, bins, 0)].astype(np.float64) ** 2
+        position = slant / self.bin_length
+        inside = position < self.amplitude.shape[2]
+        bins = np.where(inside, position, 0.0).astype(np.int64)
+        heard = self.amplitude[ping][:, bins].astype(np.float64) ** 2
         return np.where(inside, heard, np.nan)
 
 

@@ -1,7 +1,5 @@
 """Workers of a scheduler with the same build as the files that are already there: only these get jobs."""
 
-from __future__ import annotations
-
 import json
 import os
 import sys
@@ -17,13 +15,7 @@ SILENCE, REMINDER = 10.0, 60.0  # s without a worker until the first sentence, a
 
 
 class Workers:
-    """Workers that calculate alike, by their addresses; others are named once and get no job.
-
-    Attributes
-    ----------
-    threads : dict of str to int
-        Number of threads of each, by its address.
-    """
+    """Workers that calculate alike, and their threads by address; others are named once and get no job."""
 
     def __init__(self, client: Any, flags: Path, scheduler: str) -> None:
         self.threads: dict[str, int] = {}

@@ -1,7 +1,5 @@
 """Build the ground of a scene from its declarations: heights, materials and the grid they lie on."""
 
-from __future__ import annotations
-
 from functools import lru_cache
 
 import numpy as np
@@ -37,11 +35,9 @@ _EndlessMap = tuple[MaterialMap, tuple[int, int] | None, float, float, int, Geor
 
 
 def build_ground(scene: Scene) -> AnyGround:
-    """Heights and materials of the bed of a scene.
-
-    Node (0, 0) of a synthetic bed is at the local (0, 0), so that the landscape does not depend on the track. Grounds
-    share cached arrays, which must not be written to.
-    """
+    """Heights and materials of the bed of a scene."""
+    # Node (0, 0) of a synthetic bed is at the local (0, 0), so that the landscape does not depend on the track. Grounds
+    # share cached arrays, which must not be written to.
     if scene.seabed.endless:
         return _endless_ground(scene, _kept_squares(*_endless_relief(scene), TILE))
     material = scene.seabed.material
@@ -165,11 +161,9 @@ def _kept_period(parts: tuple[RandomRelief, ...], spacing: float, seed: int) -> 
 def sample_heights(
     relief: ReliefKind, spacing: float, origin: tuple[float, float] | None = None, seed: int = 1
 ) -> HeightGrid:
-    """Sample a bed that is not random, with random detail on top of a measured one.
-
-    The measured heights are interpolated bilinearly to the grid of the detail, which begins at the corner of the
-    measured grid and repeats from there.
-    """
+    """Sample a bed that is not random, with random detail on top of a measured one."""
+    # The measured heights are interpolated bilinearly to the grid of the detail, which begins at the corner of the
+    # measured grid and repeats from there.
     grid = relief.sample(spacing, origin)
     if not relief.detail:
         return grid

@@ -258,10 +258,8 @@ def _band_filters(band: Band, spacing: float, first: int) -> dict[int, _Filter]:
 
 
 def _side_of_parts(coarser: int) -> int:
-    """Nodes along a side of the cached parts of a lattice, by the number of finer lattices of its pyramid.
-
-    A window needs few nodes of a coarse lattice, usually around the corner of four tiles, but most of a fine one.
-    """
+    """Nodes along a side of the cached parts of a lattice, by the number of finer lattices of its pyramid."""
+    # A window needs few nodes of a coarse lattice, usually around the corner of four tiles, but most of a fine one.
     return max(min(TILE, 2 * TILE >> coarser), PART)
 
 

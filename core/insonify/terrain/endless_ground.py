@@ -63,10 +63,8 @@ class EndlessGround:
         return np.stack([np.floor(y / side), np.floor(x / side)], axis=-1).astype(np.int64)
 
     def window(self, row: int, column: int, reach: float, stored: StoredWindow | None = None) -> Ground:
-        """Ground of one window and its surroundings up to a reach (m), with nodes copied from a stored window.
-
-        Its arrays are periodic: a node is at its own row and column modulo their side.
-        """
+        """Ground of one window and its surroundings up to a reach (m), with nodes copied from a stored window."""
+        # Its arrays are periodic: a node is at its own row and column modulo their side.
         margin = math.ceil(reach / self.spacing) + 2
         side = TILE + 2 * margin + 1
         square = _Square(row * TILE - margin, column * TILE - margin, side)
@@ -239,10 +237,8 @@ class _Square(NamedTuple):
 
 
 def _complete(torus: NDArray[Any], tiles: Tiles, square: _Square, known: _Square | None) -> None:
-    """Write the values of a square to an array in which each node is at its indices modulo the side of the square.
-
-    Nodes of a known square of the same side are already there.
-    """
+    """Write the values of a square to an array in which each node is at its indices modulo the side of the square."""
+    # Nodes of a known square of the same side are already there.
     missing = [
         (down, across)
         for down in split_nodes(square.row, square.side, TILE)

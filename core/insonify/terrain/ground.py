@@ -38,17 +38,14 @@ class Ground:
         """Return the bed thinned to every n-th node along each axis, with node (0, 0); a level bed gets wider cells."""
         if every == 1:
             return self
-        step = 1 if self.periodic and self._is_level else every
+        is_level = len(self.reflectivities) == 1 and bool((self.heights == self.heights[0, 0]).all())
+        step = 1 if self.periodic and is_level else every
         return replace(
             self,
             heights=np.ascontiguousarray(self.heights[::step, ::step]),
             materials=np.ascontiguousarray(self.materials[::step, ::step]),
             spacing=every * self.spacing,
         )
-
-    @property
-    def _is_level(self) -> bool:
-        return len(self.reflectivities) == 1 and bool((self.heights == self.heights[0, 0]).all())
 
     def height_at(self, x: NDArray[np.float64], y: NDArray[np.float64]) -> NDArray[np.float64]:
         """Bilinear height above the datum, NaN where there is no bed or float64 cannot resolve cells."""

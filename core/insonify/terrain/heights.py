@@ -1,7 +1,5 @@
 """Heights of a seabed as arrays and as a picture."""
 
-from __future__ import annotations
-
 import numpy as np
 from numpy.typing import NDArray
 

@@ -1,7 +1,5 @@
 """White noise on an endless lattice; each value is a hash of its position."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Cells of a bed and the materials of them, by index, with the random fields from which maps are thresholded."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable
 from dataclasses import dataclass

@@ -7,8 +7,6 @@ NumPy transforms them, not SciPy: it is as fast on as many threads, its numbers 
 SciPy takes longer than tracing a preview.
 """
 
-from __future__ import annotations
-
 import numpy as np
 
 from insonify.array_cache import keep_arrays

@@ -3,8 +3,6 @@
 Theory: docs/theory/fractal-beds.md.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable
 from statistics import NormalDist

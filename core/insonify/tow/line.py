@@ -1,7 +1,5 @@
 """The line of a tow: straight, with turns, or recorded; in closed form, so that no ping needs those before it."""
 
-from __future__ import annotations
-
 import math
 from functools import lru_cache
 from typing import NamedTuple

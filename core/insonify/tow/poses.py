@@ -1,7 +1,5 @@
 """Navigation: position and attitude of the sonar at every ping."""
 
-from __future__ import annotations
-
 import math
 from typing import get_args
 
@@ -57,11 +55,9 @@ def bed_beneath(scene: Scene, ground: AnyGround, pings: NDArray[np.int64]) -> ND
 
 
 def interpolate_bed_beneath(scene: Scene, ground: AnyGround, pings: NDArray[np.int64]) -> NDArray[np.float64]:
-    """Smoothed height of the bed under the line, interpolated between knots; a picture needs no more.
-
-    The knots, at which it is that of `bed_beneath`, are an eighth of an altitude apart: the smoothing makes that dense
-    enough.
-    """
+    """Smoothed height of the bed under the line, interpolated between knots; a picture needs no more."""
+    # The knots, at which it is that of `bed_beneath`, are an eighth of an altitude apart: the smoothing makes that
+    # dense enough.
     apart = abs(sonar_height(scene, ground)) * scene.sonar.ping_rate / scene.track.speed / KNOTS
     if apart <= 1.0:
         return bed_beneath(scene, ground, pings)
@@ -74,10 +70,8 @@ def interpolate_bed_beneath(scene: Scene, ground: AnyGround, pings: NDArray[np.i
 
 
 def _knots_beneath(scene: Scene, ground: AnyGround, stretches: NDArray[np.int64], apart: float) -> NDArray[np.float64]:
-    """Smoothed heights at the knots of stretches of the line, (n, STRETCH + 1); neighbours share samples of the bed.
-
-    ``apart`` is the number of pings from a knot to the next.
-    """
+    """Smoothed heights at the knots of stretches of the line, (n, STRETCH + 1); neighbours share samples of the bed."""
+    # ``apart`` is the number of pings from a knot to the next.
     step = SAMPLES // KNOTS  # samples from a knot to the next
     samples = step * STRETCH * stretches[:, None] + np.arange(1 - SAMPLES, step * STRETCH + SAMPLES)
     line = tow_line_at(scene, samples * (apart / step))

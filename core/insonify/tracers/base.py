@@ -166,13 +166,7 @@ def list_methods() -> tuple[str, ...]:
 
 
 def find_tracer(name: str) -> Tracer:
-    """Return the tracer of a name.
-
-    Raises
-    ------
-    SceneError
-        If there is none.
-    """
+    """Return the tracer of a name, or raise `SceneError`."""
     _discover()
     if name not in _DECLARED:
         raise SceneError(f"method: {name!r} is not known; choose one of {', '.join(list_methods())}")

@@ -10,8 +10,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from insonify.kernels.bed.profile import empty_profile, profile_capacity
-from insonify.kernels.common.contributors import ContributorTable, empty_contributor_table
-from insonify.kernels.common.range_bins import FIXED_POINT
+from insonify.kernels.common.contributors import empty_contributor_table
+from insonify.kernels.common.range_bins import FIXED_POINT, RangeBins
 from insonify.kernels.common.types import BED, Poses, SceneArrays
 from insonify.kernels.labels import echo_parts as kernels
 from insonify.kernels.labels.bed_stretches import VISIBLE
@@ -141,7 +141,7 @@ def find_direct_parts(arrays: SceneArrays, pose: Poses, side: int, window: Windo
     apparent, _ = make_apparent_tables(arrays, pose)
     workspace = empty_sweep_workspace(arrays, apparent)
     knots = empty_profile(profile_capacity(apparent.stretch * arrays.bins * arrays.bin_length, arrays.bed.spacing))
-    bins = np.zeros(arrays.bins + 2, np.int64)
+    bins = RangeBins(np.zeros(arrays.bins + 2, np.int64), arrays.range_decay)
 
     def fill(rows: Column) -> int:
         parts = PartList(rows, bins, knots)
@@ -168,28 +168,29 @@ def find_surface_parts(
     """Find the contributors of the echo by way of the sea surface, one part for each of every plane."""
     workspace = empty_multipath_workspace(arrays)
     table = empty_contributor_table(count_contributors(arrays) * PATH_COUNT, arrays.bins)
-    sink = EchoSink(np.zeros(arrays.bins + 2, np.int64), table, True)
+    sink = EchoSink(RangeBins(np.zeros(arrays.bins + 2, np.int64), arrays.range_decay), table, True)
     rows, paths = [np.empty((0, kernels.COLUMNS))], [np.empty(0, np.int64)]
     for path in range(SURFACE_BOTTOM, SURFACE_ECHO + 1):
         fan = fans[1] if path == SURFACE_BOTTOM_SURFACE else fans[0]
         for k in range(fan.azimuth.size if path != SURFACE_ECHO else 1):
             if not note_plane_echoes(arrays, pose, 0, side, path, fan, k, workspace, sink):
                 break
-            rows.append(_contributor_rows(arrays, table, window, path, float(fan.azimuth[k])))
+            rows.append(_contributor_rows(arrays, sink, window, path, float(fan.azimuth[k])))
             paths.append(np.full(len(rows[-1]), path))
             table.present[:] = False
-            sink.bins[:] = 0
+            sink.bins.steps[:] = 0
     return _columns(np.concatenate(rows), np.concatenate(paths))
 
 
-def _contributor_rows(
-    arrays: SceneArrays, table: ContributorTable, window: Window, path: int, azimuth: float
-) -> Column:
+def _contributor_rows(arrays: SceneArrays, sink: EchoSink, window: Window, path: int, azimuth: float) -> Column:
     """Parts by one path in one plane: a contributor's echo in the bins, placed where the strongest of it comes from."""
-    k, bins = kernels, slice(window.first, window.first + window.weights.shape[1])
+    k, table, bins = kernels, sink.contributions, slice(window.first, window.first + window.weights.shape[1])
+    # Contributors share the energy of a bin, where each is weighed by its own range.
+    shares = np.where(table.strongest[table.present, bins] >= 0.0, table.energy[table.present, bins], 0.0)
+    listed, whole = shares.sum(axis=0), np.cumsum(sink.bins.steps)[bins] / FIXED_POINT
+    shares *= np.divide(whole, listed, out=np.zeros_like(whole), where=listed > 0.0)
     materials, of_surface, found = arrays.reflectivity.shape[0], path == SURFACE_ECHO, []
-    for place in np.flatnonzero(table.present):
-        energy = np.where(table.strongest[place, bins] >= 0.0, table.energy[place, bins], 0.0) / FIXED_POINT
+    for place, energy in zip(np.flatnonzero(table.present), shares):
         value = window.weights[2] * energy
         if not value.any():
             continue

@@ -1,7 +1,5 @@
 """Labels of a record by the geometry of the sweep: target, material and path of every range bin."""
 
-from __future__ import annotations
-
 from typing import Any, NamedTuple
 
 import numpy as np

@@ -1,7 +1,5 @@
 """The march: rays in steps of fixed length, the classical method with which the other methods are compared."""
 
-from __future__ import annotations
-
 import math
 from typing import Any
 

@@ -1,7 +1,5 @@
 """Sheets of rays: the reference of the charts, more accurate than as many single rays."""
 
-from __future__ import annotations
-
 from insonify.kernels.common.types import Poses, SceneArrays
 from insonify.kernels.rays.ray_sheets import trace_ray_sheets
 from insonify.scene import SceneError

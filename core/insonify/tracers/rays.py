@@ -1,7 +1,5 @@
 """Exact rays, one by one: the reference for the other methods."""
 
-from __future__ import annotations
-
 import math
 from typing import Any, ClassVar, NamedTuple
 

@@ -3,8 +3,6 @@
 Derived in docs/theory/speckle.md.
 """
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass
 
@@ -155,10 +153,9 @@ def _extend_range(arrays: SceneArrays, bins: int) -> SceneArrays:
 
 
 def _narrowed(arrays: SceneArrays, patches: SurfacePatches, poses: Poses) -> SceneArrays:
-    """Scene with a beam pattern without directions of many scatterers and negligible sensitivity.
-
-    Of every row of its table the outermost columns go, and rows nearer than anything lies become no wider than others.
-    """
+    """Scene with a beam pattern without directions of many scatterers and negligible sensitivity."""
+    # Of every row of its table the outermost columns go, and rows nearer than anything lies become no wider than
+    # others.
     pattern = arrays.pattern
     if not pattern.tabulated or poses.z.size == 0:
         return arrays

@@ -4,8 +4,6 @@ Through layered water it goes by tables of apparent positions; pings without val
 Derived in docs/theory/sweep.md.
 """
 
-from __future__ import annotations
-
 import math
 from typing import Any
 

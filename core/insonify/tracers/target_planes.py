@@ -4,8 +4,6 @@ A target returns its energy from an azimuth as wide as itself, a glint from one 
 apart may all miss it, whatever their number. Derived in docs/theory/beam.md.
 """
 
-from __future__ import annotations
-
 import math
 from typing import NamedTuple
 
@@ -56,17 +54,7 @@ def has_bodies(arrays: SceneArrays) -> bool:
 
 
 def find_target_sectors(arrays: SceneArrays, poses: Poses, across: int) -> TargetSectors:
-    """Find the azimuths in which the bodies of a scene lie, and how far apart planes across them may be.
-
-    Parameters
-    ----------
-    arrays : SceneArrays
-        With at least one body.
-    poses : Poses
-        n pings.
-    across : int
-        Planes across each body, and across each glint.
-    """
+    """Find the azimuths in which the bodies of a scene lie, and how far apart planes across them may be."""
     outlines = _outlines_of(arrays.solids, arrays.mesh, arrays.reflectivity)
     dx, dy = outlines.x - poses.x[:, None], outlines.y - poses.y[:, None]
     cosine, sine = np.cos(poses.heading)[:, None], np.sin(poses.heading)[:, None]
@@ -119,16 +107,7 @@ def _sectors_over_track(scene: Scene, arrays: SceneArrays, across: int) -> Targe
 
 
 def find_pings_to_divide(fan: AzimuthFan, sectors: TargetSectors, height: Angles) -> NDArray[np.int64]:
-    """Pings of which planes are too wide for a body that lies across them within their reach, in order.
-
-    Parameters
-    ----------
-    fan : AzimuthFan
-    sectors : TargetSectors
-        Of n pings.
-    height : (n,) float64
-        Of the sonar above the lowest bed, m.
-    """
+    """Pings with planes too wide for a body across them within reach, in order, by height above the lowest bed, m."""
     width, step = np.subtract(*_edges(fan)[::-1]), sectors.step
     bodies = np.flatnonzero(step.min(axis=0, initial=math.inf) < width.max())
     if bodies.size == 0 or height.size == 0:
@@ -150,10 +129,8 @@ def find_too_wide(fan: AzimuthFan, sectors: TargetSectors, pings: slice, height:
 
 
 def divide_at_targets(fan: AzimuthFan, sectors: TargetSectors, ping: int, height: Angles, across: int) -> AzimuthFan:
-    """Divide the planes of a fan that are too wide for the targets of one ping.
-
-    Across a body the parts are alike whatever the planes were: a glint is summed to a high order only by equal steps.
-    """
+    """Divide the planes of a fan that are too wide for the targets of one ping."""
+    # Across a body the parts are alike whatever the planes were: a glint is summed to a high order only by equal steps.
     needs = find_too_wide(fan, sectors, slice(ping, ping + 1), height)[0]
     low, high = _edges(fan)
     a, b, step = (column[ping, needs.any(axis=0)] for column in sectors[:3])

@@ -1,7 +1,5 @@
 """Machine code is run as it is: nobody else may put it where it is read."""
 
-from __future__ import annotations
-
 import os
 import pickle
 import subprocess

@@ -1,7 +1,5 @@
 """Functions that Python calls and those that kernels call: one result, and no machine code of what is only a part."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import numba

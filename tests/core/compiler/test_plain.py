@@ -1,7 +1,5 @@
 """Kernels compiled by plain Numba: the same results, machine code in Numba's own cache, nothing private of Numba."""
 
-from __future__ import annotations
-
 import os
 import sys
 from pathlib import Path

@@ -1,7 +1,5 @@
 """Kernels compiled by another process: the same results, nothing compiled here, and no harm where it is missing."""
 
-from __future__ import annotations
-
 import sys
 import threading
 from collections.abc import Iterator

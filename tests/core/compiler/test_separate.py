@@ -1,7 +1,5 @@
 """Separate kernels: found by address at the first call, compiled once for all callers, or by a second process."""
 
-from __future__ import annotations
-
 import os
 import sys
 from concurrent.futures import ThreadPoolExecutor

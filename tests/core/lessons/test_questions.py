@@ -1,7 +1,5 @@
 """Questions of lessons: their declaration, the verdict on an answer, quantities, and the page to hand in."""
 
-from __future__ import annotations
-
 import math
 from datetime import datetime, timedelta
 from pathlib import Path

@@ -2,8 +2,10 @@
 
 import json
 import math
+import re
 import time
 import tomllib
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -17,6 +19,7 @@ from insonify.surveys.datasets.chips import _displayed, _edges, _finish, _grey, 
 from insonify.surveys.datasets.scenes import Draws, check_draws, draw_scene
 from insonify.surveys.datasets.specification import Chips, DatasetSpecification, Picture
 from insonify.surveys.datasets.tiles import FIRST_CLASS, SHADOW
+from insonify.surveys.specification import read_specification
 from small_sets import SET
 
 BASE = load_scene("default")
@@ -118,14 +121,32 @@ def test_a_chip_shows_its_target_where_the_scene_has_it():
     assert not any((tile.mask >= FIRST_CLASS).any() for tile in tiles[2:])
 
 
+def test_windows_about_the_extent_have_the_proportions_of_echo_and_shadow():
+    chips = {"pixels": 64, "about": "extent", "margin": 1.25, "aspect": 2.0}
+    wanted = specification(negatives=0.0, chips_each=1, picture={"scale": "root"}, chips=chips)
+    drawn = draw_scene(wanted, BASE, 1)
+    record = simulate(drawn.scene, truth=True, tolerance=0.2)
+    shown, bed = cut_chips(drawn, record, wanted)
+    assert shown.image.shape == bed.image.shape == tuple(shown.told["shape"])
+    first, last, near, far = record["target_box"].values[0, 0 if drawn.views[0].port else 1]
+    step = drawn.scene.track.speed / drawn.scene.sonar.ping_rate
+    size = np.array([(last + 1 - first) * step, (far + 1 - near) * drawn.scene.sonar.range / drawn.scene.sonar.bins])
+    sides = (size + 0.25 * size.max()) / (2.0, 1.0)  # a border of one breadth; a pixel spans twice as much along
+    assert max(shown.image.shape) == 64
+    assert shown.image.shape == pytest.approx(64.0 * sides / sides.max(), abs=0.6)
+    x, y, wide, high = shown.told["targets"][0]["both"]["box"]
+    assert (high, wide) == pytest.approx(shown.image.shape * size / (size + 0.25 * size.max()), abs=1.5)
+    assert (2 * x + wide, 2 * y + high) == pytest.approx(shown.image.shape[::-1], abs=3.0)
+
+
 def test_ground_range_is_even_and_slant_range_may_begin_at_the_bed():
     drawn = draw_scene(specification(negatives=0.0), BASE, 0)
     scene, view = drawn.scene, drawn.views[0]._replace(ground_range=0.0)
     chip, bins, bin_length = Chips(pixels=32, margin=1.0), scene.sonar.bins, scene.sonar.range / scene.sonar.bins
     shape = scene.track.pings, bins
-    _, slant = _edges(drawn, view, shape, chip, Picture(water_column=False))
+    _, slant = _edges(drawn, view, shape, chip, Picture(water_column=False), None)
     assert slant[0] * bin_length == pytest.approx(scene.altitude)
-    _, ground = _edges(drawn, view, shape, chip, Picture(ground_range=True))
+    _, ground = _edges(drawn, view, shape, chip, Picture(ground_range=True), None)
     ranges = np.sqrt(np.maximum((ground * bin_length) ** 2 - scene.altitude**2, 0.0))
     assert np.diff(ranges, 2) == pytest.approx(0.0, abs=1e-5)
     assert np.ptp(ranges) == pytest.approx(view.length)
@@ -142,7 +163,7 @@ def test_means_between_edges_keep_the_sum_and_interpolate_lines():
 def test_coarser_pictures_are_smoother():
     noise = np.random.default_rng(2).rayleigh(1.0, (64, 64))
     edges = (np.linspace(0.0, 64.0, 65),) * 2
-    fine, along = (_displayed(noise, edges, 64, Picture(along=a)) for a in (1.0, 4.0))
+    fine, along = (_displayed(noise, edges, Picture(along=a)) for a in (1.0, 4.0))
     assert fine == pytest.approx(noise)
     assert along.std() < 0.6 * fine.std()
     steps = [np.abs(np.diff(along, axis=axis)).mean() for axis in (0, 1)]
@@ -158,6 +179,8 @@ def test_greys_keep_their_order_and_median_and_invert(scale):
     assert np.median(grey) == pytest.approx(0.3 * 255, abs=2)
     assert 0.01 <= np.mean(grey == 0) < 0.03  # the percentile that is black, and what rounds to it
     assert np.array_equal(_grey(amplitude, Picture(scale=scale, grey=0.3, inverted=True)), 255 - grey)
+    faint = _grey(amplitude, Picture(scale=scale, darkest=0.2, brightest=0.6))
+    assert (faint.min(), faint.max()) == (51, 153)
 
 
 def test_jpeg_and_lines_change_a_picture_as_they_are_asked_to():
@@ -198,6 +221,21 @@ def test_what_some_values_alone_make_impossible_is_left_to_the_jobs():
         check_draws(specification(SET.replace("low = 5.0, high = 7.0", "low = 23.0, high = 23.9"), negatives=0.0), BASE)
 
 
+def test_a_specification_like_another_joins_its_tables(tmp_path, capsys):
+    (tmp_path / "old.toml").write_text(CHIPS)
+    group = '[[targets]]\nname = "{}"\nof = ["drum"]\nweight = {}\n'
+    text = 'like = "old.toml"\ngroups = "one"\nnegatives = 0.0\n[chips]\npixels = 32\n'
+    (tmp_path / "new.toml").write_text(text + group.format("drum", 3.0) + group.format("barrel", 1.0))
+    old, new = (read_specification(f"{tmp_path}/{name}.toml", DatasetSpecification, {}, {}) for name in ("old", "new"))
+    assert (old.chips["pixels"], new.chips["pixels"], new.chips["margin"]) == (48, 32, 1.5)
+    assert (new.classes, new.sampling, new.title) == (["drum", "barrel"], old.sampling, old.title)
+    drawn = [list(draw_scene(new, BASE, number).classes.values()) for number in range(40)]
+    assert all(len(classes) == 1 for classes in drawn)
+    assert 24 <= drawn.count(["drum"]) <= 36
+    (tmp_path / "old.toml").write_text('like = "new.toml"')
+    assert "like itself" in refused(capsys, "dataset", str(tmp_path / "old.toml"), "-o", str(tmp_path / "set"))
+
+
 def test_a_preview_is_one_picture_and_no_set(tmp_path):
     path, sheet = tmp_path / "set.toml", tmp_path / "sheet.png"
     path.write_text(CHIPS)
@@ -217,6 +255,31 @@ def test_a_set_of_chips_is_made_by_the_command(tmp_path):
         with Image.open(folder / line["file_name"]) as picture:
             assert picture.size == (48, 48)
     assert len({line["drawn"]["sampling.length"] for line in lines}) == 3
+
+
+@pytest.mark.parametrize("library", ["sklearn", "torch", "keras"])
+def test_loaders_of_the_documentation_load_a_set(tmp_path, library):
+    pytest.importorskip(library)
+    text = Path(__file__).parents[3].joinpath("docs/howto/data-sets.md").read_text(encoding="utf-8")
+    blocks = dict(re.findall(r'```py title="(.+?)"\n(.+?)```', text, re.DOTALL))
+    lines = []
+    for number, (split, shows) in enumerate([("train", "ship"), ("train", None), ("test", "ship")]):
+        Image.new("L", (20, 30 + number), 51).save(tmp_path / f"{number}.png")
+        lines.append(json.dumps({"file_name": f"{number}.png", "split": split, "class": shows}))
+    (tmp_path / "metadata.jsonl").write_text("\n".join(lines))
+    loaders = {}
+    exec(blocks["scikit-learn"], loaders)
+    images, numbers = loaders["load"](tmp_path, "train", ["ship"])
+    assert images.shape == (2, 64, 64)
+    assert images == pytest.approx(0.2)
+    assert list(numbers) == [1, 0]
+    if library == "torch":
+        exec(blocks["PyTorch"], loaders)
+        image, number = loaders["Chips"](tmp_path, "train", ["ship"])[0]
+        assert (tuple(image.shape), int(number)) == ((1, 64, 64), 1)
+    if library == "keras":
+        exec(blocks["Keras"], loaders)
+        assert loaders["Batches"](tmp_path, "train", ["ship"])[0][0].shape == (2, 64, 64, 1)
 
 
 def test_the_draws_of_a_chip_depend_on_its_name_alone():

@@ -1,7 +1,5 @@
 """Data sets: what is drawn, what tiles show, and that annotations are those of the labels."""
 
-from __future__ import annotations
-
 import io
 import itertools
 import json

@@ -1,7 +1,5 @@
 """Distributions, and draws from them by hashing."""
 
-from __future__ import annotations
-
 import math
 from typing import Literal
 

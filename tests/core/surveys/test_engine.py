@@ -1,7 +1,5 @@
 """Engine: jobs are done once, whole or not at all, whatever becomes of a worker."""
 
-from __future__ import annotations
-
 import os
 import shutil
 import subprocess

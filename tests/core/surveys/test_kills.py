@@ -1,7 +1,5 @@
 """Data sets with a killed driver, an interrupt, or a full disk: nothing done is lost, and a rerun completes them."""
 
-from __future__ import annotations
-
 import json
 import os
 import resource

@@ -1,7 +1,5 @@
 """Surveys: lines over an area, their records, mosaic, coverage and page."""
 
-from __future__ import annotations
-
 import math
 import re
 import tomllib

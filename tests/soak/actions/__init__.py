@@ -3,8 +3,6 @@
 An action is a function of the window's `Viewer` and of random numbers. It yields the milliseconds until its next step.
 """
 
-from __future__ import annotations
-
 import pkgutil
 from collections.abc import Callable, Iterator
 from importlib import import_module

@@ -1,7 +1,5 @@
 """Actions by the menus, in which every command of the window and of its panels stands."""
 
-from __future__ import annotations
-
 from PySide6.QtWidgets import QApplication, QDialog, QMenu
 
 from insonify_viewer.viewer import Viewer

@@ -1,7 +1,5 @@
 """Actions in the record's panel: display options, contrast, measuring and contacts."""
 
-from __future__ import annotations
-
 from PySide6.QtCore import QEvent
 
 from insonify_viewer.state.inspection import Mark

@@ -1,7 +1,5 @@
 """Actions on recordings beside the scene."""
 
-from __future__ import annotations
-
 from insonify_viewer.viewer import Viewer
 from soak.actions import Random, Steps, action
 from soak.input import wheel

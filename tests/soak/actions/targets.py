@@ -1,7 +1,5 @@
 """Actions on targets in the record, and on the effects of the scene."""
 
-from __future__ import annotations
-
 from PySide6.QtCore import QEvent
 
 from insonify_viewer.viewer import Viewer

@@ -1,7 +1,5 @@
 """Actions in the window itself: scenes, sliders, targets, the record, the 3-D view, plan, charts and files."""
 
-from __future__ import annotations
-
 import numpy as np
 from PySide6.QtCore import QEvent
 from PySide6.QtWidgets import QComboBox, QTabBar

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from datetime import datetime
+from functools import partial
 from typing import Any
 
 from insonify.files import bundled_scenes
@@ -12,7 +13,7 @@ from insonify.lessons import AUTOMATIC, SIDES, Lesson, LessonState, load_lessons
 from insonify.scene import Scene
 from insonify_viewer.panels.lessons.progress import Progress
 from insonify_viewer.panels.lessons.view.lessons_view import LessonsView
-from insonify_viewer.panels.panel import Button, Panel, Place, Workbench
+from insonify_viewer.panels.panel import Button, Entry, Panel, Place, Workbench
 from insonify_viewer.record.marked_point import MarkedPoint
 from insonify_viewer.record.record import RecordGrowth
 from insonify_viewer.state.history import Modelling
@@ -36,7 +37,6 @@ class LessonsPanel(Panel):
         self._point: MarkedPoint | None = None
         self._newest = 0  # ping
         self._open_now = False
-        self._left: Scene | None = None  # as a lesson left it, which is not the person's own work
         self._ended: dict[str, Progress] = {}  # lessons that have a summary
         self._shown: Progress | None = None  # answers of the summary on screen
         self.view = view = LessonsView()
@@ -68,7 +68,6 @@ class LessonsPanel(Panel):
             return
         if scene.title != self.progress.start.scene.title:
             self.leave()
-            self._left = None
         else:
             self._notice()
 
@@ -85,24 +84,33 @@ class LessonsPanel(Panel):
         """Enlarge the text."""
         self.view.enlarge(large)
 
+    def entries(self) -> list[Entry]:
+        """List the lessons for the command palette."""
+        return [
+            Entry("Lesson", each.title, each.introduction, partial(self._begin_in_panel, each))
+            for each in load_lessons()
+        ]
+
+    def _begin_in_panel(self, lesson: Lesson) -> None:
+        """Open the panel and begin a lesson."""
+        self._workbench.open_panel(self.name)
+        self.begin(lesson)
+
     def start(self, name: str) -> None:
         """Start a lesson of the list."""
         self.begin(next(lesson for lesson in self._lessons if lesson.name == name))
 
     def begin(self, lesson: Lesson) -> None:
-        """Begin a lesson; the person is asked first what becomes of changes that are not of a lesson."""
-        progress, asked = Progress(lesson), self.progress is None and self._session.scene is not self._left
+        """Begin a lesson; undo returns to the scene of before with its changes."""
+        progress = Progress(lesson)
         self.progress = None  # what changes on the way is not done by the person
-        if self._session.scene == progress.start.scene or self._open(progress, ask=asked):
-            self._model(Modelling(), progress.start.window)
-            self._show_step(progress)
-        else:
-            self.leave()
+        if self._session.scene != progress.start.scene:
+            self._open(progress)
+        self._model(Modelling(), progress.start.window)
+        self._show_step(progress)
 
     def leave(self) -> None:
         """Return to the list; the scene stays as it is."""
-        if self.progress is not None:
-            self._left = self._session.scene
         self.progress = None
         self._workbench.light_fields(())
         self._show_list()
@@ -179,16 +187,16 @@ class LessonsPanel(Panel):
         progress.go_to(index)
         self.progress = None
         if progress.base != base:
-            self._open(progress, ask=False)
+            self._open(progress)
         elif not forward or progress.step.set:
             self._session.open(progress.start.scene, _file_of(progress), bundled=True)
         if progress.base != base or not forward:
             self._model(Modelling(), progress.start.window)
         self._show_step(progress)
 
-    def _open(self, progress: Progress, *, ask: bool) -> bool:
-        """Open the scene of a step at the start of its track; return whether the person agreed."""
-        return self._workbench.open_scene(progress.start.scene, _file_of(progress), ask=ask)
+    def _open(self, progress: Progress) -> None:
+        """Open the scene of a step at the start of its track."""
+        self._workbench.open_scene(progress.start.scene, _file_of(progress))
 
     def _model(self, modelling: Modelling, window: Mapping[str, Any]) -> None:
         """Turn to a modelling, with the choices of the plan that a state of the window names."""

@@ -2,21 +2,24 @@
 
 from __future__ import annotations
 
+from functools import partial
 from typing import Any
 
 from insonify.scene import Scene, plain
 from insonify.scene.edit import part_at
 from insonify.scene.links import split_description
-from insonify_viewer.panels.panel import Panel, Place, Workbench
+from insonify_viewer.panels.panel import Entry, Panel, Place, Workbench
 from insonify_viewer.panels.parameters.effects import EffectMeter, EffectTicks, describe_tick
 from insonify_viewer.panels.parameters.sections import (
     FieldSection,
+    alone,
     found_section,
     needs_file,
     pinned_section,
     sections_of,
 )
 from insonify_viewer.panels.parameters.values import Resets, Trials, follow_values, glide_value, row_of
+from insonify_viewer.panels.parameters.view.control_strip import ControlStrip
 from insonify_viewer.panels.parameters.view.parameters_view import ParametersView
 from insonify_viewer.record.record import RecordGrowth
 from insonify_viewer.state.fields import NumberField, name_edit, name_field
@@ -43,6 +46,8 @@ class ParametersPanel(Panel):
         self._due = True  # whether that is still to begin
         self._shown: tuple[FieldSection, ...] = ()
         self.view = view = ParametersView()
+        self.strip = ControlStrip(view.dragged.emit, view.settled.emit)
+        self._lit: tuple[str, ...] = ()
         view.setEnabled(False)
         view.dragged.connect(lambda path, value: self._session.drag({path: value}))
         view.settled.connect(self._settle)
@@ -80,13 +85,24 @@ class ParametersPanel(Panel):
             self._due = False
             self.view.still.call(lambda: self._measure(growth))
 
+    def entries(self) -> list[Entry]:
+        """List the fields of the scene for the command palette, each of which comes into view and is lit."""
+        fields = [field for section in sections_of(self._session.scene) for field in section.parameters]
+        return [Entry("Parameter", each.name, each.tooltip, partial(self._point_to, each.path)) for each in fields]
+
+    def _point_to(self, path: str) -> None:
+        self._workbench.open_panel(self.name)
+        self._workbench.light_fields((path,))
+
     def part_added(self, path: str) -> None:
         """Unfold the section of a new part."""
         self.view.turn_to(path)
 
     def fields_lit(self, paths: tuple[str, ...]) -> None:
         """Light rows; those that a scene has only later are lit then."""
+        self._lit = paths
         self.view.light(paths)
+        self._show_strip()
 
     def closing(self) -> None:
         """Drop the update that waits, and measure no more."""
@@ -122,12 +138,20 @@ class ParametersPanel(Panel):
             self._show_rest()
 
     def _show_rest(self) -> None:
-        """Show what depends on the values: marks of changed fields, curves, effects."""
+        """Show what depends on the values: strip, marks of changed fields, curves, effects."""
+        self._show_strip()
         scene = self._session.scene
         rows = (row for section in self._shown for row in section.parameters)
         self.view.show_changed(self._resets.changed(scene, rows))
         self.view.show_pictures(scene)
         self._show_effects()
+
+    def _show_strip(self) -> None:
+        """Show in the strip the fields that are lit, else those that the scene is about, else the first."""
+        fields = {field.path: alone(field) for section in self._shown for field in section.parameters}
+        about = [path for path in self._session.scene.controls if path in fields]
+        lit = [path for path in self._lit if path in fields]
+        self.strip.show_fields([fields[path] for path in lit or about or fields], lit)
 
     def _show_effects(self) -> None:
         scene = self._session.scene

@@ -87,7 +87,7 @@ def pinned_section(scene: Scene, sections: tuple[FieldSection, ...]) -> FieldSec
     there = {
         parameter.path: parameter for section in sections if not section.locked for parameter in section.parameters
     }
-    pinned = tuple(_alone(there[path]) for path in scene.controls if path in there)
+    pinned = tuple(alone(there[path]) for path in scene.controls if path in there)
     return FieldSection(PINNED, "This scene", pinned) if pinned else None
 
 
@@ -99,12 +99,12 @@ def found_section(scene: Scene, sections: tuple[FieldSection, ...], words: str) 
         name = parameter.name
         text = f"{name} {parameter.path} {parameter.tooltip}".lower()
         if all(word in text for word in wanted):
-            found.append((not all(word in name.lower() for word in wanted), _alone(parameter)))
+            found.append((not all(word in name.lower() for word in wanted), alone(parameter)))
     parameters = tuple(parameter for _, parameter in sorted(found, key=lambda pair: pair[0])[:MOST_FOUND])
     return FieldSection("found", "Found" if parameters else f"No parameter is named “{words}”", parameters)
 
 
-def _alone(parameter: Parameter) -> Parameter:
+def alone(parameter: Parameter) -> Parameter:
     """Field as it is shown outside of its section, by its full name."""
     return replace(parameter, label=parameter.name, indent=0, rare=False)
 

@@ -184,13 +184,13 @@ class RecordPanel(Panel):
         return locate_simulated(simulation, mark)
 
     def _zoom(self, factor: float) -> None:
-        views = self._simulated, self._recorded
-        about = next((each.cursor_place for each in views if each.cursor_place is not None), None)
-        for each in views:
-            if factor:
-                each.magnify(factor, about)
-            else:
-                each.show_zoom(Zoom())
+        """Zoom the record that has the keyboard, else the live one; a record that is linked to it follows."""
+        views = self._recorded, self._simulated
+        view = next((each for each in views if each.cursor_place is not None), self._simulated)
+        if factor:
+            view.magnify(factor, view.cursor_place)
+        else:
+            view.show_zoom(Zoom())
 
     def _hover(self, view: WaterfallView, mark: Mark | None) -> None:
         self._hovered = None if mark is None else (view, mark)

@@ -12,6 +12,7 @@ from insonify.scene import Scene, SceneError, load_partner
 from insonify_viewer.errors import Failure
 from insonify_viewer.record.comparison.arrangement import Arrangement
 from insonify_viewer.record.comparison.kept_record import Change, KeptRecord, Traced, list_changes
+from insonify_viewer.record.comparison.linked_records import LinkedRecords
 from insonify_viewer.record.comparison.record_difference import RecordSnapshot, are_comparable, compare_records
 from insonify_viewer.record.comparison.recording import Recording
 from insonify_viewer.record.comparison.recording_player import RecordingPlayer, RecordWindow
@@ -44,6 +45,7 @@ class Comparison:
         self.difference = ""
         self._window, self._session, self._simulator, self._recordings = window, session, simulator, recordings
         self._view = window.record_a
+        self.links = LinkedRecords(window.waterfall, window.record_a)
         self._executor = simulator.executor
         self._growth: RecordGrowth | None = None
         self._traced: tuple[Scene, Modelling] | None = None  # what the growth was traced for
@@ -217,6 +219,7 @@ class Comparison:
         """State which record is A and which B, above them where they stand side by side."""
         a, b = self.titles
         self._window.overlay.show_records((a, b), by_ping=self.kept is not None)
+        self.links.by_ping = self.kept is not None
         beside = self.arrangement is Arrangement.BESIDE
         self._view.show_title(f"A  {a}" if beside else "")
         self._window.waterfall.show_title(f"B  {b}" if beside else "")

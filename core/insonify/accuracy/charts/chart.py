@@ -1,7 +1,5 @@
 """Charts measured on this machine, written as a picture or as a table with the facts of the measurement."""
 
-from __future__ import annotations
-
 import csv
 import json
 import math
@@ -44,18 +42,7 @@ class Chart(ABC):
         return ()
 
     def save(self, path: str | Path) -> None:
-        """Write the chart as a picture (.png, .svg) or as a table (.csv, .json), whole or not at all.
-
-        Parameters
-        ----------
-        path : str or Path
-            File to make or replace.
-
-        Raises
-        ------
-        SceneError
-            If the file's name has another suffix.
-        """
+        """Write the chart as a picture (.png, .svg) or as a table (.csv, .json), whole or not at all."""
         suffix = Path(path).suffix.lower()
         if suffix not in SUFFIXES:
             known = f"{', '.join(SUFFIXES[:-1])} or {SUFFIXES[-1]}"

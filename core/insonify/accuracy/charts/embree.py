@@ -1,7 +1,5 @@
 """Embree over a scene of triangles, where it is installed: the same rays with another surface and engine."""
 
-from __future__ import annotations
-
 import math
 from importlib.util import find_spec
 from typing import Any

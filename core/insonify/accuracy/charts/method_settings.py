@@ -1,7 +1,5 @@
 """A scene packed for charts, and the methods that trace it with their settings."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable, Sequence
 from functools import partial

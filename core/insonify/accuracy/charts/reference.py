@@ -1,7 +1,5 @@
 """Reference of a chart: exact rays, doubled until their record changes by a tenth of the smallest error shown."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable, Sequence
 from concurrent.futures import ThreadPoolExecutor
@@ -87,11 +85,9 @@ def name_rays(arrays: SceneArrays) -> str:
 def trace_exact_rays(
     arrays: SceneArrays, poses: Poses, count: int, report: Callable[[], None] = lambda: None
 ) -> Record:
-    """Trace with a number of exact rays per side, pings in parallel.
-
-    First echoes are traced in ray sheets, echoes by way of the sea surface ray by ray, and a scene with bounces ray by
-    ray altogether. ``report`` is called after every ping and may raise to stop.
-    """
+    """Trace with a number of exact rays per side, pings in parallel."""
+    # First echoes are traced in ray sheets, echoes by way of the sea surface ray by ray, and a scene with bounces ray
+    # by ray altogether. ``report`` is called after every ping and may raise to stop.
     first = arrays._replace(multipath=no_surface_multipath())
 
     def single(pose: Poses) -> Record:

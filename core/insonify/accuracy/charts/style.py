@@ -1,7 +1,5 @@
 """Drawing of charts: colours and marks of methods, logarithmic axes, labels, and power laws through series."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable, Iterable, Sequence
 from typing import Any, NamedTuple, TypeVar

@@ -3,8 +3,6 @@
 Every `StabilityTheme` at the top level of a module in ``themes`` adds its cases, without being listed.
 """
 
-from __future__ import annotations
-
 from insonify.accuracy.stability.case import Approach, Outcome, StabilityCase, StabilityTheme
 from insonify.plugins import modules_in
 

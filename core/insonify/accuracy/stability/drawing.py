@@ -1,7 +1,5 @@
 """Drawing of stability cases: one colour for the common method, one for this program."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Sequence
 from functools import partial
 from textwrap import wrap

@@ -1,7 +1,5 @@
 """Small scenes for cases: a level bed or a bed of given heights, and one ping over it."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Mapping
 from typing import Any
 

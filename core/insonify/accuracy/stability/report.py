@@ -1,7 +1,5 @@
 """Stability page: a table of all cases, then every case with its picture, in one HTML file."""
 
-from __future__ import annotations
-
 import base64
 from collections.abc import Callable, Mapping, Sequence
 from html import escape

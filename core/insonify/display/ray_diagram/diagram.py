@@ -1,7 +1,5 @@
 """Ray diagram of a scene's water: rays, shadow zones, caustics and eigenrays in one vertical plane."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass
 

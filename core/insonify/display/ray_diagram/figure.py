@@ -1,7 +1,5 @@
 """Picture of a ray diagram: the sound speed profile on the left, the refracted rays on the right; and its files."""
 
-from __future__ import annotations
-
 import csv
 import math
 from collections.abc import Iterable

@@ -3,8 +3,6 @@
 A format is one module here that holds a `FileFormat`.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any

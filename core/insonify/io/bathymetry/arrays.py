@@ -1,7 +1,5 @@
 """Grids of heights in files of NumPy."""
 
-from __future__ import annotations
-
 from typing import Any
 
 from numpy.typing import NDArray

@@ -1,7 +1,5 @@
 """Georeferenced grids of heights: GeoTIFF, the Bathymetric Attributed Grid (BAG), ESRI ASCII grids."""
 
-from __future__ import annotations
-
 import math
 import os
 from pathlib import Path

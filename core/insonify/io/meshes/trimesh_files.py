@@ -1,7 +1,5 @@
 """Mesh files that the library trimesh reads: OBJ, STL, PLY, glTF."""
 
-from __future__ import annotations
-
 import os
 import re
 from collections.abc import Iterator, Mapping

@@ -1,7 +1,5 @@
 """Formats of recorded navigation: text, GPX tracks, records and recordings."""
 
-from __future__ import annotations
-
 from datetime import UTC, datetime
 from xml.etree import ElementTree
 

@@ -20,10 +20,8 @@ FAINT = 3.0  # dB: median contrast at the edges, over all pings, below which the
 
 
 def find_altitude(record: xr.Dataset) -> NDArray[np.float64]:
-    """Return the altitude at every ping in metres: the recorded one, else the bottom track of the record itself.
-
-    Pings without a recorded altitude get the lowest one of the others.
-    """
+    """Return the altitude at every ping in metres: the recorded one, else the bottom track of the record itself."""
+    # Pings without a recorded altitude get the lowest one of the others.
     altitude = record["platform_altitude"].values.astype(np.float64)
     if BOTTOM_TRACK in record and not np.isfinite(altitude).any():
         return record[BOTTOM_TRACK].values.astype(np.float64)
@@ -41,31 +39,22 @@ def complete_altitude(
 
 
 def track_bottom(intensity: NDArray[np.float32], bin_length: float) -> NDArray[np.float64]:
-    """Slant range of the first echo of the bed at every ping, which over an even bed is the altitude of the sonar.
-
-    Bins are quiet or loud, by Otsu's threshold of the levels in decibels of some successive pings. The edge has quiet
-    bins before it and loud ones behind. Its course along the track is the one with the fewest misclassified bins,
-    plus a cost for every change from ping to ping (dynamic programming), so that an object in the water column, the
-    transmitted pulse, or a shadow at nadir does not displace it.
-    """
+    """Slant range of the first echo of the bed at every ping, which over an even bed is the altitude of the sonar."""
+    # Bins are quiet or loud, by Otsu's threshold of the levels in decibels of some successive pings. The edge has quiet
+    # bins before it and loud ones behind. Its course along the track is the one with the fewest misclassified bins,
+    # plus a cost for every change from ping to ping (dynamic programming), so that an object in the water column, the
+    # transmitted pulse, or a shadow at nadir does not displace it.
     width = max(round(BEHIND * intensity.shape[2]), 1)
-    edges = _steadiest(_scores(intensity, width), intensity.shape[1])
+    groups = (intensity[:, first : first + GROUP] for first in range(0, intensity.shape[1], GROUP))  # one in memory
+    edges = _steadiest((score for group in groups for score in _score(_kinds(group), width)), intensity.shape[1])
     if not np.median(_contrast(intensity, edges, width)) >= FAINT:
         return np.full(len(edges), np.nan)
     return np.asarray(bin_length * (edges + 0.5), dtype=np.float64)
 
 
-def _scores(intensity: NDArray[np.float32], width: int) -> Iterator[NDArray[np.float64]]:
-    """Yield the scores of successive pings, (bins - width + 1,) each, in the memory of a group of pings."""
-    for first in range(0, intensity.shape[1], GROUP):
-        yield from _score(_kinds(intensity[:, first : first + GROUP]), width)
-
-
 def _kinds(intensity: NDArray[np.float32]) -> NDArray[np.float64]:
-    """Which bins are loud (1) or quiet (-1) on both sides together, (pings, bins); 0 throughout a ping without echo.
-
-    The threshold of a ping is the middle of the mean levels of its two classes by Otsu's threshold of the group.
-    """
+    """Which bins are loud (1) or quiet (-1) on both sides together, (pings, bins); 0 throughout a ping without echo."""
+    # The threshold of a ping is the middle of the mean levels of its two classes by Otsu's threshold of the group.
     from skimage import filters  # slow to import, and few commands need it
 
     split: Callable[..., float] = filters.threshold_otsu
@@ -104,10 +93,8 @@ def _contrast(intensity: NDArray[np.float32], edges: NDArray[np.int64], width: i
 
 
 def _steadiest(scores: Iterator[NDArray[np.float64]], pings: int) -> NDArray[np.int64]:
-    """Bins of the course with the greatest score in all, less the cost of its changes.
-
-    The best predecessor of every bin at a linear cost follows from running maxima from either side.
-    """
+    """Bins of the course with the greatest score in all, less the cost of its changes."""
+    # The best predecessor of every bin at a linear cost follows from running maxima from either side.
     first = next(scores)
     slope = STEADY * np.arange(first.size)
     best = np.empty((pings, first.size), dtype=np.float32)

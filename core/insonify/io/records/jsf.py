@@ -62,10 +62,8 @@ class _Trace(NamedTuple):
 
 
 def read_jsf(path: str | Path, frequency: float | None = None) -> xr.Dataset:
-    """Read a side-scan recording of EdgeTech.
-
-    Samples are envelopes, or magnitudes of analytic signals, scaled by their weights; ``intensity`` is their square.
-    """
+    """Read a side-scan recording of EdgeTech."""
+    # Samples are envelopes, or magnitudes of analytic signals, scaled by their weights; ``intensity`` is their square.
     path = Path(path)
     traces = list(_traces(path, np.fromfile(path, dtype=np.uint8)))
     if not traces:

@@ -24,10 +24,8 @@ ATTRIBUTE = "attrs."  # before the names of attributes
 
 
 def write_npz(path: str | Path, blocks: Iterable[RecordBlock]) -> None:
-    """Write a record as one array for each variable; readable by ``numpy.load`` without pickles.
-
-    An archive is written at once, so that the record must fit in memory; netCDF suits long tracks.
-    """
+    """Write a record as one array for each variable; readable by ``numpy.load`` without pickles."""
+    # An archive is written at once, so that the record must fit in memory; netCDF suits long tracks.
     parts = list(blocks)
     with zipfile.ZipFile(path, "w") as archive:
         for name, variable in parts[0].variables.items():

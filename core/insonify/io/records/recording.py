@@ -114,10 +114,8 @@ class Fixes(NamedTuple):
         return local_georeference(*first) if self.degrees else Georeference("", first)
 
     def positions(self, times: Column) -> tuple[Column, Column] | None:
-        """Metres east and north of the first fix at every ping; None without any.
-
-        Fixes repeat because they are rarer than pings; positions between them are interpolated over time.
-        """
+        """Metres east and north of the first fix at every ping; None without any."""
+        # Fixes repeat because they are rarer than pings; positions between them are interpolated over time.
         place, moved = self.place, self.known
         if place is None:
             return None

@@ -41,12 +41,10 @@ class _Ping(NamedTuple):
 
 
 def read_xtf(path: str | Path, frequency: float | None = None) -> xr.Dataset:
-    """Read a side-scan recording.
-
-    Samples are amplitudes: their standard deviation in uniform patches of a raw recording is half their mean, as for
-    the envelope of fully developed speckle (0.523); an intensity would have a ratio of 1. ``intensity`` is the square
-    of the samples, in the units of the recorder.
-    """
+    """Read a side-scan recording."""
+    # Samples are amplitudes: their standard deviation in uniform patches of a raw recording is half their mean, as for
+    # the envelope of fully developed speckle (0.523); an intensity would have a ratio of 1. ``intensity`` is the square
+    # of the samples, in the units of the recorder.
     path = Path(path)
     if path.stat().st_size < BLOCK:
         raise FileFault(f"has {path.stat().st_size} bytes, less than the header of an XTF file", "copy it again")
@@ -181,10 +179,8 @@ def _track(header: Any, headers: list[Any]) -> recording.RecordedTrack:
 
 
 def _seconds(headers: list[Any]) -> recording.Column:
-    """Seconds from the first ping to each, by the time of day, because dates are often wrong.
-
-    The clock resolves 10 ms; a recording without a clock gets one ping a second.
-    """
+    """Seconds from the first ping to each, by the time of day, because dates are often wrong."""
+    # The clock resolves 10 ms; a recording without a clock gets one ping a second.
     clock = (
         3600.0 * _column(headers, "Hour")
         + 60.0 * _column(headers, "Minute")
@@ -254,10 +250,8 @@ def _declared(header: Any, band: int, field: str, most: float) -> float:
 
 
 def _frequencies(header: Any, pings: list[_Ping]) -> dict[int, float]:
-    """Return the carrier frequencies of the bands that have pings, in Hz; 0 where the file lacks one.
-
-    Files have it in kHz, in the header or in the pings.
-    """
+    """Return the carrier frequencies of the bands that have pings, in Hz; 0 where the file lacks one."""
+    # Files have it in kHz, in the header or in the pings.
     found: dict[int, float] = {}
     for band in sorted({band for ping in pings for band in ping.bands}):
         of_pings = next(ping.frequencies[band] for ping in pings if band in ping.frequencies)

@@ -11,8 +11,6 @@ The structures are those of pyxtf. Where the format leaves a choice, the fields 
 - Dates are valid, because pyxtf and auvlib sort by them.
 """
 
-from __future__ import annotations
-
 import ctypes
 import math
 import tempfile
@@ -76,11 +74,9 @@ def counts(dtype: np.dtype[Any]) -> float:
 
 
 def write_xtf(path: str | Path, blocks: Iterable[RecordBlock], bits: str = "16") -> None:
-    """Write a record as a side-scan recording.
-
-    Amplitudes go through a temporary file beside the recording, because the scale of integers follows from the
-    greatest. Memory does not grow with the echoes.
-    """
+    """Write a record as a side-scan recording."""
+    # Amplitudes go through a temporary file beside the recording, because the scale of integers follows from the
+    # greatest. Memory does not grow with the echoes.
     kind = SAMPLE_TYPES[bits]
     with tempfile.TemporaryFile(dir=Path(path).parent) as spool, Path(path).open("wb") as file:
         survey = _spool(blocks, spool)

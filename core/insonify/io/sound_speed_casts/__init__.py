@@ -3,8 +3,6 @@
 A format is one module here that holds a `FileFormat`.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 import numpy as np
@@ -105,10 +103,8 @@ def _way_down(depth: Values, time: Values | None) -> slice:
 
 
 def _after_soak(depth: Values, time: Values) -> int:
-    """Row at which the descent continues after the last soak near the surface; 0 if there is none.
-
-    An instrument soaks below the surface until its pump runs, and is often raised again before the descent.
-    """
+    """Row at which the descent continues after the last soak near the surface; 0 if there is none."""
+    # An instrument soaks below the surface until its pump runs, and is often raised again before the descent.
     levels = np.arange(depth[0], depth[-1], BIN)
     if levels.size < 2:
         return 0
@@ -122,9 +118,7 @@ def _after_soak(depth: Values, time: Values) -> int:
 
 
 def _binned(depth: Values, column: Values) -> Values:
-    """Means over the bins of depth that hold rows, which removes noise and repeated or unsorted depths.
-
-    Depths are averaged like the other columns, which keeps gradients and the place of sparse rows.
-    """
+    """Means over the bins of depth that hold rows, which removes noise and repeated or unsorted depths."""
+    # Depths are averaged like the other columns, which keeps gradients and the place of sparse rows.
     _, step = np.unique(np.floor(depth / BIN), return_inverse=True)
     return np.bincount(step, weights=column) / np.bincount(step)

@@ -1,7 +1,5 @@
 """Converted casts of Sea-Bird instruments (.cnv)."""
 
-from __future__ import annotations
-
 import re
 
 import numpy as np

@@ -4,8 +4,6 @@ Logs of Valeport (Swift and MIDAS), of AML Oceanographic and of the Castaway hav
 the columns, and a row for each sample.
 """
 
-from __future__ import annotations
-
 import re
 from collections.abc import Mapping
 
@@ -41,10 +39,8 @@ LOG_NAMES = {
 
 
 def read_profile(path: str) -> Columns:
-    """Read depth and speed of sound from ``.asvp``, ``.svp``, ``.vel`` and ``.calc`` files.
-
-    Lines that are not all numbers are headings.
-    """
+    """Read depth and speed of sound from ``.asvp``, ``.svp``, ``.vel`` and ``.calc`` files."""
+    # Lines that are not all numbers are headings.
     text = read_text(path, ENCODING)
     sections = len(re.findall(r"^\s*section\b", text, flags=re.MULTILINE | re.IGNORECASE))
     if sections > 1:

@@ -4,8 +4,6 @@ A beam is a cone, a plane is not: planes decide what is visible, sectors weigh i
 docs/theory/beam.md.
 """
 
-from __future__ import annotations
-
 import math
 from typing import NamedTuple
 
@@ -66,12 +64,10 @@ def sector_weight(x, z, r, sector, pattern, law):
 
 @inlined_uncounted
 def top_hat_width(x, r, sector):
-    """Along-track width that a plane of a top-hat beam represents.
-
-    A beam is a cone: |sin φ_b| = cos θ |sin φ| <= sin(w/2). In the far field the inner sectors stretch with it, nearer
-    by each counts by the share of its azimuths that the cone takes in. Both add up to the whole beam, and so does
-    what lies between them: over a stretch of range one passes into the other.
-    """
+    """Along-track width that a plane of a top-hat beam represents."""
+    # A beam is a cone: |sin φ_b| = cos θ |sin φ| <= sin(w/2). In the far field the inner sectors stretch with it,
+    # nearer by each counts by the share of its azimuths that the cone takes in. Both add up to the whole beam, and so
+    # does what lies between them: over a stretch of range one passes into the other.
     near = x * _azimuth_taken_in(x, r, sector) if sector.s_high > LINEAR_SINE else _width_taken_in(x, r, sector)
     return near + _far_field_share(x, sector) * (r * sector.far_angle - near)  # docs/theory/beam.md
 
@@ -160,10 +156,8 @@ def is_whole_beam(sector):
 
 @inlined_uncounted
 def paired_weight(x, one, other, sector, pattern, law):
-    """Weight of a plane that represents a whole beam, for sound that leaves by one image and returns by another.
-
-    A narrow sector has one response to each; over a whole beam the azimuths matter at which both respond.
-    """
+    """Weight of a plane that represents a whole beam, for sound that leaves by one image and returns by another."""
+    # A narrow sector has one response to each; over a whole beam the azimuths matter at which both respond.
     vertical = in_plane_response(x / one[1], one[0] / one[1], sector, pattern)
     vertical *= in_plane_response(x / other[1], other[0] / other[1], sector, pattern)
     if not (vertical > 0.0 and x > 0.0):
@@ -195,11 +189,9 @@ def in_plane_response(c, s, sector, pattern):
 
 @inlined_uncounted
 def pattern_width(x, z, r, sector, pattern):
-    """Along-track width that a plane of a tabulated pattern represents.
-
-    Along the plane of azimuth φ, s = cos p cos θ sin φ + sin p sin θ is the part of the direction along the fish's
-    axis; the mean of the pattern over the sector is its integral over s between the sector's borders.
-    """
+    """Along-track width that a plane of a tabulated pattern represents."""
+    # Along the plane of azimuth φ, s = cos p cos θ sin φ + sin p sin θ is the part of the direction along the fish's
+    # axis; the mean of the pattern over the sector is its integral over s between the sector's borders.
     level, tip = sector.ahead_level * x / r, sector.ahead_up * z / r
     span = level * (sector.s_high - sector.s_low)
     s_low, s_high = level * sector.s_low + tip, level * sector.s_high + tip

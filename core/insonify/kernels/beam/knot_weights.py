@@ -6,8 +6,6 @@ direction; its value and slope are known at both. A top-hat has a closed form, w
 Theory: docs/theory/beam.md.
 """
 
-from __future__ import annotations
-
 import math
 
 from insonify.compiler.jit import NOTHING, inlined_uncounted, kernel_on_demand, kernel_uncounted

@@ -5,8 +5,6 @@ Tables are by row of slant range and by the sine s of the angle from athwart.
 Theory: docs/theory/beam.md.
 """
 
-from __future__ import annotations
-
 import math
 
 import numpy as np
@@ -23,10 +21,8 @@ PER_LN2 = 2.0 / math.log(2.0)
 
 @inlined_uncounted
 def integrated_response(centre, extent, integral, first_range, per_octave, s_low, s_high, r):
-    """Integral of the two-way response over s between two values, at one slant range.
-
-    The arguments are the pattern's arrays: unpacking its tuple costs more than reading the table.
-    """
+    """Integral of the two-way response over s between two values, at one slant range."""
+    # The arguments are the pattern's arrays: unpacking its tuple costs more than reading the table.
     row, share = row_of_range(extent, first_range, per_octave, r)
     low = _integral_up_to(centre, extent, integral, row, s_low)
     value = _integral_up_to(centre, extent, integral, row, s_high) - low
@@ -152,11 +148,9 @@ def widest_extent(pattern):
 
 @inlined_uncounted
 def pick_azimuth(pattern, level, tip, r, place):
-    """Azimuth of a ray within a beam, and the angle it stands for.
-
-    Over azimuths φ, s = level · sin φ + tip. Half the rays are spread evenly over all that the beam takes in, for the
-    sidelobes; half follow the pattern, for the main lobe. Each stands for one over the joint density.
-    """
+    """Azimuth of a ray within a beam, and the angle it stands for."""
+    # Over azimuths φ, s = level · sin φ + tip. Half the rays are spread evenly over all that the beam takes in, for the
+    # sidelobes; half follow the pattern, for the main lobe. Each stands for one over the joint density.
     extent = widest_extent(pattern)
     low = min(max((pattern.centre - extent - tip) / level, -1.0), 1.0)
     high = min(max((pattern.centre + extent - tip) / level, -1.0), 1.0)
@@ -252,10 +246,8 @@ def vertical_response(pattern, side, up):
 
 @inlined_uncounted
 def lobe_response(pattern, side, up):
-    """Two-way response of a vertical beam of a single lobe; arguments and result as of `vertical_response`.
-
-    Loops over knots take it by itself: with a table beside it they are a tenth slower.
-    """
+    """Two-way response of a vertical beam of a single lobe; arguments and result as of `vertical_response`."""
+    # Loops over knots take it by itself: with a table beside it they are a tenth slower.
     c, s = math.cos(pattern.tilt), math.sin(pattern.tilt)
     # Parts of the direction along the tilted axis, and at right angles to it.
     along, off = side * c - up * s, (up * c + side * s) / pattern.s_vertical
@@ -330,15 +322,6 @@ def ring_responses(pattern, x, r, out):
 
 @kernel
 def vertical_responses(pattern, elevation, out):
-    """Two-way response of the vertical beam of a level fish at many elevations.
-
-    Parameters
-    ----------
-    pattern : BeamPattern
-    elevation : ndarray of float64, shape (n,)
-        Above the horizontal, rad.
-    out : ndarray of float64, shape (n,)
-        Takes the responses.
-    """
+    """Two-way response of the vertical beam of a level fish at elevations above the horizontal, rad, into an array."""
     for k in range(elevation.size):
         out[k] = vertical_response(pattern, math.cos(elevation[k]), math.sin(elevation[k]))

@@ -6,8 +6,6 @@ compiler can use its vector units.
 Theory: docs/theory/beam.md.
 """
 
-from __future__ import annotations
-
 import math
 from typing import NamedTuple
 
@@ -86,10 +84,8 @@ def _find_directions(begin, end, sector, pattern, first, second, third):
 
 @inlined_uncounted
 def _list_knots(blocks, knots, sector, pattern, fine, level, tip, place, listed):
-    """List the knots within blocks at which the pattern is read too, after the blocks' ends; return their number.
-
-    The first entries of the list hold the steps between those of each block, by the block's end.
-    """
+    """List the knots within blocks at which the pattern is read too, after the blocks' ends; return their number."""
+    # The first entries of the list hold the steps between those of each block, by the block's end.
     centre, extent, s_low, s_high, s_beam = pattern.centre, pattern.extent, sector.s_low, sector.s_high, sector.s_beam
     farther, last_row, samples = max(abs(s_low), abs(s_high)), extent.size - 1.0, blocks + 1
     last_off, last_borders = 0.0, 0
@@ -239,10 +235,8 @@ def _side_of_beam(s, half):
 
 @inlined_uncounted
 def _samples_per_sine(off, main, fine, extent):
-    """Return the samples of a pattern per change of s, where the nearer border of a sector is so far off the axis.
-
-    A sector beside the whole beam may come as near as its edge, lest it cross the beam between two samples.
-    """
+    """Return the samples of a pattern per change of s, where the nearer border of a sector is so far off the axis."""
+    # A sector beside the whole beam may come as near as its edge, lest it cross the beam between two samples.
     if off > extent:
         return 1.0 / (off - extent)
     return 1.0 / ((fine[0] if off < main else fine[1]) * main)
@@ -269,10 +263,8 @@ def _fill_blocks(blocks, x, r, ahead_level, level, rate, value, listed, out):
 
 @inlined_uncounted
 def _fill_chord(first, beyond, x, r, ahead_level, samples, before, after, out):
-    """Fill the knots up to one at which a function of a direction's level part is known, as it is before the first.
-
-    To the second order it is the chord, a parabola, and its slope times what the level part is off its own chord.
-    """
+    """Fill the knots up to one at which a function of a direction's level part is known, as it is before the first."""
+    # To the second order it is the chord, a parabola, and its slope times what the level part is off its own chord.
     all_levels, all_rates, all_values = samples
     if first == beyond:
         out[beyond] = all_values[after]

@@ -1,7 +1,5 @@
 """Places on the grid of a bed: indices of nodes, wrapped where the bed repeats, and the part of a line within it."""
 
-from __future__ import annotations
-
 import math
 
 from insonify.compiler.jit import inlined_uncounted
@@ -32,10 +30,8 @@ def clip_to_grid(origin, rate, highest, near, far):
 
 @inlined_uncounted
 def first_line(v, step):
-    """Last grid line at or behind a place of a walk; a line just ahead counts as reached.
-
-    With ``-step`` it is the first line at or beyond the place; a line just behind counts as reached.
-    """
+    """Last grid line at or behind a place of a walk; a line just ahead counts as reached."""
+    # With ``-step`` it is the first line at or beyond the place; a line just behind counts as reached.
     return math.floor(v + MERGED) if step > 0 else math.ceil(v - MERGED)
 
 

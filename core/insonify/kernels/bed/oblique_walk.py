@@ -6,8 +6,6 @@ give to a knot or a segment. The knot on the line u is written in any case, and 
 none: a branch would be mispredicted. Derived in docs/theory/sweep.md.
 """
 
-from __future__ import annotations
-
 from typing import NamedTuple
 
 import numpy as np
@@ -95,11 +93,9 @@ def _find_crossings(nu, periodic, spacing, u0, v0, eu, ev, start, end):
 
 @inlined_uncounted
 def _locate_cells(crossings, cells, into):
-    """Cell along u at each line v, and how far into it the plane lies; a line u just ahead counts as crossed.
-
-    Cells of a bed that repeats are counted from the first one. The first and the last entry are of the places where
-    the plane begins and ends.
-    """
+    """Cell along u at each line v, and how far into it the plane lies; a line u just ahead counts as crossed."""
+    # Cells of a bed that repeats are counted from the first one. The first and the last entry are of the places where
+    # the plane begins and ends.
     x_behind, per_line, w0, rate = crossings.x_behind, crossings.per_line, crossings.w0, crossings.rate
     real, low, period = into.dtype.type, float(crossings.lowest), float(crossings.cells)
     start, end, wraps = crossings.start, crossings.end, crossings.periodic
@@ -129,10 +125,8 @@ def _mark_crossed(intervals, cells, into, crossed):
 
 @inlined_uncounted
 def _place_knots(nodes, crossings, z0, cells, into, crossed, x, z, before, after):
-    """Place the knots on lines of both families, with the differences across on either hand; return their number.
-
-    A difference is that of the heights of two neighbouring nodes of a line v, interpolated between two lines.
-    """
+    """Place the knots on lines of both families, with the differences across on either hand; return their number."""
+    # A difference is that of the heights of two neighbouring nodes of a line v, interpolated between two lines.
     real, nv, sense, step, last = before.dtype.type, nodes.shape[0], crossings.sense, crossings.step, crossings.lines
     x_behind, per_line, rate = crossings.x_behind, crossings.per_line, crossings.rate
     line = wrap_index(crossings.behind, nv)

@@ -1,7 +1,5 @@
 """Work space for one profile of the bed, and how far the vectorised passes over it run."""
 
-from __future__ import annotations
-
 import math
 from typing import NamedTuple
 
@@ -44,10 +42,8 @@ class Profile(NamedTuple):
 
 @inlined_uncounted
 def list_marked(marks, segments, indices):
-    """List the indices of marked segments and return their number; a word of marks beyond the segments is cleared.
-
-    Few segments are marked, so that whole words of marks are tested at once.
-    """
+    """List the indices of marked segments and return their number; a word of marks beyond the segments is cleared."""
+    # Few segments are marked, so that whole words of marks are tested at once.
     marks[segments : segments + WORD] = False
     words, n = marks[: (segments + WORD - 1) // WORD * WORD].view(np.int64), 0
     for word in range(words.size):
@@ -60,19 +56,7 @@ def list_marked(marks, segments, indices):
 
 
 def empty_profile(capacity: int, dtype: DTypeLike = np.float32) -> Profile:
-    """Make room for profiles.
-
-    Parameters
-    ----------
-    capacity : int
-        Knots at most.
-    dtype : dtype
-        Single precision or, to measure its error, double.
-
-    Returns
-    -------
-    Profile
-    """
+    """Make room for profiles of at most ``capacity`` knots, in single precision or, to measure its error, in double."""
     x, z = np.zeros(capacity), np.zeros(capacity)
     slope, area, gradient, twist, low, high, across = np.zeros((7, capacity), dtype)
     into, before, after, range_ratio, gain, facing = np.zeros((6, capacity), dtype)
@@ -84,19 +68,7 @@ def empty_profile(capacity: int, dtype: DTypeLike = np.float32) -> Profile:
 
 
 def profile_capacity(reach: float, spacing: float) -> int:
-    """Count the knots that a slice can have at most: crossings of both families, the parts of segments, and room.
-
-    Parameters
-    ----------
-    reach : float
-        Ground range, m.
-    spacing : float
-        Between nodes of the bed, m.
-
-    Returns
-    -------
-    int
-    """
+    """Greatest number of knots of a slice over a ground range and a spacing of nodes, in m, with those inserted."""
     return int(MEAN_PARTS * 2.0 * math.sqrt(2.0) * reach / spacing) + 64 * AT_ONCE
 
 

@@ -6,8 +6,6 @@ knots lie on consecutive nodes of two rows of memory. Oblique planes are walked 
 docs/theory/sweep.md.
 """
 
-from __future__ import annotations
-
 import math
 from typing import NamedTuple
 

@@ -6,8 +6,6 @@ beam; the density of the echo over slant range, which is spread evenly; and the 
 in docs/theory/sweep.md.
 """
 
-from __future__ import annotations
-
 import math
 
 import numpy as np
@@ -178,10 +176,8 @@ def _limit_parts(segments, parts, room):
 
 @inlined_uncounted
 def _insert_knots(segments, added, eu, mapped, profile):
-    """Put knots into segments, in place, from the last segment to the first.
-
-    Along the plane d²z/dx² = 2 eu ev ∂²z/∂u∂v, and the gradient across changes by ev ∂²z/∂u∂v a metre.
-    """
+    """Put knots into segments, in place, from the last segment to the first."""
+    # Along the plane d²z/dx² = 2 eu ev ∂²z/∂u∂v, and the gradient across changes by ev ∂²z/∂u∂v a metre.
     x, z, gradient, twist, material = profile.x, profile.z, profile.gradient, profile.twist, profile.material
     real = gradient.dtype.type
     place = segments + added

@@ -1,7 +1,5 @@
 """Voronoi patches of a bed: the hashed seed point nearest to each place."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

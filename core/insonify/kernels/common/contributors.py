@@ -1,7 +1,5 @@
 """Shares of contributors (materials of the bed, targets) in the energy of every range bin of one side of a ping."""
 
-from __future__ import annotations
-
 from typing import NamedTuple
 
 import numpy as np
@@ -25,19 +23,8 @@ class ContributorTable(NamedTuple):
 
 
 def empty_contributor_table(count: int, bins: int) -> ContributorTable:
-    """Make room for one side of a ping; memory of contributors that never occur is never touched.
-
-    Parameters
-    ----------
-    count : int
-        Contributors: materials of the bed, then targets, for every propagation path.
-    bins : int
-        Range bins.
-
-    Returns
-    -------
-    ContributorTable
-    """
+    """Make room for one side of a ping: ``count`` materials and targets by every path, each over range bins."""
+    # Memory of contributors that never occur is never touched.
     energy, strongest = np.empty((2, count, bins))
     x, cosine = np.empty((2, count, bins), np.float32)
     return ContributorTable(np.zeros(count, np.bool_), energy, strongest, x, cosine)

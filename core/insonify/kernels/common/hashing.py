@@ -1,7 +1,5 @@
 """Random numbers by hashing: each is a function of its purpose and place alone, never of the order of execution."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np
@@ -19,18 +17,7 @@ UNIT = 2.0**-52
 
 @kernel
 def splitmix64(value):
-    """Return the splitmix64 output that follows a state.
-
-    Parameters
-    ----------
-    value : int
-        State; converted to uint64.
-
-    Returns
-    -------
-    uint64
-        Of Steele, Lea and Flood (2014), *Fast splittable pseudorandom number generators*.
-    """
+    """Return the splitmix64 output that follows a state (Steele, Lea and Flood 2014, OOPSLA)."""
     mixed = np.uint64(value) + GOLDEN
     mixed = (mixed ^ (mixed >> SHIFTS[0])) * FIRST_MULTIPLIER
     mixed = (mixed ^ (mixed >> SHIFTS[1])) * SECOND_MULTIPLIER

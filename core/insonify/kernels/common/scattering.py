@@ -4,8 +4,6 @@ Sound that leaves and returns along one line, at incidence α to the surface's n
 two directions there is `bistatic_strength`. Derived in docs/theory/scattering.md.
 """
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

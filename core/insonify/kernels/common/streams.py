@@ -3,8 +3,6 @@
 A number is a hash of the scene's seed, its stream and its place, see `insonify.kernels.common.hashing`.
 """
 
-from __future__ import annotations
-
 # Terrain. Part n of a sum of reliefs adds n · RELIEF_PART; band k of endless relief adds multiples of RELIEF_BAND.
 RELIEF = 1
 MATERIAL_BANDS = 2

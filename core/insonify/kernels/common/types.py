@@ -116,19 +116,7 @@ class Water(NamedTuple):
 
 
 def still_water(speed: float = 1500.0, surface: float = 0.0) -> Water:
-    """Return water of one speed, in which sound goes straight.
-
-    Parameters
-    ----------
-    speed : float
-        m/s.
-    surface : float
-        Height of the sea surface above the datum, m.
-
-    Returns
-    -------
-    Water
-    """
+    """Return water of one speed, m/s, in which sound goes straight, below a surface at a height above the datum, m."""
     return Water(False, np.zeros(1), np.full((1, 1), speed), np.zeros(1), 1.0, 0.0, speed, surface)
 
 
@@ -150,6 +138,16 @@ def no_surface_multipath() -> SurfaceMultipath:
     return SurfaceMultipath(False, False, False, False, False, 0.0, 0.0, np.zeros((2, 1, 4)))
 
 
+class RangeDecay(NamedTuple):
+    """How spreading and absorption decrease with slant range."""
+
+    spreading: float  # power of slant range
+    loss: float  # relative decrease per bin by absorption
+
+
+NO_DECAY = RangeDecay(0.0, 0.0)
+
+
 class SceneArrays(NamedTuple):
     """Arrays of one scene, packed from its declarations, as every tracer takes them."""
 
@@ -163,7 +161,8 @@ class SceneArrays(NamedTuple):
     pattern: BeamPattern
     bins: int  # per side
     bin_length: float  # true slant range that one bin spans, m
-    range_factor: NDArray[np.float64]  # (bins,) spreading and absorption at the bin centres
+    range_factor: NDArray[np.float64]  # (bins,) spreading and absorption, their mean over each bin
+    range_decay: RangeDecay
     limits: SegmentLimits
     bounces: int = 0  # specular reflections and transmissions followed after the first echo
     water: Water = still_water()

@@ -3,8 +3,6 @@
 Theory: docs/theory/error.md.
 """
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

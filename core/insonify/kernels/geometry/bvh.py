@@ -1,7 +1,5 @@
 """Bounding volume hierarchy over triangles, built by the surface area heuristic."""
 
-from __future__ import annotations
-
 import numpy as np
 from numpy.typing import NDArray
 
@@ -93,10 +91,8 @@ def _enclose(order, low, high, start, stop, box_low, box_high):
 
 @kernel
 def _split_triangles(order, low, high, start, stop):
-    """Split some triangles in two where rays cost least by the surface areas of both boxes; return the border.
-
-    Wald (2007), *On fast construction of SAH-based bounding volume hierarchies*, with slabs between centres.
-    """
+    """Split some triangles in two where rays cost least by the surface areas of both boxes; return the border."""
+    # Wald (2007), *On fast construction of SAH-based bounding volume hierarchies*, with slabs between centres.
     best, best_axis, best_slab = np.inf, -1, 0
     best_from, best_per_metre = 0.0, 0.0
     counts, lows, highs = np.empty(SLABS, np.int64), np.empty((SLABS, 3)), np.empty((SLABS, 3))

@@ -1,7 +1,5 @@
 """Cross-sections of convex bodies by one vertical half-plane: convex figures that fill intervals of launch angles."""
 
-from __future__ import annotations
-
 import math
 from typing import NamedTuple
 

@@ -1,7 +1,5 @@
 """Rays against analytic convex bodies: exact entry and exit, and the outward normals there."""
 
-from __future__ import annotations
-
 import math
 from typing import NamedTuple
 
@@ -99,11 +97,9 @@ def intersect_sphere(cx, cy, cz, radius, dx, dy, dz):
 
 @kernel
 def intersect_frustum(frustum, dx, dy, dz):
-    """Distances and faces at which a line enters a frustum and leaves it.
-
-    A frustum is the intersection of a cone and a slab. The stretch of a line inside it is the intersection of its
-    stretches inside both, so that no ray slips between the side and an end at the rim.
-    """
+    """Distances and faces at which a line enters a frustum and leaves it."""
+    # A frustum is the intersection of a cone and a slab. The stretch of a line inside it is the intersection of its
+    # stretches inside both, so that no ray slips between the side and an end at the rim.
     cx, cy, cz, ax, ay, az, length, radius, taper = frustum
     da = dx * ax + dy * ay + dz * az
     # Counted from where the line passes the middle, so that far away no digits are lost.

@@ -6,8 +6,6 @@ difference of two products is never of the wrong sign, at worst 0, and two trian
 exactly opposite. As 0 counts as inside, one of them is always met.
 """
 
-from __future__ import annotations
-
 import math
 from typing import NamedTuple
 

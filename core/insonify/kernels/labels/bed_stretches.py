@@ -3,8 +3,6 @@
 The record needs what is visible alone (`deposit_visible_stretches`); labels and the parts of an echo need all of it.
 """
 
-from __future__ import annotations
-
 from typing import NamedTuple
 
 import numpy as np

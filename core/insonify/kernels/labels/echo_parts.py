@@ -18,7 +18,7 @@ from insonify.kernels.beam.azimuth_sector import AzimuthSector, in_plane_respons
 from insonify.kernels.bed.grid import is_oblique
 from insonify.kernels.bed.profile import Profile
 from insonify.kernels.bed.slice import slice_bed
-from insonify.kernels.common.range_bins import FIXED_POINT, step_density, tilt_density
+from insonify.kernels.common.range_bins import FIXED_POINT, RangeBins, range_weight, step_density, tilt_density
 from insonify.kernels.common.scattering import backscatter_strength
 from insonify.kernels.common.types import BED, LIGHT, SceneArrays
 from insonify.kernels.geometry.cross_sections import HalfPlane
@@ -66,7 +66,7 @@ class PartList(NamedTuple):
     """Where parts are listed, and work space."""
 
     rows: NDArray[np.float64]  # (room, COLUMNS)
-    bins: NDArray[np.int64]  # (bins + 2,) difference array, zero between parts
+    bins: RangeBins  # zero between parts
     knots: Profile  # the profile where it is, beside the workspace's where it seems to be
 
 
@@ -88,17 +88,6 @@ class PlaneView(NamedTuple):
 @kernel
 def list_echo_parts(arrays, poses, ping, side, fan, apparent, workspace, window, parts):
     """List the parts of the echo in some range bins of one side of one ping by the direct path.
-
-    Parameters
-    ----------
-    arrays : SceneArrays
-    poses : Poses
-    ping, side : int
-    fan : AzimuthFan
-    apparent : ApparentTables
-    workspace : SweepWorkspace
-    window : Window
-    parts : PartList
 
     Returns
     -------
@@ -163,12 +152,12 @@ def _list_bed(view, cells, count, stretches, n):
 @inlined
 def _deposit_whole_segment(i, echoes, oblique, bin_length, bins):
     """Spread the energy of a segment that is visible whole over the range bins."""
-    r, energy, last = echoes.r, np.int64(abs(echoes.energy[i])), bins.size - 2
+    r, energy = echoes.r, np.int64(abs(echoes.energy[i]))
     a, b = min(r[i], r[i + 1]) / bin_length, max(r[i], r[i + 1]) / bin_length
-    step_density(bins, a, energy, last)
-    step_density(bins, b, -energy, last)
+    step_density(bins, a, energy)
+    step_density(bins, b, -energy)
     if oblique and b > a:
-        tilt_density(bins, a, b, echoes.energy[i], echoes.change[i], last)
+        tilt_density(bins, a, b, echoes.energy[i], echoes.change[i])
 
 
 @kernel
@@ -177,7 +166,7 @@ def _list_stretch(view, segment, i, crest, x_from, x_to, state, hider, n):
     arrays, sector, profile, parts = view.arrays, view.sector, view.workspace.profile, view.parts
     nearest = slant_range(segment, nearest_ground_range(segment, x_from, x_to))
     near, far = slant_range(segment, x_from), slant_range(segment, x_to)
-    sums = _take_bins(parts.bins, nearest, max(near, far), arrays.bin_length, view.window)
+    sums = _take_bins(parts.bins.steps, nearest, max(near, far), arrays.bin_length, view.window)
     if max(near, far) <= view.near or nearest >= view.far:
         return n
     if n >= parts.rows.shape[0]:
@@ -266,7 +255,7 @@ def _list_targets(view, cells, count, n):
             if is_facet_met(facet) and nearest < view.far and farthest > view.near:
                 gain, law, bin_length = cell.source.gain, arrays.law, arrays.bin_length
                 deposit_facet(facet, gain, cell.material, sector, arrays.pattern, law, bin_length, parts.bins)
-                sums = _take_bins(parts.bins, 0.9 * nearest, 1.1 * farthest, bin_length, view.window)
+                sums = _take_bins(parts.bins.steps, 0.9 * nearest, 1.1 * farthest, bin_length, view.window)
                 n = _list_facet(view, cell, facet, sums, n)
     return n
 
@@ -314,9 +303,7 @@ def list_refracted_parts(arrays, bare, poses, ping, side, rays, window, rows):
     ----------
     arrays, bare : SceneArrays
         The scene, and the same without targets.
-    poses : Poses
-    ping, side, rays : int
-    window : Window
+    poses, ping, side, rays, window : Poses, int, int, int, Window
     rows : ndarray of float64, shape (room, COLUMNS)
         Filled; unknown columns of a ray are NaN.
 
@@ -350,6 +337,7 @@ def _list_echo(arrays, cast, ahead, m, state, hider, window, rows, n):
         return n
     if n >= rows.shape[0]:
         return n + 1
+    nearness = range_weight(arrays.range_decay, b, cast.distance[m] / arrays.bin_length, 0.0)
     row, bundle, hits, arrivals = rows[n], cast.rays.bundle, cast.rays.hits, cast.rays.arrivals
     row[:] = math.nan
     body, material = hits.body[k], hits.material[k]
@@ -365,5 +353,5 @@ def _list_echo(arrays, cast, ahead, m, state, hider, window, rows, n):
     numbers = arrays.reflectivity[material]
     row[STRENGTH] = backscatter_strength(cosine, numbers[0], numbers[1], numbers[2], arrays.law)
     for what in range(3):
-        row[ECHO + what] = window.weights[what, inside] * value
+        row[ECHO + what] = window.weights[what, inside] * value * nearness
     return n + 1

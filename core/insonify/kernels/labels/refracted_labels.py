@@ -4,8 +4,6 @@ The echo of every ray and every mixed path is noted like that of the sweep's seg
 found by the same rays in the scene without targets.
 """
 
-from __future__ import annotations
-
 import numpy as np
 
 from insonify.compiler.jit import kernel
@@ -31,10 +29,8 @@ def label_refracted_pings(arrays, bare, poses, rays, contributions, shadows, lab
         n pings.
     rays : int
         A side.
-    contributions : ContributorTable
-        Empty, with a row for every contributor.
-    shadows : ShadowTable
-        Empty, with a row for every target.
+    contributions, shadows : ContributorTable, ShadowTable
+        Empty, with a row for every contributor, and one for every target.
     labels : BinLabels
         Of n pings; takes the result.
 

@@ -5,8 +5,6 @@ other. Its share is taken of the echo that the whole bed would return without th
 returns nothing either way and does not count.
 """
 
-from __future__ import annotations
-
 from typing import NamedTuple
 
 import numpy as np
@@ -29,19 +27,7 @@ class ShadowTable(NamedTuple):
 
 
 def empty_shadow_table(targets: int, bins: int) -> ShadowTable:
-    """Make room for one side of a ping; memory of targets that hide nothing is never touched.
-
-    Parameters
-    ----------
-    targets : int
-        Declared targets.
-    bins : int
-        Range bins.
-
-    Returns
-    -------
-    ShadowTable
-    """
+    """Make room for one side of a ping; memory of targets that hide nothing is never touched."""
     return ShadowTable(np.zeros(targets, np.bool_), np.empty((targets, bins)))
 
 

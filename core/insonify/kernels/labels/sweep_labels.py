@@ -21,7 +21,7 @@ from insonify.kernels.common.contributors import (
     spanned_bins,
     spread_contribution,
 )
-from insonify.kernels.common.range_bins import FIXED_POINT, accumulate_bins
+from insonify.kernels.common.range_bins import FIXED_POINT, RangeBins, accumulate_bins
 from insonify.kernels.common.scattering import backscatter_strength
 from insonify.kernels.common.types import LIGHT
 from insonify.kernels.labels.bed_stretches import BEHIND_TARGET, VISIBLE, empty_stretches, split_segment
@@ -81,16 +81,7 @@ class Stretch(NamedTuple):
 
 
 def empty_labels(pings: int, bins: int, targets: int) -> BinLabels:
-    """Make room for the labels of a record.
-
-    Parameters
-    ----------
-    pings, bins, targets : int
-
-    Returns
-    -------
-    BinLabels
-    """
+    """Make room for the labels of a record."""
     shape = (pings, 2, bins)
     energy, shadow, ground_range, incidence = np.empty((4, *shape), np.float32)
     return BinLabels(
@@ -106,17 +97,7 @@ def empty_labels(pings: int, bins: int, targets: int) -> BinLabels:
 
 
 def labels_of_pings(labels: BinLabels, first: int, last: int) -> BinLabels:
-    """Labels of pings first to last - 1, as views.
-
-    Parameters
-    ----------
-    labels : BinLabels
-    first, last : int
-
-    Returns
-    -------
-    BinLabels
-    """
+    """Labels of pings first to last - 1, as views."""
     return BinLabels(*(column[first:last] for column in labels))  # type: ignore[arg-type]
 
 
@@ -126,18 +107,13 @@ def label_swept_pings(arrays, poses, fan, image_fan, apparent, workspace, multip
 
     Parameters
     ----------
-    arrays : SceneArrays
-    poses : Poses
+    arrays, poses : SceneArrays, Poses
         n pings.
     fan, image_fan : AzimuthFan
         Planes of the sonar's beam, and of its image's in the sea surface.
-    apparent : ApparentTables
-    workspace : SweepWorkspace
-    multipath : MultipathWorkspace
-    contributions : ContributorTable
-        Empty, with a row for every contributor by every path.
-    shadows : ShadowTable
-        Empty, with a row for every target.
+    apparent, workspace, multipath : ApparentTables, SweepWorkspace, MultipathWorkspace
+    contributions, shadows : ContributorTable, ShadowTable
+        Empty, with a row for every contributor by every path, and one for every target.
     labels : BinLabels
         Of n pings; takes the result.
 
@@ -146,7 +122,7 @@ def label_swept_pings(arrays, poses, fan, image_fan, apparent, workspace, multip
     int
         0, or -1 - k if the sonar is inside body k.
     """
-    bins = np.zeros(arrays.bins + 2, np.int64)
+    bins = RangeBins(np.zeros(arrays.bins + 2, np.int64), arrays.range_decay)
     straight, by_surface = np.zeros((2, arrays.bins), np.float32)
     profile, echoes, zbuffer = workspace.profile, workspace.echoes, workspace.zbuffer
     stretches = empty_stretches(zbuffer)

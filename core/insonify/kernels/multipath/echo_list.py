@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from insonify.compiler.jit import inlined_uncounted, kernel_uncounted
 from insonify.kernels.common.contributors import ContributorTable, open_contributor, spread_contribution
-from insonify.kernels.common.range_bins import FIXED_POINT, spread_energy
+from insonify.kernels.common.range_bins import FIXED_POINT, RangeBins, spread_energy
 from insonify.kernels.multipath.image_sources import PATH_COUNT
 
 # Columns of a list.
@@ -37,7 +37,7 @@ class SurfaceEcho(NamedTuple):
 class EchoSink(NamedTuple):
     """Range bins and contributors that take the echoes of one side of one ping."""
 
-    bins: NDArray[np.int64]  # difference array
+    bins: RangeBins
     contributions: ContributorTable
     labelling: bool  # whether contributors are noted
 
@@ -62,7 +62,7 @@ def list_echo(echoes, n, echo):
 def deposit_echoes(echoes, n, facets, bin_length, path, sink):
     """Spread listed echoes over the range bins, facet by facet of the sea surface, and note their contributors."""
     bins, contributions, labelling = sink.bins, sink.contributions, sink.labelling
-    last, per_bin, share = bins.size - 2, 1.0 / bin_length, FIXED_POINT / facets.shape[0]
+    per_bin, share = 1.0 / bin_length, FIXED_POINT / facets.shape[0]
     first_row = path * (contributions.present.size // PATH_COUNT) if labelling else 0
     for k in range(n):
         near, far = min(echoes[k, NEAR], echoes[k, FAR]), max(echoes[k, NEAR], echoes[k, FAR])
@@ -70,7 +70,7 @@ def deposit_echoes(echoes, n, facets, bin_length, path, sink):
         for f in range(facets.shape[0]):
             start = max(near + rise * facets[f, 0] + tilt * facets[f, 2], 0.0)
             stop = max(far + rise * facets[f, 1] + tilt * facets[f, 3], start)
-            spread_energy(bins, start * per_bin, stop * per_bin, energy, last)
+            spread_energy(bins, start * per_bin, stop * per_bin, energy)
             if labelling:
                 row, x, cosine = first_row + int(echoes[k, CONTRIBUTOR]), echoes[k, GROUND_RANGE], echoes[k, COSINE]
                 open_contributor(contributions, row)

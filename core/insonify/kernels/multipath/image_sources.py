@@ -4,8 +4,6 @@ The surface is a perfect mirror at its own height. For the second bottom echo th
 mirror, which reflects the share R0² of the energy that its material sets. Derived in docs/theory/multipath.md.
 """
 
-from __future__ import annotations
-
 import math
 from typing import NamedTuple
 
@@ -131,10 +129,8 @@ def plane_reach(arrays, pair, per_height, height):
 
 @inlined_uncounted
 def pair_response(one, other, tabulated, two_way):
-    """Two-way response of the beam out by one image and back by the other, from those there and back by each.
-
-    A top-hat that covers the lower of two images covers the higher one too.
-    """
+    """Two-way response of the beam out by one image and back by the other, from those there and back by each."""
+    # A top-hat that covers the lower of two images covers the higher one too.
     if not tabulated:
         return one
     return math.sqrt(one * other) if two_way else 0.5 * (one + other)
@@ -168,10 +164,8 @@ def height_delay(image, drop, r, rms_height):
 
 @inlined_uncounted
 def tilt_delay(image, drop, r, slope_variance):
-    """Slant range that facets tilted by one standard deviation add to a leg.
-
-    A facet tilted by t mirrors to the same place from 2t / (sin θ (1/r₁ + 1/r₂)) farther along the surface, by a way
-    longer by 2 t² r₁ r₂ / (r₁ + r₂), of which slant range counts half; r₁ and r₂ = r − r₁ lead to the surface and on.
-    Tilts across the plane are left out: they turn as much sound out of a narrow beam as into it.
-    """
+    """Slant range that facets tilted by one standard deviation add to a leg."""
+    # A facet tilted by t mirrors to the same place from 2t / (sin θ (1/r₁ + 1/r₂)) farther along the surface, by a way
+    # longer by 2 t² r₁ r₂ / (r₁ + r₂), of which slant range counts half; r₁ and r₂ = r − r₁ lead to the surface and on.
+    # Tilts across the plane are left out: they turn as much sound out of a narrow beam as into it.
     return slope_variance * image.above * max(drop - image.above, 0.0) * r / (drop * drop)

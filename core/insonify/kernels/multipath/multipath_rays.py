@@ -13,6 +13,7 @@ import numpy as np
 
 from insonify.compiler.jit import inlined, kernel
 from insonify.kernels.beam.pattern import two_way_response
+from insonify.kernels.common.range_bins import range_weight
 from insonify.kernels.common.scattering import backscatter_strength
 from insonify.kernels.common.types import LIGHT, SONAR
 from insonify.kernels.multipath.image_sources import bottom_image, height_delay, surface_image, tilt_delay, wave_advance
@@ -92,13 +93,13 @@ def _add_hits(arrays, beam, image, seen_from, farthest, launch, bundle, hits, su
         tilt = tilt_delay(image, drop, path.length, multipath.slope_variance)
         if multipath.surface_bottom_surface and image.mirrored:
             value = _retro_strength(arrays, fan, out * launch.weight[k], path, meeting)
-            _add_spread_echo(path.length, value, 2.0 * rise, 2.0 * tilt, multipath.facets[1], arrays.bin_length, sums)
+            _add_spread_echo(path.length, value, 2.0 * rise, 2.0 * tilt, multipath.facets[1], arrays, sums)
         if multipath.surface_bottom or not image.mirrored:
             weight = launch.weight[k] * image.share
             if arrays.law == LIGHT and fan and not arrays.pattern.tabulated:
                 weight *= _azimuth_ratio(arrays, beam, path)
             r, value = mixed_echo(arrays, beam, fan, out, weight, path, meeting, farthest)
-            _add_spread_echo(r, value, rise, tilt, multipath.facets[0], arrays.bin_length, sums)
+            _add_spread_echo(r, value, rise, tilt, multipath.facets[0], arrays, sums)
 
 
 @inlined
@@ -153,17 +154,19 @@ def _is_blocked(arrays, beam, image, bundle, hits, k):
 
 
 @inlined
-def _add_spread_echo(r, value, rise, tilt, facets, bin_length, sums):
+def _add_spread_echo(r, value, rise, tilt, facets, arrays, sums):
     """Spread an echo at one slant range over the delays of the facets of the sea surface."""
-    share = value / facets.shape[0]
+    share, bin_length, decay = value / facets.shape[0], arrays.bin_length, arrays.range_decay
     for f in range(facets.shape[0]):
         start = max(r + rise * facets[f, 0] + tilt * facets[f, 2], 0.0) / bin_length
         stop = max((r + rise * facets[f, 1] + tilt * facets[f, 3]) / bin_length, start)
         first, last = int(start), int(stop)
         if first == last and first < sums.size:
-            sums[first] += share
+            sums[first] += share * range_weight(decay, first, 0.5 * (start + stop), stop - start)
         for b in range(first, min(last + 1, sums.size)) if last > first else range(0):
-            sums[b] += share * (min(stop, b + 1.0) - max(start, float(b))) / (stop - start)
+            low, high = max(start, float(b)), min(stop, b + 1.0)
+            weight = range_weight(decay, b, 0.5 * (low + high), high - low)
+            sums[b] += share * weight * (high - low) / (stop - start)
 
 
 @inlined
@@ -178,4 +181,4 @@ def _add_surface_echo(arrays, beam, image, sums):
     value *= 1.0 if arrays.law == LIGHT else 0.25 * depth * depth
     rise = height_delay(image, 2.0 * depth, 2.0 * depth, arrays.multipath.rms_height)
     tilt = tilt_delay(image, 2.0 * depth, 2.0 * depth, arrays.multipath.slope_variance)
-    _add_spread_echo(depth, value, rise, tilt, arrays.multipath.facets[0], arrays.bin_length, sums)
+    _add_spread_echo(depth, value, rise, tilt, arrays.multipath.facets[0], arrays, sums)

@@ -142,7 +142,7 @@ def _mark_parted(segments, area, one, other, pair, hidden, labelling, echoes):
 def _deposit_on_waves(count, x, z, pair, facets, echoes, bins):
     """Spread the energies of segments over the range bins, facet by facet of a rough sea."""
     energy, r, raised = echoes.energy, echoes.r, pair.other.height - pair.one.height
-    per_bin, share, last = 1.0 / pair.bin_length, 1.0 / facets.shape[0], bins.size - 2
+    per_bin, share = 1.0 / pair.bin_length, 1.0 / facets.shape[0]
     rms, variance = pair.rms_height, pair.slope_variance
     for i in range(count - 1):
         if energy[i] == 0.0:
@@ -156,7 +156,7 @@ def _deposit_on_waves(count, x, z, pair, facets, echoes, bins):
         for f in range(facets.shape[0]):
             start = max(near + rise * facets[f, 0] + tilt * facets[f, 2], 0.0)
             stop = max(far + rise * facets[f, 1] + tilt * facets[f, 3], start)
-            spread_energy(bins, start * per_bin, stop * per_bin, whole, last)
+            spread_energy(bins, start * per_bin, stop * per_bin, whole)
 
 
 class SegmentLine(NamedTuple):

@@ -21,7 +21,7 @@ from insonify.kernels.beam.pattern import two_way_response
 from insonify.kernels.beam.pattern_samples import FINE_ROOT, FINE_SINE
 from insonify.kernels.bed.profile import Profile, empty_profile, list_marked, padded_count, profile_capacity
 from insonify.kernels.bed.slice import slice_bed
-from insonify.kernels.common.range_bins import accumulate_bins
+from insonify.kernels.common.range_bins import RangeBins, accumulate_bins
 from insonify.kernels.common.search import last_not_above
 from insonify.kernels.common.types import LIGHT, SONAR, SceneArrays, SegmentLimits
 from insonify.kernels.geometry.cross_sections import HalfPlane
@@ -92,18 +92,7 @@ class MultipathWorkspace(NamedTuple):
 
 
 def empty_multipath_workspace(arrays: SceneArrays, dtype: DTypeLike = np.float32) -> MultipathWorkspace:
-    """Make room for what two images see of a profile.
-
-    Parameters
-    ----------
-    arrays : SceneArrays
-    dtype : dtype
-        Of the profile: single precision or double.
-
-    Returns
-    -------
-    MultipathWorkspace
-    """
+    """Make room for what two images see of a profile in single or double precision."""
     reach = arrays.bins * arrays.bin_length + wave_advance(arrays.multipath, MOST_PASSES)
     capacity = profile_capacity(reach, arrays.bed.spacing)
     lower, higher = (ImageProfile(*np.zeros((3, capacity)), *np.zeros((3, capacity), dtype)) for _ in range(2))
@@ -133,7 +122,8 @@ def sweep_multipath(arrays, poses, fan, image_fan, workspace, contributions, out
     out : ndarray of float32, shape (n, 2, bins)
         Added to.
     """
-    bins, line = np.zeros(arrays.bins + 2, np.int64), np.zeros(arrays.bins, np.float32)
+    bins = RangeBins(np.zeros(arrays.bins + 2, np.int64), arrays.range_decay)
+    line = np.zeros(arrays.bins, np.float32)
     sink = EchoSink(bins, contributions, False)
     for ping in range(poses.x.size):
         for side in range(2):
@@ -376,26 +366,9 @@ def add_surface_echo(arrays, poses, ping, side, echoes, sink):
 
 @kernel
 def note_plane_echoes(arrays, poses, ping, side, path, fan, k, workspace, sink):
-    """Note the contributors of the echoes by one propagation path in plane k of a fan.
+    """Note the contributors of the echoes by one path of the sea surface in plane k of a fan; return whether it exists.
 
-    Parameters
-    ----------
-    arrays : SceneArrays
-    poses : Poses
-    ping, side : int
-    path : int
-        By way of the sea surface; the surface's own echo has no plane.
-    fan : AzimuthFan
-        Of the sonar, or of its image for a path that leaves and returns by the surface.
-    k : int
-    workspace : MultipathWorkspace
-    sink : EchoSink
-        Takes the echoes and their contributors.
-
-    Returns
-    -------
-    bool
-        Whether the path is traced at all.
+    The fan is that of the sonar, or of its image for a path that leaves and returns by the surface.
     """
     if path == SURFACE_ECHO:
         if arrays.multipath.surface_echo:

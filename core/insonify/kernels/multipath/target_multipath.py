@@ -3,8 +3,6 @@
 Theory: docs/theory/multipath.md.
 """
 
-from __future__ import annotations
-
 import math
 from typing import NamedTuple
 
@@ -250,11 +248,9 @@ def _part_of_echo(whole, near, far, energy):
 
 @inlined_uncounted
 def _list_light(pair, facet, whole, parts, surface, echoes, n):
-    """List a facet under law `light`: every part has the mean radiance of its ends over the slant range it spans.
-
-    Towards a body's edge slant range changes as the root of the launch angle that is left, where a parabola errs, but
-    the cosines are linear in slant range.
-    """
+    """List a facet under law `light`: every part has the mean radiance of its ends over the slant range it spans."""
+    # Towards a body's edge slant range changes as the root of the launch angle that is left, where a parabola errs, but
+    # the cosines are linear in slant range.
     raised = pair.other.height - pair.one.height
     near, before = _radiance_along(surface, facet, 0.0, pair, raised)
     for k in range(parts):
@@ -281,11 +277,9 @@ def _radiance_along(surface, facet, share, pair, raised):
 
 @inlined_uncounted
 def _tilt_along(facet, curve, place):
-    """Tilt along a facet, such that both images see its middle at the incidences that they meet it at.
-
-    The parabola's slope differs from the surface's by the third derivative of slant range, which a narrow lobe between
-    two directions would notice.
-    """
+    """Tilt along a facet, such that both images see its middle at the incidences that they meet it at."""
+    # The parabola's slope differs from the surface's by the third derivative of slant range, which a narrow lobe
+    # between two directions would notice.
     scale, left = math.sqrt(curve.gain), curve.left
     if place.across == 0.0:
         return TiltAlong(scale, 0.0, left)
@@ -316,10 +310,8 @@ def _part_of_pair(facet, curve, tilt_along, k, parts, numbers, pair, raised):
 
 @inlined_uncounted
 def _turn(facet, angle):
-    """Cosine and sine of the launch angle of a facet's middle, turned by an angle that it fills.
-
-    That is at most π/128, where the series leave out 2e-15 and 3e-13.
-    """
+    """Cosine and sine of the launch angle of a facet's middle, turned by an angle that it fills."""
+    # That is at most π/128, where the series leave out 2e-15 and 3e-13.
     squared = angle * angle
     sine = angle * (1.0 - squared * (1.0 / 6.0 - squared * (1.0 / 120.0)))
     cosine = 1.0 - squared * (0.5 - squared * (1.0 / 24.0))

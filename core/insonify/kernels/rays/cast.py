@@ -18,6 +18,7 @@ from numpy.typing import NDArray
 
 from insonify.compiler.jit import inlined_uncounted, kernel, kernel_uncounted
 from insonify.kernels.beam.pattern import two_way_response
+from insonify.kernels.common.range_bins import range_weight
 from insonify.kernels.common.scattering import backscatter_strength
 from insonify.kernels.common.types import LIGHT
 from insonify.kernels.rays.cell_walk import NOTHING, empty_bundle, empty_hits, find_first_hits
@@ -85,6 +86,7 @@ class SideCast(NamedTuple):
     rays: LandedRays
     mixed: MixedEchoes
     ray: NDArray[np.int64]  # (echoes,) number of the ray out of each echo
+    distance: NDArray[np.float64]  # (echoes,) slant range, m
     echoes: RayEchoes  # (echoes,)
 
 
@@ -167,25 +169,13 @@ def cast_refracted(arrays, beam, waveguide, aim, step):
         np.concatenate((own.value, mixed.value, dark.value)),
         np.concatenate((own.cosine, own.cosine[mixed.ray], own.cosine[dark.ray])),
     )
-    return SideCast(rays, mixed, np.concatenate((np.arange(n), mixed.ray, dark.ray)), echoes)
+    distance = np.concatenate((rays.hits.distance, mixed.distance, dark.distance))
+    return SideCast(rays, mixed, np.concatenate((np.arange(n), mixed.ray, dark.ray)), distance, echoes)
 
 
 @kernel
 def echo_dark_sides(arrays, rays, own):
-    """Echoes from the dark sides of caustics, of a surface like that where the rays land on the bright side.
-
-    Parameters
-    ----------
-    arrays : SceneArrays
-    rays : LandedRays of ndarrays, shape (n,)
-        Refracted ones.
-    own : RayEchoes of ndarrays, shape (n,)
-        Echoes of the rays.
-
-    Returns
-    -------
-    DarkEchoes
-    """
+    """Echoes from the dark sides of caustics, of a surface like that where refracted rays land on the bright side."""
     hits, arrivals = rays.hits, rays.arrivals
     ray = np.flatnonzero((own.bin >= 0) & (arrivals.dark > 0.0)) if arrays.law != LIGHT else np.empty(0, np.int64)
     dark = DarkEchoes(ray, np.empty(ray.size, np.int64), np.zeros(ray.size), np.empty(ray.size))
@@ -258,15 +248,17 @@ def add_ray_echoes(arrays, rays, weight, sums):
     sums : ndarray, shape (bins,)
         Added to.
     """
-    add_echoes(echo_rays(arrays, rays, weight), sums)
+    add_echoes(arrays, echo_rays(arrays, rays, weight), rays.hits.distance, sums)
 
 
 @kernel
-def add_echoes(echoes, sums):
-    """Add echoes to range bins."""
+def add_echoes(arrays, echoes, distance, sums):
+    """Add echoes at some slant ranges to range bins, before the range factor at the centres of these."""
+    decay, per_bin = arrays.range_decay, 1.0 / arrays.bin_length
     for n in range(echoes.bin.size):
         if echoes.bin[n] >= 0:
-            sums[echoes.bin[n]] += echoes.value[n]
+            b = echoes.bin[n]
+            sums[b] += echoes.value[n] * range_weight(decay, b, distance[n] * per_bin, 0.0)
 
 
 @kernel

@@ -15,8 +15,6 @@ rays that turn in many thin layers, no tube counts as narrower than (λ / πr)^�
 Theory: docs/theory/refraction.md.
 """
 
-from __future__ import annotations
-
 import math
 from typing import NamedTuple
 
@@ -112,23 +110,14 @@ def field_at_caustic(water: Water, plane: SectionPlane, z, cosine, sine, ray: Ra
 
 @kernel
 def airy_field(tube, change, slowness):
-    """Sound near a caustic by Airy's function.
+    """Field near a caustic by Airy's function, `NO_CAUSTIC` far from it, and the tube of a ray where ρ is 1, m/rad.
 
     Parameters
     ----------
-    tube : float
-        q of a ray, m/rad.
-    change : float
-        q', by which q grows per radian of launch angle on one front, m/rad².
+    tube, change : float
+        q of a ray, m/rad, and q', by which q grows per radian of launch angle on one front, m/rad².
     slowness : float
         ωp, p being the slowness across the ray per radian of launch angle, rad/m per rad.
-
-    Returns
-    -------
-    field : CausticField
-        `NO_CAUSTIC` where ρ exceeds `FAR`.
-    unit : float
-        u, the tube of a ray where ρ is 1, m/rad.
     """
     unit = math.sqrt(2.0) * abs(change) ** (2.0 / 3.0) / (2.0 * slowness * slowness) ** (1.0 / 6.0)
     rho = tube * tube / (unit * unit)

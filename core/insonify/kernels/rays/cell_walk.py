@@ -7,8 +7,6 @@ into it from the side or starts inside it ends there and returns no echo.
 Theory: docs/theory/sweep.md.
 """
 
-from __future__ import annotations
-
 import math
 from typing import NamedTuple
 
@@ -186,10 +184,8 @@ def load_cell(heights, row, column):
 
 @inlined_before_typing
 def _first_root(above, after, bend):
-    """Share of [0, 1] at which above + (after − above − bend) s + bend s² first falls to zero, 2 if never.
-
-    ``above`` is positive. A fall below zero always gives a root, whatever the rounding.
-    """
+    """Share of [0, 1] at which above + (after − above − bend) s + bend s² first falls to zero, 2 if never."""
+    # ``above`` is positive. A fall below zero always gives a root, whatever the rounding.
     slope = after - above - bend
     if after > 0.0 and not (bend > 0.0 and slope < 0.0 and -slope < 2.0 * bend):
         return 2.0

@@ -6,8 +6,6 @@ over the exact width of the cone |sin φ_b| = cos θ |sin φ| <= sin(w/2) at eac
 the azimuths in the beam, half in proportion to the pattern. The beam as a cone is derived in docs/theory/beam.md.
 """
 
-from __future__ import annotations
-
 import math
 from typing import NamedTuple
 
@@ -93,10 +91,8 @@ def orient_beam(arrays, poses, ping, side):
 
 @kernel
 def aim_rays(launch, height, top, reach, half_width, law, spreads):
-    """Aim all rays of a side: equal steps of slant range on a level bed, then elevations up to ``top``, rad.
-
-    A beam pattern that spreads the rays over azimuths does so afterwards: then they are aimed athwart.
-    """
+    """Aim all rays of a side: equal steps of slant range on a level bed, then elevations up to ``top``, rad."""
+    # A beam pattern that spreads the rays over azimuths does so afterwards: then they are aimed athwart.
     n = launch.up.size
     level = height > 0.0 and height < reach
     lowest = -math.asin(height / reach) if level else -0.5 * math.pi

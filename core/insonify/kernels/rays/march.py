@@ -4,8 +4,6 @@ The method may step over anything thinner than a step. A mesh has no inside to s
 exactly.
 """
 
-from __future__ import annotations
-
 import math
 
 import numpy as np
@@ -50,10 +48,8 @@ def _march(bed, solids, near, count, ray, ceiling, reach, step):
 
 @inlined_before_typing
 def _sample(bed, solids, near, count, ray, before, t, step):
-    """Test the sample at distance t: distance of the surface crossed since the last sample, body, and clearance.
-
-    ``before`` is the clearance above the bed of the last sample, a step nearer.
-    """
+    """Test the sample at distance t: distance of the surface crossed since the last sample, body, and clearance."""
+    # ``before`` is the clearance above the bed of the last sample, a step nearer.
     best, body = math.inf, NOTHING
     after = _bed_clearance(bed, ray, t)
     if after <= 0.0:

@@ -10,8 +10,6 @@ as in `specular_paths`.
 Theory: docs/theory/refraction.md.
 """
 
-from __future__ import annotations
-
 import math
 from typing import NamedTuple
 

@@ -9,8 +9,6 @@ place and direction move per radian of its elevation at the sonar, and per radia
 product of the two shifts of a place is the area that a unit of solid angle covers.
 """
 
-from __future__ import annotations
-
 import math
 from typing import NamedTuple
 

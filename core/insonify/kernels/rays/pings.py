@@ -77,7 +77,7 @@ def trace_refracted_pings(arrays, poses, rays, step, out):
             waveguide, aims[side] = aim_refracted(arrays, beam, poses.pitch[ping], aims[side])
             cast = cast_refracted(arrays, beam, waveguide, aims[side], step)
             sums[:] = 0.0
-            add_echoes(cast.echoes, sums)
+            add_echoes(arrays, cast.echoes, cast.distance, sums)
             _apply_range_factor(arrays, sums, out[ping, side])
     return 0
 

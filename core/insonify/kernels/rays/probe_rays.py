@@ -5,8 +5,6 @@ low as a target may stand, rays are as dense as on a level bed at the end of the
 that reach nothing get no rays. The angles of all rays add up exactly to those that reach anything.
 """
 
-from __future__ import annotations
-
 import math
 from typing import NamedTuple
 

@@ -21,6 +21,7 @@ from numpy.typing import NDArray
 
 from insonify.compiler.jit import inlined, kernel
 from insonify.kernels.beam.pattern import widest_extent
+from insonify.kernels.common.range_bins import range_weight
 from insonify.kernels.common.types import LIGHT
 from insonify.kernels.rays.cast import (
     arrive_straight,
@@ -144,7 +145,7 @@ def _add_sheet(arrays, beam, fan, angle, place, way, sums):
     if way != DIRECT and not np.any(landed.value > 0.0):
         return False
     while landed.angle.size > 0:
-        gaps = _spread_or_split(landed, together, arrays.solids.shape.size, folds, arrays.bin_length, sums)
+        gaps = _spread_or_split(landed, together, arrays.solids.shape.size, folds, arrays, sums)
         halfway = 0.5 * (landed.angle[gaps] + landed.angle[gaps + 1])
         middles = _trace_sheet(arrays, beam, fan, halfway, place, way)
         landed, together = _insert_middles(landed, gaps, middles), OF_THREE
@@ -251,14 +252,14 @@ def _azimuth(centre, extent, main, level, place):
 
 
 @kernel
-def _spread_or_split(landed, together, solids, folds, bin_length, sums):
+def _spread_or_split(landed, together, solids, folds, arrays, sums):
     """Spread the energy between neighbouring rays over the bins that it spans; list the gaps that must be halved.
 
     Each run of ``together`` rays is a row of neighbours. Surfaces below ``solids`` are round bodies: the echo changes
     between two neighbours even where their landings fit an even spread. So it does at a caustic, of water that
     ``folds`` the bed.
     """
-    n = landed.angle.size
+    n, bin_length, decay = landed.angle.size, arrays.bin_length, arrays.range_decay
     gaps, count = np.empty(n, np.int64), 0
     for k in range(n - 1):
         if (k + 1) % together == 0 or (landed.value[k] == 0.0 and landed.value[k + 1] == 0.0):
@@ -276,37 +277,38 @@ def _spread_or_split(landed, together, solids, folds, bin_length, sums):
             gaps[count] = k
             count += 1
         elif alike and abs(apart - 0.5 * (one + other)) <= 0.5 * max(one, other):
-            _spread_between(landed, k, angle, one, other, bin_length, sums)
+            _spread_between(landed, k, angle, one, other, bin_length, decay, sums)
         elif max(one, other) > FINE * bin_length and angle > FINEST:
             gaps[count] = k
             count += 1
         else:
             for m in range(k, k + 2):
                 place = landed.distance[m]
-                _add_over_ranges(0.5 * angle * landed.value[m], place, place, bin_length, sums)
-                _add_over_ranges(0.5 * angle * landed.dark[m], landed.mirrored[m], landed.mirrored[m], bin_length, sums)
+                _add_over_ranges(0.5 * angle * landed.value[m], place, place, bin_length, decay, sums)
+                place = landed.mirrored[m]
+                _add_over_ranges(0.5 * angle * landed.dark[m], place, place, bin_length, decay, sums)
     return gaps[:count]
 
 
 @inlined
-def _spread_between(landed, k, angle, one, other, bin_length, sums):
+def _spread_between(landed, k, angle, one, other, bin_length, decay, sums):
     """Spread the energy between two neighbours over the range between them, on either side of its kink."""
     near, far, share = landed.distance[k], landed.distance[k + 1], 0.5
     if abs(one - other) > KINKED * max(one, other):
         # The growth is one up to the kink and the other beyond: the distance between both landings gives its place.
         share = min(max((abs(far - near) - other) / (one - other), 0.0), 1.0)
     kink = near + math.copysign(min(share * one, abs(far - near)), far - near)
-    _add_over_ranges(share * angle * landed.value[k], near, kink, bin_length, sums)
-    _add_over_ranges((1.0 - share) * angle * landed.value[k + 1], kink, far, bin_length, sums)
+    _add_over_ranges(share * angle * landed.value[k], near, kink, bin_length, decay, sums)
+    _add_over_ranges((1.0 - share) * angle * landed.value[k + 1], kink, far, bin_length, decay, sums)
     # Beside a ray that is too far from the caustic to have a dark side, that of the other one is all but nothing.
     one, other = landed.dark[k], landed.dark[k + 1]
     near = landed.mirrored[k] if one > 0.0 else landed.mirrored[k + 1]
     far = landed.mirrored[k + 1] if other > 0.0 else near
-    _add_over_ranges(0.5 * angle * (one + other), near, far, bin_length, sums)
+    _add_over_ranges(0.5 * angle * (one + other), near, far, bin_length, decay, sums)
 
 
 @kernel
-def _add_over_ranges(value, one, other, bin_length, sums):
+def _add_over_ranges(value, one, other, bin_length, decay, sums):
     """Spread a value evenly over the bins between two ranges."""
     if value == 0.0:
         return
@@ -314,11 +316,12 @@ def _add_over_ranges(value, one, other, bin_length, sums):
     first, last = int(near), int(far)
     if first == last:
         if first < sums.size:
-            sums[first] += value
+            sums[first] += value * range_weight(decay, first, 0.5 * (near + far), far - near)
         return
     density = value / (far - near)
     for b in range(first, min(last + 1, sums.size)):
-        sums[b] += density * (min(far, b + 1.0) - max(near, b))
+        start, stop = max(near, float(b)), min(far, b + 1.0)
+        sums[b] += density * (stop - start) * range_weight(decay, b, 0.5 * (start + stop), stop - start)
 
 
 @kernel

@@ -6,8 +6,6 @@ deviate from it by a fraction of a millimetre, and the chords are tested for hit
 of the ray tube at a hit are those of the arc.
 """
 
-from __future__ import annotations
-
 import math
 from typing import NamedTuple
 

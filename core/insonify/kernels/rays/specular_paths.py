@@ -28,6 +28,7 @@ import numpy as np
 
 from insonify.compiler.jit import inlined, kernel
 from insonify.kernels.beam.pattern import two_way_response
+from insonify.kernels.common.range_bins import range_weight
 from insonify.kernels.common.scattering import bistatic_strength
 from insonify.kernels.common.types import LIGHT
 from insonify.kernels.rays.cell_walk import NOTHING
@@ -87,22 +88,13 @@ def add_specular_echoes(arrays, beam, bundle, hits, weight, sums):
             if path.inside == WATER:
                 _add_retro_echo(arrays, fan, out * weight[k], path, meeting, sums)
                 distance, value = mixed_echo(arrays, beam, fan, out, weight[k], path, meeting, reach)
-                b = int(distance / arrays.bin_length)
-                if b < sums.size:
-                    sums[b] += value
+                _add_at(arrays, distance, value, sums)
             split_path(arrays, path, meeting, 2.0 * reach, waiting)
 
 
 @kernel
 def follow_specular_paths(arrays, bundle, reach):
-    """All hits of rays followed until they fade or leave.
-
-    Parameters
-    ----------
-    arrays : SceneArrays
-    bundle : RayBundle of ndarrays, shape (n,)
-    reach : float
-        Length of water after which a path ends, m.
+    """All hits of rays followed until they fade or leave, or over a length of water, m.
 
     Returns
     -------
@@ -134,9 +126,8 @@ def follow_specular_paths(arrays, bundle, reach):
 @inlined
 def _add_retro_echo(arrays, fan, weight, path, meeting, sums):
     """Add the echo of a path's hit that returns along the path itself."""
-    b = int(path.length / arrays.bin_length)
     cosine = -(meeting.nx * path.dx + meeting.ny * path.dy + meeting.nz * path.dz)
-    if b >= sums.size or cosine <= 0.0:
+    if cosine <= 0.0:
         return
     row = arrays.reflectivity[meeting.material]
     value = bistatic_strength(cosine, cosine, 2.0 * cosine * cosine - 1.0, row[0], row[1], row[2], arrays.law)
@@ -149,7 +140,15 @@ def _add_retro_echo(arrays, fan, weight, path, meeting, sums):
     else:
         width = math.sqrt(up.x * up.x + up.y * up.y + up.z * up.z)
         value *= squared / (cosine * max(width * cosine, CAUSTIC * path.length))
-    sums[b] += value
+    _add_at(arrays, path.length, value, sums)
+
+
+@inlined
+def _add_at(arrays, distance, value, sums):
+    """Add an echo at a slant range to its bin, before the range factor at the centre of that."""
+    b = int(distance / arrays.bin_length)
+    if b < sums.size:
+        sums[b] += value * range_weight(arrays.range_decay, b, distance / arrays.bin_length, 0.0)
 
 
 @inlined

@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 
 from insonify.compiler.jit import inlined, kernel
 from insonify.kernels.beam.pattern import two_way_response
+from insonify.kernels.common.range_bins import range_weight
 from insonify.kernels.common.types import SONAR
 from insonify.kernels.rays.launch import beam_touches_ball, orient_beam
 
@@ -31,17 +32,7 @@ class EchoPoints(NamedTuple):
 
 @kernel
 def add_volume_echoes(arrays, poses, points, out):
-    """Add the mean energy of points of the water to range bins.
-
-    Parameters
-    ----------
-    arrays : SceneArrays
-    poses : Poses
-        n pings.
-    points : EchoPoints
-    out : ndarray of float32, shape (n, 2, bins)
-        Added to.
-    """
+    """Add the mean energy of points of the water to the range bins of n pings, float32 of shape (n, 2, bins)."""
     for ping in range(poses.x.size):
         for side in range(2):
             beam, begin = orient_beam(arrays, poses, ping, side), 0
@@ -60,7 +51,9 @@ def _add_points(arrays, beam, place, strength, begin, end, out):
         r = math.sqrt(x * x + y * y + z * z)
         if x * beam.side_x + y * beam.side_y >= 0.0 and 0.0 < r < beam.reach:
             number = min(int(r / arrays.bin_length), arrays.bins - 1)
-            out[number] += strength[k] * _response(arrays, beam, x / r, y / r, z / r, r) * arrays.range_factor[number]
+            nearness = range_weight(arrays.range_decay, number, r / arrays.bin_length, 0.0)
+            factor = arrays.range_factor[number] * nearness
+            out[number] += strength[k] * _response(arrays, beam, x / r, y / r, z / r, r) * factor
 
 
 @inlined

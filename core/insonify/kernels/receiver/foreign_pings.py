@@ -3,8 +3,6 @@
 Theory: docs/theory/speckle.md.
 """
 
-from __future__ import annotations
-
 import math
 from typing import NamedTuple
 
@@ -58,15 +56,6 @@ def _foreign_ping_at(time, timing):
 
 @kernel
 def fill_uniform(seed, stream, pings, out):
-    """One uniform number inside (0, 1) for each ping.
-
-    Parameters
-    ----------
-    seed, stream : int
-        What it derives from.
-    pings : ndarray of int64, shape (n,)
-    out : ndarray of float64, shape (n,)
-        Filled.
-    """
+    """One uniform number inside (0, 1) for each ping, by seed and stream, into an array of float64."""
     for row in range(pings.size):
         out[row] = hash_uniform(seed, stream, pings[row], 0, 0)

@@ -5,8 +5,6 @@ Beyond the last bin the echo is continued at its last value, so that a uniform b
 Theory: docs/theory/speckle.md.
 """
 
-from __future__ import annotations
-
 import math
 
 from insonify.compiler.jit import kernel

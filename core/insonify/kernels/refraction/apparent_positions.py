@@ -14,8 +14,6 @@ cosθ0 / (x |q|) = (x'/x) / (N r'²). Hence spreading and along-track width foll
 the direction of arrival. Derived in docs/theory/refraction.md.
 """
 
-from __future__ import annotations
-
 import math
 from typing import NamedTuple
 
@@ -174,10 +172,8 @@ def _apply_rise(table, grid, x, z, level, tube, turn, count):
 
 @inlined
 def _curved(table, j, i, what):
-    """Coefficients of 1, u, u², v and uv of one entry within a cell, curved along u by its second difference.
-
-    Without the curvature slant ranges err by 0.1 mm, which is all that a facet may span that faces the sonar.
-    """
+    """Coefficients of 1, u, u², v and uv of one entry within a cell, curved along u by its second difference."""
+    # Without the curvature slant ranges err by 0.1 mm, which is all that a facet may span that faces the sonar.
     here, right, up, across = table[j, i, what], table[j, i + 1, what], table[j + 1, i, what], table[j + 1, i + 1, what]
     # Entries are even functions of ground range.
     before = table[j, i - 1 if i > 0 else 1, what]
@@ -188,10 +184,8 @@ def _curved(table, j, i, what):
 
 @inlined
 def _planar(table, j, i, what):
-    """Coefficients of 1, u and v of one entry within a cell.
-
-    That of uv is left out: at most 4e-4 of TUBE and 4e-5 rad of TURN in water that changes by 10 m/s within 4 m.
-    """
+    """Coefficients of 1, u and v of one entry within a cell."""
+    # That of uv is left out: at most 4e-4 of TUBE and 4e-5 rad of TURN in water that changes by 10 m/s within 4 m.
     here = table[j, i, what]
     return here, table[j, i + 1, what] - here, table[j + 1, i, what] - here
 
@@ -216,10 +210,8 @@ def _remove_overhangs(x, level, count):
 
 @inlined
 def _correct_segments(x, z, level, slope, area, facing, count):
-    """Give segments their apparent slopes and areas, and their true incidence; ``facing`` holds TURN at the knots.
-
-    The slope of the tables, which are linear between their places, is off by first order: no incidence comes from it.
-    """
+    """Give segments their apparent slopes and areas, and their true incidence; ``facing`` holds TURN at the knots."""
+    # The slope of the tables, which are linear between their places, is off by first order: no incidence comes from it.
     nothing, half, one, sixth = np.float32(0.0), np.float32(0.5), np.float32(1.0), np.float32(1.0 / 6.0)
     for k in range(count - 1):
         run, seen = x[k + 1] - x[k], x[k + 1] * level[k + 1] - x[k] * level[k]

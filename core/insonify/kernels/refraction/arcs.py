@@ -13,8 +13,6 @@ Acoustics, 3.3): q is the distance across the ray between rays launched 1 rad ap
 is cosθ0 / (x |q|). The arcs are derived in docs/theory/refraction.md.
 """
 
-from __future__ import annotations
-
 import math
 from typing import NamedTuple
 

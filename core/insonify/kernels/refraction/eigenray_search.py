@@ -8,8 +8,6 @@ the ranges and their exact derivatives reveal is refined.
 Theory: docs/theory/refraction.md.
 """
 
-from __future__ import annotations
-
 import math
 from typing import NamedTuple
 
@@ -242,10 +240,8 @@ def _add_root(height, speed, span, order, a, b, row, found, count):
 
 @inlined
 def _correct_time(height, speed, span, row):
-    """Correct the travel time for what a ray still misses in range, where neighbours come later by dt/dx = ξ.
-
-    Along the edge of a gradient tubes are so wide that the last digit of an angle moves its ray by 10⁻⁸ m and more.
-    """
+    """Correct the travel time for what a ray still misses in range, where neighbours come later by dt/dx = ξ."""
+    # Along the edge of a gradient tubes are so wide that the last digit of an angle moves its ray by 10⁻⁸ m and more.
     row[TIME] -= (row[X] - span.x) * row[COSINE] / speed_at(height, speed, span.z_to)
     row[X] = span.x
 

@@ -1,7 +1,5 @@
 """The direct ray that joins two points of layered water, without reflections."""
 
-from __future__ import annotations
-
 import math
 from typing import NamedTuple
 

@@ -3,8 +3,6 @@
 Theory: docs/theory/refraction.md.
 """
 
-from __future__ import annotations
-
 import math
 from typing import NamedTuple
 
@@ -109,20 +107,9 @@ def _write_point(points, n, k, ray, turns, tops, bottoms):
 
 @kernel
 def trace_caustics(water, plane, z0, angles, limits, found):
-    """Places at which rays from one height at ground range 0 touch caustics.
-
-    Parameters
-    ----------
-    water, plane, z0, angles, limits
-        As in `trace_ray_paths`.
-    found : ndarray, shape (m, CAUSTIC_COLUMNS)
-        Filled from its beginning.
-
-    Returns
-    -------
-    int
-        Caustics found; m if there may be more than there is room for.
-    """
+    """Places where rays from one height at ground range 0 touch caustics; parameters as of `trace_ray_paths`."""
+    # Rows of ``found`` (m, CAUSTIC_COLUMNS) are filled from its beginning. Returns the number of caustics, m if there
+    # may be more than there is room for.
     height, speed, station = water.height, water.speed, water.station
     count = 0
     for n in range(angles.size):

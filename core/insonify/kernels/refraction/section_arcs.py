@@ -7,8 +7,6 @@ Functions that trace a ray through any water, layered as in `arcs` or a section,
 Theory: docs/theory/refraction.md.
 """
 
-from __future__ import annotations
-
 import math
 from typing import NamedTuple
 

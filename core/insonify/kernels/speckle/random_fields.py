@@ -6,8 +6,6 @@ squares are made to sum to 1, so that every value keeps its distribution exactly
 docs/theory/speckle.md.
 """
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

@@ -18,6 +18,7 @@ from numpy.typing import NDArray
 from insonify.compiler.jit import inlined, kernel
 from insonify.kernels.beam.pattern import two_way_response
 from insonify.kernels.common.hashing import hash_integers, splitmix64
+from insonify.kernels.common.range_bins import range_weight
 from insonify.kernels.common.scattering import backscatter
 from insonify.kernels.common.streams import BED_SCATTERERS, TARGET_SCATTERERS
 from insonify.kernels.common.types import SONAR
@@ -93,18 +94,7 @@ class ScattererEcho(NamedTuple):
 
 
 def empty_signal(bins: int, pulse: PulseTaps) -> CoherentSignal:
-    """Make room for the coherent signal of a record.
-
-    Parameters
-    ----------
-    bins : int
-        Of the record, with what a pulse takes in before and after them.
-    pulse : PulseTaps
-
-    Returns
-    -------
-    CoherentSignal
-    """
+    """Make room for the coherent signal of a record's bins and of those that a pulse takes in before and after them."""
     size = bins * pulse.samples * pulse.cells + pulse.taps.size
     return CoherentSignal(*np.zeros((2, size)))
 
@@ -121,13 +111,8 @@ def trace_scatterers(arrays, poses, fan, scatterers, pulse, profile, visible_bed
         n pings.
     fan : AzimuthFan
         Planes in which the visible bed is found, their azimuths ascending.
-    scatterers : Scatterers
-    pulse : PulseTaps
-    profile : Profile
-        Work space.
-    visible_bed : VisibleBed
-        Work space.
-    signal : CoherentSignal
+    scatterers, pulse : Scatterers, PulseTaps
+    profile, visible_bed, signal : Profile, VisibleBed, CoherentSignal
         Work space.
     out : ndarray of complex128, shape (n, 2, bins * samples)
         Takes the waves after the pulse.
@@ -193,7 +178,8 @@ def detect_samples(waves, samples, out):
 def _add_bed(arrays, beam, scatterers, visible_bed, near, pulse, signal):
     """Add the waves of the bed's scatterers: lots are the squares of a lattice fixed to the world."""
     # Arrays are taken out of their tuples before the loop: doing so costs more than a scatterer.
-    bed, table, factor, pattern = arrays.bed, arrays.reflectivity, arrays.range_factor, arrays.pattern
+    bed, table, pattern = arrays.bed, arrays.reflectivity, arrays.pattern
+    factor, decay = arrays.range_factor, arrays.range_decay
     heights, materials, real, imaginary = bed.heights, bed.materials, signal.real, signal.imaginary
     borders, reach, edges, edge_count = (
         visible_bed.borders,
@@ -220,7 +206,7 @@ def _add_bed(arrays, beam, scatterers, visible_bed, near, pulse, signal):
                         continue
                     # The lattice is level: on a slope a square of it carries more bed.
                     energy = _mean_energy(table, material, echo) / nz
-                    _add_wave(energy, echo.r, more, waves, factor, real, imaginary)
+                    _add_wave(energy, echo.r, more, waves, factor, decay, real, imaginary)
 
 
 @inlined
@@ -322,7 +308,8 @@ def _add_lot(patch, material, key, mean, arrays, beam, near, waves, signal):
             bed, _, _, _, _ = meet_bed(arrays.bed, Ray(beam.x, beam.y, beam.z, echo.dx, echo.dy, echo.dz), echo.r)
             if not bed < echo.r:
                 energy = _mean_energy(arrays.reflectivity, material, echo)
-                _add_wave(energy, echo.r, more, waves, arrays.range_factor, signal.real, signal.imaginary)
+                factor, decay = arrays.range_factor, arrays.range_decay
+                _add_wave(energy, echo.r, more, waves, factor, decay, signal.real, signal.imaginary)
 
 
 @inlined
@@ -349,10 +336,11 @@ def _mean_energy(table, material, echo):
 
 
 @inlined
-def _add_wave(energy, r, bits, waves, factor, real, imaginary):
+def _add_wave(energy, r, bits, waves, factor, decay, real, imaginary):
     """Add the wave of one scatterer, from the mean energy per m² of its share of the area."""
     place = r / waves.bin_length
-    energy *= waves.share * factor[min(int(place), factor.size - 1)]
+    k = min(int(place), factor.size - 1)
+    energy *= waves.share * factor[k] * range_weight(decay, k, place, 0.0)
     # Circular Gaussian: exponential energy, uniform phase (Goodman 2007, *Speckle phenomena in optics*, ch. 2).
     modulus = math.sqrt(-energy * math.log(_upper_uniform(bits) + 0.5 * UNIT))
     turns = r * waves.per_wave + _lower_uniform(bits)

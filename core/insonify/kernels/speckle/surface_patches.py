@@ -1,7 +1,5 @@
 """Patches of targets' surfaces, each sampled evenly over its area."""
 
-from __future__ import annotations
-
 import math
 from typing import NamedTuple
 

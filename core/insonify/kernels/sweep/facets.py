@@ -9,11 +9,9 @@ from __future__ import annotations
 import math
 from typing import NamedTuple
 
-import numpy as np
-
 from insonify.compiler.jit import inlined_uncounted
 from insonify.kernels.beam.azimuth_sector import sector_weight
-from insonify.kernels.common.range_bins import FIXED_POINT, spread_energy
+from insonify.kernels.common.range_bins import FIXED_POINT, add_energy, spread_energy
 from insonify.kernels.common.scattering import backscatter_strength
 from insonify.kernels.common.types import LIGHT
 from insonify.kernels.geometry.cross_sections import NEVER
@@ -126,25 +124,23 @@ def deposit_facet(facet, gain, material, sector, pattern, law, bin_length, bins)
     """Spread the energy of one facet over the range bins."""
     if not is_facet_met(facet):
         return
-    last, per_bin, weight = bins.size - 2, 1.0 / bin_length, facet_weight(facet, gain, sector, pattern, law)
+    per_bin, weight = 1.0 / bin_length, facet_weight(facet, gain, sector, pattern, law)
     near, centre, far = facet.near * per_bin, facet.centre * per_bin, facet.far * per_bin
     parts, mean_lobe = divide_facet(facet, 1.0 - facet.incidence * facet.incidence, material, near, centre, far)
     if parts == 1:
         first, second = half_energies(facet, weight, (material[0], mean_lobe, material[2]), law, per_bin)
         if int(near) == int(far) and int(near) == int(centre):
-            if near < last:
-                energy = np.int64(first + second)
-                bins[int(near)] += energy
-                bins[int(near) + 1] -= energy
+            add_energy(bins, 0.5 * (near + centre), first)
+            add_energy(bins, 0.5 * (centre + far), second)
             return
-        spread_energy(bins, near, centre, first, last)
-        spread_energy(bins, centre, far, second, last)
+        spread_energy(bins, near, centre, first)
+        spread_energy(bins, centre, far, second)
         return
     curve = facet_curve(facet)
     start = facet.near
     for k in range(parts):
         stop, _, energy = part_echo(facet, curve, k, parts, start, weight, material, law, per_bin)
-        spread_energy(bins, start * per_bin, stop * per_bin, energy, last)
+        spread_energy(bins, start * per_bin, stop * per_bin, energy)
         start = stop
 
 

@@ -100,7 +100,7 @@ def _deposit_part(segment, x_from, x_to, near, far, law, bin_length, bins):
         energy = value * abs(far - near) * per_bin
     else:
         energy = value * stretch * (x_to - x_from)
-    spread_energy(bins, near * per_bin, far * per_bin, energy * FIXED_POINT, bins.size - 2)
+    spread_energy(bins, near * per_bin, far * per_bin, energy * FIXED_POINT)
 
 
 @inlined

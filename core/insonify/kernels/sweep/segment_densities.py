@@ -12,6 +12,7 @@ import numpy as np
 
 from insonify.compiler.jit import inlined_uncounted
 from insonify.kernels.bed.profile import list_marked, padded_count
+from insonify.kernels.common.range_bins import late_share
 from insonify.kernels.common.types import LIGHT
 
 MOST_CHANGE = 1.9  # of a density that is positive at both ends: less than 2
@@ -23,10 +24,10 @@ def deposit_densities(count, echoes, bin_length, bins):
 
     Energies become whole numbers first, so that what a knot adds its neighbour takes away exactly.
     """
-    knots = padded_count(count)
+    knots, last, steps = padded_count(count), bins.steps.size - 2.0, (echoes.early, echoes.late)
     _density_steps(knots, echoes.energy, echoes.early)
-    _share_steps(knots, echoes.r, 1.0 / bin_length, bins.size - 2.0, echoes.early, echoes.late, echoes.place)
-    _add_even_steps(count, echoes.place, echoes.early, echoes.late, bins)
+    _share_steps(knots, echoes.r, 1.0 / bin_length, last, bins.decay, steps, echoes.place)
+    _add_even_steps(count, echoes.place, echoes.early, echoes.late, bins.steps)
 
 
 @inlined_uncounted
@@ -38,15 +39,16 @@ def _density_steps(count, energy, change):
 
 
 @inlined_uncounted
-def _share_steps(count, r, per_bin, last, early, late, place):
+def _share_steps(count, r, per_bin, last, decay, steps, place):
     """Share each step between the bin it falls in and the next.
 
     Where there is a hole in the bed position is NaN, which compares false, and there is nothing to share.
     """
+    early, late = steps
     for i in range(count):
         position = r[i] * per_bin
         whole = math.floor(position)
-        share = np.int64(math.floor((position - whole) * early[i]))
+        share = np.int64(math.floor(late_share(position, whole, decay) * early[i]))
         share = share if early[i] != 0 else np.int64(0)
         late[i] = share
         early[i] -= share
@@ -101,17 +103,17 @@ def deposit_linear_densities(count, echoes, bin_length, bins):
     """
     r, energy, change, place = echoes.r, echoes.energy, echoes.change, echoes.place
     steps = echoes.early, echoes.late, echoes.third, echoes.fourth
-    per_bin, last = 1.0 / bin_length, bins.size - 2.0
-    _work_out_steps(padded_count(count), r, energy, change, per_bin, last, steps, place)
+    per_bin, last = 1.0 / bin_length, bins.steps.size - 2.0
+    _work_out_steps(padded_count(count), r, energy, change, per_bin, last, bins.decay, steps, place)
     _add_steps(count, place, steps, echoes.even, echoes.odd)
-    _merge_steps(count, place, echoes.even, echoes.odd, bins)
+    _merge_steps(count, place, echoes.even, echoes.odd, bins.steps)
     _mark_remaining(padded_count(count), energy, place, echoes.beyond)
     for k in range(list_marked(echoes.beyond, count - 1, echoes.marked)):
-        _move_over_borders(np.uint64(echoes.marked[k]), r, energy, change, per_bin, last, bins)
+        _move_over_borders(np.uint64(echoes.marked[k]), r, energy, change, per_bin, last, bins.steps)
 
 
 @inlined_uncounted
-def _work_out_steps(knots, r, energy, change, per_bin, last, steps, place):
+def _work_out_steps(knots, r, energy, change, per_bin, last, decay, steps, place):
     """Work out what each knot adds to its own bin and the next three, its segment's first two borders included.
 
     Up to a border the integral of a linear density exceeds that of the even one by a parabola, zero at both ends.
@@ -124,7 +126,7 @@ def _work_out_steps(knots, r, energy, change, per_bin, last, steps, place):
         whole = math.floor(position)
         begin, end, room = real(position - whole), real(r[i + 1] * per_bin - whole), real(last - whole)
         step = np.int64(energy[i]) - (np.int64(energy[i - 1]) if i > 0 else none)
-        share = np.int64(math.floor((position - whole) * step))
+        share = np.int64(math.floor(late_share(position, whole, decay) * step))
         share = share if step != 0 else none
         curve, within = half * energy[i] * change[i] / (end - begin), (energy[i] != nothing) & (end > begin)
         first = np.int64(curve * (one - begin) * (one - end) if within & (end > one) & (room >= one) else nothing)

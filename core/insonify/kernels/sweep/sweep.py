@@ -3,8 +3,8 @@
 Each visible stretch of a segment spreads its energy evenly over the slant range it covers: a density that steps up
 where the stretch begins and down where it ends. The steps go into a difference array of integers, one event per knot,
 and a prefix sum turns them into bins. Integers cancel exactly, so that a bin without energy is exactly zero and the sum
-is the same in any order. Whole segments of oblique planes have linear densities. Spreading and absorption depend on
-range alone and multiply afterwards. Derived in docs/theory/sweep.md.
+is the same in any order. Whole segments of oblique planes have linear densities. Spreading and absorption multiply
+afterwards; their change within a bin enters by the shares of each step. Derived in docs/theory/sweep.md.
 """
 
 from __future__ import annotations
@@ -21,7 +21,7 @@ from insonify.kernels.beam.azimuth_sector import AzimuthSector
 from insonify.kernels.bed.grid import is_oblique
 from insonify.kernels.bed.profile import Profile, empty_profile, list_marked, profile_capacity
 from insonify.kernels.bed.slice import prefetch_strip, slice_bed, snap_to_grid
-from insonify.kernels.common.range_bins import accumulate_bins
+from insonify.kernels.common.range_bins import RangeBins, accumulate_bins
 from insonify.kernels.common.types import PORT, STARBOARD, SceneArrays
 from insonify.kernels.geometry.cross_sections import HalfPlane
 from insonify.kernels.refraction.apparent_positions import (
@@ -174,7 +174,7 @@ def sweep_pings(arrays, poses, fan, apparent, workspace, out):
     int
         0, or -1 - k if the sonar is inside body k: then pings from there on are left as they were.
     """
-    bins = np.zeros(arrays.bins + 2, np.int64)
+    bins = RangeBins(np.zeros(arrays.bins + 2, np.int64), arrays.range_decay)
     return _sweep_all(arrays, poses, fan, apparent, workspace, bins, out)
 
 

@@ -7,8 +7,6 @@ nearest in all of it.
 Theory: docs/theory/sweep.md.
 """
 
-from __future__ import annotations
-
 import math
 from typing import NamedTuple
 

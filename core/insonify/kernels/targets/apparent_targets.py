@@ -6,8 +6,6 @@ are turned into launch angles and slant ranges. A triangle's straight line stays
 apparent position. Derived in docs/theory/refraction.md.
 """
 
-from __future__ import annotations
-
 import math
 from typing import NamedTuple
 

@@ -5,8 +5,6 @@ Branches would keep the compiler from its vector units: ray by ray, a pipe's z-b
 Theory: docs/theory/sweep.md.
 """
 
-from __future__ import annotations
-
 import math
 
 from insonify.compiler.jit import inlined_uncounted

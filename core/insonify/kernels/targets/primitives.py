@@ -3,8 +3,6 @@
 Theory: docs/theory/sweep.md.
 """
 
-from __future__ import annotations
-
 import math
 from typing import NamedTuple
 
@@ -130,10 +128,8 @@ def nearest_distance(line):
 
 @inlined_uncounted
 def measure_directions(angle, cosine, sine):
-    """Cosines and sines of launch angles by their series; the terms left out are less than 1e-17.
-
-    The library's functions, called angle by angle, take ten times as long as this vector code.
-    """
+    """Cosines and sines of launch angles by their series; the terms left out are less than 1e-17."""
+    # The library's functions, called angle by angle, take ten times as long as this vector code.
     for k in range(angle.size):
         squared = angle[k] * angle[k]
         c = s = 1.0

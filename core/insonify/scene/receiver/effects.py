@@ -1,7 +1,5 @@
 """Effects that a receiver has or lacks, one kind each: fluctuation, interference and ringing."""
 
-from __future__ import annotations
-
 import math
 from typing import Literal
 

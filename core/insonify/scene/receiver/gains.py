@@ -1,7 +1,5 @@
 """Time-varied gains."""
 
-from __future__ import annotations
-
 from itertools import pairwise
 from typing import Annotated, ClassVar, Literal, NamedTuple
 

@@ -1,7 +1,5 @@
 """Noises: levels in the receiver's band, spectral densities, and a ratio of the bed's echo to the noise."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable
 from typing import ClassVar, Literal, NamedTuple

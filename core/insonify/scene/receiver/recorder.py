@@ -1,7 +1,5 @@
 """Recorder: gain of the last amplifier, converter and losses on the way to the file."""
 
-from __future__ import annotations
-
 from itertools import pairwise
 from typing import Annotated, Literal
 

@@ -1,7 +1,5 @@
 """Reverberation of the water and the sea surface."""
 
-from __future__ import annotations
-
 from typing import Any, Literal
 
 from insonify.scene.base import Family, Kind, parameter

@@ -1,7 +1,5 @@
 """Speckle models."""
 
-from __future__ import annotations
-
 from typing import Any, ClassVar, Literal, NamedTuple
 
 from insonify.scene.base import Family, Kind, parameter

@@ -1,7 +1,5 @@
 """Mask that limits a relief to parts of the bed."""
 
-from __future__ import annotations
-
 import math
 from typing import Literal
 

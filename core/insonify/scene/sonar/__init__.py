@@ -1,7 +1,5 @@
 """Sonar of a scene: beam, pulse, range, bins and scattering law."""
 
-from __future__ import annotations
-
 from typing import Annotated, Literal
 
 from insonify.errors import SceneError

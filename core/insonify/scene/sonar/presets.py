@@ -1,7 +1,5 @@
 """Presets of sonars: numbers of a class of sonars, of which a scene takes what it does not give itself."""
 
-from __future__ import annotations
-
 import tomllib
 from functools import cache
 from typing import Any
@@ -14,10 +12,8 @@ OF_RECEIVER = ("receiver.source_level", "receiver.recorder.bits")  # fields of a
 
 
 def with_preset(values: Any) -> Any:
-    """Return raw values of a scene with what the preset of its sonar declares and the scene does not.
-
-    A bare name stands for ``{ preset = name }``; ``"none"`` is no preset. A preset pings as fast as the range allows.
-    """
+    """Return raw values of a scene with what the preset of its sonar declares and the scene does not."""
+    # A bare name stands for ``{ preset = name }``; ``"none"`` is no preset. A preset pings as fast as the range allows.
     sonar = values.get("sonar") if isinstance(values, dict) else None
     if isinstance(sonar, str):
         sonar = {"preset": sonar}

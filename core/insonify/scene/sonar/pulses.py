@@ -54,11 +54,9 @@ class PulseKind(Kind):
         return 1.0 / (self.resolution or bin_time)
 
     def noise_bandwidth(self, bin_time: float) -> float:
-        """Bandwidth in Hz of the noise in the record, the receiver's band less the processing gain.
-
-        The filter is matched to the pulse and scaled so that a point's echo keeps its level. Noise of the density N₀
-        then has the power N₀/T, so that the echo of energy E stands E/N₀ above it (Urick 1983, 12.1).
-        """
+        """Bandwidth in Hz of the noise in the record, the receiver's band less the processing gain."""
+        # The filter is matched to the pulse and scaled so that a point's echo keeps its level. Noise of the density N₀
+        # then has the power N₀/T, so that the echo of energy E stands E/N₀ above it (Urick 1983, 12.1).
         return self.filter_loss / self.sent_for(bin_time)
 
     def processing_gain(self, bin_time: float) -> float:

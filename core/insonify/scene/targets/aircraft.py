@@ -1,7 +1,5 @@
 """Sunken aircraft, made from the plans of their wings."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 from typing import Literal, NamedTuple
 

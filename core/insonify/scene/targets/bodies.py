@@ -1,7 +1,5 @@
 """Spheres, boxes and cones."""
 
-from __future__ import annotations
-
 from typing import Annotated, Literal
 
 import numpy as np

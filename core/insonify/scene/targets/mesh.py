@@ -1,7 +1,5 @@
 """Shapes from files of triangles."""
 
-from __future__ import annotations
-
 import math
 from typing import Any, Literal
 

@@ -1,7 +1,5 @@
 """Closed parts of triangles from which generated targets are put together: skins of plates, bars and blocks."""
 
-from __future__ import annotations
-
 import hashlib
 import math
 
@@ -21,17 +19,7 @@ def draw_shares(seed: int, name: str, *shape: int) -> Vector:
 
 
 def skin(grid: Vector, thickness: float, present: NDArray[np.bool_] | None = None) -> Triangles:
-    """Plates of one thickness below a grid of points, with closed edges where a plate is missing.
-
-    Parameters
-    ----------
-    grid : ndarray, shape (rows, columns, 3)
-        Outer surface; rows, columns and the outward normal are right-handed.
-    thickness : float
-        Of the plates, in metres, inwards.
-    present : ndarray of bool, shape (rows - 1, columns - 1), optional
-        Plates that are there.
-    """
+    """Plates of one thickness, m, inwards of a right-handed grid (rows, columns, 3), closed where some are missing."""
     along, across = (np.gradient(grid, axis=axis) for axis in (0, 1))
     normal = np.cross(along, across)
     inner = grid - thickness * normal / np.maximum(np.linalg.norm(normal, axis=-1, keepdims=True), 1e-12)

@@ -85,11 +85,9 @@ class Pipe(Target):
         return Shape((*stretches, *(ball(self.radius, joint) for joint in joints[1:-1])))
 
     def _joints(self, bed: BedSurface) -> list[Vector]:
-        """Points on the axis between which the pipe is straight.
-
-        On a rough bed a stiff pipe follows the straight line fitted to the heights under it; the gap is above that
-        line.
-        """
+        """Points on the axis between which the pipe is straight."""
+        # On a rough bed a stiff pipe follows the straight line fitted to the heights under it; the gap is above that
+        # line.
         (x, y), half = self.position[:2], self.length / 2.0
         direction = np.array([exact_cos(self.heading), exact_cos(self.heading - 90.0)])
         inner = [station[0] for station in self._stations if -half < station[0] < half]

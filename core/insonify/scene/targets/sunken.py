@@ -1,7 +1,5 @@
 """What wrecks of ships and aircraft have in common: broken apart, sunk into the bed, grown over, amid debris."""
 
-from __future__ import annotations
-
 from abc import abstractmethod
 from collections.abc import Iterator, Sequence
 from functools import lru_cache

@@ -1,7 +1,5 @@
 """Wrecks of ships and boats, made from the curves of their hulls."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 from typing import Literal, NamedTuple
 

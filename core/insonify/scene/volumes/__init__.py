@@ -1,7 +1,5 @@
 """Volumes of the water column that echo: schools of fish, plumes of bubbles."""
 
-from __future__ import annotations
-
 import math
 from typing import Annotated, Literal, NamedTuple
 

@@ -1,7 +1,5 @@
 """Waters: their base class, with sound speed, absorption and sea surface."""
 
-from __future__ import annotations
-
 from typing import Annotated, ClassVar, NamedTuple
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Absorption of sound by sea water."""
 
-from __future__ import annotations
-
 import math
 from typing import Any, ClassVar, Literal
 

@@ -1,7 +1,5 @@
 """Curves approximated by few straight segments."""
 
-from __future__ import annotations
-
 import itertools
 from collections.abc import Callable
 

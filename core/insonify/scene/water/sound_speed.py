@@ -1,7 +1,5 @@
 """Speed of sound in sea water from its temperature, salinity and depth."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 
 import numpy as np

@@ -1,7 +1,5 @@
 """The sea surface, a mirror that is flat or raised by the wind."""
 
-from __future__ import annotations
-
 import math
 from typing import Literal
 
@@ -94,11 +92,9 @@ class RoughSurface(MirrorSurface):
 
     @property
     def slope_variance(self) -> float:
-        """Variance of the slope of the waves along one direction, half of that in both.
-
-        ∫ (ω²/g)² S dω up to the finest wave, ω² = g · 363 rad/m, is α/4 · E₁(β (g / Uω)⁴); with U = 5 m/s it is 0.027
-        in both directions, where Cox and Munk (1954) measured 0.003 + 0.00512 U = 0.029.
-        """
+        """Variance of the slope of the waves along one direction, half of that in both."""
+        # ∫ (ω²/g)² S dω up to the finest wave, ω² = g · 363 rad/m, is α/4 · E₁(β (g / Uω)⁴); with U = 5 m/s it is 0.027
+        # in both directions, where Cox and Munk (1954) measured 0.003 + 0.00512 U = 0.029.
         from scipy import special  # lazy: SciPy takes longer to import than a scene to read
 
         if self.wind_speed < CALM:

@@ -1,7 +1,5 @@
 """Water of one sound speed."""
 
-from __future__ import annotations
-
 from typing import Literal
 
 from insonify.scene.base import parameter

@@ -1,4 +1,4 @@
-"""Chips of a labelled record: square pictures about targets and of the bed beside."""
+"""Chips of a labelled record: pictures about targets and of the bed beside."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from collections.abc import Iterator
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 from insonify.display.sheet import compute_median_curve
 from insonify.io.record_schema import CHANNELS
@@ -23,24 +23,26 @@ if TYPE_CHECKING:
 Floats = NDArray[np.float64]
 FLOOR = 1e-3  # of the amplitude of the bed, below which a logarithmic picture is black
 INK = 255
+LEAST = 0.25  # of a target's length, which windows about its extent span at least
+NARROWEST = 16  # pixels of a picture
 
 
 def cut_chips(drawn: DrawnScene, record: xr.Dataset, specification: DatasetSpecification) -> Iterator[Tile]:
     """Cut a labelled record of a scene into pictures about the views of its targets and, across the tow, of the bed."""
     amplitude = np.sqrt(record["intensity"].values.astype(np.float64))  # (sides, pings, bins)
     curve = np.sqrt(compute_median_curve(record)[:, 0])
-    sides: dict[int, RecordSide] = {}
     nothing = np.zeros((amplitude.shape[1:]), np.uint8)
+    sides = [take_side(drawn, record, nothing, channel, specification.classes) for channel in range(len(CHANNELS))]
     for number, view in enumerate(drawn.views):
+        extent = next((one.box for one in sides[_channel(view)].targets if one.number == view.target), None)
         for place in (view, view._replace(target=None, port=not view.port)):
-            channel = CHANNELS.index("port" if place.port else "starboard")
-            if channel not in sides:
-                sides[channel] = take_side(drawn, record, nothing, channel, specification.classes)
+            channel = _channel(place)
             for copy in range(specification.chips_each):
                 path = f"{number}.{CHANNELS[channel]}.{copy}"
                 chip = drawn.draws.table(Chips, f"chips.{path}", specification.chips or {})
                 picture = drawn.draws.table(Picture, f"picture.{path}", specification.picture)
-                tile = _cut(drawn, place, sides[channel], (amplitude[channel], curve), chip, picture)
+                edges = _edges(drawn, place, amplitude.shape[1:], chip, picture, extent)
+                tile = _cut(drawn, place, sides[channel], (amplitude[channel], curve), edges, chip, picture)
                 shown = [found["target"] for found in tile.told["targets"]]
                 if place.target in shown or (place.target is None and not shown):
                     shows = None if place.target is None else drawn.classes.get(place.target)
@@ -49,62 +51,88 @@ def cut_chips(drawn: DrawnScene, record: xr.Dataset, specification: DatasetSpeci
                     yield Tile(tile.image, tile.mask, told)
 
 
+def _channel(view: View) -> int:
+    return CHANNELS.index("port" if view.port else "starboard")
+
+
 def _cut(
-    drawn: DrawnScene, view: View, side: RecordSide, echoes: tuple[Floats, Floats], chip: Chips, picture: Picture
+    drawn: DrawnScene,
+    view: View,
+    side: RecordSide,
+    echoes: tuple[Floats, Floats],
+    edges: tuple[Floats, Floats],
+    chip: Chips,
+    picture: Picture,
 ) -> Tile:
     """Cut one chip and describe it."""
-    amplitude, curve = echoes
-    rows, columns = _edges(drawn, view, amplitude.shape, chip, picture)
-    shown = _displayed(amplitude / curve**picture.levelled, (rows, columns), chip.pixels, picture)
+    (amplitude, curve), (rows, columns) = echoes, edges
+    shown = _displayed(amplitude / curve**picture.levelled, edges, picture)
     image = _finish(_grey(shown, picture), picture)
-    middles = (0.5 * (edges[1:] + edges[:-1]) for edges in (rows, columns))
+    middles = (0.5 * (edge[1:] + edge[:-1]) for edge in edges)
     place = np.ix_(*(np.clip(middle, 0, size - 1).astype(int) for middle, size in zip(middles, amplitude.shape)))
     turned = [np.rot90(layer[place], chip.turns) for layer in (side.mask, side.echo_id, side.shadow_id)]
     layers = [np.rot90(image, chip.turns), *turned]
     if chip.mirrored:
         layers = [layer[:, ::-1] for layer in layers]
     # Of each target the bins that the window covers stand for what is shown.
-    pixel = (rows[-1] - rows[0]) * (columns[-1] - columns[0]) / chip.pixels**2
-    box = 0, chip.pixels, 0, chip.pixels
-    whole = [found._replace(box=box, area=max(round(found.area / pixel), 1)) for found in side.targets]
+    high, wide = layers[0].shape
+    pixel = (rows[-1] - rows[0]) * (columns[-1] - columns[0]) / (high * wide)
+    whole = [found._replace(box=(0, high, 0, wide), area=max(round(found.area / pixel), 1)) for found in side.targets]
     cut = RecordSide(layers[0], layers[1], layers[2], layers[3], whole)
-    size = Tiles(pings=chip.pixels, bins=chip.pixels, least=chip.least)
     told = {
         "scene": drawn.number,
-        "side": "port" if view.port else "starboard",
+        "side": CHANNELS[_channel(view)],
         "first_ping": int(rows[0]),
         "first_bin": int(columns[0]),
-        "shape": [chip.pixels, chip.pixels],
-        "targets": list(targets_within(cut, 0, 0, size)),
+        "shape": [high, wide],
+        "targets": list(targets_within(cut, 0, 0, Tiles(pings=high, bins=wide, least=chip.least))),
     }
     return Tile(np.ascontiguousarray(cut.image), np.ascontiguousarray(cut.mask), told)
 
 
 def _edges(
-    drawn: DrawnScene, view: View, shape: tuple[int, ...], chip: Chips, picture: Picture
+    drawn: DrawnScene,
+    view: View,
+    shape: tuple[int, ...],
+    chip: Chips,
+    picture: Picture,
+    extent: tuple[int, int, int, int] | None,
 ) -> tuple[Floats, Floats]:
     """Edges of the pixels along and across, in pings and bins of the record, with the window moved inside it."""
     scene, (pings, bins) = drawn.scene, shape
-    step, bin_length = scene.track.speed / scene.sonar.ping_rate, scene.sonar.range / bins
-    height, extent = scene.altitude, chip.margin * view.length
-    first = 0.0 if picture.water_column and not picture.ground_range else height / bin_length
-    high, wide = min(extent * chip.aspect / step, float(pings)), min(extent / bin_length, bins - first)
-    middle = view.along * (pings - 1) + chip.along * high
-    rows = np.clip(middle - 0.5 * high, 0.0, pings - high) + np.linspace(0.0, high, chip.pixels + 1)
-    if not picture.ground_range:
-        near = math.hypot(view.ground_range, height) / bin_length + (chip.across - 0.5) * wide
-        return rows, np.clip(near, first, bins - wide) + np.linspace(0.0, wide, chip.pixels + 1)
-    farthest = math.sqrt(max(scene.sonar.range**2 - height**2, 0.0))
-    wide = min(extent, farthest)
-    near = float(np.clip(view.ground_range + (chip.across - 0.5) * wide, 0.0, farthest - wide))
-    return rows, np.hypot(near + np.linspace(0.0, wide, chip.pixels + 1), height) / bin_length
+    step, bin_length, height = scene.track.speed / scene.sonar.ping_rate, scene.sonar.range / bins, scene.altitude
+
+    def displayed(slant: ArrayLike) -> Floats:
+        """Distances across on the display, in metres."""
+        slants = np.asarray(slant, float)
+        return np.sqrt(np.maximum(slants**2 - height**2, 0.0)) if picture.ground_range else slants
+
+    along, across = view.along * (pings - 1) * step, float(displayed(math.hypot(view.ground_range, height)))
+    high, wide = chip.margin * chip.aspect * view.length, chip.margin * view.length
+    if chip.about == "extent" and extent is not None:
+        first, last = step * extent[0], step * extent[1]
+        near, far = displayed(bin_length * np.array(extent[2:]))
+        along, across = 0.5 * (first + last), 0.5 * float(near + far)
+        border = (chip.margin - 1.0) * max(last - first, float(far - near))  # of one breadth all around
+        high, wide = (max(size + border, LEAST * view.length) for size in (last - first, float(far - near)))
+    begin = 0.0 if picture.water_column or picture.ground_range else height
+    end = float(displayed(scene.sonar.range))
+    high, wide = min(high, pings * step), min(wide, end - begin)
+    sizes = np.array([high / chip.aspect, wide]) if chip.about == "extent" else np.ones(2)
+    counts = np.maximum(np.rint(chip.pixels * sizes / sizes.max()), NARROWEST).astype(int)
+    low = float(np.clip(along + (chip.along - 0.5) * high, 0.0, pings * step - high))
+    near = float(np.clip(across + (chip.across - 0.5) * wide, begin, end - wide))
+    columns = np.linspace(near, near + wide, counts[1] + 1)
+    slants = np.hypot(columns, height) if picture.ground_range else columns
+    return np.linspace(low, low + high, counts[0] + 1) / step, slants / bin_length
 
 
-def _displayed(values: Floats, edges: tuple[Floats, Floats], pixels: int, picture: Picture) -> Floats:
+def _displayed(values: Floats, edges: tuple[Floats, Floats], picture: Picture) -> Floats:
     """Mean amplitude of every pixel, of coarser ones first where the picture was averaged along or across."""
     from scipy.ndimage import zoom
 
     for axis, (edge, coarse) in enumerate(zip(edges, (picture.along, picture.across))):
+        pixels = len(edge) - 1
         count = max(round(pixels / coarse), 8)
         mean = _means(values, np.interp(np.linspace(0.0, pixels, count + 1), np.arange(pixels + 1.0), edge), axis)
         factors = [1.0, 1.0]
@@ -136,6 +164,7 @@ def _grey(amplitude: Floats, picture: Picture) -> NDArray[np.uint8]:
     share = np.clip((values - black) / max(white - black, 1e-12), 0.0, 1.0)
     if picture.grey is not None:
         share **= math.log(picture.grey) / math.log(float(np.clip(np.median(share), 0.02, 0.98)))
+    share = picture.darkest + (picture.brightest - picture.darkest) * share
     return np.rint(255.0 * (1.0 - share if picture.inverted else share)).astype(np.uint8)
 
 

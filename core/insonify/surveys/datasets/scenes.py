@@ -176,7 +176,7 @@ def draw_scene(
         scene = edit(base, changes)
         is_negative = draws.share("negatives") < specification.negatives
         # Chips of a bed are cut as those of a target on it, which is drawn and left out.
-        groups = () if is_negative and specification.chips is None else specification.targets
+        groups = () if is_negative and specification.chips is None else _groups(specification, draws)
         scene, classes, views = _put_targets(scene, specification, groups, draws)
         if is_negative and classes:
             kept = plain(scene)["targets"][: len(scene.targets) - len(classes)]
@@ -185,6 +185,15 @@ def draw_scene(
         raise SceneError(f"scene {number}: {error}") from None
     split = split_of(specification.splits, number // specification.storage.scenes)
     return DrawnScene(number, scene, split, classes, draws, tuple(views))
+
+
+def _groups(specification: DatasetSpecification, draws: Draws) -> Sequence[TargetGroup]:
+    """Return the groups of which a scene has targets."""
+    groups = specification.targets
+    if specification.groups == "all" or not groups:
+        return groups
+    weights = OneOf(of=tuple(range(len(groups))), weights=tuple(group.weight for group in groups))
+    return (groups[weights.quantile(draws.share("groups"))],)
 
 
 class _Wanted(NamedTuple):
@@ -220,7 +229,8 @@ def _put_targets(
     scene = edit(scene, {"targets": own + bare, **changes})
     outlines = [target.outline for target in scene.targets[first:]]
     if sampling is not None:
-        scene = edit(scene, sampling.changes(scene, 2.0 * outlines[0].extent((1.0, 0.0, 0.0))))
+        length, height = 2.0 * outlines[0].extent((1.0, 0.0, 0.0)), outlines[0].extent((0.0, 0.0, 1.0))
+        scene = edit(scene, sampling.changes(scene, length, height))
     placed = _places(scene, wanted, [outline.radius for outline in outlines], draws)
     scene = edit(scene, {f"targets.{first + n}.position": place for n, (place, _) in enumerate(placed)})
     views = [

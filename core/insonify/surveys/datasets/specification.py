@@ -18,6 +18,7 @@ from insonify.surveys.distributions.uniform import Uniform
 from insonify.surveys.engine import FLAGS
 from insonify.surveys.storages import STORAGES, Files, StorageKind
 
+CLEAR = 1.2  # altitude over the height of a target, at least
 SOUND_SPEED = 1500.0  # m/s, by which lengths of range become times
 Name = Annotated[str, Field(pattern=r"^[A-Za-z0-9][\w-]*$", max_length=60)]
 
@@ -39,6 +40,7 @@ class TargetGroup(Declaration):
         unit="m",
         description="how far abeam of the tow; from one altitude to most of the range when left out",
     )
+    weight: float = parameter(1.0, description="how often a scene has this group, where it has one of them", gt=0.0)
     set: dict[str, Drawn] = parameter({}, description="fields of the target by their paths: values or distributions")
 
     @model_validator(mode="after")
@@ -102,8 +104,8 @@ class Sampling(Declaration):
         None, unit="dB", description="mean echo of the bed over the noise, at 0.7 of the range", ge=-100.0, le=200.0
     )
 
-    def changes(self, scene: Scene, length: float | None) -> dict[str, Any]:
-        """Fields of a scene, given the length of its target in metres."""
+    def changes(self, scene: Scene, length: float | None, height: float = 0.0) -> dict[str, Any]:
+        """Fields of a scene, given the length and the height of its target in metres."""
         if self.bin is None and length is None:
             raise SceneError("sampling.length: the scene has no target; give sampling.bin, or a group of targets")
         unit = self.bin or float(length or 0.0) / self.length
@@ -112,8 +114,8 @@ class Sampling(Declaration):
         step = self.step * unit
         found: dict[str, Any] = {"sonar.range": reach, "sonar.ping_rate": rate, "track.speed": step * rate}
         if self.altitude is not None:
-            found |= {"track.altitude": self.altitude * reach}
-            found |= {"seabed.depth": max(scene.seabed.depth, 1.5 * self.altitude * reach)}
+            altitude = max(self.altitude * reach, CLEAR * height)
+            found |= {"track.altitude": altitude, "seabed.depth": max(scene.seabed.depth, 1.5 * altitude)}
         if self.pulse is not None:
             found |= {"sonar.pulse": {"kind": "tone", "duration": 2.0 * self.pulse * unit / speed}}
         if self.beam is not None:
@@ -140,10 +142,16 @@ def lengths_of(declared: Declaration, path: str = "") -> Iterator[tuple[str, flo
 
 
 class Chips(Declaration):
-    """Square pictures about each target, and as many of the bed across the tow."""
+    """Pictures about each target, and as many of the bed across the tow."""
 
-    pixels: int = parameter(128, description="side of a picture", ge=16, le=2048)
-    margin: float = parameter(1.6, description="side of the window over the target's length", gt=0.1, le=50.0)
+    pixels: int = parameter(128, description="longer side of a picture", ge=16, le=2048)
+    about: Literal["length", "extent"] = parameter(
+        "length",
+        description="length: a square about the target; extent: its echo and shadow together, with an even border",
+    )
+    margin: float = parameter(
+        1.6, description="longer side of the window over the target's length, or that of the extent", gt=0.1, le=50.0
+    )
     aspect: float = parameter(1.0, description="metres along the tow over those across", gt=0.05, le=20.0)
     along: float = parameter(0.0, description="place of the window's middle off the target, in sides", ge=-1.0, le=1.0)
     across: float = parameter(0.0, description="the same, away from the tow", ge=-1.0, le=1.0)
@@ -161,7 +169,11 @@ class Picture(Declaration):
     )
     black: float = parameter(1.0, unit="%", description="percentile that is black", ge=0.0, le=60.0)
     white: float = parameter(99.5, unit="%", description="percentile that is white", ge=60.5, le=100.0)
-    grey: float | None = parameter(None, description="grey of the median, 0 to 1", gt=0.0, lt=1.0)
+    grey: float | None = parameter(
+        None, description="grey of the median, between darkest and brightest", gt=0.0, lt=1.0
+    )
+    darkest: float = parameter(0.0, description="grey of black, for pictures of little contrast", ge=0.0, lt=0.3)
+    brightest: float = parameter(1.0, description="grey of white", ge=0.3, le=1.0)
     inverted: bool = parameter(False, description="whether strong echoes are dark")
     ground_range: bool = parameter(False, description="whether across is ground range, without the water column")
     water_column: bool = parameter(True, description="whether slant range begins at the sonar")
@@ -193,6 +205,7 @@ class DatasetSpecification(Declaration):
     base: FilePath = parameter(DEFAULT_SCENE, description="bundled scene, or TOML file, that all scenes begin with")
     set: dict[str, Drawn] = parameter({}, description="fields of the scene by their paths: values or distributions")
     targets: tuple[TargetGroup, ...] = parameter((), description="classes of targets")
+    groups: Literal["all", "one"] = parameter("all", description="whether a scene has targets of all groups or of one")
     tolerance: float = parameter(0.03, description="error of a record that is accepted", gt=0.0, le=1.0)
     negatives: float = parameter(0.2, description="share of the scenes that have none of these targets", ge=0.0, le=1.0)
     sampling: Annotated[dict[str, Drawn] | None, check_draws(Sampling)] = parameter(

@@ -1,7 +1,5 @@
 """Distributions from which a data set draws values, one file a kind."""
 
-from __future__ import annotations
-
 from abc import abstractmethod
 from typing import Annotated, Any
 

@@ -1,7 +1,5 @@
 """Summary of a survey: mosaic and coverage as files and pictures, and one page that contains all of it."""
 
-from __future__ import annotations
-
 import base64
 import html
 import io

@@ -1,7 +1,5 @@
 """Lines of a survey in order, and the track that joins them."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Iterator, Sequence
 from itertools import pairwise

@@ -8,6 +8,7 @@ from pathlib import Path
 from PySide6.QtCore import QSize, Qt, QTimer, Signal
 from PySide6.QtGui import QColor, QKeySequence, QPixmap, QShortcut
 from PySide6.QtWidgets import (
+    QBoxLayout,
     QFrame,
     QHBoxLayout,
     QLabel,
@@ -25,9 +26,9 @@ from insonify_viewer.panels.lessons.view.question_box import QuestionBox
 from insonify_viewer.widgets.buttons import light, make_label, push_button
 from insonify_viewer.widgets.save_dialogs import save_pixmap
 from insonify_viewer.widgets.side_panel import ScrollColumn
-from insonify_viewer.widgets.theme import TEXT
+from insonify_viewer.widgets.theme import TEXT, lecture_scale
 
-USUAL, LARGE = 1.2, 1.9  # factors on the size of the text, without and with a projector
+USUAL = 1.2  # factor on the size of the text, which a lecture enlarges further
 HEADING = 1.25  # factor on the size of headings
 SIGNS = {Grade.RIGHT: "✓", Grade.CLOSE: "≈", Grade.WRONG: "✗", Grade.UNKNOWN: "→"}
 NARROWEST, WIDE = 230, 300  # px, least and preferred width at the usual size
@@ -66,8 +67,8 @@ class LessonsView(QStackedWidget):
         return paths
 
     def enlarge(self, large: bool) -> None:
-        """Show text as large as a projector asks for, or at the usual size."""
-        factor = LARGE if large else USUAL
+        """Show text as large as a lecture asks for, or at the usual size."""
+        factor = USUAL * (lecture_scale(self) if large else 1.0)
         points = self._size * factor
         self.setStyleSheet(
             f"QLabel, QPushButton, QListWidget, QLineEdit {{ font-size: {points:g}pt; }}"
@@ -78,6 +79,7 @@ class LessonsView(QStackedWidget):
         self._wide = round(WIDE * factor / USUAL)
         for page in (self.list, self.page, self.summary):
             page.projector.setChecked(large)
+        self.page.spread(large)
 
 
 class ListPage(QWidget):
@@ -241,22 +243,33 @@ class StepPage(QWidget):
     def _lay_out(self) -> None:
         self._scroll = ScrollColumn()
         self._scroll.setAccessibleName("Step of the lesson")
-        column = self._scroll.column
-        column.setSpacing(10)
-        done = _row(self.tick, self.show_me)
-        parts = (
-            self.lesson, self.introduction, self.step, self.text, self.ask, done, self.verdict, self.look_for,
-            self.question,
-        )  # fmt: skip
-        for part in parts:
-            column.addLayout(part) if isinstance(part, QHBoxLayout) else column.addWidget(part)
-        column.addWidget(self.reveal)
-        column.addWidget(self.answer)
-        column.addStretch(1)
-        page = QVBoxLayout(self)
-        page.addLayout(_row(self.left, self.projector))
-        page.addWidget(self._scroll, 1)
-        page.addLayout(_row(self.back, self.next))
+        task, reply = QVBoxLayout(), QVBoxLayout()
+        for half in (task, reply):
+            half.setSpacing(10)
+        for words in (self.lesson, self.introduction, self.step, self.text):
+            task.addWidget(words)
+        reply.addWidget(self.ask)
+        reply.addLayout(_row(self.tick, self.show_me))
+        for part in (self.verdict, self.look_for, self.question, self.reveal, self.answer):
+            reply.addWidget(part)
+        self._halves, self._page = QBoxLayout(QBoxLayout.Direction.TopToBottom), QVBoxLayout(self)
+        self._halves.setSpacing(10)
+        self._halves.addLayout(task, 1)
+        self._halves.addLayout(reply, 1)
+        self._scroll.column.addLayout(self._halves)
+        self._scroll.column.addStretch(1)
+        self._ends = _row(self.left, self.projector), _row(self.back, self.next)
+        self._page.addLayout(self._ends[0])
+        self._page.addWidget(self._scroll, 1)
+        self._page.addLayout(self._ends[1])
+
+    def spread(self, wide: bool) -> None:
+        """Lay task, reply and buttons side by side, as in a wide low place, or one below the other."""
+        down, right = QBoxLayout.Direction.TopToBottom, QBoxLayout.Direction.LeftToRight
+        for layout in (self._page, self._halves):
+            layout.setDirection(right if wide else down)
+        for layout in self._ends:
+            layout.setDirection(down if wide else right)
 
 
 class SummaryPage(QWidget):
@@ -306,6 +319,6 @@ def _words(name: str = "") -> QLabel:
 
 
 def _projector() -> QPushButton:
-    button = push_button("Projector", "Full screen, in large type (F11)", wide=True)
+    button = push_button("Lecture", "Fill the screen with record and 3-D view, in large type (F11)", wide=True)
     button.setCheckable(True)
     return button

@@ -4,8 +4,6 @@ A module of this package is a kind of chart. It defines ``measure_chart(scene, *
 `Chart`; the first line of its docstring names the measured quantities.
 """
 
-from __future__ import annotations
-
 import pkgutil
 from collections.abc import Callable
 from importlib import import_module

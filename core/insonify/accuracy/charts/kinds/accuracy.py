@@ -3,8 +3,6 @@
 The chart is a table or a figure of the time and the error of every method.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
@@ -122,10 +120,8 @@ class AccuracyChart(Chart):
         return [row for row in self.rows if row.targets == targets]
 
     def find_front(self, targets: bool) -> list[AccuracyRow]:
-        """Pareto front, fastest first: rows with a smaller error than all faster rows.
-
-        Differences no greater than the change of the reference by the last doubling of its rays do not count.
-        """
+        """Pareto front, fastest first: rows with a smaller error than all faster rows."""
+        # Differences no greater than the change of the reference by the last doubling of its rays do not count.
         front: list[AccuracyRow] = []
         resolved = self.scenes[targets].reference.moved
         rows = (row for row in self.rows_of(targets) if row.method != method_settings.EMBREE_OWN)
@@ -135,11 +131,8 @@ class AccuracyChart(Chart):
         return front
 
     def time_to_error(self, method: str, error: float, targets: bool) -> float:
-        """Microseconds per ping after which a method's error falls to a bound.
-
-        Between two settings the error is a power of the time. NaN where no setting reaches the bound, or where the
-        reference does not resolve it.
-        """
+        """Microseconds per ping after which a method's error falls to a bound, NaN if it does not or is unresolved."""
+        # Between two settings the error is a power of the time.
         if error < self.scenes[targets].reference.floor:
             return math.nan
         before: AccuracyRow | None = None
@@ -155,18 +148,14 @@ class AccuracyChart(Chart):
         return math.nan
 
     def fastest_sweep(self, error: float, targets: bool) -> tuple[str, float]:
-        """Find the division of segments by which the sweep reaches an error first: method and microseconds per ping.
-
-        NaN where none reaches it, or where the reference does not resolve it.
-        """
+        """Find the division of segments by which the sweep reaches an error first: method and microseconds per ping."""
+        # NaN where none reaches it, or where the reference does not resolve it.
         times = {method: self.time_to_error(method, error, targets) for method in method_settings.SWEEPS}
         return min(times.items(), key=lambda item: math.inf if math.isnan(item[1]) else item[1])
 
     def describe_speedup(self, targets: bool) -> str:
-        """State how much faster than exact rays the sweep reaches an error; empty where either does not reach it.
-
-        The sweep divides segments in the way that reaches that error first, as a plan would.
-        """
+        """State how much faster than exact rays the sweep reaches an error; empty where either does not reach it."""
+        # The sweep divides segments in the way that reaches that error first, as a plan would.
         method, sweep = self.fastest_sweep(COMPARED_ERROR, targets)
         exact = self.time_to_error("rays", COMPARED_ERROR, targets)
         if not exact / sweep > 0.0:

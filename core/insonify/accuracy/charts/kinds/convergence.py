@@ -1,7 +1,5 @@
 """Convergence of every method: error against its step, or its number of rays, planes or nodes."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import NamedTuple

@@ -1,7 +1,5 @@
 """Time and memory of a record against the size of the scene and of the model, measured on this machine."""
 
-from __future__ import annotations
-
 import tracemalloc
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass

@@ -3,8 +3,6 @@
 The functions compiled here are the only ones outside the kernels: they show what a compiler does.
 """
 
-from __future__ import annotations
-
 import math
 from typing import Any
 

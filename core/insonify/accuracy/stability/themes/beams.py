@@ -1,7 +1,5 @@
 """Failures of beams and of paths by the sea surface: too few planes and pings, a cone taken for a wedge, two legs."""
 
-from __future__ import annotations
-
 import math
 from textwrap import wrap
 from typing import Any
@@ -25,7 +23,7 @@ from insonify.acoustics.resolution_cell import bin_centres
 from insonify.acoustics.sea_surface import make_surface_multipath
 from insonify.display.style import FAINT
 from insonify.kernels.beam.pattern import ring_responses
-from insonify.kernels.common.types import LIGHT, SceneArrays, still_water
+from insonify.kernels.common.types import LIGHT, NO_DECAY, SceneArrays, still_water
 from insonify.planning import plan
 from insonify.scene import Scene, edit, load_scene
 from insonify.scene.seabed.reliefs.fractal import Fractal
@@ -259,7 +257,7 @@ def _surface_echo(arrays: SceneArrays, wind_speed: float = 0.0) -> Values:
     """Echo of one side out by the surface and back straight, (bins,), without the record's spreading."""
     switches = {way: way == "surface_bottom" for way in WAYS}
     sea = RoughSurface(**switches, wind_speed=wind_speed) if wind_speed > 0.0 else FlatSurface(**switches)
-    bare = arrays._replace(range_factor=np.ones(arrays.bins))
+    bare = arrays._replace(range_factor=np.ones(arrays.bins), range_decay=NO_DECAY)
     under = bare._replace(water=still_water(surface=ALTITUDE + DEPTH), multipath=make_surface_multipath(sea))
     pose = make_pose(0.0, 0.0, ALTITUDE)
     return sweep_port(under, pose, planes=1) - sweep_port(bare, pose, planes=1)

@@ -1,7 +1,5 @@
 """Failures over relief, and of generated reliefs: long steps, knots, orders of convergence, lobes, aliases, seeds."""
 
-from __future__ import annotations
-
 import math
 from typing import Any
 

@@ -1,7 +1,5 @@
 """Failures of range bins, the receiver and scattering: inexact sums, unbounded areas, gain on noise."""
 
-from __future__ import annotations
-
 import math
 from typing import Any
 

@@ -1,7 +1,5 @@
 """Failures of targets: walls that leak or count twice, intervals of angles that do not exist."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np
@@ -18,6 +16,7 @@ from insonify.accuracy.stability.level_scenes import (
     make_level_scene,
     make_pose,
 )
+from insonify.kernels.common.types import NO_DECAY
 from insonify.simulation import simulate
 from insonify.tracers import rays, sweep
 
@@ -158,7 +157,7 @@ def _echo_by_sweep(exponent: float) -> float:
     changes = {"targets": [ball_at(0.0, CENTRE[0], CENTRE[1] - 30.0, RADIUS)]}
     arrays = arrays_over(np.zeros((2, 2)), 1.0, x0=-1000.0, changes=changes)
     lobes = np.tile([0.2, 0.8, exponent], (arrays.reflectivity.shape[0], 1))
-    arrays = arrays._replace(reflectivity=lobes, range_factor=np.ones(arrays.bins))
+    arrays = arrays._replace(reflectivity=lobes, range_factor=np.ones(arrays.bins), range_decay=NO_DECAY)
     return float(sweep.trace(arrays, make_pose(0.0, 0.0, 10.0))[0, 0].sum())
 
 

@@ -1,7 +1,5 @@
 """Failures of layered water: vanishing gradients, vertical rays, rays at the knots of a profile, invalid profiles."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Sequence
 from decimal import Decimal, localcontext

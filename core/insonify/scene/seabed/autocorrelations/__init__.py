@@ -1,7 +1,5 @@
 """Autocorrelations of heights: their base class."""
 
-from __future__ import annotations
-
 from abc import abstractmethod
 
 from insonify.scene.base import Family, Kind
@@ -22,10 +20,4 @@ class AutocorrelationKind(Kind):
 
     @abstractmethod
     def density(self, variance: float) -> Density:
-        """Spectral density of heights of that variance (m²): P(k) = h² 2π ∫ ρ(r) J₀(kr) r dr (Wiener–Khinchin).
-
-        Raises
-        ------
-        SceneError
-            If no surface can have that autocorrelation, or its file cannot be read.
-        """
+        """Spectral density of heights of that variance (m²): P(k) = h² 2π ∫ ρ(r) J₀(kr) r dr (Wiener–Khinchin)."""

@@ -1,7 +1,5 @@
 """Autocorrelations that a correlation length sets."""
 
-from __future__ import annotations
-
 import math
 from typing import Literal
 

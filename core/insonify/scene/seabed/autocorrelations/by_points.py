@@ -1,7 +1,5 @@
 """Autocorrelations by points, declared or from a file."""
 
-from __future__ import annotations
-
 import math
 from abc import abstractmethod
 from functools import lru_cache

@@ -180,13 +180,7 @@ class Material(MaterialMap):
         return MATERIALS[self.name].model if self.diffuse is None else None
 
     def reflectivity_at(self, frequency: float | None) -> Reflectivity:
-        """Scattering parameters in force: the given ones, else the named material's, fitted to its model.
-
-        Parameters
-        ----------
-        frequency : float or None
-            Hz, at which a named sediment without a given diffuse share is fitted; None for the law of light.
-        """
+        """Scattering parameters in force at a frequency in Hz, None for law `light`: given ones, or fitted."""
         numbers = {field: getattr(self, field) for field in Reflectivity._fields}
         given = {field: number for field, number in numbers.items() if number is not None}
         named = MATERIALS[self.name].reflectivity_at(None if self.model is None else frequency)

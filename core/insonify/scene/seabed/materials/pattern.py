@@ -1,7 +1,5 @@
 """Regular patterns of materials: stripes, checks, and waves of graded rows."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Sequence
 from typing import Literal
@@ -83,10 +81,8 @@ class PatternMap(CompositeMap):
 def graded_rows(
     materials: Sequence[Material], frequency: float | None
 ) -> tuple[tuple[str, ...], tuple[Reflectivity, ...]]:
-    """Names and scattering parameters of equal steps from the first material through the others to the last.
-
-    A name gives the percentages of the two materials of a mixture: ``25.1_silt+74.9_rock``.
-    """
+    """Names and scattering parameters of equal steps from the first material through the others to the last."""
+    # A name gives the percentages of the two materials of a mixture: ``25.1_silt+74.9_rock``.
     levels, whole = np.linspace(0.0, len(materials) - 1.0, GRADES), np.arange(len(materials))
     given = [material.reflectivity_at(frequency) for material in materials]
     columns = [np.interp(levels, whole, column) for column in zip(*(row[:5] for row in given))]

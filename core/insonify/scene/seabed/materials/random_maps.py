@@ -1,7 +1,5 @@
 """Random maps of materials: patches, and bands of a fractal field."""
 
-from __future__ import annotations
-
 from typing import Literal
 
 from insonify.scene.base import metres, parameter

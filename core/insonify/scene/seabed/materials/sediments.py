@@ -7,8 +7,6 @@ References: APL-UW TR 9407 (1994), section IV; Jackson and Richardson 2007, ch. 
 docs/theory/scattering.md.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Sequence
 from functools import lru_cache
@@ -57,10 +55,8 @@ def model_strength(sediment: Sediment, frequency: float, grazing: Curve) -> Curv
 
 
 def scattering_strength(numbers: Sequence[Any], cos_incidence: Curve) -> Curve:
-    """Backscattering cross section of a square metre by Lambert's and Phong's laws, docs/theory/scattering.md.
-
-    ``numbers`` begins with the diffuse share, the specular share and the exponent.
-    """
+    """Backscattering cross section of a square metre by Lambert's and Phong's laws, docs/theory/scattering.md."""
+    # ``numbers`` begins with the diffuse share, the specular share and the exponent.
     diffuse, specular, shininess = numbers[:3]
     mirrored = np.maximum(2.0 * cos_incidence**2 - 1.0, 0.0) ** shininess
     return np.asarray(cos_incidence**2 * (diffuse / np.pi + specular * (shininess + 2.0) / (2.0 * np.pi) * mirrored))
@@ -68,12 +64,10 @@ def scattering_strength(numbers: Sequence[Any], cos_incidence: Curve) -> Curve:
 
 @lru_cache(maxsize=256)
 def fit_law(sediment: Sediment, frequency: float, shininess: float) -> Fit:
-    """Fit Lambert's and Phong's laws to the model at a frequency in Hz.
-
-    Lambert's law is as strong as the model at 30° grazing, Phong's lobe adds what is missing at normal incidence, and
-    its exponent has the least mean square of misfits in decibels between 50° and normal incidence. The shares sum to 1
-    at most. Without a lobe the exponent is ``shininess``.
-    """
+    """Fit Lambert's and Phong's laws to the model at a frequency in Hz."""
+    # Lambert's law is as strong as the model at 30° grazing, Phong's lobe adds what is missing at normal incidence, and
+    # its exponent has the least mean square of misfits in decibels between 50° and normal incidence. The shares sum to
+    # 1 at most. Without a lobe the exponent is ``shininess``.
     even = float(model_strength(sediment, frequency, np.array(LAMBERT_GRAZING)))
     diffuse = min(math.pi * even / math.sin(LAMBERT_GRAZING) ** 2, 1.0)
     model = model_strength(sediment, frequency, LOBE_GRAZING)

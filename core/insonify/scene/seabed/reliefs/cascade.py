@@ -1,7 +1,5 @@
 """A multifractal bed."""
 
-from __future__ import annotations
-
 import math
 from typing import Literal
 
@@ -27,11 +25,9 @@ class Cascade(RandomRelief):
     hurst: float = parameter(0.7, "order H of the fractional integration", gt=0.0, le=2.0, slider=(0.1, 1.0))
 
     def unscaled(self, waves: PeriodicWaves) -> Field:
-        """Lognormal flux, its logarithm of density C₁/(πf²), integrated by f^−H (Schertzer and Lovejoy 1987).
-
-        A density C₁/(πf²) over the octaves down to a resolution λ has the variance 2 C₁ ln λ, so that the moments of
-        the flux are ⟨φ^q⟩ = λ^K(q) with K(q) = C₁(q² − q).
-        """
+        """Lognormal flux, its logarithm of density C₁/(πf²), integrated by f^−H (Schertzer and Lovejoy 1987)."""
+        # A density C₁/(πf²) over the octaves down to a resolution λ has the variance 2 C₁ ln λ, so that the moments of
+        # the flux are ⟨φ^q⟩ = λ^K(q) with K(q) = C₁(q² − q).
         fx, fy = waves.frequencies()
         squared = fx**2 + fy**2
         squared[0, 0] = np.inf

@@ -1,7 +1,5 @@
 """A level bed."""
 
-from __future__ import annotations
-
 from typing import Literal
 
 from insonify.scene.seabed.reliefs import ReliefKind

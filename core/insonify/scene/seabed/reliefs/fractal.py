@@ -111,11 +111,9 @@ class Fractal(ExtendableRelief):
         return [place for x, y in self.peaks for place in ((x, y), (x, -y))]
 
     def heights(self, waves: PeriodicWaves, reference: PeriodicWaves) -> Field:
-        """Heights of filtered noise; every grid is scaled by the factor of the reference.
-
-        Grids of different shape thus agree in the waves they share; one finer than the reference has a slightly higher
-        rms, a coarser one a lower one.
-        """
+        """Heights of filtered noise; every grid is scaled by the factor of the reference."""
+        # Grids of different shape thus agree in the waves they share; one finer than the reference has a slightly
+        # higher rms, a coarser one a lower one.
         made = self.filtered_noise(waves)
         power = reference.variance(made if reference is waves else self.filtered_noise(reference))
         if power == 0.0:
@@ -199,11 +197,9 @@ def _along_peak(dx: Field, dy: Field, peak: tuple[float, float]) -> tuple[Field,
 
 
 def _elliptic(along: Field, across: Field, beta_x: float, beta_y: float, hard: bool) -> Field:
-    """Power (|Δ∥|^(2βx/β) + |Δ⊥|^(2βy/β))^−β with β the mean exponent.
-
-    It falls with exponent βx along the one axis and βy along the other, is isotropic when they are equal, and has no
-    cross of slowly falling power through the peak.
-    """
+    """Power (|Δ∥|^(2βx/β) + |Δ⊥|^(2βy/β))^−β with β the mean exponent."""
+    # It falls with exponent βx along the one axis and βy along the other, is isotropic when they are equal, and has no
+    # cross of slowly falling power through the peak.
     beta = 0.5 * (beta_x + beta_y)
     if beta == 0.0:
         return np.ones(np.broadcast_shapes(along.shape, across.shape))

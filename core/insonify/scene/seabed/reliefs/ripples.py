@@ -1,7 +1,5 @@
 """Sand ripples."""
 
-from __future__ import annotations
-
 import math
 from typing import Literal
 
@@ -101,11 +99,9 @@ class Ripples(ExtendableRelief):
         return (Band(self.band(), narrow, self.wave),)
 
     def shape_waves(self, real: Field, imaginary: Field, level: float) -> Field:
-        """Heights from a complex field with phase 0 on crests.
-
-        A sharp profile has crests with a corner, 4 height/wavelength steep, over parabolic troughs; a round one is a
-        cosine.
-        """
+        """Heights from a complex field with phase 0 on crests."""
+        # A sharp profile has crests with a corner, 4 height/wavelength steep, over parabolic troughs; a round one is a
+        # cosine.
         phase = np.abs(np.arctan2(imaginary, real))
         sharp = 2.0 * (1.0 - phase / math.pi) ** 2 - 2.0 / 3.0  # about its own mean
         profile = np.cos(phase) + self.sharpness * (sharp - np.cos(phase))

@@ -1,7 +1,5 @@
 """Roughness by its spectral density or its autocorrelation."""
 
-from __future__ import annotations
-
 import math
 from typing import Annotated, Literal
 

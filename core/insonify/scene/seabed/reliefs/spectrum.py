@@ -4,8 +4,6 @@ A density P(f) holds for both signs of the frequency f in cycles a metre: the va
 plane. Wave numbers are k = 2πf, so that of a density per wave number W, with the variance ∫ W d²k, P = 4π² W.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass

@@ -4,8 +4,6 @@ Directions are given as s, the sine of their angle from the plane across the tow
 energies, 1 on the axis in the far field.
 """
 
-from __future__ import annotations
-
 import math
 from abc import abstractmethod
 from typing import ClassVar, NamedTuple

@@ -1,7 +1,5 @@
 """A bell-shaped beam."""
 
-from __future__ import annotations
-
 import math
 from typing import Literal
 

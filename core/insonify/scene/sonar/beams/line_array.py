@@ -1,7 +1,5 @@
 """The beam of a line of transducers."""
 
-from __future__ import annotations
-
 import math
 from typing import Literal
 
@@ -38,10 +36,8 @@ class LineArray(AimedBeam):
     )
 
     def half_width(self, conditions: BeamConditions) -> float:
-        """Angle of the first null, in radians.
-
-        Within the near field of a long array, r < L²/λ, the beam is nearly as wide as the array is long.
-        """
+        """Angle of the first null, in radians."""
+        # Within the near field of a long array, r < L²/λ, the beam is nearly as wide as the array is long.
         far = FIRST_NULL[self.taper] * conditions.sound_speed / conditions.frequency / self.length
         near = 0.5 * self.length / (FAR * conditions.range)
         return math.asin(min(max(far, near + 0.5 * far), 1.0))

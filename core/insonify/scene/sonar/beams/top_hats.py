@@ -1,7 +1,5 @@
 """Top-hat beams: a fan, and a knife without width."""
 
-from __future__ import annotations
-
 import math
 from typing import Literal
 

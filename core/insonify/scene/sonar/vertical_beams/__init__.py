@@ -1,7 +1,5 @@
 """Vertical beams: their base classes."""
 
-from __future__ import annotations
-
 from typing import ClassVar, Literal, NamedTuple
 
 import numpy as np

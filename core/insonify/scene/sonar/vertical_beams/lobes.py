@@ -1,7 +1,5 @@
 """Vertical beams without a lobe and with a single one."""
 
-from __future__ import annotations
-
 from typing import ClassVar, Literal
 
 from insonify.scene.base import parameter

@@ -1,7 +1,5 @@
 """Vertical beams by a table of sensitivities: of a transducer of given height, and measured ones."""
 
-from __future__ import annotations
-
 import math
 from itertools import pairwise
 from typing import Annotated, Literal

@@ -1,7 +1,5 @@
 """Lines of a tow: straight, and with a turn."""
 
-from __future__ import annotations
-
 from typing import Literal
 
 from insonify.scene.base import parameter

@@ -1,7 +1,5 @@
 """Sinusoidal motions, each along or about the axis that its kind names."""
 
-from __future__ import annotations
-
 import math
 from typing import Literal, cast
 

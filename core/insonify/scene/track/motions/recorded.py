@@ -1,7 +1,5 @@
 """A recorded tow."""
 
-from __future__ import annotations
-
 from typing import Literal
 
 import numpy as np

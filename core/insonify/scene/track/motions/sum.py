@@ -1,7 +1,5 @@
 """Several motions at once."""
 
-from __future__ import annotations
-
 from typing import Annotated, Literal
 
 from insonify.scene.base import KindOf, parameter

@@ -1,13 +1,16 @@
-"""File formats: a module in a package, or in an installed one, adds a format to all that reads or writes."""
+"""Kinds, commands and file formats are found by standing in a package, here or in an installed one."""
 
 import json
 import sys
 from importlib.metadata import EntryPoint
 from pathlib import Path
+from types import SimpleNamespace
+from typing import Literal
 
 import numpy as np
 import pytest
 
+import insonify.commands
 import insonify.io.formats
 from commands import refused
 from insonify import cli
@@ -18,7 +21,10 @@ from insonify.io.navigation import NAVIGATION, read_navigation
 from insonify.io.record_schema import join_blocks
 from insonify.io.records import RECORDS, read_record
 from insonify.io.sound_speed_casts import CASTS, read_cast
-from insonify.scene import SceneError, load_scene
+from insonify.scene import Scene, SceneError, base, edit, load_scene, scene_to_toml
+from insonify.scene.base import Declaration, Family, models_of, parameter
+from insonify.scene.seabed.materials import MATERIAL_MAPS, MaterialMap
+from insonify.scene.targets import TARGETS, Posed, Target
 from insonify.terrain import build_ground
 
 SMALL = ("pipe-span", "--set", "track.pings=3", "--set", "sonar.bins=100")
@@ -125,3 +131,105 @@ def test_a_new_format_that_fails_leaves_the_old_file(tmp_path, capsys):
         assert f"{path}: No space left on device" in refused(capsys, "render", *SMALL, "-o", str(path))
     assert [file.name for file in tmp_path.iterdir()] == ["record.json"]
     assert path.read_text() == "old"
+
+
+GREET = '''
+"""``insonify greet``: say hello."""
+
+from insonify.commands.options import say
+
+
+def register(subparsers):
+    parser = subparsers.add_parser("greet", help="say hello")
+    parser.add_argument("name")
+    parser.set_defaults(run=run)
+
+
+def run(arguments):
+    say(f"hello {arguments.name}")
+    return 0
+'''
+
+
+@pytest.fixture
+def folder(tmp_path, monkeypatch):
+    yield tmp_path
+    for module in [name for name in sys.modules if name.endswith("greet")]:
+        monkeypatch.delitem(sys.modules, module)
+
+
+def test_one_new_file_adds_a_sub_command(folder, monkeypatch, capsys):
+    (folder / "greet.py").write_text(GREET)
+    monkeypatch.setattr(insonify.commands, "__path__", [*insonify.commands.__path__, str(folder)])
+    assert cli.main(["greet", "world"]) == 0
+    assert capsys.readouterr().out == "hello world\n"
+
+
+def test_an_installed_package_adds_a_sub_command(folder, monkeypatch, capsys):
+    (folder / "stranger_greet.py").write_text(GREET)
+    monkeypatch.syspath_prepend(folder)
+    entries = [EntryPoint("greet", "stranger_greet:register", cli.COMMANDS)]
+    monkeypatch.setattr(cli, "announced", lambda group: entries)
+    assert cli.main(["greet", "world"]) == 0
+    assert capsys.readouterr().out == "hello world\n"
+
+
+def test_a_package_that_cannot_be_loaded_stops_no_other_command(monkeypatch, capsys):
+    entries = [EntryPoint("greet", "no_such_package:register", cli.COMMANDS)]
+    monkeypatch.setattr(cli, "announced", lambda group: entries)
+    assert cli.main(["scenes"]) == 0
+    written = capsys.readouterr()
+    assert written.out.startswith("breaks-beats")
+    assert written.err == (
+        "insonify: the command 'greet' of no_such_package cannot be loaded (No module named 'no_such_package')\n"
+    )
+
+
+def test_every_module_of_a_command_is_named_after_it():
+    commands = cli.build_parser()[1]
+    modules = {module.__name__.rpartition(".")[2] for module in cli.modules_in(cli.COMMANDS)}
+    assert modules - set(commands) == {"options"}
+
+
+def test_a_kind_that_is_declared_late_is_a_kind_like_others_and_can_be_forgotten() -> None:
+    scene = load_scene("targets")
+    before = models_of(Scene, "targets")
+    with TARGETS.without("egg"):
+
+        class Egg(Posed):
+            """An egg."""
+
+            kind: Literal["egg"] = "egg"
+            width: float = parameter(1.0, unit="m", description="widest", gt=0.0)
+
+        assert models_of(Scene, "targets") == (*before, Egg)
+        changed = edit(scene, {"targets.0.kind": "egg", "targets.0.width": 2.0})
+        assert changed.targets[0].position == scene.targets[0].position
+        assert 'kind = "egg"' in scene_to_toml(changed)
+        with pytest.raises(SceneError, match=r"targets\.0\.width: -1\.0 is out of bounds"):
+            edit(scene, {"targets.0.kind": "egg", "targets.0.width": -1.0})
+    assert models_of(Scene, "targets") == before
+    with pytest.raises(SceneError, match="'egg' is not a known kind"):
+        edit(scene, {"targets.0.kind": "egg"})
+
+
+def test_kinds_of_installed_packages_are_found_by_their_entry_points(monkeypatch: pytest.MonkeyPatch) -> None:
+    family = Family("eggs")
+
+    def load() -> None:
+        class Quail(Declaration):
+            """An egg of another package."""
+
+            kind: Literal["quail"] = "quail"
+
+        family.add(Quail)
+
+    entries = {"insonify.eggs": [SimpleNamespace(load=load)]}
+    monkeypatch.setattr(base, "announced", lambda group: entries[group])
+    assert list(family.models(Declaration)) == ["quail"]
+
+
+def test_kinds_stand_in_the_order_of_their_ranks_and_new_ones_last() -> None:
+    # Kinds without a rank follow those with one, so that a new one needs no number.
+    assert list(TARGETS.models(Target))[:5] == ["pipe", "sphere", "box", "cone", "mesh"]
+    assert list(MATERIAL_MAPS.models(MaterialMap))[:5] == ["uniform", "patches", "fractal", "pattern", "image"]

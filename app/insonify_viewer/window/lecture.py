@@ -1,0 +1,176 @@
+"""View for a lecture: record and 3-D view fill the screen, with chosen controls and presets in a strip below."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from functools import partial
+
+from PySide6.QtCore import QObject, QSignalBlocker, Qt, Signal
+from PySide6.QtGui import QAction, QColor, QCursor, QGuiApplication, QKeySequence, QPainter, QPen, QPixmap, QShortcut
+from PySide6.QtWidgets import QHBoxLayout, QMainWindow, QMenu, QSplitter, QToolBar, QVBoxLayout, QWidget
+
+from insonify_viewer.state.playlist import KEYS
+from insonify_viewer.widgets.buttons import make_action, push_button
+from insonify_viewer.widgets.text import entry_name
+from insonify_viewer.widgets.theme import ACCENT_IN_WATER, HALO, lecture_scale
+from insonify_viewer.window.panel_docks import PanelDocks
+from insonify_viewer.window.tour import lay_over_native_views
+
+VIEWS = 450, 550, 550  # shares of the 3-D view and the records
+POINTER, RING = 44, 17  # px: of the picture of the pointer, and the radius of its ring
+LESSON = 0.28  # of the height, of a lesson below the views
+BLANK, LEAVE = ".", "Esc"  # keys
+
+
+class Lecture(QObject):
+    """Turns a window into the view for a lecture and back."""
+
+    begun = Signal(bool)  # and left with False
+    preset_wanted = Signal(int)  # key from 1 to 9
+    preset_kept = Signal(int)
+
+    def __init__(self, window: QMainWindow, docks: PanelDocks, views: QSplitter) -> None:
+        super().__init__(window)
+        self._window, self._docks, self._views = window, docks, views
+        tip = "Fill the screen with record and 3-D view, in large type, with presets on the keys 1 to 9"
+        self.action = make_action(window, "Lecture", tip, "F11")
+        self.action.setCheckable(True)
+        self.action.toggled.connect(self._turn)
+        self._black = QWidget(window)
+        lay_over_native_views(self._black)
+        self._black.setStyleSheet("background: black")
+        self._black.hide()
+        self._strip, self._controls = QToolBar("Lecture", window), QHBoxLayout()
+        self._lay_strip()
+        self.open = make_action(window, "Open presets…", "Open a file of presets for a lecture")
+        self.save = make_action(window, "Save presets…", "Write the presets of the lecture into a file, to pass it on")
+        self._keys = [self._shortcut(str(key), partial(self.preset_wanted.emit, key)) for key in KEYS]
+        self._keys += [self._shortcut(BLANK, self.blank), self._shortcut(LEAVE, self._step_back)]
+        self._borrowed: dict[QAction, QKeySequence] = {}
+        self._before: Callable[[], None] = lambda: None
+
+    def fill(self, menu: QMenu) -> None:
+        """Add what keeps, opens and saves presets to a menu."""
+        keep = menu.addMenu("Keep as preset")
+        for key in KEYS:
+            action = make_action(self._window, f"Preset {key}", f"Keep scene and display on key {key}", f"Ctrl+{key}")
+            action.triggered.connect(partial(self.preset_kept.emit, key))
+            keep.addAction(action)
+        menu.addActions([self.open, self.save])
+
+    def mount(self, strips: Sequence[QWidget]) -> None:
+        """Put widgets with chosen controls into the strip."""
+        for strip in strips:
+            self._controls.addWidget(strip, 1)
+
+    def show_presets(self, titles: Mapping[int, str]) -> None:
+        """Offer presets in the strip, by key."""
+        while (item := self._presets.takeAt(0)) is not None:
+            if (button := item.widget()) is not None:
+                button.deleteLater()
+        for key, title in sorted(titles.items()):
+            button = push_button(entry_name(f"{key}  {title}"), f"Show this preset ({key})", style="small")
+            button.clicked.connect(partial(self.preset_wanted.emit, key))
+            self._presets.addWidget(button)
+        self._presets.addStretch(1)
+
+    def blank(self) -> None:
+        """Make the screen black, or show it again."""
+        self._black.setGeometry(self._window.rect())
+        self._black.setVisible(self._black.isHidden())
+        self._black.raise_()
+
+    @property
+    def blanked(self) -> bool:
+        """Whether the screen is black."""
+        return not self._black.isHidden()
+
+    def _shortcut(self, key: str, do: Callable[[], None]) -> QShortcut:
+        shortcut = QShortcut(QKeySequence(key), self._window, do)
+        shortcut.setEnabled(False)
+        return shortcut
+
+    def _step_back(self) -> None:
+        """Show a black screen again, else leave the lecture."""
+        if self.blanked:
+            self.blank()
+        else:
+            self.action.setChecked(False)
+
+    def _lay_strip(self) -> None:
+        self._strip.setObjectName("lecture")
+        self._strip.setMovable(False)
+        inner = QWidget()
+        column, presets = QVBoxLayout(inner), QWidget()
+        column.addLayout(self._controls)
+        self._presets = QHBoxLayout(presets)
+        self._presets.setContentsMargins(8, 0, 8, 0)
+        column.addWidget(presets)
+        self._strip.addWidget(inner)
+        self._window.addToolBar(Qt.ToolBarArea.BottomToolBarArea, self._strip)
+        self._strip.hide()
+
+    def _turn(self, on: bool) -> None:
+        """Begin the lecture, or return to the window as it was."""
+        if on:
+            self._begin()
+        else:
+            self._before()
+        self.begun.emit(on)
+
+    def _begin(self) -> None:
+        window, bar = self._window, self._window.menuBar()
+        sizes, maximized = self._views.sizes(), window.isMaximized()
+        high = bar.minimumHeight(), bar.maximumHeight()
+        points = window.font().pointSizeF() * lecture_scale(window)
+        self._strip.setStyleSheet(f"QLabel, QLineEdit, QComboBox, QPushButton {{ font-size: {points:g}pt; }}")
+        restore_panels = self._docks.stow(round(LESSON * window.height()))
+        for part in (*window.findChildren(QToolBar), window.statusBar()):
+            part.setVisible(part is self._strip)
+        bar.setFixedHeight(0)  # a hidden menu bar would take the keys of its commands along
+        self._views.setSizes([*VIEWS])
+        self._lend_keys(True)
+        QGuiApplication.setOverrideCursor(_pointer())
+        window.showFullScreen()
+
+        def restore() -> None:
+            QGuiApplication.restoreOverrideCursor()
+            self._black.hide()
+            self._lend_keys(False)
+            bar.setMinimumHeight(high[0])
+            bar.setMaximumHeight(high[1])
+            for part in (*window.findChildren(QToolBar), window.statusBar()):
+                part.setVisible(part is not self._strip)
+            if maximized:
+                window.showMaximized()
+            else:
+                window.showNormal()
+            restore_panels()
+            self._views.setSizes(sizes)
+
+        self._before = restore
+
+    def _lend_keys(self, lent: bool) -> None:
+        """Take the keys of the lecture from the commands that have them, or give them back."""
+        if lent:
+            keys = [shortcut.key() for shortcut in self._keys]
+            actions = self._window.findChildren(QAction)
+            self._borrowed = {action: action.shortcut() for action in actions if action.shortcut() in keys}
+        for action, key in self._borrowed.items():
+            with QSignalBlocker(action):
+                action.setShortcut(QKeySequence() if lent else key)
+        for shortcut in self._keys:
+            shortcut.setEnabled(lent)
+
+
+def _pointer() -> QCursor:
+    """Pointer that is seen from the last row: a ring about its place."""
+    picture = QPixmap(POINTER, POINTER)
+    picture.fill(Qt.GlobalColor.transparent)
+    with QPainter(picture) as painter:
+        painter.setRenderHint(QPainter.RenderHint.Antialiasing)
+        for colour, width in ((HALO, 7.0), (ACCENT_IN_WATER, 4.0)):
+            painter.setPen(QPen(QColor(colour), width))
+            painter.drawEllipse(picture.rect().center(), RING, RING)
+            painter.drawPoint(picture.rect().center())
+    return QCursor(picture)

@@ -1,0 +1,140 @@
+"""What the three-dimensional view draws on the bed: the record, laid over it, and the fan."""
+
+import math
+
+import numpy as np
+import pytest
+import pyvista as pv
+
+from insonify.display.display_options import DisplayOptions
+from insonify.scene import edit, load_scene
+from insonify.simulation import prepare
+from insonify.tow.poses import make_poses
+from insonify_viewer.record.drape import RecordStrip, drape_record
+from insonify_viewer.record.tone_map import make_tone_map
+from insonify_viewer.seabed.fan_sheet import STEP, fan_sheet
+from insonify_viewer.widgets.painting import make_polyline
+
+
+@pytest.mark.parametrize("heading", [0.0, 30.0, 180.0])
+@pytest.mark.parametrize("side", [0, 1])
+def test_an_echo_lies_at_its_ground_range(small, heading, side):
+    from stand_in import ground_of
+
+    scene = edit(small, {"track.heading": heading, "track.start": [0.0, 0.0]})
+    pings, bins, altitude = np.arange(100), 400, 10.0
+    poses = make_poses(scene, ground_of(scene.seabed), pings)
+    amplitude = np.zeros((100, 2, bins), np.float32)
+    amplitude[40:60, side, 238:242] = 1.0
+    rows = np.concatenate([amplitude[:, 0, ::-1], amplitude[:, 1]], axis=1)
+    tone_map = make_tone_map(DisplayOptions(palette="grey", levels=(0.0, 1.0)), (0.0, 1.0))
+    strip = RecordStrip(poses, rows, np.full(100, altitude), 50.0 / bins, tone_map)
+    bed = np.full((360, 360, 3), 99, np.uint8)
+    draped = drape_record(bed, (0.0, 0.0), 90.0, strip)
+    row, column = np.nonzero(draped[..., 0] > 120)
+    x, y = (column + 0.5) * 0.5 - 90.0, 90.0 - (row + 0.5) * 0.5
+    ground = math.sqrt((240 * 50.0 / bins) ** 2 - altitude**2) * (1.0 if side == 0 else -1.0)
+    angle = math.radians(heading)
+    middle = 49.5 * 0.2
+    assert x.mean() == pytest.approx(middle * math.cos(angle) - ground * math.sin(angle), abs=0.5)
+    assert y.mean() == pytest.approx(middle * math.sin(angle) + ground * math.cos(angle), abs=0.5)
+    assert (draped[0, 0] == 99).all(), "the bed stays where nothing is heard"
+    assert (bed == 99).all()
+
+
+def test_a_record_narrower_than_a_pixel_of_the_bed_leaves_it_as_it_is(small):
+    from stand_in import ground_of
+
+    pings = np.arange(3)
+    poses = make_poses(small, ground_of(small.seabed), pings)
+    tone_map = make_tone_map(DisplayOptions(palette="grey", levels=(0.0, 1.0)), (0.0, 1.0))
+    strip = RecordStrip(poses, np.ones((3, 80), np.float32), np.full(3, 10.0), 0.2501, tone_map)  # 0.4 m of ground
+    bed = np.full((8, 8, 3), 99, np.uint8)
+    np.testing.assert_array_equal(drape_record(bed, (0.0, 0.0), 90.0, strip), bed)
+
+
+def test_the_option_lays_the_record_over_the_bed_and_takes_it_off(viewer, qtbot):
+    shown = []
+    show = viewer.seabed.view.show_texture
+    viewer.seabed.view.show_texture = lambda image: (shown.append(image.copy()), show(image))
+    viewer.session.show(draped=True)
+    qtbot.waitUntil(lambda: len(shown) == 1)
+    assert (shown[0] != viewer.seabed._patch.image).mean() > 0.05
+    viewer.session.show(draped=False)
+    qtbot.waitUntil(lambda: len(shown) == 2)
+    assert (shown[1] == viewer.seabed._patch.image).all()
+
+
+def test_the_record_stays_over_the_bed_when_the_window_of_the_bed_moves(viewer, qtbot):
+    seabed, bare = viewer.seabed, []
+    viewer.session.show(draped=True)
+    qtbot.waitUntil(lambda: seabed.complete)
+    show, patch = seabed.view.show_texture, seabed._patch
+    seabed.view.show_texture = lambda image: (bare.append((image == seabed._patch.image).all()), show(image))
+    viewer.go_to(viewer.tow.newest + 60)
+    qtbot.waitUntil(lambda: viewer.complete and seabed._patch is not patch)
+    assert bare, "the bed was drawn at its new place"
+    assert not any(bare), "never without the record"
+
+
+def far_ends(triangles: np.ndarray) -> np.ndarray:
+    """Corners of the triangles but for the sonar, (2n, 3)."""
+    return triangles[:, 1:].reshape(-1, 3)
+
+
+def test_the_fan_ends_at_the_pipe_and_leaves_its_shadow_out():
+    simulation = prepare(edit(load_scene("pipe-on-bed"), {"track.pings": 64}))
+    triangles = fan_sheet(simulation, 40)
+    sonar = simulation.poses(np.array([40]))
+    np.testing.assert_allclose(triangles[:, 0], [[sonar.x[0], sonar.y[0], sonar.z[0]]] * len(triangles))
+    ends = far_ends(triangles)
+    np.testing.assert_allclose(ends[:, 0], sonar.x[0], atol=1e-9)  # a knife
+    on_pipe = ends[ends[:, 2] > 0.05]
+    np.testing.assert_allclose(np.hypot(on_pipe[:, 1] + 30.0, on_pipe[:, 2] - 0.5), 0.5, atol=1e-6)
+    # The ray that grazes the pipe comes down at 33.4 m: none of the bed between has a triangle.
+    assert not ((ends[:, 1] < -30.6) & (ends[:, 1] > -33.3)).any()
+    assert (ends[:, 1] < -33.3).any()
+    assert ends[:, 1].max() > 48.0
+    # No triangle spans the shadow.
+    one, other = triangles[:, 1, 1], triangles[:, 2, 1]
+    assert not ((np.minimum(one, other) < -33.3) & (np.maximum(one, other) > -30.6)).any()
+
+
+def test_triangles_are_few_and_narrow():
+    simulation = prepare(edit(load_scene("default"), {"track.pings": 64}))
+    triangles = fan_sheet(simulation, 40)
+    ends = far_ends(triangles).reshape(-1, 2, 3) - triangles[:, :1]
+    unit = ends / np.linalg.norm(ends, axis=2, keepdims=True)
+    angle = np.arccos(np.clip((unit[:, 0] * unit[:, 1]).sum(axis=1), -1.0, 1.0))
+    assert angle.max() < 3.0 * STEP
+    assert len(triangles) < 2000
+    ground = simulation.ground.height_at(far_ends(triangles)[:, 0], far_ends(triangles)[:, 1])
+    assert (far_ends(triangles)[:, 2] >= ground - 0.02).all()
+
+
+def test_the_window_shows_the_fan_that_is_cut(open_viewer, qtbot):
+    viewer = open_viewer(edit(load_scene("pipe-on-bed"), {"track.pings": 64, "sonar.bins": 500}), prepare=None)
+    viewer.go_to(40)
+    view = viewer.seabed.view
+    expected = fan_sheet(viewer._answer.simulation, 40)
+
+    def shown():
+        points = np.asarray(pv.wrap(view._sheet_actor.mapper.GetInput()).points)
+        return points.shape == (3 * len(expected), 3) and bool(np.allclose(points, expected.reshape(-1, 3), atol=1e-3))
+
+    qtbot.waitUntil(shown)
+
+
+@pytest.mark.parametrize("name", ["double-image", "endless"])
+def test_a_fan_without_a_section_is_drawn_whole(name):
+    simulation = prepare(edit(load_scene(name), {"track.pings": 32}), forced={"planes": "1"})
+    triangles = fan_sheet(simulation, 10)
+    assert triangles.shape[1:] == (3, 3)
+    assert np.isfinite(triangles).all()
+
+
+@pytest.mark.parametrize("size", [0, 1, 2, 1000])
+def test_coordinates_are_those_given(size):
+    x, y = np.linspace(-3.5, 1e4, size), np.random.default_rng(1).normal(size=size)
+    line = make_polyline(x, y)
+    assert [(point.x(), point.y()) for point in line] == list(zip(x.tolist(), y.tolist(), strict=True))

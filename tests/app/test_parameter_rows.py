@@ -1,0 +1,279 @@
+"""Rows of parameters: their numbers and sliders, values while one moves, pictures below them, and kinds of relief."""
+
+import threading
+from typing import Any
+
+import numpy as np
+import pytest
+from PySide6.QtCore import QPoint, Qt
+
+from insonify.display.scene_curves import beam_curve
+from insonify.scene import Scene, SceneError, bundled_scenes, edit, load_scene
+from insonify.scene.base import kind_name, models_of
+from insonify.scene.seabed import Seabed
+from insonify.scene.units import parse_quantity
+from insonify.scene_edits import add_dependent_edits
+from insonify_viewer.panels.parameters.sections import FieldSection, sections_of
+from insonify_viewer.panels.parameters.values import follow_values
+from insonify_viewer.panels.parameters.view import setting_pictures as registry
+from insonify_viewer.panels.parameters.view.setting_pictures import CurvesPicture, SpectrumPicture
+from insonify_viewer.state.fields import NumberField
+from insonify_viewer.state.quantities import (
+    format_duration,
+    format_quantity,
+    slider_position,
+    slider_value,
+)
+from insonify_viewer.state.session import Session
+
+
+@pytest.mark.parametrize(
+    ("value", "unit", "text"),
+    [
+        (4e5, "Hz", "400 kHz"),
+        (1e-4, "s", "0.1 ms"),
+        (1.2e6, "Hz", "1.2 MHz"),
+        (10.0, "Hz", "10 Hz"),
+        (1.0, "°", "1°"),
+        (0.0, "s", "0 s"),
+        (48.0, "cycles/period", "48"),
+        (100000.0, "", "100000"),
+        (-0.125, "m", "-0.125 m"),
+    ],
+)
+def test_numbers_are_printed_and_read_back(value, unit, text):
+    assert format_quantity(value, unit) == text
+    assert parse_quantity(text, unit) == pytest.approx(value)
+
+
+@pytest.mark.parametrize(
+    ("text", "unit", "like", "value"),
+    [
+        ("0.2", "s", "0.1 ms", 2e-4),
+        ("200 µs", "s", "0.1 ms", 2e-4),
+        ("2e-4", "s", "0.1 ms", 2e-4),
+        ("500 kHz", "Hz", "400 kHz", 5e5),
+        ("500khz", "Hz", "400 kHz", 5e5),
+        ("500", "Hz", "400 kHz", 5e5),
+        ("4e5", "Hz", "400 kHz", 4e5),
+        ("1.2M", "Hz", "400 kHz", 1.2e6),
+        ("20 cm", "m", "0.1 m", 0.2),
+        ("20", "m", "0.1 m", 20.0),
+        ("1,5 m", "m", "", 1.5),
+        ("−3", "m", "2 m", -3.0),
+        ("17.45 mrad", "°", "1°", 0.99981),
+        ("4 kn", "m/s", "2 m/s", 2.05778),
+        ("0.3", "", "0.2", 0.3),
+    ],
+)
+def test_units_that_people_write_are_read(text, unit, like, value):
+    assert parse_quantity(text, unit, like) == pytest.approx(value, rel=1e-5)
+
+
+def test_times_are_printed_in_three_digits():
+    assert [format_duration(seconds) for seconds in (1.23e-5, 9.99e-4, 9.996e-4, 1.288e-3)] == [
+        "12.3 µs",
+        "999 µs",
+        "1 ms",
+        "1.29 ms",
+    ]
+
+
+def test_nonsense_is_not_a_number():
+    assert [parse_quantity(text, "m") for text in ("", "abc", "nan", "inf", "1 2", "3 kHz", "1e999")] == [None] * 7
+
+
+@pytest.mark.parametrize("log", [False, True])
+def test_slider_places_and_values_agree(log):
+    ends = (0.01, 10.0)
+    for part in np.linspace(0.0, 1.0, 17):
+        value = slider_value(float(part), ends, log=log, integer=False)
+        assert slider_position(value, ends, log=log) == pytest.approx(part, abs=2e-3)
+    assert slider_value(0.0, ends, log=log, integer=False) == 0.01
+    assert slider_value(1.0, ends, log=log, integer=False) == 10.0
+    assert slider_position(1e9, ends, log=log) == 1.0
+
+
+def values(sections: tuple[FieldSection, ...]) -> dict[str, Any]:
+    return {field.path: field.value for section in sections for field in section.parameters}
+
+
+@pytest.mark.parametrize("name", sorted(bundled_scenes()))
+def test_values_are_those_of_a_whole_description(name):
+    scene = load_scene(name)
+    sections, session, moved = sections_of(scene), Session(scene), 0
+    for field in (field for section in sections for field in section.parameters):
+        if not isinstance(field, NumberField) or field.slider is None:
+            continue
+        value = field.slider[0] + 0.37 * (field.slider[1] - field.slider[0])
+        session.drag({field.path: round(value) if field.integer else value})
+        followed = follow_values(session.scene, sections)
+        whole = values(sections_of(session.scene))
+        if followed is None:  # a choice follows from the number
+            continue
+        moved += session.scene != scene
+        assert {path: value for path, value in values(followed).items() if path in whole} == {
+            path: value for path, value in whole.items() if path in values(sections)
+        }, field.path
+        session.settle(None)
+        session.undo()
+    assert moved > 5
+
+
+def test_what_stays_is_the_same_object_and_a_choice_or_missing_part_is_told():
+    scene = load_scene("default")
+    sections = sections_of(scene)
+    again = follow_values(edit(scene, {"track.altitude": 7.5}), sections)
+    assert again is not None
+    changed = {
+        field.path
+        for before, section in zip(sections, again, strict=True)
+        for old, field in zip(before.parameters, section.parameters, strict=True)
+        if field is not old
+    }
+    assert changed == {"track.altitude", "track.depth"} & values(sections).keys() != set()
+    assert sum(section is not before for before, section in zip(sections, again, strict=True)) == 1
+    assert follow_values(edit(scene, {"sonar.beam.kind": "gaussian"}), sections) is None
+    with pytest.raises(SceneError):
+        edit(scene, {"targets.9.radius": 1.0})
+    assert follow_values(edit(scene, {"targets": []}), sections) is None
+
+
+def test_the_number_and_the_marks_follow_a_slider_that_is_held(viewer, small, qtbot):
+    view = viewer.panels["parameters"].view
+    row = view.row("track.altitude")
+    row.slider.setSliderDown(True)
+    row.slider.setValue(row.slider.value() + 150)
+    moved = viewer.session.scene.track.altitude
+    assert moved != small.track.altitude
+    qtbot.waitUntil(lambda: row.field.text() == f"{moved:.4g} m")
+    depth = next(box.rows["track.depth"] for box in view._boxes("track.depth")) if view._boxes("track.depth") else None
+    assert depth is None or depth.field.text() == f"{small.seabed.depth - moved:.4g} m"
+    row.slider.setSliderDown(False)
+    row.slider.sliderReleased.emit()
+    assert row.field.text() == f"{moved:.4g} m"
+
+
+@pytest.fixture
+def peaked(small):
+    return edit(small, {"seabed.relief": {"kind": "fractal", "peaks": [[8.0, 20.0], [0.0, 0.0]], "rms": 0.05}})
+
+
+def pictures_in(viewer, kind: type) -> list[Any]:
+    """Find the pictures of a kind in the parameters panel."""
+    return viewer.panels["parameters"].widget.findChildren(kind)
+
+
+def into_view(viewer, picture):
+    viewer.panels["parameters"].widget.ensureWidgetVisible(picture, 0, 0)
+
+
+def test_a_peak_is_dragged_in_one_step(open_viewer, peaked, qtbot):
+    viewer = open_viewer(peaked)
+    picture = pictures_in(viewer, SpectrumPicture)[0]
+    into_view(viewer, picture)
+    reach = picture.spectrum.reach
+    start = picture.place_of((8.0, 20.0)).toPoint()
+    step = picture.area.width() / (2.0 * reach)
+    end = start + QPoint(round(-16.0 * step), 0)
+    qtbot.mousePress(picture, Qt.MouseButton.LeftButton, pos=start)
+    qtbot.mouseMove(picture, start + QPoint(round(-8.0 * step), 0))
+    qtbot.mouseMove(picture, end)
+    qtbot.mouseRelease(picture, Qt.MouseButton.LeftButton, pos=end)
+    moved, still = viewer.session.scene.seabed.relief.peaks
+    assert moved == pytest.approx((-8.0, 20.0), abs=1.0)
+    assert moved == tuple(float(round(wave)) for wave in moved)
+    assert still == (0.0, 0.0)
+    viewer.session.undo()
+    assert viewer.session.scene.seabed.relief.peaks[0] == (8.0, 20.0)
+    assert not viewer.session.undoable
+
+
+def test_a_press_beside_the_peaks_moves_none(open_viewer, peaked, qtbot):
+    viewer = open_viewer(peaked)
+    picture = pictures_in(viewer, SpectrumPicture)[0]
+    into_view(viewer, picture)
+    away = picture.place_of((-20.0, -20.0)).toPoint()
+    qtbot.mouseClick(picture, Qt.MouseButton.LeftButton, pos=away)
+    assert viewer.session.scene == peaked
+
+
+def test_curves_follow_the_scene(open_viewer, small, qtbot, monkeypatch):
+    threads = set()
+
+    def watched(scene):
+        threads.add(threading.current_thread())
+        return beam_curve(scene)
+
+    monkeypatch.setattr(registry, "beam_curve", watched)
+    viewer = open_viewer(small)
+    picture = next(one for one in pictures_in(viewer, CurvesPicture) if watched in one._draws)
+    into_view(viewer, picture)
+    qtbot.waitUntil(lambda: bool(picture.curves))
+    assert picture.curves[0].note.startswith("−3 dB: 1°")
+    assert viewer.session.settle({"sonar.beam.width": 4.0})
+    qtbot.waitUntil(lambda: picture.curves[0].note.startswith("−3 dB: 4°"))
+    assert threading.main_thread() not in threads, "painting computes nothing"
+
+
+def test_what_has_no_curve_takes_no_room(viewer):
+    changes = {"sonar.beam": {"kind": "knife"}, "sonar.pulse": {"kind": "ideal"}, "seabed.material.diffuse": 0.2}
+    assert viewer.session.settle(changes)
+    assert not [one for one in pictures_in(viewer, CurvesPicture) if one.isVisible()]
+
+
+KINDS = [kind_name(model) for model in models_of(Seabed, "relief") if kind_name(model) != "dem"]
+
+
+def changed(scene, **changes) -> Scene:
+    named = {f"seabed.relief.{name.replace('__', '.')}": value for name, value in changes.items()}
+    return edit(scene, add_dependent_edits(scene, named)[0])
+
+
+def shown(scene) -> dict:
+    """Parameters of the relief by their path beneath it."""
+    seabed = next(section for section in sections_of(scene) if section.key == "seabed")
+    prefix = "seabed.relief."
+    return {p.path.removeprefix(prefix): p for p in seabed.parameters if p.path.startswith(prefix)}
+
+
+@pytest.fixture
+def scene():
+    return load_scene("default")
+
+
+@pytest.mark.parametrize("kind", [kind for kind in KINDS if kind not in ("flat", "mimic")])
+def test_every_slider_of_a_kind_may_be_pushed_to_either_end(scene, kind):
+    chosen = changed(scene, kind=kind)
+    sliders = {path: p for path, p in shown(chosen).items() if isinstance(p, NumberField) and p.slider is not None}
+    assert sliders
+    for path, number in sliders.items():
+        for end in number.slider:
+            if "peaks" not in path:
+                changed(chosen, **{path.replace(".", "__"): end})
+
+
+def test_what_all_relief_has_comes_last(scene):
+    names = list(shown(changed(scene, kind="ripples")))
+    assert names[:2] == ["kind", "wavelength"]
+    assert names[-3:] == ["period", "extent", "mask.kind"]
+
+
+def test_period_of_endless_ripples_is_not_asked_for(scene):
+    ripples = changed(scene, kind="ripples")
+    assert "period" not in shown(changed(ripples, extent="endless"))
+    assert "period" in shown(changed(changed(scene, kind="power_law"), extent="endless"))
+
+
+def test_mask_brings_its_sliders(scene):
+    masked = changed(changed(scene, kind="ripples"), mask__kind="patches")
+    assert {"mask.share", "mask.size", "mask.softness"} <= set(shown(masked))
+
+
+def test_parts_of_a_sum_keep_one_period_and_their_headings(scene):
+    both = changed(scene, kind="sum")
+    assert [part.kind for part in both.seabed.relief.of] == ["fractal", "ripples"]
+    assert both.seabed.relief.of[0] == scene.seabed.relief
+    longer = changed(both, of__1__period=204.8)
+    assert [part.period for part in longer.seabed.relief.of] == [204.8, 204.8]
+    assert "of.1.heading" in shown(both)
