@@ -1,5 +1,7 @@
 """Mosaics: places on the map, filled swaths, gaps and overlaps, and a file that other programs open."""
 
+from dataclasses import replace
+
 import numpy as np
 import pyproj
 import pytest
@@ -221,3 +223,9 @@ def test_a_real_recording(real_recording, tmp_path, capsys):
     assert off < 15.0
     assert 0.4 < np.isfinite(level).mean() < 0.8
     assert abs(float(np.nanmedian(level))) < 1.5
+
+
+@pytest.mark.parametrize("altitude", [1e300, np.inf, np.nan])
+def test_an_altitude_that_no_sonar_has_leaves_its_pings_out(altitude):
+    far = replace(straight_swath(), altitude=np.full(60, altitude))
+    assert np.isnan(far.energy(0, np.array([1.0, 5.0]))).all()
