@@ -58,7 +58,7 @@ def test_the_readme_runs_in_the_environment_that_its_first_command_makes():
     project = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))
     groups = project["tool"]["uv"]["default-groups"]
     needed = [each for group in groups for each in project["dependency-groups"][group]]
-    assert "insonify[movies,surveys,viewer]" in needed
+    assert "insonify[learning,movies,surveys,viewer]" in needed
 
 
 def test_the_gallery_is_whole_and_light():
