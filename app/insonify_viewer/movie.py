@@ -19,7 +19,7 @@ from insonify_viewer.application import main_thread_collection, make_application
 from insonify_viewer.viewer import Viewer
 
 RATE = 12  # pictures per second
-WEBP_QUALITY = 70  # of 100
+WEBP_QUALITY = 60  # of 100
 
 Picture = NDArray[np.uint8]  # (height, width, 3)
 

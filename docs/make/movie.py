@@ -7,7 +7,7 @@ from pathlib import Path
 
 import numpy as np
 
-SIZE = (860, 420)
+SIZE = (800, 420)
 TOW = 7.0  # s
 ALTITUDES = ((6.1, 5.0, 8), (5.0, 10.0, 22), (10.0, 6.1, 14))  # m, from and to, in so many pictures
 
