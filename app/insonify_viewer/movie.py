@@ -46,7 +46,6 @@ def draw_views(scene: Scene, size: tuple[int, int], views: Iterable[View]) -> It
         shown = window.centralWidget()
         assert shown is not None
         window.may_close = lambda: True  # changes of the views are not asked about
-        window.waterfall.toggle_trace()
         bars = window.menuBar(), window.statusBar(), *window.findChildren(QToolBar)
         for part in (*bars, *window.findChildren(QDockWidget)):
             part.hide()
