@@ -28,7 +28,7 @@ WATER = ("#2f6b84", "#629db2")  # below and above; the far bed fades into the la
 CAMERA = (-1.85, -0.12, 1.15)  # ahead, to port, up; in slant ranges, for a square view
 FOCUS = (-0.22, 0.0, -0.20)
 VIEW_ANGLE = 54.0
-FISH = 0.075  # length in slant ranges: larger than life, so that it shows
+FISH = 0.11  # length over the height of the view at its distance: it shows at any zoom
 LOWEST = 0.03  # least slope of the line of sight, by which the camera stays above the bed
 STEEPEST = math.radians(88.0)  # depression of the line of sight, at which the view still has an upper edge
 NEAREST, FARTHEST = 0.05, 6.0  # distance of the camera from its focus, in slant ranges
@@ -54,6 +54,7 @@ class SeabedView(QWidget):
         layout.addWidget(self._canvas.widget)
         self._reach = 0.0
         self._fish_at: NDArray[np.float64] | None = None
+        self._pose: Poses | None = None  # of the fish that is shown
         self._heading = 0.0
         self._bed_shown = self._held = False
         self._fan = ScanFan()
@@ -107,8 +108,7 @@ class SeabedView(QWidget):
     def show_sonar(self, arrays: SceneArrays, pose: Poses, heading: float) -> None:
         """Move the fish; the camera follows and turns with the heading of the track."""
         reach = arrays.bins * arrays.bin_length
-        self._fish_actor.user_matrix = pv_meshes.pose_matrix(pose, FISH * reach)
-        self._cable_actor.user_matrix = pv_meshes.pose_matrix(pose, FISH * reach, level=True)
+        self._pose = pose
         self._fish_actor.visibility = self._cable_actor.visibility = True
         self._follow(np.array([pose.x[0], pose.y[0], pose.z[0]], dtype=np.float64), heading, reach)
         self._later()
@@ -211,7 +211,7 @@ class SeabedView(QWidget):
         ball = pv.Sphere()
         ball.cell_data["colour"] = np.zeros((ball.n_cells, 3), np.uint8)
         self._targets_actor = plotter.add_mesh(ball, scalars="colour", rgb=True, **shiny, **add)
-        self._fish_actor = plotter.add_mesh(pv_meshes.fish_mesh(1.0), color="#ffc83d", **shiny, **add)
+        self._fish_actor = plotter.add_mesh(pv_meshes.fish_mesh(1.0), color="#ff8a1f", **shiny, **add)
         self._cable_actor = plotter.add_mesh(pv_meshes.cable_mesh(1.0), color="#23333f", line_width=1.5, **add)
         self._path_actor = plotter.add_mesh(
             self._path, color="#ffc83d", opacity=0.8, line_width=2.0, lighting=False, **add
@@ -257,6 +257,16 @@ class SeabedView(QWidget):
             away *= kept / np.linalg.norm(away)
             camera.position = tuple(np.array(camera.focal_point) + away)
         camera.clipping_range = (0.02 * kept, kept + 6.0 * self._reach)
+        self._size_fish()
+
+    def _size_fish(self) -> None:
+        """Draw the fish as large on the screen at any distance."""
+        if self._pose is None or self._fish_at is None:
+            return
+        distance = np.linalg.norm(np.array(self._canvas.plotter.camera.position) - self._fish_at)
+        length = FISH * 2.0 * float(distance) * math.tan(math.radians(VIEW_ANGLE) / 2.0)
+        self._fish_actor.user_matrix = pv_meshes.pose_matrix(self._pose, length)
+        self._cable_actor.user_matrix = pv_meshes.pose_matrix(self._pose, length, level=True)
 
     def _thin(self, held: bool) -> None:
         """Draw a bed of fewer nodes while the person holds the view, so that it turns smoothly."""
