@@ -37,7 +37,6 @@ class Lecture(QObject):
         self.action.setCheckable(True)
         self.action.toggled.connect(self._turn)
         self._black = QWidget(window)
-        lay_over_native_views(self._black)
         self._black.setStyleSheet("background: black")
         self._black.hide()
         self._strip, self._controls = QToolBar("Lecture", window), QHBoxLayout()
@@ -76,6 +75,7 @@ class Lecture(QObject):
 
     def blank(self) -> None:
         """Make the screen black, or show it again."""
+        lay_over_native_views(self._black)
         self._black.setGeometry(self._window.rect())
         self._black.setVisible(self._black.isHidden())
         self._black.raise_()

@@ -10,14 +10,21 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
+from insonify.compiler.jit import kernel
 from insonify.kernels.beam.pattern import ring_responses
 from insonify.kernels.common.range_bins import range_weight
-from insonify.kernels.common.types import LIGHT, Poses, SceneArrays
+from insonify.kernels.common.types import LIGHT, Poses, RangeDecay, SceneArrays
 from insonify.scene.seabed.materials import Reflectivity
 from insonify.scene.seabed.materials.sediments import scattering_strength
 
 ERROR_ALTITUDES = 1.4  # altitudes of the sonar above the mean bed
 LAMBERT = Reflectivity(1.0, 0.0, 1.0)
+
+
+@kernel
+def _first_weight(decay: RangeDecay, k: int, position: float, span: float) -> float:
+    """Range weight of the first bin, kept on disk for calls from Python."""
+    return range_weight(decay, k, position, span)
 
 
 def flat_bed_curve(
@@ -35,7 +42,7 @@ def flat_bed_curve(
     factor, first = arrays.range_factor.copy(), int(altitude / arrays.bin_length)
     if first < arrays.bins:  # that bin begins with the first return, nearer than which there is no bed
         spanned = (far[first] - near[first]) / arrays.bin_length
-        factor[first] *= range_weight(arrays.range_decay, first, r[first] / arrays.bin_length, spanned)
+        factor[first] *= _first_weight(arrays.range_decay, first, r[first] / arrays.bin_length, spanned)
     if arrays.law == LIGHT:
         mirrored = np.maximum(2.0 * cos_incidence**2 - 1.0, 0.0) ** shininess
         shade = diffuse * cos_incidence + specular * mirrored
