@@ -70,7 +70,11 @@ class Person:
         return float(np.median(self._held[-LAST:])) - self._held[SETTLED - 1]
 
     def _start(self) -> bool:
-        """Wait for the first picture."""
+        """Wait for the first picture, unless the window says that there will be none."""
+        if self._viewer.failure:
+            self._faults.add(self._viewer.failure)
+            self._close()
+            return False
         if not self._viewer.complete:
             self._timer.start(100)
             return False

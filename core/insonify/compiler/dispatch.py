@@ -80,8 +80,8 @@ class _Entry(CPUDispatcher):
 
 def let_compile(code: Any, form: str, arguments: tuple[Any, ...]) -> None:
     """Have another process compile a form of a kernel, if one is to be used and the machine code is not on disk."""
-    function = code.py_func
-    if elsewhere.wanted and "<locals>" not in function.__qualname__ and arguments not in code.overloads:
+    function, kept = code.py_func, isinstance(code._cache, KernelCache)  # else no file would bring it from there
+    if elsewhere.wanted and kept and "<locals>" not in function.__qualname__ and arguments not in code.overloads:
         if code._cache.lacks(arguments, code.targetctx):
             elsewhere.compile(name_code(function, form, arguments))
 

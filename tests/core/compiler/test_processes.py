@@ -13,7 +13,7 @@ from numba.core import event, types
 from numba.core.errors import TypingError
 
 from insonify.compiler import digests, processes
-from insonify.compiler.jit import kernel, kernel_on_demand
+from insonify.compiler.jit import inlined, kernel, kernel_on_demand
 from insonify.compiler.processes import CompilationStoppedError, _Helper, compiled_elsewhere
 from insonify.compiler.progress import Compilation, watch_compilation
 from insonify.kernels.display.rows import relate_amplitudes
@@ -28,6 +28,11 @@ def sum_squares(values):
     for value in values:
         total += value * value
     return total
+
+
+@inlined
+def halve(value):
+    return 0.5 * value
 
 
 @kernel_on_demand(types.none)
@@ -59,7 +64,7 @@ def here(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[list[str]]
     """Functions that this process compiles, beginning with an empty cache and unknown kernels."""
     monkeypatch.setenv("NUMBA_CACHE_DIR", str(tmp_path / "cache"))  # of the other process
     monkeypatch.setattr(digests, "FOLDER", tmp_path / "cache" / "insonify" / "kernels")
-    for one in (sum_squares, negate, negate_all, relate_amplitudes):
+    for one in (halve, sum_squares, negate, negate_all, relate_amplitudes):
         for made in ("entry", "part", "machine_code", "_names"):
             monkeypatch.delitem(vars(one), made, raising=False)
     monkeypatch.setitem(vars(negate), "_names", {})
@@ -67,6 +72,13 @@ def here(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[list[str]]
     with event.install_listener("numba:compile", listener):
         yield listener.names
     assert processes.elsewhere.process is None
+
+
+def test_what_is_compiled_into_its_callers_alone_is_compiled_here_when_python_calls_it(here: list[str]) -> None:
+    """No file would bring it from the other process."""
+    with compiled_elsewhere():
+        assert halve(3.0) == 1.5
+    assert here == ["halve"]
 
 
 def test_kernels_are_compiled_by_the_other_process(here: list[str]) -> None:
