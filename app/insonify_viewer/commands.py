@@ -3,6 +3,7 @@
 import argparse
 import ctypes
 import os
+import re
 import sys
 from pathlib import Path
 from typing import Any
@@ -36,8 +37,8 @@ LIBRARIES = (
     "libegl1 libgl1 libglib2.0-0 libxkbcommon0 libdbus-1-3 libfontconfig1 "
     "libxcb-cursor0 libxcb-icccm4 libxcb-keysyms1 libxcb-shape0 libxkbcommon-x11-0"
 )
-MOVIES, MOVIE_SIZE = (".webp", ".gif", ".mp4"), (880, 480)
 APT = f"apt-get install {LIBRARIES}"
+MOVIES, MOVIE_SIZE = (".webp", ".gif", ".mp4"), (880, 480)
 WINDOW_LIBRARIES = (
     "libxcb.so.1",
     "libxcb-cursor.so.0",
@@ -127,15 +128,16 @@ def run(arguments: argparse.Namespace) -> int:
 
 def run_movie(arguments: argparse.Namespace) -> None:
     """Draw the tow of a scene into a movie."""
-    path, scene = chosen_output(arguments), chosen_scene(arguments)
+    path, scene, (width, height) = chosen_output(arguments), chosen_scene(arguments), arguments.size
     _leave_screen(why_no_window())
     # lazy: loads Qt, which no other command needs
-    from insonify_viewer.movie import draw_views, tow_views, write_movie
+    from insonify_viewer.movie import check_room, draw_views, tow_views, write_movie
 
     views = tow_views(scene, arguments.seconds)
+    check_room(path, len(views), arguments.size)
     drawn = tracked(draw_views(scene, arguments.size, views), len(views), lambda _: 1, "picture")
     write_movie(path, drawn)
-    say(f"{path}: {len(views)} pictures of {arguments.size[0]} x {arguments.size[1]}")
+    say(f"{path}: {len(views)} pictures of {width} x {height}")
 
 
 def _leave_screen(reason: str) -> None:
@@ -148,12 +150,11 @@ def _leave_screen(reason: str) -> None:
 
 def _size(text: str) -> tuple[int, int]:
     """Width and height of a movie, even numbers as video formats require."""
-    width, cross, height = text.partition("x")
-    allowed = cross and width.isdecimal() and height.isdecimal()
-    size = (int(width), int(height)) if allowed and len(text) < len("10000x10000") else (0, 0)
-    if not (760 <= size[0] <= 3840 and 420 <= size[1] <= 2160 and size[0] % 2 == size[1] % 2 == 0):
+    found = re.fullmatch(r"([0-9]{3,4})x([0-9]{3,4})", text)
+    width, height = map(int, found.groups()) if found else (0, 0)
+    if not (760 <= width <= 3840 and 420 <= height <= 2160 and width % 2 == height % 2 == 0):
         raise argparse.ArgumentTypeError(f"{text}: give even numbers from 760x420 to 3840x2160, such as 1280x720")
-    return size
+    return width, height
 
 
 def _chosen_lesson(arguments: argparse.Namespace) -> Lesson:

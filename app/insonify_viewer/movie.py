@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Mapping
+from contextlib import closing
+from itertools import chain
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -14,12 +16,14 @@ from PySide6.QtGui import QImage
 from PySide6.QtWidgets import QDockWidget, QToolBar
 
 from insonify.io.atomic import replacing
-from insonify.scene import Scene, SceneError
+from insonify.scene import Scene, SceneError, edit
 from insonify_viewer.application import main_thread_collection, make_application, wait_for_picture
 from insonify_viewer.viewer import Viewer
 
 RATE = 12  # pictures per second
 WEBP_QUALITY = 60  # of 100
+VIDEO = ".mp4"
+MOST_BYTES = 2 * 10**9  # of pictures that are held while a file that repeats is written
 
 Picture = NDArray[np.uint8]  # (height, width, 3)
 
@@ -37,8 +41,22 @@ def tow_views(scene: Scene, seconds: float) -> list[View]:
     return [View(round(ping)) for ping in pings]
 
 
+def check_room(path: Path, pictures: int, size: tuple[int, int]) -> None:
+    """Raise SceneError for a movie that would be held whole in more memory than `MOST_BYTES`."""
+    needed = 3 * pictures * size[0] * size[1]
+    if path.suffix.lower() != VIDEO and needed > MOST_BYTES:
+        most = MOST_BYTES / (3 * RATE * size[0] * size[1])
+        raise SceneError(
+            f"{path.name}: {pictures} pictures of {size[0]} x {size[1]} take {needed / 1e9:.1f} GB of memory; write "
+            f"{VIDEO}, or at most --seconds {most:.0f}"
+        )
+
+
 def draw_views(scene: Scene, size: tuple[int, int], views: Iterable[View]) -> Iterator[Picture]:
-    """Yield a picture of seabed and record for every view, (height, width, 3); needs no screen."""
+    """Yield a picture of seabed and record for every view, (height, width, 3); needs no screen.
+
+    Changes that no scene can have raise SceneError.
+    """
     application = make_application()
     with main_thread_collection():
         viewer = Viewer(scene, accelerated=False)
@@ -56,7 +74,8 @@ def draw_views(scene: Scene, size: tuple[int, int], views: Iterable[View]) -> It
         try:
             for view in views:
                 if view.changes:
-                    viewer.session.settle(view.changes)
+                    changed = edit(viewer.session.scene, view.changes)
+                    viewer.session.turn_to(changed, viewer.session.modelling)
                 viewer.go_to(view.ping)
                 wait_for_picture(application, viewer)
                 viewer.seabed.draw_now()
@@ -69,7 +88,7 @@ def draw_views(scene: Scene, size: tuple[int, int], views: Iterable[View]) -> It
 def write_movie(path: Path, pictures: Iterable[Picture]) -> None:
     """Write pictures as GIF or WebP, which repeat, or as MP4 (H.264), by the suffix of the path."""
     with replacing(path) as beside:
-        if path.suffix.lower() == ".mp4":
+        if path.suffix.lower() == VIDEO:
             _write_video(beside, iter(pictures))
             return
         images = [Image.fromarray(picture) for picture in pictures]
@@ -93,11 +112,10 @@ def _write_video(path: Path, pictures: Iterator[Picture]) -> None:
     first = next(pictures)
     height, width = first.shape[:2]
     writer = write_frames(str(path), (width, height), fps=RATE, quality=7, macro_block_size=2)
-    writer.send(None)
-    writer.send(np.ascontiguousarray(first))
-    for picture in pictures:
-        writer.send(np.ascontiguousarray(picture))
-    writer.close()
+    with closing(writer):  # which waits for the encoder, and ends it after an error
+        writer.send(None)
+        for picture in chain([first], pictures):
+            writer.send(picture)
 
 
 def _array_of(image: QImage) -> Picture:

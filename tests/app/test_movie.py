@@ -7,6 +7,7 @@ import pytest
 from PIL import Image
 
 from insonify.cli import main
+from insonify.scene import SceneError
 from insonify_viewer.commands import _size
 from insonify_viewer.movie import RATE, View, draw_views, tow_views, write_movie
 
@@ -49,3 +50,16 @@ def test_a_size_that_no_video_has_is_refused(given):
 def test_other_endings_are_refused_before_the_work(tmp_path, capsys):
     assert main(["movie", "default", "-o", str(tmp_path / "tow.png")]) == 2
     assert ".webp or .gif or .mp4" in capsys.readouterr().err
+
+
+def test_what_memory_cannot_hold_is_refused_before_the_work(tmp_path, capsys):
+    words = ["movie", "default", "--seconds", "300", "--size", "1280x720"]
+    assert main([*words, "-o", str(tmp_path / "tow.webp")]) == 2
+    told = capsys.readouterr().err
+    assert "write .mp4, or at most --seconds 60" in told
+    assert not list(tmp_path.iterdir())
+
+
+def test_a_change_that_no_scene_can_have_is_an_error(qapp, small):
+    with pytest.raises(SceneError, match="altitude"):
+        list(draw_views(small, SIZE, [View(10, {"track.altitude": -3.0})]))
