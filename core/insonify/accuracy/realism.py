@@ -99,9 +99,10 @@ def compare_textures(first: Images, second: Images) -> Realism:
 
 def _distance(first: Floats, second: Floats) -> float:
     """Largest difference of two empirical distributions."""
-    values = np.concatenate([first, second])
-    shares = [np.searchsorted(np.sort(one), values, "right") / len(one) for one in (first, second)]
-    return float(np.abs(shares[0] - shares[1]).max())
+    # lazy: slow to import
+    from scipy.stats import ks_2samp
+
+    return float(ks_2samp(first, second, method="asymp").statistic)
 
 
 def _separations(tables: dict[str, list[Floats]]) -> Iterator[Separation]:
