@@ -36,7 +36,7 @@ from insonify_viewer.work.gc_policy import collected_by_hand, limit_free_memory
 
 SNAPSHOT_SIZE = (1600, 1000)
 COLLECTION_INTERVAL = 200  # ms
-REST = 20.0  # s, for what is measured in the background before a snapshot
+REST = 20.0  # s, at most, for what panels measure in the background before a snapshot
 FRAMED = 100  # ms, from the window to its frame, which the system draws around it
 TOUR = 2000  # ms, from the first start of all to the tour, by when the seabed mostly is in view
 PATIENCE = 240.0  # s, for a snapshot, from the last sign that a kernel is being compiled
@@ -146,15 +146,18 @@ def _draw(application: QApplication, viewer: Viewer, path: Path, begin: Callable
         viewer.window.close()
 
 
-def wait_for_picture(application: QApplication, viewer: Viewer) -> None:
-    """Wait until the window shows its scene; raise SceneError with the reason if it does not."""
+def wait_for_picture(application: QApplication, viewer: Viewer, rest: float = REST) -> None:
+    """Wait until the window shows its scene, then some seconds at most for what its panels measure.
+
+    Raise SceneError with the reason if the window does not show it.
+    """
     with _slot_errors() as errors:
-        failure = _wait_for_scene(application, viewer, errors)
+        failure = _wait_for_scene(application, viewer, errors, rest)
     if failure:
         raise SceneError(failure)
 
 
-def _wait_for_scene(application: QApplication, viewer: Viewer, errors: list[BaseException]) -> str:
+def _wait_for_scene(application: QApplication, viewer: Viewer, errors: list[BaseException], rest: float) -> str:
     """Wait until the window shows its scene; return why it does not, in one sentence, or nothing."""
     since = time.monotonic()
 
@@ -172,7 +175,7 @@ def _wait_for_scene(application: QApplication, viewer: Viewer, errors: list[Base
         if not pend(PATIENCE, lambda: viewer.complete):
             return f"no picture after {PATIENCE:g} s; try a smaller scene"
     begin_again()
-    pend(REST, lambda: viewer.panels.at_rest)
+    pend(rest, lambda: viewer.panels.at_rest)
     if errors:
         return f"the window cannot be drawn ({type(errors[0]).__name__}: {errors[0]}); this is a fault of the program"
     return viewer.failure or viewer.recordings.failure

@@ -77,7 +77,7 @@ def draw_views(scene: Scene, size: tuple[int, int], views: Iterable[View]) -> It
                     changed = edit(viewer.session.scene, view.changes)
                     viewer.session.turn_to(changed, viewer.session.modelling)
                 viewer.go_to(view.ping)
-                wait_for_picture(application, viewer)
+                wait_for_picture(application, viewer, rest=0.0)  # panels are hidden
                 viewer.seabed.draw_now()
                 application.processEvents(QEventLoop.ProcessEventsFlag.ExcludeUserInputEvents)
                 yield _array_of(shown.grab().toImage())

@@ -84,7 +84,7 @@ def test_a_snapshot_waits_as_long_as_kernels_are_compiled(compiling, monkeypatch
 
     viewer = Slow(clock=0.0, failure="", panels=SimpleNamespace(at_rest=True), recordings=SimpleNamespace(failure=""))
     monkeypatch.setattr(application, "time", SimpleNamespace(monotonic=lambda: viewer.clock, sleep=lambda _: None))
-    refused = application._wait_for_scene(qapp, viewer, [])
+    refused = application._wait_for_scene(qapp, viewer, [], 0.1)
     assert refused == ("" if compiling else "no picture after 240 s; try a smaller scene")
 
 

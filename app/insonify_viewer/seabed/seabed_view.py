@@ -53,7 +53,6 @@ class SeabedView(QWidget):
         layout.setContentsMargins(0, 0, 0, 0)
         layout.addWidget(self._canvas.widget)
         self._reach = 0.0
-        self._fish_at: NDArray[np.float64] | None = None
         self._pose: Poses | None = None  # of the fish that is shown
         self._heading = 0.0
         self._bed_shown = self._held = False
@@ -108,9 +107,8 @@ class SeabedView(QWidget):
     def show_sonar(self, arrays: SceneArrays, pose: Poses, heading: float) -> None:
         """Move the fish; the camera follows and turns with the heading of the track."""
         reach = arrays.bins * arrays.bin_length
-        self._pose = pose
         self._fish_actor.visibility = self._cable_actor.visibility = True
-        self._follow(np.array([pose.x[0], pose.y[0], pose.z[0]], dtype=np.float64), heading, reach)
+        self._follow(pose, heading, reach)
         self._later()
 
     def show_scan(self, arrays: SceneArrays, pose: Poses, scanned: ScanLine, tones: NDArray[np.float32]) -> None:
@@ -224,10 +222,10 @@ class SeabedView(QWidget):
         for actor in plotter.actors.values():
             actor.visibility = False
 
-    def _follow(self, place: NDArray[np.float64], heading: float, reach: float) -> None:
+    def _follow(self, pose: Poses, heading: float, reach: float) -> None:
         """Move the camera with the fish, however the person turned it; reset it for another range."""
-        camera = self._canvas.plotter.camera
-        if self._fish_at is None or reach != self._reach:
+        camera, place = self._canvas.plotter.camera, _place_of(pose)
+        if self._pose is None or reach != self._reach:
             turn = _about_z(heading)
             camera.up = (0.0, 0.0, 1.0)
             camera.view_angle = VIEW_ANGLE
@@ -237,11 +235,11 @@ class SeabedView(QWidget):
             position = focus + turn @ (np.array(CAMERA) - FOCUS) * back * reach
             self._reach = reach
         else:
-            turn = _about_z(heading - self._heading)
-            position = place + turn @ (np.array(camera.position) - self._fish_at)
-            focus = place + turn @ (np.array(camera.focal_point) - self._fish_at)
+            turn, before = _about_z(heading - self._heading), _place_of(self._pose)
+            position = place + turn @ (np.array(camera.position) - before)
+            focus = place + turn @ (np.array(camera.focal_point) - before)
         camera.position, camera.focal_point = tuple(position), tuple(focus)
-        self._fish_at, self._heading = place, heading
+        self._pose, self._heading = pose, heading
         self._clip()
 
     def _clip(self) -> None:
@@ -261,9 +259,9 @@ class SeabedView(QWidget):
 
     def _size_fish(self) -> None:
         """Draw the fish as large on the screen at any distance."""
-        if self._pose is None or self._fish_at is None:
+        if self._pose is None:
             return
-        distance = np.linalg.norm(np.array(self._canvas.plotter.camera.position) - self._fish_at)
+        distance = np.linalg.norm(np.array(self._canvas.plotter.camera.position) - _place_of(self._pose))
         length = FISH * 2.0 * float(distance) * math.tan(math.radians(VIEW_ANGLE) / 2.0)
         self._fish_actor.user_matrix = pv_meshes.pose_matrix(self._pose, length)
         self._cable_actor.user_matrix = pv_meshes.pose_matrix(self._pose, length, level=True)
@@ -299,6 +297,11 @@ class SeabedView(QWidget):
     def draw_time(self) -> float:
         """Seconds that the last drawing took."""
         return float(self._took)
+
+
+def _place_of(pose: Poses) -> NDArray[np.float64]:
+    """Place of the first of some poses."""
+    return np.array([pose.x[0], pose.y[0], pose.z[0]], dtype=np.float64)
 
 
 def _about_z(angle: float) -> NDArray[np.float64]:
