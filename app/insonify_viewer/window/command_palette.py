@@ -71,7 +71,7 @@ class CommandPalette(QDialog):
 
 
 def find_entries(entries: Iterable[Entry], words: str) -> list[Entry]:
-    """Find entries with all words: first those whose name begins with them, then those with them in their name."""
+    """Find the entries that have all words: names that begin with them, then names that have them, then the rest."""
     wanted = words.lower().split()
     found = []
     for entry in entries:

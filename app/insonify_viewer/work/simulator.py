@@ -304,7 +304,7 @@ def result_of(work: Work) -> Any:
 
 
 def thin_new_ground(scene: Scene, known: Scene | None) -> Scene:
-    """Scene on fewer nodes, where its ground is endless and not that of another scene whose tiles are known."""
+    """Put an endless bed that is new on fewer nodes; the bed of the known scene stays as it is."""
     # Endless ground shares all but its finest waves with the same ground at a multiple of the spacing, and the time
     # that a window takes falls with the square of it.
     if not scene.seabed.endless or (known is not None and _ground_of(scene) == _ground_of(known)):

@@ -161,8 +161,8 @@ def run_jobs(
     work: Work, names: Sequence[str], scheduler: str, progress: Callable[[Outcome], object]
 ) -> tuple[Outcome, ...]:
     """Do jobs on a scheduler's workers; return those that could not be done."""
-    # A job whose worker ends is done by another one, up to three times. A job that cannot be done stops no other; a
-    # file that cannot be written stops them all.
+    # If a worker ends, another one does its job, up to three times. A job that cannot be done stops no other; a file
+    # that cannot be written stops them all.
     failures = []
     try:
         with terminated_cleanly(CLOSING), connected(scheduler) as client, _watched(client, scheduler):
