@@ -222,7 +222,7 @@ class Viewer(QObject):
             save_contacts=self.saving.save_contacts,
             open_scene=open_scene,
             light_fields=lambda paths: self.panels.fields_lit.emit(paths),
-            project=self.window.lecture.action.setChecked,
+            lecture=self.window.lecture.action.setChecked,
         )
 
     def _connect(self) -> None:
@@ -261,7 +261,7 @@ class Viewer(QObject):
         session.displayed.connect(lambda _: self._show_sonar())
         window.speed_changed.connect(lambda speed: setattr(self.tow, "speed", speed))
         window.running_changed.connect(self.run)
-        window.lecture.begun.connect(lambda large: self.panels.projected.emit(large))
+        window.lecture.begun.connect(lambda large: self.panels.in_lecture.emit(large))
         window.may_close = self.saving.may_close
         window.closing.connect(self.close)
         self._clock.timeout.connect(self._tick)

@@ -338,7 +338,7 @@ def test_a_lecture_is_full_screen_in_large_type(open_viewer, small, qtbot):
     before = page.text.font().pointSizeF(), window.waterfall.font().pointSizeF()
     window.lecture.action.trigger()
     assert window.isFullScreen()
-    assert page.projector.isChecked()
+    assert page.lecture.isChecked()
     assert page.text.font().pointSizeF() >= 1.5 * before[0]
     assert window.waterfall.font().pointSizeF() >= 1.5 * before[1]
     strip = viewer.panels["parameters"].strip
@@ -348,7 +348,7 @@ def test_a_lecture_is_full_screen_in_large_type(open_viewer, small, qtbot):
     assert page.text.font().pointSizeF() >= 1.5 * before[0]
     assert window.waterfall.font().pointSizeF() >= 1.5 * before[1]
     window.looks.show_theme(Theme.DARK)
-    page.projector.click()
+    page.lecture.click()
     assert not window.isFullScreen()
     assert (page.text.font().pointSizeF(), window.waterfall.font().pointSizeF()) == pytest.approx(before)
 

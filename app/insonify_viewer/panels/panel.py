@@ -97,7 +97,7 @@ class Workbench:
     open_scene: Callable[..., bool]
     # Lights the fields at some dotted paths wherever they are shown, and no others.
     light_fields: Callable[[tuple[str, ...]], None]
-    project: Callable[[bool], None]  # switches the view for a lecture, full screen and in large type, on or off
+    lecture: Callable[[bool], None]  # switches the view for a lecture, full screen and in large type, on or off
 
 
 class Panel(Protocol):
@@ -170,7 +170,7 @@ class Panel(Protocol):
     def fields_lit(self, paths: tuple[str, ...]) -> None:
         """Light the fields at these dotted paths, bring the first into view, and light no others."""
 
-    def projected(self, large: bool) -> None:
+    def in_lecture(self, large: bool) -> None:
         """Follow the view for a lecture, which shows text large."""
 
     def opened(self, shown: bool) -> None:
@@ -191,7 +191,7 @@ class PanelSet(dict[str, Panel]):
     point_marked = Signal(object)
     part_added = Signal(str)
     fields_lit = Signal(tuple)
-    projected = Signal(bool)
+    in_lecture = Signal(bool)
     closing = Signal()
 
     def __init__(self, workbench: Workbench) -> None:

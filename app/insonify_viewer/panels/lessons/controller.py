@@ -51,7 +51,7 @@ class LessonsPanel(Panel):
         view.summary.save.clicked.connect(self.save)
         view.summary.next.clicked.connect(self.go_on)
         for page in (view.list, view.page, view.summary):
-            page.projector.toggled.connect(workbench.project)
+            page.lecture.toggled.connect(workbench.lecture)
 
     def opened(self, shown: bool) -> None:
         """Read the lessons when the panel first opens; light no field while it is closed."""
@@ -80,7 +80,7 @@ class LessonsPanel(Panel):
         self._point = point
         self._notice()
 
-    def projected(self, large: bool) -> None:
+    def in_lecture(self, large: bool) -> None:
         """Enlarge the text."""
         self.view.enlarge(large)
 

@@ -78,7 +78,7 @@ class LessonsView(QStackedWidget):
         self.setMinimumWidth(max(round(NARROWEST * factor / USUAL), self.minimumSizeHint().width()))
         self._wide = round(WIDE * factor / USUAL)
         for page in (self.list, self.page, self.summary):
-            page.projector.setChecked(large)
+            page.lecture.setChecked(large)
         self.page.spread(large)
 
 
@@ -103,13 +103,13 @@ class ListPage(QWidget):
         self.results.clicked.connect(lambda: self.reviewed.emit(_lesson_of(self.lessons.currentItem())))
         self.start = push_button("Start", "Open the scene of this lesson, and show its first step", wide=True)
         self.start.clicked.connect(lambda: self._start(self.lessons.currentItem()))
-        self.projector = _projector()
+        self.lecture = _lecture_button()
         self._courses: dict[str, Course] = {}
         self._ended: Collection[str] = ()
         column = QVBoxLayout(self)
         column.addWidget(self.lessons, 1)
         column.addWidget(self.about)
-        column.addLayout(_row(self.projector, self.results))
+        column.addLayout(_row(self.lecture, self.results))
         column.addWidget(self.start)
 
     def show_lessons(self, lessons: Sequence[Lesson], finished: Collection[str], ended: Collection[str]) -> None:
@@ -178,7 +178,7 @@ class StepPage(QWidget):
     def __init__(self) -> None:
         super().__init__()
         self.left = push_button("‹ Lessons", "Leave this lesson; the scene stays as it is now", wide=True)
-        self.projector = _projector()
+        self.lecture = _lecture_button()
         self.lesson, self.step = make_label("lesson"), make_label("step")
         self.introduction, self.text = _words(), _words()
         self.tick, self.look_for, self.question, self.answer = _words("tick"), _words(), _words(), _words()
@@ -258,7 +258,7 @@ class StepPage(QWidget):
         self._halves.addLayout(reply, 1)
         self._scroll.column.addLayout(self._halves)
         self._scroll.column.addStretch(1)
-        self._ends = _row(self.left, self.projector), _row(self.back, self.next)
+        self._ends = _row(self.left, self.lecture), _row(self.back, self.next)
         self._page.addLayout(self._ends[0])
         self._page.addWidget(self._scroll, 1)
         self._page.addLayout(self._ends[1])
@@ -278,14 +278,14 @@ class SummaryPage(QWidget):
     def __init__(self) -> None:
         super().__init__()
         self.left = push_button("‹ Lessons", "Return to the list; the scene stays as it is now", wide=True)
-        self.projector = _projector()
+        self.lecture = _lecture_button()
         self.lesson, self.text = _words("lesson"), _words()
         self.save = push_button(
             "Save page…", "Write a page to hand in, with your answers, settings and pictures of the record", wide=True
         )
         self.next = push_button("Next lesson", "Begin the lesson that follows in the list", wide=True)
         column = QVBoxLayout(self)
-        column.addLayout(_row(self.left, self.projector))
+        column.addLayout(_row(self.left, self.lecture))
         for part in (self.lesson, self.text, self.save):
             column.addWidget(part)
         column.addStretch(1)
@@ -318,7 +318,7 @@ def _words(name: str = "") -> QLabel:
     return make_label(name, form=Qt.TextFormat.MarkdownText)
 
 
-def _projector() -> QPushButton:
+def _lecture_button() -> QPushButton:
     button = push_button("Lecture", "Fill the screen with record and 3-D view, in large type (F11)", wide=True)
     button.setCheckable(True)
     return button
