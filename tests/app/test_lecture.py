@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import re
 from functools import partial
+from pathlib import Path
 
 import pytest
 from PySide6.QtCore import Qt
@@ -11,6 +13,8 @@ from PySide6.QtWidgets import QApplication, QToolBar
 from insonify.display.display_options import DisplayOptions
 from insonify.scene import SceneError, edit, load_scene
 from insonify_viewer.state.playlist import Preset, read_playlist, write_playlist
+
+ROOT = Path(__file__).parents[2]
 
 
 def test_a_lecture_shows_presets_by_keys_and_leaves_the_window_as_it_was(open_viewer, small, qtbot):
@@ -86,13 +90,23 @@ def test_a_playlist_is_read_as_it_was_written(tmp_path):
     assert read_playlist(tmp_path / "a.toml") == presets
 
 
+def test_the_playlist_of_the_documentation_is_one(tmp_path):
+    (shown,) = re.findall(r"```toml\n(.*?)```", (ROOT / "docs/howto/view.md").read_text(encoding="utf-8"), re.DOTALL)
+    (tmp_path / "a.toml").write_text(shown, encoding="utf-8")
+    assert read_playlist(tmp_path / "a.toml")[1].scene.track.altitude == 5.0
+
+
 @pytest.mark.parametrize(
     ("text", "fault"),
     [
         ("", "has no .*preset"),
         ("[[preset]", "not valid TOML"),
         ('[[preset]]\nscene = "nowhere"', "preset 1: scene 'nowhere'"),
-        ('[[preset]]\nkey = 12\nscene = "default"', "key 12"),
+        ('[[preset]]\nkey = 12\nscene = "default"', "key 12 is none"),
+        (
+            '[[preset]]\nkey = 2\nscene = "default"\n[[preset]]\nscene = "wreck"',
+            "preset 2: key 2 is that of",
+        ),
         ('[[preset]]\nscene = "default"\ncolour = 1', "colour is not a field"),
         ('[[preset]]\nscene = "default"\nset = { "track.altitude" = -1.0 }', "altitude"),
     ],

@@ -57,11 +57,13 @@ def read_playlist(path: Path) -> dict[int, Preset]:
     found: dict[int, Preset] = {}
     for number, entry in enumerate(entries, 1):
         try:
-            found.setdefault(_read(entry, "key", int, number), _preset(path, entry))
+            key = _read(entry, "key", int, number)
+            if key not in KEYS or key in found:
+                taken = "is that of an earlier preset" if key in found else "is none of 1 to 9"
+                raise SceneError(f"key {key} {taken}; give each preset a key of its own, 1 to 9")
+            found[key] = _preset(path, entry)
         except SceneError as error:
             raise SceneError(f"{path.name}: preset {number}: {error}") from None
-    if not all(key in KEYS for key in found):
-        raise SceneError(f"{path.name}: key {max(found)} is none of 1 to 9; give each preset one of these keys")
     return found
 
 
