@@ -82,7 +82,9 @@ def choose_for_case(case: Case, tolerance: float) -> Plan:
     """Choose the model of a case for a tolerance; what was measured for another tolerance is not measured again."""
     model = _cheapest(case, tolerance / SAFETY)
     entries = tuple(
-        entry for choice in CHOICES for entry in choice.entries(case, model, choice.error(case, model, cautious=False))
+        entry
+        for choice in CHOICES
+        for entry in choice.entries(case, model, choice.confirmed(case, model, cautious=False))
     )
     error = math.sqrt(sum(entry.error**2 for entry in entries))
     together = measure_together(case, model, error, cautious=False)

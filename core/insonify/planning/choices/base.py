@@ -206,6 +206,10 @@ class Choice(ABC):
         del case, model, cautious
         return 0.0
 
+    def confirmed(self, case: Case, model: Model, cautious: bool = True) -> float:
+        """Error of a setting that is about to be chosen, in which nothing is interpolated that can be measured."""
+        return self.error(case, model, cautious)
+
     @abstractmethod
     def entries(self, case: Case, model: Model, error: float) -> Iterator[PlanEntry]:
         """Entries of the plan about it; none if it does not concern the scene."""

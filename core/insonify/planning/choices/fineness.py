@@ -97,6 +97,19 @@ class Planes(Doublings):
         """Error measured at the doubling below; none for a beam without width."""
         return super().error(case, model, cautious) if case.scene.sonar.beam.has_width else 0.0
 
+    def confirmed(self, case: Case, model: Model, cautious: bool = True) -> float:
+        """Error of a number of planes; of one between two rungs no less than its difference from the finer rung.
+
+        Planes fall on other places of the bed for each number, so that five may err more than four.
+        """
+        error = self.error(case, model, cautious)
+        rung = self.rung(case, model)
+        if error == 0.0 or model.planes == rung:
+            return error
+        fine = self.pair(case, model, rung)[1]
+        own = fine._replace(planes=model.planes, across=model.across)
+        return max(error, case.probe.difference(own, fine, nearer=self.nearer * cautious, cautious=cautious))
+
     def pair(self, case: Case, model: Model, rung: int) -> tuple[Model, Model]:
         """Models of a rung and of its double, also across targets, beside other settings that err by little."""
         plain = _finest(case, model)._replace(every=Spacing().common(case, model), across=model.across)
@@ -410,9 +423,12 @@ def measure_together(case: Case, model: Model, apart: float, cautious: bool = Tr
 
     By few planes the model is compared with the finest one; the error of its own planes is added.
     """
-    if not Planes().applies(model) or (model.bent and case.folds):
-        return apart
     planes, segments, fine = Planes(), Segments(), _finest(case, model)
+    if not planes.applies(model):
+        return apart
+    of_planes = planes.confirmed(case, model, cautious)
+    if model.bent and case.folds:
+        return math.sqrt(apart**2 + of_planes**2 - planes.error(case, model, cautious) ** 2)
     few = min(model.planes, max(SEVERAL, case.least_planes if fine.ways else case.few_planes))
     whole = model._replace(
         planes=few,
@@ -425,7 +441,7 @@ def measure_together(case: Case, model: Model, apart: float, cautious: bool = Tr
     errors = [choice.error(case, model, cautious) for choice in SMALL_EFFECTS if choice.error(case, fine) > 0.0]
     errors.append(case.probe.difference(whole, fine._replace(planes=few), cautious=cautious))
     errors.append(segments.error(case, model._replace(misplaced=min(model.misplaced, fine.misplaced)), cautious))
-    return math.hypot(planes.error(case, model, cautious), *errors)
+    return math.hypot(of_planes, *errors)
 
 
 def _single(case: Case, model: Model) -> Model:
