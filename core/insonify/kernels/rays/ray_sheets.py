@@ -130,26 +130,32 @@ def _add_sheets(arrays, beam, pitch, near, sheets, rays, sums):
     fan, angle = SheetFan(pitch, near[:bodies], waveguide, landings), _elevations(launch.up, top)
     for sheet in range(sheets):
         place = (sheet + 0.5) / sheets
-        _add_sheet(arrays, beam, fan, angle, place, DIRECT, sums)
-        # The mixed echoes out along the rays of the sheet, one path back after the other.
-        way = 0
-        while landings.fold < math.inf and way < MOST_WAYS:
-            way = way + 1 if _add_sheet(arrays, beam, fan, angle, place, way, sums) else MOST_WAYS
+        density, rays_out = _trace_rays(arrays, beam, fan, angle, place)
+        _add_path(arrays, beam, fan, place, DIRECT, _echo_direct(arrays, beam, angle, density, rays_out), sums)
+        if landings.fold < math.inf:
+            # The mixed echoes out along the rays of the sheet, one path back after the other.
+            mixed = find_mixed_echoes(arrays, beam, waveguide, landings, density, rays_out)
+            for way in range(MOST_WAYS):
+                landed = _echo_mixed(arrays, beam, angle, rays_out, mixed, way)
+                if not np.any(landed.value > 0.0):
+                    break
+                _add_path(arrays, beam, fan, place, way, landed, sums)
 
 
 @kernel
-def _add_sheet(arrays, beam, fan, angle, place, way, sums):
-    """Sum the echoes of one sheet back by one path; return whether there are any."""
-    together, landed = angle.size, _trace_sheet(arrays, beam, fan, angle, place, way)
-    folds = fan.landings.fold < math.inf
-    if way != DIRECT and not np.any(landed.value > 0.0):
-        return False
+def _add_path(arrays, beam, fan, place, way, landed, sums):
+    """Sum the echoes of one sheet back by one path, of its first rays and of those that are added between them."""
+    together, folds = landed.angle.size, fan.landings.fold < math.inf
     while landed.angle.size > 0:
         gaps = _spread_or_split(landed, together, arrays.solids.shape.size, folds, arrays, sums)
         halfway = 0.5 * (landed.angle[gaps] + landed.angle[gaps + 1])
-        middles = _trace_sheet(arrays, beam, fan, halfway, place, way)
+        density, rays = _trace_rays(arrays, beam, fan, halfway, place)
+        if way == DIRECT:
+            middles = _echo_direct(arrays, beam, halfway, density, rays)
+        else:
+            mixed = find_mixed_echoes(arrays, beam, fan.waveguide, fan.landings, density, rays)
+            middles = _echo_mixed(arrays, beam, halfway, rays, mixed, way)
         landed, together = _insert_middles(landed, gaps, middles), OF_THREE
-    return True
 
 
 @kernel
@@ -167,41 +173,56 @@ def _elevations(up, top):
 
 
 @kernel
-def _trace_sheet(arrays, beam, fan, angle, place, way):
-    """Echoes of rays of one place within the beam at given elevations, back along themselves or one other path."""
-    n, solids = angle.size, arrays.solids.shape.size
+def _trace_rays(arrays, beam, fan, angle, place):
+    """Rays of one place within the beam at given elevations, and the weight of each per radian of elevation."""
     bundle, density = _send(arrays, beam, fan.pitch, angle, place)
+    if arrays.water.bent:
+        rays = LandedRays(bundle, empty_hits(angle.size), empty_arrivals(angle.size))
+        find_refracted_hits(arrays, bundle, beam.reach, 0.0, rays.hits, rays.arrivals)
+    else:
+        hits = empty_hits(angle.size)
+        find_first_hits(arrays.bed, arrays.solids, fan.near, fan.near.size, arrays.mesh, bundle, beam.reach, hits)
+        rays = arrive_straight(bundle, hits, arrays.water.reference)
+    return density, rays
+
+
+@kernel
+def _no_echoes(arrays, angle, rays):
+    """Echoes of rays of a sheet that return nothing."""
+    n = angle.size
     landed = SheetEchoes(
         angle, np.full(n, math.inf), np.full(n, NOTHING), np.zeros(n), np.zeros(n), np.zeros(n), np.zeros(n),
         np.zeros(n, np.bool_),
     )  # fmt: skip
     if arrays.water.bent:
-        rays = LandedRays(bundle, empty_hits(n), empty_arrivals(n))
-        find_refracted_hits(arrays, bundle, beam.reach, 0.0, rays.hits, rays.arrivals)
-    else:
-        hits = empty_hits(n)
-        find_first_hits(arrays.bed, arrays.solids, fan.near, fan.near.size, arrays.mesh, bundle, beam.reach, hits)
-        rays = arrive_straight(bundle, hits, arrays.water.reference)
-    hits = rays.hits
-    if arrays.water.bent:
         landed.at_caustic[:] = rays.arrivals.dark > 0.0
-    if way == DIRECT:
-        if arrays.pattern.tabulated:
-            density = weigh_by_pattern(arrays, beam, rays, density)
-        echoes = echo_rays(arrays, rays, density)
-        fill_range_growths(arrays.water.reference, hits, rays.arrivals, echoes, landed.growth)
-        if arrays.water.bent:
-            dark = echo_dark_sides(arrays, rays, echoes)
-            landed.dark[dark.ray], landed.mirrored[dark.ray] = dark.value, dark.distance
-        return SheetEchoes(
-            angle, hits.distance, np.minimum(hits.body, solids), echoes.value, landed.growth, landed.dark,
-            landed.mirrored, landed.at_caustic,
-        )  # fmt: skip
-    mixed = find_mixed_echoes(arrays, beam, fan.waveguide, fan.landings, density, rays)
+    return landed
+
+
+@kernel
+def _echo_direct(arrays, beam, angle, density, rays):
+    """Echoes of rays of a sheet back along themselves."""
+    landed, hits = _no_echoes(arrays, angle, rays), rays.hits
+    if arrays.pattern.tabulated:
+        density = weigh_by_pattern(arrays, beam, rays, density)
+    echoes = echo_rays(arrays, rays, density)
+    fill_range_growths(arrays.water.reference, hits, rays.arrivals, echoes, landed.growth)
+    if arrays.water.bent:
+        dark = echo_dark_sides(arrays, rays, echoes)
+        landed.dark[dark.ray], landed.mirrored[dark.ray] = dark.value, dark.distance
+    landed.distance[:], landed.surface[:] = hits.distance, np.minimum(hits.body, arrays.solids.shape.size)
+    landed.value[:] = echoes.value
+    return landed
+
+
+@kernel
+def _echo_mixed(arrays, beam, angle, rays, mixed, way):
+    """Echoes of rays of a sheet back by one other path."""
+    landed, hits = _no_echoes(arrays, angle, rays), rays.hits
     for m in range(mixed.ray.size):
         if mixed.way[m] == way and mixed.bin[m] >= 0:
             k = mixed.ray[m]
-            landed.distance[k], landed.surface[k] = mixed.distance[m], min(hits.body[k], solids)
+            landed.distance[k], landed.surface[k] = mixed.distance[m], min(hits.body[k], arrays.solids.shape.size)
             if 2.0 * mixed.distance[m] - hits.distance[k] >= beam.reach:
                 landed.surface[k] += REVERSED  # it counts for its reverse as well
             landed.value[k], landed.growth[k] = mixed.value[m], mixed.growth[m]
