@@ -48,7 +48,7 @@ from insonify.kernels.rays.refracted_hits import LandedRays, empty_arrivals, fin
 
 DIRECT = -1  # way of a first echo, back along the ray itself
 KINKED = 0.02  # share by which growths differ on both sides of a kink
-FINE = 1.0 / 64.0  # share of a bin by which neighbours may land apart without being halved
+FINE = 1.0 / 64.0  # share of a bin by which neighbours may land apart without being halved, even beside a caustic
 FINEST = 1e-9  # rad, the least angle between neighbours
 ROUNDED = 0.03  # share by which echoes of neighbours on a round body or at a caustic may differ without being halved
 FINEST_ROUNDED = 1e-6  # rad, the least angle between neighbours on one or at a caustic
@@ -291,15 +291,16 @@ def _spread_or_split(landed, together, solids, folds, arrays, sums):
         alike = landed.surface[k] == landed.surface[k + 1] and landed.value[k] > 0.0 and landed.value[k + 1] > 0.0
         is_round = landed.surface[k] >= 0 and landed.surface[k] < solids
         change = abs(landed.value[k] - landed.value[k + 1]) / max(landed.value[k], landed.value[k + 1])
-        at_caustic = landed.at_caustic[k] or landed.at_caustic[k + 1]
+        is_wide = max(one, other) > FINE * bin_length
+        at_caustic = is_wide and (landed.at_caustic[k] or landed.at_caustic[k + 1])
         # Ranges that differ by less than both growths lie on either side of the nearest point, where the echo peaks.
-        turned = apart < 0.25 * (one + other) and (is_round or folds)
+        turned = apart < 0.25 * (one + other) and (is_round or (folds and is_wide))
         if alike and angle > FINEST_ROUNDED and (turned or ((is_round or at_caustic) and change > ROUNDED)):
             gaps[count] = k
             count += 1
         elif alike and abs(apart - 0.5 * (one + other)) <= 0.5 * max(one, other):
             _spread_between(landed, k, angle, one, other, bin_length, decay, sums)
-        elif max(one, other) > FINE * bin_length and angle > FINEST:
+        elif is_wide and angle > FINEST:
             gaps[count] = k
             count += 1
         else:
