@@ -107,29 +107,22 @@ class Planes(Doublings):
         if error == 0.0 or model.planes == rung:
             return error
         fine = self.pair(case, model, rung)[1]
-        own = fine._replace(planes=model.planes, across=model.across)
+        own = fine._replace(planes=model.planes)
         return max(error, case.probe.difference(own, fine, nearer=self.nearer * cautious, cautious=cautious))
 
     def pair(self, case: Case, model: Model, rung: int) -> tuple[Model, Model]:
-        """Models of a rung and of its double, also across targets, beside other settings that err by little."""
-        plain = _finest(case, model)._replace(every=Spacing().common(case, model), across=model.across)
+        """Models of a rung and of its double, beside other settings that err by little."""
+        across = TargetPlanes().settings(case, model)[0]
+        plain = _finest(case, model)._replace(every=Spacing().common(case, model), across=across)
         coarse, fine = super().pair(case, plain, rung)
         # One plane and two within the same cells of the bed are alike, which does not predict a wider fan.
-        return coarse, fine._replace(planes=max(fine.planes, FEW_PLANES), across=2 * model.across)
+        return coarse, fine._replace(planes=max(fine.planes, FEW_PLANES))
 
     def near_error(self, case: Case, model: Model) -> float:
         """Error over all bins from the first return, measured at the doubling below."""
         if not (self.applies(model) and case.scene.sonar.beam.has_width):
             return 0.0
         return case.probe.difference(*self.pair(case, model, self.rung(case, model)), nearer=1.0)
-
-    def is_finest(self, case: Case, model: Model) -> bool:
-        """Whether there are no more planes, nor more across targets."""
-        return super().is_finest(case, model) and TargetPlanes().is_finest(case, model)
-
-    def measured_with(self, model: Model) -> tuple[int, int]:
-        """Numbers on which the error depends: that of planes, and that across targets."""
-        return model.planes, model.across
 
     def entries(self, case: Case, model: Model, error: float) -> Iterator[PlanEntry]:
         """Entry of the planes, with the time beyond that of one."""
@@ -157,9 +150,20 @@ class TargetPlanes(Number):
         wish = self.wish(case)
         if wish is not None:
             return (wish,)
-        # Over relief more planes help the bed as well; more across targets alone are probed where there are no more.
-        every = case.scene.seabed.relief.level or model.planes >= MOST_PLANES
-        return OF_A_TARGET if every else OF_A_TARGET[:1]
+        return OF_A_TARGET
+
+    def error(self, case: Case, model: Model, cautious: bool = True) -> float:
+        """Error measured from twice as many, beside no more planes of the beam than a model's."""
+        if model.across == 0:
+            return 0.0
+        coarse, _ = Planes().pair(case, model, Planes().rung(case, model))
+        coarse = coarse._replace(across=model.across)
+        fine = coarse._replace(across=2 * model.across)
+        return case.probe.difference(coarse, fine, nearer=NEARER * cautious, cautious=cautious)
+
+    def measured_with(self, model: Model) -> tuple[int, int]:
+        """Numbers on which the error depends: that of planes, and that across targets."""
+        return model.planes, model.across
 
     def entries(self, case: Case, model: Model, error: float) -> Iterator[PlanEntry]:
         """Entry of the planes across targets, with the time that they add to a ping on average."""
@@ -441,6 +445,7 @@ def measure_together(case: Case, model: Model, apart: float, cautious: bool = Tr
     errors = [choice.error(case, model, cautious) for choice in SMALL_EFFECTS if choice.error(case, fine) > 0.0]
     errors.append(case.probe.difference(whole, fine._replace(planes=few), cautious=cautious))
     errors.append(segments.error(case, model._replace(misplaced=min(model.misplaced, fine.misplaced)), cautious))
+    errors.append(TargetPlanes().error(case, model, cautious))
     return math.hypot(of_planes, *errors)
 
 
