@@ -129,9 +129,13 @@ class _Errors:
             self._known[key] = 0.0 if finest else choice.error(self._case, model)
         return self._known[key]
 
-    def square(self, choices: Iterable[Choice], model: Model) -> float:
-        """Sum of the squares of a model's errors."""
-        return sum(self.of(choice, model) ** 2 for choice in choices)
+    def square(self, choices: Iterable[Choice], model: Model, most: float = math.inf) -> float:
+        """Sum of the squares of a model's errors; what is beyond a bound is not measured further."""
+        total = 0.0
+        for choice in choices:
+            if total <= most:
+                total += self.of(choice, model) ** 2
+        return total
 
 
 def _cheapest(case: Case, tolerance: float) -> Model:
@@ -155,7 +159,7 @@ def _cheapest(case: Case, tolerance: float) -> Model:
     known = set()
     while True:
         *_, square, model = heappop(queue)
-        apart = math.sqrt(square + errors.square(FINE, model))
+        apart = math.sqrt(square + errors.square(FINE, model, tolerance**2 - square))
         if apart <= tolerance and (not queue or measure_together(case, model, apart) <= tolerance):
             return model
         for finer in _finer(case, model):
