@@ -27,8 +27,8 @@ After a lesson, *Save page…* writes answers and records as a page to hand in, 
 
 TOPICS = """## Topics
 
-Each topic with its lesson, its questions, and what the right answer is checked by: a closed form of the student's scene,
-the simulated record (`insonify lesson check`), or, for a choice, the reasons alone.
+Each topic with its lesson, its questions, and what the right answer is checked by: a closed form of the student's
+scene, the simulated record (`insonify lesson check`), or, for a choice, the reasons alone.
 
 | topic | lesson | question | checked by |
 |---|---|---|---|
