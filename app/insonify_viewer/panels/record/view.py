@@ -46,50 +46,25 @@ from insonify_viewer.widgets.theme import ACCENT, GROUND, QUIET, RAISED, TEXT
 REACH = 30.0  # dB either way
 TICKS = (  # option, label, key, what it does
     ("ground_range", "Ground range", "G", "Distance along a level bed instead of slant range"),
-    (
-        "water_column",
-        "Water column",
-        "Shift+W",
-        "Show the water between sonar and bed",
-    ),
+    ("water_column", "Water column", "Shift+W", "Show the water between sonar and bed"),
     ("bottom_line", "Bottom line", "B", "Line at the slant range of the bed beneath the sonar"),
     ("range_lines", "Range lines", "L", "Lines of equal range"),
     ("newest_on_top", "Newest on top", "N", "Newest pings at the top instead of at the bottom"),
     ("decibels", "Decibels", "Shift+D", "Colours follow the level in decibels instead of the amplitude"),
     ("reverse", "Reversed colours", "I", "Strong echoes dark, shadows bright"),
-    (
-        "draped",
-        "Draped in 3-D",
-        "Shift+B",
-        "Lay the record over the bed of the 3-D view",
-    ),
+    ("draped", "Draped in 3-D", "Shift+B", "Lay the record over the bed of the 3-D view"),
 )
 CHOICES = (
     ("side", "sides", SIDES, "Sides that are shown (keys 1, 2 and 3)"),
-    (
-        "scale",
-        "scale",
-        SCALES,
-        "true: a metre along the track is as long as one across; fill: all of the room (T)",
-    ),
+    ("scale", "scale", SCALES, "true: a metre along the track is as long as one across; fill: all of the room (T)"),
     ("palette", "palette", PALETTES, "Colours of the record"),
 )
 GAINS = (  # option, place in it, label, what it does
     ("gain", None, "gain", "Gain of both sides"),
     ("side_gains", 0, "port", "Gain of port alone"),
     ("side_gains", 1, "starboard", "Gain of starboard alone"),
-    (
-        "side_slopes",
-        0,
-        "port slope",
-        "More gain with range: dB for ten times the range, port",
-    ),
-    (
-        "side_slopes",
-        1,
-        "starb. slope",
-        "More gain with range: dB for ten times the range, starboard",
-    ),
+    ("side_slopes", 0, "port slope", "More gain with range: dB for ten times the range, port"),
+    ("side_slopes", 1, "starb. slope", "More gain with range: dB for ten times the range, starboard"),
 )
 MEASURE = "Drag over the record, or press Return at both ends, to measure"
 KEYS = (("1", "both"), ("2", "port"), ("3", "starboard"))
@@ -120,7 +95,8 @@ class RecordView(SidePanel):
         self.usual = push_button("Usual display", "Reset all display options, gains and contrast too", wide=True)
         self.usual.clicked.connect(self._show_usual)
         self.histogram = HistogramView()
-        self.measure = self._tick("Measure a line", "M", MEASURE, self.measuring)
+        self.measure = _tick("Measure a line", "M", MEASURE, self.measuring)
+        self._key("Measure a line", "M", self.measure.toggle)
         self.measured = make_label("about")
         self.measured.setMinimumHeight(5 * self.fontMetrics().lineSpacing())  # of the longest words, wrapped
         self.measured.setAlignment(Qt.AlignmentFlag.AlignTop)
@@ -189,17 +165,13 @@ class RecordView(SidePanel):
         grid.setContentsMargins(6, 6, 2, 6)
         grid.setHorizontalSpacing(10)
         for number, (name, label, key, about) in enumerate(TICKS):
-            tick = QCheckBox(label)
-            tick.setToolTip(f"{about} ({key})")
-            tick.setFocusPolicy(Qt.FocusPolicy.TabFocus)
-            tick.toggled.connect(lambda on, name=name: self.changed.emit({name: on}))
-            self.ticks[name] = tick
-            grid.addWidget(tick, number // 2, number % 2)
+            self.ticks[name] = _tick(label, key, about, lambda on, name=name: self.changed.emit({name: on}))
+            grid.addWidget(self.ticks[name], number // 2, number % 2)
         rows = QWidget()
         inner = QGridLayout(rows)
         inner.setContentsMargins(0, 4, 0, 0)
-        for number, row in enumerate(self.choices.values()):
-            row.place(inner, number)
+        for number, choice in enumerate(self.choices.values()):
+            choice.place(inner, number)
         grid.addWidget(rows, len(TICKS), 0, 1, 2)
         grid.addWidget(self.usual, len(TICKS) + 1, 0, 1, 2)
 
@@ -210,14 +182,6 @@ class RecordView(SidePanel):
         for number, row in enumerate(self.gains):
             row.place(grid, number)
         return rows
-
-    def _tick(self, text: str, key: str, about: str, signal: Any) -> QCheckBox:
-        tick = QCheckBox(text)
-        tick.setToolTip(f"{about} ({key})")
-        tick.setFocusPolicy(Qt.FocusPolicy.TabFocus)
-        tick.toggled.connect(signal)
-        self._key(text, key, tick.toggle)
-        return tick
 
     def _add_keys(self) -> None:
         """Make an action for every key; the window holds them, so that they work while the panel is hidden."""
@@ -237,6 +201,14 @@ class RecordView(SidePanel):
         action = make_action(self, text, text, key)
         action.triggered.connect(lambda: act())
         self.keys.append(action)
+
+
+def _tick(text: str, key: str, about: str, toggled: Any) -> QCheckBox:
+    tick = QCheckBox(text)
+    tick.setToolTip(f"{about} ({key})")
+    tick.setFocusPolicy(Qt.FocusPolicy.TabFocus)
+    tick.toggled.connect(toggled)
+    return tick
 
 
 def _choice(name: str, look: DisplayOptions) -> ChoiceField:
