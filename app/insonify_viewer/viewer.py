@@ -220,6 +220,7 @@ class Viewer(QObject):
             contacts=self.contacts,
             open_contacts=lambda: self.files.ask_for_contacts(),
             save_contacts=self.saving.save_contacts,
+            report_contacts=self.saving.report_contacts,
             open_scene=open_scene,
             light_fields=lambda paths: self.panels.fields_lit.emit(paths),
             lecture=self.window.lecture.action.setChecked,
