@@ -203,6 +203,35 @@ def test_contacts_are_marked_named_listed_and_found_again(viewer, panel, qtbot):
     assert [each.name for each in panel.contacts.all] == ["contact 2"]
 
 
+def test_contacts_are_classed_measured_and_sorted(viewer, panel, qtbot, tmp_path, monkeypatch):
+    view, listed, window = viewer.window.waterfall, panel.view.contacts, viewer.window
+    mark_two(viewer, panel, qtbot)
+    listed.choose(0)
+    listed.takes["height"].click()
+    assert "measure first" in window.status.sentence.text()
+    panel._show_measured(view, Mark(240, 0, 250), Mark(240, 0, 300))
+    for field in ("length", "height"):
+        listed.takes[field].click()
+    assert panel.contacts[0].length == pytest.approx(panel._measured.straight, abs=0.005)
+    assert panel.contacts[0].height == pytest.approx(panel._measured.height, abs=0.005)
+    assert window.undo.text() == "Undo: height of contact 1"
+    listed.classification.textActivated.emit("wreck")
+    listed.sizes["height"].setValue(0.0)
+    assert (panel.contacts[0].classification, panel.contacts[0].height) == ("wreck", None)
+    listed.list.sortItems(8, Qt.SortOrder.DescendingOrder)
+    assert [listed.list.item(row, 1).text() for row in range(2)] == ["contact 1", "contact 2"], "the farther first"
+    listed.list.sortItems(8)
+    listed.list.setCurrentCell(0, 0)
+    listed.note.setText("a stone")
+    listed.note.editingFinished.emit()
+    assert panel.contacts[1].note == "a stone"
+    assert listed.list.item(0, 10).text() == "a stone", "it stays sorted"
+    monkeypatch.setattr(QFileDialog, "getSaveFileName", lambda *_: (str(tmp_path / "found.html"), ""))
+    listed.report.click()
+    assert "a stone" in (tmp_path / "found.html").read_text(encoding="utf-8")
+    assert panel.contacts.unsaved, "a report is no list that can be opened"
+
+
 @pytest.mark.parametrize("suffix", [".geojson", ".csv"])
 def test_contacts_are_saved_and_opened(viewer, panel, tmp_path, suffix, qtbot, monkeypatch):
     mark_two(viewer, panel, qtbot)

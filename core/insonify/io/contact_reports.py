@@ -4,8 +4,10 @@ import base64
 import io
 from collections.abc import Callable, Sequence
 from html import escape
+from itertools import chain, repeat
 from pathlib import Path
 from string import Template
+from textwrap import wrap
 from typing import Any
 from xml.etree import ElementTree
 
@@ -16,9 +18,11 @@ from insonify.io.contacts import Contact
 
 FORMATS = (("Report with pictures (PDF)", ".pdf"), ("Page with pictures (HTML)", ".html"), ("Placemarks (KML)", ".kml"))
 KML = "http://www.opengis.net/kml/2.2"
-PAPER, A_PAGE, DPI = (8.27, 11.69), 4, 150  # inches of A4, contacts on a page, dots per inch of the pictures
+PAPER, DPI = (8.27, 11.69), 150  # inches of A4, dots per inch of the pictures
+# Shares of the page: upper edge, left edge, edge of the text, height of a picture and of a line.
+TOP, LEFT, MIDDLE, PICTURE, LINE = 0.95, 0.07, 0.35, 0.17, 0.016
 LARGEST_SIDE = 4096  # px, of a picture
-WIDEST = 64  # letters of a line beside a picture
+WIDEST = 58  # letters of a line beside a picture
 
 
 def write_report(path: Path, contacts: Sequence[Contact]) -> None:
@@ -100,23 +104,29 @@ def _write_pdf(path: Path, contacts: Sequence[Contact]) -> None:
     from matplotlib.figure import Figure
 
     with replacing(path) as beside, PdfPages(beside, metadata={"Title": "Contacts"}) as pages:
-        for first in range(0, len(contacts), A_PAGE):
-            figure = Figure(figsize=PAPER)
-            for row, contact in enumerate(contacts[first : first + A_PAGE]):
-                top = 0.95 - row * 0.9 / A_PAGE
-                if (pixels := _pixels(contact)) is not None:
-                    axes = figure.add_axes((0.07, top - 0.17, 0.24, 0.17))
-                    axes.imshow(pixels, interpolation="nearest")
-                    axes.set_axis_off()
-                told: dict[str, Any] = {"fontsize": 9, "va": "top", "parse_math": False}
-                figure.text(0.35, top, plain_text(contact.name), **told | {"fontsize": 12, "fontweight": "bold"})
-                for line, (name, text) in enumerate(describe_contact(contact).items(), 1):
-                    y = top - 0.016 * line - 0.006
-                    figure.text(0.35, y, name, color="0.4", **told)
-                    shown = text if len(text) <= WIDEST else f"{text[: WIDEST - 1]}…"
-                    figure.text(0.46, y, " ".join(shown.split()), **told)
-            figure.text(0.07, 0.03, f"{len(contacts)} contacts, page {first // A_PAGE + 1}", fontsize=8, color="0.4")
-            pages.savefig(figure, dpi=DPI)
+        figure, top = Figure(figsize=PAPER), TOP
+        told: dict[str, Any] = {"va": "top", "parse_math": False}
+        for contact in contacts:
+            lines = [
+                (name if first else "", line)
+                for name, text in describe_contact(contact).items()
+                for first, line in zip(chain([True], repeat(False)), wrap(text, WIDEST))
+            ]
+            high = max((len(lines) + 3) * LINE, PICTURE + 2 * LINE)
+            if top - high < 1.0 - TOP and top < TOP:
+                pages.savefig(figure, dpi=DPI)
+                figure, top = Figure(figsize=PAPER), TOP
+            if (pixels := _pixels(contact)) is not None:
+                axes = figure.add_axes((LEFT, top - PICTURE, 1.414 * PICTURE, PICTURE))
+                axes.imshow(pixels, interpolation="nearest")
+                axes.set_axis_off()
+            figure.text(MIDDLE, top, plain_text(contact.name), fontsize=12, fontweight="bold", **told)
+            for row, (name, line) in enumerate(lines):
+                y = top - (row + 1.5) * LINE
+                figure.text(MIDDLE, y, name, color="0.4", fontsize=9, **told)
+                figure.text(MIDDLE + 0.11, y, line, fontsize=9, **told)
+            top -= high
+        pages.savefig(figure, dpi=DPI)
 
 
 def _pixels(contact: Contact) -> Any:
