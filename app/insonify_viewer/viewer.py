@@ -218,6 +218,7 @@ class Viewer(QObject):
             contacts=self.contacts,
             open_contacts=lambda: self.files.ask_for_contacts(),
             save_contacts=self.saving.save_contacts,
+            report_contacts=self.saving.report_contacts,
             open_scene=open_scene,
             light_fields=lambda paths: self.panels.fields_lit.emit(paths),
             lecture=self.window.lecture.action.setChecked,
@@ -363,8 +364,9 @@ class Viewer(QObject):
             self.window.waterfall.repaint()  # immediately, because the person who drags a slider watches the record
             self.seabed.show_later(self._show_sonar)
         self._show_mark(self.session.mark)
-        if answer.example:  # panels wait for the plan, which it lacks
-            return self._show_sonar()
+        if answer.example:
+            self._show_sonar()
+            return  # panels wait for the plan, which it lacks
         current = answer.fine and answer.number == self._number
         if self._freeing and not self._missing().size:
             self._freeing = False

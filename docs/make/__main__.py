@@ -1,7 +1,8 @@
 """Regenerate what the documentation prints and shows: reference pages, outputs of commands, pictures, figures.
 
 ``python docs/make`` makes all anew; ``python docs/make PAGE …`` makes the named ones alone (``reference``,
-``figures``, ``movie``, ``example``, ``gallery``, ``scene-pictures``, or a path below ``docs`` such as ``tutorial/python``).
+``figures``, ``movie``, ``example``, ``gallery``, ``scene-pictures``, or a path below ``docs`` such as
+``tutorial/python``).
 ``--check`` changes nothing: it compares what is quick to make with the files as they are, names what is out of date,
 and exits with 1.
 """
