@@ -131,8 +131,9 @@ class Simulator:
 
     def _example(self, scene: Scene) -> None:
         # lazy: loaded on the worker; the window opens before Numba is loaded
-        from insonify.display.example import UNPLANNED, compile_picture, read_example
+        from insonify.display.example import UNPLANNED, read_example
         from insonify.display.normalisation import LevelBed
+        from insonify.display.picture import compile_picture
 
         compile_picture()
         amplitude = read_example(scene) if self._pack is not None else None
