@@ -92,6 +92,7 @@ class Workbench:
     contacts: ContactList  # contacts of the session
     open_contacts: Callable[[], None]  # reads contacts from a file that the person names, in place of the present ones
     save_contacts: Callable[[], bool]  # writes the contacts to a file that the person names
+    report_contacts: Callable[[], object]  # writes a report of the contacts to a file that the person names
     # Opens (scene, file) at the start of its track; with ``ask=True`` the person is asked first what becomes of
     # unsaved changes. Returns whether the scene was opened.
     open_scene: Callable[..., bool]

@@ -13,7 +13,7 @@ from PySide6.QtGui import QBrush, QColor, QPainter, QPen, QPolygonF
 from insonify.display.range_axis import NAMES
 from insonify_viewer.record.projection import Projection
 from insonify_viewer.state.inspection import Mark
-from insonify_viewer.widgets.painting import draw_lit, draw_pin, round_steps
+from insonify_viewer.widgets.painting import draw_lit, draw_pin, draw_veil, round_steps
 from insonify_viewer.widgets.theme import ACCENT, EDGE, GROUND, HALO, MARK_IN_WATER, QUIET, RAISED, TEXT
 from insonify_viewer.work.waiting import Waiting
 
@@ -125,9 +125,7 @@ def draw_range_bar(painter: QPainter, plot: QRect, projection: Projection) -> No
 def draw_waiting(painter: QPainter, plot: QRect, waiting: Waiting) -> None:
     """Draw a bar along the upper edge of a plot; a bar of unknown length is hatched."""
     strip = QRect(plot.left(), plot.top(), plot.width(), THIN + HIGH)
-    ground = QColor(GROUND)
-    ground.setAlpha(215)
-    painter.fillRect(strip, ground)
+    draw_veil(painter, strip)
     bar = QRect(strip.left(), strip.top(), strip.width(), THIN)
     painter.fillRect(bar, QColor(EDGE))
     if waiting.share is None:
@@ -143,11 +141,9 @@ def draw_waiting(painter: QPainter, plot: QRect, waiting: Waiting) -> None:
 
 def draw_word(painter: QPainter, plot: QRect, word: str) -> None:
     """Draw a word in the upper left corner of a plot."""
-    ground = QColor(GROUND)
-    ground.setAlpha(215)
     box = painter.fontMetrics().boundingRect(word).adjusted(-6, -2, 6, 2)
     box.moveTopLeft(plot.topLeft() + QPoint(4, 4))
-    painter.fillRect(box, ground)
+    draw_veil(painter, box)
     painter.setPen(QColor(QUIET))
     painter.drawText(box, Qt.AlignmentFlag.AlignCenter, word)
 

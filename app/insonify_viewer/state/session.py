@@ -8,12 +8,14 @@ from typing import Any
 from psygnal import Signal
 
 from insonify.display.display_options import DisplayOptions
+from insonify.io.contacts import Contact
 from insonify.scene import Scene, SceneError, edit
 from insonify.scene_edits import add_dependent_edits
-from insonify_viewer.state.contacts import Contact
 from insonify_viewer.state.fields import name_display, name_edit
 from insonify_viewer.state.history import History, Modelling, State
 from insonify_viewer.state.inspection import Mark
+
+EDITS = {"note": "note on", "classification": "class of"}  # names of edits of contacts
 
 
 class Session:
@@ -234,11 +236,11 @@ class ContactList:
             contact = replace(contact, name=free)
         self._session.list_contacts((*self.all, contact), f"{contact.name} marked")
 
-    def edit(self, index: int, field: str, text: str) -> None:
-        """Change the name of a contact, or the note on it."""
+    def edit(self, index: int, field: str, value: object) -> None:
+        """Change a field of a contact."""
         contact = self.all[index]
-        change: dict[str, Any] = {field: text}
-        name = f"{contact.name} renamed" if field == "name" else f"{field} on {contact.name}"
+        change: dict[str, Any] = {field: value}
+        name = f"{contact.name} renamed" if field == "name" else f"{EDITS.get(field, f'{field} of')} {contact.name}"
         self._session.list_contacts((*self.all[:index], replace(contact, **change), *self.all[index + 1 :]), name)
 
     def remove(self, index: int) -> None:

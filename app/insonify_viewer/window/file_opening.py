@@ -14,6 +14,7 @@ from psygnal import Signal
 from PySide6.QtWidgets import QFileDialog
 
 from insonify.io.bathymetry import BATHYMETRY
+from insonify.io.contacts import is_contacts, read_contacts
 from insonify.io.formats import FormatRegistry
 from insonify.io.meshes import MESHES
 from insonify.io.navigation import NAVIGATION, RecordedNavigation, read_navigation
@@ -23,7 +24,6 @@ from insonify.scene import Scene, SceneError, bundled_meshes, bundled_scenes, ed
 from insonify_viewer.errors import Failure
 from insonify_viewer.record.comparison.recording import is_recording
 from insonify_viewer.record.comparison.recording_player import RecordingPlayer
-from insonify_viewer.state.contacts import is_contacts, read_contacts
 from insonify_viewer.state.session import ContactList, Session
 from insonify_viewer.window.main_window import MainWindow
 from insonify_viewer.window.saving import Saving

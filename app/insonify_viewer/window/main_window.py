@@ -22,7 +22,7 @@ from PySide6.QtWidgets import (
 )
 
 from insonify.display.display_options import DisplayOptions
-from insonify_viewer.errors import Failure, guard_override
+from insonify_viewer.errors import guard_override
 from insonify_viewer.panels.panel import Panel, Place
 from insonify_viewer.record.comparison.comparison_actions import ComparisonActions
 from insonify_viewer.record.comparison.comparison_overlay import ComparisonOverlay
@@ -33,7 +33,7 @@ from insonify_viewer.widgets.buttons import make_action, set_icon, with_key
 from insonify_viewer.widgets.text import window_title
 from insonify_viewer.widgets.theme import lecture_scale, scaled
 from insonify_viewer.window.command_palette import CommandPalette, entries_of_menus, entries_of_scenes
-from insonify_viewer.window.help_dialogs import OTHER_KEYS, AboutDialog, KeysDialog
+from insonify_viewer.window.help_dialogs import AboutDialog, KeysDialog
 from insonify_viewer.window.lecture import Lecture
 from insonify_viewer.window.menus import (
     GainSlider,
@@ -101,6 +101,8 @@ class MainWindow(QMainWindow):
         self._panels: dict[str, Panel] = {}
         self._buttons: dict[str, QAction] = {}
         self.settings = Settings()
+        self.status = StatusLine()
+        self.say, self.complain = self.status.say, self.status.complain
         self._add_tools(palettes)
         self.menus = Menus(self)
         self.lecture = Lecture(self, self._docks, self._splitter)
@@ -175,14 +177,6 @@ class MainWindow(QMainWindow):
         view.show()
         self._room.make()
         self._placeholder.deleteLater()
-
-    def say(self, sentence: str, *, lasting: bool = False) -> None:
-        """Show a sentence in the status bar until the next one, and for some seconds unless it is to last."""
-        self.status.say(sentence, lasting=lasting)
-
-    def complain(self, error: Failure | Exception, *, lasting: bool = False) -> None:
-        """Show an error in the status bar like a sentence, with a button that copies its details."""
-        self.status.complain(error, lasting=lasting)
 
     def show_display(self, look: DisplayOptions) -> None:
         """Set palette and gain among the tools to the display options."""
@@ -348,7 +342,6 @@ class MainWindow(QMainWindow):
     def _add_status(self) -> None:
         status = self.statusBar()
         status.setSizeGripEnabled(False)
-        self.status = StatusLine()
         self.jobs = JobBar()
         self.jobs.clicked.connect(lambda: self.open_panel("jobs"))
         self.save.jobs.triggered.connect(lambda: self.open_panel("jobs"))
@@ -380,7 +373,7 @@ class MainWindow(QMainWindow):
         tip = "Find a command, scene, lesson or parameter by some letters of its name"
         menus.add("Help", "Find…", tip, "Ctrl+Shift+P").triggered.connect(self.open_palette)
         keys = menus.add("Help", "Keyboard shortcuts", "Every command that has a key", "?")
-        keys.triggered.connect(lambda: KeysDialog(self, menus.all, OTHER_KEYS).show())
+        keys.triggered.connect(lambda: KeysDialog(self, menus.all).show())
         menus.add("Help", "Tour", "See the window in five steps").triggered.connect(self.tour.begin)
         about = menus.add("Help", "About insonify", "Versions, licence, citation")
         about.triggered.connect(lambda: AboutDialog(self).show())

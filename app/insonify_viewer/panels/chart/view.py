@@ -29,6 +29,10 @@ INVITATION = (
 BUSY = "measuring with the tow paused; other programs that run now make the times longer …"
 HINT = "Click a point, or press ← → in the chart, to see its record beside the exact one, and their difference."
 LEFT, RIGHT, TITLE, RULER = 12, 12, 18, 28  # px
+DIFFERENCE = (
+    ("difference, in full colour where it is half the span of the picture: ", TEXT),
+    *(("too bright", ACCENT), (" or ", TEXT), ("too dark", MARK)),
+)
 LARGE = 0.5  # of the span of the palette: the difference drawn in full colour
 
 
@@ -230,34 +234,12 @@ class StripsView(QWidget):
                 low, high = choose_contrast(details.reference)
                 shades = colour_table(load_palette(PALETTES[0]))
                 largest = LARGE * (high - low)
-                for number, (title, strip, ends, table) in enumerate(
-                    (
-                        (
-                            ((f"record: {details.row.method}, {details.row.setting}", TEXT),),
-                            details.record,
-                            (low, high),
-                            shades,
-                        ),
-                        (
-                            ((f"exact: {details.rays:,} rays a side", TEXT),),
-                            details.reference,
-                            (low, high),
-                            shades,
-                        ),
-                        (
-                            (
-                                ("difference, in full colour where it is half the span of the picture: ", TEXT),
-                                ("too bright", ACCENT),
-                                (" or ", TEXT),
-                                ("too dark", MARK),
-                            ),
-                            details.record - details.reference,
-                            (-largest, largest),
-                            two_sided_table(),
-                        ),
-                    )
-                ):
-                    self._draw(painter, number, title, strip, ends, table)
+                record = ((f"record: {details.row.method}, {details.row.setting}", TEXT),)
+                exact = ((f"exact: {details.rays:,} rays a side", TEXT),)
+                self._draw(painter, 0, record, details.record, (low, high), shades)
+                self._draw(painter, 1, exact, details.reference, (low, high), shades)
+                moved = details.record - details.reference
+                self._draw(painter, 2, DIFFERENCE, moved, (-largest, largest), two_sided_table())
                 self._draw_ruler(painter, details.reach)
 
     def _draw(

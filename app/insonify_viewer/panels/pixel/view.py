@@ -13,8 +13,9 @@ from PySide6.QtCore import QEvent, QPointF, QRectF, QSizeF, Qt
 from PySide6.QtGui import QColor, QPainter, QPen, QPolygonF
 from PySide6.QtWidgets import QSplitter, QTextBrowser, QVBoxLayout, QWidget
 
+from insonify.io.contacts import SIDES
 from insonify_viewer.errors import guard_override
-from insonify_viewer.state.inspection import SIDES, Mark
+from insonify_viewer.state.inspection import Mark
 from insonify_viewer.widgets.buttons import make_label
 from insonify_viewer.widgets.painting import PaintedOnce, round_steps
 from insonify_viewer.widgets.theme import (
