@@ -329,7 +329,9 @@ def errors(figure: Any) -> None:
             amplitude = LevelBed(simulation).normalise(record, pings)[::-1, 1, bins]
             levels = levels or choose_contrast(amplitude)
             one.imshow(colour_amplitudes(amplitude, levels=levels), extent=(near, far, 0.0, 0.2 * pings.size))
-            one.set_title(f"{method}, {int(count):,} {unit.removesuffix('s') if count == '1' else unit}: {100.0 * error:.2g} %")
+            one.set_title(
+                f"{method}, {int(count):,} {unit.removesuffix('s') if count == '1' else unit}: {100.0 * error:.2g} %"
+            )
             one.set_axis_off()
 
 

@@ -301,7 +301,7 @@ def _draw_panel(
     tolerance = f"tolerance {style.format_percent(TOLERANCE)}"
     axes.annotate(tolerance, (0.012, TOLERANCE), xycoords=("axes fraction", "data"), xytext=(0, 3),
                   textcoords="offset points", fontsize=8.0, color=INK, path_effects=style.OUTLINE)  # fmt: skip
-    whole = axes.secondary_xaxis("top", functions=(lambda one: RECORD * one, lambda many: many / RECORD))
+    whole = axes.secondary_xaxis("top", functions=(partial(np.multiply, RECORD), partial(np.multiply, 1.0 / RECORD)))
     whole.xaxis.set_major_formatter(lambda many, _: style.format_time(many))
     label_axes(whole, f"{RECORD} pings", size=9.0, pad=4)
     whole.tick_params(labelsize=9.0, colors=FAINT)
