@@ -7,6 +7,7 @@ from functools import partial
 from pathlib import Path
 from typing import Protocol
 
+import numpy as np
 from psygnal import Signal
 from PySide6.QtGui import QAction
 
@@ -153,6 +154,7 @@ class RecordingPlayer:
         self._clock.run(False)
         self._view.show_record(self._record, recording.slant_range, recording.step)
         self._view.show_last(recording.pings - 1)
+        self._view.overview.fill(np.arange(recording.pings), recording.overview)
         self._show_top()
         self._find_levels()
         self.opened.emit(recording)
