@@ -38,7 +38,7 @@ from insonify_viewer.state.inspection import Mark
 from insonify_viewer.widgets.theme import GROUND, text_scale
 from insonify_viewer.work.waiting import Waiting
 
-LEFT, BOTTOM, TOP, RIGHT = 64, 40, 24, 36
+LEFT, BOTTOM, TOP, RIGHT = 64, 40, 24, 34
 GEOMETRY = ("side", "ground_range", "water_column", "side_gains", "side_slopes", "newest_on_top", "scale")
 
 

@@ -24,7 +24,7 @@ LINE = QColor(255, 255, 255, 70)  # of equal range
 BED = "#ffb000"  # distinct from the palettes' middle tones
 CONTACT = "#7dff5a"
 THIN, HIGH = 4, 24  # px, of the bar and of its text
-WIDTH, HEIGHT, ROUND = 22.0, 26.0, 4.0  # px
+WIDTH, HEIGHT, ROUND = 20.0, 26.0, 4.0  # px
 LABEL = 92.0  # px, of the ping beside a held handle
 
 
