@@ -23,6 +23,7 @@ from insonify.commands.options import (
     say,
     tracked,
 )
+from insonify.compiler.processes import compiled_elsewhere
 from insonify.io.records import RECORDS
 from insonify.lessons import Lesson, check_lesson, load_lesson, states_of
 from insonify.scene import DEFAULT_SCENE, Scene, SceneError, load_partner
@@ -110,10 +111,11 @@ def run(arguments: argparse.Namespace) -> int:
     pair = _pairing(scene, arguments)
     reason = why_no_window()
     if arguments.snapshot is None and not reason:
-        # lazy: loads Qt, which no other command needs
-        from insonify_viewer.application import open_window
+        with compiled_elsewhere(first="insonify.display.example:compile_for_example"):
+            # lazy: loads Qt, which no other command needs
+            from insonify_viewer.application import open_window
 
-        return open_window(scene, pin, lesson, recording, pair, _known_panel(arguments.panel))
+            return open_window(scene, pin, lesson, recording, pair, _known_panel(arguments.panel))
     path = check_output(arguments.snapshot or free_name(FALLBACK), (".png",), "--snapshot")
     _leave_screen(reason)
     # lazy: loads Qt, which no other command needs

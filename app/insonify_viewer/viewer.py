@@ -21,7 +21,6 @@ from insonify_viewer.panels.panel import PanelSet, Workbench
 from insonify_viewer.record.comparison.comparison import Comparison
 from insonify_viewer.record.comparison.recording_player import RecordingPlayer
 from insonify_viewer.record.marked_point import MarkController, MarkedPoint
-from insonify_viewer.record.projection import compile_picture
 from insonify_viewer.record.record import Record, RecordGrowth, pings_held
 from insonify_viewer.record.waterfall_view import Contrast
 from insonify_viewer.seabed.controller import SeabedController, silence
@@ -104,8 +103,7 @@ class Viewer(QObject):
 
     def start(self) -> None:
         """Start the worker and the clock; the window shows by now."""
-        self.seabed.load(self.window.put_seabed)
-        self.simulator.send(compile_picture, lambda _: None)
+        self.simulator.show_first(self.session.scene, lambda _: self.seabed.load(self.window.put_seabed))
         self.simulator.prepare(self.session.scene, self.session.modelling, self._show_first)
         self._ticked = time.perf_counter()
         self._clock.start()
@@ -294,7 +292,7 @@ class Viewer(QObject):
         self._show_waiting(now)
         self.window.waterfall.show_last(max(self.tow.newest, self.session.scene.track.pings - 1))
         # The tow waits while the kernels compile, and for pings that take long.
-        if self._answer is None or self.record.blank(self.tow.top) > BEHIND:
+        if self._answer is None or self._answer.example or self.record.blank(self.tow.top) > BEHIND:
             return
         before = self.tow.newest
         if self.tow.advance(seconds, self.session.scene.sonar.ping_rate):
@@ -309,6 +307,9 @@ class Viewer(QObject):
 
     def _show_waiting(self, now: float) -> None:
         """Show what the record waits for, and dim the rows of an earlier scene meanwhile."""
+        activity = self.simulator.activity
+        if self._number == 0 and self._answer is not None and self._answer.example:
+            activity = activity._replace(what=f"example; {activity.what or 'kernels are being compiled'}")
         waiting = self._waiting.look(
             now,
             number=self._number,
@@ -316,7 +317,7 @@ class Viewer(QObject):
             missing=0 if self._refused == self._number else int(self._missing().size),
             shown=len(self.record.shown(self.tow.top)),
             running=self.tow.running,
-            activity=self.simulator.activity,
+            activity=activity,
         )
         self.window.waterfall.show_waiting(waiting, stamp_of(self._number, INTERPOLATED))
 
@@ -359,10 +360,13 @@ class Viewer(QObject):
         self.window.waterfall.show_top(min(self.tow.top, newest) if self.tow.running else self.tow.top)
         if answer.fine:
             self._show_sonar()
-        else:
+        elif not answer.example:
             self.window.waterfall.repaint()  # immediately, because the person who drags a slider watches the record
             self.seabed.show_later(self._show_sonar)
         self._show_mark(self.session.mark)
+        if answer.example:
+            self._show_sonar()
+            return  # panels wait for the plan, which it lacks
         current = answer.fine and answer.number == self._number
         if self._freeing and not self._missing().size:
             self._freeing = False
@@ -414,4 +418,4 @@ class Viewer(QObject):
             return
         row = int(self.record.rows(np.array([top]))[0])
         tones = self.window.waterfall.tone_map.tones(self.record.amplitude[row])
-        self.seabed.show_sonar(self._answer.simulation, top, tones)
+        self.seabed.show_sonar(self._answer.simulation, top, tones, at_once=self._answer.example)

@@ -76,7 +76,7 @@ class SeabedController:
         self._loading = VIEW not in sys.modules
         if self._accelerated:
             load_qt_modules()
-        self._simulator.send(self._import, lambda _: self._build(put))
+        self._executor.submit("libraries", self._import, lambda _: self._build(put))
 
     def show_sonar(
         self, simulation: PackedScene, ping: int, tones: NDArray[np.float32], *, at_once: bool = False

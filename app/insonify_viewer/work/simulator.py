@@ -76,6 +76,10 @@ class Simulator:
         """Trace these pings next, instead of a request that still waits."""
         self._lane.put("pings", lambda: self._serve(request), lambda _: None, rank=2)
 
+    def show_first(self, scene: Scene, receive: Callable[[Any], None]) -> None:
+        """Make pictures ready to be drawn; answer with the record that comes with the package if it is the scene's."""
+        self.send(lambda: self._example(scene), receive)
+
     def prepare(self, scene: Scene, modelling: Modelling, receive: Callable[[Any], None]) -> None:
         """Prepare a scene without tracing it, and pass its `Simulation` or a `SceneError` to the main thread."""
         self.send(lambda: self._prepared(scene, modelling, fine=True)[0], receive)
@@ -124,6 +128,23 @@ class Simulator:
                     return
         except Exception as error:  # an exception that ends the thread would freeze the picture silently
             self.executor.call_later(refuse, describe_error(error, "the simulation of this scene"))
+
+    def _example(self, scene: Scene) -> None:
+        # lazy: loaded on the worker; the window opens before Numba is loaded
+        from insonify.display.example import UNPLANNED, read_example
+        from insonify.display.normalisation import LevelBed
+        from insonify.display.picture import compile_picture
+
+        compile_picture()
+        amplitude = read_example(scene) if self._pack is not None else None
+        if amplitude is None:
+            return
+        simulation = self._prepare(scene, plan=UNPLANNED, **self._packed(scene, 0, None, tell=False))
+        pings, level = np.arange(len(amplitude)), LevelBed(simulation)
+        drawn, altitude = np.ones(len(pings), bool), find_altitude(simulation, pings)
+        answer = TracedPings(0, False, pings, amplitude, level, simulation, 0.0, drawn, altitude, example=True)
+        self.executor.call_later(self._deliver, answer)
+        level.normalise(amplitude[:1], pings[:1])  # compiles what the cursor needs, before all that tracing needs
 
     def _trace(self, request: PingRequest) -> Iterator[TracedPings]:
         modelling = request.modelling if request.fine else request.modelling.coarse

@@ -1,12 +1,14 @@
 """The child process that compiles kernels (`processes`)."""
 
 import contextlib
+import importlib
 from collections.abc import Callable
 from typing import Any
 
 from insonify.child_process import serve
 from insonify.compiler.dispatch import compile_named
 from insonify.compiler.progress import watch_compilation
+from insonify.operating_system import lower_priority
 
 IDLE = 20.0  # s, without a kernel to compile, after which the process ends
 
@@ -16,10 +18,15 @@ def main() -> None:
     serve(_answer, IDLE)
 
 
-def _answer(name: bytes, send: Callable[[Any], None]) -> None:
+def _answer(request: bytes | str, send: Callable[[Any], None]) -> None:
     with (
         watch_compilation(send),
         contextlib.suppress(Exception),
     ):  # the parent then finds no code and raises the error itself
-        compile_named(name)
-    send(name)
+        if isinstance(request, str):
+            module, _, name = request.partition(":")
+            getattr(importlib.import_module(module), name)()
+            lower_priority()  # from now on it compiles beside a window that is in use
+        else:
+            compile_named(request)
+    send(request)

@@ -154,6 +154,12 @@ def colour_rows(values: NDArray[np.float32], low: float, high: float, table: NDA
     return out.reshape(values.shape)
 
 
+def compile_picture() -> None:
+    """Compile the kernels that average bins into columns and colour them, away from the main thread."""
+    columns = average_columns(np.zeros((1, 2), dtype=np.float32), np.array([[0.0, 1.0, 2.0]]))
+    colour_rows(columns, 0.0, 1.0, np.zeros(256, dtype=np.uint32))
+
+
 def colour_amplitudes(
     amplitude: NDArray[np.float32], look: DisplayOptions | None = None, levels: Levels | None = None
 ) -> NDArray[np.uint8]:

@@ -13,7 +13,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from insonify.io.records import RECORDS
-from insonify_viewer.record.projection import compile_picture
 from insonify_viewer.record.record import MAX_CELLS, MAX_PINGS
 from insonify_viewer.record.record_overview import COLUMNS
 from insonify_viewer.state.inspection import Mark
@@ -99,6 +98,7 @@ def load_recording(path: str, frequency: float | None = None) -> Recording:
     """Read a record and relate it to its own median curve, as ``insonify compare`` draws it."""
     # lazy: loads SciPy and kernels on a thread of its own; the window opens before
     from insonify.display.normalisation import normalise
+    from insonify.display.picture import compile_picture
     from insonify.display.sheet import compute_median_curve
     from insonify.io.records import read_record
     from insonify.io.records.bottom_track import find_altitude
