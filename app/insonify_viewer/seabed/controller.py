@@ -63,6 +63,7 @@ class SeabedController:
         self._owed = 0  # number of the bed of a settled scene that is not yet on screen, else 0
         self._loading = False  # whether this window is the first of the process, which loads the libraries
         self._executor = simulator.executor
+        self._subject: tuple[float, float] | None = None  # place of the bed that the camera shows
         self._strip: RecordStrip | None = None  # what is laid over the bed
         self._patch: BedPatch | None = None  # the bed on screen
         self._drape_asked = self._drape_shown = 0
@@ -142,15 +143,16 @@ class SeabedController:
         if self.view is not None:
             self.view.handles.show(grips)
 
-    def reset_camera(self) -> None:
-        """Reset the camera to its place behind and above the fish."""
+    def reset_camera(self, subject: tuple[float, float] | None = None) -> None:
+        """Reset the camera to its place behind and above the fish, or to one that shows a place of the bed."""
+        self._subject = subject
         if self.view is not None:
-            self.view.reset_camera()
+            self.view.reset_camera(subject)
 
     def look_from(self, camera: str = USUAL) -> None:
         """Put the camera to one of its places about the fish now, where it follows the fish."""
         if self.view is not None:
-            self.view.reset_camera(camera)
+            self.view.reset_camera(camera=camera)
         self._show_latest()
 
     def colour_by_depth(self, by_depth: bool) -> None:
@@ -186,6 +188,7 @@ class SeabedController:
         if self._loading:
             leave_out_libraries()
         self.view = SeabedView(accelerated=self._accelerated)
+        self.view.reset_camera(self._subject)
         self.view.sighted.connect(self._pick)
         self.view.menu_wanted.connect(lambda *sight: self.menu_wanted.emit(self._meet(*sight[:3]), sight[3]))
         self._inspection.drawn.connect(self.view.show_sound)

@@ -28,6 +28,7 @@ from insonify_viewer.widgets.theme import MARK_IN_WATER, text_scale
 pv: Any = pyvista
 
 WATER = ("#2f6b84", "#629db2")  # below and above; the far bed fades into the latter
+CLOSE = 0.4  # distance of the camera from the subject of a lesson, as a share of that behind the fish
 VIEW_ANGLE = 54.0
 FISH = 0.11  # length over the height of the view at its distance: it shows at any zoom
 LOWEST = 0.03  # least slope of the line of sight, by which the camera stays above the bed
@@ -55,12 +56,10 @@ class SeabedView(QWidget):
         layout = QVBoxLayout(self)
         layout.setContentsMargins(0, 0, 0, 0)
         layout.addWidget(self._canvas.widget)
-        self._reach = 0.0
+        self.reset_camera()
         self._pose: Poses | None = None  # of the fish that is shown
         self._heading = 0.0
         self._bed_shown = self._held = False
-        self.follows = True  # whether the camera moves with the fish
-        self._camera = USUAL
         self._depths: tuple[float, float] | None = None  # ends of the colours of depths
         self._fan = ScanFan()
         self._path = pv.MultipleLines(np.zeros((pv_meshes.PATH_POINTS, 3)))
@@ -187,9 +186,9 @@ class SeabedView(QWidget):
             ends.append(np.array(place) / scale)
         return ends
 
-    def reset_camera(self, camera: str = USUAL) -> None:
-        """Put the camera to one of its places about the fish when the fish is shown next; it follows the fish again."""
-        self._reach, self._camera, self.follows = 0.0, camera, True
+    def reset_camera(self, subject: tuple[float, float] | None = None, camera: str = USUAL) -> None:
+        """Put the camera to one of its places, or to one that shows a place of the bed, at the next pose."""
+        self._reach, self._subject, self._camera, self.follows = 0.0, subject, camera, True
 
     def frame(self, place: tuple[float, float, float], size: float) -> None:
         """Look at a place so that a body of some metres about it fills the view; the camera stays there."""
@@ -267,8 +266,10 @@ class SeabedView(QWidget):
             position, focus = (np.array(part) for part in CAMERAS[self._camera])
             # A narrow view moves back, so that both ends of the fan are visible.
             back = min(max(0.85 * self.height() / max(self.width(), 1), 0.8), 1.25)
-            position = place + turn @ (focus + (position - focus) * back) * reach
-            focus = place + turn @ focus * reach
+            away, focus = turn @ (position - focus) * back * reach, place + turn @ focus * reach
+            if self._subject is not None:  # from nearer, in the middle of the view
+                away, focus = CLOSE * away, np.array([*self._subject, 0.0])
+            position = focus + away
             self._reach = reach
         elif not self.follows:
             position, focus = camera.position, camera.focal_point
