@@ -145,6 +145,12 @@ class Viewer(QObject):
         self.session.open(scene, file, bundled=bundled)
         self.window.say(scene.title)
 
+    def _frame(self, place: tuple[float, float] | None) -> None:
+        """Put the camera on a place of the bed, and keep the record on screen that shows it."""
+        self.seabed.reset_camera(place)
+        if place is not None:
+            self.run(False)
+
     def run(self, running: bool) -> None:
         """Run or pause the tow."""
         self._stopped = False
@@ -220,6 +226,7 @@ class Viewer(QObject):
             save_contacts=self.saving.save_contacts,
             report_contacts=self.saving.report_contacts,
             open_scene=open_scene,
+            frame=self._frame,
             light_fields=lambda paths: self.panels.fields_lit.emit(paths),
             lecture=self.window.lecture.action.setChecked,
         )

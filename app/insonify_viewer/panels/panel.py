@@ -96,6 +96,8 @@ class Workbench:
     # Opens (scene, file) at the start of its track; with ``ask=True`` the person is asked first what becomes of
     # unsaved changes. Returns whether the scene was opened.
     open_scene: Callable[..., bool]
+    # Puts the camera of the 3-D view on a place (x, y) of the bed, or behind the fish for None, and holds the tow.
+    frame: Callable[[tuple[float, float] | None], None]
     # Lights the fields at some dotted paths wherever they are shown, and no others.
     light_fields: Callable[[tuple[str, ...]], None]
     lecture: Callable[[bool], None]  # switches the view for a lecture, full screen and in large type, on or off

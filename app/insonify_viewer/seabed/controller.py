@@ -60,6 +60,7 @@ class SeabedController:
         self._owed = 0  # number of the bed of a settled scene that is not yet on screen, else 0
         self._loading = False  # whether this window is the first of the process, which loads the libraries
         self._executor = simulator.executor
+        self._subject: tuple[float, float] | None = None  # place of the bed that the camera shows
         self._strip: RecordStrip | None = None  # what is laid over the bed
         self._patch: BedPatch | None = None  # the bed on screen
         self._drape_asked = self._drape_shown = 0
@@ -139,10 +140,11 @@ class SeabedController:
         if self.view is not None:
             self.view.handles.show(grips)
 
-    def reset_camera(self) -> None:
-        """Reset the camera to its place behind and above the fish."""
+    def reset_camera(self, subject: tuple[float, float] | None = None) -> None:
+        """Reset the camera to its place behind and above the fish, or to one that shows a place of the bed."""
+        self._subject = subject
         if self.view is not None:
-            self.view.reset_camera()
+            self.view.reset_camera(subject)
 
     def reset_view(self) -> None:
         """Put the camera behind and above the fish now."""
@@ -172,6 +174,7 @@ class SeabedController:
         if self._loading:
             leave_out_libraries()
         self.view = SeabedView(accelerated=self._accelerated)
+        self.view.reset_camera(self._subject)
         self.view.sighted.connect(self._pick)
         self._inspection.drawn.connect(self.view.show_sound)
         self._inspection.picked.connect(self.view.show_pick)

@@ -27,6 +27,7 @@ pv: Any = pyvista
 WATER = ("#2f6b84", "#629db2")  # below and above; the far bed fades into the latter
 CAMERA = (-1.85, -0.12, 1.15)  # ahead, to port, up; in slant ranges, for a square view
 FOCUS = (-0.22, 0.0, -0.20)
+CLOSE = 0.4  # distance of the camera from the subject of a lesson, as a share of that behind the fish
 VIEW_ANGLE = 54.0
 FISH = 0.11  # length over the height of the view at its distance: it shows at any zoom
 LOWEST = 0.03  # least slope of the line of sight, by which the camera stays above the bed
@@ -52,7 +53,7 @@ class SeabedView(QWidget):
         layout = QVBoxLayout(self)
         layout.setContentsMargins(0, 0, 0, 0)
         layout.addWidget(self._canvas.widget)
-        self._reach = 0.0
+        self.reset_camera()
         self._pose: Poses | None = None  # of the fish that is shown
         self._heading = 0.0
         self._bed_shown = self._held = False
@@ -169,9 +170,9 @@ class SeabedView(QWidget):
             ends.append(np.array(place) / scale)
         return ends
 
-    def reset_camera(self) -> None:
-        """Reset the camera to its place behind and above the fish, when the fish is shown next."""
-        self._reach = 0.0
+    def reset_camera(self, subject: tuple[float, float] | None = None) -> None:
+        """Reset the camera to its place behind the fish, or to one that shows a place of the bed, at the next pose."""
+        self._reach, self._subject = 0.0, subject
 
     def turn(self, across: float, up: float) -> None:
         """Turn the scene about the focus of the camera by degrees to the right and upwards, as a drag does."""
@@ -232,6 +233,8 @@ class SeabedView(QWidget):
             focus = place + turn @ FOCUS * reach
             # A narrow view moves back, so that both ends of the fan are visible.
             back = min(max(0.85 * self.height() / max(self.width(), 1), 0.8), 1.25)
+            if self._subject is not None:  # from nearer, in the middle of the view
+                focus, back = np.array([*self._subject, 0.0]), CLOSE * back
             position = focus + turn @ (np.array(CAMERA) - FOCUS) * back * reach
             self._reach = reach
         else:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import itertools
 import math
 from collections.abc import Iterable, Iterator, Mapping
+from dataclasses import replace
 from heapq import heappop, heappush
 from itertools import takewhile
 from typing import Any
@@ -89,8 +90,15 @@ def choose_for_case(case: Case, tolerance: float) -> Plan:
     if together > MORE_TOGETHER * error:
         entries = (*entries, _more_together(case, model, error, together))
         error = together
-    near = Planes().near_error(case, model)
-    return Plan(model, entries, error, near, case.work(model), case.seconds(model))
+    near, cost = Planes().near_error(case, model), case.seconds(model)
+    return Plan(model, _divide_cost(entries, cost), error, near, case.work(model), cost)
+
+
+def _divide_cost(entries: tuple[PlanEntry, ...], cost: float) -> tuple[PlanEntry, ...]:
+    """Scale the costs of what is modelled, each measured by itself, so that they add up to that of a ping."""
+    apart = sum(entry.cost for entry in entries if entry.modelled)
+    share = cost / apart if apart > 0.0 else 1.0
+    return tuple(replace(entry, cost=share * entry.cost) if entry.modelled else entry for entry in entries)
 
 
 def _more_together(case: Case, model: Model, apart: float, together: float) -> PlanEntry:
