@@ -20,7 +20,7 @@ from insonify.display.display_options import DisplayOptions
 from insonify.io.records import read_record
 from insonify.scene import edit
 from insonify_viewer.panels.jobs import view as jobs_window
-from insonify_viewer.panels.jobs.view import JobsView, WantedChart, WantedDataset
+from insonify_viewer.panels.jobs.view import JobsView
 from insonify_viewer.state.quantities import format_time_left
 from insonify_viewer.work import jobs as background_job
 from insonify_viewer.work.jobs import CommandJob, Stage, State, ThreadJob
@@ -152,8 +152,8 @@ def test_charts_data_sets_and_pages_are_commands(open_viewer, knife, tmp_path, m
     begun = []
     monkeypatch.setattr(viewer.jobs, "begin", lambda title, arguments, result: begun.append(tuple(arguments)))
     view = jobs_of(viewer)
-    view.chart_wanted.emit(WantedChart("convergence", tmp_path / "chart.png"))
-    view.dataset_wanted.emit(WantedDataset("mines", 3, tmp_path / "mines"))
+    view.chart_wanted.emit("convergence", tmp_path / "chart.png")
+    view.dataset_wanted.emit("mines", 3, tmp_path / "mines")
     view.stability_wanted.emit(tmp_path / "page.html")
     (chart, scene_file, *of), dataset, page = begun
     assert (chart, *of) == ("chart", "--of", "convergence", "-o", str(tmp_path / "chart.png"))

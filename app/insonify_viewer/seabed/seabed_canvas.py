@@ -177,10 +177,9 @@ class RightClicks(QObject):
 
 
 class SeabedKeys(QObject):
-    """Turns and zooms a view by keys, and leaves all others to the window.
+    """Turns and zooms a view by keys, and leaves all others to the window."""
 
-    Elsewhere in the window + and − zoom the record.
-    """
+    # Elsewhere in the window + and − zoom the record.
 
     def __init__(self, widget: QWidget, turn: Callable[[float, float], None], zoom: Callable[[float], None]) -> None:
         super().__init__(widget)

@@ -27,12 +27,11 @@ AREAS = {
 
 
 class PanelRoom(QObject):
-    """Keeps room for the 3-D view and the record beside the panels.
+    """Keeps room for the 3-D view and the record beside the panels."""
 
-    Where the two views would have less than `LEAST` of the window, a panel of the left side stands below those at the
-    right one, and panels below and at the right are smaller. The 3-D view is left out where panels and record need its
-    room even so.
-    """
+    # Where the two views would have less than `LEAST` of the window, a panel of the left side stands below those at
+    # the right one, and panels below and at the right are smaller. The 3-D view is left out where panels and record
+    # need its room even so.
 
     def __init__(self, window: QMainWindow, splitter: QSplitter) -> None:
         super().__init__(window)

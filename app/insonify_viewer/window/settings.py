@@ -20,10 +20,9 @@ SIZES = (100, 125, 150, 200)  # %, of the text and of all that takes its size fr
 
 
 class Settings:
-    """Theme, size of the text, place of the window, display of the record and recent files, in a file of the person.
+    """Theme, size of the text, place of the window, display of the record and recent files, in a file of the person."""
 
-    Every value that is not understood, as of a file that was edited by hand, reads as the usual one.
-    """
+    # Every value that is not understood, as of a file that was edited by hand, reads as the usual one.
 
     def __init__(self) -> None:
         self._store = QSettings(QSettings.Format.IniFormat, QSettings.Scope.UserScope, "insonify", "insonify")

@@ -36,11 +36,10 @@ MARGIN = 1.3  # times the range, about the pings: for the pulse, rough motion an
 
 
 class Simulator:
-    """Traces the pings of the newest request on a thread of its own.
+    """Traces the pings of the newest request on a thread of its own."""
 
-    A new request replaces one that waits. A request under way runs to the end of its block, so that a slider that moves
-    all the time still shows pings; the rest of it must be requested again.
-    """
+    # A new request replaces one that waits. A request under way runs to the end of its block, so that a slider that
+    # moves all the time still shows pings; the rest of it must be requested again.
 
     answered = Signal(object)  # `TracedPings`
     laid = Signal(int, object)  # number of a request, and its scene on a new bed
@@ -174,10 +173,8 @@ class Simulator:
     def _refine(
         self, level: LevelBed, pings: NDArray[np.int64], passed: float
     ) -> Iterator[tuple[NDArray[np.float32], NDArray[np.bool_], float]]:
-        """Amplitudes of pings, which of them are interpolated, and the seconds it took: at first every few, then all.
-
-        Of pings that take long something newer may wait for, only the first come.
-        """
+        """Yield amplitudes of pings, which are interpolated, and the seconds it took: at first every few, then all."""
+        # Of pings that take long something newer may wait for, only the first come.
         stride, begun = self._stride(len(pings), passed), time.perf_counter()
         traced = self._trace_coarsely(level, pings[::stride])
         seconds = time.perf_counter() - begun
@@ -209,10 +206,8 @@ class Simulator:
         return np.concatenate(parts)
 
     def _stride(self, pings: int, passed: float) -> int:
-        """Stride over the pings by which a coarse trace of them takes about `COARSE_TIME`, or half of what has passed.
-
-        A picture for which ground was made comes late in any case, and hardly later with more of its pings.
-        """
+        """Stride over pings by which a coarse trace of them takes about `COARSE_TIME`, or half of what has passed."""
+        # A picture for which ground was made comes late in any case, and hardly later with more of its pings.
         stride, allowed = 1, max(COARSE_TIME, 0.5 * passed)
         while stride < MAX_STRIDE and pings * self._cost > allowed * stride:
             stride *= 2
@@ -227,10 +222,8 @@ class Simulator:
         number: int = 0,
         beneath: NDArray[np.int64] | None = None,
     ) -> tuple[Simulation, LevelBed]:
-        """Prepare a scene, of its ground no more than lies beneath some pings, if they are given.
-
-        The last simulation is used again if the scene is the same.
-        """
+        """Prepare a scene, of its ground no more than lies beneath some pings, if they are given."""
+        # The last simulation is used again if the scene is the same.
         # lazy: loaded on the worker; the window opens before Numba is loaded
         from insonify.display.normalisation import LevelBed
 

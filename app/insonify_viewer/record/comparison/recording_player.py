@@ -46,11 +46,10 @@ class RecordWindow(Protocol):
 
 
 class RecordingPlayer:
-    """Plays a recording by its own ping rate, while the tow runs and as fast as the tow.
+    """Plays a recording by its own ping rate, while the tow runs and as fast as the tow."""
 
-    A recording is opened with the tow paused and its first screenful shown. To play one that is at its end begins it
-    anew.
-    """
+    # A recording is opened with the tow paused and its first screenful shown. To play one that is at its end begins it
+    # anew.
 
     opened = Signal(object)  # the `Recording` on screen, or None
     reading = Signal()

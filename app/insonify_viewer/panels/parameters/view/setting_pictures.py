@@ -41,21 +41,12 @@ PATH = "seabed.relief.peaks"
 
 
 class SettingPicture(QWidget):
-    """A picture of a part of the scene, hidden while the scene has nothing to draw there.
+    """A picture of a part of the scene, hidden while the scene has nothing to draw there."""
 
-    A picture is computed when it is next painted, so that one that is folded away or scrolled out of sight costs
-    nothing.
+    # It is computed when it is next painted: one that is folded away or scrolled out of sight costs nothing.
 
-    Parameters
-    ----------
-    height : int
-        In px.
-    """
-
-    dragged = Signal(str, object)
-    """Dotted path and value while a point of the picture is dragged."""
-    settled = Signal(str, object)
-    """Dotted path and value when it is released."""
+    dragged = Signal(str, object)  # dotted path and value while a point of the picture is dragged
+    settled = Signal(str, object)  # the same when it is released
 
     def __init__(self, height: int) -> None:
         super().__init__()
