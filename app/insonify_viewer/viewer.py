@@ -264,6 +264,8 @@ class Viewer(QObject):
         window.reset_view.triggered.connect(lambda: self.seabed.look_from())
         self.jobs.changed.connect(lambda _: window.jobs.show_jobs(self.jobs.running))
         self.jobs.changed.connect(window.status.show_end)
+        prepare = partial(self.simulator.prepare_all, tuple(bundled_scenes().values()))
+        window.prepare_all.triggered.connect(lambda: self.jobs.begin_work("preparation of all scenes", prepare))
         window.gain_changed.connect(lambda decibels: session.show(gain=decibels))
         window.palettes.activated.connect(lambda _: session.show(palette=window.palettes.currentData()))
         session.displayed.connect(lambda look: window.show_display(look))

@@ -78,7 +78,7 @@ def _paint_north(painter: QPainter, bearing: float) -> None:
 
 def _paint_scale(painter: QPainter, metres: float) -> None:
     """Paint a round length at the focus of the view."""
-    length = round_steps(0.0, BARS * metres, 2)[-1]
+    length = round_steps(0.0, BARS * metres, 3)[-1]
     bar, base = length / metres, HIGH - 10.0
     for colour, width in ((HALO, 5.0), (OVER_WATER, 2.0)):
         painter.setPen(QPen(QColor(colour), width))

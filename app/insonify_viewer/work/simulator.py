@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Callable, Iterator
-from contextlib import ExitStack, contextmanager
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import ExitStack, contextmanager, suppress
 from functools import partial
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -13,10 +14,10 @@ from numpy.typing import NDArray
 from psygnal import Signal
 
 from insonify.compiler.progress import Compilation, watch_compilation
-from insonify.scene import Scene, SceneError, edit
+from insonify.scene import Scene, SceneError, edit, load_scene
 from insonify_viewer.errors import describe_error
 from insonify_viewer.state.history import Modelling
-from insonify_viewer.work.executor import Executor, Lane, Receive, Work
+from insonify_viewer.work.executor import Executor, Lane, Progress, Receive, Work
 from insonify_viewer.work.ping_request import PingRequest, SimulatedScene, TracedPings, find_altitude, is_same_ground
 from insonify_viewer.work.waiting import Waiting
 
@@ -109,6 +110,13 @@ class Simulator:
         with limited_threads(1):
             simulation = self._prepare(scene, tolerance=modelling.tolerance, forced={})
             return LevelBed(simulation).amplitudes(pings)
+
+    def prepare_all(self, files: Sequence[Path], report: Progress) -> None:
+        """Trace two pings of each scene of some files, so that the kernels that they need are compiled."""
+        for number, file in enumerate(files):
+            report(number / len(files))
+            with suppress(SceneError):
+                self.trace_beside(load_scene(file), Modelling(), np.arange(2))
 
     def close(self, patience: float | None = None) -> None:
         """End all threads, and wait for each at most for a time in seconds: it may be compiling."""
