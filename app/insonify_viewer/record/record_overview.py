@@ -50,7 +50,10 @@ class RecordOverview:
             there = np.isfinite(known[: last + 1])
             sums = np.add.reduceat(np.where(there, known[: last + 1], np.float32(0.0)), edges)
             count = np.add.reduceat(there.astype(np.float32), edges)
-            self._pixels = tone_map.colours(np.asarray(sums / np.maximum(count, 1.0), dtype=np.float32))
-            self._pixels[count == 0.0] = EMPTY
+            self._pixels = np.full(sums.shape, EMPTY, dtype=np.uint32)
+            rows = np.flatnonzero(count[:, 0])
+            if rows.size:  # else the window opens before the kernels that colour are loaded
+                means = np.asarray(sums[rows] / count[rows], dtype=np.float32)
+                self._pixels[rows] = tone_map.colours(means)
         # The image shares the memory of the array.
         return QImage(self._pixels.data, COLUMNS, height, 4 * COLUMNS, QImage.Format.Format_RGB32)
