@@ -146,10 +146,8 @@ def _draw(application: QApplication, viewer: Viewer, path: Path, begin: Callable
 
 
 def wait_for_picture(application: QApplication, viewer: Viewer, rest: float = REST) -> None:
-    """Wait until the window shows its scene, then some seconds at most for what its panels measure.
-
-    Raise SceneError with the reason if the window does not show it.
-    """
+    """Wait until the window shows its scene, then some seconds at most for what its panels measure."""
+    # Raise SceneError with the reason if the window does not show it.
     with _slot_errors() as errors:
         failure = _wait_for_scene(application, viewer, errors, rest)
     if failure:

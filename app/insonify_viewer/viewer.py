@@ -32,6 +32,7 @@ from insonify_viewer.window.main_window import MainWindow
 from insonify_viewer.window.presets import Presets
 from insonify_viewer.window.record_menu import RecordMenu
 from insonify_viewer.window.saving import Saving
+from insonify_viewer.window.seabed_menu import SeabedMenu
 from insonify_viewer.window.target_editor import TargetEditor
 from insonify_viewer.work.gc_policy import forget_ground, return_free_memory
 from insonify_viewer.work.jobs import JobList
@@ -77,6 +78,8 @@ class Viewer(QObject):
         self.presets = Presets(self.session, self.window, self.open)
         self.failure = ""
         self.seabed = SeabedController(self.simulator, self.inspection, accelerated=accelerated)
+        handles, copies = self.targets.handles, self.record_menu.copies
+        self.seabed_menu = SeabedMenu(self.window, self.seabed, self.inspection, handles, copies)
         self._number, self._fine, self._refused = 0, True, -1
         self._traced = (scene, self.session.modelling)
         self._answer: TracedPings | None = None  # the last one that fits the record
@@ -258,9 +261,11 @@ class Viewer(QObject):
         self.contacts.changed.connect(self._show_edits)
         self._show_edits()
         window.levels.triggered.connect(self.find_levels)
-        window.reset_view.triggered.connect(self.seabed.reset_view)
+        window.reset_view.triggered.connect(lambda: self.seabed.look_from())
         self.jobs.changed.connect(lambda _: window.jobs.show_jobs(self.jobs.running))
         self.jobs.changed.connect(window.status.show_end)
+        prepare = partial(self.simulator.prepare_all, tuple(bundled_scenes().values()))
+        window.prepare_all.triggered.connect(lambda: self.jobs.begin_work("preparation of all scenes", prepare))
         window.gain_changed.connect(lambda decibels: session.show(gain=decibels))
         window.palettes.activated.connect(lambda _: session.show(palette=window.palettes.currentData()))
         session.displayed.connect(lambda look: window.show_display(look))

@@ -249,7 +249,7 @@ def test_tools_fit_900_px(window, qtbot):
 def test_a_key_of_a_command_in_a_menu_works(window, qtbot):
     activate(window, qtbot)
     qtbot.keyClick(window, Qt.Key.Key_L, Qt.KeyboardModifier.ControlModifier)
-    qtbot.waitUntil(lambda: window.panel_widget("lessons").isVisible())
+    qtbot.waitUntil(lambda: window._docks.by_panel["lessons"].isVisible())
 
 
 def test_keys_are_listed(window, qtbot):

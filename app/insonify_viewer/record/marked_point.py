@@ -126,10 +126,9 @@ def _number(value: float) -> float | None:
 
 
 class MarkController:
-    """Looks marked points up; their labels come from another thread, a moment later.
+    """Looks marked points up; their labels come from another thread, a moment later."""
 
-    On endless ground, whose heights may take a second, the points come from another thread too.
-    """
+    # On endless ground, whose heights may take a second, the points come from another thread too.
 
     def __init__(
         self,

@@ -19,11 +19,10 @@ EDITS = {"note": "note on", "classification": "class of"}  # names of edits of c
 
 
 class Session:
-    """The scene on screen, its modelling, the contacts, and the one history of all.
+    """The scene on screen, its modelling, the contacts, and the one history of all."""
 
-    An edit under way (a slider being dragged) is provisional: every move starts from the last settled scene, so that
-    the dependent edits of a move vanish when the slider returns. Settling makes one step of undo of the whole drag.
-    """
+    # An edit under way (a slider being dragged) is provisional: every move starts from the last settled scene, so that
+    # the dependent edits of a move vanish when the slider returns. Settling makes one step of undo of the whole drag.
 
     changed = Signal(object, bool)  # the scene, and False while a slider moves
     said = Signal(str)  # a sentence for the status bar

@@ -201,10 +201,8 @@ class FileOpening:
         return QFileDialog.getOpenFileName(self._window, title, "", kinds)[0]
 
     def open_dem(self, scene: Scene, path: str) -> None:
-        """Lay a scene over a measured bed, which the worker reads, after the question about unsaved changes.
-
-        It is another scene: another bed elsewhere, without the targets, and with a track of its own.
-        """
+        """Lay a scene over a measured bed, which the worker reads, after the question about unsaved changes."""
+        # It is another scene: another bed elsewhere, without the targets, and with a track of its own.
         if self._saving.may_leave():
             self._window.say(f"reading {Path(path).name} …")
             self._simulator.send(lambda: scene_over_dem(scene, path), partial(self._show_dem, path, len(scene.targets)))

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from functools import partial
 from pathlib import Path
 
 from PySide6.QtCore import QSize, Qt, Signal
@@ -108,9 +107,9 @@ class MainWindow(QMainWindow):
         self.lecture = Lecture(self, self._docks, self._splitter)
         self.lecture.begun.connect(self._enlarge_records)
         self.recent = RecentMenu(self, self.settings)
-        sliders = partial(self.panel_widget, "parameters")
-        parts = lambda: self.scenes, sliders, lambda: self.waterfall, lambda: self.seabed, self.menuBar
-        self.tour = Tour(self, tour_steps(*parts))
+        docks, views = self._docks.by_panel, (lambda: self.waterfall, lambda: self.seabed)
+        steps = tour_steps(lambda: self.scenes, lambda: docks["parameters"], *views, self.menuBar)
+        self.tour = Tour(self, steps)
         self._fill_menus()
         self._add_status()
         self.setAcceptDrops(True)
@@ -148,7 +147,7 @@ class MainWindow(QMainWindow):
             return
         if name in self._buttons:
             self._buttons[name].setChecked(True)
-        if name in self._docks:
+        if name in self._docks.by_panel:
             self._docks.bring_forward(name)
 
     def open_palette(self) -> CommandPalette:
@@ -164,10 +163,6 @@ class MainWindow(QMainWindow):
     def seabed(self) -> QWidget | None:
         """The view of the seabed, or its placeholder until it is loaded."""
         return self._splitter.widget(0)
-
-    def panel_widget(self, name: str) -> QWidget:
-        """Return the widget of a panel at a side of the window."""
-        return self._docks.widget(name)
 
     def put_seabed(self, view: QWidget) -> None:
         """Put the view of the seabed into its place."""
@@ -365,6 +360,8 @@ class MainWindow(QMainWindow):
         menus.group("Record", [self.pause, self.levels, self.trace])
         menus.group("Record", self.comparison.actions)
         menus.group("Tools", [self.save.jobs])
+        tip = "Compile now what the bundled scenes need, in the background, so that none of them has to wait later"
+        self.prepare_all = menus.add("Tools", "Prepare everything", tip)
         menus.group("View", [self.lecture.action])
         self.lecture.fill(menus.view)
         menus.group("View", [self.reset_view])

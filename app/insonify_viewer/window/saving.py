@@ -59,10 +59,8 @@ class Saving:
         return saved and (not self._jobs.running or ask_about_jobs(self._window, len(self._jobs.running)))
 
     def save_scene(self) -> bool:
-        """Write the scene to its file, or to one that the person names; return whether it was written.
-
-        A file with comments, which would be lost, is replaced only where the person says so.
-        """
+        """Write the scene to its file, or to one that the person names; return whether it was written."""
+        # A file with comments, which would be lost, is replaced only where the person says so.
         file = self._session.file
         return self._write_scene(Path(file)) if file and not _has_comments(file) else self.save_scene_as()
 

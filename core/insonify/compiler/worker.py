@@ -8,7 +8,6 @@ from typing import Any
 from insonify.child_process import serve
 from insonify.compiler.dispatch import compile_named
 from insonify.compiler.progress import watch_compilation
-from insonify.operating_system import lower_priority
 
 IDLE = 20.0  # s, without a kernel to compile, after which the process ends
 
@@ -26,7 +25,6 @@ def _answer(request: bytes | str, send: Callable[[Any], None]) -> None:
         if isinstance(request, str):
             module, _, name = request.partition(":")
             getattr(importlib.import_module(module), name)()
-            lower_priority()  # from now on it compiles beside a window that is in use
         else:
             compile_named(request)
     send(request)

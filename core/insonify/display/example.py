@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 from insonify.display.normalisation import LevelBed
 from insonify.display.picture import compile_picture
 from insonify.files import resources
+from insonify.operating_system import lower_priority
 from insonify.packing.packed_scene import Model
 from insonify.planning import Plan
 from insonify.scene import DEFAULT_SCENE, Scene, load_scene, scene_to_toml
@@ -38,8 +39,9 @@ def read_example(scene: Scene) -> NDArray[np.float32] | None:
 
 
 def compile_for_example() -> None:
-    """Compile the kernels that the example is shown by: of its picture, its bed, and its record on a level bed."""
+    """Compile in a process of its own what the example is shown by: its picture, its bed, its record on a level bed."""
     compile_picture()
     simulation = prepare(load_scene(DEFAULT_SCENE), plan=UNPLANNED)
     level_record = np.ones((1, 2, simulation.arrays.bins), dtype=np.float32)
     LevelBed(simulation).normalise(level_record, np.zeros(1, dtype=np.int64))
+    lower_priority()  # from now on the process compiles beside a window that is in use

@@ -54,16 +54,11 @@ class ChartWindow(QWidget):
         self._progress.setRange(0, 1000)
         self._progress.setTextVisible(False)
         self._sentence, self._numbers = make_label("name", INVITATION), make_label("numbers")
-        self._picture, self._strips = _ChartPictureView(), StripsView()
+        self.picture, self._strips = _ChartPictureView(), StripsView()
         self._lay_out()
-        self._picture.picked.connect(self.picked)
+        self.picture.picked.connect(self.picked)
         self.save.setEnabled(False)
         self.show_busy(False)
-
-    @property
-    def picture(self) -> _ChartPictureView:
-        """The chart itself."""
-        return self._picture
 
     def show_busy(self, busy: bool) -> None:
         """Enable stopping during a measurement, and starting otherwise."""
@@ -82,7 +77,7 @@ class ChartWindow(QWidget):
     def show_chart(self, chart_picture: ChartPicture) -> None:
         """Show a measured chart."""
         self.setWindowTitle(f"Chart of {window_title(chart_picture.chart.title) or 'an untitled scene'} · insonify")
-        self._picture.show_chart(chart_picture)
+        self.picture.show_chart(chart_picture)
         self._bottom.hide()
         self.save.setEnabled(True)
         self.say(HINT)
@@ -96,7 +91,7 @@ class ChartWindow(QWidget):
             self._splitter.setSizes([height - strips, strips])
         self._strips.show_details(details)
         self._numbers.setText(details_in_words(details))
-        self._picture.show_chosen(details.row)
+        self.picture.show_chosen(details.row)
 
     def say(self, sentence: str) -> None:
         """Show a sentence until the next one."""
@@ -118,7 +113,7 @@ class ChartWindow(QWidget):
         below.addWidget(self._numbers)
         self._bottom.hide()
         self._splitter = splitter = QSplitter(Qt.Orientation.Vertical)
-        splitter.addWidget(self._picture)
+        splitter.addWidget(self.picture)
         splitter.addWidget(self._bottom)
         splitter.setStretchFactor(0, 1)
         splitter.setChildrenCollapsible(False)

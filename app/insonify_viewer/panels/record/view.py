@@ -251,13 +251,10 @@ class ContactListView(QWidget):
         self.list.currentCellChanged.connect(lambda *_: self._choose())
         self.list.itemActivated.connect(lambda _: self.jump_wanted.emit(self.row))
         self.name, self.note = _line("Name of the contact"), _line("Remark on the contact")
-        self.classification, self.confidence = Combo(), Combo()
+        self.classification, self.confidence = Combo("Class of the contact"), Combo("How sure its class is")
         self.classification.setEditable(True)
         self.classification.addItems(("", *CLASSES))
         self.confidence.addItems(CONFIDENCES)
-        for combo, tip in ((self.classification, "Class of the contact"), (self.confidence, "How sure its class is")):
-            combo.setToolTip(tip)
-            combo.setAccessibleName(tip)
         written = self.classification.lineEdit()
         assert written is not None  # the combo box is editable
         for field, line in (("name", self.name), ("note", self.note), ("classification", written)):

@@ -42,10 +42,9 @@ Columns = tuple[NDArray[np.float32], NDArray[np.bool_]]
 
 
 class ComparisonOverlay(QWidget):
-    """Lies over the view of record B and draws record A there, at the same scale.
+    """Lies over the view of record B and draws record A there, at the same scale."""
 
-    Where it draws nothing, the mouse belongs to record B.
-    """
+    # Where it draws nothing, the mouse belongs to record B.
 
     def __init__(self, a: RecordAView, b: WaterfallView) -> None:
         super().__init__(b)

@@ -33,7 +33,7 @@ class Track(Declaration):
         False, "keep the altitude above the bed beneath, smoothed over one altitude to either side", rare=True
     )
     motion: Annotated[MotionKind, KindOf(MOTIONS, default="straight")] = parameter(
-        Straight(), "motion of the towfish about its line"
+        Straight, "motion of the towfish about its line"
     )
 
     @model_validator(mode="after")

@@ -89,7 +89,7 @@ class Autocorrelated(ExtendableRelief):
     kind: Literal["autocorrelation"] = "autocorrelation"
     rms: float = rms_height()
     function: Annotated[AutocorrelationKind, KindOf(AUTOCORRELATIONS, default="exponential")] = parameter(
-        ExponentialAutocorrelation(), "autocorrelation of the heights over the lag"
+        ExponentialAutocorrelation, "autocorrelation of the heights over the lag"
     )
 
     def density(self) -> Density:
