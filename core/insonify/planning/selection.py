@@ -69,7 +69,7 @@ def check_request(scene: Scene, tolerance: float, method: str, forced: Mapping[s
         find_tracer(method)
     for subject, text in forced.items():
         if subject not in BY_SUBJECT:
-            raise SceneError(f"model: {subject!r} is no choice of a plan; choose one of {', '.join(BY_SUBJECT)}")
+            raise SceneError(f"model: {subject!r} is not a choice of a plan; choose one of {', '.join(BY_SUBJECT)}")
         BY_SUBJECT[subject].parse(text)
     check_method(scene, _requested(method, forced), 0 if forced.get("bounces") == "off" else scene.sonar.bounces)
 

@@ -139,7 +139,7 @@ def follow_values(scene: Scene, sections: tuple[FieldSection, ...]) -> tuple[Fie
 
 
 def _followed(scene: Scene, parameter: Parameter) -> Parameter | None:
-    """Field with its value in a scene; None if it is no number and its value differs, or if there is no such field."""
+    """Field with its value in a scene; None if it is not numeric and its value differs, or there is no such field."""
     value = _applied_value(scene, parameter.path)
     if value == parameter.value:
         return parameter

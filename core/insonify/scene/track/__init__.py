@@ -15,7 +15,7 @@ class Track(Declaration):
     """Straight track at constant speed, and the motion of the towfish about it."""
 
     start: tuple[Coordinate, Coordinate] = parameter((0.0, 0.0), "position of the first ping", "m", rare=True)
-    heading: float = angle("direction of travel, counter-clockwise from +x")
+    heading: float = angle("direction of travel, counter-clockwise from east; 45T is 45° by the compass")
     altitude: float | None = parameter(
         None,
         "height above the mean bed (10 m when neither altitude nor depth is given)",
