@@ -47,6 +47,7 @@ WIDE, HIGH = 5.6, 6.8  # inches of one panel with its margins, and of the whole 
 LEFT, NAMES = 1.0, 2.75  # inches to the left of the panels and, for the names of the methods, to their right
 BELOW, NOTE, LETTERS = 0.95, 0.16, 15.5  # inches below the panels without notes, of a line of one; letters an inch
 COUNTED = {"march": "step", "rays": "rays per side", "sweep": "planes"}
+STRAIGHT = "rays, straight"  # in water that bends sound
 FOLDED = "other settings, in the table"
 TOLERANCE = 0.03  # the usual one of a plan
 RECORD = 512  # pings whose time the upper axis shows
@@ -201,8 +202,14 @@ class AccuracyChart(Chart):
         return split_error(scene.arrays, scene.poses, self.records[row.key], reference, bare)
 
     def choose_shown(self) -> tuple[str, ...]:
-        """Choose the methods to draw in full: the sweep as a plan divides it, rays, a march, and the default plan."""
-        return (self.fastest_sweep(COMPARED_ERROR, max(self.scenes))[0], "rays", "march", method_settings.PLAN)
+        """Choose the methods to draw in full: the sweep as a plan divides it, rays, a march, the default plan, straight rays."""
+        return (
+            self.fastest_sweep(COMPARED_ERROR, max(self.scenes))[0],
+            "rays",
+            "march",
+            method_settings.PLAN,
+            STRAIGHT,
+        )
 
     def summarise(self) -> tuple[str, ...]:
         """State how much faster the sweep is, and which methods were left out."""
