@@ -202,7 +202,7 @@ class AccuracyChart(Chart):
         return split_error(scene.arrays, scene.poses, self.records[row.key], reference, bare)
 
     def choose_shown(self) -> tuple[str, ...]:
-        """Choose the methods to draw in full: the sweep as a plan divides it, rays, a march, the default plan, straight rays."""
+        """Choose what to draw in full: the sweep as a plan divides it, rays, a march, the plan, straight rays."""
         return (
             self.fastest_sweep(COMPARED_ERROR, max(self.scenes))[0],
             "rays",
