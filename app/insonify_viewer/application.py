@@ -17,7 +17,6 @@ from PySide6.QtCore import QEventLoop, QTimer
 from PySide6.QtGui import QGuiApplication, QOpenGLContext
 from PySide6.QtWidgets import QApplication
 
-from insonify.compiler.processes import compiled_elsewhere
 from insonify.compiler.progress import watch_compilation
 from insonify.lessons import Lesson
 from insonify.scene import Scene, SceneError
@@ -54,7 +53,7 @@ def open_window(
     settings = Settings()
     application = make_application(settings.theme)
     enlarge_text(application, settings.size)
-    with main_thread_collection(), compiled_elsewhere():
+    with main_thread_collection():
         viewer = Viewer(scene, accelerated=has_opengl())
         keep_display(viewer)
         keep_place(viewer)
@@ -147,10 +146,8 @@ def _draw(application: QApplication, viewer: Viewer, path: Path, begin: Callable
 
 
 def wait_for_picture(application: QApplication, viewer: Viewer, rest: float = REST) -> None:
-    """Wait until the window shows its scene, then some seconds at most for what its panels measure.
-
-    Raise SceneError with the reason if the window does not show it.
-    """
+    """Wait until the window shows its scene, then some seconds at most for what its panels measure."""
+    # Raise SceneError with the reason if the window does not show it.
     with _slot_errors() as errors:
         failure = _wait_for_scene(application, viewer, errors, rest)
     if failure:

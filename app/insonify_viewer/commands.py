@@ -1,12 +1,14 @@
 """``insonify view`` and ``insonify movie``: open the viewer, or draw its window into a picture or a movie."""
 
+from __future__ import annotations
+
 import argparse
 import ctypes
 import os
 import re
 import sys
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from insonify.commands.options import (
     FALLBACK,
@@ -23,11 +25,14 @@ from insonify.commands.options import (
     say,
     tracked,
 )
+from insonify.compiler.processes import compiled_elsewhere
 from insonify.io.records import RECORDS
-from insonify.lessons import Lesson, check_lesson, load_lesson, states_of
 from insonify.scene import DEFAULT_SCENE, Scene, SceneError, load_partner
 from insonify_viewer.record.comparison.arrangement import Arrangement
-from insonify_viewer.state.inspection import Mark
+
+if TYPE_CHECKING:
+    from insonify.lessons import Lesson
+    from insonify_viewer.state.inspection import Mark
 
 EXAMPLES = (
     "examples: insonify view recording.xtf; insonify view wreck --recording recording.xtf; "
@@ -104,16 +109,16 @@ def register(subparsers: Any) -> None:
 def run(arguments: argparse.Namespace) -> int:
     """Open the viewer, or draw its window into a picture where it cannot be opened."""
     recording = _take_recording(arguments)
-    lesson = None if arguments.lesson is None else _chosen_lesson(arguments)
-    scene = chosen_scene(arguments) if lesson is None else next(states_of(lesson))[1].scene
+    lesson, scene = (None, chosen_scene(arguments)) if arguments.lesson is None else _chosen_lesson(arguments)
     pin = None if arguments.pin is None else _pinned(scene, *arguments.pin)
     pair = _pairing(scene, arguments)
     reason = why_no_window()
     if arguments.snapshot is None and not reason:
-        # lazy: loads Qt, which no other command needs
-        from insonify_viewer.application import open_window
+        with compiled_elsewhere(first="insonify.display.example:compile_for_example"):
+            # lazy: loads Qt, which no other command needs
+            from insonify_viewer.application import open_window
 
-        return open_window(scene, pin, lesson, recording, pair, _known_panel(arguments.panel))
+            return open_window(scene, pin, lesson, recording, pair, _known_panel(arguments.panel))
     path = check_output(arguments.snapshot or free_name(FALLBACK), (".png",), "--snapshot")
     _leave_screen(reason)
     # lazy: loads Qt, which no other command needs
@@ -157,13 +162,15 @@ def _size(text: str) -> tuple[int, int]:
     return width, height
 
 
-def _chosen_lesson(arguments: argparse.Namespace) -> Lesson:
-    """Lesson to begin, checked; it brings its own scene."""
+def _chosen_lesson(arguments: argparse.Namespace) -> tuple[Lesson, Scene]:
+    """Lesson to begin, checked, and its own scene."""
+    from insonify.lessons import check_lesson, load_lesson, states_of  # lazy: not every command needs lessons
+
     if arguments.scene != DEFAULT_SCENE or arguments.set or arguments.seed is not None:
         raise SceneError(f"--lesson {arguments.lesson}: opens a scene of its own; leave out SCENE, --set and --seed")
     lesson = load_lesson(arguments.lesson)
     check_lesson(lesson)
-    return lesson
+    return lesson, next(states_of(lesson))[1].scene
 
 
 def _pairing(scene: Scene, arguments: argparse.Namespace) -> Arrangement | None:
@@ -188,6 +195,8 @@ def _known_panel(name: str | None) -> str:
 
 def _pinned(scene: Scene, ping: str, side: str, slant_range: str) -> Mark:
     """Mark of a pixel that is pinned from the start."""
+    from insonify_viewer.state.inspection import Mark  # lazy: only the window needs it
+
     try:
         number, distance = int(ping), float(slant_range)
     except ValueError as error:

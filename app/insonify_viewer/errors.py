@@ -73,10 +73,9 @@ def write_details(failure: Failure, scene: str, said: Sequence[str]) -> str:
 
 
 class FaultReport:
-    """Reports the faults of one source, such as a picture that fails at every frame.
+    """Reports the faults of one source, such as a picture that fails at every frame."""
 
-    A fault is reported again only after another one or after a success.
-    """
+    # A fault is reported again only after another one or after a success.
 
     def __init__(self) -> None:
         self._last = ""

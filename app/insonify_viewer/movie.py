@@ -53,10 +53,8 @@ def check_room(path: Path, pictures: int, size: tuple[int, int]) -> None:
 
 
 def draw_views(scene: Scene, size: tuple[int, int], views: Iterable[View]) -> Iterator[Picture]:
-    """Yield a picture of seabed and record for every view, (height, width, 3); needs no screen.
-
-    Changes that no scene can have raise SceneError.
-    """
+    """Yield a picture of seabed and record for every view, (height, width, 3); needs no screen."""
+    # Changes that no scene can have raise SceneError.
     application = make_application()
     with main_thread_collection():
         viewer = Viewer(scene, accelerated=False)

@@ -21,7 +21,6 @@ from insonify_viewer.panels.panel import PanelSet, Workbench
 from insonify_viewer.record.comparison.comparison import Comparison
 from insonify_viewer.record.comparison.recording_player import RecordingPlayer
 from insonify_viewer.record.marked_point import MarkController, MarkedPoint
-from insonify_viewer.record.projection import compile_picture
 from insonify_viewer.record.record import Record, RecordGrowth, pings_held
 from insonify_viewer.record.waterfall_view import Contrast
 from insonify_viewer.seabed.controller import SeabedController, silence
@@ -33,6 +32,7 @@ from insonify_viewer.window.main_window import MainWindow
 from insonify_viewer.window.presets import Presets
 from insonify_viewer.window.record_menu import RecordMenu
 from insonify_viewer.window.saving import Saving
+from insonify_viewer.window.seabed_menu import SeabedMenu
 from insonify_viewer.window.target_editor import TargetEditor
 from insonify_viewer.work.gc_policy import forget_ground, return_free_memory
 from insonify_viewer.work.jobs import JobList
@@ -78,6 +78,8 @@ class Viewer(QObject):
         self.presets = Presets(self.session, self.window, self.open)
         self.failure = ""
         self.seabed = SeabedController(self.simulator, self.inspection, accelerated=accelerated)
+        handles, copies = self.targets.handles, self.record_menu.copies
+        self.seabed_menu = SeabedMenu(self.window, self.seabed, self.inspection, handles, copies)
         self._number, self._fine, self._refused = 0, True, -1
         self._traced = (scene, self.session.modelling)
         self._answer: TracedPings | None = None  # the last one that fits the record
@@ -104,8 +106,7 @@ class Viewer(QObject):
 
     def start(self) -> None:
         """Start the worker and the clock; the window shows by now."""
-        self.seabed.load(self.window.put_seabed)
-        self.simulator.send(compile_picture, lambda _: None)
+        self.simulator.show_first(self.session.scene, lambda _: self.seabed.load(self.window.put_seabed))
         self.simulator.prepare(self.session.scene, self.session.modelling, self._show_first)
         self._ticked = time.perf_counter()
         self._clock.start()
@@ -146,6 +147,12 @@ class Viewer(QObject):
             self.window.settings.add_recent(file)
         self.session.open(scene, file, bundled=bundled)
         self.window.say(scene.title)
+
+    def _frame(self, place: tuple[float, float] | None) -> None:
+        """Put the camera on a place of the bed, and keep the record on screen that shows it."""
+        self.seabed.reset_camera(place)
+        if place is not None:
+            self.run(False)
 
     def run(self, running: bool) -> None:
         """Run or pause the tow."""
@@ -220,7 +227,9 @@ class Viewer(QObject):
             contacts=self.contacts,
             open_contacts=lambda: self.files.ask_for_contacts(),
             save_contacts=self.saving.save_contacts,
+            report_contacts=self.saving.report_contacts,
             open_scene=open_scene,
+            frame=self._frame,
             light_fields=lambda paths: self.panels.fields_lit.emit(paths),
             lecture=self.window.lecture.action.setChecked,
         )
@@ -252,9 +261,11 @@ class Viewer(QObject):
         self.contacts.changed.connect(self._show_edits)
         self._show_edits()
         window.levels.triggered.connect(self.find_levels)
-        window.reset_view.triggered.connect(self.seabed.reset_view)
+        window.reset_view.triggered.connect(lambda: self.seabed.look_from())
         self.jobs.changed.connect(lambda _: window.jobs.show_jobs(self.jobs.running))
         self.jobs.changed.connect(window.status.show_end)
+        prepare = partial(self.simulator.prepare_all, tuple(bundled_scenes().values()))
+        window.prepare_all.triggered.connect(lambda: self.jobs.begin_work("preparation of all scenes", prepare))
         window.gain_changed.connect(lambda decibels: session.show(gain=decibels))
         window.palettes.activated.connect(lambda _: session.show(palette=window.palettes.currentData()))
         session.displayed.connect(lambda look: window.show_display(look))
@@ -293,7 +304,7 @@ class Viewer(QObject):
         self._show_waiting(now)
         self.window.waterfall.show_last(max(self.tow.newest, self.session.scene.track.pings - 1))
         # The tow waits while the kernels compile, and for pings that take long.
-        if self._answer is None or self.record.blank(self.tow.top) > BEHIND:
+        if self._answer is None or self._answer.example or self.record.blank(self.tow.top) > BEHIND:
             return
         before = self.tow.newest
         if self.tow.advance(seconds, self.session.scene.sonar.ping_rate):
@@ -308,6 +319,9 @@ class Viewer(QObject):
 
     def _show_waiting(self, now: float) -> None:
         """Show what the record waits for, and dim the rows of an earlier scene meanwhile."""
+        activity = self.simulator.activity
+        if self._number == 0 and self._answer is not None and self._answer.example:
+            activity = activity._replace(what=f"example; {activity.what or 'kernels are being compiled'}")
         waiting = self._waiting.look(
             now,
             number=self._number,
@@ -315,7 +329,7 @@ class Viewer(QObject):
             missing=0 if self._refused == self._number else int(self._missing().size),
             shown=len(self.record.shown(self.tow.top)),
             running=self.tow.running,
-            activity=self.simulator.activity,
+            activity=activity,
         )
         self.window.waterfall.show_waiting(waiting, stamp_of(self._number, INTERPOLATED))
 
@@ -358,10 +372,13 @@ class Viewer(QObject):
         self.window.waterfall.show_top(min(self.tow.top, newest) if self.tow.running else self.tow.top)
         if answer.fine:
             self._show_sonar()
-        else:
+        elif not answer.example:
             self.window.waterfall.repaint()  # immediately, because the person who drags a slider watches the record
             self.seabed.show_later(self._show_sonar)
         self._show_mark(self.session.mark)
+        if answer.example:
+            self._show_sonar()
+            return  # panels wait for the plan, which it lacks
         current = answer.fine and answer.number == self._number
         if self._freeing and not self._missing().size:
             self._freeing = False
@@ -413,4 +430,4 @@ class Viewer(QObject):
             return
         row = int(self.record.rows(np.array([top]))[0])
         tones = self.window.waterfall.tone_map.tones(self.record.amplitude[row])
-        self.seabed.show_sonar(self._answer.simulation, top, tones)
+        self.seabed.show_sonar(self._answer.simulation, top, tones, at_once=self._answer.example)

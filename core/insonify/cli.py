@@ -88,7 +88,7 @@ def _complain(sentence: str) -> int:
 
 
 def _run(words: list[str]) -> int:
-    parser, commands = build_parser()
+    parser, commands = build_parser(words[0] if words else "")
     arguments = parser.parse_args(_with_command(words, list(commands)))
     try:
         return arguments.run(arguments) or 0
@@ -105,8 +105,8 @@ class _Parser(argparse.ArgumentParser):
         self.exit(WRONG, f"{self.prog}: {message}; see '{self.prog} --help'\n")
 
 
-def build_parser() -> tuple[argparse.ArgumentParser, dict[str, Any]]:
-    """Build the parser with the sub-commands of `insonify.commands` and those of installed packages."""
+def build_parser(command: str = "") -> tuple[argparse.ArgumentParser, dict[str, Any]]:
+    """Build the parser with the sub-commands of this package, or ``command`` alone of these, and of installed ones."""
     parser = _Parser(
         prog="insonify",
         description="Tow a side-scan sonar over a seabed of your own making and watch the record scroll.",
@@ -114,7 +114,7 @@ def build_parser() -> tuple[argparse.ArgumentParser, dict[str, Any]]:
     )
     parser.add_argument("--version", action="version", version=f"insonify {importlib.metadata.version('insonify')}")
     subparsers = parser.add_subparsers(title="commands", metavar="COMMAND", dest="command", required=True)
-    for module in modules_in(COMMANDS):
+    for module in modules_in(COMMANDS, command):
         if hasattr(module, "register"):
             module.register(subparsers)
     missing = ImportError(f"No module named {VIEWER!r}")

@@ -23,7 +23,7 @@ def most_threads() -> int:
         return usable_cores()
     if not (declared.isdecimal() and int(declared) > 0):
         raise SceneError(
-            f"{VARIABLE}: {declared!r} is no number of threads; set it to a whole number from 1, or unset it"
+            f"{VARIABLE}: {declared!r} is not a number of threads; set it to a whole number from 1, or unset it"
         )
     return int(declared)
 

@@ -32,7 +32,7 @@ def fault_of_path(path: Path) -> str:
     if sys.platform != "win32":
         return ""
     if not is_portable(path.name):
-        return f"{path.name!r} is no name of a file on Windows"
+        return f"{path.name!r} is not a name of a file on Windows"
     length = len(os.path.abspath(path))
     return f"its whole path has {length} characters, too many for Windows" if length > LONGEST_PATH else ""
 

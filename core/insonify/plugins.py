@@ -9,9 +9,10 @@ from types import ModuleType
 from typing import Any
 
 
-def modules_in(package: str) -> list[ModuleType]:
-    """Import every module of a package, in the order of their names."""
-    return [import_module(found.name) for found in pkgutil.iter_modules(import_module(package).__path__, f"{package}.")]
+def modules_in(package: str, only: str = "") -> list[ModuleType]:
+    """Import every module of a package, in the order of their names, or ``only`` one if there is one of that name."""
+    names = [found.name for found in pkgutil.iter_modules(import_module(package).__path__, f"{package}.")]
+    return [import_module(name) for name in ([f"{package}.{only}"] if f"{package}.{only}" in names else names)]
 
 
 def announced(group: str) -> Iterable[EntryPoint]:

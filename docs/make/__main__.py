@@ -1,7 +1,8 @@
 """Regenerate what the documentation prints and shows: reference pages, outputs of commands, pictures, figures.
 
 ``python docs/make`` makes all anew; ``python docs/make PAGE …`` makes the named ones alone (``reference``,
-``figures``, ``movie``, ``gallery``, ``scene-pictures``, or a path below ``docs`` such as ``tutorial/python``).
+``figures``, ``movie``, ``example``, ``gallery``, ``scene-pictures``, or a path below ``docs`` such as
+``tutorial/python``).
 ``--check`` changes nothing: it compares what is quick to make with the files as they are, names what is out of date,
 and exits with 1.
 """
@@ -17,6 +18,7 @@ from pathlib import Path
 sys.path.insert(0, str(Path(__file__).parent))
 
 import courses
+import example
 import fields
 import figures
 import gallery
@@ -41,6 +43,7 @@ TIMES = re.compile(
 DRAWN: dict[str, Callable[[], None]] = {
     "figures": lambda: figures.draw(DOCS / "pictures"),
     "movie": lambda: movie.draw(DOCS / "pictures" / "tow.webp"),
+    "example": lambda: example.write(DOCS.parent / "resources" / "records" / "default.npz"),
     "gallery": lambda: gallery.draw(DOCS),
     "scene-pictures": lambda: scene_pictures.draw(DOCS.parent / "resources" / "scenes" / "pictures"),
 }

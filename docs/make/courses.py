@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from insonify.lessons import (
+    QUANTITIES,
     Ask,
     Course,
     Lesson,
@@ -24,6 +25,15 @@ After a lesson, *Save page…* writes answers and records as a page to hand in, 
 |---|---|---|---|---|
 """
 
+TOPICS = """## Topics
+
+Each topic with its lesson, its questions, and what the right answer is checked by: a closed form of the student's
+scene, the simulated record (`insonify lesson check`), or, for a choice, the reasons alone.
+
+| topic | lesson | question | checked by |
+|---|---|---|---|
+"""
+
 
 def page() -> str:
     """Return the page."""
@@ -33,7 +43,36 @@ def page() -> str:
         f"{sum(each.minutes for each in lessons)} | {course.assumes} |"
         for course, lessons in groups
     ]
-    return HEAD + "\n".join(rows) + "\n\n" + "\n".join(_course(*each) for each in groups)
+    return HEAD + "\n".join(rows) + f"\n\n{_topics(groups)}\n" + "\n".join(_course(*each) for each in groups)
+
+
+def _topics(groups: list[tuple[Course, list[Lesson]]]) -> str:
+    """Return the table of topics with the lesson, the question and the check of each."""
+    rows = [TOPICS]
+    for course, lessons in groups:
+        for topic in course.topics:
+            steps = [(lesson, step) for lesson in lessons for step in lesson.steps if step.topic == topic]
+            for number, (lesson, step) in enumerate(steps):
+                question = " ".join(step.question.split())
+                rows.append(f"| {'' if number else topic} | `{lesson.name}` | {question} | {_check(step)} |\n")
+    return "".join(rows)
+
+
+def _check(step: Step) -> str:
+    """Name what the right answer is checked by."""
+    ask = step.ask
+    if ask is None:
+        return "nothing: shown on demand"
+    calls = [name for name, each in QUANTITIES.items() if each.measure and f"{name}(" in ask.value]
+    return " and ".join(
+        words
+        for words, holds in (
+            ("closed form", bool(ask.value)),
+            ("simulated record", bool(ask.holds or calls)),
+            ("reason for each wrong choice", bool(ask.choices) and not ask.holds),
+        )
+        if holds
+    )
 
 
 def _course(course: Course, lessons: list[Lesson]) -> str:

@@ -299,6 +299,42 @@ def data_flow(figure: Any) -> None:
     axes.set_axis_off()
 
 
+SETTINGS = (
+    ("rays", "rays per side", ("1400", "5500", "120000")),
+    ("sweep", "planes", ("2", "5", "28")),
+)
+CROP = slice(235, 335), slice(15.0, 45.0)  # pings, and slant ranges in metres, of the starboard side
+
+
+def errors(figure: Any) -> None:
+    """Draw a part of the default scene's record by rays and by planes, at three errors each."""
+    import insonify
+    from insonify.display.normalisation import LevelBed
+    from insonify.display.picture import choose_contrast, colour_amplitudes
+    from insonify.simulation import prepare
+    from insonify.statistics.record_errors import compare_records
+
+    scene, pings = insonify.load_scene("default"), np.arange(CROP[0].start, CROP[0].stop)
+    exact = prepare(scene, method="sweep", forced={"planes": "256"})
+    poses, reference = exact.poses(pings), exact.trace(exact.poses(pings))
+    near, far = CROP[1].start, CROP[1].stop
+    bins = slice(*(round(one / scene.sonar.range * scene.sonar.bins) for one in (near, far)))
+    rows = figure.subplots(len(SETTINGS), 3)
+    levels = None
+    for axes, (method, unit, counts) in zip(rows, SETTINGS):
+        for one, count in zip(axes, counts):
+            simulation = prepare(scene, method=method, forced={"rays" if method == "rays" else "planes": count})
+            record = simulation.trace(poses)
+            error = compare_records(exact.arrays, poses, record, reference).beyond
+            amplitude = LevelBed(simulation).normalise(record, pings)[::-1, 1, bins]
+            levels = levels or choose_contrast(amplitude)
+            one.imshow(colour_amplitudes(amplitude, levels=levels), extent=(near, far, 0.0, 0.2 * pings.size))
+            one.set_title(
+                f"{method}, {int(count):,} {unit.removesuffix('s') if count == '1' else unit}: {100.0 * error:.2g} %"
+            )
+            one.set_axis_off()
+
+
 ARROW = {"arrowstyle": "-|>", "color": ACCENT, "lw": 1.2, "shrinkA": 1, "shrinkB": 1}
 
 
@@ -312,6 +348,7 @@ def _rim(box: tuple[float, float, str], towards: tuple[float, float, str]) -> tu
 
 Size = tuple[float, float]
 FIGURES: dict[str, tuple[Size, Callable[[Any], None]]] = {
+    "errors.jpg": ((13.0, 6.4), errors),
     "sweep.svg": ((7.5, 4.6), sweep),
     "beam.svg": ((6.5, 3.4), beam),
     "scattering.svg": ((9.0, 3.8), scattering),

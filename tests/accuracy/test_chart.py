@@ -13,9 +13,8 @@ from beds import arrays_of, poses_of
 from insonify.accuracy.charts import reference
 from insonify.accuracy.charts.kinds import accuracy
 from insonify.accuracy.charts.kinds.accuracy import AccuracyChart, AccuracyRow, TracedScene, measure_chart
-from insonify.accuracy.charts.method_settings import list_settings, pack_for_chart
+from insonify.accuracy.charts.method_settings import EMBREE_OWN, PLAN, SWEEPS, list_settings, pack_for_chart
 from insonify.accuracy.charts.reference import Reference, trace_exact_rays
-from insonify.accuracy.charts.style import SHADES
 from insonify.kernels.common.types import no_surface_multipath
 from insonify.scene import SceneError, edit, load_scene
 from insonify.statistics.record_errors import Displacement, RecordErrors, compare_records, measure_similarity
@@ -198,6 +197,9 @@ def test_how_much_sooner_the_sweep_is_near_the_truth_is_said(measured):
     for note, which in zip(measured.summarise(), ("without", "with")):
         assert note.startswith(f"{which} targets: 2 % in ")
         assert float(note.split("× ")[1]) > 1.0
+    assert measured.summarise()[2].startswith("default plan, ")
+    for each in measured.rows_of(targets=True):
+        assert np.linalg.norm(measured.split(each)) == pytest.approx(each.errors.beyond)
 
 
 def test_tables_hold_what_was_measured(tmp_path):
@@ -228,7 +230,7 @@ def test_picture_is_written_whole(tmp_path, suffix, magic):
 
 @pytest.mark.parametrize("both", [False, True])
 def test_legend_notes_and_headings_are_whole_and_apart(both):
-    methods = ("march", "rays", "embree", "sweep", *(name for name in SHADES if "," in name))
+    methods = ("march", "rays", "embree", "sweep", *SWEEPS[1:], EMBREE_OWN, PLAN)
     rows = [row(name, "16", 10.0 + k, 0.1 + 0.01 * k) for k, name in enumerate(methods)]
     chart = made((*rows, *(replace(each, targets=True) for each in rows)))
     scenes = dict.fromkeys((False, True) if both else (False,), chart.scenes[False])

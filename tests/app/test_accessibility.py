@@ -13,7 +13,7 @@ from insonify_viewer.panels.jobs.view import DatasetQuestion
 from insonify_viewer.panels.parameters.view.section_box import SectionBox
 from insonify_viewer.state.fields import NumberField
 from insonify_viewer.widgets.field_rows import Combo
-from insonify_viewer.window.help_dialogs import OTHER_KEYS, AboutDialog, KeysDialog
+from insonify_viewer.window.help_dialogs import AboutDialog, KeysDialog
 from insonify_viewer.window.scene_menu import SceneGallery
 
 PANELS = ("parameters", "plan", "record", "comparison", "lessons", "pixel", "water", "budget", "chart", "jobs")
@@ -223,7 +223,7 @@ def test_large_text_fits_a_window(width, height, panel, viewer, qtbot):
 
 DIALOGS: dict[str, Callable[[QWidget], QWidget]] = {
     "about": AboutDialog,
-    "keys": lambda window: KeysDialog(window, window.menus.all, OTHER_KEYS),
+    "keys": lambda window: KeysDialog(window, window.menus.all),
     "gallery": SceneGallery,
     "data set": lambda window: DatasetQuestion(["mines"], window),
 }

@@ -10,7 +10,7 @@ from PySide6.QtGui import QGuiApplication
 from insonify.lessons import bundled_lessons
 from insonify.scene import bundled_scenes, scene_from_toml
 from insonify_viewer.panels.panel import Entry
-from insonify_viewer.state.inspection import Mark
+from insonify_viewer.state.inspection import Mark, mark_of
 from insonify_viewer.window.command_palette import find_entries
 
 
@@ -62,7 +62,7 @@ def test_the_menu_of_a_record_explains_marks_and_copies(open_viewer, small):
     offered["Explain this pixel"].trigger()
     assert viewer.inspection.mark == mark
     offered["Mark a contact here"].trigger()
-    assert [contact.mark for contact in viewer.contacts.all] == [mark]
+    assert [mark_of(contact) for contact in viewer.contacts.all] == [mark]
     clipboard = QGuiApplication.clipboard()
     offered["Copy picture of the record"].trigger()
     assert clipboard.image().width() >= 3 * window.waterfall.width()

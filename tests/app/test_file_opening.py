@@ -7,8 +7,8 @@ import pytest
 from controls import drop
 from PySide6.QtWidgets import QFileDialog, QMessageBox
 
+from insonify.io.contacts import Contact, write_contacts
 from insonify.scene import bundled_meshes, bundled_scenes, edit, scene_to_toml
-from insonify_viewer.state.contacts import Contact, write_contacts
 from insonify_viewer.window.settings import RECENT, Settings
 
 

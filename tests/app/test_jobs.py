@@ -18,9 +18,9 @@ from insonify import simulate
 from insonify.commands.render import write
 from insonify.display.display_options import DisplayOptions
 from insonify.io.records import read_record
-from insonify.scene import edit
+from insonify.scene import bundled_scenes, edit
 from insonify_viewer.panels.jobs import view as jobs_window
-from insonify_viewer.panels.jobs.view import JobsView, WantedChart, WantedDataset
+from insonify_viewer.panels.jobs.view import JobsView
 from insonify_viewer.state.quantities import format_time_left
 from insonify_viewer.work import jobs as background_job
 from insonify_viewer.work.jobs import CommandJob, Stage, State, ThreadJob
@@ -59,6 +59,15 @@ def test_a_record_is_that_of_the_library_to_the_bit(open_viewer, knife, qtbot, t
     qtbot.waitUntil(lambda: not viewer.jobs.running, timeout=PATIENCE)
     assert viewer.jobs.jobs[0].state is State.DONE
     np.testing.assert_array_equal(read_record(path).intensity, simulate(viewer.session.scene).intensity)
+
+
+def test_everything_is_prepared_as_a_job(viewer, qtbot, monkeypatch):
+    traced = []
+    monkeypatch.setattr(viewer.simulator, "trace_beside", lambda scene, modelling, pings: traced.append(scene.title))
+    viewer.window.prepare_all.trigger()
+    qtbot.waitUntil(lambda: not viewer.jobs.running, timeout=PATIENCE)
+    assert viewer.jobs.jobs[0].state is State.DONE
+    assert len(traced) == len(bundled_scenes())
 
 
 def test_a_command_imports_nothing_of_the_current_folder(monkeypatch, qtbot, tmp_path):
@@ -152,8 +161,8 @@ def test_charts_data_sets_and_pages_are_commands(open_viewer, knife, tmp_path, m
     begun = []
     monkeypatch.setattr(viewer.jobs, "begin", lambda title, arguments, result: begun.append(tuple(arguments)))
     view = jobs_of(viewer)
-    view.chart_wanted.emit(WantedChart("convergence", tmp_path / "chart.png"))
-    view.dataset_wanted.emit(WantedDataset("mines", 3, tmp_path / "mines"))
+    view.chart_wanted.emit("convergence", tmp_path / "chart.png")
+    view.dataset_wanted.emit("mines", 3, tmp_path / "mines")
     view.stability_wanted.emit(tmp_path / "page.html")
     (chart, scene_file, *of), dataset, page = begun
     assert (chart, *of) == ("chart", "--of", "convergence", "-o", str(tmp_path / "chart.png"))

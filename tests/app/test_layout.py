@@ -20,7 +20,7 @@ from insonify_viewer.record.record_overlays import draw_measured, write_towed
 from insonify_viewer.state.inspection import Mark
 from insonify_viewer.widgets.field_rows import Combo, NameLabel
 from insonify_viewer.widgets.theme import Theme, apply_theme
-from insonify_viewer.window.help_dialogs import OTHER_KEYS, AboutDialog, KeysDialog
+from insonify_viewer.window.help_dialogs import AboutDialog, KeysDialog
 
 MOTIONS = {"kind": "sum", "of": [{"kind": "heave", "period": 8.0}, {"kind": "heave", "period": 3.0}, {"kind": "roll"}]}
 
@@ -249,7 +249,7 @@ def test_tools_fit_900_px(window, qtbot):
 def test_a_key_of_a_command_in_a_menu_works(window, qtbot):
     activate(window, qtbot)
     qtbot.keyClick(window, Qt.Key.Key_L, Qt.KeyboardModifier.ControlModifier)
-    qtbot.waitUntil(lambda: window.panel_widget("lessons").isVisible())
+    qtbot.waitUntil(lambda: window._docks.by_panel["lessons"].isVisible())
 
 
 def test_keys_are_listed(window, qtbot):
@@ -266,7 +266,7 @@ def test_every_key_that_is_made_is_listed(viewer, qtbot):
     window = viewer.window
     for name in viewer.panels:
         window.open_panel(name)
-    dialog = KeysDialog(window, window.menus.all, OTHER_KEYS)
+    dialog = KeysDialog(window, window.menus.all)
     listed = {key for _, keys in listed_keys(dialog) for key in (keys, *keys.split())}
     native = QKeySequence.SequenceFormat.NativeText
     actions = {action.shortcut().toString(native) for action in window.findChildren(QAction)} - {""}

@@ -18,6 +18,7 @@ LESSON = """+++
 title = "Range"
 scene = "pipe-on-bed"
 order = 1
+display = { scale = "true" }
 set = { "sonar.bins" = 100 }
 +++
 
@@ -108,6 +109,8 @@ def test_a_lesson_from_its_first_step_to_its_last(open_viewer, small, qtbot):
     assert page.step.text() == "1 of 3: See farther"
     assert not page.next.property("lit")
     assert not page.back.isEnabled()
+    assert (session.scene.controls, session.display.scale, viewer.tow.running) == (("sonar.range",), "true", False)
+    assert viewer.seabed.view._canvas.plotter.camera.focal_point == (20.0, -30.0, 0.0)
 
     session.drag({"sonar.range": 59.0})
     assert not page.next.property("lit")

@@ -89,3 +89,16 @@ def test_wheel_looks_back_only_when_paused(viewer, qtbot):
     viewer.run(False)
     viewer.window.waterfall.scrolled.emit(40)
     assert viewer.tow.top == viewer.tow.newest - 40
+
+
+def test_the_scroll_bar_shows_every_ping_of_the_record(open_viewer, small):
+    viewer = open_viewer(small)
+    view = viewer.window.waterfall
+    known = np.flatnonzero(np.isfinite(view.overview._columns[:, 0]))
+    assert known.size == small.track.pings
+    strip = view.overview.draw(view._handle.room, view._handle.last, view.tone_map)
+    assert (strip.width(), strip.height()) == (view.overview._columns.shape[1], view._handle.room)
+    assert strip.pixel(2, 5) != EMPTY
+    viewer.record.stamp[:4] += 3
+    view.show_rows(np.arange(4))
+    assert np.isfinite(view.overview._columns[:, 0]).sum() == 4, "a new edit begins anew"

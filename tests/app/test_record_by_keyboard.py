@@ -10,7 +10,7 @@ from PySide6.QtWidgets import QApplication
 from insonify_viewer.record.comparison.arrangement import Arrangement
 from insonify_viewer.record.comparison.comparison_overlay import WIPE
 from insonify_viewer.record.projection import Zoom
-from insonify_viewer.state.inspection import Mark
+from insonify_viewer.state.inspection import Mark, mark_of
 
 Key, Modifier = Qt.Key, Qt.KeyboardModifier
 
@@ -127,7 +127,7 @@ def test_c_marks_a_contact_at_the_cursor(viewer):
     press(viewer, Key.Key_Left)
     press(viewer, Key.Key_C)
     (contact,) = viewer.panels["record"].contacts.all
-    assert contact.mark == Mark(450, 1, 59)
+    assert mark_of(contact) == Mark(450, 1, 59)
 
 
 def test_return_begins_and_ends_a_measured_line(viewer):
@@ -214,4 +214,4 @@ def test_a_kept_record_beside_the_live_one_has_a_cursor(viewer, qtbot):
     assert view.accessibleName().startswith("Record A ")
     QTest.keyClick(view, Key.Key_C)
     (contact,) = viewer.panels["record"].contacts.all
-    assert contact.mark == view._marks.cross
+    assert mark_of(contact) == view._marks.cross

@@ -13,6 +13,7 @@ from PySide6.QtWidgets import QFileDialog, QMessageBox
 from test_record_display import drag
 
 from insonify.display.display_options import DisplayOptions
+from insonify.io.contacts import Contact, read_contacts
 from insonify.scene import edit, load_scene
 from insonify.simulation import Simulation, prepare
 from insonify_viewer.application import keep_display
@@ -20,7 +21,6 @@ from insonify_viewer.panels.record import view as contact_list
 from insonify_viewer.panels.record.view import TICKS
 from insonify_viewer.record.echo_trace import draw_trace
 from insonify_viewer.record.measuring import Location, locate_simulated, measure, round_shadow_height, shadow_height
-from insonify_viewer.state.contacts import Contact, read_contacts
 from insonify_viewer.state.inspection import Mark
 from insonify_viewer.window.settings import Settings
 
@@ -181,14 +181,14 @@ def mark_two(viewer, panel, qtbot):
 def test_contacts_are_marked_named_listed_and_found_again(viewer, panel, qtbot):
     view, listed = viewer.window.waterfall, panel.view.contacts
     mark_two(viewer, panel, qtbot)
-    assert [listed.list.item(row).text().splitlines()[0] for row in range(2)] == ["contact 1", "contact 2"]
+    assert [listed.list.item(row, 1).text() for row in range(2)] == ["contact 1", "contact 2"]
     contact = panel.contacts[0]
     assert (contact.ping, contact.side, contact.range_bin) == (240, "port", 300)
     assert contact.y == pytest.approx(np.sqrt((300.5 / 8) ** 2 - 100.0), abs=0.05)
     picture = QPixmap()
     assert picture.loadFromData(contact.snapshot)
     assert picture.width() == picture.height() == 128
-    listed.list.setCurrentRow(0)
+    listed.choose(0)
     listed.name.setText("wreck")
     listed.name.editingFinished.emit()
     listed.note.setText("two masts")
@@ -201,6 +201,35 @@ def test_contacts_are_marked_named_listed_and_found_again(viewer, panel, qtbot):
     assert view.plot_area.contains(view.place_of(Mark(240, 0, 300)))
     listed.remove.click()
     assert [each.name for each in panel.contacts.all] == ["contact 2"]
+
+
+def test_contacts_are_classed_measured_and_sorted(viewer, panel, qtbot, tmp_path, monkeypatch):
+    view, listed, window = viewer.window.waterfall, panel.view.contacts, viewer.window
+    mark_two(viewer, panel, qtbot)
+    listed.choose(0)
+    listed.takes["height"].click()
+    assert "measure first" in window.status.sentence.text()
+    panel._show_measured(view, Mark(240, 0, 250), Mark(240, 0, 300))
+    for field in ("length", "height"):
+        listed.takes[field].click()
+    assert panel.contacts[0].length == pytest.approx(panel._measured.straight, abs=0.005)
+    assert panel.contacts[0].height == pytest.approx(panel._measured.height, abs=0.005)
+    assert window.undo.text() == "Undo: height of contact 1"
+    listed.classification.textActivated.emit("wreck")
+    listed.sizes["height"].setValue(0.0)
+    assert (panel.contacts[0].classification, panel.contacts[0].height) == ("wreck", None)
+    listed.list.sortItems(8, Qt.SortOrder.DescendingOrder)
+    assert [listed.list.item(row, 1).text() for row in range(2)] == ["contact 1", "contact 2"], "the farther first"
+    listed.list.sortItems(8)
+    listed.list.setCurrentCell(0, 0)
+    listed.note.setText("a stone")
+    listed.note.editingFinished.emit()
+    assert panel.contacts[1].note == "a stone"
+    assert listed.list.item(0, 10).text() == "a stone", "it stays sorted"
+    monkeypatch.setattr(QFileDialog, "getSaveFileName", lambda *_: (str(tmp_path / "found.html"), ""))
+    listed.report.click()
+    assert "a stone" in (tmp_path / "found.html").read_text(encoding="utf-8")
+    assert panel.contacts.unsaved, "a report is no list that can be opened"
 
 
 @pytest.mark.parametrize("suffix", [".geojson", ".csv"])
@@ -224,8 +253,8 @@ def test_contacts_are_saved_and_opened(viewer, panel, tmp_path, suffix, qtbot, m
 
 def test_entries_of_contacts_that_stay_are_not_made_again(monkeypatch, qtbot):
     made = []
-    item = contact_list._item
-    monkeypatch.setattr(contact_list, "_item", lambda contact: made.append(contact.name) or item(contact))
+    items = contact_list._items
+    monkeypatch.setattr(contact_list, "_items", lambda *contact: made.append(contact[1].name) or items(*contact))
     view = contact_list.ContactListView()
     qtbot.addWidget(view)
     contacts = [Contact(name, "", "default", 3, "port", 7, 2.0) for name in "abcd"]
@@ -235,7 +264,7 @@ def test_entries_of_contacts_that_stay_are_not_made_again(monkeypatch, qtbot):
     view.show_contacts(contacts)
     view.show_contacts(contacts[:3])
     assert made == ["a", "b", "c", "d", "x"]
-    texts = [view.list.item(row).text().splitlines()[0] for row in range(view.list.count())]
+    texts = [view.list.item(row, 1).text() for row in range(view.list.rowCount())]
     assert texts == ["a", "x", "c"]
 
 
@@ -243,7 +272,7 @@ def test_contacts_are_undone_by_name_in_turn_with_the_scene(viewer, panel, qtbot
     listed, window = panel.view.contacts, viewer.window
     mark_two(viewer, panel, qtbot)
     viewer.session.settle({"track.altitude": 8.0})
-    listed.list.setCurrentRow(0)
+    listed.choose(0)
     listed.note.setText("two masts")
     listed.note.editingFinished.emit()
     before = panel.contacts.all
@@ -251,8 +280,8 @@ def test_contacts_are_undone_by_name_in_turn_with_the_scene(viewer, panel, qtbot
     assert window.undo.text() == "Undo: contact 1 removed"
     window.undo.trigger()
     assert panel.contacts.all == before
-    assert listed.list.item(0).text().splitlines()[0] == "contact 1"
-    assert listed.list.currentRow() == 0, "the one that is there again"
+    assert listed.list.item(0, 1).text() == "contact 1"
+    assert listed.row == 0, "the one that is there again"
     assert window.redo.text() == "Redo: contact 1 removed"
     assert viewer.session.undoable == ("note on contact 1", "altitude", "contact 2 marked", "contact 1 marked")
     scene = viewer.session.scene
@@ -265,7 +294,7 @@ def test_contacts_are_undone_by_name_in_turn_with_the_scene(viewer, panel, qtbot
     window.undo.trigger()
     window.undo.trigger()
     assert not window.undo.isEnabled()
-    assert listed.list.count() == 0
+    assert listed.list.rowCount() == 0
     viewer.session.redo(5)
     assert [each.name for each in panel.contacts.all] == ["contact 2"]
 

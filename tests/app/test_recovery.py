@@ -8,8 +8,8 @@ from dataclasses import replace
 
 import pytest
 
+from insonify.io.contacts import Contact, read_contacts, write_contacts
 from insonify.scene import edit
-from insonify_viewer.state.contacts import Contact, read_contacts, write_contacts
 from insonify_viewer.window.recovery import INTERVAL, Recovery
 
 FISH = Contact("fish", "a shoal?", "A scene", 3, "port", 7, 2.0, snapshot=bytes(range(256)))
@@ -20,7 +20,7 @@ from PySide6.QtCore import QTimer
 from PySide6.QtWidgets import QMessageBox
 from insonify.scene import load_scene
 from insonify_viewer import application
-from insonify_viewer.state.contacts import Contact
+from insonify.io.contacts import Contact
 from insonify_viewer.viewer import Viewer
 from insonify_viewer.window.recovery import CrashRecovery
 

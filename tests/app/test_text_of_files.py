@@ -8,10 +8,10 @@ from PySide6.QtGui import QAction, QTextDocumentFragment
 from PySide6.QtWidgets import QAbstractButton, QLabel, QListWidget, QMessageBox, QWidget
 
 from insonify import simulate
+from insonify.io.contacts import Contact, read_contacts, write_contacts
 from insonify.io.records import write_record
 from insonify.scene import edit
 from insonify.surveys.lines.specification import SurveySpecification
-from insonify_viewer.state.contacts import Contact, read_contacts, write_contacts
 from insonify_viewer.widgets.save_dialogs import ask_about_changes
 from insonify_viewer.widgets.text import entry_name, literal, one_line, window_title
 

@@ -11,7 +11,8 @@ from PySide6.QtCore import QSize
 from PySide6.QtGui import QImage
 
 from insonify.display.display_options import DisplayOptions
-from insonify_viewer.record.projection import Zoom, compile_picture
+from insonify.display.picture import compile_picture
+from insonify_viewer.record.projection import Zoom
 from insonify_viewer.record.record import Record
 from insonify_viewer.record.waterfall_view import WaterfallView
 

@@ -1,13 +1,15 @@
 """What README and documentation say works."""
 
+import os
 import re
 import shlex
+import subprocess
 import tomllib
 from pathlib import Path
 
 import pytest
 
-from commands import run_python
+from commands import PATIENCE, run_python
 from insonify.cli import build_parser
 from insonify.commands.options import chosen_scene, is_record
 from insonify.scene import scene_from_toml
@@ -49,12 +51,33 @@ def test_every_command_is_understood(line):
         chosen_scene(arguments)
 
 
+EXAMPLES = re.findall(r"^uv run insonify (.+?)(?: +#.*)?$", PAGES["README.md"], re.MULTILINE)
+LONGER = {"dataset", "movie"}  # examples that take a minute and more
+
+
+@pytest.fixture(scope="module")
+def clone(tmp_path_factory):
+    """A fresh clone, and an environment in which Python finds its packages."""
+    folder = tmp_path_factory.mktemp("clone") / "insonify"
+    subprocess.run(["git", "clone", "-q", "--depth", "1", ROOT.as_uri(), str(folder)], check=True, timeout=PATIENCE)
+    paths = os.pathsep.join(str(folder / source) for source in ("core", "app"))
+    return folder, {**os.environ, "PYTHONPATH": paths, "MPLBACKEND": "agg"}
+
+
+@pytest.mark.parametrize(
+    "line", [pytest.param(each, marks=[pytest.mark.slow] * (each.split()[0] in LONGER)) for each in EXAMPLES]
+)
+def test_the_examples_of_the_readme_run_as_printed_in_a_fresh_clone(line, clone):
+    folder, environment = clone
+    code, _, complaint = run_python("-m", "insonify", *shlex.split(line), cwd=folder, env=environment)
+    assert code == 0, complaint
+    named = re.findall(r"-o (\S+)", line)
+    assert all((folder / name).exists() for name in named)
+
+
 def test_the_readme_runs_in_the_environment_that_its_first_command_makes():
     """``uv run`` syncs the default groups, which hold every extra that an example needs."""
-    body = PAGES["README.md"].partition("## Examples")[2].partition("## Documentation")[0]
-    lines = re.search(r"```sh\n(.*?)```", body, re.DOTALL)[1].splitlines()
-    assert lines
-    assert all(line.startswith("uv run insonify ") for line in lines)
+    assert len(EXAMPLES) >= 8
     project = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))
     groups = project["tool"]["uv"]["default-groups"]
     needed = [each for group in groups for each in project["dependency-groups"][group]]

@@ -38,7 +38,7 @@ def test_what_the_scene_leaves_no_choice_about_is_without_effect():
 @pytest.mark.parametrize(
     ("forced", "sentence"),
     [
-        ({"colour": "red"}, r"^model: 'colour' is no choice of a plan; choose one of method, planes, "),
+        ({"colour": "red"}, r"^model: 'colour' is not a choice of a plan; choose one of method, planes, "),
         ({"planes": "many"}, r"^model planes: 'many' will not do; give a whole number from 1 to 512$"),
         ({"planes": "2.5"}, r"^model planes: '2.5' will not do; give a whole number from 1 to 512$"),
         ({"step": "nan"}, r"^model step: 'nan' will not do; give a number from 1e-06 to 10000$"),

@@ -94,6 +94,15 @@ def test_the_nearest_record_counts():
     np.testing.assert_allclose(mosaic.level[middle & (y > 8.0) & (y < 14.0)], 20.0 * np.log10(6.0), rtol=1e-5)
 
 
+def test_neighbouring_records_fill_the_nadir_of_one():
+    lines = (straight_swath(heading=0.0, start=(0.0, y), level=level) for y, level in ((0.0, 1.0), (15.0, 3.0)))
+    mosaic = make_mosaic([*lines], 0.5, "no-nadir")
+    x, y = cell_centres(mosaic)
+    middle = (x > 2.0) & (x < 27.0)
+    np.testing.assert_allclose(mosaic.level[middle & (abs(y) < 4.0)], 20.0 * np.log10(6.0), rtol=1e-5)
+    np.testing.assert_allclose(mosaic.level[middle & (y < -6.0) & (y > -18.0)], 20.0 * np.log10(2.0), rtol=1e-5)
+
+
 @pytest.mark.parametrize(
     ("spacing", "cell"), [(0.5, 0.5), (0.3, 0.2), (0.1999, 0.2), (0.13, 0.1), (0.01, 0.1), (7.0, 5.0)]
 )

@@ -117,7 +117,7 @@ def test_arguments_and_the_variable_limit_threads(monkeypatch):
 @pytest.mark.parametrize("value", ["0", "-1", "two", "1.5"])
 def test_a_mistaken_variable_is_one_sentence(monkeypatch, value):
     monkeypatch.setenv(cores.VARIABLE, value)
-    with pytest.raises(SceneError, match=f"^INSONIFY_THREADS: '{value}' is no number of threads; set it to .*$"):
+    with pytest.raises(SceneError, match=f"^INSONIFY_THREADS: '{value}' is not a number of threads; set it to .*$"):
         count_threads()
 
 

@@ -92,9 +92,12 @@ class Workbench:
     contacts: ContactList  # contacts of the session
     open_contacts: Callable[[], None]  # reads contacts from a file that the person names, in place of the present ones
     save_contacts: Callable[[], bool]  # writes the contacts to a file that the person names
+    report_contacts: Callable[[], object]  # writes a report of the contacts to a file that the person names
     # Opens (scene, file) at the start of its track; with ``ask=True`` the person is asked first what becomes of
     # unsaved changes. Returns whether the scene was opened.
     open_scene: Callable[..., bool]
+    # Puts the camera of the 3-D view on a place (x, y) of the bed, or behind the fish for None, and holds the tow.
+    frame: Callable[[tuple[float, float] | None], None]
     # Lights the fields at some dotted paths wherever they are shown, and no others.
     light_fields: Callable[[tuple[str, ...]], None]
     lecture: Callable[[bool], None]  # switches the view for a lecture, full screen and in large type, on or off

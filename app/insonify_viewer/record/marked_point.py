@@ -126,10 +126,9 @@ def _number(value: float) -> float | None:
 
 
 class MarkController:
-    """Looks marked points up; their labels come from another thread, a moment later.
+    """Looks marked points up; their labels come from another thread, a moment later."""
 
-    On endless ground, whose heights may take a second, the points come from another thread too.
-    """
+    # On endless ground, whose heights may take a second, the points come from another thread too.
 
     def __init__(
         self,
@@ -142,6 +141,7 @@ class MarkController:
         self._simulation: Simulation | None = None
         self._labels: OrderedDict[int, RecordLabels | None] = OrderedDict()
         self._point: MarkedPoint | None = None
+        self._labelled = False  # whether kernels are there: those of labels would be compiled before all others
 
     def show(self, mark: Mark | None, answer: TracedPings | None, record: Record) -> None:
         """Show a point of the record; nothing where the record is empty."""
@@ -164,7 +164,8 @@ class MarkController:
             if mark == self._wanted and simulation is self._simulation:
                 self._take(simulation, point)
 
-        if isinstance(simulation.ground, EndlessGround):
+        self._labelled = not answer.example
+        if isinstance(simulation.ground, EndlessGround) or answer.example:
             self._executor.submit("points", find, take)
         else:
             take(find())
@@ -172,7 +173,7 @@ class MarkController:
     def _take(self, simulation: Simulation, point: MarkedPoint | None) -> None:
         """Show a point, and request its label."""
         self._show_point(point)
-        if point is not None and point.mark.ping not in self._labels:
+        if point is not None and self._labelled and point.mark.ping not in self._labels:
             self._ask(simulation, point.mark.ping)
 
     def _ask(self, simulation: Simulation, ping: int) -> None:

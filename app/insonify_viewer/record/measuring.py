@@ -63,13 +63,12 @@ def shadow_height(altitude: float, slant_range: float, shadow: float) -> float:
 
 
 def round_shadow_height(altitude: float, slant_range: float, shadow: float) -> float:
-    """Height of a round body that rests on a level bed, from its shadow across its axis.
-
-    The last ray touches the body below its top. The first hidden point of the bed lies in front of the body, where a
-    ray touches it from below; the bed heard up to there covers the beginning of the shadow. The two tangents from the
-    sonar to the circle are equal, and so are those from each end on the bed. With the ground ranges G and F of the ends
-    they give h = A (1 - (R + G) / (R + L + F)). With slant ranges alone in the bracket it is `shadow_height`.
-    """
+    """Height of a round body that rests on a level bed, from its shadow across its axis."""
+    # The last ray touches the body below its top. The first hidden point of the bed lies in front of the body, where a
+    # ray touches it from below; the bed heard up to there covers the beginning of the shadow. The two tangents from
+    # the sonar to the circle are equal, and so are those from each end on the bed. With the ground ranges G and F of
+    # the ends they give h = A (1 - (R + G) / (R + L + F)). With slant ranges alone in the bracket it is
+    # `shadow_height`.
     near, far = (slant + math.sqrt(slant**2 - altitude**2) for slant in (slant_range, slant_range + shadow))
     return altitude * (1.0 - near / far)  # derived from equal tangents
 

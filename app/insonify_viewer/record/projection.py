@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from PySide6.QtCore import QRect
 
 from insonify.display.display_options import DisplayOptions, side_factors
-from insonify.display.picture import average_columns, colour_rows, place_columns
+from insonify.display.picture import average_columns, place_columns
 from insonify.display.range_axis import SLANT, RangeAxis, choose_kind, make_range_axis
 from insonify_viewer.record.record import Record
 from insonify_viewer.state.inspection import Mark
@@ -173,12 +173,6 @@ class Projection:
         if not self.axis.shows_water:
             found[position[:, :-1] >= self.axis.bins] = BEYOND
         return found
-
-
-def compile_picture() -> None:
-    """Compile the kernels that average bins into columns and colour them, away from the main thread."""
-    columns = average_columns(np.zeros((1, 2), dtype=np.float32), np.array([[0.0, 1.0, 2.0]]))
-    colour_rows(columns, 0.0, 1.0, np.zeros(256, dtype=np.uint32))
 
 
 def _loudest(values: NDArray[np.float32], at: Values) -> NDArray[np.float32]:

@@ -15,11 +15,10 @@ Rows = NDArray[np.int64]
 
 
 class Record:
-    """Ring buffer of the last pings of a tow.
+    """Ring buffer of the last pings of a tow."""
 
-    Rows run against the ping numbers, so that the newest is the upper one; columns run from far port over nadir to
-    far starboard, as the record is read.
-    """
+    # Rows run against the ping numbers, so that the newest is the upper one; columns run from far port over nadir to
+    # far starboard, as the record is read.
 
     def __init__(self, pings: int, bins: int) -> None:
         self.amplitude = np.zeros((pings, 2 * bins), dtype=np.float32)

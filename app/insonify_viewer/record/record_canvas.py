@@ -32,12 +32,13 @@ from insonify_viewer.record.record_overlays import (
     draw_range_ruler,
     draw_waiting,
 )
+from insonify_viewer.record.record_overview import RecordOverview
 from insonify_viewer.record.tone_map import make_tone_map
 from insonify_viewer.state.inspection import Mark
 from insonify_viewer.widgets.theme import GROUND, text_scale
 from insonify_viewer.work.waiting import Waiting
 
-LEFT, BOTTOM, TOP, RIGHT = 64, 40, 24, 24
+LEFT, BOTTOM, TOP, RIGHT = 64, 40, 24, 34
 GEOMETRY = ("side", "ground_range", "water_column", "side_gains", "side_slopes", "newest_on_top", "scale")
 
 
@@ -69,6 +70,7 @@ class RecordCanvas(QWidget):
         self._points = self.font().pointSizeF()  # usual size of the text
         self._text = text_scale(self)  # factor on the margins that hold the text
         self._handle = ScrubHandle()
+        self.overview = RecordOverview()
         self._fit()
 
     @property
@@ -85,6 +87,8 @@ class RecordCanvas(QWidget):
         """Show another record, given its last slant range and the distance between pings in metres."""
         known, plot, axis = self.record, self.plot_area, self.projection.axis
         self.record, self._range, self._step = record, slant_range, ping_step
+        if record is not known:
+            self.overview = RecordOverview()
         self._lay()
         if record is known and plot == self.plot_area and axis == self.projection.axis:
             self.update()
@@ -94,6 +98,8 @@ class RecordCanvas(QWidget):
     def show_rows(self, rows: Rows, reach: NDArray[np.float64] | None = None, *, preview: bool = False) -> None:
         """Update rows that the record has just received, the last of a preview or not."""
         self._preview = preview
+        if not preview:
+            self.overview.put(self.record, rows)
         if not self.projection.axis.shows_water or self._look.ground_range or not self._look.water_column:
             axis = choose_axis(self._look, self.record, self._range)
             if axis != self.projection.axis:  # a ping from lower altitude reaches farther on the bed
@@ -294,7 +300,9 @@ class RecordCanvas(QWidget):
             draw_range_ruler(painter, plot, projection, name_scale(plot, *self._shown_extent()), self._text)
             beside = QRect(0, plot.top(), self._scaled(LEFT), plot.height())
             draw_ping_ruler(painter, beside, projection, self._step, self._text)
-            self._handle.draw(painter, self.top)
+            first, last = (projection.newest - age for age in projection.ages)
+            strip = self.overview.draw(self._handle.room, self._handle.last, self.tone_map)
+            self._handle.draw(painter, self.top, strip, (first, last))
             painter.save()
             painter.setClipRect(plot)
             self._draw_over(painter, plot)

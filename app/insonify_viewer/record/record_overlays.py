@@ -8,12 +8,12 @@ from dataclasses import dataclass
 
 import numpy as np
 from PySide6.QtCore import QPoint, QPointF, QRect, QRectF, Qt
-from PySide6.QtGui import QBrush, QColor, QPainter, QPen, QPolygonF
+from PySide6.QtGui import QBrush, QColor, QImage, QPainter, QPen, QPolygonF
 
 from insonify.display.range_axis import NAMES
 from insonify_viewer.record.projection import Projection
 from insonify_viewer.state.inspection import Mark
-from insonify_viewer.widgets.painting import draw_lit, draw_pin, round_steps
+from insonify_viewer.widgets.painting import draw_lit, draw_pin, draw_veil, round_steps
 from insonify_viewer.widgets.theme import ACCENT, EDGE, GROUND, HALO, MARK_IN_WATER, QUIET, RAISED, TEXT
 from insonify_viewer.work.waiting import Waiting
 
@@ -24,7 +24,7 @@ LINE = QColor(255, 255, 255, 70)  # of equal range
 BED = "#ffb000"  # distinct from the palettes' middle tones
 CONTACT = "#7dff5a"
 THIN, HIGH = 4, 24  # px, of the bar and of its text
-WIDTH, HEIGHT, ROUND = 10.0, 26.0, 4.0  # px
+WIDTH, HEIGHT, ROUND = 20.0, 26.0, 4.0  # px
 LABEL = 92.0  # px, of the ping beside a held handle
 
 
@@ -125,9 +125,7 @@ def draw_range_bar(painter: QPainter, plot: QRect, projection: Projection) -> No
 def draw_waiting(painter: QPainter, plot: QRect, waiting: Waiting) -> None:
     """Draw a bar along the upper edge of a plot; a bar of unknown length is hatched."""
     strip = QRect(plot.left(), plot.top(), plot.width(), THIN + HIGH)
-    ground = QColor(GROUND)
-    ground.setAlpha(215)
-    painter.fillRect(strip, ground)
+    draw_veil(painter, strip)
     bar = QRect(strip.left(), strip.top(), strip.width(), THIN)
     painter.fillRect(bar, QColor(EDGE))
     if waiting.share is None:
@@ -143,11 +141,9 @@ def draw_waiting(painter: QPainter, plot: QRect, waiting: Waiting) -> None:
 
 def draw_word(painter: QPainter, plot: QRect, word: str) -> None:
     """Draw a word in the upper left corner of a plot."""
-    ground = QColor(GROUND)
-    ground.setAlpha(215)
     box = painter.fontMetrics().boundingRect(word).adjusted(-6, -2, 6, 2)
     box.moveTopLeft(plot.topLeft() + QPoint(4, 4))
-    painter.fillRect(box, ground)
+    draw_veil(painter, box)
     painter.setPen(QColor(QUIET))
     painter.drawText(box, Qt.AlignmentFlag.AlignCenter, word)
 
@@ -245,7 +241,7 @@ class RecordMarks:
 
 
 class ScrubHandle:
-    """Geometry and painting of the handle, with the last ping on top or below as in the record."""
+    """Strip with all pings of a tow, and the handle that scrolls; the last ping is on top or below as in the record."""
 
     def __init__(self) -> None:
         self.last = 1
@@ -274,14 +270,26 @@ class ScrubHandle:
         middle = self._rail.top() + HEIGHT / 2.0 + share * (self._rail.height() - HEIGHT)
         return QPointF(self._rail.center().x(), middle)
 
-    def draw(self, painter: QPainter, ping: int) -> None:
-        """Draw rail and handle, with the ping while it is held."""
-        painter.setRenderHint(QPainter.RenderHint.Antialiasing)
+    @property
+    def room(self) -> int:
+        """Height in px of the strip from the first ping to the last."""
+        return max(round(self._rail.height() - HEIGHT), 1)
+
+    def draw(self, painter: QPainter, ping: int, overview: QImage, shown: tuple[float, float]) -> None:
+        """Draw the strip, the stretch between two pings that is shown, and the handle, with its ping while held."""
         painter.setPen(Qt.PenStyle.NoPen)
         painter.setBrush(QColor(RAISED))
         painter.drawRoundedRect(self._rail, ROUND, ROUND)
+        strip = self._rail.adjusted(0.0, HEIGHT / 2.0, 0.0, -HEIGHT / 2.0)
+        painter.drawImage(strip, overview.flipped(Qt.Orientation.Vertical) if self.newest_on_top else overview)
+        painter.setRenderHint(QPainter.RenderHint.Antialiasing)
+        upper, lower = sorted(self.place_of(round(end)).y() for end in shown)
+        painter.setPen(QPen(QColor(ACCENT), 1.5))
+        painter.setBrush(Qt.BrushStyle.NoBrush)
+        painter.drawRect(QRectF(strip.left(), upper, strip.width(), max(lower - upper, 2.0)))
+        painter.setPen(Qt.PenStyle.NoPen)
         middle = self.place_of(ping)
-        handle = QRectF(self._rail.left(), middle.y() - HEIGHT / 2.0, WIDTH, HEIGHT)
+        handle = QRectF(self._rail.left() + 4.0, middle.y() - HEIGHT / 2.0, WIDTH - 8.0, HEIGHT)
         painter.setBrush(QColor(ACCENT if self.held else QUIET))
         painter.drawRoundedRect(handle, ROUND, ROUND)
         painter.setPen(QColor(GROUND))

@@ -41,10 +41,9 @@ SAMPLED = 4  # every so many rows are looked at
 
 
 class WaterfallView(RecordCanvas):
-    """Draws a record, and signals what mouse and keys do to it.
+    """Draws a record, and signals what mouse and keys do to it."""
 
-    Keys move a cursor from bin to bin, and the record under it from ping to ping, in the direction of the wheel.
-    """
+    # Keys move a cursor from bin to bin, and the record under it from ping to ping, in the direction of the wheel.
 
     hovered = Signal(object)  # Mark or None
     scrolled = Signal(int)  # pings further back

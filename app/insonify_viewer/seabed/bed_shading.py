@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
+from insonify.display.picture import load_palette
 from insonify.optics.material_colours import mixed_colour, shares_of
 from insonify.scene import Scene
 from insonify.scene.seabed.materials import MATERIALS
@@ -30,8 +31,16 @@ def target_colours(scene: Scene) -> NDArray[np.uint8]:
     return np.asarray(255.0 * np.minimum(colours * LIT, 1.0), dtype=np.uint8)
 
 
-def bed_image(ground: Ground, centre: tuple[float, float], half: float, size: int) -> NDArray[np.uint8]:
-    """Shade the bed within a window, seen from above."""
+def depth_palette() -> NDArray[np.float64]:
+    """Colours of depths, (256, 3), from the deepest place of the bed to the shallowest."""
+    return load_palette("viridis") / 255.0
+
+
+def bed_image(
+    ground: Ground, centre: tuple[float, float], half: float, size: int, heights: tuple[float, float] | None = None
+) -> NDArray[np.uint8]:
+    """Shade the bed within a window, seen from above, in the colours of its materials or of its depth."""
+    # The colours of depths lie between the lowest and the highest of ``heights``.
     offset = ((np.arange(size) + 0.5) / size * 2.0 - 1.0).astype(np.float32)
     x, y = centre[0] + half * offset, centre[1] + half * offset
     z = sample_heights(ground, x, y)
@@ -39,11 +48,14 @@ def bed_image(ground: Ground, centre: tuple[float, float], half: float, size: in
     r = np.clip((np.hypot(offset, offset[:, None]) - FADE[0]) / (FADE[1] - FADE[0]), 0.0, 1.0)
     clear = np.where(np.isnan(z), np.float32(0.0), 1.0 - r * r * (3.0 - 2.0 * r))
     light = np.nan_to_num(light) * clear
-    materials = _materials(ground, x, y)
-    table = _colours(ground)
+    if heights is None:
+        rows, table = _materials(ground, x, y), _colours(ground)
+    else:
+        share = np.nan_to_num((z - heights[0]) / max(heights[1] - heights[0], DARK))
+        rows, table = (255.0 * np.clip(share, 0.0, 1.0)).astype(np.uint8), depth_palette().astype(np.float32)
     image = np.empty((size, size, 3), dtype=np.uint8)
     for channel in range(3):
-        tone = table[:, channel][materials] * light + np.float32(FOG[channel]) * (1.0 - clear)
+        tone = table[:, channel][rows] * light + np.float32(FOG[channel]) * (1.0 - clear)
         image[..., channel] = (np.clip(tone[::-1], 0.0, 1.0) * 255.0).astype(np.uint8)
     return image
 

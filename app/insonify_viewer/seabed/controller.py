@@ -15,6 +15,7 @@ from insonify.kernels.common.types import Mesh, Poses, Solids
 from insonify.scene import SceneError
 from insonify_viewer.errors import Failure
 from insonify_viewer.record.drape import RecordStrip, drape_record
+from insonify_viewer.seabed.cameras import USUAL
 from insonify_viewer.seabed.fan_sheet import fan_sheet
 from insonify_viewer.seabed.handle_geometry import meet_bed
 from insonify_viewer.state.inspection import Inspection
@@ -30,7 +31,7 @@ if TYPE_CHECKING:
 
     Vector = NDArray[np.float64]
     Grip = tuple[tuple[float, float, float], str, bool]
-    _Bed = tuple[AnyGround, tuple[float, float], float]
+    _Bed = tuple[AnyGround, tuple[float, float], float, bool]
     _Bodies = tuple[Solids, Mesh, NDArray[np.uint8]]
     _Made = tuple[BedPatch, NDArray[np.uint8], Any]  # bed, its colours, and the targets
     from insonify_viewer.seabed.seabed_view import SeabedView
@@ -49,10 +50,12 @@ class SeabedController:
     pulled = Signal(tuple)  # place of the bed to which it is dragged
     released = Signal()
     failed = Signal(object)  # a `Failure` or an exception
+    menu_wanted = Signal(object, object)  # the place under the mouse, or None, and the place of the screen
 
     def __init__(self, simulator: Simulator, inspection: Inspection, *, accelerated: bool) -> None:
         self._simulator, self._inspection, self._accelerated = simulator, inspection, accelerated
         self.view: SeabedView | None = None  # None until it is loaded
+        self.by_depth = False  # whether the bed is coloured by its depth
         self._latest: tuple[PackedScene, int, NDArray[np.float32], bool] | None = None
         self._bed: _Bed | None = None
         self._bodies: _Bodies | None = None
@@ -60,6 +63,7 @@ class SeabedController:
         self._owed = 0  # number of the bed of a settled scene that is not yet on screen, else 0
         self._loading = False  # whether this window is the first of the process, which loads the libraries
         self._executor = simulator.executor
+        self._subject: tuple[float, float] | None = None  # place of the bed that the camera shows
         self._strip: RecordStrip | None = None  # what is laid over the bed
         self._patch: BedPatch | None = None  # the bed on screen
         self._drape_asked = self._drape_shown = 0
@@ -76,7 +80,7 @@ class SeabedController:
         self._loading = VIEW not in sys.modules
         if self._accelerated:
             load_qt_modules()
-        self._simulator.send(self._import, lambda _: self._build(put))
+        self._executor.submit("libraries", self._import, lambda _: self._build(put))
 
     def show_sonar(
         self, simulation: PackedScene, ping: int, tones: NDArray[np.float32], *, at_once: bool = False
@@ -92,7 +96,7 @@ class SeabedController:
         sent = np.array([ping], dtype=np.int64)
         pose, line = simulation.poses(sent), simulation.line(sent)
         reach = simulation.arrays.bins * simulation.arrays.bin_length
-        bed = simulation.ground, window_centre(line, reach), reach
+        bed = simulation.ground, window_centre(line, reach), reach, self.by_depth
         bodies = (simulation.arrays.solids, simulation.arrays.mesh, target_colours(simulation.scene))
         known = self._bed
         same = known is not None and known[1:] == bed[1:] and is_same_ground(known[0], bed[0])
@@ -139,15 +143,27 @@ class SeabedController:
         if self.view is not None:
             self.view.handles.show(grips)
 
-    def reset_camera(self) -> None:
-        """Reset the camera to its place behind and above the fish."""
+    def reset_camera(self, subject: tuple[float, float] | None = None) -> None:
+        """Reset the camera to its place behind and above the fish, or to one that shows a place of the bed."""
+        self._subject = subject
         if self.view is not None:
-            self.view.reset_camera()
+            self.view.reset_camera(subject)
 
-    def reset_view(self) -> None:
-        """Put the camera behind and above the fish now."""
-        self.reset_camera()
+    def look_from(self, camera: str = USUAL) -> None:
+        """Put the camera to one of its places about the fish now, where it follows the fish."""
+        if self.view is not None:
+            self.view.reset_camera(camera=camera)
         self._show_latest()
+
+    def colour_by_depth(self, by_depth: bool) -> None:
+        """Colour the bed by its depth, or by its materials."""
+        self.by_depth = by_depth
+        self._show_latest()
+
+    def frame(self, place: tuple[float, float, float], size: float) -> None:
+        """Look at a place from as near as a body of some metres about it fills the view."""
+        if self.view is not None:
+            self.view.frame(place, size)
 
     def draw_now(self) -> None:
         """Draw immediately, for a picture of the window."""
@@ -172,7 +188,9 @@ class SeabedController:
         if self._loading:
             leave_out_libraries()
         self.view = SeabedView(accelerated=self._accelerated)
+        self.view.reset_camera(self._subject)
         self.view.sighted.connect(self._pick)
+        self.view.menu_wanted.connect(lambda *sight: self.menu_wanted.emit(self._meet(*sight[:3]), sight[3]))
         self._inspection.drawn.connect(self.view.show_sound)
         self._inspection.picked.connect(self.view.show_pick)
         handles = self.view.handles
@@ -233,14 +251,18 @@ class SeabedController:
 
     def _pick(self, begin: Vector, end: Vector, target: Vector | None) -> None:
         """Signal the nearest place of a target or of the bed along a line of sight."""
+        if (place := self._meet(begin, end, target)) is not None:
+            self.picked.emit(place)
+
+    def _meet(self, begin: Vector, end: Vector, target: Vector | None) -> tuple[float, float, float] | None:
+        """Find the nearest place of a target or of the bed along a line of sight."""
         if self._latest is None:
-            return
+            return None
         bed = self._latest[0].arrays.bed
         place = meet_bed(self._latest[0].ground, begin, end, (bed.low, bed.high))
         if target is not None and (place is None or np.linalg.norm(target - begin) < np.linalg.norm(place - begin)):
             place = float(target[0]), float(target[1]), float(target[2])
-        if place is not None:
-            self.picked.emit(place)
+        return place
 
     def _bake(self, bed: _Bed, bodies: _Bodies, *, at_once: bool) -> None:
         """Make the meshes of bed and targets, on a thread of their own or on the worker."""

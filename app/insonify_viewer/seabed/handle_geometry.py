@@ -101,30 +101,15 @@ def drag_edit(scene: Scene, handle: Handle, begun: Place, now: Place) -> dict[st
         heading = float(target.attitude[0]) + turned
         return {f"{path}.heading": round((heading + 180.0) % 360.0 - 180.0, 1)}
     factor = min(max(math.hypot(*last) / max(math.hypot(*first), 1e-6), SMALLEST), LARGEST)
-    if handle.action == "thicken":
-        return _thickened(target, path, factor)
-    if handle.action == "raise":
-        return _raised(target, path, factor)
-    name = SIZES[target.kind]
+    thickens = handle.action == "thicken" and target.kind != "box"
+    name = THICKNESSES[target.kind] if thickens else SIZES[target.kind]
     size = getattr(target, name)
-    scaled = [_scaled(side, factor) for side in size] if isinstance(size, tuple) else _scaled(size, factor)
-    changes = {f"{path}.{name}": scaled}
-    return changes | ({f"{path}.height": _scaled(target.height, factor)} if hasattr(target, "height") else {})
-
-
-def _thickened(target: Any, path: str, factor: float) -> dict[str, Any]:
-    """Edit that scales a target across its heading, or the height of one that is round in plan."""
-    if target.kind == "box":
-        length, *others = target.size
-        return {f"{path}.size": [length, *(_scaled(side, factor) for side in others)]}
-    name = THICKNESSES[target.kind]
-    return {f"{path}.{name}": _scaled(getattr(target, name), factor)}
-
-
-def _raised(target: Any, path: str, factor: float) -> dict[str, Any]:
-    """Edit that scales the height of a box."""
-    length, width, height = target.size
-    return {f"{path}.size": [length, width, _scaled(height, factor)]}
+    if isinstance(size, tuple):  # length, width and height of a box, of which the first stay as they are
+        kept = {"resize": 0, "thicken": 1, "raise": 2}[handle.action]
+        return {f"{path}.{name}": [*size[:kept], *(_scaled(side, factor) for side in size[kept:])]}
+    tall = None if thickens else getattr(target, "height", None)
+    changes = {f"{path}.{name}": _scaled(size, factor)}
+    return changes if tall is None else changes | {f"{path}.height": _scaled(tall, factor)}
 
 
 def echo_mark(simulation: Simulation, place: Place) -> Mark | None:

@@ -42,6 +42,7 @@ class BedPatch:
     points: NDArray[np.float32]  # (MESH_NODES², 3) nodes of the mesh
     image: NDArray[np.uint8]  # (TEXTURE_SIZE, TEXTURE_SIZE, 3) shaded colours, row 0 at the far y
     half: float  # half the side of the window, in metres
+    depths: tuple[float, float] | None = None  # (float, float) ends of the colours of depths, in metres, if it has them
 
 
 def window_centre(line: TowLine, reach: float) -> tuple[float, float]:
@@ -52,8 +53,8 @@ def window_centre(line: TowLine, reach: float) -> tuple[float, float]:
     return round(x / step) * step, round(y / step) * step
 
 
-def bed_patch(bed: AnyGround, centre: tuple[float, float], reach: float) -> BedPatch:
-    """Sample and shade the bed within a window."""
+def bed_patch(bed: AnyGround, centre: tuple[float, float], reach: float, by_depth: bool = False) -> BedPatch:
+    """Sample and shade the bed within a window, in the colours of its materials or of its depth."""
     half = WINDOW * reach / 2.0
     ground = bed.around(centre, half)
     x = np.linspace(centre[0] - half, centre[0] + half, MESH_NODES)
@@ -61,7 +62,9 @@ def bed_patch(bed: AnyGround, centre: tuple[float, float], reach: float) -> BedP
     z = sample_heights(ground, x, y)
     z = np.where(np.isnan(z), np.nanmin(ground.heights), z)
     points = np.stack([*np.meshgrid(x, y), z], axis=-1).reshape(-1, 3).astype(np.float32)
-    return BedPatch(centre, points, bed_image(ground, centre, half, TEXTURE_SIZE), half)
+    low, high = float(z.min()), float(z.max())
+    image = bed_image(ground, centre, half, TEXTURE_SIZE, (low, high) if by_depth else None)
+    return BedPatch(centre, points, image, half, (-high - bed.datum, -low - bed.datum) if by_depth else None)
 
 
 def bed_mesh(*, thinned: bool = False) -> Any:

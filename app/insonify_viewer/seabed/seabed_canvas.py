@@ -7,8 +7,8 @@ from typing import Any
 import numpy as np
 import pyvista
 from numpy.typing import NDArray
-from PySide6.QtCore import QEvent, QObject, Qt
-from PySide6.QtGui import QImage, QKeyEvent, QMouseEvent, QPainter, QPaintEvent, QResizeEvent
+from PySide6.QtCore import QEvent, QObject, QPoint, Qt
+from PySide6.QtGui import QContextMenuEvent, QImage, QKeyEvent, QMouseEvent, QPainter, QPaintEvent, QResizeEvent
 from PySide6.QtWidgets import QWidget
 
 from insonify_viewer.errors import guard_override
@@ -57,16 +57,18 @@ class InteractiveCanvas:
 
     def on_click(self, clicked: Callable[[float, float], None]) -> None:
         """Call a function with the place of a click that does not turn the view."""
-        interactor, begun = self.plotter.iren.interactor, [(0, 0)]
+        interactor = self.plotter.iren.interactor
+        begun: list[tuple[int, int] | None] = [None]
 
         def release() -> None:
             place = interactor.GetEventPosition()
-            if abs(place[0] - begun[0][0]) + abs(place[1] - begun[0][1]) <= STILL:
+            if begun[0] is not None and abs(place[0] - begun[0][0]) + abs(place[1] - begun[0][1]) <= STILL:
                 clicked(*place)
 
         style = interactor.GetInteractorStyle()
         style.AddObserver("StartInteractionEvent", lambda *_: begun.__setitem__(0, interactor.GetEventPosition()))
         style.AddObserver("EndInteractionEvent", lambda *_: release())
+        interactor.AddObserver("RightButtonPressEvent", lambda *_: begun.__setitem__(0, None), -1.0)  # opens a menu
 
     def draw(self) -> None:
         """Draw soon, with the rest of the window."""
@@ -142,6 +144,8 @@ class _PixelsWidget(QWidget):
 
     def mousePressEvent(self, event: QMouseEvent) -> None:
         place = event.position()
+        if event.button() is not Qt.MouseButton.LeftButton:
+            return
         self.clicked(place.x(), self.height() - 1.0 - place.y())
 
     @guard_override(None)
@@ -150,11 +154,32 @@ class _PixelsWidget(QWidget):
             painter.drawImage(self.rect(), self._image)
 
 
-class SeabedKeys(QObject):
-    """Turns and zooms a view by keys, and leaves all others to the window.
+class RightClicks(QObject):
+    """Calls a function with the place of a right click, or of the key for a menu; a drag belongs to the view."""
 
-    Elsewhere in the window + and − zoom the record.
-    """
+    def __init__(self, widget: QWidget, clicked: Callable[[QPoint], None]) -> None:
+        super().__init__(widget)
+        self._widget, self._clicked, self._pressed = widget, clicked, QPoint()
+        widget.installEventFilter(self)
+
+    @guard_override(False)
+    def eventFilter(self, watched: QObject, event: QEvent) -> bool:
+        """Note where the right button is pressed, and whether it is released there."""
+        if isinstance(event, QMouseEvent) and event.button() is Qt.MouseButton.RightButton:
+            place = event.position().toPoint()
+            if event.type() is QEvent.Type.MouseButtonPress:
+                self._pressed = place
+            elif event.type() is QEvent.Type.MouseButtonRelease and (place - self._pressed).manhattanLength() <= STILL:
+                self._clicked(place)
+        elif isinstance(event, QContextMenuEvent) and event.reason() is QContextMenuEvent.Reason.Keyboard:
+            self._clicked(self._widget.rect().center())
+        return False
+
+
+class SeabedKeys(QObject):
+    """Turns and zooms a view by keys, and leaves all others to the window."""
+
+    # Elsewhere in the window + and − zoom the record.
 
     def __init__(self, widget: QWidget, turn: Callable[[float, float], None], zoom: Callable[[float], None]) -> None:
         super().__init__(widget)

@@ -9,30 +9,33 @@ from typing import Any
 import numpy as np
 import pyvista
 from numpy.typing import NDArray
-from PySide6.QtCore import QTimer, Signal
+from PySide6.QtCore import QPoint, QTimer, Signal
+from PySide6.QtGui import QImage
 from PySide6.QtWidgets import QVBoxLayout, QWidget
 
 from insonify.kernels.common.types import Poses, SceneArrays
 from insonify_viewer.seabed import pv_meshes
+from insonify_viewer.seabed.cameras import CAMERAS, USUAL
 from insonify_viewer.seabed.pv_meshes import BedPatch, ScanFan, ScanLine
-from insonify_viewer.seabed.seabed_canvas import InteractiveCanvas, OffScreenCanvas, SeabedKeys
+from insonify_viewer.seabed.seabed_canvas import InteractiveCanvas, OffScreenCanvas, RightClicks, SeabedKeys
+from insonify_viewer.seabed.seabed_guides import SeabedGuides
 from insonify_viewer.seabed.seabed_handles import SeabedHandles
 from insonify_viewer.state.inspection import SoundDrawing
 from insonify_viewer.widgets.painting import LIT
-from insonify_viewer.widgets.theme import MARK_IN_WATER
+from insonify_viewer.widgets.theme import MARK_IN_WATER, text_scale
 
 # PyVista is untyped.
 pv: Any = pyvista
 
 WATER = ("#2f6b84", "#629db2")  # below and above; the far bed fades into the latter
-CAMERA = (-1.85, -0.12, 1.15)  # ahead, to port, up; in slant ranges, for a square view
-FOCUS = (-0.22, 0.0, -0.20)
+CLOSE = 0.4  # distance of the camera from the subject of a lesson, as a share of that behind the fish
 VIEW_ANGLE = 54.0
 FISH = 0.11  # length over the height of the view at its distance: it shows at any zoom
 LOWEST = 0.03  # least slope of the line of sight, by which the camera stays above the bed
 STEEPEST = math.radians(88.0)  # depression of the line of sight, at which the view still has an upper edge
 NEAREST, FARTHEST = 0.05, 6.0  # distance of the camera from its focus, in slant ranges
 FADED = 0.25  # opacity of a bed of an earlier scene
+FRAMED = 0.5, 1.3  # least slope at which a framed body is seen, and the half height of the view over its size
 REST = 4.0  # pause between two drawings, in drawing times, which leaves time for the window
 
 Points = NDArray[np.float64]
@@ -44,6 +47,7 @@ class SeabedView(QWidget):
     """Shows bed, targets and sonar; drawings are delayed and merged, because they may be slow."""
 
     sighted = Signal(object, object, object)  # ends of the line of sight through a click, and a target's place or None
+    menu_wanted = Signal(object, object, object, QPoint)  # the same of a right click, and the place of the screen
 
     def __init__(self, *, accelerated: bool, parent: QWidget | None = None) -> None:
         super().__init__(parent)
@@ -52,10 +56,11 @@ class SeabedView(QWidget):
         layout = QVBoxLayout(self)
         layout.setContentsMargins(0, 0, 0, 0)
         layout.addWidget(self._canvas.widget)
-        self._reach = 0.0
+        self.reset_camera()
         self._pose: Poses | None = None  # of the fish that is shown
         self._heading = 0.0
         self._bed_shown = self._held = False
+        self._depths: tuple[float, float] | None = None  # ends of the colours of depths
         self._fan = ScanFan()
         self._path = pv.MultipleLines(np.zeros((pv_meshes.PATH_POINTS, 3)))
         self._bed, self._thinned_bed = pv_meshes.bed_mesh(), pv_meshes.bed_mesh(thinned=True)
@@ -69,6 +74,8 @@ class SeabedView(QWidget):
         self._due.setSingleShot(True)
         self._due.timeout.connect(self.draw_now)
         self.handles = SeabedHandles(self._canvas.plotter, self._canvas.widget, self._sight, self._later)
+        self.guides = SeabedGuides(self._canvas.plotter, self._canvas.widget)
+        RightClicks(self._canvas.widget, self._want_menu)
         self.keys = SeabedKeys(self._canvas.widget, self.turn, self.magnify)
         self._canvas.widget.setAccessibleName("Seabed in 3-D")
 
@@ -78,7 +85,7 @@ class SeabedView(QWidget):
         nodes = patch.points.reshape(pv_meshes.MESH_NODES, pv_meshes.MESH_NODES, 3)  # its edges stay when it is thinned
         self._thinned_bed.points = nodes[:: pv_meshes.THINNED, :: pv_meshes.THINNED].reshape(-1, 3)
         self.show_texture(patch.image if picture is None else picture)
-        self._bed_shown = True
+        self._bed_shown, self._depths = True, patch.depths
         self._thin(self._held)
 
     def fade_bed(self, faded: bool) -> None:
@@ -151,13 +158,23 @@ class SeabedView(QWidget):
 
     def look_at(self, x: float, y: float) -> None:
         """Signal the line of sight through a point of the view, in pixels from its lower left corner."""
+        self.sighted.emit(*self._look(x, y))
+
+    def _want_menu(self, place: QPoint) -> None:
+        """Signal that a menu is wanted at a place of the view."""
+        widget, ratio = self._canvas.widget, self._canvas.widget.devicePixelRatioF()
+        sight = self._look(place.x() * ratio, (widget.height() - 1.0 - place.y()) * ratio)
+        self.menu_wanted.emit(*sight, widget.mapToGlobal(place))
+
+    def _look(self, x: float, y: float) -> tuple[Points, Points, Points | None]:
+        """Return the ends of the line of sight through a point of the view, and the place of a target that it meets."""
         renderer, ends = self._canvas.plotter.renderer, self._sight(x, y)
         picker = pv._vtk.vtkCellPicker()
         picker.PickFromListOn()
         picker.AddPickList(self._targets_actor)
         picker.SetTolerance(0.0)
         met = self._targets_actor.visibility and picker.Pick(x, y, 0.0, renderer)
-        self.sighted.emit(*ends, np.array(picker.GetPickPosition()) if met else None)
+        return ends[0], ends[1], np.array(picker.GetPickPosition()) if met else None
 
     def _sight(self, x: float, y: float) -> list[NDArray[np.float64]]:
         """Return the ends of the line of sight through a point of the view."""
@@ -169,9 +186,26 @@ class SeabedView(QWidget):
             ends.append(np.array(place) / scale)
         return ends
 
-    def reset_camera(self) -> None:
-        """Reset the camera to its place behind and above the fish, when the fish is shown next."""
-        self._reach = 0.0
+    def reset_camera(self, subject: tuple[float, float] | None = None, camera: str = USUAL) -> None:
+        """Put the camera to one of its places, or to one that shows a place of the bed, at the next pose."""
+        self._reach, self._subject, self._camera, self.follows = 0.0, subject, camera, True
+
+    def frame(self, place: tuple[float, float, float], size: float) -> None:
+        """Look at a place so that a body of some metres about it fills the view; the camera stays there."""
+        camera, self.follows = self._canvas.plotter.camera, False
+        away = np.array(camera.position) - np.array(camera.focal_point)
+        away[2] = max(away[2], FRAMED[0] * float(np.hypot(away[0], away[1])))
+        distance = FRAMED[1] * size / math.tan(math.radians(VIEW_ANGLE) / 2.0)
+        camera.focal_point = place
+        camera.position = tuple(np.array(place) + away * distance / np.linalg.norm(away))
+        self._clip()
+        self._later()
+
+    def picture(self) -> QImage:
+        """Draw the view with three times as many pixels along each side."""
+        pixels = np.ascontiguousarray(self._canvas.plotter.screenshot(return_img=True, scale=3))
+        height, width, _ = pixels.shape
+        return QImage(pixels.data, width, height, 3 * width, QImage.Format.Format_RGB888).copy()
 
     def turn(self, across: float, up: float) -> None:
         """Turn the scene about the focus of the camera by degrees to the right and upwards, as a drag does."""
@@ -229,11 +263,16 @@ class SeabedView(QWidget):
             turn = _about_z(heading)
             camera.up = (0.0, 0.0, 1.0)
             camera.view_angle = VIEW_ANGLE
-            focus = place + turn @ FOCUS * reach
+            position, focus = (np.array(part) for part in CAMERAS[self._camera])
             # A narrow view moves back, so that both ends of the fan are visible.
             back = min(max(0.85 * self.height() / max(self.width(), 1), 0.8), 1.25)
-            position = focus + turn @ (np.array(CAMERA) - FOCUS) * back * reach
+            away, focus = turn @ (position - focus) * back * reach, place + turn @ focus * reach
+            if self._subject is not None:  # from nearer, in the middle of the view
+                away, focus = CLOSE * away, np.array([*self._subject, 0.0])
+            position = focus + away
             self._reach = reach
+        elif not self.follows:
+            position, focus = camera.position, camera.focal_point
         else:
             turn, before = _about_z(heading - self._heading), _place_of(self._pose)
             position = place + turn @ (np.array(camera.position) - before)
@@ -256,6 +295,15 @@ class SeabedView(QWidget):
             camera.position = tuple(np.array(camera.focal_point) + away)
         camera.clipping_range = (0.02 * kept, kept + 6.0 * self._reach)
         self._size_fish()
+        self._show_guides()
+
+    def _show_guides(self) -> None:
+        """Show the scale at the focus, where north is, and the colours of depths."""
+        camera = self._canvas.plotter.camera
+        x, y, z = np.array(camera.focal_point) - np.array(camera.position)
+        high = 2.0 * math.sqrt(x**2 + y**2 + z**2) * math.tan(math.radians(VIEW_ANGLE) / 2.0)
+        metres = high / max(self.height(), 1) * text_scale(self)  # of a pixel at the usual size of the text
+        self.guides.show(metres, math.atan2(y, x), self._depths)
 
     def _size_fish(self) -> None:
         """Draw the fish as large on the screen at any distance."""
@@ -289,6 +337,7 @@ class SeabedView(QWidget):
         if update is not None:
             update()
         self._due.stop()
+        self._show_guides()
         self._canvas.draw()
         self._took = max(self._canvas.draw_time(), 0.01)
         self._drawn = time.perf_counter()

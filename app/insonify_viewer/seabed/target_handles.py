@@ -14,6 +14,8 @@ from insonify_viewer.seabed.handle_geometry import (
     Place,
     drag_edit,
     echo_mark,
+    half_length,
+    half_width,
     handles_of,
     target_at,
 )
@@ -24,6 +26,7 @@ from insonify_viewer.state.session import Session
 if TYPE_CHECKING:
     from insonify.simulation import Simulation
 
+ABOVE = 4  # a target that is brought into the record is shown this part of the screen below its edge
 DONE = {"move": "moved", "turn": "turned", "resize": "resized", "raise": "height"}
 
 
@@ -67,6 +70,25 @@ class TargetHandles:
         if target != self.chosen:
             self.chosen = target
             self._show()
+
+    def frame(self, target: int | None = None) -> None:
+        """Frame a target, else the chosen one, in three dimensions, and bring it into the record."""
+        target = self.chosen if target is None else target
+        place = next((each.place for each in self._handles if (each.target, each.action) == (target, "move")), None)
+        if place is None or self._simulation is None or self._seabed is None or target is None:
+            return
+        body = self._simulation.scene.targets[target]
+        self._seabed.frame(place, 2.0 * max(half_length(body), half_width(body)))
+        self.show_in_record(place)
+
+    def show_in_record(self, place: Place) -> None:
+        """Point at the echo of a place in the record, which is scrolled there if the echo is not on screen."""
+        mark = None if self._simulation is None else echo_mark(self._simulation, place)
+        record, top = self._waterfall.record, self._waterfall.top
+        if mark is not None:
+            if not top - record.pings < mark.ping <= top:
+                self._waterfall.scrubbed.emit(mark.ping + record.pings // ABOVE)
+            self._waterfall.hovered.emit(mark)
 
     def _show(self) -> None:
         simulation = self._simulation

@@ -5,8 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass, field, replace
 
 from insonify.display.display_options import DisplayOptions
+from insonify.io.contacts import Contact
 from insonify.scene import Scene
-from insonify_viewer.state.contacts import Contact
 
 USUAL = 0.03  # share of the record
 # While a slider moves, one plane or few rays stand for the beam, which is 17 % of the record wrong for a fan of 1°.

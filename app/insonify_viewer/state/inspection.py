@@ -6,7 +6,8 @@ import numpy as np
 from numpy.typing import NDArray
 from psygnal import Signal
 
-SIDES = ("port", "starboard")
+from insonify.io.contacts import SIDES, Contact
+
 Points = NDArray[np.float64]
 Place = tuple[float, float, float]
 
@@ -23,6 +24,11 @@ class Mark:
     def side_name(self) -> str:
         """Name of the side."""
         return SIDES[self.side]
+
+
+def mark_of(contact: Contact) -> Mark:
+    """Bin of a contact."""
+    return Mark(contact.ping, SIDES.index(contact.side), contact.range_bin)
 
 
 @dataclass(frozen=True, eq=False)

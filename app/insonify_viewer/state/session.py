@@ -8,20 +8,21 @@ from typing import Any
 from psygnal import Signal
 
 from insonify.display.display_options import DisplayOptions
+from insonify.io.contacts import Contact
 from insonify.scene import Scene, SceneError, edit
 from insonify.scene_edits import add_dependent_edits
-from insonify_viewer.state.contacts import Contact
 from insonify_viewer.state.fields import name_display, name_edit
 from insonify_viewer.state.history import History, Modelling, State
 from insonify_viewer.state.inspection import Mark
 
+EDITS = {"note": "note on", "classification": "class of"}  # names of edits of contacts
+
 
 class Session:
-    """The scene on screen, its modelling, the contacts, and the one history of all.
+    """The scene on screen, its modelling, the contacts, and the one history of all."""
 
-    An edit under way (a slider being dragged) is provisional: every move starts from the last settled scene, so that
-    the dependent edits of a move vanish when the slider returns. Settling makes one step of undo of the whole drag.
-    """
+    # An edit under way (a slider being dragged) is provisional: every move starts from the last settled scene, so that
+    # the dependent edits of a move vanish when the slider returns. Settling makes one step of undo of the whole drag.
 
     changed = Signal(object, bool)  # the scene, and False while a slider moves
     said = Signal(str)  # a sentence for the status bar
@@ -234,11 +235,11 @@ class ContactList:
             contact = replace(contact, name=free)
         self._session.list_contacts((*self.all, contact), f"{contact.name} marked")
 
-    def edit(self, index: int, field: str, text: str) -> None:
-        """Change the name of a contact, or the note on it."""
+    def edit(self, index: int, field: str, value: object) -> None:
+        """Change a field of a contact."""
         contact = self.all[index]
-        change: dict[str, Any] = {field: text}
-        name = f"{contact.name} renamed" if field == "name" else f"{field} on {contact.name}"
+        change: dict[str, Any] = {field: value}
+        name = f"{contact.name} renamed" if field == "name" else f"{EDITS.get(field, f'{field} of')} {contact.name}"
         self._session.list_contacts((*self.all[:index], replace(contact, **change), *self.all[index + 1 :]), name)
 
     def remove(self, index: int) -> None:

@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
-from PySide6.QtCore import QEvent, QPoint, QPointF, QRectF, Qt
+from PySide6.QtCore import QEvent, QPoint, QPointF, QRect, QRectF, Qt
 from PySide6.QtGui import QColor, QPainter, QPaintEvent, QPen, QPixmap, QPolygonF, QResizeEvent
 from PySide6.QtWidgets import QWidget
 from shiboken6 import VoidPtr
@@ -142,6 +142,13 @@ def two_sided_table() -> NDArray[np.uint32]:
     share = np.linspace(-1.0, 1.0, 256)[:, None]
     mixed = none + np.maximum(-share, 0.0) * (low - none) + np.maximum(share, 0.0) * (high - none)
     return colour_table(np.rint(mixed).astype(np.uint8))
+
+
+def draw_veil(painter: QPainter, area: QRect) -> None:
+    """Cover an area so far that words on it are read over any picture."""
+    ground = QColor(GROUND)
+    ground.setAlpha(215)
+    painter.fillRect(area, ground)
 
 
 def draw_pin(painter: QPainter, place: QPoint) -> None:

@@ -23,17 +23,9 @@ class ScrollColumn(QScrollArea):
 
 
 class SidePanel(ScrollColumn):
-    """A column at a side of the window, never too narrow for its rows.
+    """A column at a side of the window that scrolls sideways where large text leaves no room for its rows."""
 
-    It scrolls sideways where large text leaves no room for its rows in a small window.
-
-    Attributes
-    ----------
-    narrowest : int
-        Least width in pixels, and that of the rows at the usual size of the text.
-    """
-
-    narrowest: ClassVar[int] = 292
+    narrowest: ClassVar[int] = 292  # px, least width, and that of the rows at the usual size of the text
 
     def __init__(self, parent: QWidget | None = None) -> None:
         super().__init__(parent)
@@ -46,19 +38,7 @@ class SidePanel(ScrollColumn):
 
 
 class FoldingBox(QWidget):
-    """A heading, and a body that it hides or shows.
-
-    Parameters
-    ----------
-    title : str
-        Text of the heading.
-    body : QWidget
-        Widget below the heading.
-    unfolded : bool
-        Whether the body shows at first.
-    beside : QWidget, optional
-        Widget at the right of the heading.
-    """
+    """A heading, with a widget beside it or none, and a body that it hides or shows."""
 
     def __init__(self, title: str, body: QWidget, *, unfolded: bool, beside: QWidget | None = None) -> None:
         super().__init__()

@@ -1,6 +1,7 @@
 """Colours and style sheet of the window, dark or light, and the scale of its text."""
 
 from enum import Enum
+from string import Template
 
 from PySide6.QtCore import Qt
 from PySide6.QtGui import QColor, QGuiApplication, QPalette
@@ -33,125 +34,21 @@ COLOURS = {
     "TRAIL": ("#9a7445", "#c79a63"),
 }
 # Views hold these objects; `apply_theme` changes them in place, so that the next paint shows another theme.
-GROUND, RAISED, EDGE, TEXT, QUIET, ACCENT, MARK, FAINT, TRAIL = (QColor(dark) for dark, _ in COLOURS.values())
+SHOWN = {name: QColor(dark) for name, (dark, _) in COLOURS.items()}
+GROUND, RAISED, EDGE, TEXT, QUIET, ACCENT, MARK, FAINT, TRAIL = SHOWN.values()
 # Over records and pictures of the water, which stay dark in both themes; the halo sets marks off bright echoes.
 OVER_WATER, MARK_IN_WATER, ACCENT_IN_WATER = COLOURS["TEXT"][0], COLOURS["MARK"][0], COLOURS["ACCENT"][0]
 HALO = COLOURS["GROUND"][0]
-
-STYLE = """
-QMainWindow, QDockWidget, QScrollArea, QWidget#panel {{ background: {GROUND}; }}
-QToolBar {{ background: {RAISED}; border: 0; border-bottom: 1px solid {EDGE}; padding: 3px 3px; spacing: 1px; }}
-QToolBar QToolButton {{ padding: 4px 3px; border-radius: 4px; color: {TEXT}; }}
-QToolBar QToolButton:hover {{ background: {EDGE}; }}
-QToolBar QToolButton:checked {{ background: {ACCENT}; color: {GROUND}; }}
-QToolBar QToolButton:disabled {{ color: {FAINT}; }}
-QToolBar QLabel {{ color: {QUIET}; padding: 0 2px 0 4px; }}
-QToolBar::separator {{ background: {EDGE}; width: 1px; margin: 4px 2px; }}
-QStatusBar {{ background: {RAISED}; color: {QUIET}; border-top: 1px solid {EDGE}; }}
-QStatusBar::item {{ border: 0; }}
-QStatusBar QLabel {{ color: {TEXT}; padding: 0 6px; }}
-QSplitter::handle {{ background: {EDGE}; }}
-QSplitter::handle:hover {{ background: {ACCENT}; }}
-QToolButton#heading {{ background: {RAISED}; border: 0; border-radius: 4px; color: {TEXT}; font-weight: 600;
-    padding: 5px 6px; text-align: left; }}
-QToolButton#heading:hover {{ background: {EDGE}; }}
-QToolButton#remove, QToolButton#reset, QToolButton#copy, QToolButton#lock {{ background: {RAISED}; border: 0;
-    border-radius: 4px; color: {QUIET}; padding: 0; }}
-QToolButton#remove:hover, QToolButton#reset:hover, QToolButton#copy:hover, QToolButton#lock:hover {{ background: {EDGE};
-    color: {ACCENT}; }}
-QToolButton#link {{ background: {RAISED}; border: 0; border-radius: 4px; padding: 2px; }}
-QToolButton#link:checked {{ background: {ACCENT}; }}
-QToolButton#more {{ background: transparent; border: 0; color: {QUIET}; padding: 1px 2px; }}
-QToolButton#more:hover {{ color: {ACCENT}; }}
-QCheckBox::indicator {{ width: 0.92em; height: 0.92em; border: 1px solid {QUIET}; border-radius: 3px;
-    background: {RAISED}; }}
-QCheckBox::indicator:hover, QCheckBox::indicator:focus {{ border-color: {ACCENT}; }}
-QCheckBox::indicator:checked {{ background: {ACCENT}; border-color: {ACCENT}; }}
-QCheckBox::indicator:disabled {{ border-color: {EDGE}; }}
-QRadioButton::indicator {{ width: 0.92em; height: 0.92em; border: 1px solid {QUIET}; border-radius: 0.5em;
-    background: {RAISED}; }}
-QRadioButton::indicator:hover, QRadioButton::indicator:focus {{ border-color: {ACCENT}; }}
-QRadioButton::indicator:checked {{ background: {ACCENT}; border-color: {ACCENT}; }}
-QRadioButton::indicator:disabled:!checked {{ border-color: {EDGE}; }}
-QLabel#figure {{ color: {QUIET}; }}
-QPushButton#file {{ background: {RAISED}; border: 1px solid {EDGE}; border-radius: 4px; padding: 2px 6px;
-    min-height: 18px; text-align: left; }}
-QPushButton#file:hover {{ border-color: {ACCENT}; }}
-QToolBar QToolButton::menu-indicator {{ image: none; }}
-QMenu {{ background: {RAISED}; border: 1px solid {EDGE}; padding: 3px; }}
-QMenu::item {{ padding: 4px 18px; border-radius: 3px; }}
-QMenu::item:selected {{ background: {EDGE}; }}
-QLabel#name {{ color: {QUIET}; }}
-QLabel#name[changed="true"] {{ color: {TEXT}; font-style: italic; }}
-QLabel#name[lit="true"], QLabel#choice[lit="true"], QLabel#tick[lit="true"] {{ color: {GROUND}; background: {ACCENT};
-    border-radius: 3px; padding: 1px 4px; }}
-QPushButton#tool[lit="true"] {{ color: {GROUND}; background: {ACCENT}; border-color: {ACCENT}; font-weight: 600; }}
-QLabel#numbers {{ color: {TEXT}; }}
-QLabel#choice {{ color: {TEXT}; font-weight: 600; }}
-QLabel#change {{ color: {ACCENT}; }}
-QTabBar {{ background: {GROUND}; qproperty-drawBase: 0; }}
-QTabBar::tab {{ background: {GROUND}; color: {QUIET}; padding: 5px 14px; border: 0;
-    border-bottom: 2px solid {EDGE}; }}
-QTabBar::tab:selected {{ color: {TEXT}; border-bottom-color: {ACCENT}; }}
-QTabBar::tab:hover {{ color: {TEXT}; }}
-QFrame#tour {{ background: {RAISED}; border: 1px solid {ACCENT}; border-radius: 6px; }}
-QPushButton#tool {{ background: {RAISED}; border: 1px solid {EDGE}; border-radius: 4px; padding: 4px 12px; }}
-QPushButton#small {{ background: {RAISED}; border: 1px solid {EDGE}; border-radius: 4px; padding: 0 10px; }}
-QPushButton#small:hover {{ border-color: {ACCENT}; }}
-QDialogButtonBox {{ dialogbuttonbox-buttons-have-icons: 0; }}
-QPushButton#tool:hover {{ border-color: {ACCENT}; }}
-QPushButton:disabled {{ color: {FAINT}; }}
-QLabel#about {{ color: {QUIET}; padding: 5px 4px 7px 6px; }}
-QLineEdit#search, QLineEdit#line {{ background: {RAISED}; border: 1px solid {EDGE}; border-radius: 4px;
-    padding: 3px 6px; }}
-QLineEdit#search:focus, QLineEdit#line:focus {{ border-color: {ACCENT}; }}
-QLineEdit#value {{ background: transparent; border: 1px solid transparent; border-radius: 3px; padding: 1px 2px; }}
-QLineEdit#value:hover, QLineEdit#value:focus {{ border-color: {EDGE}; background: {RAISED}; }}
-QComboBox {{ background: {RAISED}; border: 1px solid {EDGE}; border-radius: 4px; padding: 2px 6px; min-height: 18px; }}
-QComboBox::drop-down {{ border: 0; width: 1.3em; }}
-QComboBox::down-arrow {{ image: url({ARROW}); width: 0.8em; height: 0.8em; }}
-QComboBox:hover {{ border-color: {ACCENT}; }}
-QComboBox QAbstractItemView {{ background: {RAISED}; color: {TEXT}; selection-background-color: {EDGE};
-    selection-color: {TEXT}; outline: 0; }}
-QTextBrowser#budget {{ background: {GROUND}; color: {TEXT}; border: 0; selection-background-color: {EDGE};
-    selection-color: {TEXT}; }}
-QListWidget#contacts, QListWidget#scenes {{ background: {GROUND}; border: 1px solid {EDGE}; border-radius: 4px; }}
-QListWidget#contacts::item:selected, QListWidget#scenes::item:hover, QListWidget#scenes::item:selected {{
-    background: {EDGE}; color: {TEXT}; }}
-QSlider::groove:horizontal {{ height: 3px; background: {EDGE}; border-radius: 1px; }}
-QSlider::sub-page:horizontal {{ background: {TRAIL}; border-radius: 1px; }}
-QSlider::sub-page:horizontal:disabled {{ background: {EDGE}; }}
-QLabel#name:disabled {{ color: {FAINT}; }}
-QSlider::handle:horizontal {{ background: {TEXT}; width: 11px; height: 11px; margin: -4px 0; border-radius: 5px; }}
-QSlider::handle:horizontal:hover, QSlider::handle:horizontal:focus {{ background: {ACCENT}; }}
-QSlider::handle:horizontal:disabled {{ background: {FAINT}; }}
-QProgressBar {{ background: {GROUND}; border: 1px solid {EDGE}; border-radius: 3px; max-height: 9px;
-    max-width: 120px; }}
-QProgressBar#job {{ max-height: 16px; min-width: 220px; max-width: 320px; color: {TEXT}; text-align: center; }}
-QFrame#job {{ border: 1px solid transparent; border-radius: 4px; }}
-QFrame#job:focus, QProgressBar#job:focus {{ border-color: {ACCENT}; }}
-QPushButton#tool:focus, QPushButton#small:focus, QPushButton#file:focus {{ border-color: {ACCENT}; }}
-QProgressBar#job::chunk {{ background: {TRAIL}; }}
-QProgressBar::chunk {{ background: {ACCENT}; }}
-QScrollBar:vertical {{ background: {GROUND}; width: 9px; margin: 0; }}
-QScrollBar::handle:vertical {{ background: {EDGE}; border-radius: 4px; min-height: 24px; }}
-QScrollBar::add-line:vertical, QScrollBar::sub-line:vertical {{ height: 0; }}
-QScrollBar:horizontal {{ background: {GROUND}; height: 9px; margin: 0; }}
-QScrollBar::handle:horizontal {{ background: {EDGE}; border-radius: 4px; min-width: 24px; }}
-QScrollBar::add-line:horizontal, QScrollBar::sub-line:horizontal {{ width: 0; }}
-QToolTip {{ background: {RAISED}; color: {TEXT}; border: 1px solid {EDGE}; padding: 3px; }}
-"""
 
 
 def apply_theme(application: QApplication, theme: Theme = Theme.DARK) -> None:
     """Set style, colours and style sheet of the application; widgets are painted anew if these change."""
     light = is_light(theme)
-    named = {"GROUND": GROUND, "RAISED": RAISED, "EDGE": EDGE, "TEXT": TEXT, "QUIET": QUIET, "ACCENT": ACCENT}
-    named |= {"MARK": MARK, "FAINT": FAINT, "TRAIL": TRAIL}
-    for name, colour in named.items():
+    for name, colour in SHOWN.items():
         colour.setRgb(QColor(COLOURS[name][light]).rgb())
     arrow = (resources() / "icons" / "down.svg").as_posix()
-    sheet = STYLE.format(ARROW=arrow, **{name: colour.name() for name, colour in named.items()})
+    style = Template((resources() / "window" / "style.qss").read_text(encoding="utf-8"))
+    sheet = style.substitute(ARROW=arrow, **{name: colour.name() for name, colour in SHOWN.items()})
     if application.styleSheet() == sheet:
         return
     if application.styleSheet():

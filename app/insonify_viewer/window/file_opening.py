@@ -14,6 +14,7 @@ from psygnal import Signal
 from PySide6.QtWidgets import QFileDialog
 
 from insonify.io.bathymetry import BATHYMETRY
+from insonify.io.contacts import is_contacts, read_contacts
 from insonify.io.formats import FormatRegistry
 from insonify.io.meshes import MESHES
 from insonify.io.navigation import NAVIGATION, RecordedNavigation, read_navigation
@@ -23,7 +24,6 @@ from insonify.scene import Scene, SceneError, bundled_meshes, bundled_scenes, ed
 from insonify_viewer.errors import Failure
 from insonify_viewer.record.comparison.recording import is_recording
 from insonify_viewer.record.comparison.recording_player import RecordingPlayer
-from insonify_viewer.state.contacts import is_contacts, read_contacts
 from insonify_viewer.state.session import ContactList, Session
 from insonify_viewer.window.main_window import MainWindow
 from insonify_viewer.window.saving import Saving
@@ -201,10 +201,8 @@ class FileOpening:
         return QFileDialog.getOpenFileName(self._window, title, "", kinds)[0]
 
     def open_dem(self, scene: Scene, path: str) -> None:
-        """Lay a scene over a measured bed, which the worker reads, after the question about unsaved changes.
-
-        It is another scene: another bed elsewhere, without the targets, and with a track of its own.
-        """
+        """Lay a scene over a measured bed, which the worker reads, after the question about unsaved changes."""
+        # It is another scene: another bed elsewhere, without the targets, and with a track of its own.
         if self._saving.may_leave():
             self._window.say(f"reading {Path(path).name} …")
             self._simulator.send(lambda: scene_over_dem(scene, path), partial(self._show_dem, path, len(scene.targets)))

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import tomllib
+
 from PySide6.QtCore import Qt
 from PySide6.QtGui import QAction, QGuiApplication, QKeySequence
 from PySide6.QtWidgets import (
@@ -15,85 +17,18 @@ from PySide6.QtWidgets import (
     QWidget,
 )
 
+from insonify.files import resources
 from insonify_viewer.errors import list_versions, version_of
 
 _NATIVE = QKeySequence.SequenceFormat.NativeText
 ROOM, HIGH = 60, 640  # px: beside the columns of the list of keys, and its height
 LICENCE = "MIT licence: free to use, change and pass on, without warranty."
-OTHER_KEYS: tuple[tuple[str, tuple[tuple[str, str], ...]], ...] = (
-    (
-        "Record, while it has the keyboard",
-        (
-            ("move the cursor along the row", "← →"),
-            ("look back and forward by a ping (newest on top)", "↓ ↑"),
-            ("move ten bins or pings", "Shift+← → ↓ ↑"),
-            ("look back and forward by a page, outside lessons", "PgDown PgUp"),
-            ("go to the upper and the lower end of the tow", "Ctrl+Home Ctrl+End"),
-            ("explain the pixel at the cursor, or release it", "Return"),
-            ("begin and end a measured line, after M", "Return"),
-            ("move the line between A and B (wiped)", "Alt+← →"),
-        ),
-    ),
-    ("Record, wherever no text is typed", (("show record A while held", "X"),)),
-    (
-        "Record, with the mouse",
-        (
-            ("explain a pixel, or release it", "click"),
-            ("all that can be done with a pixel and its record", "right click"),
-            ("look back along a paused record", "wheel"),
-            ("zoom about the mouse", "Ctrl+wheel"),
-            ("move a zoomed record across", "Shift+wheel"),
-            ("move a zoomed record, and look back", "drag"),
-            ("go to any ping", "drag of the handle at its edge"),
-        ),
-    ),
-    (
-        "3-D view, while it has the keyboard",
-        (("turn", "← → ↓ ↑"), ("zoom", "+ -")),
-    ),
-    (
-        "3-D view, with the mouse",
-        (
-            ("turn", "drag"),
-            ("move", "Shift+drag"),
-            ("zoom", "wheel"),
-            ("light up the pixels that receive an echo from a place", "click"),
-        ),
-    ),
-    (
-        "Parameters",
-        (
-            ("find a parameter", "Ctrl+F"),
-            ("show all parameters again", "Esc"),
-            ("reset a parameter", "double-click on its name"),
-        ),
-    ),
-    (
-        "Water",
-        (
-            ("choose a point, or the cross in the water", "Tab"),
-            ("move what is chosen, ten times as far with Shift", "← → ↓ ↑"),
-            ("find the rays to the cross", "Return"),
-        ),
-    ),
-    ("Chart", (("choose the point before or after", "← →"),)),
-    ("Contrast", (("move the upper end", "← →"), ("move the lower end", "Shift+← →"))),
-    ("Lessons", (("go to the step before", "PgUp"), ("go to the next step", "PgDown"))),
-    (
-        "Lecture",
-        (("show a preset", "1 2 3 4 5 6 7 8 9"), ("make the screen black, or show it", "."), ("leave it", "Esc")),
-    ),
-    ("Jobs", (("go from job to job", "↓ ↑"), ("stop the job that has the keyboard", "Delete"))),
-    ("Tour", (("leave it", "Esc"),)),
-)
 
 
 class KeysDialog(QDialog):
     """Lists every command that has a key, by its menu, and the keys of views."""
 
-    def __init__(
-        self, window: QWidget, menus: list[QMenu], others: tuple[tuple[str, tuple[tuple[str, str], ...]], ...]
-    ) -> None:
+    def __init__(self, window: QWidget, menus: list[QMenu]) -> None:
         super().__init__(window)
         self.setAttribute(Qt.WidgetAttribute.WA_DeleteOnClose)
         self.setWindowTitle("Keyboard shortcuts")
@@ -102,8 +37,9 @@ class KeysDialog(QDialog):
         self.list.setHeaderLabels(["command", "key"])
         for menu in menus:
             self._add(menu.title().replace("&", ""), [(a.text(), a.shortcut()) for a in commands_of(menu)])
-        for title, keys in others:
-            self._add(title, list(keys))
+        others = tomllib.loads((resources() / "window" / "keys.toml").read_text(encoding="utf-8"))
+        for title, keys in others.items():
+            self._add(title, list(keys.items()))
         self.list.expandAll()
         for column in range(2):
             self.list.resizeColumnToContents(column)

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from functools import partial
 from pathlib import Path
 
 from PySide6.QtCore import QSize, Qt, Signal
@@ -22,7 +21,7 @@ from PySide6.QtWidgets import (
 )
 
 from insonify.display.display_options import DisplayOptions
-from insonify_viewer.errors import Failure, guard_override
+from insonify_viewer.errors import guard_override
 from insonify_viewer.panels.panel import Panel, Place
 from insonify_viewer.record.comparison.comparison_actions import ComparisonActions
 from insonify_viewer.record.comparison.comparison_overlay import ComparisonOverlay
@@ -33,7 +32,7 @@ from insonify_viewer.widgets.buttons import make_action, set_icon, with_key
 from insonify_viewer.widgets.text import window_title
 from insonify_viewer.widgets.theme import lecture_scale, scaled
 from insonify_viewer.window.command_palette import CommandPalette, entries_of_menus, entries_of_scenes
-from insonify_viewer.window.help_dialogs import OTHER_KEYS, AboutDialog, KeysDialog
+from insonify_viewer.window.help_dialogs import AboutDialog, KeysDialog
 from insonify_viewer.window.lecture import Lecture
 from insonify_viewer.window.menus import (
     GainSlider,
@@ -101,14 +100,16 @@ class MainWindow(QMainWindow):
         self._panels: dict[str, Panel] = {}
         self._buttons: dict[str, QAction] = {}
         self.settings = Settings()
+        self.status = StatusLine()
+        self.say, self.complain = self.status.say, self.status.complain
         self._add_tools(palettes)
         self.menus = Menus(self)
         self.lecture = Lecture(self, self._docks, self._splitter)
         self.lecture.begun.connect(self._enlarge_records)
         self.recent = RecentMenu(self, self.settings)
-        sliders = partial(self.panel_widget, "parameters")
-        parts = lambda: self.scenes, sliders, lambda: self.waterfall, lambda: self.seabed, self.menuBar
-        self.tour = Tour(self, tour_steps(*parts))
+        docks, views = self._docks.by_panel, (lambda: self.waterfall, lambda: self.seabed)
+        steps = tour_steps(lambda: self.scenes, lambda: docks["parameters"], *views, self.menuBar)
+        self.tour = Tour(self, steps)
         self._fill_menus()
         self._add_status()
         self.setAcceptDrops(True)
@@ -146,7 +147,7 @@ class MainWindow(QMainWindow):
             return
         if name in self._buttons:
             self._buttons[name].setChecked(True)
-        if name in self._docks:
+        if name in self._docks.by_panel:
             self._docks.bring_forward(name)
 
     def open_palette(self) -> CommandPalette:
@@ -163,10 +164,6 @@ class MainWindow(QMainWindow):
         """The view of the seabed, or its placeholder until it is loaded."""
         return self._splitter.widget(0)
 
-    def panel_widget(self, name: str) -> QWidget:
-        """Return the widget of a panel at a side of the window."""
-        return self._docks.widget(name)
-
     def put_seabed(self, view: QWidget) -> None:
         """Put the view of the seabed into its place."""
         sizes = self._splitter.sizes()
@@ -175,14 +172,6 @@ class MainWindow(QMainWindow):
         view.show()
         self._room.make()
         self._placeholder.deleteLater()
-
-    def say(self, sentence: str, *, lasting: bool = False) -> None:
-        """Show a sentence in the status bar until the next one, and for some seconds unless it is to last."""
-        self.status.say(sentence, lasting=lasting)
-
-    def complain(self, error: Failure | Exception, *, lasting: bool = False) -> None:
-        """Show an error in the status bar like a sentence, with a button that copies its details."""
-        self.status.complain(error, lasting=lasting)
 
     def show_display(self, look: DisplayOptions) -> None:
         """Set palette and gain among the tools to the display options."""
@@ -348,7 +337,6 @@ class MainWindow(QMainWindow):
     def _add_status(self) -> None:
         status = self.statusBar()
         status.setSizeGripEnabled(False)
-        self.status = StatusLine()
         self.jobs = JobBar()
         self.jobs.clicked.connect(lambda: self.open_panel("jobs"))
         self.save.jobs.triggered.connect(lambda: self.open_panel("jobs"))
@@ -372,6 +360,8 @@ class MainWindow(QMainWindow):
         menus.group("Record", [self.pause, self.levels, self.trace])
         menus.group("Record", self.comparison.actions)
         menus.group("Tools", [self.save.jobs])
+        tip = "Compile now what the bundled scenes need, in the background, so that none of them has to wait later"
+        self.prepare_all = menus.add("Tools", "Prepare everything", tip)
         menus.group("View", [self.lecture.action])
         self.lecture.fill(menus.view)
         menus.group("View", [self.reset_view])
@@ -380,7 +370,7 @@ class MainWindow(QMainWindow):
         tip = "Find a command, scene, lesson or parameter by some letters of its name"
         menus.add("Help", "Find…", tip, "Ctrl+Shift+P").triggered.connect(self.open_palette)
         keys = menus.add("Help", "Keyboard shortcuts", "Every command that has a key", "?")
-        keys.triggered.connect(lambda: KeysDialog(self, menus.all, OTHER_KEYS).show())
+        keys.triggered.connect(lambda: KeysDialog(self, menus.all).show())
         menus.add("Help", "Tour", "See the window in five steps").triggered.connect(self.tour.begin)
         about = menus.add("Help", "About insonify", "Versions, licence, citation")
         about.triggered.connect(lambda: AboutDialog(self).show())

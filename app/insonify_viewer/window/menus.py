@@ -16,6 +16,7 @@ from insonify_viewer.widgets.theme import Theme, apply_theme
 from insonify_viewer.window.settings import SIZES, Settings
 
 MOST = 20  # edits in a menu
+TITLES = "File", "Edit", "View", "Record", "Tools", "Help"
 NAMES = {Theme.SYSTEM: "As the system", Theme.DARK: "Dark", Theme.LIGHT: "Light"}
 
 
@@ -24,21 +25,15 @@ class Menus(QObject):
 
     def __init__(self, window: QMainWindow) -> None:
         super().__init__(window)
-        bar = window.menuBar()
-        self.file, self.edit = _menu(bar.addMenu("&File")), _menu(bar.addMenu("&Edit"))
-        self.view, self.record = _menu(bar.addMenu("&View")), _menu(bar.addMenu("&Record"))
-        self.tools, self.help = _menu(bar.addMenu("&Tools")), _menu(bar.addMenu("&Help"))
-
-    @property
-    def all(self) -> list[QMenu]:
-        """All menus, from left to right."""
-        return [self.file, self.edit, self.view, self.record, self.tools, self.help]
+        # From left to right.
+        self.all = [window.menuBar().addMenu(f"&{title}") for title in TITLES]
+        for menu in self.all:
+            menu.setToolTipsVisible(True)
+        self.file, self.edit, self.view, self.record, self.tools, self.help = self.all
 
     def named(self, title: str) -> QMenu:
         """Menu of a title such as ``View``."""
-        menu = getattr(self, title.lower())
-        assert isinstance(menu, QMenu)
-        return menu
+        return self.all[TITLES.index(title)]
 
     def add(self, title: str, text: str, tip: str, key: str = "") -> QAction:
         """Append a command to the menu of a title and return its action."""
@@ -53,11 +48,6 @@ class Menus(QObject):
         if menu.actions():
             menu.addSeparator()
         menu.addActions(actions)
-
-
-def _menu(menu: QMenu) -> QMenu:
-    menu.setToolTipsVisible(True)
-    return menu
 
 
 class HistoryMenus(QObject):

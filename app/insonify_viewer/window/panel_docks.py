@@ -27,12 +27,11 @@ AREAS = {
 
 
 class PanelRoom(QObject):
-    """Keeps room for the 3-D view and the record beside the panels.
+    """Keeps room for the 3-D view and the record beside the panels."""
 
-    Where the two views would have less than `LEAST` of the window, a panel of the left side stands below those at the
-    right one, and panels below and at the right are smaller. The 3-D view is left out where panels and record need its
-    room even so.
-    """
+    # Where the two views would have less than `LEAST` of the window, a panel of the left side stands below those at
+    # the right one, and panels below and at the right are smaller. The 3-D view is left out where panels and record
+    # need its room even so.
 
     def __init__(self, window: QMainWindow, splitter: QSplitter) -> None:
         super().__init__(window)
@@ -139,7 +138,7 @@ class PanelDocks:
 
     def __init__(self, window: QMainWindow, room: PanelRoom) -> None:
         self._window, self._room = window, room
-        self._docks: dict[str, QDockWidget] = {}
+        self.by_panel: dict[str, QDockWidget] = {}  # the dock of each panel by its name
         self._opened_below = False
         window.setDocumentMode(True)
         window.setCorner(Qt.Corner.BottomRightCorner, AREAS[Place.SIDE])
@@ -165,21 +164,13 @@ class PanelDocks:
                 dock.raise_()
         self._name_tabs()
 
-    def __contains__(self, panel: str) -> bool:
-        """Whether a panel, by its name, is in a dock."""
-        return panel in self._docks
-
-    def widget(self, panel: str) -> QWidget:
-        """Return the dock of a panel."""
-        return self._docks[panel]
-
     def bring_forward(self, panel: str) -> None:
         """Open a panel, before those that share its place."""
-        dock = self._docks[panel]
+        dock = self.by_panel[panel]
         if dock.isHidden():
             area = self._window.dockWidgetArea(dock)
             # Qt lays a dock out where it stands behind others only if these are in view by then.
-            for other in self._docks.values():
+            for other in self.by_panel.values():
                 if not other.isHidden() and self._window.dockWidgetArea(other) is area:
                     self._window.tabifyDockWidget(other, dock)
             dock.show()
@@ -191,16 +182,16 @@ class PanelDocks:
         if shown and panel.place is Place.BELOW and not self._opened_below:
             self._opened_below = True
             height = round(BELOW * self._window.height())
-            self._window.resizeDocks([self._docks[panel.name]], [height], Qt.Orientation.Vertical)
+            self._window.resizeDocks([self.by_panel[panel.name]], [height], Qt.Orientation.Vertical)
         if shown:
             self.bring_forward(panel.name)
         else:
-            self._docks[panel.name].hide()
+            self.by_panel[panel.name].hide()
         panel.opened(shown)
 
     def stow(self, height: int) -> Callable[[], None]:
         """Hide all panels but those of the left side, which stand below, with a height; return what restores them."""
-        window, shown = self._window, [dock for dock in self._docks.values() if not dock.isHidden()]
+        window, shown = self._window, [dock for dock in self.by_panel.values() if not dock.isHidden()]
         front = [dock for dock in shown if not dock.visibleRegion().isEmpty()]
         widths = [dock.width() for dock in front]
         self._room.resting = True
@@ -212,7 +203,7 @@ class PanelDocks:
                 dock.hide()
 
         def restore() -> None:
-            for name, dock in self._docks.items():
+            for name, dock in self.by_panel.items():
                 if dock in shown and dock.isHidden():
                     self.bring_forward(name)
                 elif dock not in shown:
@@ -234,7 +225,7 @@ class PanelDocks:
         dock.setWidget(panel.widget)
         self._window.addDockWidget(area, dock)
         self._room.watch(dock, panel.place)
-        self._docks[panel.name] = dock
+        self.by_panel[panel.name] = dock
         return dock
 
     def _name_tabs(self) -> None:

@@ -15,9 +15,9 @@ from PySide6.QtCore import QLockFile, QObject, QTimer
 from PySide6.QtWidgets import QMessageBox
 
 from insonify.io.atomic import write_text
+from insonify.io.contacts import GEOJSON, Contact, describe_contacts, read_contacts, write_contacts
 from insonify.scene import Scene, SceneError, load_scene, scene_to_toml
 from insonify_viewer.errors import Failure, format_trace
-from insonify_viewer.state.contacts import GEOJSON, Contact, describe_contacts, read_contacts, write_contacts
 from insonify_viewer.state.session import ContactList, Session
 from insonify_viewer.widgets.text import literal
 from insonify_viewer.window.main_window import MainWindow

@@ -7,9 +7,11 @@ from collections.abc import Callable, Mapping
 from pathlib import Path
 
 from insonify.io.atomic import write_text
+from insonify.io.contact_reports import FORMATS as REPORTS
+from insonify.io.contact_reports import write_report
+from insonify.io.contacts import FORMATS, GEOJSON, describe_contacts, write_contacts
 from insonify.operating_system import is_portable
-from insonify.scene import scene_to_toml
-from insonify_viewer.state.contacts import FORMATS, GEOJSON, describe_contacts, write_contacts
+from insonify.scene import SceneError, scene_to_toml
 from insonify_viewer.state.session import ContactList, Session
 from insonify_viewer.widgets.save_dialogs import (
     PICTURE,
@@ -57,10 +59,8 @@ class Saving:
         return saved and (not self._jobs.running or ask_about_jobs(self._window, len(self._jobs.running)))
 
     def save_scene(self) -> bool:
-        """Write the scene to its file, or to one that the person names; return whether it was written.
-
-        A file with comments, which would be lost, is replaced only where the person says so.
-        """
+        """Write the scene to its file, or to one that the person names; return whether it was written."""
+        # A file with comments, which would be lost, is replaced only where the person says so.
         file = self._session.file
         return self._write_scene(Path(file)) if file and not _has_comments(file) else self.save_scene_as()
 
@@ -100,6 +100,13 @@ class Saving:
         self._contacts.mark_saved(str(path))
         return True
 
+    def report_contacts(self) -> None:
+        """Write a report of the contacts to a file that the person names; they count as saved only in a list."""
+        suggestion = str(Path(self._contacts.file or _beside(self._session.file)).with_suffix(REPORTS[0][1]))
+        path = ask_where_to_save(self._window, "Save a report of the contacts", suggestion, REPORTS)
+        if path is not None:
+            self._try(lambda: write_report(path, self._contacts.all), path)
+
     def _unsaved_scene(self) -> Savers:
         return {f"the scene “{self._session.scene.title}”": self.save_scene} if self._session.unsaved else {}
 
@@ -118,7 +125,7 @@ class Saving:
         self._folder = str(path.parent)
         try:
             save()
-        except OSError as error:
+        except (OSError, SceneError) as error:
             self._window.complain(error)
             return False
         self._window.say(f"saved {path}")

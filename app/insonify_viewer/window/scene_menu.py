@@ -66,10 +66,9 @@ class SceneMenu(QToolButton):
 
 
 class SceneGallery(QDialog):
-    """Shows a picture and the title of every bundled scene, and signals the file of the one that is clicked.
+    """Shows a picture and the title of every bundled scene, and signals the file of the one that is clicked."""
 
-    Scenes on which a method fails come last.
-    """
+    # Scenes on which a method fails come last.
 
     wanted = Signal(str)
 

@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+from enum import Enum
 from pathlib import Path
-from typing import Any
+from typing import Any, Generic, TypeVar
 
 from PySide6.QtCore import QByteArray, QSettings
 
@@ -11,6 +13,7 @@ from insonify.display.display_options import DisplayOptions, display_settings, r
 from insonify.scene import SceneError
 from insonify_viewer.widgets.theme import Theme
 
+Value = TypeVar("Value")
 RECENT = 10  # files
 KEPT = (  # display options; gains and contrast suit one record, and begin anew
     *("side", "ground_range", "palette", "water_column", "reverse", "decibels", "newest_on_top", "bottom_line"),
@@ -19,62 +22,32 @@ KEPT = (  # display options; gains and contrast suit one record, and begin anew
 SIZES = (100, 125, 150, 200)  # %, of the text and of all that takes its size from it
 
 
-class Settings:
-    """Theme, size of the text, place of the window, display of the record and recent files, in a file of the person.
+class _Kept(Generic[Value]):
+    """A value of the settings by its name, as it is read from the file, which may hold none or anything."""
 
-    Every value that is not understood, as of a file that was edited by hand, reads as the usual one.
-    """
+    def __init__(self, name: str, read: Callable[[Any], Value]) -> None:
+        self._name, self._read = name, read
+
+    def __get__(self, settings: Settings, _: object) -> Value:
+        return self._read(settings._store.value(self._name))
+
+    def __set__(self, settings: Settings, value: Value) -> None:
+        settings._store.setValue(self._name, value.value if isinstance(value, Enum) else value)
+
+
+class Settings:
+    """Theme, size of the text, place of the window, display of the record and recent files, in a file of the person."""
+
+    # Every value that is not understood, as of a file that was edited by hand, reads as the usual one.
+
+    theme = _Kept("theme", lambda kept: next((theme for theme in Theme if theme.value == kept), Theme.SYSTEM))
+    size = _Kept("size", lambda kept: int(kept) if str(kept) in map(str, SIZES) else 100)  # %; from the next start
+    geometry = _Kept("geometry", lambda kept: kept if isinstance(kept, QByteArray) else QByteArray())  # of the window
+    toured = _Kept("toured", lambda kept: str(kept).lower() == "true")  # whether the tour was shown
+    presets = _Kept("presets", lambda kept: str(kept or ""))  # file of the presets that were opened or saved last
 
     def __init__(self) -> None:
         self._store = QSettings(QSettings.Format.IniFormat, QSettings.Scope.UserScope, "insonify", "insonify")
-
-    @property
-    def theme(self) -> Theme:
-        """Theme of the window."""
-        named = self._store.value("theme")
-        return next((theme for theme in Theme if theme.value == named), Theme.SYSTEM)
-
-    @theme.setter
-    def theme(self, theme: Theme) -> None:
-        self._store.setValue("theme", theme.value)
-
-    @property
-    def size(self) -> int:
-        """Size of the text in per cent, one of `SIZES`; it counts from the next start."""
-        kept = str(self._store.value("size", "100"))
-        return int(kept) if kept in map(str, SIZES) else 100
-
-    @size.setter
-    def size(self, size: int) -> None:
-        self._store.setValue("size", size)
-
-    @property
-    def geometry(self) -> QByteArray:
-        """Place and size of the window, as Qt writes them; empty at the first start."""
-        kept = self._store.value("geometry")
-        return kept if isinstance(kept, QByteArray) else QByteArray()
-
-    @geometry.setter
-    def geometry(self, geometry: QByteArray) -> None:
-        self._store.setValue("geometry", geometry)
-
-    @property
-    def toured(self) -> bool:
-        """Whether the tour was shown."""
-        return str(self._store.value("toured", "")).lower() == "true"
-
-    @toured.setter
-    def toured(self, toured: bool) -> None:
-        self._store.setValue("toured", toured)
-
-    @property
-    def presets(self) -> str:
-        """File of the presets that were opened or saved last; empty without one."""
-        return str(self._store.value("presets", ""))
-
-    @presets.setter
-    def presets(self, file: str) -> None:
-        self._store.setValue("presets", file)
 
     @property
     def display(self) -> dict[str, Any]:

@@ -87,10 +87,9 @@ class StatusLine(QWidget):
 
 
 class JobBar(QProgressBar):
-    """Shows the newest job that runs, and how many others do; hidden while there is none.
+    """Shows the newest job that runs, and how many others do; hidden while there is none."""
 
-    With the keyboard in it, Return opens the list of jobs and Delete stops the newest.
-    """
+    # With the keyboard in it, Return opens the list of jobs and Delete stops the newest.
 
     clicked = Signal()
 

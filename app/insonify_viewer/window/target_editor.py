@@ -34,6 +34,7 @@ class TargetEditor:
         self._added = added
         self.handles = TargetHandles(session, window.waterfall)
         self._simulation: Simulation | None = None
+        self._new: int | None = None  # target that was added and is not simulated yet
         window.target_wanted.connect(self.add)
         files.mesh_opened.connect(partial(self.add, "mesh"))
 
@@ -41,6 +42,9 @@ class TargetEditor:
         """Take the simulation on screen, which holds the bed."""
         self._simulation = simulation
         self.handles.follow(simulation)
+        if self._new is not None and self._new < len(simulation.scene.targets):
+            self.handles.frame(self._new)
+            self._new = None
 
     def add(self, kind: str, path: str = "") -> None:
         """Place a target of a kind where the record shows it; one that is read from a file asks for it unless given."""
@@ -64,4 +68,6 @@ class TargetEditor:
         said = f"mesh {Path(path).name} added as target {len(targets) + 1}, at x {x:g} m, y {y:g} m" if path else ""
         if self._session.settle({"targets": [*targets, target]}, name, said):
             self._files.keep_recent(path)
+            self._new = len(targets)
+            self.handles.choose(len(targets))
             self._added(f"targets.{len(targets)}")

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import tomllib
 from collections.abc import Callable
 from typing import NamedTuple
 
@@ -10,6 +11,7 @@ from PySide6.QtGui import QKeyEvent, QRegion
 from PySide6.QtWidgets import QFrame, QHBoxLayout, QLabel, QVBoxLayout, QWidget
 from shiboken6 import isValid
 
+from insonify.files import resources
 from insonify_viewer.errors import guard_override
 from insonify_viewer.widgets.buttons import push_button
 from insonify_viewer.widgets.theme import ACCENT
@@ -157,29 +159,8 @@ def lay_over_native_views(widget: QWidget) -> None:
 
 def tour_steps(*parts: Callable[[], QWidget | None]) -> tuple[TourStep, ...]:
     """Make the steps of the tour: scenes, parameters, record, seabed, menu bar."""
-    scenes, parameters, record, seabed, menus = parts
-    return (
-        TourStep(
-            "Pick a scene", "Scenes holds pipes, wrecks, ripples, ghosts, bent sound … The first record is being made.",
-            scenes,
-        ),
-        TourStep(
-            "Move a slider", "The record follows while it moves. Double-click a name to reset it; Ctrl+Z undoes. Ticks "
-            "switch effects such as ghosts and noise on and off.", parameters,
-        ),
-        TourStep(
-            "Ask the record", "Space pauses the tow. Click a pixel to see why it is bright or dark: what returns the "
-            "echo, or what hides the bed there.", record,
-        ),
-        TourStep(
-            "Turn the seabed", "Drag to turn it, the wheel zooms. Click a target, then move, turn or stretch it by its "
-            "handles.", seabed,
-        ),
-        TourStep(
-            "Learn more", "Lessons show step by step how a record comes about. Help lists the keys and this tour.",
-            menus,
-        ),
-    )  # fmt: skip
+    steps = tomllib.loads((resources() / "window" / "tour.toml").read_text(encoding="utf-8"))["step"]
+    return tuple(TourStep(step["title"], step["words"], part) for step, part in zip(steps, parts, strict=True))
 
 
 def _place_beside(part: QRect, width: int, height: int, window: QRect) -> QPoint:

@@ -16,10 +16,8 @@ from insonify_viewer.errors import Failure, cause_of, describe_error, format_tra
 
 @contextmanager
 def reported_errors(complain: Callable[[Failure], None]) -> Iterator[None]:
-    """Show every exception that no slot caught in the window; faults are also written to standard error.
-
-    A `SceneError` is no fault: a file of the scene may be damaged or removed while the window shows it.
-    """
+    """Show every exception that no slot caught in the window; faults are also written to standard error."""
+    # A `SceneError` is no fault: a file of the scene may be damaged or removed while the window shows it.
     before = sys.excepthook
 
     def tell(kind: type[BaseException], error: BaseException, trace: TracebackType | None) -> None:

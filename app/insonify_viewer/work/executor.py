@@ -23,11 +23,10 @@ QUIET, LONGEST = 0.1, 0.7  # s without other work before patient work begins, an
 
 
 class Executor(QObject):
-    """Runs work on threads of its own and passes the results to the main thread.
+    """Runs work on threads of its own and passes the results to the main thread."""
 
-    Work has a key, and each key its thread, which begins with the first work: work replaces work of the same key that
-    still waits. A task has a thread to itself.
-    """
+    # Work has a key, and each key its thread, which begins with the first work: work replaces work of the same key
+    # that still waits. A task has a thread to itself.
 
     _posted = Signal(object, object)
 

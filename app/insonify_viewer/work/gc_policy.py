@@ -81,10 +81,9 @@ def forget_ground() -> None:
 
 
 class GcPolicy:
-    """Collects young generations by Python's thresholds, and the oldest for a small share of the time.
+    """Collects young generations by Python's thresholds, and the oldest for a small share of the time."""
 
-    Objects are not counted: `gc.get_objects` refers to tuples that other threads are making, which then fail there.
-    """
+    # Objects are not counted: `gc.get_objects` refers to tuples that other threads are making, which then fail there.
 
     def __init__(self) -> None:
         self._next = 0.0  # time from which the oldest generation may be collected

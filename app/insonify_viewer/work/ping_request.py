@@ -53,6 +53,7 @@ class TracedPings:
     altitude: NDArray[np.float64]
     # (bins,) number of pings that the beam covers, over which the view still has to average.
     reach: NDArray[np.float64] | None = None
+    example: bool = False  # whether they come with the package, shown until the first pings are traced
 
     @property
     def stamps(self) -> NDArray[np.int64]:

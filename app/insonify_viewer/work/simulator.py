@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Callable, Iterator
-from contextlib import ExitStack, contextmanager
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import ExitStack, contextmanager, suppress
 from functools import partial
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -13,10 +14,10 @@ from numpy.typing import NDArray
 from psygnal import Signal
 
 from insonify.compiler.progress import Compilation, watch_compilation
-from insonify.scene import Scene, SceneError, edit
+from insonify.scene import Scene, SceneError, edit, load_scene
 from insonify_viewer.errors import describe_error
 from insonify_viewer.state.history import Modelling
-from insonify_viewer.work.executor import Executor, Lane, Receive, Work
+from insonify_viewer.work.executor import Executor, Lane, Progress, Receive, Work
 from insonify_viewer.work.ping_request import PingRequest, SimulatedScene, TracedPings, find_altitude, is_same_ground
 from insonify_viewer.work.waiting import Waiting
 
@@ -36,11 +37,10 @@ MARGIN = 1.3  # times the range, about the pings: for the pulse, rough motion an
 
 
 class Simulator:
-    """Traces the pings of the newest request on a thread of its own.
+    """Traces the pings of the newest request on a thread of its own."""
 
-    A new request replaces one that waits. A request under way runs to the end of its block, so that a slider that moves
-    all the time still shows pings; the rest of it must be requested again.
-    """
+    # A new request replaces one that waits. A request under way runs to the end of its block, so that a slider that
+    # moves all the time still shows pings; the rest of it must be requested again.
 
     answered = Signal(object)  # `TracedPings`
     laid = Signal(int, object)  # number of a request, and its scene on a new bed
@@ -76,6 +76,10 @@ class Simulator:
         """Trace these pings next, instead of a request that still waits."""
         self._lane.put("pings", lambda: self._serve(request), lambda _: None, rank=2)
 
+    def show_first(self, scene: Scene, receive: Callable[[Any], None]) -> None:
+        """Make pictures ready to be drawn; answer with the record that comes with the package if it is the scene's."""
+        self.send(lambda: self._example(scene), receive)
+
     def prepare(self, scene: Scene, modelling: Modelling, receive: Callable[[Any], None]) -> None:
         """Prepare a scene without tracing it, and pass its `Simulation` or a `SceneError` to the main thread."""
         self.send(lambda: self._prepared(scene, modelling, fine=True)[0], receive)
@@ -107,6 +111,13 @@ class Simulator:
             simulation = self._prepare(scene, tolerance=modelling.tolerance, forced={})
             return LevelBed(simulation).amplitudes(pings)
 
+    def prepare_all(self, files: Sequence[Path], report: Progress) -> None:
+        """Trace two pings of each scene of some files, so that the kernels that they need are compiled."""
+        for number, file in enumerate(files):
+            report(number / len(files))
+            with suppress(SceneError):
+                self.trace_beside(load_scene(file), Modelling(), np.arange(2))
+
     def close(self, patience: float | None = None) -> None:
         """End all threads, and wait for each at most for a time in seconds: it may be compiling."""
         self._watching.close()
@@ -124,6 +135,23 @@ class Simulator:
                     return
         except Exception as error:  # an exception that ends the thread would freeze the picture silently
             self.executor.call_later(refuse, describe_error(error, "the simulation of this scene"))
+
+    def _example(self, scene: Scene) -> None:
+        # lazy: loaded on the worker; the window opens before Numba is loaded
+        from insonify.display.example import UNPLANNED, read_example
+        from insonify.display.normalisation import LevelBed
+        from insonify.display.picture import compile_picture
+
+        compile_picture()
+        amplitude = read_example(scene) if self._pack is not None else None
+        if amplitude is None:
+            return
+        simulation = self._prepare(scene, plan=UNPLANNED, **self._packed(scene, 0, None, tell=False))
+        pings, level = np.arange(len(amplitude)), LevelBed(simulation)
+        drawn, altitude = np.ones(len(pings), bool), find_altitude(simulation, pings)
+        answer = TracedPings(0, False, pings, amplitude, level, simulation, 0.0, drawn, altitude, example=True)
+        self.executor.call_later(self._deliver, answer)
+        level.normalise(amplitude[:1], pings[:1])  # compiles what the cursor needs, before all that tracing needs
 
     def _trace(self, request: PingRequest) -> Iterator[TracedPings]:
         modelling = request.modelling if request.fine else request.modelling.coarse
@@ -153,10 +181,8 @@ class Simulator:
     def _refine(
         self, level: LevelBed, pings: NDArray[np.int64], passed: float
     ) -> Iterator[tuple[NDArray[np.float32], NDArray[np.bool_], float]]:
-        """Amplitudes of pings, which of them are interpolated, and the seconds it took: at first every few, then all.
-
-        Of pings that take long something newer may wait for, only the first come.
-        """
+        """Yield amplitudes of pings, which are interpolated, and the seconds it took: at first every few, then all."""
+        # Of pings that take long something newer may wait for, only the first come.
         stride, begun = self._stride(len(pings), passed), time.perf_counter()
         traced = self._trace_coarsely(level, pings[::stride])
         seconds = time.perf_counter() - begun
@@ -188,10 +214,8 @@ class Simulator:
         return np.concatenate(parts)
 
     def _stride(self, pings: int, passed: float) -> int:
-        """Stride over the pings by which a coarse trace of them takes about `COARSE_TIME`, or half of what has passed.
-
-        A picture for which ground was made comes late in any case, and hardly later with more of its pings.
-        """
+        """Stride over pings by which a coarse trace of them takes about `COARSE_TIME`, or half of what has passed."""
+        # A picture for which ground was made comes late in any case, and hardly later with more of its pings.
         stride, allowed = 1, max(COARSE_TIME, 0.5 * passed)
         while stride < MAX_STRIDE and pings * self._cost > allowed * stride:
             stride *= 2
@@ -206,10 +230,8 @@ class Simulator:
         number: int = 0,
         beneath: NDArray[np.int64] | None = None,
     ) -> tuple[Simulation, LevelBed]:
-        """Prepare a scene, of its ground no more than lies beneath some pings, if they are given.
-
-        The last simulation is used again if the scene is the same.
-        """
+        """Prepare a scene, of its ground no more than lies beneath some pings, if they are given."""
+        # The last simulation is used again if the scene is the same.
         # lazy: loaded on the worker; the window opens before Numba is loaded
         from insonify.display.normalisation import LevelBed
 

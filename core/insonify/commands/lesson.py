@@ -4,7 +4,6 @@ import argparse
 from typing import Any
 
 from insonify.commands.options import say
-from insonify.lessons import bundled_lessons, check_lesson, check_records, group_lessons, load_lesson, load_lessons
 
 
 def register(subparsers: Any) -> None:
@@ -33,6 +32,8 @@ def register(subparsers: Any) -> None:
 
 def run_list(arguments: argparse.Namespace) -> None:
     """Print the bundled lessons in their order, with course, minutes and title."""
+    from insonify.lessons import group_lessons, load_lessons  # lazy: no other command needs lessons
+
     del arguments
     groups = group_lessons(load_lessons())
     width = max((len(lesson.name) for _, lessons in groups for lesson in lessons), default=0)
@@ -44,6 +45,8 @@ def run_list(arguments: argparse.Namespace) -> None:
 
 def run_check(arguments: argparse.Namespace) -> None:
     """Check lessons; the first fault ends the check with an error."""
+    from insonify.lessons import bundled_lessons, check_lesson, check_records, load_lesson  # lazy: as above
+
     for name in arguments.lessons or bundled_lessons():
         lesson = load_lesson(name)
         check_lesson(lesson)

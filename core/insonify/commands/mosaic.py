@@ -31,8 +31,8 @@ def register(subparsers: Any) -> None:
         "--overlap",
         choices=OVERLAPS,
         default=OVERLAPS[0],
-        help="what counts where records overlap: their mean energy, the last one named, the strongest, or the one "
-        "nearest in ground range (default: %(default)s)",
+        help="what counts where records overlap: their mean energy, the last one named, the strongest, the one "
+        "nearest in ground range, or the nearest beyond 1.4 altitudes of slant range (default: %(default)s)",
     )
     parser.add_argument(
         "--altitude",

@@ -244,7 +244,7 @@ def say(line: str) -> None:
 
 def _count(text: str) -> int:
     if not (text.isdecimal() and int(text) > 0):
-        raise argparse.ArgumentTypeError(f"{text!r} is no number of threads; give a whole number from 1")
+        raise argparse.ArgumentTypeError(f"{text!r} is not a number of threads; give a whole number from 1")
     return int(text)
 
 

@@ -13,6 +13,7 @@ import threading
 from collections.abc import Iterator
 
 from insonify.child_process import ChildProcess
+from insonify.compiler.cache_folder import cache_folder
 from insonify.compiler.progress import report_progress
 from insonify.cores import VARIABLE, default_threads
 
@@ -25,20 +26,20 @@ class CompilationStoppedError(RuntimeError):
 
 
 class CompilingProcess:
-    """A process that compiles kernels one after the other, by their names (`dispatch.name_code`)."""
+    """A process that compiles kernels one after the other: by their names (`dispatch.name_code`), or by a function."""
 
     def __init__(self, reports: bool, **environment: str) -> None:
         self.reports = reports  # whether its progress is reported here
         self.ended = self.stopped = False
-        self.pending: set[bytes] = set()  # requested and not compiled yet
+        self.pending: set[bytes | str] = set()  # requested and not compiled yet
         self._changed = threading.Condition()
         self._child = ChildProcess(WORKER, **environment)
         self._reader = threading.Thread(target=self._read, name="compiling process", daemon=True)
         self._reader.start()
         _alive.add(self)
 
-    def request(self, name: bytes) -> None:
-        """Request a kernel, unless that has been done."""
+    def request(self, name: bytes | str) -> None:
+        """Request a kernel, or the call of a function ``module:name``, unless that has been done."""
         with self._changed:
             if name not in self.pending:
                 self.pending.add(name)
@@ -60,7 +61,7 @@ class CompilingProcess:
         self._child.process.kill()
         self._reader.join()
 
-    def _send(self, request: bytes | None) -> None:
+    def _send(self, request: bytes | str | None) -> None:
         with contextlib.suppress(OSError, ValueError):  # it has ended: `_read` notices
             self._child.send(request)
 
@@ -69,7 +70,7 @@ class CompilingProcess:
         with contextlib.suppress(Exception):
             while True:
                 answer = self._child.receive()
-                if isinstance(answer, bytes):
+                if isinstance(answer, (bytes, str)):
                     with self._changed:
                         self.pending.discard(answer)
                         self._changed.notify_all()
@@ -131,6 +132,12 @@ class _Elsewhere:
         self.process: CompilingProcess | None = None
         self.lock = threading.Lock()
 
+    def begin(self, function: str) -> None:
+        """Let the process call a function ``module:name`` that compiles kernels, without waiting for it."""
+        self.wanted = True
+        if (process := self._running()) is not None:
+            process.request(function)
+
     def compile(self, name: bytes) -> None:
         """Wait until the process has compiled a kernel; if it cannot be started or ends early, nothing is done."""
         for _ in range(TRIES):
@@ -162,10 +169,15 @@ elsewhere = _Elsewhere()
 
 
 @contextlib.contextmanager
-def compiled_elsewhere() -> Iterator[None]:
-    """Let another process compile the kernels that are called until the block ends."""
+def compiled_elsewhere(first: str = "") -> Iterator[None]:
+    """Let another process compile the kernels that are called until the block ends.
+
+    While no kernel at all is on disk, it begins at once with those that a function ``module:name`` compiles.
+    """
     # Threads that then still wait for a kernel get a `CompilationStoppedError`.
     elsewhere.wanted = True
+    if first and not cache_folder().exists():
+        elsewhere.begin(first)
     try:
         yield
     finally:

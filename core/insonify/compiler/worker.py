@@ -1,6 +1,7 @@
 """The child process that compiles kernels (`processes`)."""
 
 import contextlib
+import importlib
 from collections.abc import Callable
 from typing import Any
 
@@ -16,10 +17,14 @@ def main() -> None:
     serve(_answer, IDLE)
 
 
-def _answer(name: bytes, send: Callable[[Any], None]) -> None:
+def _answer(request: bytes | str, send: Callable[[Any], None]) -> None:
     with (
         watch_compilation(send),
         contextlib.suppress(Exception),
     ):  # the parent then finds no code and raises the error itself
-        compile_named(name)
-    send(name)
+        if isinstance(request, str):
+            module, _, name = request.partition(":")
+            getattr(importlib.import_module(module), name)()
+        else:
+            compile_named(request)
+    send(request)

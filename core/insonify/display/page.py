@@ -3,28 +3,34 @@
 from __future__ import annotations
 
 import math
-import warnings
+from collections.abc import Iterable
+from functools import cache
+from importlib.util import find_spec
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
-from matplotlib.figure import Figure
-from matplotlib.ticker import FuncFormatter, MaxNLocator
+from PIL import Image, ImageDraw, ImageFont
 
 from insonify.display.display_options import DisplayOptions
 from insonify.display.picture import choose_contrast, colour_amplitudes, shown_palette, span_decibels
 from insonify.display.range_axis import NAMES, choose_kind
 from insonify.display.sheet import RecordSheet
-from insonify.display.style import AMBER, FAINT, INK, LINE_WIDTH, label_axes, make_figure, style_axes
 from insonify.io.atomic import replacing
 from insonify.scene import Scene
 
 if TYPE_CHECKING:
     import xarray as xr
 
+INK, FAINT, AMBER = "#22262b", "#6b737c", "#e08e1b"  # as of the figures (`display.style`)
 DPI = 100
 COMPRESSION = 2  # of PNG: a quarter of the time of the usual 6, and 5 % more bytes
 LEFT, RIGHT, TOP, BOTTOM = 86, 196, 92, 62  # margins in pixels
+TICK, GAP = 5, 5  # px, length of a tick, and from it to its number
+ROUND = (1.0, 2.0, 2.5, 5.0, 10.0)  # steps of scales, times a power of ten
+FINER = 4  # times the pixels in which an oblique line is drawn, to be averaged
+
+Ticks = list[tuple[float, str]]  # share of a side from its left or lower end, and the number there
 
 
 class PageCaption(NamedTuple):
@@ -35,96 +41,139 @@ class PageCaption(NamedTuple):
     level: str  # level to which the echoes are relative
 
 
+class Frame(NamedTuple):
+    """Place of a framed picture on a page, in pixels."""
+
+    left: int
+    top: int
+    width: int
+    height: int
+
+
 def write_page(path: str | Path, sheet: RecordSheet, look: DisplayOptions, caption: PageCaption) -> None:
     """Write a sheet with scales, colour bar and caption as PNG."""
-    figure = draw_page(sheet, look, caption)
-    with replacing(path) as beside, warnings.catch_warnings():
-        warnings.filterwarnings("ignore", "Glyph .* missing")  # a title in any script
-        figure.savefig(beside, dpi=DPI, pil_kwargs={"compress_level": COMPRESSION})
+    page = draw_page(sheet, look, caption)
+    with replacing(path) as beside:
+        page.save(beside, format="PNG", dpi=(DPI, DPI), compress_level=COMPRESSION)
 
 
-def draw_page(sheet: RecordSheet, look: DisplayOptions, caption: PageCaption) -> Figure:
+def draw_page(sheet: RecordSheet, look: DisplayOptions, caption: PageCaption) -> Image.Image:
     """Draw a sheet on a page, one pixel per amplitude."""
+    # By Pillow: Matplotlib takes longer to import and to draw the same than all before.
     height, width = sheet.amplitude.shape
-    whole = (LEFT + width + RIGHT, TOP + height + BOTTOM)
-    figure = make_figure(whole[0] / DPI, whole[1] / DPI, dpi=DPI)
+    page = Image.new("RGB", (LEFT + width + RIGHT, TOP + height + BOTTOM), "white")
     levels = look.levels or choose_contrast(sheet.amplitude, decibels=look.decibels)
-    axes = _axes(figure, whole, LEFT, BOTTOM, width, height)
-    near = -sheet.reach if look.side == "both" else 0.0
-    axes.imshow(
-        colour_amplitudes(sheet.amplitude, look, levels),
-        extent=(near, sheet.reach, *_ends(sheet, look)),
-        aspect="auto",
-        interpolation="nearest",
-    )
-    _scales(axes, sheet, look)
-    _lines(axes, sheet, look)
-    bar = _axes(figure, whole, LEFT + width + 84, BOTTOM, 18, height)
-    _colour_bar(bar, look, levels, caption.level)
-    _headings(figure, whole, width, look, caption)
-    return figure
+    picture, bar = Frame(LEFT, TOP, width, height), Frame(LEFT + width + 84, TOP, 18, height)
+    page.paste(Image.fromarray(colour_amplitudes(sheet.amplitude, look, levels)), (LEFT, TOP))
+    _scales(page, picture, sheet, look)
+    places = np.linspace(255.49, -0.49, height).round().astype(np.int64)
+    palette = np.repeat(shown_palette(look)[places][:, None], bar.width, axis=1)
+    page.paste(Image.fromarray(palette), (bar.left, bar.top))
+    decibels = place_decibel_ticks(levels, look.gain, decibels=look.decibels)
+    _scale(page, bar, "right", decibels, f"echo relative to {caption.level} (dB)")
+    for frame in (picture, bar):
+        corners = (frame.left - 1, frame.top - 1, frame.left + frame.width, frame.top + frame.height)
+        ImageDraw.Draw(page).rectangle(corners, outline=FAINT)
+    _headings(page, width, look, caption)
+    return page
 
 
-def _axes(figure: Figure, whole: tuple[int, int], left: int, bottom: int, width: int, height: int) -> Any:
-    axes = figure.add_axes((left / whole[0], bottom / whole[1], width / whole[0], height / whole[1]))
-    axes.tick_params(length=4)
-    style_axes(axes, 9, framed=True)
-    return axes
-
-
-def _ends(sheet: RecordSheet, look: DisplayOptions) -> tuple[float, float]:
-    """Metres along the track at the lower and the upper edge; one ping has no length."""
-    ends = (0.0, sheet.along or 1.0)
-    return ends if look.newest_on_top else ends[::-1]
-
-
-def _lines(axes: Any, sheet: RecordSheet, look: DisplayOptions) -> None:
-    """Draw lines of equal range, and the first echo of the bed at its slant range."""
+def _scales(page: Image.Image, frame: Frame, sheet: RecordSheet, look: DisplayOptions) -> None:
+    """Draw the scales: range from nadir outwards, metres along the track, ping numbers; and lines over the picture."""
+    both = look.side == "both"
+    near, along = -sheet.reach if both else 0.0, sheet.along or 1.0
+    ranges = [((x - near) / (sheet.reach - near), f"{abs(x):g}") for x in _ticks(near, sheet.reach, 10 if both else 8)]
     if look.range_lines:
-        axes.grid(axis="x", color="white", alpha=0.35, linewidth=0.6)
+        _overlay(page, frame, [[(share, 0.0), (share, 1.0)] for share, _ in ranges], "white", 0.35)
+    if both:
+        _overlay(page, frame, [[(0.5, 0.0), (0.5, 1.0)]], "white", 0.25)
     if look.bottom_line and look.water_column and not look.ground_range:
-        along = (np.arange(sheet.pings) + 0.5) / sheet.pings * (sheet.along or 1.0)
-        for sign in {"both": (-1.0, 1.0)}.get(look.side, (1.0,)):
-            axes.plot(sign * sheet.altitude, along, color=AMBER, linewidth=1.0, scalex=False, scaley=False)
-
-
-def _scales(axes: Any, sheet: RecordSheet, look: DisplayOptions) -> None:
-    """Set the scales: range from nadir outwards, metres along the track, ping numbers."""
-    axes.xaxis.set_major_locator(MaxNLocator(10 if look.side == "both" else 8, steps=[1, 2, 2.5, 5, 10]))
-    axes.xaxis.set_major_formatter(FuncFormatter(lambda x, _: f"{abs(x):g}"))
+        downwards = (np.arange(sheet.pings) + 0.5) / sheet.pings
+        upwards = downwards if look.newest_on_top else 1.0 - downwards
+        lines = [(sign * sheet.altitude - near) / (sheet.reach - near) for sign in ((-1.0, 1.0) if both else (1.0,))]
+        drawn = [list(zip(line.tolist(), upwards.tolist())) for line in lines]
+        _overlay(page, frame, drawn, AMBER, 1.0, finer=FINER)
     kind = choose_kind(ground_range=look.ground_range, water_column=look.water_column)
-    label_axes(axes, f"{NAMES[kind]} (m)", "along track (m)", pad=6)
-    if look.side == "both":
-        axes.axvline(0.0, color="white", alpha=0.25, linewidth=0.8)
-    if sheet.along <= 0.0:
-        axes.set_yticks([])
+    _scale(page, frame, "below", ranges, f"{NAMES[kind]} (m)")
+    metres = [(y / along, f"{y:g}") for y in _ticks(0.0, along, 9)] if sheet.along > 0.0 else []
+    numbers = [(n / sheet.pings, f"{n:g}") for n in _ticks(0.0, sheet.pings, 8, least=1.0)] if metres else []
+    for side, ticks, label, colour in (("left", metres, "along track (m)", INK), ("right", numbers, "ping", FAINT)):
+        placed = ticks if look.newest_on_top else [(1.0 - share, text) for share, text in ticks]
+        _scale(page, frame, side, placed, label if ticks or side == "left" else "", colour)
+
+
+def _ticks(low: float, high: float, most: int, *, least: float = 0.0) -> list[float]:
+    """Round numbers in an interval, which divide it into ``most`` parts at most."""
+    span = max((high - low) / most, least)
+    power = 10.0 ** math.floor(math.log10(span) + 1e-9)
+    step = next(power * times for times in ROUND if power * times >= span * (1.0 - 1e-9))
+    if least and step % 1.0:
+        step = math.ceil(step)
+    first, last = math.ceil(low / step - 1e-9), math.floor(high / step + 1e-9)
+    return [round(number * step, 12) for number in range(first, last + 1)]
+
+
+def _scale(page: Image.Image, frame: Frame, side: str, ticks: Ticks, label: str, colour: str = INK) -> None:
+    """Draw ticks with their numbers and a label below, left or right of a picture."""
+    draw, numbers = ImageDraw.Draw(page), _font(9)
+    beyond = TICK + GAP
+    if side == "below":
+        edge = frame.top + frame.height
+        for share, text in ticks:
+            x = _pixel(frame.left, frame.width, share)
+            draw.line([(x, edge), (x, edge + TICK)], fill=FAINT)
+            draw.text((x, edge + beyond + 10), text, fill=colour, font=numbers, anchor="ms")
+        draw.text((frame.left + frame.width / 2, edge + beyond + 32), label, fill=colour, font=_font(10), anchor="ms")
         return
-    numbers = axes.secondary_yaxis(
-        "right",
-        functions=(lambda y: y * (sheet.pings / sheet.along), lambda n: n * (sheet.along / sheet.pings)),
-    )
-    numbers.yaxis.set_major_locator(MaxNLocator(8, integer=True))
-    numbers.tick_params(labelsize=9, color=FAINT, labelcolor=FAINT, length=4, width=LINE_WIDTH)
-    numbers.spines["right"].set(color=FAINT, linewidth=LINE_WIDTH)
-    numbers.set_ylabel("ping", fontsize=10, color=FAINT, labelpad=4)
+    way, edge = (-1, frame.left - 1) if side == "left" else (1, frame.left + frame.width)
+    for share, text in ticks:
+        y = _pixel(frame.top, frame.height, 1.0 - share)
+        draw.line([(edge, y), (edge + way * TICK, y)], fill=FAINT)
+        draw.text((edge + way * beyond, y), text, fill=colour, font=numbers, anchor="rm" if way < 0 else "lm")
+    wide = max((numbers.getlength(text) for _, text in ticks), default=0.0)
+    across, low, far, high = _font(10).getbbox(label)
+    upright = Image.new("L", (int(far - across), int(high - low)))
+    ImageDraw.Draw(upright).text((-across, -low), label, fill=255, font=_font(10))
+    turned = upright.transpose(Image.Transpose.ROTATE_90)
+    x = round(edge + way * (beyond + wide + 7)) - (turned.width if way < 0 else 0)
+    page.paste(colour, (x, frame.top + (frame.height - turned.height) // 2), turned)
 
 
-def _colour_bar(axes: Any, look: DisplayOptions, levels: tuple[float, float], level: str) -> None:
-    """Draw the palette from low to high with ticks in decibels above a level."""
-    axes.imshow(shown_palette(look)[:, None, :], extent=(0, 1, 0, 1), origin="lower", aspect="auto")
-    axes.set_xticks([])
-    axes.yaxis.tick_right()
-    axes.yaxis.set_label_position("right")
-    places = place_decibel_ticks(levels, look.gain, decibels=look.decibels)
-    axes.set_yticks([place for place, _ in places], [text for _, text in places])
-    label_axes(axes, y=f"echo relative to {level} (dB)", pad=6)
+def _pixel(first: int, size: int, share: float) -> int:
+    """Pixel at a share of a side, or of the frame at its ends."""
+    return first + min(max(round(share * size - 0.5), -1), size)
 
 
-def place_decibel_ticks(levels: tuple[float, float], gain: float, *, decibels: bool = False) -> list[tuple[float, str]]:
+def _overlay(
+    page: Image.Image,
+    frame: Frame,
+    lines: Iterable[list[tuple[float, float]]],
+    colour: str,
+    alpha: float,
+    *,
+    finer: int = 1,
+) -> None:
+    """Draw lines over a picture, through shares of its width and of its height from below."""
+    fine = Image.new("L", (finer * frame.width, finer * frame.height))
+    for line in lines:
+        points = [(x * fine.width, (1.0 - y) * fine.height) for x, y in line]
+        ImageDraw.Draw(fine).line(points, fill=round(255 * alpha), width=finer, joint="curve")
+    page.paste(colour, (frame.left, frame.top), fine.reduce(finer))
+
+
+@cache
+def _font(points: float, *, bold: bool = False) -> ImageFont.FreeTypeFont:
+    """Font that comes with Matplotlib, which is not imported for it."""
+    spec = find_spec("matplotlib")
+    folder = Path(str(spec and spec.origin)).parent / "mpl-data" / "fonts" / "ttf"
+    return ImageFont.truetype(str(folder / f"DejaVuSans{'-Bold' * bold}.ttf"), points * DPI / 72.0)
+
+
+def place_decibel_ticks(levels: tuple[float, float], gain: float, *, decibels: bool = False) -> Ticks:
     """Place ticks at round decibels along a bar that is linear in amplitude, or in decibels."""
     low, high = levels
     highest = math.floor(20.0 * math.log10(high) - gain)
-    ticks: list[tuple[float, str]] = []
+    ticks: Ticks = []
     bottom, top = span_decibels(levels)
     for level in range(highest, highest - 60, -1):
         shown = level + gain
@@ -136,19 +185,17 @@ def place_decibel_ticks(levels: tuple[float, float], gain: float, *, decibels: b
     return ticks
 
 
-def _headings(figure: Figure, whole: tuple[int, int], width: int, look: DisplayOptions, caption: PageCaption) -> None:
-    def text(x: float, y: float, words: str, **style: Any) -> None:
-        figure.text(x / whole[0], 1.0 - y / whole[1], words, parse_math=False, **style)
-
+def _headings(page: Image.Image, width: int, look: DisplayOptions, caption: PageCaption) -> None:
     title = caption.title if len(caption.title) <= 90 else f"{caption.title[:89]}…"
-    text(LEFT, 34, title, fontsize=15, fontweight="bold", color=INK, va="baseline")
-    text(LEFT, 56, caption.line, fontsize=10, color=FAINT, va="baseline")
-    small: dict[str, Any] = {"fontsize": 9, "fontweight": "bold", "color": FAINT, "va": "baseline"}
+    draw, small = ImageDraw.Draw(page), _font(9, bold=True)
+    for y, words, font, colour in ((34, title, _font(15, bold=True), INK), (56, caption.line, _font(10), FAINT)):
+        draw.text((LEFT, y), words.replace("\n", " "), fill=colour, font=font, anchor="ls")
     if look.side in ("both", "port"):
-        text(LEFT, TOP - 9, "PORT", **small)
-    if look.side in ("both", "starboard"):
-        right = look.side == "both"
-        text(LEFT + width if right else LEFT, TOP - 9, "STARBOARD", ha="right" if right else "left", **small)
+        draw.text((LEFT, TOP - 9), "PORT", fill=FAINT, font=small, anchor="ls")
+    if look.side == "both":
+        draw.text((LEFT + width, TOP - 9), "STARBOARD", fill=FAINT, font=small, anchor="rs")
+    elif look.side == "starboard":
+        draw.text((LEFT, TOP - 9), "STARBOARD", fill=FAINT, font=small, anchor="ls")
 
 
 def caption_scene(scene: Scene, look: DisplayOptions) -> PageCaption:

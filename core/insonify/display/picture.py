@@ -4,20 +4,16 @@ Pictures show amplitudes as `insonify.display.normalisation` makes them.
 """
 
 import math
-from collections.abc import Callable
 from functools import cache
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
-from skimage import exposure
 
 from insonify.display.display_options import DisplayOptions, Levels, find_palettes
 from insonify.display.range_axis import RangeAxis
 from insonify.parallel import in_parallel
 from insonify.scene import SceneError
 
-_rescale: Callable[..., Any] = exposure.rescale_intensity
 DYNAMIC = 40.0  # dB, greatest span of a palette that is linear in decibels
 HIGHLIGHTS = 10.0  # times the middle of a record, the least upper end of such a palette
 _ENOUGH = 200_000  # amplitudes that suffice for a percentile
@@ -76,8 +72,8 @@ def map_tones(
     if decibels:
         low, high = span_decibels(levels)
         amplified = np.float32(20.0) * np.log10(np.maximum(amplified, np.float32(1e-30)))
-    scaled = _rescale(amplified, in_range=(low, high), out_range=(0.0, 255.0))
-    return np.rint(scaled).astype(np.uint8)
+    scaled = (np.clip(amplified, low, high) - low) / (high - low) if high > low else np.clip(amplified, 0.0, 1.0)
+    return np.rint(255.0 * scaled).astype(np.uint8)
 
 
 def mirror_channels(
@@ -152,6 +148,12 @@ def colour_rows(values: NDArray[np.float32], low: float, high: float, table: NDA
 
     in_parallel(block, len(rows), least=ROWS_A_THREAD)
     return out.reshape(values.shape)
+
+
+def compile_picture() -> None:
+    """Compile the kernels that average bins into columns and colour them, away from the main thread."""
+    columns = average_columns(np.zeros((1, 2), dtype=np.float32), np.array([[0.0, 1.0, 2.0]]))
+    colour_rows(columns, 0.0, 1.0, np.zeros(256, dtype=np.uint32))
 
 
 def colour_amplitudes(

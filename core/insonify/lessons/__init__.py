@@ -7,7 +7,7 @@ from insonify.lessons.courses import Course, group_lessons, load_courses
 from insonify.lessons.lesson import Lesson, Step, load_lesson, load_lessons, parse_lesson
 from insonify.lessons.quantities import QUANTITIES, SIDES
 from insonify.lessons.questions import UNKNOWN, Ask, Choice, Grade, Verdict, judge, read_number
-from insonify.lessons.states import AUTOMATIC, WINDOW_FIELDS, LessonState, split_move, states_of
+from insonify.lessons.states import AUTOMATIC, WINDOW_FIELDS, LessonState, split_move, states_of, subject_of
 from insonify.lessons.worksheet import Answer, Worksheet
 
 __all__ = [
@@ -43,4 +43,5 @@ __all__ = [
     "read_number",
     "split_move",
     "states_of",
+    "subject_of",
 ]

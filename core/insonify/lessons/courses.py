@@ -20,6 +20,7 @@ class Course(Declaration):
     level: str = ""
     aims: str = ""
     assumes: str = ""
+    topics: tuple[str, ...] = ()  # each with a step that is about it
 
 
 OTHER = Course(name="", title="Other lessons")  # lessons that belong to no course
@@ -44,9 +45,13 @@ def group_lessons(lessons: Sequence[Lesson]) -> list[tuple[Course, list[Lesson]]
 
 
 def check_course(lesson: Lesson) -> None:
-    """Check that the course of a lesson exists."""
-    names = [course.name for course in load_courses()]
-    if lesson.course and lesson.course not in names:
-        raise SceneError(
-            f"lesson {lesson.name}: course: {lesson.course!r} does not exist; choose one of {', '.join(names)}"
-        )
+    """Check that the course of a lesson exists, and has the topics of its steps."""
+    topics = {course.name: course.topics for course in (*load_courses(), OTHER)}
+    if lesson.course not in topics:
+        known = ", ".join(filter(None, topics))
+        raise SceneError(f"lesson {lesson.name}: course: {lesson.course!r} does not exist; choose one of {known}")
+    for step in lesson.steps:
+        if step.topic not in ("", *topics[lesson.course]):
+            where = f"lesson {lesson.name}, step {step.title!r}: topic"
+            known = ", ".join(topics[lesson.course])
+            raise SceneError(f"{where}: {step.topic!r} is not of the course {lesson.course!r}; choose one of {known}")

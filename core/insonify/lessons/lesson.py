@@ -1,13 +1,15 @@
 """Lessons read from Markdown files with TOML in front and in every step."""
 
+import json
 import re
 import tomllib
 from functools import partial
 from pathlib import Path
 from typing import Any, TypeVar
 
-from pydantic import Field, ValidationError
+from pydantic import Field, ValidationError, field_validator
 
+from insonify.display.display_options import read_display
 from insonify.errors import SceneError, plain_text
 from insonify.files import bundled_lessons
 from insonify.io.file_access import MISSING, guarded, read_text
@@ -26,7 +28,7 @@ Head = TypeVar("Head", bound=Declaration)
 
 
 class LessonHead(Declaration):
-    """Front matter of a lesson: its title, the scene that it starts from, its course and place, and its minutes."""
+    """Front matter of a lesson: its title, course and place, the scene that it starts from, and how that is shown."""
 
     title: str = Field(min_length=1)
     scene: str = Field(min_length=1)
@@ -34,6 +36,12 @@ class LessonHead(Declaration):
     course: str = ""
     minutes: int = Field(default=0, ge=0)
     set: dict[str, Any] = Field(default={})
+    display: dict[str, Any] = Field(default={})  # display options of the record
+
+    @field_validator("display")
+    @classmethod
+    def _is_display(cls, display: dict[str, Any]) -> dict[str, Any]:
+        return read_display([f"{name}={json.dumps(value)}" for name, value in display.items()])
 
 
 class StepHead(Declaration):
@@ -43,6 +51,7 @@ class StepHead(Declaration):
     move: dict[str, Any] = Field(min_length=1)
     scene: str = ""
     set: dict[str, Any] = Field(default={})
+    topic: str = ""  # of its course
     ask: Ask | None = None
 
 

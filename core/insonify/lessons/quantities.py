@@ -41,6 +41,10 @@ def _wavelength(scene: Scene) -> float:
     return _speed(scene) / scene.sonar.frequency
 
 
+def _absorption(scene: Scene) -> float:
+    return scene.water.absorption.decibels_per_km(scene.sonar.frequency, scene.seabed.depth - scene.altitude)
+
+
 def _slant_range(scene: Scene, across: float, height: float) -> float:
     return math.hypot(across, scene.altitude - height)
 
@@ -160,6 +164,7 @@ QUANTITIES: dict[str, Quantity] = {
     "altitude": Quantity((), "height of the sonar above the mean bed (m)", lambda scene: scene.altitude),
     "sound_speed": Quantity((), "sound speed that turns travel time into slant range (m/s)", _speed),
     "wavelength": Quantity((), "wavelength (m)", _wavelength),
+    "absorption": Quantity((), "absorption of the water one way, at the depth of the sonar (dB/km)", _absorption),
     "bin_length": Quantity((), "length of a bin (m)", lambda scene: scene.sonar.range / scene.sonar.bins),
     "ping_spacing": Quantity((), "way of the fish from ping to ping (m)", _ping_spacing),
     "fastest_ping_rate": Quantity(

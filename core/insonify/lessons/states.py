@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, field, replace
+from itertools import takewhile
 from typing import Any
 
 from insonify.errors import SceneError
@@ -13,8 +14,9 @@ from insonify.lessons.conditions import Reader, Value
 from insonify.lessons.lesson import Lesson, Step
 from insonify.lessons.quantities import QUANTITIES, SIDES
 from insonify.scene import Scene, edit, load_scene
-from insonify.scene.base import Declaration
+from insonify.scene.base import Declaration, is_field
 
+MOST_CONTROLS = 6  # fields that a scene pins
 AUTOMATIC = "auto"  # value of a choice that the plan makes itself
 USUAL_TOLERANCE = 0.03
 WINDOW_FIELDS = {
@@ -130,12 +132,29 @@ def _check_choice(scene: Scene, subject: str, choice: Any) -> None:
 def states_of(lesson: Lesson) -> Iterator[tuple[Step, LessonState, LessonState]]:
     """Yield every step of a lesson with the states before and after its move."""
     with named(lesson):
-        end = start_state(lesson.scene, lesson.set)
-    for step in lesson.steps:
+        end = start_state(lesson.scene, lesson.set | _pins(lesson.steps))
+    for index, step in enumerate(lesson.steps):
         with named(lesson, step):
-            start = start_state(step.scene, step.set) if step.scene else end.moved(step.set)
+            if step.scene:
+                start = start_state(step.scene, step.set | _pins(lesson.steps[index:]))
+            else:
+                start = end.moved(step.set)
             end = start.moved(step.move)
         yield step, start, end
+
+
+def _pins(steps: Sequence[Step]) -> dict[str, Any]:
+    """Change that pins on top of the parameters what steps move, up to the first that opens another scene."""
+    own = takewhile(lambda step: not step.scene, steps[1:])
+    moved = dict.fromkeys(path for step in (steps[0], *own) for path in step.move if is_field(Scene, path))
+    return {"controls": list(moved)[:MOST_CONTROLS]} if moved else {}
+
+
+def subject_of(step: Step, scene: Scene) -> tuple[float, float] | None:
+    """Place of the target or the volume that a step speaks of, else of the first target; None without any."""
+    named = [path.split(".") for path in step.fields if path.startswith(("targets.", "volumes."))]
+    parts = [getattr(scene, family)[int(number)] for family, number, *_ in named] or [*scene.targets]
+    return (parts[0].position[0], parts[0].position[1]) if parts else None
 
 
 @contextmanager

@@ -5,6 +5,7 @@ from __future__ import annotations
 import itertools
 import math
 from collections.abc import Iterable, Iterator, Mapping
+from dataclasses import replace
 from heapq import heappop, heappush
 from itertools import takewhile
 from typing import Any
@@ -68,7 +69,7 @@ def check_request(scene: Scene, tolerance: float, method: str, forced: Mapping[s
         find_tracer(method)
     for subject, text in forced.items():
         if subject not in BY_SUBJECT:
-            raise SceneError(f"model: {subject!r} is no choice of a plan; choose one of {', '.join(BY_SUBJECT)}")
+            raise SceneError(f"model: {subject!r} is not a choice of a plan; choose one of {', '.join(BY_SUBJECT)}")
         BY_SUBJECT[subject].parse(text)
     check_method(scene, _requested(method, forced), 0 if forced.get("bounces") == "off" else scene.sonar.bounces)
 
@@ -91,8 +92,15 @@ def choose_for_case(case: Case, tolerance: float) -> Plan:
     if together > MORE_TOGETHER * error:
         entries = (*entries, _more_together(case, model, error, together))
         error = together
-    near = Planes().near_error(case, model)
-    return Plan(model, entries, error, near, case.work(model), case.seconds(model))
+    near, cost = Planes().near_error(case, model), case.seconds(model)
+    return Plan(model, _divide_cost(entries, cost), error, near, case.work(model), cost)
+
+
+def _divide_cost(entries: tuple[PlanEntry, ...], cost: float) -> tuple[PlanEntry, ...]:
+    """Scale the costs of what is modelled, each measured by itself, so that they add up to that of a ping."""
+    apart = sum(entry.cost for entry in entries if entry.modelled)
+    share = cost / apart if apart > 0.0 else 1.0
+    return tuple(replace(entry, cost=share * entry.cost) if entry.modelled else entry for entry in entries)
 
 
 def _more_together(case: Case, model: Model, apart: float, together: float) -> PlanEntry:

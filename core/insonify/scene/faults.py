@@ -41,7 +41,7 @@ def describe_fault(error: ValidationError, root: type[BaseModel]) -> str:
         bound = f"least {context['min_length']}" if "min_length" in context else f"most {context['max_length']}"
         return f"{where}: {_shown(value)} has length {len(value)}; give at {bound}"
     if kind == "string_pattern_mismatch":
-        return f"{where}: {_shown(value)} is no name; use letters, digits, - and _, and begin with a letter or digit"
+        return f"{where}: {_shown(value)} is not a name; use letters, digits, - and _, and begin with a letter or digit"
     if kind == "finite_number":
         return f"{where}: {_shown(value)} is not a finite number; give a plain number"
     other = ("valid", fault["msg"])

@@ -13,6 +13,7 @@ UNITS = {
     "dB/km": {"dB/m": 1e3},
     "°C": {"C": 1.0},
 }
+COMPASS = ("T", "°T")  # of an angle clockwise from north
 QUANTITY = re.compile(r"(?P<number>[-+]?(?:\d+[.,]?\d*|[.,]\d+)(?:[eE][-+]?\d+)?)\s*(?P<unit>\D*)")
 
 
@@ -25,6 +26,9 @@ def parse_quantity(text: str, unit: str, like: str = "") -> float | None:
     if not written and "e" not in number.lower():
         shown = QUANTITY.fullmatch(like.strip())
         written = shown["unit"] if shown else ""
+    if unit == "°" and written.upper() in COMPASS:
+        turned = 90.0 - float(number)  # headings run the other way round, from east
+        return turned + 360.0 * math.ceil((-180.0 - turned) / 360.0) if math.isfinite(turned) else None
     scale = _scale(written, unit)
     value = math.nan if scale is None else float(number) * scale
     return value if math.isfinite(value) else None

@@ -8,6 +8,7 @@ Theory: docs/theory/error.md.
 
 import math
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 from numpy.lib.stride_tricks import sliding_window_view
@@ -19,6 +20,7 @@ from insonify.kernels.common.types import Poses, SceneArrays
 SSIM_COLUMNS = 7
 DARK, SHADOW_BINS = 0.1, 8  # share of the median, and length of the run, that make a shadow
 LOUD = 4.0  # medians above which an echo stands out
+CHANGED = 1.5  # ratio of levels with targets and without from which a bin belongs to targets or their shadows
 LOST = 0.25  # share of an echo below which it counts as lost
 WINDOW, MAX_LAG = 8, 96  # bins on either side of an echo, and bins by which it may be displaced
 
@@ -76,6 +78,37 @@ def _ratio(part: float, whole: float) -> float:
     return 0.0 if part == 0.0 else math.copysign(math.inf, part)
 
 
+class ErrorParts(NamedTuple):
+    """Parts of an error, as shares of the record; their squares add up to that of the whole."""
+
+    bed: float  # of bins that targets do not change
+    shadows: float  # of bins that targets darken
+    targets: float  # of bins that targets brighten
+
+
+def split_error(
+    arrays: SceneArrays,
+    poses: Poses,
+    a: NDArray[np.floating],
+    b: NDArray[np.floating],
+    bare: NDArray[np.floating],
+) -> ErrorParts:
+    """Split the error beyond 1.4 times the altitude of a record against its reference, given that without targets."""
+    beyond = find_first_bin(ERROR_ALTITUDES, arrays, poses)
+    one, other, without = (each[..., beyond:] for each in _over_flat_bed(arrays, poses, a, b, bare))
+    shadow, target = other < without / CHANGED, other > CHANGED * without
+    whole = float(np.linalg.norm(other))
+    parts = (~(shadow | target), shadow, target)
+    return ErrorParts(*(_ratio(float(np.linalg.norm((one - other)[part])), whole) for part in parts))
+
+
+def _over_flat_bed(arrays: SceneArrays, poses: Poses, *records: NDArray[np.floating]) -> list[NDArray[np.floating]]:
+    """Divide records by the flat-bed curve of each ping."""
+    curve = np.broadcast_to(compute_flat_bed_curves(arrays, poses), np.shape(records[0]))
+    scale = np.divide(1.0, curve, out=np.zeros_like(curve), where=curve > 0.0)
+    return [record * scale for record in records]
+
+
 def measure_similarity(a: NDArray[np.floating], b: NDArray[np.floating]) -> float:
     """Structural similarity (SSIM) of two pictures of records along the range; 1 for equal pictures."""
     # lazy: slow to import
@@ -105,10 +138,8 @@ def measure_displacement(
     arrays: SceneArrays, poses: Poses, a: NDArray[np.floating], b: NDArray[np.floating]
 ) -> Displacement:
     """Measure how far a record displaces the shadows and echoes of its reference."""
-    curve = np.broadcast_to(compute_flat_bed_curves(arrays, poses), np.shape(b))
-    scale = np.divide(1.0, curve, out=np.zeros_like(curve), where=curve > 0.0)
     beyond = find_first_bin(ERROR_ALTITUDES, arrays, poses)
-    sides = [one.reshape(-1, arrays.bins)[:, beyond:] for one in (a * scale, b * scale)]
+    sides = [one.reshape(-1, arrays.bins)[:, beyond:] for one in _over_flat_bed(arrays, poses, a, b)]
     edges = [moved for one, other in zip(*sides) for moved in find_edge_shifts(one, other)]
     echoes = [moved for one, other in zip(*sides) for moved in find_echo_shifts(one, other)]
     found = [moved for moved in echoes if not math.isnan(moved)]

@@ -13,6 +13,8 @@ from insonify.surveys.swath import Swath
 
 FARTHEST_GAP = 5.0  # median distances between pings over which the swath is still filled
 LARGEST_SIDE = 30_000  # cells
+NADIR_GAP = math.sqrt(1.4**2 - 1.0)  # altitudes of ground range at a slant range of 1.4 altitudes
+BEHIND = 1e9  # m, farther than any ground range
 FAINTEST = -40.0  # dB, of cells without an echo
 ROUND = (1.0, 2.0, 5.0)  # leading digits of a cell's size
 BAND = "echo relative to the median of the record at its range"  # name of the levels in a GeoTIFF
@@ -38,6 +40,7 @@ class _Layer:
     energy: NDArray[np.float64]
     ground_range: NDArray[np.float64]
     count: NDArray[np.int64]
+    gap: float  # ground range up to which the bed is seen steeply and squeezed, in metres
 
 
 def choose_cell(swaths: Collection[Swath]) -> float:
@@ -77,7 +80,8 @@ def _extent(swaths: Collection[Swath], cell: float) -> tuple[tuple[float, float]
 def _lay(swath: Swath, low: tuple[float, float], shape: tuple[int, int], cell: float) -> _Layer:
     """Add up the samples of one record in every cell."""
     # Samples are dense enough, half a cell apart at most, that each cell within the swath holds one.
-    layer = _Layer(np.zeros(shape), np.zeros(shape), np.zeros(shape, dtype=np.int64))
+    gap = NADIR_GAP * float(np.nanmedian(swath.altitude))
+    layer = _Layer(np.zeros(shape), np.zeros(shape), np.zeros(shape, dtype=np.int64), gap)
     step = min(0.5 * cell, swath.bin_length)
     ground_range = np.arange(0.5 * step, swath.reach, step, dtype=np.float64)
     longest = max(FARTHEST_GAP * swath.spacing, 2.0 * cell)
@@ -135,6 +139,8 @@ def _combine(
         filled = layer.count > 0
         counts = np.maximum(layer.count, 1)
         mean, distance = layer.energy / counts, layer.ground_range / counts
+        if overlap == "no-nadir":  # what lies within the gap of one record counts only where no other reaches
+            distance = np.where(distance < layer.gap, BEHIND - distance, distance)
         if overlap == "mean":
             total = np.where(count > 0, energy, 0.0) * count + mean
             count += filled
@@ -144,7 +150,6 @@ def _combine(
         better = {
             "last": filled,
             "strongest": filled & ~(mean <= energy),
-            "nearest": filled & (distance < nearest),
-        }[overlap]
+        }.get(overlap, filled & (distance < nearest))
         energy, nearest = np.where(better, mean, energy), np.where(better, distance, nearest)
     return energy, count

@@ -45,7 +45,7 @@ def choose_scheduler(text: str) -> tuple[SchedulerKind, str]:
     known = find_schedulers()
     if prefix not in known:
         forms = " or ".join(kind.form for kind in known.values())
-        raise SceneError(f"--scheduler {text}: {prefix!r} is no kind of scheduler; write {forms}")
+        raise SceneError(f"--scheduler {text}: {prefix!r} is not a kind of scheduler; write {forms}")
     return known[prefix], rest
 
 
@@ -84,7 +84,7 @@ def share_cores(text: str) -> tuple[int, int]:
     """Return the number of workers and the threads of each, whose product is the number of usable cores."""
     cores = most_threads()
     if text and not (text.isdecimal() and int(text) > 0):
-        raise SceneError(f"--scheduler local:{text}: {text!r} is no number of workers; give a whole number from 1")
+        raise SceneError(f"--scheduler local:{text}: {text!r} is not a number of workers; give a whole number from 1")
     workers = int(text) if text else cores
     if workers > cores:
         raise SceneError(

@@ -77,6 +77,14 @@ FAULTS = {
         "order = 5",
         'order = 5\ncourse = "second-look"',
     ),
+    "topic: 'fog' is not of the course": (
+        'done = "sonar.beam.width',
+        'topic = "fog"\ndone = "sonar.beam.width',
+    ),
+    "display side='front' is not a valid value; write for example both": (
+        "order = 5",
+        'order = 5\ndisplay = { side = "front" }',
+    ),
     "has no step": ("## Widen the beam", "Widen the beam"),
     "has 0 blocks of TOML": ("```toml", "```text"),
     "done: is missing": ('done = "sonar.beam.width >= 5"\n', ""),
@@ -143,6 +151,8 @@ def test_every_bundled_lesson_belongs_to_a_course_and_takes_some_minutes() -> No
     assert [lesson for _, lessons in groups for lesson in lessons] == list(load_lessons()), "by course and by place"
     assert all(lesson.minutes >= 5 for lesson in load_lessons())
     assert all(course.level and course.aims and course.assumes for course in load_courses())
+    for course, lessons in groups:
+        assert set(course.topics) == {step.topic for each in lessons for step in each.steps} - {""}
 
 
 def test_lessons_of_no_course_come_last() -> None:

@@ -195,9 +195,9 @@ def test_jpeg_and_lines_change_a_picture_as_they_are_asked_to():
 @pytest.mark.parametrize(
     ("old", "new", "fault"),
     [
-        ('"track.pings" = 160', '"track.pingz" = 160', "track.pingz is no field of a scene"),
-        ("wavelength = {", "wavelenth = {", "seabed.relief.of.0.wavelenth is no field"),
-        ("heading = {", "haeding = {", "targets.wreck.haeding is no field"),
+        ('"track.pings" = 160', '"track.pingz" = 160', "track.pingz is not a field of a scene"),
+        ("wavelength = {", "wavelenth = {", "seabed.relief.of.0.wavelenth is not a field"),
+        ("heading = {", "haeding = {", "targets.wreck.haeding is not a field"),
         ("pixels = 48", "pixles = 48", "pixles: no such field"),
         ("pixels = 48", "pixels = 4", "chips.pixels"),
         ('"log"] }', '"cubic"] }', "picture.scale"),

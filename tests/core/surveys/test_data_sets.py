@@ -262,7 +262,7 @@ def test_grey_levels_are_decibels_about_the_median(tmp_path):
         ({"annotations": '["voc"]'}, "annotations.0.kind: 'voc' is not a known kind; choose one of coco, yolo"),
         ({"splits": '{ train = -1.0 }'}, "splits.train: -1.0 is out of bounds"),
         ({"splits": "{ Jobs = 1.0 }"}, "a split may not be named 'jobs', the folder of finished jobs; rename it"),
-        ({"splits": '{ "../../evil" = 1.0 }'}, "'../../evil' is no name; use letters, digits, - and _"),
+        ({"splits": '{ "../../evil" = 1.0 }'}, "'../../evil' is not a name; use letters, digits, - and _"),
         ({"colour": "1"}, "set.toml: colour: unknown key; remove it, or use one of title"),
     ],
 )  # fmt: skip

@@ -128,7 +128,7 @@ def test_what_ended_workers_left_is_removed_when_work_goes_on(tmp_path):
 def test_schedulers_are_found_by_their_prefix():
     assert set(find_schedulers()) == {"local", "tcp", "tls"}
     assert choose_scheduler("tcp://host:8786")[1] == "//host:8786"
-    with pytest.raises(SceneError, match="'slurm' is no kind of scheduler; write tcp://HOST:PORT or"):
+    with pytest.raises(SceneError, match="'slurm' is not a kind of scheduler; write tcp://HOST:PORT or"):
         choose_scheduler("slurm:4")
 
 

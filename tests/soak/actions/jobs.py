@@ -4,7 +4,6 @@ import os
 from pathlib import Path
 from typing import Any
 
-from insonify_viewer.panels.jobs.view import WantedChart, WantedDataset
 from insonify_viewer.viewer import Viewer
 from soak.actions import Random, Steps, action
 
@@ -22,9 +21,9 @@ def work_beside(viewer: Viewer, random: Random) -> Steps:
         case 0:
             panel.write_record(folder / str(random.choice(["record.nc", "record.xtf", "record.png"])))
         case 1:
-            panel.measure_chart(WantedChart("accuracy", folder / "chart.png"))
+            panel.measure_chart("accuracy", folder / "chart.png")
         case 2:
-            panel.make_dataset(WantedDataset("mines", SCENES, folder / "set"))
+            panel.make_dataset("mines", SCENES, folder / "set")
         case 3:
             panel.write_stability_page(folder / "stability.html")
     yield float(random.choice([20.0, 3000.0, 15_000.0]))

@@ -59,10 +59,10 @@ def keep_contacts(viewer: Viewer, random: Random) -> Steps:
         yield 50.0
         listed.mark.click()
         yield 30.0
-    if not listed.list.count():
+    if not listed.list.rowCount():
         return
-    row = int(random.integers(listed.list.count()))
-    listed.list.setCurrentRow(row)
+    row = int(random.integers(listed.list.rowCount()))
+    listed.choose(row)
     listed.edited.emit(row, "name", "wreck?")
     listed.jump_wanted.emit(row)
     yield 200.0

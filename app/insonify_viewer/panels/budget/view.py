@@ -7,9 +7,9 @@ from collections.abc import Iterable
 
 import numpy as np
 from numpy.typing import NDArray
-from PySide6.QtCore import QEvent, QPointF, QRectF, Qt, Signal
+from PySide6.QtCore import QPointF, QRectF, Qt, Signal
 from PySide6.QtGui import QColor, QKeyEvent, QMouseEvent, QPainter, QPaintEvent, QPen
-from PySide6.QtWidgets import QDoubleSpinBox, QHBoxLayout, QSplitter, QTextBrowser, QVBoxLayout, QWidget
+from PySide6.QtWidgets import QDoubleSpinBox, QHBoxLayout, QSplitter, QVBoxLayout, QWidget
 
 from insonify_viewer.errors import guard_override
 from insonify_viewer.panels.budget.levels import Group, SolvedBudget, signed
@@ -17,6 +17,7 @@ from insonify_viewer.widgets.arrow_keys import steps_of
 from insonify_viewer.widgets.buttons import make_label
 from insonify_viewer.widgets.painting import PaintedOnce, make_polyline, round_steps
 from insonify_viewer.widgets.theme import ACCENT, EDGE, MARK, QUIET, RAISED, TEXT, TRAIL, text_scale
+from insonify_viewer.widgets.themed_text import ThemedText
 
 HINT = "Move over the record, or over the curves, to see the terms at another range."
 LEFT, RIGHT, TOP, BOTTOM = 44.0, 10.0, 22.0, 32.0  # px around the plot
@@ -32,10 +33,8 @@ Curve = NDArray[np.float64]
 class BudgetView(QWidget):
     """Shows the sonar equation, and signals another target strength or another range."""
 
-    targeted = Signal(float)
-    """Target strength in dB re 1 m² that the person set."""
-    ranged = Signal(float)
-    """Slant range in metres to which the person moved the cursor of the curves."""
+    targeted = Signal(float)  # target strength that the person set, dB re 1 m²
+    ranged = Signal(float)  # slant range to which the person moved the cursor of the curves, m
 
     def __init__(self, parent: QWidget | None = None) -> None:
         super().__init__(parent)
@@ -104,34 +103,23 @@ class BudgetView(QWidget):
         column.addWidget(splitter, 1)
 
 
-class TermList(QTextBrowser):
+class TermList(ThemedText):
     """Lists groups of terms in two columns, each below the level that it adds up to."""
 
-    def __init__(self, parent: QWidget | None = None) -> None:
-        super().__init__(parent)
-        self.setObjectName("budget")
-        self.setAccessibleName("Terms of the sonar equation")
-        self.setToolTip("Terms in decibels, below the level that they add up to")
-        self.setMinimumWidth(NARROWEST)
+    def __init__(self) -> None:
         self.groups: tuple[Group, ...] = ()
-
-    @guard_override(None)
-    def changeEvent(self, event: QEvent) -> None:
-        """Write anew in the colours of another theme."""
-        super().changeEvent(event)
-        if event.type() is QEvent.Type.StyleChange:
-            self._write()
+        tip = "Terms in decibels, below the level that they add up to"
+        super().__init__("Terms of the sonar equation", tip, NARROWEST)
 
     def show_groups(self, groups: Iterable[Group]) -> None:
         """List groups of terms."""
         self.groups = tuple(groups)
-        self._write()
+        self.write()
 
-    def _write(self) -> None:
+    def text(self) -> str:
+        """HTML of the two columns."""
         columns = "".join(f'<td style="padding-right:14px">{_table(part)}</td>' for part in _halves(self.groups))
-        place = self.verticalScrollBar().value()
-        self.setHtml(f"<table><tr>{columns}</tr></table>")
-        self.verticalScrollBar().setValue(place)
+        return f"<table><tr>{columns}</tr></table>"
 
 
 def _halves(groups: tuple[Group, ...]) -> tuple[tuple[Group, ...], tuple[Group, ...]]:

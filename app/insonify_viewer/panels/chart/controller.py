@@ -17,10 +17,9 @@ if TYPE_CHECKING:
 
 
 class ChartPanel(Panel):
-    """Measures charts of the current scene, one at a time.
+    """Measures charts of the current scene, one at a time."""
 
-    The tow is paused during a measurement, because it would take time from what is timed.
-    """
+    # The tow is paused during a measurement, because it would take time from what is timed.
 
     name = "chart"
     title = "Chart"

@@ -29,6 +29,10 @@ INVITATION = (
 BUSY = "measuring with the tow paused; other programs that run now make the times longer …"
 HINT = "Click a point, or press ← → in the chart, to see its record beside the exact one, and their difference."
 LEFT, RIGHT, TITLE, RULER = 12, 12, 18, 28  # px
+DIFFERENCE = (
+    ("difference, in full colour where it is half the span of the picture: ", TEXT),
+    *(("too bright", ACCENT), (" or ", TEXT), ("too dark", MARK)),
+)
 LARGE = 0.5  # of the span of the palette: the difference drawn in full colour
 
 
@@ -50,16 +54,11 @@ class ChartWindow(QWidget):
         self._progress.setRange(0, 1000)
         self._progress.setTextVisible(False)
         self._sentence, self._numbers = make_label("name", INVITATION), make_label("numbers")
-        self._picture, self._strips = _ChartPictureView(), StripsView()
+        self.picture, self._strips = _ChartPictureView(), StripsView()
         self._lay_out()
-        self._picture.picked.connect(self.picked)
+        self.picture.picked.connect(self.picked)
         self.save.setEnabled(False)
         self.show_busy(False)
-
-    @property
-    def picture(self) -> _ChartPictureView:
-        """The chart itself."""
-        return self._picture
 
     def show_busy(self, busy: bool) -> None:
         """Enable stopping during a measurement, and starting otherwise."""
@@ -78,7 +77,7 @@ class ChartWindow(QWidget):
     def show_chart(self, chart_picture: ChartPicture) -> None:
         """Show a measured chart."""
         self.setWindowTitle(f"Chart of {window_title(chart_picture.chart.title) or 'an untitled scene'} · insonify")
-        self._picture.show_chart(chart_picture)
+        self.picture.show_chart(chart_picture)
         self._bottom.hide()
         self.save.setEnabled(True)
         self.say(HINT)
@@ -92,7 +91,7 @@ class ChartWindow(QWidget):
             self._splitter.setSizes([height - strips, strips])
         self._strips.show_details(details)
         self._numbers.setText(details_in_words(details))
-        self._picture.show_chosen(details.row)
+        self.picture.show_chosen(details.row)
 
     def say(self, sentence: str) -> None:
         """Show a sentence until the next one."""
@@ -114,7 +113,7 @@ class ChartWindow(QWidget):
         below.addWidget(self._numbers)
         self._bottom.hide()
         self._splitter = splitter = QSplitter(Qt.Orientation.Vertical)
-        splitter.addWidget(self._picture)
+        splitter.addWidget(self.picture)
         splitter.addWidget(self._bottom)
         splitter.setStretchFactor(0, 1)
         splitter.setChildrenCollapsible(False)
@@ -230,34 +229,12 @@ class StripsView(QWidget):
                 low, high = choose_contrast(details.reference)
                 shades = colour_table(load_palette(PALETTES[0]))
                 largest = LARGE * (high - low)
-                for number, (title, strip, ends, table) in enumerate(
-                    (
-                        (
-                            ((f"record: {details.row.method}, {details.row.setting}", TEXT),),
-                            details.record,
-                            (low, high),
-                            shades,
-                        ),
-                        (
-                            ((f"exact: {details.rays:,} rays a side", TEXT),),
-                            details.reference,
-                            (low, high),
-                            shades,
-                        ),
-                        (
-                            (
-                                ("difference, in full colour where it is half the span of the picture: ", TEXT),
-                                ("too bright", ACCENT),
-                                (" or ", TEXT),
-                                ("too dark", MARK),
-                            ),
-                            details.record - details.reference,
-                            (-largest, largest),
-                            two_sided_table(),
-                        ),
-                    )
-                ):
-                    self._draw(painter, number, title, strip, ends, table)
+                record = ((f"record: {details.row.method}, {details.row.setting}", TEXT),)
+                exact = ((f"exact: {details.rays:,} rays a side", TEXT),)
+                self._draw(painter, 0, record, details.record, (low, high), shades)
+                self._draw(painter, 1, exact, details.reference, (low, high), shades)
+                moved = details.record - details.reference
+                self._draw(painter, 2, DIFFERENCE, moved, (-largest, largest), two_sided_table())
                 self._draw_ruler(painter, details.reach)
 
     def _draw(

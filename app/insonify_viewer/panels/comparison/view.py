@@ -52,7 +52,7 @@ class ComparisonView(SidePanel):
             "Make a scene like this…", "Fit a scene whose record resembles this recording, and open it"
         )
         self.learn.clicked.connect(self._ask_for_scene)
-        self.arrangement, self.frequency = _combo("Arrangement of the two records"), _combo("Frequency of the sonar")
+        self.arrangement, self.frequency = Combo("Arrangement of the two records"), Combo("Frequency of the sonar")
         for arrangement in Arrangement:
             self.arrangement.addItem(arrangement.value)
         self.arrangement.activated.connect(lambda index: self.arranged.emit(list(Arrangement)[index]))
@@ -103,9 +103,10 @@ class ComparisonView(SidePanel):
     def show_measured(self, part: str, found: dict[str, str] | str) -> None:
         """Show the statistics of the recorded or the simulated record, or a sentence instead."""
         self._found[part] = found
-        names = [name for each in self._found.values() if isinstance(each, dict) for name in each]
-        rows = {"": PARTS} | {name: tuple(self._entry(part, name) for part in PARTS) for name in names}
-        said = [f"{part}: {each}" for part, each in self._found.items() if isinstance(each, str)]
+        known = {part: found for part, found in self._found.items() if isinstance(found, dict)}
+        names = [name for found in known.values() for name in found]
+        rows = {"": PARTS} | {name: tuple(known.get(part, {}).get(name, "") for part in PARTS) for name in names}
+        said = [f"{part}: {found}" for part, found in self._found.items() if isinstance(found, str)]
         self.statistics.show_rows(rows, "\n".join(said))
 
     def show_pairs(self, pairs: Mapping[str, Scene] | None) -> None:
@@ -122,10 +123,6 @@ class ComparisonView(SidePanel):
         path = ask_where_to_save(self.window(), "Save the learned scene", f"{self._name}.toml", [("Scenes", ".toml")])
         if path is not None:
             self.learn_wanted.emit(str(path))
-
-    def _entry(self, part: str, name: str) -> str:
-        found = self._found.get(part)
-        return found[name] if isinstance(found, dict) else ""
 
     def _show_frequencies(self, frequencies: list[float], recording: Recording | None) -> None:
         """Offer the frequencies of a recording with several."""
@@ -190,10 +187,3 @@ def _about(recording: Recording) -> str:
 def _frequencies(recording: Recording) -> list[float]:
     """Frequencies of a recording with several, in Hz."""
     return [float(text) for text in str(recording.dataset.attrs.get("frequencies", "")).split(",") if text.strip()]
-
-
-def _combo(tooltip: str) -> Combo:
-    combo = Combo()
-    combo.setToolTip(tooltip)
-    combo.setAccessibleName(tooltip)
-    return combo

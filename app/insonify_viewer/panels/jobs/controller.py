@@ -6,7 +6,7 @@ from pathlib import Path
 
 from insonify.files import bundled_specifications
 from insonify_viewer.errors import Failure
-from insonify_viewer.panels.jobs.view import JobsView, WantedChart, WantedDataset
+from insonify_viewer.panels.jobs.view import JobsView
 from insonify_viewer.panels.panel import Panel, Place, Workbench
 from insonify_viewer.work.jobs import BackgroundJob
 
@@ -43,16 +43,15 @@ class JobsPanel(Panel):
         """Write every ping of the present scene, as it is modelled here, as data or as a picture."""
         self._jobs.write_record(self._workbench.session, path)
 
-    def measure_chart(self, wanted: WantedChart) -> None:
+    def measure_chart(self, kind: str, path: Path) -> None:
         """Measure a chart of the present scene."""
         scene_file = self._jobs.write_scene(self._workbench.session.scene)
-        arguments = ["chart", scene_file, "--of", wanted.kind, "-o", str(wanted.path)]
-        self._jobs.begin(f"chart of {wanted.kind}", arguments, wanted.path)
+        self._jobs.begin(f"chart of {kind}", ["chart", scene_file, "--of", kind, "-o", str(path)], path)
 
-    def make_dataset(self, wanted: WantedDataset) -> None:
+    def make_dataset(self, specification: str, scenes: int, folder: Path) -> None:
         """Make a data set by a specification."""
-        arguments = ["dataset", wanted.specification, "-o", str(wanted.folder), "--scenes", str(wanted.scenes)]
-        self._jobs.begin(f"data set {wanted.folder.name}", arguments, wanted.folder)
+        arguments = ["dataset", specification, "-o", str(folder), "--scenes", str(scenes)]
+        self._jobs.begin(f"data set {folder.name}", arguments, folder)
 
     def write_stability_page(self, path: Path) -> None:
         """Measure the known numerical failures."""

@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Callable
 from functools import partial
 from pathlib import Path
-from typing import NamedTuple
 
 from PySide6.QtCore import Qt, QUrl, Signal
 from PySide6.QtGui import QDesktopServices, QFocusEvent, QKeyEvent, QShowEvent
@@ -129,14 +128,6 @@ def _words(job: BackgroundJob) -> str:
     return ", ".join(part for part in (stage.doing, counted, share, time_left) if part)
 
 
-class WantedDataset(NamedTuple):
-    """A data set to be made."""
-
-    specification: str  # name of a bundled specification, or a file
-    scenes: int
-    folder: Path
-
-
 class DatasetQuestion(QDialog):
     """Asks for a data set."""
 
@@ -166,9 +157,9 @@ class DatasetQuestion(QDialog):
         form.addRow(self.buttons)
 
     @property
-    def answer(self) -> WantedDataset:
-        """What was asked for."""
-        return WantedDataset(self.specification.currentText(), self.scenes.value(), Path(self.folder.text()))
+    def answer(self) -> tuple[str, int, Path]:
+        """Specification (the name of a bundled one, or a file), number of scenes, and folder."""
+        return (self.specification.currentText(), self.scenes.value(), Path(self.folder.text()))
 
     def _choose_file(self) -> None:
         file, _ = QFileDialog.getOpenFileName(self, "Open a specification", "", "Specifications (*.toml)")
@@ -194,23 +185,15 @@ def _beside(field: QWidget, text: str, tip: str, choose: Callable[[], None]) -> 
     return line
 
 
-class WantedChart(NamedTuple):
-    """A chart to be measured: its kind, and the file to write."""
-
-    kind: str
-    path: Path
-
-
 class JobsView(QWidget):
-    """Lists the jobs, the newest first.
+    """Lists the jobs, the newest first."""
 
-    Tab goes from the buttons to the jobs in the order in which they stand, Up and Down go from job to job, Return
-    presses a button, and Escape closes the window.
-    """
+    # Tab goes from the buttons to the jobs in the order in which they stand, Up and Down go from job to job, Return
+    # presses a button, and Escape closes the window.
 
     record_wanted = Signal(object)  # Path
-    chart_wanted = Signal(object)  # WantedChart
-    dataset_wanted = Signal(object)  # WantedDataset
+    chart_wanted = Signal(str, object)  # its kind, and the Path to write
+    dataset_wanted = Signal(str, int, object)  # as of `DatasetQuestion.answer`
     stability_wanted = Signal(object)  # Path
     forget_wanted = Signal()
     details_wanted = Signal(object)  # BackgroundJob that failed
@@ -296,18 +279,15 @@ class JobsView(QWidget):
         """Make a menu of the kinds of charts."""
         menu = QMenu(self)
         for kind in list_chart_kinds():
-            wanted = partial(self._want_chart, kind)
+            wanted = partial(self.chart_wanted.emit, kind)
             question = partial(self._ask, f"Save the chart of {kind}", f"{kind}.png", CHARTS, wanted)
             menu.addAction(f"{kind.capitalize()}…", question)
         return menu
 
-    def _want_chart(self, kind: str, path: Path) -> None:
-        self.chart_wanted.emit(WantedChart(kind, path))
-
     def _ask_for_dataset(self) -> None:
         question = DatasetQuestion(self._specifications, self)
         if question.exec():
-            self.dataset_wanted.emit(question.answer)
+            self.dataset_wanted.emit(*question.answer)
 
     def _lay_out(self) -> None:
         tools = QHBoxLayout()

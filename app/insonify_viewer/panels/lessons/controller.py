@@ -9,7 +9,7 @@ from typing import Any
 
 from insonify.files import bundled_scenes
 from insonify.io.atomic import write_text
-from insonify.lessons import AUTOMATIC, SIDES, Lesson, LessonState, load_lessons, split_move
+from insonify.lessons import AUTOMATIC, SIDES, Lesson, LessonState, load_lessons, split_move, subject_of
 from insonify.scene import Scene
 from insonify_viewer.panels.lessons.progress import Progress
 from insonify_viewer.panels.lessons.view.lessons_view import LessonsView
@@ -104,8 +104,7 @@ class LessonsPanel(Panel):
         """Begin a lesson; undo returns to the scene of before with its changes."""
         progress = Progress(lesson)
         self.progress = None  # what changes on the way is not done by the person
-        if self._session.scene != progress.start.scene:
-            self._open(progress)
+        self._open(progress)
         self._model(Modelling(), progress.start.window)
         self._show_step(progress)
 
@@ -195,8 +194,12 @@ class LessonsPanel(Panel):
         self._show_step(progress)
 
     def _open(self, progress: Progress) -> None:
-        """Open the scene of a step at the start of its track."""
-        self._workbench.open_scene(progress.start.scene, _file_of(progress))
+        """Open the scene of a step at the start of its track, with the record and the 3-D view on its subject."""
+        scene = progress.start.scene
+        if self._session.scene != scene:
+            self._workbench.open_scene(scene, _file_of(progress))
+        self._session.show_first(**progress.lesson.display)
+        self._workbench.frame(subject_of(progress.step, scene))
 
     def _model(self, modelling: Modelling, window: Mapping[str, Any]) -> None:
         """Turn to a modelling, with the choices of the plan that a state of the window names."""

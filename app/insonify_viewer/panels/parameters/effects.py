@@ -116,11 +116,10 @@ class _Measured:
 
 
 class EffectMeter:
-    """Compares the record on screen with that of the scene with one effect more or less, one after the other.
+    """Compares the record on screen with that of the scene with one effect more or less, one after the other."""
 
-    Each record is relative to the level bed of its own scene, as it is shown. Both are compared without speckle, except
-    for what the speckle itself changes. Figures of recent scenes are kept.
-    """
+    # Each record is relative to the level bed of its own scene, as it is shown. Both are compared without speckle,
+    # except for what the speckle itself changes. Figures of recent scenes are kept.
 
     def __init__(self, simulator: Simulator, updated: Callable[[], None]) -> None:
         self._simulator, self._updated = simulator, updated

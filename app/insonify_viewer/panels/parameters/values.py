@@ -124,11 +124,9 @@ def _value_at(values: Any, path: str) -> Any:
 
 
 def follow_values(scene: Scene, sections: tuple[FieldSection, ...]) -> tuple[FieldSection, ...] | None:
-    """Give the numbers of sections the values that they have in another scene.
-
-    Which fields there are, their labels and the ends of their sliders stay as they are: they follow once the slider is
-    let go, and no row appears or disappears under the mouse.
-    """
+    """Give the numbers of sections the values that they have in another scene."""
+    # Which fields there are, their labels and the ends of their sliders stay as they are: they follow once the slider
+    # is let go, and no row appears or disappears under the mouse.
     followed = []
     for section in sections:
         found = [_followed(scene, parameter) for parameter in section.parameters]
@@ -141,7 +139,7 @@ def follow_values(scene: Scene, sections: tuple[FieldSection, ...]) -> tuple[Fie
 
 
 def _followed(scene: Scene, parameter: Parameter) -> Parameter | None:
-    """Field with its value in a scene; None if it is no number and its value differs, or if there is no such field."""
+    """Field with its value in a scene; None if it is not numeric and its value differs, or there is no such field."""
     value = _applied_value(scene, parameter.path)
     if value == parameter.value:
         return parameter

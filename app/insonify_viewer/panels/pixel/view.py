@@ -9,12 +9,12 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
-from PySide6.QtCore import QEvent, QPointF, QRectF, QSizeF, Qt
+from PySide6.QtCore import QPointF, QRectF, QSizeF, Qt
 from PySide6.QtGui import QColor, QPainter, QPen, QPolygonF
-from PySide6.QtWidgets import QSplitter, QTextBrowser, QVBoxLayout, QWidget
+from PySide6.QtWidgets import QSplitter, QVBoxLayout, QWidget
 
-from insonify_viewer.errors import guard_override
-from insonify_viewer.state.inspection import SIDES, Mark
+from insonify.io.contacts import SIDES
+from insonify_viewer.state.inspection import Mark
 from insonify_viewer.widgets.buttons import make_label
 from insonify_viewer.widgets.painting import PaintedOnce, round_steps
 from insonify_viewer.widgets.theme import (
@@ -27,6 +27,7 @@ from insonify_viewer.widgets.theme import (
     TEXT,
     text_scale,
 )
+from insonify_viewer.widgets.themed_text import ThemedText
 
 if TYPE_CHECKING:
     from insonify.explanation.cross_section import CrossSection
@@ -260,24 +261,13 @@ def _pen(colour: str, width: float) -> QPen:
     return pen
 
 
-class BudgetList(QTextBrowser):
+class BudgetList(ThemedText):
     """Lists the budget of a pixel with bars: terms in decibels, and shares of what returns and hides its sound."""
 
-    def __init__(self, parent: QWidget | None = None) -> None:
-        super().__init__(parent)
-        self.setObjectName("budget")
-        self.setAccessibleName("Budget of the pixel")
-        self.setToolTip("Terms in decibels that add up to the level of the pixel")
-        self.setMinimumWidth(NARROW)
+    def __init__(self) -> None:
         self._groups: list[Group] = []
         self._notes: tuple[str, ...] = ()
-
-    @guard_override(None)
-    def changeEvent(self, event: QEvent) -> None:
-        """Write anew in the colours of another theme."""
-        super().changeEvent(event)
-        if event.type() is QEvent.Type.StyleChange:
-            self._write()
+        super().__init__("Budget of the pixel", "Terms in decibels that add up to the level of the pixel", NARROW)
 
     def show_explanation(self, explanation: PixelExplanation | None) -> None:
         """List the budget of a pixel; None clears it."""
@@ -292,20 +282,21 @@ class BudgetList(QTextBrowser):
             )
             self._groups = [(head, rows) for head, rows in groups if rows or head[1]]
             self._notes = explanation.approximations
-        self._write()
+        self.write()
 
     def rows(self) -> list[tuple[str, str, str]]:
         """Name, level and detail of all rows, each group before its own."""
         return [row[:3] for head, rows in self._groups for row in (head, *rows)]
 
-    def _write(self) -> None:
+    def text(self) -> str:
+        """HTML of the groups and notes."""
         lines = []
         for head, rows in self._groups:
             lines.append(_line(head, "", ACCENT))
             most = max((abs(row[3]) for row in rows if math.isfinite(row[3])), default=0.0)
             lines += [_line(row, _bar(row[3], most), TEXT) for row in rows]
         notes = "".join(f'<p style="color:{QUIET.name()}">{html.escape(note)}</p>' for note in self._notes)
-        self.setHtml(f'<table cellspacing="3">{"".join(lines)}</table>{notes}')
+        return f'<table cellspacing="3">{"".join(lines)}</table>{notes}'
 
 
 def _line(row: Row, bar: str, colour: QColor) -> str:

@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
+import tomllib
 from collections.abc import Callable
+from functools import cache
 from typing import TYPE_CHECKING
 
 from PySide6.QtCore import Qt, Signal
 from PySide6.QtWidgets import QGridLayout, QHBoxLayout, QVBoxLayout, QWidget
 
+from insonify.files import resources
 from insonify_viewer.state.fields import NumberField
 from insonify_viewer.state.history import Modelling
 from insonify_viewer.state.quantities import format_duration
@@ -20,28 +23,6 @@ from insonify_viewer.widgets.theme import scaled
 if TYPE_CHECKING:
     from insonify.planning import Plan, PlanEntry
 
-# What a subject of the plan is in the sea, by its name.
-PHYSICS = {
-    "method": "How the sound is followed",
-    "planes": "Width of the beam along the track",
-    "rays": "Rays that are followed one by one",
-    "step": "Step along a ray",
-    "fineness": "Fineness of the method",
-    "segments": "Angle of incidence within a cell of the bed",
-    "spacing": "Detail of the bed",
-    "bending": "Sound bent by the water",
-    "bounces": "Echoes that are reflected more than once",
-    "targets": "Targets",
-    "far_targets": "Targets out of reach",
-    "surface_bottom": "Paths by way of the sea surface",
-    "surface_bottom_surface": "Paths by way of the sea surface, out and back",
-    "second_bottom": "Second echo of the bed, by way of the surface",
-    "surface_echo": "Echo of the sea surface itself",
-    "precision": "Rounding of numbers",
-    "speckle": "Speckle: the grain of interfering echoes",
-    "motion": "Motion of the fish",
-    "pings": "Distance between pings",
-}
 Force = Callable[[str, str | None], None]
 AUTOMATIC = "automatic"
 TOLERANCES = (0.2, 50.0)  # %
@@ -193,7 +174,7 @@ class PlanLine(QWidget):
     def show_entry(self, entry: PlanEntry, forced: str | None) -> None:
         """Show what the choice is in the sea, how it is made and what it changes; the reason is in the tooltip."""
         self._subject = entry.subject
-        self._choice.setText(PHYSICS.get(entry.subject, entry.subject.replace("_", " ").capitalize()))
+        self._choice.setText(_physics().get(entry.subject, entry.subject.replace("_", " ").capitalize()))
         share = _share(entry.error) if entry.error > 0.0 else ""
         duration = f"{format_duration(entry.cost)} a ping" if entry.cost > 0.0 else ""
         if entry.modelled:
@@ -221,6 +202,12 @@ class PlanLine(QWidget):
         """Show the effect of the forced choice."""
         self._change.setText(words)
         self._change.setVisible(bool(words))
+
+
+@cache
+def _physics() -> dict[str, str]:
+    """Read what subjects of the plan are in the sea, by their names."""
+    return tomllib.loads((resources() / "window" / "plan.toml").read_text(encoding="utf-8"))
 
 
 def _number(percent: float) -> NumberField:

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
+from insonify.io.contacts import Contact
 from insonify.io.georeference import Georeference, find_georeference
 from insonify.scene import Scene
 from insonify_viewer.panels.panel import Panel, Place, Workbench
@@ -16,6 +17,7 @@ from insonify_viewer.record.comparison.recording import Recording
 from insonify_viewer.record.drape import RecordStrip
 from insonify_viewer.record.measuring import (
     Location,
+    Measurement,
     degrees_of,
     locate_recorded,
     locate_simulated,
@@ -24,8 +26,7 @@ from insonify_viewer.record.measuring import (
 from insonify_viewer.record.projection import Zoom, row_factors
 from insonify_viewer.record.record import RecordGrowth
 from insonify_viewer.record.waterfall_view import WaterfallView
-from insonify_viewer.state.contacts import Contact
-from insonify_viewer.state.inspection import Mark
+from insonify_viewer.state.inspection import Mark, mark_of
 
 if TYPE_CHECKING:
     from insonify.simulation import Simulation
@@ -50,6 +51,7 @@ class RecordPanel(Panel):
         self._hovered: tuple[WaterfallView, Mark] | None = None
         self._followed = 0.0  # when histogram and drape last followed the record
         self._draped = False
+        self._measured: Measurement | None = None  # the last line
         self.contacts = workbench.contacts
         self.view = RecordView()
         self._connect()
@@ -99,6 +101,8 @@ class RecordPanel(Panel):
         listed.edited.connect(self.contacts.edit)
         listed.open.clicked.connect(self._workbench.open_contacts)
         listed.save.clicked.connect(self._workbench.save_contacts)
+        listed.report.clicked.connect(self._workbench.report_contacts)
+        listed.size_wanted.connect(self._attach_size)
 
     @property
     def _recording(self) -> Recording | None:
@@ -166,9 +170,20 @@ class RecordPanel(Panel):
     def _show_measured(self, view: WaterfallView, first: Mark, last: Mark) -> None:
         ends = self._locate(view, first), self._locate(view, last)
         if ends[0] is not None and ends[1] is not None:
-            words = measure(ends[0], ends[1]).words
+            self._measured = measure(ends[0], ends[1])
+            words = self._measured.words
             view.show_marks(line=(first, last, words))
             self.view.show_measured(words)
+
+    def _attach_size(self, row: int, field: str) -> None:
+        """Give a contact a size by the line that was measured last: its length, or the height from a shadow."""
+        line = self._measured
+        size = None if line is None else line.height if field == "height" else line.straight or line.slant
+        if size is None:
+            over = "the shadow of the contact, across the track," if field == "height" else "the contact"
+            self._workbench.say(f"measure first: press M and drag over {over} then click Take")
+        else:
+            self.contacts.edit(row, field, round(size, 2))
 
     def _locate(self, view: WaterfallView, mark: Mark) -> Location | None:
         """Place of a bin of one of the views; None while there is no record."""
@@ -249,12 +264,12 @@ class RecordPanel(Panel):
 
     def _show_marks(self) -> None:
         """Draw the contacts of each record over it."""
-        chosen = self.view.contacts.list.currentRow()
+        chosen = self.view.contacts.row
         for view in (self._simulated, self._recorded):
             source, bins = self._source(view), view.record.bins
             view.show_marks(
                 contacts=[
-                    (each.mark, each.name, row == chosen)
+                    (mark_of(each), each.name, row == chosen)
                     for row, each in enumerate(self.contacts.all)
                     if each.source == source and each.range_bin < bins
                 ]
@@ -274,4 +289,4 @@ class RecordPanel(Panel):
         else:
             self._workbench.go_to(ahead)
         view.show_zoom(Zoom())
-        self.view.contacts.list.setCurrentRow(row)
+        self.view.contacts.choose(row)

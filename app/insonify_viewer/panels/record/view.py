@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
-from PySide6.QtCore import QPointF, QRectF, QSize, Qt, Signal
+from PySide6.QtCore import QPointF, QRectF, QSignalBlocker, QSize, Qt, Signal
 from PySide6.QtGui import (
     QAction,
     QColor,
@@ -23,22 +23,22 @@ from PySide6.QtGui import (
 )
 from PySide6.QtWidgets import (
     QCheckBox,
+    QDoubleSpinBox,
     QGridLayout,
-    QLabel,
     QLineEdit,
-    QListWidget,
-    QListWidgetItem,
+    QTableWidget,
+    QTableWidgetItem,
     QVBoxLayout,
     QWidget,
 )
 
 from insonify.display.display_options import PALETTES, SCALES, SIDES, DisplayOptions
+from insonify.io.contacts import CONFIDENCES, Contact
 from insonify_viewer.errors import guard_override
 from insonify_viewer.record.tone_map import ToneMap
-from insonify_viewer.state.contacts import Contact
 from insonify_viewer.state.fields import ChoiceField, NumberField
 from insonify_viewer.widgets.buttons import make_action, make_label, push_button
-from insonify_viewer.widgets.field_rows import ChoiceRow, NumberRow
+from insonify_viewer.widgets.field_rows import ChoiceRow, Combo, NumberRow
 from insonify_viewer.widgets.side_panel import FoldingBox, SidePanel
 from insonify_viewer.widgets.text import literal
 from insonify_viewer.widgets.theme import ACCENT, GROUND, QUIET, RAISED, TEXT
@@ -46,54 +46,42 @@ from insonify_viewer.widgets.theme import ACCENT, GROUND, QUIET, RAISED, TEXT
 REACH = 30.0  # dB either way
 TICKS = (  # option, label, key, what it does
     ("ground_range", "Ground range", "G", "Distance along a level bed instead of slant range"),
-    (
-        "water_column",
-        "Water column",
-        "Shift+W",
-        "Show the water between sonar and bed",
-    ),
+    ("water_column", "Water column", "Shift+W", "Show the water between sonar and bed"),
     ("bottom_line", "Bottom line", "B", "Line at the slant range of the bed beneath the sonar"),
     ("range_lines", "Range lines", "L", "Lines of equal range"),
     ("newest_on_top", "Newest on top", "N", "Newest pings at the top instead of at the bottom"),
     ("decibels", "Decibels", "Shift+D", "Colours follow the level in decibels instead of the amplitude"),
     ("reverse", "Reversed colours", "I", "Strong echoes dark, shadows bright"),
-    (
-        "draped",
-        "Draped in 3-D",
-        "Shift+B",
-        "Lay the record over the bed of the 3-D view",
-    ),
+    ("draped", "Draped in 3-D", "Shift+B", "Lay the record over the bed of the 3-D view"),
 )
 CHOICES = (
     ("side", "sides", SIDES, "Sides that are shown (keys 1, 2 and 3)"),
-    (
-        "scale",
-        "scale",
-        SCALES,
-        "true: a metre along the track is as long as one across; fill: all of the room (T)",
-    ),
+    ("scale", "scale", SCALES, "true: a metre along the track is as long as one across; fill: all of the room (T)"),
     ("palette", "palette", PALETTES, "Colours of the record"),
 )
 GAINS = (  # option, place in it, label, what it does
     ("gain", None, "gain", "Gain of both sides"),
     ("side_gains", 0, "port", "Gain of port alone"),
     ("side_gains", 1, "starboard", "Gain of starboard alone"),
-    (
-        "side_slopes",
-        0,
-        "port slope",
-        "More gain with range: dB for ten times the range, port",
-    ),
-    (
-        "side_slopes",
-        1,
-        "starb. slope",
-        "More gain with range: dB for ten times the range, starboard",
-    ),
+    ("side_slopes", 0, "port slope", "More gain with range: dB for ten times the range, port"),
+    ("side_slopes", 1, "starb. slope", "More gain with range: dB for ten times the range, starboard"),
 )
 MEASURE = "Drag over the record, or press Return at both ends, to measure"
 KEYS = (("1", "both"), ("2", "port"), ("3", "starboard"))
-ICON = 56  # px
+ICON = 44  # px
+# Of the table of contacts: heading and field, the first the number in the order of marking.
+COLUMNS = (
+    *(("#", ""), ("name", "name"), ("class", "classification"), ("length", "length"), ("width", "width")),
+    *(("height", "height"), ("confidence", "confidence"), ("side", "side"), ("range", "slant_range")),
+    *(("ping", "ping"), ("remark", "note")),
+)
+CLASSES = ("wreck", "aircraft", "pipe", "cable", "container", "anchor", "rock", "mine-like", "debris", "fish", "scour")
+SIZES = {
+    "length": "Take the length of the line that was measured last",
+    "width": "Take the length of the line that was measured last as width",
+    "height": "Take the height that follows from the shadow along the line that was measured last",
+}
+LARGEST = 10_000.0  # m
 HINT = "Point at the record and press C, or click a pixel, then Mark."
 LOWEST, HIGHEST, STEP = -40.0, 40.0, 20.0  # dB re level bed
 BAR, SCALE, MARGIN = 14, 16, 8  # px
@@ -120,7 +108,8 @@ class RecordView(SidePanel):
         self.usual = push_button("Usual display", "Reset all display options, gains and contrast too", wide=True)
         self.usual.clicked.connect(self._show_usual)
         self.histogram = HistogramView()
-        self.measure = self._tick("Measure a line", "M", MEASURE, self.measuring)
+        self.measure = _tick("Measure a line", "M", MEASURE, self.measuring)
+        self._key("Measure a line", "M", self.measure.toggle)
         self.measured = make_label("about")
         self.measured.setMinimumHeight(5 * self.fontMetrics().lineSpacing())  # of the longest words, wrapped
         self.measured.setAlignment(Qt.AlignmentFlag.AlignTop)
@@ -189,17 +178,13 @@ class RecordView(SidePanel):
         grid.setContentsMargins(6, 6, 2, 6)
         grid.setHorizontalSpacing(10)
         for number, (name, label, key, about) in enumerate(TICKS):
-            tick = QCheckBox(label)
-            tick.setToolTip(f"{about} ({key})")
-            tick.setFocusPolicy(Qt.FocusPolicy.TabFocus)
-            tick.toggled.connect(lambda on, name=name: self.changed.emit({name: on}))
-            self.ticks[name] = tick
-            grid.addWidget(tick, number // 2, number % 2)
+            self.ticks[name] = _tick(label, key, about, lambda on, name=name: self.changed.emit({name: on}))
+            grid.addWidget(self.ticks[name], number // 2, number % 2)
         rows = QWidget()
         inner = QGridLayout(rows)
         inner.setContentsMargins(0, 4, 0, 0)
-        for number, row in enumerate(self.choices.values()):
-            row.place(inner, number)
+        for number, choice in enumerate(self.choices.values()):
+            choice.place(inner, number)
         grid.addWidget(rows, len(TICKS), 0, 1, 2)
         grid.addWidget(self.usual, len(TICKS) + 1, 0, 1, 2)
 
@@ -210,14 +195,6 @@ class RecordView(SidePanel):
         for number, row in enumerate(self.gains):
             row.place(grid, number)
         return rows
-
-    def _tick(self, text: str, key: str, about: str, signal: Any) -> QCheckBox:
-        tick = QCheckBox(text)
-        tick.setToolTip(f"{about} ({key})")
-        tick.setFocusPolicy(Qt.FocusPolicy.TabFocus)
-        tick.toggled.connect(signal)
-        self._key(text, key, tick.toggle)
-        return tick
 
     def _add_keys(self) -> None:
         """Make an action for every key; the window holds them, so that they work while the panel is hidden."""
@@ -239,6 +216,14 @@ class RecordView(SidePanel):
         self.keys.append(action)
 
 
+def _tick(text: str, key: str, about: str, toggled: Any) -> QCheckBox:
+    tick = QCheckBox(text)
+    tick.setToolTip(f"{about} ({key})")
+    tick.setFocusPolicy(Qt.FocusPolicy.TabFocus)
+    tick.toggled.connect(toggled)
+    return tick
+
+
 def _choice(name: str, look: DisplayOptions) -> ChoiceField:
     _, label, options, about = next(row for row in CHOICES if row[0] == name)
     return ChoiceField(name, label, about, 0, getattr(look, name), options)
@@ -252,101 +237,175 @@ def _gain(row: int, look: DisplayOptions) -> NumberField:
 
 
 class ContactListView(QWidget):
-    """Lists contacts, and signals what the person does to them."""
+    """Lists contacts in a table that sorts by its columns, and signals what the person does to the chosen one."""
 
     remove_wanted = Signal(int)
     jump_wanted = Signal(int)
     chosen = Signal(int)  # -1 for none
-    edited = Signal(int, str, str)  # which, name of the field, text
+    edited = Signal(int, str, object)  # which, name of the field, value
+    size_wanted = Signal(int, str)  # which, and the field that takes over what was measured last
 
     def __init__(self, parent: QWidget | None = None) -> None:
         super().__init__(parent)
-        self.list = QListWidget()
-        self.list.setObjectName("contacts")
-        self.list.setAccessibleName("Contacts")
-        self.list.setIconSize(QSize(ICON, ICON))
-        self.list.setMinimumHeight(3 * ICON)
-        self.list.setToolTip("A double click, or Enter, shows the contact in its record")
-        self.list.currentRowChanged.connect(self._choose)
-        self.list.itemActivated.connect(lambda item: self.jump_wanted.emit(self.list.row(item)))
-        self.name, self.note = _line("Name of the contact"), _line("Note on the contact")
-        self.name.editingFinished.connect(lambda: self._edit("name", self.name))
-        self.note.editingFinished.connect(lambda: self._edit("note", self.note))
+        self.list = _make_table()
+        self.list.currentCellChanged.connect(lambda *_: self._choose())
+        self.list.itemActivated.connect(lambda _: self.jump_wanted.emit(self.row))
+        self.name, self.note = _line("Name of the contact"), _line("Remark on the contact")
+        self.classification, self.confidence = Combo("Class of the contact"), Combo("How sure its class is")
+        self.classification.setEditable(True)
+        self.classification.addItems(("", *CLASSES))
+        self.confidence.addItems(CONFIDENCES)
+        written = self.classification.lineEdit()
+        assert written is not None  # the combo box is editable
+        for field, line in (("name", self.name), ("note", self.note), ("classification", written)):
+            line.editingFinished.connect(lambda field=field, line=line: self._edit(field, line.text()))
+        for field, combo in (("classification", self.classification), ("confidence", self.confidence)):
+            combo.textActivated.connect(lambda text, field=field: self._edit(field, text))
+        self.sizes = {field: _size(field) for field in SIZES}
+        self.takes = {field: push_button("Take", tip, style="small") for field, tip in SIZES.items()}
+        for field in SIZES:
+            self.sizes[field].valueChanged.connect(lambda size, field=field: self._edit(field, size or None))
+            self.takes[field].clicked.connect(lambda _=False, field=field: self.size_wanted.emit(self.row, field))
+            self.takes[field].setAccessibleName(SIZES[field])
         self.mark = push_button("Mark", "Mark a contact at the clicked pixel; C marks one under the mouse")
         self.jump = push_button("Show", "Show the contact in its record")
         self.remove = push_button("Remove", "Remove the contact from the list")
         self.open = push_button("Open…", "Open a file of contacts, which replaces this list")
         self.save = push_button("Save…", "Save the contacts as GeoJSON with their pictures, or as a CSV table")
+        self.report = push_button("Report…", "Write a report with pictures as PDF or HTML, or placemarks as KML")
         self.hint = make_label("about", HINT)
-        self.jump.clicked.connect(lambda: self.jump_wanted.emit(self.list.currentRow()))
-        self.remove.clicked.connect(lambda: self.remove_wanted.emit(self.list.currentRow()))
+        self.jump.clicked.connect(lambda: self.jump_wanted.emit(self.row))
+        self.remove.clicked.connect(lambda: self.remove_wanted.emit(self.row))
         self._contacts: Sequence[Contact] = ()
         self._lay()
         self.show_contacts(())
 
+    @property
+    def row(self) -> int:
+        """Place of the chosen contact in the order of marking; -1 for none."""
+        item = self.list.item(self.list.currentRow(), 0)
+        return -1 if item is None else int(item.data(Qt.ItemDataRole.DisplayRole)) - 1
+
+    def choose(self, row: int) -> None:
+        """Choose a contact by its place in the order of marking, however the table is sorted."""
+        found = self.list.findItems(str(row + 1), Qt.MatchFlag.MatchExactly)
+        self.list.setCurrentCell(next((item.row() for item in found if item.column() == 0), -1), 1)
+
     def show_contacts(self, contacts: Sequence[Contact]) -> None:
         """List contacts; the chosen one stays chosen, or the first new one if there are more than before."""
-        row = self.list.currentRow()
+        row, header = self.row, self.list.horizontalHeader()
         if len(contacts) > len(self._contacts):
             shared = zip(contacts, self._contacts, strict=False)
             row = next((number for number, (new, old) in enumerate(shared) if new is not old), len(self._contacts))
-        self.list.blockSignals(True)
-        for number, contact in enumerate(contacts):
-            # An entry holds a picture: those that stay are not made again at every change of the scene.
-            if number >= len(self._contacts) or contact is not self._contacts[number]:
-                self.list.takeItem(number)
-                self.list.insertItem(number, _item(contact))
-        while self.list.count() > len(contacts):
-            self.list.takeItem(self.list.count() - 1)
-        self._contacts = tuple(contacts)
-        self.list.setCurrentRow(min(row, len(contacts) - 1))
-        self.list.blockSignals(False)
+        with QSignalBlocker(self.list):
+            sorting = header.sortIndicatorSection(), header.sortIndicatorOrder()
+            self.list.setSortingEnabled(False)
+            self.list.sortItems(0)
+            self.list.setRowCount(len(contacts))
+            for number, contact in enumerate(contacts):
+                # An entry holds a picture: those that stay are not made again at every change of the scene.
+                if number >= len(self._contacts) or contact is not self._contacts[number]:
+                    for column, item in enumerate(_items(number, contact)):
+                        self.list.setItem(number, column, item)
+            self._contacts = tuple(contacts)
+            self.list.setSortingEnabled(True)
+            self.list.sortItems(*sorting)
+            self.list.resizeColumnsToContents()
+            self.choose(min(row, len(contacts) - 1))
         self.hint.setVisible(not contacts)
-        self.list.setVisible(bool(contacts))
-        self.save.setEnabled(bool(contacts))
-        self._choose(self.list.currentRow())
+        for widget in (self.list, self.form):
+            widget.setVisible(bool(contacts))
+        for button in (self.save, self.report):
+            button.setEnabled(bool(contacts))
+        self._choose()
 
-    def _choose(self, row: int) -> None:
-        there = 0 <= row < len(self._contacts)
-        for widget in (self.name, self.note, self.jump, self.remove):
-            widget.setEnabled(there)
-        self.name.setText(self._contacts[row].name if there else "")
-        self.note.setText(self._contacts[row].note if there else "")
-        self.chosen.emit(row if there else -1)
+    def _choose(self) -> None:
+        """Show the fields of the chosen contact."""
+        row = self.row
+        contact = self._contacts[row] if 0 <= row < len(self._contacts) else None
+        for widget in (self.form, self.jump, self.remove):
+            widget.setEnabled(contact is not None)
+        self.name.setText(contact.name if contact else "")
+        self.note.setText(contact.note if contact else "")
+        self.classification.setCurrentText(contact.classification if contact else "")
+        self.confidence.setCurrentText(contact.confidence if contact else "")
+        for field, size in self.sizes.items():
+            with QSignalBlocker(size):
+                size.setValue((getattr(contact, field) if contact else None) or 0.0)
+        self.chosen.emit(row)
 
-    def _edit(self, name: str, line: QLineEdit) -> None:
-        row = self.list.currentRow()
-        if 0 <= row < len(self._contacts) and line.text() != getattr(self._contacts[row], name):
-            self.edited.emit(row, name, line.text())
+    def _edit(self, field: str, value: object) -> None:
+        row = self.row
+        if 0 <= row < len(self._contacts) and value != getattr(self._contacts[row], field):
+            self.edited.emit(row, field, value)
 
     def _lay(self) -> None:
-        grid = QGridLayout(self)
-        grid.setContentsMargins(6, 6, 2, 6)
-        grid.setSpacing(5)
-        grid.addWidget(self.hint, 0, 0, 1, 3)
-        grid.addWidget(self.list, 1, 0, 1, 3)
-        for row, (text, line) in enumerate((("name", self.name), ("note", self.note)), start=2):
-            label = QLabel(text)
-            label.setObjectName("name")
-            label.setBuddy(line)
-            grid.addWidget(label, row, 0)
-            grid.addWidget(line, row, 1, 1, 2)
-        for column, button in enumerate((self.mark, self.jump, self.remove)):
-            grid.addWidget(button, 4, column)
-        grid.addWidget(self.open, 5, 0)
-        grid.addWidget(self.save, 5, 1)
+        self.form = QWidget()
+        form, column, tools = QGridLayout(self.form), QVBoxLayout(self), QGridLayout()
+        form.setContentsMargins(0, 0, 0, 0)
+        column.setContentsMargins(6, 6, 2, 6)
+        for layout in (form, column, tools):
+            layout.setSpacing(5)
+        rows: dict[str, QWidget] = {"name": self.name, "class": self.classification, "confidence": self.confidence}
+        for row, (text, field) in enumerate((rows | self.sizes | {"remark": self.note}).items()):
+            label = make_label("name", text)
+            label.setBuddy(field)
+            form.addWidget(label, row, 0)
+            form.addWidget(field, row, 1, 1, 1 if text in self.takes else 2)
+            if text in self.takes:
+                form.addWidget(self.takes[text], row, 2)
+        buttons = self.mark, self.jump, self.remove, self.open, self.save, self.report
+        for place, button in enumerate(buttons):
+            tools.addWidget(button, place // 3, place % 3)
+        for widget in (self.hint, self.list, self.form):
+            column.addWidget(widget)
+        column.addLayout(tools)
 
 
-def _item(contact: Contact) -> QListWidgetItem:
-    """Entry of a contact: its picture, its name and where it is."""
-    place = f"ping {contact.ping}, {contact.side}, {contact.slant_range:.1f} m slant"
-    item = QListWidgetItem("\n".join(filter(None, [contact.name, place, contact.note])))
-    picture = QPixmap()
-    if contact.snapshot and picture.loadFromData(contact.snapshot):
-        item.setIcon(QIcon(picture))
-    where = "" if contact.x is None or contact.y is None else f", x {contact.x:.2f} m, y {contact.y:.2f} m"
-    item.setToolTip(literal(f"{contact.name}: {place}{where}; {contact.source}"))
-    return item
+def _make_table() -> QTableWidget:
+    table = QTableWidget(0, len(COLUMNS))
+    table.setObjectName("contacts")
+    table.setAccessibleName("Contacts")
+    table.setHorizontalHeaderLabels([title for title, _ in COLUMNS])
+    table.setIconSize(QSize(ICON, ICON))
+    table.setMinimumHeight(4 * ICON)
+    table.setToolTip("A double click, or Enter, shows the contact in its record; a click on a heading sorts")
+    table.setEditTriggers(QTableWidget.EditTrigger.NoEditTriggers)
+    table.setSelectionBehavior(QTableWidget.SelectionBehavior.SelectRows)
+    table.setSelectionMode(QTableWidget.SelectionMode.SingleSelection)
+    table.setTabKeyNavigation(False)
+    table.setShowGrid(False)
+    table.verticalHeader().hide()
+    table.verticalHeader().setDefaultSectionSize(ICON)
+    table.sortItems(0)
+    return table
+
+
+def _items(number: int, contact: Contact) -> list[QTableWidgetItem]:
+    """Cells of a contact; numbers sort as numbers, and its picture stands beside its name."""
+    where = "" if contact.x is None or contact.y is None else f"x {contact.x:.2f} m, y {contact.y:.2f} m; "
+    items = []
+    for title, field in COLUMNS:
+        value = getattr(contact, field) if field else number + 1
+        item = QTableWidgetItem()
+        item.setData(Qt.ItemDataRole.DisplayRole, round(value, 2) if isinstance(value, float) else value)
+        item.setToolTip(literal(f"{contact.name}: {where}{contact.source}"))
+        picture = QPixmap()
+        if title == "name" and contact.snapshot and picture.loadFromData(contact.snapshot):
+            item.setIcon(QIcon(picture))
+        items.append(item)
+    return items
+
+
+def _size(field: str) -> QDoubleSpinBox:
+    size = QDoubleSpinBox()
+    size.setRange(0.0, LARGEST)
+    size.setSuffix(" m")
+    size.setSpecialValueText("–")
+    size.setKeyboardTracking(False)
+    size.setToolTip(f"{field.capitalize()} in metres; – where it was not measured")
+    size.setAccessibleName(f"{field} of the contact")
+    return size
 
 
 def _line(name: str) -> QLineEdit:

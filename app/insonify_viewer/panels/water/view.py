@@ -61,10 +61,10 @@ HANDLE = 4.5  # px, radius of a point that can be dragged
 
 
 class WaterView(PaintedOnce):
-    """Shows a ray diagram, and signals drags and clicks, which keys do as well.
+    """Shows a ray diagram, and signals drags and clicks, which keys do as well."""
 
-    The Tab key goes from point to point of the profile, then to a cross in the water; arrow keys move what is chosen.
-    """
+    # The Tab key goes from point to point of the profile, then to a cross in the water; arrow keys move what is
+    # chosen.
 
     point_dragged = Signal(int, float, float)
     point_settled = Signal()

@@ -28,11 +28,10 @@ TOLD = 2  # changes that the status bar names
 
 
 class Comparison:
-    """Shows record A, which is kept or recorded, beside the live record B.
+    """Shows record A, which is kept or recorded, beside the live record B."""
 
-    A kept record follows the ping on top of B, ping by ping; the pings that it lacks are traced on a thread of their
-    own. A recording is played by `RecordingPlayer`.
-    """
+    # A kept record follows the ping on top of B, ping by ping; the pings that it lacks are traced on a thread of their
+    # own. A recording is played by `RecordingPlayer`.
 
     changed = Signal()  # record A, or the arrangement
     measured = Signal()  # the difference

@@ -52,11 +52,10 @@ class ComparisonActions(QObject):
 
 
 class HeldKey(QObject):
-    """Signals when a key without modifiers is pressed in a window and when it is released.
+    """Signals when a key without modifiers is pressed in a window and when it is released."""
 
-    Lists and combo boxes would look for an entry with that letter, so the key is taken before the widget that has the
-    keyboard receives it.
-    """
+    # Lists and combo boxes would look for an entry with that letter, so the key is taken before the widget that has
+    # the keyboard receives it.
 
     def __init__(self, window: QWidget, key: Qt.Key, held: Callable[[bool], None]) -> None:
         super().__init__(window)

@@ -28,7 +28,7 @@ from insonify_viewer.record.comparison.record_difference import FLOOR
 from insonify_viewer.record.record_image import EMPTY
 from insonify_viewer.record.waterfall_view import WaterfallView
 from insonify_viewer.widgets.arrow_keys import modifiers_of
-from insonify_viewer.widgets.painting import two_sided_table
+from insonify_viewer.widgets.painting import draw_veil, two_sided_table
 from insonify_viewer.widgets.theme import ACCENT, ACCENT_IN_WATER, GROUND, MARK, TEXT
 
 GRIP = 6  # px beside the split line in which it is taken hold of
@@ -42,10 +42,9 @@ Columns = tuple[NDArray[np.float32], NDArray[np.bool_]]
 
 
 class ComparisonOverlay(QWidget):
-    """Lies over the view of record B and draws record A there, at the same scale.
+    """Lies over the view of record B and draws record A there, at the same scale."""
 
-    Where it draws nothing, the mouse belongs to record B.
-    """
+    # Where it draws nothing, the mouse belongs to record B.
 
     def __init__(self, a: RecordAView, b: WaterfallView) -> None:
         super().__init__(b)
@@ -227,9 +226,7 @@ class ComparisonOverlay(QWidget):
         """Draw the palette with its ends in dB."""
         wide = min(160, plot.width() // 2)
         bar = QRect(plot.right() - wide - 56, plot.top() + 7, wide, 8)
-        ground = QColor(GROUND)
-        ground.setAlpha(215)
-        painter.fillRect(QRect(bar.left() - 56, plot.top(), wide + 112, 40), ground)
+        draw_veil(painter, QRect(bar.left() - 56, plot.top(), wide + 112, 40))
         colours = QLinearGradient(bar.left(), 0, bar.right(), 0)
         for at, colour in ((0.0, MARK), (0.5, GROUND), (1.0, ACCENT)):
             colours.setColorAt(at, QColor(colour))
@@ -248,9 +245,7 @@ class ComparisonOverlay(QWidget):
             return
         left = room.right() - wide - 2 if to_the_right else room.left() + 4
         place = QRect(left, room.bottom() - HIGH - 4, wide, HIGH)
-        ground = QColor(GROUND)
-        ground.setAlpha(215)
-        painter.fillRect(place, ground)
+        draw_veil(painter, place)
         painter.setPen(QColor(TEXT))
         painter.drawText(place, Qt.AlignmentFlag.AlignCenter, text)
 

@@ -14,11 +14,10 @@ from insonify_viewer.widgets.buttons import set_icon
 
 
 class LinkedRecords(QObject):
-    """Passes zoom, scroll and cursor on from one record to the other while the padlock over record A is closed.
+    """Passes zoom, scroll and cursor on from one record to the other while the padlock over record A is closed."""
 
-    A place of one record is shown in the other where as many metres across lie, as many pings below the newest; beside
-    a recording, as many metres along.
-    """
+    # A place of one record is shown in the other where as many metres across lie, as many pings below the newest;
+    # beside a recording, as many metres along.
 
     def __init__(self, live: WaterfallView, beside: WaterfallView) -> None:
         super().__init__(beside)

@@ -89,10 +89,9 @@ class RecordsSideBySide(QObject):
         beside.hide()
 
     def show(self) -> None:
-        """Show record A, as wide as the live record.
-
-        The 3-D view keeps a quarter of the room where that is wide, and can be drawn out from the edge where it is not.
-        """
+        """Show record A, as wide as the live record."""
+        # The 3-D view keeps a quarter of the room where that is wide, and can be drawn out from the edge where it is
+        # not.
         if self._beside.isHidden():
             self._before = self._splitter.sizes()
         self._splitter.setCollapsible(0, True)

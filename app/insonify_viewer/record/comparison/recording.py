@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 from datetime import datetime, timedelta
+from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -12,14 +13,16 @@ import numpy as np
 from numpy.typing import NDArray
 
 from insonify.io.records import RECORDS
-from insonify_viewer.record.projection import compile_picture
 from insonify_viewer.record.record import MAX_CELLS, MAX_PINGS
+from insonify_viewer.record.record_overview import COLUMNS
 from insonify_viewer.state.inspection import Mark
+from insonify_viewer.widgets.painting import column_means
 
 if TYPE_CHECKING:
     import xarray as xr
 
 UNKNOWN = "not recorded"
+BLOCK = 512  # pings whose overview is computed at once
 
 
 @dataclass(frozen=True, eq=False)
@@ -33,6 +36,14 @@ class Recording:
     # (pings,) height of the sonar above the bed in metres, as recorded, else by the bottom track; NaN where
     # neither is known.
     altitude: NDArray[np.float64]
+
+    @cached_property
+    def overview(self) -> NDArray[np.float32]:
+        """Amplitudes in a few columns, from far port to far starboard, (pings, columns)."""
+        blocks = np.array_split(self.amplitude, max(self.pings // BLOCK, 1))
+        return np.concatenate(
+            [column_means(np.concatenate([each[:, 0, ::-1], each[:, 1]], axis=1), COLUMNS) for each in blocks]
+        )
 
     @property
     def pings(self) -> int:
@@ -87,6 +98,7 @@ def load_recording(path: str, frequency: float | None = None) -> Recording:
     """Read a record and relate it to its own median curve, as ``insonify compare`` draws it."""
     # lazy: loads SciPy and kernels on a thread of its own; the window opens before
     from insonify.display.normalisation import normalise
+    from insonify.display.picture import compile_picture
     from insonify.display.sheet import compute_median_curve
     from insonify.io.records import read_record
     from insonify.io.records.bottom_track import find_altitude
@@ -94,7 +106,10 @@ def load_recording(path: str, frequency: float | None = None) -> Recording:
     compile_picture()
     dataset = read_record(path, frequency)
     intensity = dataset["intensity"].transpose("ping_time", "channel", "range_sample").values
-    return Recording(Path(path), dataset, normalise(intensity, compute_median_curve(dataset)), find_altitude(dataset))
+    amplitude = normalise(intensity, compute_median_curve(dataset))
+    recording = Recording(Path(path), dataset, amplitude, find_altitude(dataset))
+    assert len(recording.overview) == recording.pings  # computed on this thread
+    return recording
 
 
 def describe_point(recording: Recording, mark: Mark) -> dict[str, str]:

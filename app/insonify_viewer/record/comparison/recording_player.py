@@ -7,6 +7,7 @@ from functools import partial
 from pathlib import Path
 from typing import Protocol
 
+import numpy as np
 from psygnal import Signal
 from PySide6.QtGui import QAction
 
@@ -45,11 +46,10 @@ class RecordWindow(Protocol):
 
 
 class RecordingPlayer:
-    """Plays a recording by its own ping rate, while the tow runs and as fast as the tow.
+    """Plays a recording by its own ping rate, while the tow runs and as fast as the tow."""
 
-    A recording is opened with the tow paused and its first screenful shown. To play one that is at its end begins it
-    anew.
-    """
+    # A recording is opened with the tow paused and its first screenful shown. To play one that is at its end begins it
+    # anew.
 
     opened = Signal(object)  # the `Recording` on screen, or None
     reading = Signal()
@@ -153,6 +153,7 @@ class RecordingPlayer:
         self._clock.run(False)
         self._view.show_record(self._record, recording.slant_range, recording.step)
         self._view.show_last(recording.pings - 1)
+        self._view.overview.fill(np.arange(recording.pings), recording.overview)
         self._show_top()
         self._find_levels()
         self.opened.emit(recording)

@@ -29,6 +29,7 @@ DOUBLE_PLANES = (4, 16, 64)
 # Share of a bin's echo that a segment of a profile may add wrongly before it is divided; beside the default.
 DIVISIONS = {"whole segments": math.inf, "segments to 3 %": 0.03, "segments to 1 %": 0.01}
 SWEEPS = ("sweep", *(f"sweep, {division}" for division in DIVISIONS))  # of the whole scene, however divided
+PLAN = "default plan"
 EMBREE, EMBREE_OWN = "embree", "embree, against its own triangles"
 
 Record = NDArray[np.float32]
@@ -89,6 +90,20 @@ def list_settings(arrays: SceneArrays, poses: Poses) -> list[MethodSetting]:
             "sweep, straight", still, STILL_PLANES
         )
     return out
+
+
+def plan_setting(scene: Scene) -> MethodSetting:
+    """Return what the plan chooses for a scene at the usual tolerance, on one thread."""
+    simulation = prepare(scene)
+
+    def trace(poses: Poses) -> Record:
+        settings = {**simulation.plan.settings, "threads": 1}
+        return simulation.tiles.map(
+            lambda tile, some: simulation.tracer.trace(tile, some, **settings), simulation.reduced, poses
+        )
+
+    planes = simulation.plan.planes
+    return MethodSetting(PLAN, f"{planes} plane{'s' * (planes > 1)}", planes, trace)
 
 
 def coarsen_bed(bed: Bed, every: int) -> Bed | None:

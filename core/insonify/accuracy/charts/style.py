@@ -16,17 +16,6 @@ from insonify.display.style import BLUE, BROWN, FAINT, GREEN, INK, VIOLET, make_
 
 COLOURS = {"march": BROWN, "rays": BLUE, "sweep": GREEN, "embree": VIOLET}
 MARKS = {"march": "s", "rays": "o", "sweep": "D", "embree": "^"}
-SHADES = {
-    "sweep, every 2nd node": "#7fa83a",
-    "sweep, every 4th node": "#c4a32a",
-    "sweep, whole segments": "#b5473c",
-    "sweep, segments to 3 %": "#d9822b",
-    "sweep, segments to 1 %": "#2a8fa3",
-    "sweep, straight": "#8b9299",
-    "rays, straight": "#8b9299",
-    "sweep, float64": "#0f4f35",
-    "embree, against its own triangles": "#c58bc9",
-}
 # Offsets of a label from its point, in points, best first.
 PLACES = (
     (0, 9),
@@ -51,8 +40,8 @@ Key = TypeVar("Key")
 
 
 def get_colour(method: str) -> str:
-    """Colour of a method, or of the family that its name begins with."""
-    return SHADES.get(method) or COLOURS.get(_family(method), INK)
+    """Colour of the family that a method's name begins with."""
+    return COLOURS.get(_family(method), INK)
 
 
 def get_mark(method: str) -> str:

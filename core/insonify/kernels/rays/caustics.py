@@ -38,9 +38,9 @@ LEAST = 1e-9  # least width of a tube over that of another one, so that nothing 
 def _airy(z: NDArray[np.float64]) -> NDArray[np.float64]:
     """Airy's function by its power series (DLMF 9.4.1), exact to 1e-6 up to |z| = 10."""
     one, other = np.ones_like(z), z.copy()
-    sum_one, sum_other = one.copy(), other.copy()
+    sum_one, sum_other, cube = one.copy(), other.copy(), z**3
     for k in range(3, 180, 3):
-        one, other = one * z**3 / (k * (k - 1)), other * z**3 / (k * (k + 1))
+        one, other = one * cube / (k * (k - 1)), other * cube / (k * (k + 1))
         sum_one, sum_other = sum_one + one, sum_other + other
     at_zero, slope = 3.0 ** (-2.0 / 3.0) / math.gamma(2.0 / 3.0), 3.0 ** (-1.0 / 3.0) / math.gamma(1.0 / 3.0)
     return at_zero * sum_one - slope * sum_other

@@ -26,13 +26,13 @@ class Receiver(Declaration):
     """Effects between the echo and the record: speckle, reverberation, noise and other waves, gain, recorder."""
 
     speckle: Annotated[SpeckleKind, KindOf(SPECKLES, default="none")] = parameter(
-        NoSpeckle(), description="interference of scatterers within a cell"
+        NoSpeckle, description="interference of scatterers within a cell"
     )
     fluctuation: Annotated[Lognormal | None, KindOf(FLUCTUATIONS, optional=True)] = parameter(
         None, description="variation of the level from ping to ping", rare=True
     )
     reverberation: Annotated[ReverberationKind, KindOf(REVERBERATIONS, default="none")] = parameter(
-        NoReverberation(), description="echoes of the water and its surface"
+        NoReverberation, description="echoes of the water and its surface"
     )
     noise: Annotated[NoiseKind | None, KindOf(NOISES, optional=True)] = parameter(
         None, description="noise received besides the echoes"
@@ -51,7 +51,7 @@ class Receiver(Declaration):
         le=300.0,
         slider=(0.0, 240.0),
     )
-    tvg: Annotated[GainKind, KindOf(GAINS, default="none")] = parameter(NoTvg(), description="time-varied gain")
+    tvg: Annotated[GainKind, KindOf(GAINS, default="none")] = parameter(NoTvg, description="time-varied gain")
     crosstalk: float | None = parameter(
         None,
         unit="dB",
@@ -61,7 +61,7 @@ class Receiver(Declaration):
         slider=(-80.0, 0.0),
         rare=True,
     )
-    recorder: Recorder = parameter(Recorder(), description="amplifier and converter")
+    recorder: Recorder = parameter(Recorder, description="amplifier and converter")
 
     @model_validator(mode="after")
     def _noise_in_micropascals_needs_a_source(self) -> Receiver:

@@ -20,8 +20,8 @@ class Seabed(Declaration):
         30.0, "depth of the mean bed (a measured bed has its own)", "m", gt=0.0, le=11000.0, slider=(5.0, 200.0)
     )
     spacing: float = metres(0.1, "spacing of the relief grid", (0.05, 1.0), most=1e4)
-    relief: Annotated[ReliefKind, KindOf(RELIEFS, default="flat")] = parameter(Flat(), "shape of the bed")
-    material: AnyMaterialMap = parameter(Material(), "material of the bed")
+    relief: Annotated[ReliefKind, KindOf(RELIEFS, default="flat")] = parameter(Flat, "shape of the bed")
+    material: AnyMaterialMap = parameter(Material, "material of the bed")
 
     @model_validator(mode="after")
     def _relief_fits_the_grid(self) -> Seabed:

@@ -20,11 +20,11 @@ class Sonar(Declaration):
         None, "preset of a sonar, of which numbers apply where none are given; a bare name stands for it"
     )
     frequency: float = parameter(400e3, "carrier frequency", "Hz", ge=1e3, le=2e6, slider=(5e4, 1.2e6), log=True)
-    beam: Annotated[BeamKind, KindOf(BEAMS, default="fan")] = parameter(FanBeam(), "horizontal beam")
+    beam: Annotated[BeamKind, KindOf(BEAMS, default="fan")] = parameter(FanBeam, "horizontal beam")
     vertical: Annotated[VerticalBeamKind, KindOf(VERTICAL_BEAMS, default="uniform")] = parameter(
-        UniformVerticalBeam(), "vertical beam"
+        UniformVerticalBeam, "vertical beam"
     )
-    pulse: Annotated[PulseKind, KindOf(PULSES, default="tone")] = parameter(Tone(), "transmitted pulse")
+    pulse: Annotated[PulseKind, KindOf(PULSES, default="tone")] = parameter(Tone, "transmitted pulse")
     range: float = metres(50.0, "slant range of the last bin", (10.0, 200.0), most=1e4)
     bins: int = parameter(1000, "range bins per side", ge=1, le=MOST_BINS, slider=(100, 4000), log=True)
     ping_rate: float = parameter(

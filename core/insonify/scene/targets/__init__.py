@@ -183,7 +183,7 @@ class Body(Target):
 class Posed(Body):
     """A target that can be turned: first by heading, then by pitch, then by roll, about its centre."""
 
-    heading: float = angle("direction of the bow, counter-clockwise from +x")
+    heading: float = angle("direction of the bow, counter-clockwise from east; 45T is 45° by the compass")
     pitch: float = angle("angle of the bow upwards", rare=True)
     roll: float = angle("angle of the port side upwards", rare=True)
 

@@ -24,7 +24,7 @@ class Pipe(Target):
     kind: Literal["pipe"] = "pipe"
     radius: float = metres(0.5, "outer radius of the pipe", (0.05, 2.0), least=LEAST, most=100.0)
     length: float = metres(20.0, "length along the axis", (1.0, 200.0), least=LEAST, most=1e5)
-    heading: float = angle("direction of the axis, counter-clockwise from +x")
+    heading: float = angle("direction of the axis, counter-clockwise from east; 45T is 45° by the compass")
     pitch: float | None = parameter(
         None,
         "rise of the axis towards its heading; when left out the pipe follows the slope of the bed",

@@ -15,7 +15,7 @@ class Track(Declaration):
     """Straight track at constant speed, and the motion of the towfish about it."""
 
     start: tuple[Coordinate, Coordinate] = parameter((0.0, 0.0), "position of the first ping", "m", rare=True)
-    heading: float = angle("direction of travel, counter-clockwise from +x")
+    heading: float = angle("direction of travel, counter-clockwise from east; 45T is 45° by the compass")
     altitude: float | None = parameter(
         None,
         "height above the mean bed (10 m when neither altitude nor depth is given)",
@@ -33,7 +33,7 @@ class Track(Declaration):
         False, "keep the altitude above the bed beneath, smoothed over one altitude to either side", rare=True
     )
     motion: Annotated[MotionKind, KindOf(MOTIONS, default="straight")] = parameter(
-        Straight(), "motion of the towfish about its line"
+        Straight, "motion of the towfish about its line"
     )
 
     @model_validator(mode="after")

@@ -34,7 +34,7 @@ class Volume(Kind):
     strength: float = parameter(
         -25.0, "backscattering strength of a cubic metre", "dB", ge=-200.0, le=20.0, slider=(-60.0, 0.0)
     )
-    heading: float = angle("heading, counter-clockwise from +x")
+    heading: float = angle("heading, counter-clockwise from east; 45T is 45° by the compass")
 
     @property
     def cubic_metres(self) -> float:

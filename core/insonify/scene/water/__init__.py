@@ -45,10 +45,10 @@ class WaterKind(Kind):
         rare=True,
     )
     absorption: Annotated[AbsorptionKind, KindOf(ABSORPTIONS, default="none", number="constant")] = parameter(
-        NoAbsorption(), "absorption of sound by the water"
+        NoAbsorption, "absorption of sound by the water"
     )
     surface: Annotated[SurfaceKind, KindOf(SURFACES, default="none")] = parameter(
-        NoSurface(), "sea surface, which reflects sound and causes multipath"
+        NoSurface, "sea surface, which reflects sound and causes multipath"
     )
 
     @property

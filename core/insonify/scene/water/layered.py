@@ -135,7 +135,7 @@ class SectionWater(LayeredWater):
         "m/s",
         slider=(1400.0, 1600.0),
     )
-    heading: float = angle("direction of the line, counter-clockwise from +x")
+    heading: float = angle("direction of the line, counter-clockwise from east; 45T is 45° by the compass")
 
     @field_validator("distance")
     @classmethod

@@ -129,7 +129,7 @@ def check_draws(specification: DatasetSpecification, base: Scene) -> None:
             strange = next((name for name in _paths(place, declared) if not is_field(Scene, name)), None)
             if strange is not None:
                 told = strange.replace("targets.0.", prefix, 1) if prefix else strange
-                raise SceneError(f"set: {told} is no field of a scene; correct its name")
+                raise SceneError(f"set: {told} is not a field of a scene; correct its name")
     faults = []
     negative = _first_negative(specification)
     for part in range(PARTS):
@@ -244,7 +244,7 @@ def _wanted(group: TargetGroup, draws: Draws) -> Iterator[_Wanted]:
     """Targets of one group."""
     count = draws.value(f"targets.{group.name}.count", group.count)
     if not (isinstance(count, int) and 0 <= count <= 1000):
-        raise SceneError(f"targets.{group.name}.count: {count!r} is no number of targets; give whole numbers to 1000")
+        raise SceneError(f"targets.{group.name}.count: {count!r} is not a number of targets; give 0 to 1000")
     for number in range(count):
         path = f"targets.{group.name}.{number}"
         shape = draws.value(f"{path}.of", group.of[int(draws.share(f"{path}.of") * len(group.of))])

@@ -218,8 +218,8 @@ class DatasetSpecification(Declaration):
     picture: Annotated[dict[str, Drawn], check_draws(Picture)] = parameter(
         {}, description="draws of how chips are displayed; its fields are those of `Picture`"
     )
-    tiles: Tiles = parameter(Tiles(), description="how records are cut")
-    images: Images = parameter(Images(), description="grey levels of images")
+    tiles: Tiles = parameter(Tiles, description="how records are cut")
+    images: Images = parameter(Images, description="grey levels of images")
     splits: dict[Name, Annotated[float, Field(gt=0.0)]] = parameter(
         {"train": 0.8, "validation": 0.1, "test": 0.1},
         description="shares of the scenes in each split, in any unit",
@@ -228,7 +228,7 @@ class DatasetSpecification(Declaration):
     annotations: tuple[Annotated[AnnotationKind, KindOf(ANNOTATIONS)], ...] = parameter(
         ("coco", "yolo"), description="formats of annotations"
     )
-    storage: Annotated[StorageKind, KindOf(STORAGES)] = parameter(Files(), description="how images are stored")
+    storage: Annotated[StorageKind, KindOf(STORAGES)] = parameter(Files, description="how images are stored")
 
     @field_validator("splits")
     @classmethod

@@ -61,7 +61,7 @@ class SurveySpecification(Declaration):
     area: Area | None = parameter(None, description="area that lines cover")
     lines: tuple[GivenLine, ...] = parameter((), description="lines, instead of an area")
     suffix: str = parameter(".nc", description="format of the records")
-    mosaic: MosaicOptions = parameter(MosaicOptions(), description="how the records are put on the map")
+    mosaic: MosaicOptions = parameter(MosaicOptions, description="how the records are put on the map")
 
     @model_validator(mode="after")
     def _lines_or_an_area(self) -> SurveySpecification:

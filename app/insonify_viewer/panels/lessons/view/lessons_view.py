@@ -113,15 +113,7 @@ class ListPage(QWidget):
         column.addWidget(self.start)
 
     def show_lessons(self, lessons: Sequence[Lesson], finished: Collection[str], ended: Collection[str]) -> None:
-        """Show these lessons under the titles of their courses, and select the first that is not finished.
-
-        Parameters
-        ----------
-        lessons : sequence of Lesson
-            In their order.
-        finished, ended : collection of str
-            Names of the lessons with all steps done, and of those that have a summary.
-        """
+        """Show lessons by course, given those with all steps done and those with a summary; select the first to do."""
         self._ended = ended
         groups = group_lessons(lessons)
         self._courses = {lesson.name: course for course, members in groups for lesson in members}
@@ -170,10 +162,9 @@ class ListPage(QWidget):
 
 
 class StepPage(QWidget):
-    """One step: a question to answer first, what to move, what to look for, and why.
+    """One step: a question to answer first, what to move, what to look for, and why."""
 
-    A step without a question of that kind shows what to look for, a question and a button for its answer.
-    """
+    # A step without a question of that kind shows what to look for, a question and a button for its answer.
 
     def __init__(self) -> None:
         super().__init__()

@@ -31,10 +31,9 @@ class RowSignals(Protocol):
 
 
 class SectionBox(FoldingBox):
-    """The rows of one section, under a heading that folds.
+    """The rows of one section, under a heading that folds."""
 
-    The rows are built when they are first asked for or unfolded: a scene may have hundreds of them.
-    """
+    # The rows are built when they are first asked for or unfolded: a scene may have hundreds of them.
 
     def __init__(
         self,

@@ -28,39 +28,29 @@ from insonify.scene.seabed.reliefs.fractal import Fractal
 from insonify_viewer.errors import guard_override
 from insonify_viewer.state.quantities import nearest_within
 from insonify_viewer.widgets.painting import make_polyline, round_steps
-from insonify_viewer.widgets.theme import ACCENT, EDGE, GROUND, MARK, QUIET, RAISED, TEXT
+from insonify_viewer.widgets.theme import ACCENT, EDGE, GROUND, MARK, QUIET, RAISED, TEXT, scaled
 
 LEFT = 8.0  # px, before curves and spectrum
 CURVE_HEIGHT, GAP = 104, 10.0  # px: of the picture, between curves
-TITLE, SCALE = 30.0, 15.0  # px, of the two lines of words above a curve, and of the numbers below it
 STEP = 10.0  # dB, between lines
 Draw = Callable[[Scene], Curve | None]
-SPECTRUM_HEIGHT, WORDS = 176, 17.0  # px: of the picture, of the line above it
+SPECTRUM_HEIGHT = 176  # px at the usual size of the text, as `CURVE_HEIGHT`
 HANDLE, NEAR = 4.5, 12.0  # px: radius of a peak, and distance from which it is taken
 PATH = "seabed.relief.peaks"
 
 
 class SettingPicture(QWidget):
-    """A picture of a part of the scene, hidden while the scene has nothing to draw there.
+    """A picture of a part of the scene, hidden while the scene has nothing to draw there."""
 
-    A picture is computed when it is next painted, so that one that is folded away or scrolled out of sight costs
-    nothing.
+    # It is computed when it is next painted: one that is folded away or scrolled out of sight costs nothing.
 
-    Parameters
-    ----------
-    height : int
-        In px.
-    """
-
-    dragged = Signal(str, object)
-    """Dotted path and value while a point of the picture is dragged."""
-    settled = Signal(str, object)
-    """Dotted path and value when it is released."""
+    dragged = Signal(str, object)  # dotted path and value while a point of the picture is dragged
+    settled = Signal(str, object)  # the same when it is released
 
     def __init__(self, height: int) -> None:
         super().__init__()
         self.setSizePolicy(QSizePolicy.Policy.Expanding, QSizePolicy.Policy.Fixed)
-        self.setFixedHeight(height)
+        self.setFixedHeight(scaled(self, height))
         self._scene: Scene | None = None
 
     def show_scene(self, scene: Scene) -> None:
@@ -127,9 +117,10 @@ class CurvesPicture(SettingPicture):
 
 def _paint(painter: QPainter, curve: Curve, area: QRectF) -> None:
     """Paint one curve with its words above and its scale below."""
-    plot = area.adjusted(0.0, TITLE, 0.0, -SCALE)
-    _words(painter, TEXT, QRectF(area.left(), area.top(), area.width(), 0.5 * TITLE), curve.title)
-    _words(painter, QUIET, QRectF(area.left(), area.top() + 0.5 * TITLE, area.width(), 0.5 * TITLE), curve.note)
+    line = float(painter.fontMetrics().height())
+    plot = area.adjusted(0.0, 2.0 * line, 0.0, -line)
+    _words(painter, TEXT, QRectF(area.left(), area.top(), area.width(), line), curve.title)
+    _words(painter, QUIET, QRectF(area.left(), area.top() + line, area.width(), line), curve.note)
     painter.fillRect(plot, QColor(RAISED))
     low, high = (FLOOR, 0.0) if curve.y_unit == "dB" else (0.0, 1.05)
     first, last = float(curve.x[0]), float(curve.x[-1])
@@ -155,13 +146,13 @@ def _paint_scales(painter: QPainter, curve: Curve, plot: QRectF, ends: tuple[flo
         for level in np.arange(FLOOR + STEP, 0.0, STEP):
             y = round(plot.bottom() - (level - FLOOR) / -FLOOR * plot.height())
             painter.drawLine(round(plot.left()), y, round(plot.right()), y)
-    for value in round_steps(*ends, max(int(plot.width() / 55.0), 2)):
+    for value in round_steps(*ends, max(int(plot.width() / (3.7 * painter.fontMetrics().height())), 2)):
         x = plot.left() + (value - ends[0]) / (ends[1] - ends[0]) * plot.width()
         painter.setPen(QColor(EDGE))
         painter.drawLine(round(x), round(plot.top()), round(x), round(plot.bottom()))
         if plot.left() + 16.0 <= x <= plot.right() - 20.0:
             painter.setPen(QColor(QUIET))
-            box = QRectF(x - 40.0, plot.bottom(), 80.0, SCALE)
+            box = QRectF(x - 40.0, plot.bottom(), 80.0, painter.fontMetrics().height())
             unit = curve.x_unit if curve.x_unit == "°" else f" {curve.x_unit}"
             painter.drawText(box, Qt.AlignmentFlag.AlignCenter, f"{value:g}{unit}".replace("-", "−"))
 
@@ -206,8 +197,9 @@ class SpectrumPicture(SettingPicture):
     @property
     def area(self) -> QRectF:
         """Square that the plane fills, in px."""
-        side = min(self.height() - WORDS, self.width() - 2.0 * LEFT)
-        return QRectF(LEFT, WORDS, side, side)
+        words = self.fontMetrics().height() + 3.0  # above the plane
+        side = min(self.height() - words, self.width() - 2.0 * LEFT)
+        return QRectF(LEFT, words, side, side)
 
     def applies(self, scene: Scene) -> bool:
         """Whether the bed is fractal."""
@@ -233,9 +225,8 @@ class SpectrumPicture(SettingPicture):
             area = self.area
             painter.drawImage(area, self._drawn[2])
             painter.setPen(QColor(TEXT))
-            painter.drawText(
-                QRectF(LEFT, 0.0, self.width() - LEFT, WORDS - 3.0), Qt.AlignmentFlag.AlignLeft, "Spectrum"
-            )
+            heading = QRectF(LEFT, 0.0, self.width() - LEFT, area.top())
+            painter.drawText(heading, Qt.AlignmentFlag.AlignLeft, "Spectrum")
             self._paint_words(painter, spectrum)
             for number, peak in enumerate(spectrum.peaks):
                 painter.setPen(QPen(QColor(GROUND), 1.0))
@@ -247,14 +238,14 @@ class SpectrumPicture(SettingPicture):
         left = self.area.right() + 8.0
         relief = self._scene.seabed.relief if self._scene is not None else None
         period = relief.period if isinstance(relief, Fractal) else 0.0
-        lines = [f"edge: {spectrum.reach:.3g} waves in a period", f"black: −{-FLOOR:g} dB", ""]
+        lines = [f"edge: {spectrum.reach:.3g} waves", "in a period", f"black: −{-FLOOR:g} dB", ""]
         for fx, fy in spectrum.peaks[:5]:
             away = float(np.hypot(fx, fy))
             lines.append(f"{fx:g}, {fy:g}" + (f": {period / away:.3g} m" if away > 0.0 else ": long waves"))
         painter.setPen(QColor(QUIET))
         tall = painter.fontMetrics().lineSpacing()
         for line, words in enumerate(lines):
-            box = QRectF(left, WORDS + line * tall, self.width() - left, tall)
+            box = QRectF(left, self.area.top() + line * tall, self.width() - left, tall)
             painter.drawText(box, Qt.AlignmentFlag.AlignLeft | Qt.AlignmentFlag.AlignVCenter, words)
 
     def mousePressEvent(self, event: QMouseEvent) -> None:

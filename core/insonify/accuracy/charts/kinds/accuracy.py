@@ -26,7 +26,14 @@ from insonify.display.normalisation import extend_to_water_column, normalise
 from insonify.display.style import FAINT, INK, label_axes, make_figure
 from insonify.kernels.common.types import Poses, SceneArrays
 from insonify.scene import Scene, SceneError, edit
-from insonify.statistics.record_errors import Displacement, RecordErrors, compare_records, measure_displacement
+from insonify.statistics.record_errors import (
+    Displacement,
+    ErrorParts,
+    RecordErrors,
+    compare_records,
+    measure_displacement,
+    split_error,
+)
 from insonify.tow.poses import take_poses
 
 PINGS = 8
@@ -36,11 +43,14 @@ SHORTEST_CALL = 0.01  # s that a timed call takes at least; a quick method trace
 MOST_PINGS = 512  # pings of a timed call
 RAYS_OF_TRIANGLES = 1 << 20
 FLOOR, CEILING = 1e-5, 10.0  # errors beyond these are drawn there
-WIDE, HIGH = 5.6, 6.4  # inches of one panel with its margins, and of the whole without notes
+WIDE, HIGH = 5.6, 6.8  # inches of one panel with its margins, and of the whole without notes
 LEFT, NAMES = 1.0, 2.75  # inches to the left of the panels and, for the names of the methods, to their right
 BELOW, NOTE, LETTERS = 0.95, 0.16, 15.5  # inches below the panels without notes, of a line of one; letters an inch
-LONGEST = 24  # letters of a method's name in one line
-COUNTED = {"march": "step", "rays": "rays per side", "sweep": "planes", "embree": "rays per side"}
+COUNTED = {"march": "step", "rays": "rays per side", "sweep": "planes"}
+STRAIGHT = "rays, straight"  # in water that bends sound
+FOLDED = "other settings, in the table"
+TOLERANCE = 0.03  # the usual one of a plan
+RECORD = 512  # pings whose time the upper axis shows
 COMPARED_ERROR = 0.02  # error at which the times of methods are compared
 TINY = 1e-9  # errors below it count as this
 
@@ -166,11 +176,47 @@ class AccuracyChart(Chart):
         bound = style.format_percent(COMPARED_ERROR)
         return f"{bound} in {style.format_time(sweep)} by {how}, in {style.format_time(exact)} by exact rays: × {times}"
 
+    def describe_parts(self) -> tuple[str, ...]:
+        """State the errors of bed, shadows and targets apart, of the default plan and of rays."""
+        if len(self.scenes) < 2:
+            return ()
+        lines = []
+        for method in (method_settings.PLAN, "rays"):
+            rows = [row for row in self.rows_of(True) if row.method == method]
+            if not rows:
+                continue
+            row = min(rows, key=lambda row: abs(math.log(max(row.errors.beyond, TINY) / COMPARED_ERROR)))
+            bare = next((each for each in self.rows_of(False) if each.key == row.key._replace(targets=False)), None)
+            bed, shadows, targets = (style.format_percent(part) for part in self.split(row))
+            lines.append(
+                f"{row.method}, {row.setting}: {style.format_percent(row.errors.beyond)} in "
+                f"{style.format_time(row.microseconds)}, of it bed {bed}, shadows {shadows}, targets {targets} "
+                "(squares add up)" + (f"; without targets {style.format_percent(bare.errors.beyond)}" if bare else "")
+            )
+        return tuple(lines)
+
+    def split(self, row: AccuracyRow) -> ErrorParts:
+        """Errors of bed, shadows and targets in the record of a row with targets."""
+        scene, bare = self.scenes[True], self.scenes[False].reference.record
+        reference = scene.reference_of(row.method).record
+        return split_error(scene.arrays, scene.poses, self.records[row.key], reference, bare)
+
+    def choose_shown(self) -> tuple[str, ...]:
+        """Choose what to draw in full: the sweep as a plan divides it, rays, a march, the plan, straight rays."""
+        return (
+            self.fastest_sweep(COMPARED_ERROR, max(self.scenes))[0],
+            "rays",
+            "march",
+            method_settings.PLAN,
+            STRAIGHT,
+        )
+
     def summarise(self) -> tuple[str, ...]:
         """State how much faster the sweep is, and which methods were left out."""
         which = {False: "without targets: ", True: "with targets: "} if len(self.scenes) > 1 else {}
         speedups = {targets: self.describe_speedup(targets) for targets in sorted(self.scenes)}
-        return (*(which.get(targets, "") + line for targets, line in speedups.items() if line), *self.notes)
+        faster = [which.get(targets, "") + line for targets, line in speedups.items() if line]
+        return (*faster, *self.describe_parts(), *self.notes)
 
     def normalise_row(self, row: AccuracyRow) -> tuple[method_settings.Record, method_settings.Record]:
         """Amplitudes of a row's record and of its reference, relative to a level Lambert bed."""
@@ -192,8 +238,10 @@ class AccuracyChart(Chart):
         for row in self.rows:
             reference = self.scenes[row.targets].reference_of(row.method)
             cells = [value(row, reference) for value in COLUMNS.values()]
-            rows.append((*cells, "yes" if row.key in best else "no"))
-        return ChartTable(facts, (*COLUMNS, "best_for_its_time"), rows)
+            parts = self.split(row) if row.targets and len(self.scenes) > 1 else (None, None, None)
+            rows.append((*cells, *parts, "yes" if row.key in best else "no"))
+        parts_of = (f"error_{part}" for part in ErrorParts._fields)
+        return ChartTable(facts, (*COLUMNS, *parts_of, "best_for_its_time"), rows)
 
     def draw(self) -> Figure:
         """Draw error against time per ping, with the Pareto front."""
@@ -211,7 +259,8 @@ def draw_accuracy(chart: AccuracyChart) -> AccuracyFigure:
     """Draw error against time per ping and the Pareto front, a panel with targets and one without."""
     panels = len(chart.scenes)
     width = LEFT + WIDE * panels + NAMES
-    notes = [line for note in chart.notes for line in wrap(note, int((width - LEFT) * LETTERS))]
+    remarks = (*chart.describe_parts(), *chart.notes)
+    notes = [line for note in remarks for line in wrap(note, int((width - LEFT) * LETTERS))]
     height = HIGH + NOTE * len(notes)
     figure = make_figure(width, height)
     pings = f"{chart.pings} ping{'s' * (chart.pings != 1)}"
@@ -220,11 +269,12 @@ def draw_accuracy(chart: AccuracyChart) -> AccuracyFigure:
     )
     grid = figure.subplots(1, panels, sharex=True, sharey=True, squeeze=False)[0]
     bottom = (BELOW + NOTE * len(notes)) / height
-    figure.subplots_adjust(LEFT / width, bottom, 1.0 - NAMES / width, 1.0 - 1.25 / height, wspace=0.09)
+    figure.subplots_adjust(LEFT / width, bottom, 1.0 - NAMES / width, 1.0 - 1.65 / height, wspace=0.09)
     figure.text(0.85 / width, 0.36 / height, "\n".join(notes), va="bottom", fontsize=8.5, color=FAINT)
     marks: dict[Line2D, list[AccuracyRow]] = {}
+    shown = chart.choose_shown()
     for axes, targets in zip(grid, sorted(chart.scenes)):
-        marks |= _draw_panel(axes, chart, targets)
+        marks |= _draw_panel(axes, chart, targets, shown)
     _limit(grid, chart)
     _name_methods(figure, grid)
     for axes, targets in zip(grid, sorted(chart.scenes)):
@@ -233,31 +283,49 @@ def draw_accuracy(chart: AccuracyChart) -> AccuracyFigure:
         labels = [
             (row.label, row.microseconds, _height(row), style.get_colour(row.method))
             for row in chart.rows_of(targets)
-            if row.method != method_settings.EMBREE_OWN
+            if row.method in shown[:3]
         ]
         style.place_labels(axes, labels)
     label_axes(grid[0], y="error beyond 1.4 × altitude", size=10.5, pad=6)
     return AccuracyFigure(figure, marks)
 
 
-def _draw_panel(axes: Axes, chart: AccuracyChart, targets: bool) -> dict[Line2D, list[AccuracyRow]]:
+def _draw_panel(
+    axes: Axes, chart: AccuracyChart, targets: bool, shown: tuple[str, ...]
+) -> dict[Line2D, list[AccuracyRow]]:
     """Draw one scene: the front, then every method's points with a line through them."""
     style.scale_axes(axes, x=style.format_time, y=style.format_percent)
     label_axes(axes, "time per ping, both sides, one thread", size=10.5, pad=6)
     if len(chart.scenes) > 1:
-        axes.set_title("with its targets" if targets else "without targets", fontsize=11, color=INK, loc="left")
+        axes.set_title("with its targets" if targets else "without targets", fontsize=11, color=INK, loc="left", pad=34)
     front = chart.find_front(targets)
     axes.plot(
         [row.microseconds for row in front], [_height(row) for row in front],
         color=INK, linewidth=7.0, alpha=0.10, solid_capstyle="round", solid_joinstyle="round", zorder=1,
         label="best for its time",
     )  # fmt: skip
-    rows = chart.rows_of(targets)
+    axes.axhline(TOLERANCE, color=INK, linewidth=1.0, linestyle=":", zorder=1)
+    tolerance = f"tolerance {style.format_percent(TOLERANCE)}"
+    axes.annotate(tolerance, (0.012, TOLERANCE), xycoords=("axes fraction", "data"), xytext=(0, 3),
+                  textcoords="offset points", fontsize=8.0, color=INK, path_effects=style.OUTLINE)  # fmt: skip
+    whole = axes.secondary_xaxis("top", functions=(partial(np.multiply, RECORD), partial(np.multiply, 1.0 / RECORD)))
+    whole.xaxis.set_major_formatter(lambda many, _: style.format_time(many))
+    label_axes(whole, f"{RECORD} pings", size=9.0, pad=4)
+    whole.tick_params(labelsize=9.0, colors=FAINT)
     marks: dict[Line2D, list[AccuracyRow]] = {}
-    for method in dict.fromkeys(row.method for row in rows):
-        of_method = [row for row in rows if row.method == method]
-        marks[_draw_method(axes, method, of_method)] = of_method
+    for method, rows in style.group_by(chart.rows_of(targets), lambda row: row.method).items():
+        marks[(_draw_method if method in shown else _draw_folded)(axes, method, rows)] = rows
     return marks
+
+
+def _draw_folded(axes: Axes, method: str, rows: list[AccuracyRow]) -> Line2D:
+    """Draw the settings of a method that answers a special question as small grey marks."""
+    del method
+    (line,) = axes.plot(
+        [row.microseconds for row in rows], [_height(row) for row in rows], linestyle="none", marker=".", markersize=5,
+        color=FAINT, alpha=0.7, zorder=2, label=FOLDED, picker=5,
+    )  # fmt: skip
+    return line
 
 
 def _draw_method(axes: Axes, method: str, rows: list[AccuracyRow]) -> Line2D:
@@ -267,19 +335,17 @@ def _draw_method(axes: Axes, method: str, rows: list[AccuracyRow]) -> Line2D:
         x, y, xerr=[row.spread * row.microseconds for row in rows], fmt="none", ecolor=colour, elinewidth=1.0, zorder=2
     )
     (line,) = axes.plot(
-        x, y, color=colour, linewidth=1.2, linestyle="--" if "," in method else "-",
-        marker=style.get_mark(method), markersize=6.5, markeredgecolor="white", zorder=3,
+        x, y, color=colour, linewidth=1.2, marker="*" if method == method_settings.PLAN else style.get_mark(method),
+        markersize=15.0 if method == method_settings.PLAN else 6.5, markeredgecolor="white", zorder=3,
         label=_name_method(method), picker=5,
     )  # fmt: skip
     return line
 
 
 def _name_method(method: str) -> str:
-    """Name of a method with the unit of its labels; a long variant in two lines."""
+    """Name of a method with the unit of its labels, in two lines."""
     family, _, variant = method.partition(", ")
-    if not variant:
-        return f"{family} ({COUNTED[family]})"
-    return method if len(method) <= LONGEST else f"{family},\n{variant}"
+    return f"{family}{variant and ', '}{variant}\n({COUNTED[family]})" if family in COUNTED else method
 
 
 def _name_methods(figure: Figure, grid: list[Axes]) -> None:
@@ -289,6 +355,8 @@ def _name_methods(figure: Figure, grid: list[Axes]) -> None:
         for handle, label in zip(*axes.get_legend_handles_labels()):
             named.setdefault(label, handle)
     place = grid[-1].get_position()
+    named[FOLDED] = named.pop(FOLDED, None)
+    named = {label: handle for label, handle in named.items() if handle is not None}
     figure.legend(
         list(named.values()), list(named), loc="upper left", bbox_to_anchor=(place.x1 + 0.003, place.y1), frameon=False,
         fontsize=9, labelcolor=INK, handlelength=1.8, labelspacing=0.9,
@@ -358,7 +426,7 @@ def measure_chart(
                 progress((before + done) / len(scenes))
 
         arrays, poses = method_settings.pack_for_chart(one, pings)
-        measured, traced[targets], found = _measure(targets, arrays, poses, share)
+        measured, traced[targets], found = _measure(targets, one, arrays, poses, share)
         rows += measured
         records |= found
     notes = tuple(dict.fromkeys(_describe_triangles(targets, scene) for targets, scene in traced.items()))
@@ -382,12 +450,12 @@ def _describe_triangles(targets: bool, scene: TracedScene) -> str:
 
 
 def _measure(
-    targets: bool, arrays: SceneArrays, poses: Poses, progress: Callable[[float], None]
+    targets: bool, whole: Scene, arrays: SceneArrays, poses: Poses, progress: Callable[[float], None]
 ) -> tuple[list[AccuracyRow], TracedScene, dict[method_settings.SettingKey, method_settings.Record]]:
     """Trace all methods, refine the reference until it resolves their errors, time them and compare."""
     named = {
         method_settings.SettingKey(one.method, one.setting, targets): one
-        for one in method_settings.list_settings(arrays, poses)
+        for one in (*method_settings.list_settings(arrays, poses), method_settings.plan_setting(whole))
     }
     records: dict[method_settings.SettingKey, method_settings.Record] = {}
     for number, (key, one) in enumerate(named.items()):

@@ -33,7 +33,9 @@ class PatternMap(CompositeMap):
         (0.5, 50.0),
         most=1e5,
     )
-    heading: float = angle("direction along the stripes, counter-clockwise from +x; their order is to its left")
+    heading: float = angle(
+        "direction along the stripes, their order to its left; counter-clockwise from east; 45T is 45° by the compass"
+    )
 
     def rows(self, frequency: float | None = None) -> tuple[tuple[str, ...], tuple[Reflectivity, ...]]:
         """Names and scattering parameters of the rows; those of waves are mixtures of two materials."""

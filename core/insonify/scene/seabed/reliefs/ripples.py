@@ -30,7 +30,7 @@ class Ripples(ExtendableRelief):
     shaped = True
     kind: Literal["ripples"] = "ripples"
     wavelength: float = metres(0.8, "mean distance from crest to crest", (0.3, 20.0), most=1e5)
-    heading: float = angle("direction along the crests, counter-clockwise from +x", 30.0)
+    heading: float = angle("direction along the crests, counter-clockwise from east; 45T is 45° by the compass", 30.0)
     height: float = metres(0.08, "height from trough to crest", (0.005, 2.0), least=0.0, most=1e4)
     bandwidth: float = parameter(
         0.1,

@@ -61,7 +61,7 @@ class VonKarman(ExtendableRelief):
     along: float = metres(
         15.0, "wavelength along the crests beyond which the spectrum levels off, 2π/k_s", (0.5, 100.0), most=1e6
     )
-    heading: float = angle("direction along the crests, counter-clockwise from +x")
+    heading: float = angle("direction along the crests, counter-clockwise from east; 45T is 45° by the compass")
     hurst: float = parameter(0.8, "exponent ν; the fractal dimension is 3 − ν", gt=0.0, le=3.0, slider=(0.1, 1.0))
 
     def density(self) -> Density:
@@ -89,7 +89,7 @@ class Autocorrelated(ExtendableRelief):
     kind: Literal["autocorrelation"] = "autocorrelation"
     rms: float = rms_height()
     function: Annotated[AutocorrelationKind, KindOf(AUTOCORRELATIONS, default="exponential")] = parameter(
-        ExponentialAutocorrelation(), "autocorrelation of the heights over the lag"
+        ExponentialAutocorrelation, "autocorrelation of the heights over the lag"
     )
 
     def density(self) -> Density:

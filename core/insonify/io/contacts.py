@@ -1,4 +1,4 @@
-"""Contacts: marked points of a record with a name, and the files that hold them."""
+"""Contacts: marked points of a record with what was found there, and the files that hold them."""
 
 import base64
 import csv
@@ -9,26 +9,27 @@ from dataclasses import asdict, dataclass, fields
 from pathlib import Path
 from typing import Any
 
-from insonify.errors import plain_text
+from insonify.errors import SceneError, plain_text
 from insonify.io.atomic import write_text
-from insonify.scene import SceneError
-from insonify_viewer.state.inspection import SIDES, Mark
 
 GEOJSON, CSV = ".geojson", ".csv"
 FORMATS = (("Contacts with snapshots (GeoJSON)", GEOJSON), ("Table of contacts (CSV)", CSV))
+SIDES = ("port", "starboard")
+CONFIDENCES = ("", "low", "medium", "high")  # that the contact is what its class says; empty where it is open
 HEADER = 10_000  # characters, of the longest line of names
 GREATEST = 2**31 - 1  # of any number
 FORMULA = ("=", "+", "-", "@", "\t", "\r", "'")  # with which a spreadsheet takes a cell as more than text
-TEXTS = ("name", "note", "source")
-WHOLE, REAL = ("ping", "range_bin"), ("slant_range", "ground_range", "x", "y", "longitude", "latitude")
+TEXTS = ("name", "note", "source", "classification", "confidence")
+WHOLE = ("ping", "range_bin")
+REAL = ("slant_range", "ground_range", "x", "y", "longitude", "latitude", "length", "width", "height")
 
 
 @dataclass(frozen=True)
 class Contact:
-    """A point of a record with a name."""
+    """A point of a record with what was found there."""
 
     name: str  # as the person writes them
-    note: str
+    note: str  # remark
     source: str  # title of the scene, or name of the file of the recording
     ping: int
     side: str  # ``port`` or ``starboard``
@@ -39,12 +40,12 @@ class Contact:
     y: float | None = None
     longitude: float | None = None  # in degrees; None where the map is not known
     latitude: float | None = None
+    classification: str = ""  # class, such as wreck or rock, as the person writes it
+    length: float | None = None  # measured size in metres; None where it was not measured
+    width: float | None = None
+    height: float | None = None  # above the bed, from the length of the shadow
+    confidence: str = ""  # one of `CONFIDENCES`
     snapshot: bytes = b""  # picture around it as PNG; empty if there is none
-
-    @property
-    def mark(self) -> Mark:
-        """Its bin."""
-        return Mark(self.ping, SIDES.index(self.side), self.range_bin)
 
 
 COLUMNS = tuple(field.name for field in fields(Contact) if field.name != "snapshot")
@@ -56,7 +57,7 @@ def describe_contacts(number: int) -> str:
 
 
 def write_contacts(path: Path, contacts: Iterable[Contact]) -> None:
-    """Write contacts by the suffix of a file."""
+    """Write contacts, to be read again, by the suffix of a file: GeoJSON with snapshots, or a table in CSV."""
     # GeoJSON follows RFC 7946: geometries hold longitude and latitude, and are null where these are not known. All
     # fields are properties, the snapshot as base64.
     if path.suffix.lower() == CSV:
@@ -141,6 +142,9 @@ def _contact(path: Path, number: int, row: dict[str, Any]) -> Contact:
             raise SceneError(f"{path.name}: contact {number} has {name} {row[name]!s:.20}; give at most {GREATEST}")
     if row.get("side") not in SIDES:
         raise SceneError(f"{path.name}: contact {number} has side {row.get('side')!r}; write port or starboard")
+    if values["confidence"] not in CONFIDENCES:
+        known = ", ".join(CONFIDENCES[1:])
+        raise SceneError(f"{path.name}: contact {number} has another confidence; write {known} or nothing")
     if values["slant_range"] is None:
         raise SceneError(f"{path.name}: contact {number} has no slant_range; write it in metres")
     if min(values["ping"], values["range_bin"]) < 0:
