@@ -84,6 +84,7 @@ def test_a_plan_of_a_rough_bed(seed, tmp_path):
     share = chosen.model.misplaced
     forced = {"planes": str(chosen.planes), "spacing": str(chosen.model.every), "method": chosen.method}
     forced["segments"] = "whole" if math.isinf(share) else str(share)
+    forced["target_planes"] = str(chosen.model.across)
     again = plan(scene, forced=forced)
     assert again.settings == chosen.settings
     assert (again.model.every, again.model.bent) == (chosen.model.every, chosen.model.bent)
