@@ -100,7 +100,7 @@ FAULTS = {
     "is not true after the move": ("6.0", "4.0"),
     "compares nothing": ("sonar.beam.width >= 5", "sonar.beam.width"),
     "plan.tolerance: 2.0 is out of bounds": ('"sonar.beam.width" = 6.0', '"plan.tolerance" = 2.0'),
-    "model: 'plains' is no choice": ('"sonar.beam.width" = 6.0', '"plan.plains" = "8"'),
+    "model: 'plains' is not a choice": ('"sonar.beam.width" = 6.0', '"plan.plains" = "8"'),
     "point.side: 'left' is not a side": ('"sonar.beam.width" = 6.0', '"point.side" = "left"'),
     "point.slant_range: 60.0 is outside": ('"sonar.beam.width" = 6.0', '"point.slant_range" = 60.0'),
     "point.colour: is not known": ('"sonar.beam.width" = 6.0', '"point.colour" = 1'),
