@@ -76,8 +76,8 @@ def test_on_windows_an_output_of_no_possible_name_is_refused_before_the_work(tmp
     """A colon would write into a stream beside a file, a device would take the picture, and a long path exists not."""
     monkeypatch.setattr(operating_system.sys, "platform", "win32")
     for name, fault in (
-        ("a:b.png", "no name of a file"),
-        ("aux.png", "no name of a file"),
+        ("a:b.png", "not a name of a file"),
+        ("aux.png", "not a name of a file"),
         (220 * "x" + ".png", "too many"),
     ):
         with pytest.raises(SceneError, match=fault):
