@@ -67,7 +67,7 @@ def test_what_is_found_converges(name):
 
 def test_what_comes_back_by_other_paths_is_spread_over_its_bins():
     arrays, poses = pack_for_chart(load_scene("double-image"), 1)
-    right = rays.trace(arrays, poses, rays=1 << 21)
+    right = rays.trace(arrays, poses, rays=1 << 20)
     one, two = (
         compare_records(arrays, poses, ray_sheets.trace(arrays, poses, sheets=n, rays=16 * n), right) for n in (32, 128)
     )
@@ -116,7 +116,7 @@ def test_a_reference_is_right_at_nadir_too():
 
 def test_a_reference_with_surface_paths_has_its_first_echoes_in_sheets():
     arrays, poses = pack_for_chart(edit(load_scene("rough-ground"), {"sonar.bins": 200}), 2)
-    many = rays.trace(arrays, poses, rays=1 << 19)
+    many = rays.trace(arrays, poses, rays=1 << 18)
     paths = rays.trace_surface_paths(arrays, poses, rays=1 << 14)
     found = trace_exact_rays(arrays, poses, 1 << 14)
     single = rays.trace(arrays, poses, rays=1 << 14)

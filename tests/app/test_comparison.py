@@ -201,47 +201,37 @@ def test_a_is_shown_while_the_key_is_held(compared, qtbot):
     assert colour(compared) == bright
 
 
-@pytest.mark.parametrize("kind", [QComboBox, QListWidget, QTabBar, QAbstractSlider, QAbstractButton, "seabed"])
-def test_the_key_works_wherever_the_keyboard_is(compared, qtbot, kind):
+def test_the_key_works_wherever_the_keyboard_is_but_where_text_is_typed(compared, qtbot):
     window = compared.window
     activate(window, qtbot)
     window.open_panel("lessons")
-    widget = compared.seabed.view._canvas.widget if kind == "seabed" else in_view(window, kind)
-    chosen = widget.currentIndex() if isinstance(widget, (QComboBox, QListWidget)) else None
-    widget.setFocus()
-    assert QApplication.focusWidget() is widget
     bright = colour(compared)
-    QTest.keyPress(widget, Qt.Key.Key_X)
-    assert colour(compared) < bright
-    QTest.keyRelease(widget, Qt.Key.Key_X)
-    assert colour(compared) == bright
-    assert chosen is None or widget.currentIndex() == chosen, "it is no letter of an entry"
-
-
-def test_the_key_is_let_go_where_the_keyboard_went(compared, qtbot):
-    window = compared.window
-    activate(window, qtbot)
-    bright, combo = colour(compared), in_view(window, QComboBox)
+    for kind in (QComboBox, QListWidget, QTabBar, QAbstractSlider, QAbstractButton, "seabed"):
+        widget = compared.seabed.view._canvas.widget if kind == "seabed" else in_view(window, kind)
+        chosen = widget.currentIndex() if isinstance(widget, (QComboBox, QListWidget)) else None
+        widget.setFocus()
+        assert QApplication.focusWidget() is widget
+        QTest.keyPress(widget, Qt.Key.Key_X)
+        assert colour(compared) < bright
+        QTest.keyRelease(widget, Qt.Key.Key_X)
+        assert colour(compared) == bright
+        assert chosen is None or widget.currentIndex() == chosen, "it is no letter of an entry"
+    # It is let go where the keyboard went.
+    combo = in_view(window, QComboBox)
     combo.setFocus()
     QTest.keyPress(combo, Qt.Key.Key_X)
     window.findChild(QLineEdit, "search").setFocus()
     assert colour(compared) < bright
     QTest.keyRelease(QApplication.focusWidget(), Qt.Key.Key_X, Qt.KeyboardModifier.ShiftModifier)
     assert colour(compared) == bright
-
-
-@pytest.mark.parametrize("name", ["search", "value"])
-def test_the_key_is_a_letter_where_text_is_typed(compared, qtbot, name):
-    window = compared.window
-    activate(window, qtbot)
-    line = next(line for line in window.findChildren(QLineEdit, name) if line.isVisible())
-    line.setFocus()
-    bright = colour(compared)
-    QTest.keyPress(line, Qt.Key.Key_X)
-    assert colour(compared) == bright
-    QTest.keyRelease(line, Qt.Key.Key_X)
-    assert "x" in line.text()
-    line.undo()
+    for name in ("search", "value"):
+        line = next(line for line in window.findChildren(QLineEdit, name) if line.isVisible())
+        line.setFocus()
+        QTest.keyPress(line, Qt.Key.Key_X)
+        assert colour(compared) == bright
+        QTest.keyRelease(line, Qt.Key.Key_X)
+        assert "x" in line.text()
+        line.undo()
 
 
 def in_view(window, kind):
@@ -264,23 +254,24 @@ def test_both_records_have_one_display(compared, qtbot):
     assert window.record_a.projection.axis == window.waterfall.projection.axis
 
 
-@pytest.mark.parametrize("options", [{}, {"ground_range": True}, {"newest_on_top": False}, {"side": "starboard"}])
-def test_a_lies_pixel_for_pixel_over_b(compared, qtbot, options):
+def test_a_lies_pixel_for_pixel_over_b(compared, qtbot):
     compared.session.undo()
-    compared.session.show(**options)
     view, overlay = compared.window.waterfall, compared.window.overlay
     view.magnify(1.6)
-    qtbot.waitUntil(lambda: compared.complete)
-    compared.find_levels()
-    compared.comparison.tick(0.0)
-    overlay.hide()
-    plot = view.plot_area.adjusted(2, 2, -12, -30)  # without bar and caption
-    live = pixels(view, plot)
-    overlay.show()
-    QTest.keyPress(compared.window, Qt.Key.Key_X)
-    np.testing.assert_array_equal(pixels(view, plot), live)  # the record of the same scene
-    assert compared.window.record_a.mark_at(middle(compared)) == view.mark_at(middle(compared))
-    QTest.keyRelease(compared.window, Qt.Key.Key_X)
+    usual = {"ground_range": False, "newest_on_top": True, "side": "both"}
+    for options in ({}, {"ground_range": True}, {"newest_on_top": False}, {"side": "starboard"}):
+        compared.session.show(**(usual | options))
+        qtbot.waitUntil(lambda: compared.complete)
+        compared.find_levels()
+        compared.comparison.tick(0.0)
+        overlay.hide()
+        plot = view.plot_area.adjusted(2, 2, -12, -30)  # without bar and caption
+        live = pixels(view, plot)
+        overlay.show()
+        QTest.keyPress(compared.window, Qt.Key.Key_X)
+        np.testing.assert_array_equal(pixels(view, plot), live)  # the record of the same scene
+        assert compared.window.record_a.mark_at(middle(compared)) == view.mark_at(middle(compared))
+        QTest.keyRelease(compared.window, Qt.Key.Key_X)
 
 
 def test_wiped_a_lies_left_of_a_line_that_is_dragged(compared, qtbot):

@@ -162,26 +162,24 @@ def default():
 
 
 @pytest.mark.parametrize("width", [780, 900, 1000, 1600])
-@pytest.mark.parametrize("panel", ["lessons", None])
-def test_panels_at_both_sides_stay_within_the_window(width, panel, viewer, qtbot):
+def test_panels_at_both_sides_stay_within_the_window(width, viewer, qtbot):
     window = viewer.window
     window.resize(width, 540)
-    if panel is not None:
-        window.open_panel(panel)
     qtbot.waitUntil(lambda: window.width() == width)
-    qtbot.wait(100)
-    side = viewer.panels["parameters"].widget
-    shown = [side, window.waterfall] + ([viewer.panels[panel].widget] if panel else [])
-    places = [part.rect().translated(part.mapTo(window, QPoint(0, 0))) for part in shown]
-    for one, place in enumerate(places):
-        assert 0 <= place.left() <= place.right() < width
-        assert not any(place.intersects(other) for other in places[:one])
-    assert window.waterfall.width() >= 200
-    assert window.seabed.isVisible()
-    if panel is not None:
-        window._buttons[panel].setChecked(False)
-        qtbot.waitUntil(lambda: not viewer.panels[panel].widget.isVisible())
+    shown = [viewer.panels["parameters"].widget, window.waterfall]
+    for more in ([], [viewer.panels["lessons"].widget]):
+        if more:
+            window.open_panel("lessons")
+        qtbot.wait(100)
+        places = [part.rect().translated(part.mapTo(window, QPoint(0, 0))) for part in shown + more]
+        for one, place in enumerate(places):
+            assert 0 <= place.left() <= place.right() < width
+            assert not any(place.intersects(other) for other in places[:one])
+        assert window.waterfall.width() >= 200
         assert window.seabed.isVisible()
+    window._buttons["lessons"].setChecked(False)
+    qtbot.waitUntil(lambda: not more[0].isVisible())
+    assert window.seabed.isVisible()
 
 
 @pytest.mark.parametrize("size", [(1280, 800), (1600, 1000)])
@@ -222,7 +220,7 @@ def entries(menu: QMenu) -> list[QAction]:
     return [one for action in found for one in (entries(action.menu()) if action.menu() else [action])]
 
 
-def test_every_tool_stands_in_a_menu(window):
+def test_every_tool_stands_in_a_menu_and_no_key_for_two_commands(window):
     menus = [action.menu() for action in window.menuBar().actions()]
     assert [menu.title().replace("&", "") for menu in menus] == ["File", "Edit", "View", "Record", "Tools", "Help"]
     listed = {action for menu in menus for action in entries(menu)}
@@ -230,9 +228,7 @@ def test_every_tool_stands_in_a_menu(window):
     assert len(tools) >= 8
     assert set(tools) <= listed
     assert all(menu.actions() for menu in menus)
-
-
-def test_no_key_stands_for_two_commands(window):
+    # No key stands for two commands.
     keys = Counter(action.shortcut().toString() for action in window.findChildren(QAction) if not action.menu())
     del keys[""]
     assert [key for key, times in keys.items() if times > 1] == []
@@ -246,14 +242,10 @@ def test_tools_fit_900_px(window, qtbot):
     assert not window.findChild(QToolButton, "qt_toolbar_ext_button").isVisible()
 
 
-def test_a_key_of_a_command_in_a_menu_works(window, qtbot):
+def test_a_key_of_a_command_in_a_menu_works_and_is_listed(window, qtbot):
     activate(window, qtbot)
     qtbot.keyClick(window, Qt.Key.Key_L, Qt.KeyboardModifier.ControlModifier)
     qtbot.waitUntil(lambda: window._docks.by_panel["lessons"].isVisible())
-
-
-def test_keys_are_listed(window, qtbot):
-    activate(window, qtbot)
     qtbot.keyClick(window, "?")
     qtbot.waitUntil(lambda: window.findChild(KeysDialog) is not None)
     pairs = listed_keys(window.findChild(KeysDialog))

@@ -1,7 +1,6 @@
 """What the readout tells of the pixel under the pointer."""
 
 import numpy as np
-import pytest
 from PySide6.QtTest import QTest
 
 from insonify.scene import edit
@@ -24,23 +23,20 @@ def test_hover_tells_the_point_and_marks_it(viewer, qtbot):
     assert viewer.panels["readout"].widget.text() == ""
 
 
-@pytest.mark.parametrize(
-    ("range_bin", "told", "untold"),
-    [
+def test_the_readout_names_what_a_pixel_is(viewer, qtbot):
+    readout = viewer.panels["readout"].widget
+    for range_bin, told, untold in (
         (4, ["water column"], ["bed", "  ·  0", "dB"]),
         (70, ["pipe 1, steel", "incidence 40°"], ["bed"]),
         (71, ["shadow of pipe 1"], ["bed", "incidence"]),
         (72, ["bed, medium sand", "30 % in the shadow of pipe 1"], []),
         (80, ["ghost by surface and bottom (bed, medium sand)"], ["bed +", "bed -"]),
         (90, ["hidden by the bed"], ["incidence"]),
-    ],
-)
-def test_the_readout_names_what_a_pixel_is(viewer, qtbot, range_bin, told, untold):
-    readout = viewer.panels["readout"].widget
-    viewer.window.waterfall.hovered.emit(Mark(ping=100, side=0, bin=range_bin))
-    qtbot.waitUntil(lambda: told[0] in readout.text())
-    assert all(part in readout.text() for part in told)
-    assert not any(part in readout.text() for part in untold)
+    ):
+        viewer.window.waterfall.hovered.emit(Mark(ping=100, side=0, bin=range_bin))
+        qtbot.waitUntil(lambda told=told: told[0] in readout.text())
+        assert all(part in readout.text() for part in told)
+        assert not any(part in readout.text() for part in untold)
 
 
 def test_the_readout_names_a_school(open_viewer, small, qtbot):

@@ -45,15 +45,16 @@ def press(viewer, key: str):
     action.trigger()
 
 
-@pytest.mark.parametrize(("name", "key"), [(name, key) for name, _, key, _ in TICKS])
-def test_options_follow_ticks_and_keys(viewer, panel, name, key, qtbot):
-    before = getattr(viewer.session.display, name)
-    panel.view.ticks[name].click()
-    assert getattr(viewer.session.display, name) is not before
-    viewer.window.open_panel("parameters")  # the keys work while the panel is hidden
-    press(viewer, key)
-    qtbot.waitUntil(lambda: getattr(viewer.session.display, name) is before)
-    assert panel.view.ticks[name].isChecked() is before
+def test_options_follow_ticks_and_keys(viewer, panel, qtbot):
+    for name, _, key, _ in TICKS:
+        viewer.window.open_panel("record")
+        before = getattr(viewer.session.display, name)
+        panel.view.ticks[name].click()
+        assert getattr(viewer.session.display, name) is not before
+        viewer.window.open_panel("parameters")  # the keys work while the panel is hidden
+        press(viewer, key)
+        qtbot.waitUntil(lambda name=name, before=before: getattr(viewer.session.display, name) is before)
+        assert panel.view.ticks[name].isChecked() is before
 
 
 def test_sides_scale_and_palette(viewer, panel, qtbot):

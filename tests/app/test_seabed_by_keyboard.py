@@ -50,28 +50,25 @@ def turned_by(viewer, key: Qt.Key) -> np.ndarray:
     return turn
 
 
-@pytest.mark.parametrize(
-    ("key", "drag"),
-    [
+def test_an_arrow_turns_the_scene_as_a_drag_does(viewer):
+    for key, drag in (
         (Qt.Key.Key_Left, QPoint(-30, 0)),
         (Qt.Key.Key_Right, QPoint(30, 0)),
         (Qt.Key.Key_Up, QPoint(0, -30)),
         (Qt.Key.Key_Down, QPoint(0, 30)),
-    ],
-)
-def test_an_arrow_turns_the_scene_as_a_drag_does(viewer, key, drag):
-    distance, turn = np.linalg.norm(away(viewer)), turned_by(viewer, key)
-    assert np.abs(turn).max() == pytest.approx(STEP)
-    assert np.abs(turn).min() == pytest.approx(0.0, abs=1e-9)
-    assert np.linalg.norm(away(viewer)) == pytest.approx(distance)
-    widget, before = widget_of(viewer), angles(viewer)
-    middle = widget.rect().center()
-    QTest.mousePress(widget, Qt.MouseButton.LeftButton, pos=middle)
-    QTest.mouseMove(widget, middle + drag)
-    QTest.mouseRelease(widget, Qt.MouseButton.LeftButton, pos=middle + drag)
-    dragged = (angles(viewer) - before + 180.0) % 360.0 - 180.0
-    assert np.argmax(np.abs(dragged)) == np.argmax(np.abs(turn))
-    assert np.sign(dragged[np.argmax(np.abs(turn))]) == np.sign(turn[np.argmax(np.abs(turn))])
+    ):
+        distance, turn = np.linalg.norm(away(viewer)), turned_by(viewer, key)
+        assert np.abs(turn).max() == pytest.approx(STEP)
+        assert np.abs(turn).min() == pytest.approx(0.0, abs=1e-9)
+        assert np.linalg.norm(away(viewer)) == pytest.approx(distance)
+        widget, before = widget_of(viewer), angles(viewer)
+        middle = widget.rect().center()
+        QTest.mousePress(widget, Qt.MouseButton.LeftButton, pos=middle)
+        QTest.mouseMove(widget, middle + drag)
+        QTest.mouseRelease(widget, Qt.MouseButton.LeftButton, pos=middle + drag)
+        dragged = (angles(viewer) - before + 180.0) % 360.0 - 180.0
+        assert np.argmax(np.abs(dragged)) == np.argmax(np.abs(turn))
+        assert np.sign(dragged[np.argmax(np.abs(turn))]) == np.sign(turn[np.argmax(np.abs(turn))])
 
 
 def test_the_view_neither_turns_over_nor_below_the_bed(viewer):

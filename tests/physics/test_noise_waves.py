@@ -1,6 +1,7 @@
 """Noise, reverberation and crosstalk are waves: they add to the echo before detection, for every speckle."""
 
 import math
+from functools import lru_cache
 
 import numpy as np
 import pytest
@@ -191,12 +192,18 @@ COHERENT = {
 }
 
 
+@lru_cache
+def scatterers_alone(bins):
+    """A scene of scatterers that interfere, and its record without noise."""
+    scene = edit(load_scene("default"), COHERENT | {"sonar.bins": bins})
+    return scene, simulate(scene).intensity.values.astype(float)
+
+
 @pytest.mark.parametrize("bins", [1000, 200])
 @pytest.mark.parametrize("ratio", [-10.0, 0.0, 10.0])
 def test_scatterers_interfere_with_noise(ratio, bins):
     # With 200 bins each holds the mean over several resolution cells, in the noise as in the echo.
-    scene = edit(load_scene("default"), COHERENT | {"sonar.bins": bins})
-    alone = simulate(scene).intensity.values.astype(float)
+    scene, alone = scatterers_alone(bins)
     first, last = int(0.5 * bins), int(0.6 * bins)
     level = alone[:, :, first:last].mean()
     noisy = edit(scene, {"receiver.noise": {"kind": "ambient", "level": 10.0 * math.log10(level) + ratio}})

@@ -1,8 +1,14 @@
-"""The cache of kernels' machine code: what names it, and what happens to damaged files and unwritable folders."""
+"""The cache of kernels' machine code: what names it, damaged files, and folders where nobody else may put code."""
 
 import json
 import os
+import pickle
+import shutil
+import subprocess
+import sys
+from collections.abc import Callable
 from pathlib import Path
+from typing import Any
 
 import numba
 import pytest
@@ -29,7 +35,11 @@ from insonify.kernels.common.hashing import splitmix64
 value = splitmix64(np.uint64(1234567))
 print(value, sum(splitmix64.entry.stats.cache_hits.values()))
 """
-compiled = pytest.mark.skipif(bool(numba.config.DISABLE_JIT), reason="nothing is compiled")
+interpreted = bool(numba.config.DISABLE_JIT)
+compiled = pytest.mark.skipif(interpreted, reason="nothing is compiled")
+owned = pytest.mark.skipif(
+    interpreted or not hasattr(os, "getuid"), reason="nothing is compiled, or files have no owner"
+)
 VALUE = "6457827717110365317"  # first output of Vigna's reference implementation from that state
 
 
@@ -91,10 +101,30 @@ def test_damaged_digests_are_computed_anew(tmp_path: Path) -> None:
         assert source_digests(tmp_path, tmp_path / "kept") == kept
 
 
-def use_kernel(cache: Path, version: str = numba.__version__) -> tuple[str, int]:
-    """Return what the kernel gives in a new process, and how often its machine code was read from disk."""
-    value, hits = output_of("-c", USE, version, NUMBA_CACHE_DIR=str(cache))
-    return value, int(hits)
+def use_kernel(cache: Path | None, version: str = numba.__version__, **options: Any) -> tuple[int, str]:
+    """Call a kernel in a new process; how often its machine code was read from disk, and what was warned of."""
+    environment = os.environ | ({"NUMBA_CACHE_DIR": str(cache)} if cache else {})
+    command = [sys.executable, "-c", USE, version]
+    done = subprocess.run(command, env=environment, capture_output=True, check=True, text=True, **options)
+    value, hits = done.stdout.split()
+    assert value == VALUE
+    return int(hits), done.stderr
+
+
+@pytest.fixture(scope="module")
+def made(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A folder with the machine code of the kernel, which is read from a copy of the folder as well."""
+    folder = tmp_path_factory.mktemp("made")
+    assert use_kernel(folder / "cache") == (0, "")
+    shutil.copytree(folder / "cache", folder / "copy")
+    assert use_kernel(folder / "copy") == (1, "")
+    return folder / "cache"
+
+
+@pytest.fixture
+def cache(made: Path, tmp_path: Path) -> Path:
+    """A folder of this test with the machine code of the kernel."""
+    return Path(shutil.copytree(made, tmp_path / "cache"))
 
 
 def damage_whole(content: bytes) -> bytes:
@@ -107,28 +137,25 @@ def damage_a_bit(content: bytes) -> bytes:
 
 
 @compiled
-def test_machine_code_is_read_from_disk_and_compiled_anew_once_damaged(tmp_path: Path) -> None:
-    assert use_kernel(tmp_path) == (VALUE, 0)
-    for files, damage in (("*.nb[ci]", damage_whole), ("*.nbc", damage_a_bit)):
-        assert use_kernel(tmp_path) == (VALUE, 1)
-        for file in tmp_path.rglob(files):
-            file.write_bytes(damage(file.read_bytes()))
-        assert use_kernel(tmp_path) == (VALUE, 0)
-    assert use_kernel(tmp_path) == (VALUE, 1)
+@pytest.mark.parametrize(("files", "damage"), [("*.nb[ci]", damage_whole), ("*.nbc", damage_a_bit)])
+def test_machine_code_is_compiled_anew_once_damaged(cache: Path, files: str, damage: Callable[[bytes], bytes]) -> None:
+    for file in cache.rglob(files):
+        file.write_bytes(damage(file.read_bytes()))
+    assert use_kernel(cache) == (0, "")
+    assert use_kernel(cache) == (1, "")
 
 
 @compiled
-def test_versions_of_numba_leave_the_machine_code_of_others_alone(tmp_path: Path) -> None:
-    assert use_kernel(tmp_path) == (VALUE, 0)
-    assert use_kernel(tmp_path, "0.0.0") == (VALUE, 0)
-    assert use_kernel(tmp_path) == (VALUE, 1)
-    assert use_kernel(tmp_path, "0.0.0") == (VALUE, 1)
+def test_versions_of_numba_leave_the_machine_code_of_others_alone(cache: Path) -> None:
+    assert use_kernel(cache, "0.0.0") == (0, "")
+    assert use_kernel(cache) == (1, "")
+    assert use_kernel(cache, "0.0.0") == (1, "")
 
 
 @compiled
 def test_a_folder_that_cannot_be_written_is_done_without(tmp_path: Path) -> None:
     (tmp_path / "a file").write_text("")
-    assert use_kernel(tmp_path / "a file") == (VALUE, 0)
+    assert use_kernel(tmp_path / "a file")[0] == 0
     assert os.listdir(tmp_path) == ["a file"]
 
 
@@ -159,5 +186,74 @@ print(*({"numba.np.arraymath", "scipy.linalg"} & set(sys.modules)))
 
 @compiled
 def test_finished_code_is_loaded_without_what_compiles_it() -> None:
-    output_of("-c", FIRST_PING)  # compiles what no test has compiled before
-    assert output_of("-c", FIRST_PING) == []
+    # The first process may compile what no test has compiled before.
+    assert output_of("-c", FIRST_PING) == [] or output_of("-c", FIRST_PING) == []
+
+
+class Poison:
+    """What leaves a trace when it is unpickled."""
+
+    def __init__(self, trace: Path) -> None:
+        self.trace = trace
+
+    def __reduce__(self) -> tuple[object, ...]:
+        return Path.touch, (self.trace,)
+
+
+@owned
+def test_the_folder_is_made_for_this_user_alone(made: Path) -> None:
+    assert (made / "insonify" / "kernels").stat().st_mode & 0o777 == 0o700
+
+
+@owned
+@pytest.mark.parametrize("place", ["insonify/kernels", "insonify", ""])
+def test_a_folder_to_which_others_may_write_is_not_used(cache: Path, place: str) -> None:
+    (cache / place).chmod(0o777)
+    hits, warned = use_kernel(cache)
+    assert hits == 0
+    assert f"other users may write to {cache / place}" in warned
+    assert warned.count("neither read") == 1
+
+
+@owned
+@pytest.mark.skipif(not hasattr(os, "getuid") or os.getuid() != 0, reason="only root gives folders away")
+@pytest.mark.parametrize("place", ["insonify/kernels", ""])
+def test_a_folder_of_another_user_is_not_used_even_by_root(cache: Path, place: str) -> None:
+    os.chown(cache / place, 12345, 12345)
+    hits, warned = use_kernel(cache)
+    assert hits == 0
+    assert f"{cache / place} belongs to another user" in warned
+
+
+@owned
+def test_nothing_is_read_below_the_current_folder_where_the_user_has_no_home(tmp_path: Path) -> None:
+    strange = "import os, platformdirs\nplatformdirs.user_cache_dir = lambda name: f'~/.cache/{name}'\n"
+    environment = {name: value for name, value in os.environ.items() if name != "NUMBA_CACHE_DIR"}
+    command = [sys.executable, "-c", strange + USE, numba.__version__]
+    done = subprocess.run(command, cwd=tmp_path, env=environment, capture_output=True, check=True, text=True)
+    assert done.stdout.split() == [VALUE, "0"]
+    assert "this user has no home folder" in done.stderr
+    assert not list(tmp_path.iterdir())
+
+
+@owned
+def test_an_index_is_never_unpickled(cache: Path) -> None:
+    for index in cache.rglob("*.nbi"):
+        index.write_bytes(pickle.dumps(numba.__version__) + pickle.dumps(("", Poison(cache / "trace"))))
+    assert use_kernel(cache) == (0, "")
+    assert not (cache / "trace").exists()
+
+
+@owned
+def test_code_that_is_not_what_its_name_says_is_never_unpickled(cache: Path) -> None:
+    for code in cache.rglob("*.nbc"):
+        code.write_bytes(pickle.dumps(Poison(cache / "trace")))
+    assert use_kernel(cache) == (0, "")
+    assert not (cache / "trace").exists()
+
+
+@owned
+def test_a_setting_of_numba_in_the_current_folder_moves_nothing(tmp_path: Path) -> None:
+    (tmp_path / ".numba_config.yaml").write_text("cache_dir: strange\n")
+    use_kernel(None, cwd=tmp_path)
+    assert not (tmp_path / "strange").exists()

@@ -34,10 +34,10 @@ def specification(**changes) -> DatasetSpecification:
 
 @pytest.fixture(scope="module")
 def small(tmp_path_factory):
-    """A data set of eight scenes, made by the command on two workers."""
+    """A data set of eight scenes, made by the command."""
     folder = tmp_path_factory.mktemp("small")
     path = write_set(folder)
-    assert cli.main(["dataset", str(path), "-o", str(folder / "set"), "--scheduler", "local:2"]) == 0
+    assert cli.main(["dataset", str(path), "-o", str(folder / "set"), "--scheduler", "local:1"]) == 0
     return folder / "set"
 
 
@@ -201,12 +201,12 @@ def test_a_second_run_does_nothing_and_a_greater_number_adds_scenes(small, tmp_p
 
 @pytest.mark.parametrize("kind", ["webdataset", "zarr"])
 def test_shards_hold_what_the_folders_hold(small, tmp_path, kind):
-    one = specification(storage={"kind": kind, "scenes": 4}, splits={"train": 1.0})
+    one = specification(scenes=4, storage={"kind": kind, "scenes": 2}, splits={"train": 1.0})
     work = DatasetWork(one, BASE, tmp_path / "set")
     for name in work.names():
         finish(work, name)
     told = [tile for name in work.names() for tile in read_flag(work.folder, name)["tiles"]]
-    plain = {line["name"]: line["file_name"] for line in metadata(small) if line["scene"] < 8}
+    plain = {line["name"]: line["file_name"] for line in metadata(small) if line["scene"] < 4}
     assert [tile["name"] for tile in told] == list(plain)
     for tile in told:
         image = one.storage.read_image(work.folder, tile["file"])
@@ -214,7 +214,7 @@ def test_shards_hold_what_the_folders_hold(small, tmp_path, kind):
 
 
 def test_an_archive_is_as_webdataset_reads_it(tmp_path):
-    one = specification(storage={"kind": "webdataset", "scenes": 4})
+    one = specification(storage={"kind": "webdataset", "scenes": 2})
     work = DatasetWork(one, BASE, tmp_path / "set")
     finish(work, work.names()[0])
     (path,) = (tmp_path / "set").rglob("*.tar")
@@ -229,7 +229,7 @@ def test_an_archive_is_as_webdataset_reads_it(tmp_path):
 
 
 def test_a_zarr_store_is_read_by_zarr(tmp_path):
-    one = specification(storage={"kind": "zarr", "scenes": 4}, images={"bits": 16})
+    one = specification(storage={"kind": "zarr", "scenes": 2}, images={"bits": 16})
     work = DatasetWork(one, BASE, tmp_path / "set")
     finish(work, work.names()[0])
     (path,) = (tmp_path / "set").rglob("*.zarr")

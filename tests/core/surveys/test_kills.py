@@ -85,10 +85,6 @@ def kill_and_go_on(folder, undisturbed, jobs):
     assert contents(folder / "set") == undisturbed
 
 
-def test_a_killed_driver_loses_nothing(tmp_path, undisturbed):
-    kill_and_go_on(tmp_path, undisturbed, 3)
-
-
 @pytest.mark.kill
 @pytest.mark.parametrize("jobs", range(12))
 @pytest.mark.parametrize("attempt", range(3))
@@ -113,22 +109,27 @@ def test_workers_killed_at_any_time_lose_nothing(tmp_path, undisturbed, jobs):
     assert contents(tmp_path / "set") == undisturbed
 
 
-@pytest.mark.parametrize(("number", "code"), [(signal.SIGINT, 130), (signal.SIGTERM, 143)])
-def test_an_interrupted_run_keeps_what_is_done_and_goes_on(tmp_path, undisturbed, number, code):
-    process = driver(tmp_path)
-    wait_for_jobs(tmp_path, 2, process)
-    if number == signal.SIGINT:
-        os.killpg(process.pid, number)  # as a terminal sends it: to the workers as well
-    else:
-        process.send_signal(number)
-    complaint = process.communicate(timeout=60)[1]
-    assert process.returncode == code
-    assert f"of {SCENES} jobs are done and stay; the same command goes on" in complaint
-    assert len(complaint.splitlines()) == 1
-    assert ended_workers(process)
-    check_done(tmp_path, undisturbed)
-    assert not [name for name in contents(tmp_path / "set") if ".unfinished-" in name]
+def test_a_run_that_is_killed_and_interrupted_keeps_what_is_done_and_goes_on(tmp_path, undisturbed):
+    done = set()
+    for number in (signal.SIGKILL, signal.SIGINT, signal.SIGTERM):
+        process = driver(tmp_path)
+        wait_for_jobs(tmp_path, len(done) + 2, process)
+        if number == signal.SIGINT:
+            os.killpg(process.pid, number)  # as a terminal sends it: to the workers as well
+        else:
+            process.send_signal(number)
+        complaint = process.communicate(timeout=120)[1]
+        assert ended_workers(process)
+        if number != signal.SIGKILL:
+            assert process.returncode == 128 + number
+            assert f"of {SCENES} jobs are done and stay; the same command goes on" in complaint
+            assert len(complaint.splitlines()) == 1
+            assert not [name for name in contents(tmp_path / "set") if ".unfinished-" in name]
+        check_done(tmp_path, undisturbed)
+        assert done < done_jobs(tmp_path / "set")
+        done = done_jobs(tmp_path / "set")
     assert cli.main(words(tmp_path)) == 0
+    assert done < done_jobs(tmp_path / "set")
     assert contents(tmp_path / "set") == undisturbed
 
 
