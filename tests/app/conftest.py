@@ -89,6 +89,11 @@ def _threads_have_ended() -> Iterator[None]:
     await_threads(before)
 
 
+@pytest.fixture(scope="session", autouse=True)
+def _windows_are_on_the_screen(qapp: QApplication) -> None:
+    """Make the application before a command that draws without a screen, which would take the screen from all tests."""
+
+
 @pytest.fixture(scope="session")
 def _beds_are_shaded_once() -> Iterator[None]:
     """Shade a bed once for all windows that show it, and draw it without the smaller copies of its picture.

@@ -124,6 +124,9 @@ def test_a_zoom_keeps_its_place_and_stays_within_the_picture():
     assert zoom.upper + 0.75 * (zoom.lower - zoom.upper) == pytest.approx(0.75)
     assert zoom.moved(-9.0, 9.0) == Zoom(0.0, pytest.approx(0.25), pytest.approx(0.75), pytest.approx(1.0))
     assert zoom.about(0.5, 0.5, 0.01).whole
+    for place in np.linspace(0.0, 1.0, 101):
+        moved = Zoom().about(place, 0.5, 1.2).moved(0.1 * place, 0.0)
+        assert moved.about(place / 3.0, 0.5, 1.0 / 1.2).whole
 
 
 def test_colours_linear_in_decibels_and_reversed():

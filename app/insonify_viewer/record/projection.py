@@ -185,7 +185,9 @@ def _loudest(values: NDArray[np.float32], at: Values) -> NDArray[np.float32]:
 
 def _scaled(span: tuple[float, float], at: float, factor: float) -> tuple[float, float]:
     first, last = span
-    length = min(max((last - first) / factor, CLOSEST), 1.0)
+    length = max((last - first) / factor, CLOSEST)
+    if length > 1.0 - 1e-9:  # by rounding, a part that was moved may be as long as the whole but for its last digits
+        return 0.0, 1.0
     start = first + at * (last - first) - at * length
     start = min(max(start, 0.0), 1.0 - length)
     return start, start + length
