@@ -5,6 +5,8 @@ import pytest
 from scipy.interpolate import PchipInterpolator
 
 from insonify.acoustics.water import make_sound_speed_field, make_water, recording_speed, speed_at_sonar
+from insonify.cli import main
+from insonify.display.ray_diagram.tracing import trace_ray_diagram
 from insonify.scene import SceneError, build, edit, load_scene, scene_from_toml, scene_to_toml
 from insonify.scene.water.layered import HydrographyWater, ProfileWater, SectionWater
 from insonify.scene.water.polyline import approximate_by_segments, thin_polyline
@@ -151,3 +153,44 @@ def test_a_change_of_kind_takes_over_whole_tables_or_none():
     changes = {"water.depth": [0.0, 20.0], "water.sound_speed": [1510.0, 1500.0], "water.kind": "profile"}
     scene = edit(load_scene("default"), changes)
     assert scene.water == ProfileWater(depth=(0.0, 20.0), sound_speed=(1510.0, 1500.0))
+
+
+@pytest.mark.parametrize(
+    ("water", "told"),
+    [
+        (
+            {"kind": "hydrography", "temperature": [31.0, 18.0, 11.0, 10.0], "equation": "mackenzie"},
+            "temperature 31 °C",
+        ),
+        ({"kind": "hydrography", "salinity": 20.0, "equation": "mackenzie"}, "salinity 20 "),
+        ({"kind": "hydrography", "depth": [0.0, 5.0, 9.0, 1200.0], "equation": "paper"}, "depth 1200 m"),
+        ({"kind": "uniform", "absorption": {"kind": "francois_garrison", "temperature": -2.0}}, "temperature -2 °C"),
+        ({"kind": "uniform", "absorption": {"kind": "francois_garrison", "salinity": 8.0}}, "salinity 8 "),
+        ({"kind": "uniform", "surface": {"kind": "rough", "wind_speed": 18.0}}, "wind 18 m/s"),
+    ],
+)
+def test_values_outside_the_range_of_a_formula_are_described(water, told):
+    scene = scene_in(water)
+    (sentence,) = scene.describe_limits()
+    assert sentence.startswith(told)
+    assert " is outside the range of " in sentence
+    assert trace_ray_diagram(scene).limits == (sentence,)
+
+
+def test_a_frequency_outside_the_range_of_a_formula_is_described(capsys):
+    sea = {"receiver.source_level": 220.0, "receiver.noise": {"kind": "sea", "wind": 15.0}}
+    absorbing = {"water.absorption": "francois_garrison"}
+    for changes, frequency, formulas in (
+        (absorbing, 400e3, []),
+        (absorbing, 1.2e6, ["Francois and Garrison"]),
+        (sea, 90e3, []),
+        (sea, 110e3, ["wind by Wenz"]),
+        (sea, 400e3, []),  # the water's thermal noise is louder
+    ):
+        told = list(edit(load_scene("figure-4a"), {"sonar.frequency": frequency, **changes}).describe_limits())
+        assert len(told) == len(formulas)
+        assert all(formula in sentence for formula, sentence in zip(formulas, told))
+    for command in ("plan", "budget"):
+        words = ["--set", "sonar.frequency=1.2e6", "--set", "water.absorption=francois_garrison"]
+        assert main([command, "figure-4a", *words]) == 0
+        assert "Francois and Garrison, 0.4 to 1000 kHz" in capsys.readouterr().out

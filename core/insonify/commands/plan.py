@@ -31,5 +31,5 @@ def run(arguments: argparse.Namespace) -> None:
     with report_waiting():
         found = plan(scene, arguments.tolerance, method=arguments.method, forced=forced)
     say(found.table())
-    for number, line in enumerate(describe_materials(scene)):
+    for number, line in enumerate([*describe_materials(scene), *scene.describe_limits()]):
         say(line if number else f"\n{line}")

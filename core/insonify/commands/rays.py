@@ -43,4 +43,6 @@ def run(arguments: argparse.Namespace) -> None:
         say(describe_eigenray(ray))
     if arguments.target is not None and not diagram.eigenrays:
         say("no ray reaches that point: it lies in a shadow zone")
+    for sentence in diagram.limits:
+        say(sentence)
     say(str(path))

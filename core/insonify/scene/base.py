@@ -148,6 +148,20 @@ class Kind(Declaration):
     def _name_alone(cls, value: Any) -> Any:
         return {"kind": value} if isinstance(value, str) else value
 
+    def describe_limits(self, frequency: float) -> Iterator[str]:
+        """Describe in a sentence each way in which a frequency in Hz or a value leaves the range of its formula."""
+        yield from ()
+
+
+def describe_excess(
+    name: str, lowest: float, highest: float, unit: str, valid: tuple[float, float], formula: str
+) -> Iterator[str]:
+    """Describe the end of a quantity's values that lies outside the range of a formula."""
+    least, most = valid
+    for value, outside in ((lowest, lowest < least), (highest, highest > most)):
+        if outside:
+            yield f"{name} {value:g}{unit} is outside the range of {formula}, {least:g} to {most:g}{unit}"
+
 
 class Nothing(Kind):
     """Without this effect."""

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from typing import Any, Literal
 
 from pydantic import field_validator, model_validator
@@ -180,6 +181,12 @@ class Scene(Declaration):
     def pits(self) -> tuple[Pit, ...]:
         """Pits and mounds around targets, which are part of the bed."""
         return tuple(target.pit for target in self.targets if target.pit is not None)
+
+    def describe_limits(self) -> Iterator[str]:
+        """Describe in a sentence each way in which the scene leaves the range of a formula for its water or noise."""
+        for part in (self.water, self.water.absorption, self.water.surface, self.receiver.noise):
+            if part is not None:
+                yield from part.describe_limits(self.sonar.frequency)
 
     @property
     def altitude(self) -> float:

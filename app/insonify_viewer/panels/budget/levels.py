@@ -70,7 +70,8 @@ class SolvedBudget:
     def describe_model(self, slant_range: float) -> str:
         """Describe in sentences how far the bed's level is from its backscatter model, and where that is not valid."""
         material, frequency = self.scene.seabed.material, self.scene.sonar.frequency
-        words = [f"{sentence[0].upper()}{sentence[1:]}." for sentence in describe_limits(self.scene)]
+        limits = *describe_limits(self.scene), *self.scene.describe_limits()
+        words = [f"{sentence[0].upper()}{sentence[1:]}." for sentence in limits]
         if isinstance(material, Material) and material.model is not None:
             grazing = self.record.grazing[self.record.bin_at(slant_range)]
             off = misfit(material, frequency, np.array(grazing))

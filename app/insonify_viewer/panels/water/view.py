@@ -438,13 +438,14 @@ def _label_scales(painter: QPainter, frame: PlotScales) -> None:
 
 
 def _say(painter: QPainter, diagram: RayDiagram, frame: PlotScales) -> None:
-    """Describe the eigenrays, and where no sound reaches the bed."""
+    """Describe the eigenrays, where no sound reaches the bed, and formulas beyond their range."""
     lines = [(EIGENRAYS[k % len(EIGENRAYS)], describe_eigenray(path)) for k, path in enumerate(diagram.eigenrays)]
     if diagram.target is not None and not lines:
         lines = [(OVER_WATER, "no direct ray reaches this point: it lies in a shadow zone")]
     for begin, end in diagram.dark:
         place = f"beyond {begin:.1f} m" if end >= diagram.reach else f"from {begin:.1f} to {end:.1f} m"
         lines.append((OVER_WATER, f"no sound on the bed {place}"))
+    lines += [(OVER_WATER, sentence) for sentence in diagram.limits]
     metrics = painter.fontMetrics()
     for number, (colour, line) in enumerate(lines):
         width = metrics.horizontalAdvance(line) + 10.0

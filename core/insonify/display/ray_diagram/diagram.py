@@ -47,6 +47,7 @@ class RayDiagram:
     caustics: Values  # (k, 2) ranges and depths at which neighbouring rays cross, in metres
     target: tuple[float, float] | None  # (float, float) range and depth of the point to which eigenrays are searched
     eigenrays: tuple[DiagramEigenray, ...]  # eigenrays by launch angle, the steepest upwards first
+    limits: tuple[str, ...]  # ways in which the scene leaves the range of a formula for its water, as sentences
 
 
 def compute_speed_limits(diagram: RayDiagram) -> tuple[float, float]:

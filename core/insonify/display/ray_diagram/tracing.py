@@ -62,6 +62,7 @@ def trace_ray_diagram(
         caustics=_caustics(fan, bottom),
         target=target,
         eigenrays=() if target is None else _eigenrays(water, bottom, depth, target),
+        limits=tuple(scene.describe_limits()),
     )
 
 

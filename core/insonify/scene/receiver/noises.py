@@ -1,10 +1,10 @@
 """Noises: levels in the receiver's band, spectral densities, and a ratio of the bed's echo to the noise."""
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from typing import ClassVar, Literal, NamedTuple
 
-from insonify.scene.base import Family, Kind, parameter
+from insonify.scene.base import Family, Kind, describe_excess, parameter
 
 NOISES = Family("noises", "insonify.scene.receiver")
 KNOT = 0.514444  # m/s
@@ -114,6 +114,12 @@ class SeaNoise(SpectralNoise):
         """Spectral density of the sum of wind, rain and thermal noise."""
         parts = (wind_noise(frequency, self.wind), rain_noise(frequency, self.rain), thermal_noise(frequency))
         return decibels(sum(10.0 ** (part / 10.0) for part in parts))
+
+    def describe_limits(self, frequency: float) -> Iterator[str]:
+        """Describe a frequency beyond the curves of Wenz, where wind is louder than the water's thermal noise."""
+        if wind_noise(frequency, self.wind) > thermal_noise(frequency):
+            khz = frequency / 1e3
+            yield from describe_excess("frequency", khz, khz, " kHz", (1.0, 100.0), "noise of wind by Wenz")
 
 
 class SnrNoise(NoiseKind):

@@ -1,11 +1,12 @@
 """Absorption of sound by sea water."""
 
 import math
+from collections.abc import Iterator
 from typing import Any, ClassVar, Literal
 
 from pydantic import model_validator
 
-from insonify.scene.base import Family, Kind, parameter
+from insonify.scene.base import Family, Kind, describe_excess, parameter
 
 ABSORPTIONS = Family("absorptions", "insonify.scene.water")
 NEPER_PER_DB = math.log(10.0) / 20.0
@@ -66,6 +67,13 @@ class FrancoisGarrison(AbsorptionKind):
     def decibels_per_km(self, frequency: float, depth: float) -> float:
         """Absorption one way, in dB/km, of sea water of this temperature, salinity and acidity."""
         return francois_garrison(frequency, self.temperature, self.salinity, depth, self.acidity)
+
+    def describe_limits(self, frequency: float) -> Iterator[str]:
+        """Describe what lies outside the measurements of Francois and Garrison (1982)."""
+        formula, khz, t, s = "absorption by Francois and Garrison", frequency / 1e3, self.temperature, self.salinity
+        yield from describe_excess("frequency", khz, khz, " kHz", (0.4, 1000.0), formula)
+        yield from describe_excess("temperature", t, t, " °C", (-1.8, 30.0), formula)
+        yield from describe_excess("salinity", s, s, "", (30.0, 35.0), formula)
 
 
 def francois_garrison(

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import itertools
 import math
+from collections.abc import Iterator
 from typing import Annotated, Any, ClassVar, Literal
 
 import numpy as np
@@ -14,7 +15,7 @@ from insonify.io.sound_speed_casts import Cast, read_cast
 from insonify.scene.base import FilePath, angle, parameter
 from insonify.scene.water import SoundSpeeds, Values, WaterKind, speeds_by_depth
 from insonify.scene.water.polyline import CURVE_TOLERANCE, approximate_by_segments, approximate_pchip, thin_polyline
-from insonify.scene.water.sound_speed import EQUATIONS
+from insonify.scene.water.sound_speed import EQUATIONS, describe_range
 
 # A summer thermocline, the default of layered waters.
 DEPTHS = (0.0, 8.0, 16.0, 60.0)
@@ -118,6 +119,10 @@ class HydrographyWater(LayeredWater):
 
         return speeds_by_depth(*approximate_by_segments(speed, depth, CURVE_TOLERANCE))
 
+    def describe_limits(self, frequency: float) -> Iterator[str]:
+        """Describe values outside the range of the equation of sound speed."""
+        yield from describe_range(self.equation, self.temperature, self.salinity, self.depth)
+
 
 class SectionWater(LayeredWater):
     """Water that varies horizontally: sound speed profiles along a line through the scene's (0, 0)."""
@@ -182,6 +187,12 @@ class CastWater(WaterKind):
             return speeds_by_depth(*approximate_pchip(cast.depth, speed, CAST_TOLERANCE))
         kept = thin_polyline(cast.depth, speed, CAST_TOLERANCE)
         return speeds_by_depth(cast.depth[kept], speed[kept])
+
+    def describe_limits(self, frequency: float) -> Iterator[str]:
+        """Describe measurements outside the range of the equation of sound speed, where one is used."""
+        cast = read_cast(self.path)
+        if cast.temperature is not None and cast.salinity is not None and (self.equation or cast.sound_speed is None):
+            yield from describe_range(self.equation or "teos10", cast.temperature, cast.salinity, cast.depth)
 
     def _speeds_of(self, cast: Cast) -> Values:
         """Sound speed of a cast, or by an equation from its temperature and salinity."""

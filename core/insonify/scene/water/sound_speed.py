@@ -1,9 +1,11 @@
 """Speed of sound in sea water from its temperature, salinity and depth."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
+
+from insonify.scene.base import describe_excess
 
 Values = NDArray[np.float64]
 # A scene has no place on Earth: pressure is that at middle latitudes, salt composition that of the open ocean.
@@ -42,3 +44,16 @@ EQUATIONS: dict[str, Callable[[ArrayLike, ArrayLike, ArrayLike], Values]] = {
     "mackenzie": mackenzie,
     "teos10": teos10,
 }
+# Name of each equation, and the ranges of temperature (°C), salinity and depth (m) for which it was derived.
+RANGES = {
+    "paper": ("the paper's equation", (0.0, 35.0), (0.0, 45.0), (0.0, 1000.0)),
+    "mackenzie": ("Mackenzie's equation", (2.0, 30.0), (25.0, 40.0), (0.0, 8000.0)),
+    "teos10": ("TEOS-10", (-6.0, 40.0), (0.0, 42.0), (0.0, 10000.0)),
+}
+
+
+def describe_range(equation: str, *values: ArrayLike) -> Iterator[str]:
+    """Describe in a sentence each of temperature, salinity and depth that leaves the range of an equation."""
+    formula, *ranges = RANGES[equation]
+    for name, unit, value, valid in zip(("temperature", "salinity", "depth"), (" °C", "", " m"), values, ranges):
+        yield from describe_excess(name, float(np.min(value)), float(np.max(value)), unit, valid, formula)

@@ -1,9 +1,10 @@
 """The sea surface, a mirror that is flat or raised by the wind."""
 
 import math
+from collections.abc import Iterator
 from typing import Literal
 
-from insonify.scene.base import Family, Kind, parameter
+from insonify.scene.base import Family, Kind, describe_excess, parameter
 
 SURFACES = Family("surfaces", "insonify.scene.water")
 WAYS = ("surface_bottom", "surface_bottom_surface", "second_bottom", "surface_echo")
@@ -12,6 +13,7 @@ GRAVITY = 9.81  # m/s²
 ALPHA, BETA = 8.1e-3, 0.74
 # Greatest wave number of the slopes, in rad/m: that of the shortest gravity waves (1.7 cm).
 FINEST = 363.0
+STRONGEST = 15.0  # m/s, wind beyond which waves break and bubbles take over
 CALM = 0.02  # m/s, wind below which all waves are finer than that: E₁(3000) underflows
 
 
@@ -101,3 +103,8 @@ class RoughSurface(MirrorSurface):
             return 0.0
         squared = GRAVITY / (self.wind_speed**2 * FINEST)  # (g / Uω)²
         return float(0.5 * ALPHA / 4.0 * special.exp1(BETA * squared**2))
+
+    def describe_limits(self, frequency: float) -> Iterator[str]:
+        """Describe a wind in which breaking waves and bubbles take the place of facets."""
+        formula = "a surface of mirror facets"
+        yield from describe_excess("wind", self.wind_speed, self.wind_speed, " m/s", (0.0, STRONGEST), formula)
