@@ -166,7 +166,7 @@ QUANTITIES: dict[str, Quantity] = {
     "wavelength": Quantity((), "wavelength (m)", _wavelength),
     "absorption": Quantity((), "absorption of the water one way, at the depth of the sonar (dB/km)", _absorption),
     "bin_length": Quantity((), "length of a bin (m)", lambda scene: scene.sonar.range / scene.sonar.bins),
-    "ping_spacing": Quantity((), "way of the fish from ping to ping (m)", _ping_spacing),
+    "ping_spacing": Quantity((), "distance that the fish travels between two pings (m)", _ping_spacing),
     "fastest_ping_rate": Quantity(
         (), "ping rate at which a ping waits for the last echo of the one before (1/s)",
         lambda scene: 0.5 * _speed(scene) / scene.sonar.range,
