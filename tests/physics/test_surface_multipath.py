@@ -1,6 +1,7 @@
 """Surface multipath against the ranges as printed, integrals done by hand and single rays."""
 
 import math
+from functools import partial
 
 import numpy as np
 import pytest
@@ -155,6 +156,26 @@ def test_the_sweep_is_as_near_to_rays_as_it_is_said_to_be(beam, way):
     errors = compare_records(arrays, poses, ours.astype(np.float32), right.astype(np.float32))
     assert errors.beyond < 0.015
     assert abs(errors.energy_bias) < 0.01
+
+
+@pytest.mark.parametrize(
+    ("way", "altitude", "surface"),
+    [("", 16.0, 0.0), ("surface_bottom", 11.0, 14.0), ("surface_bottom_surface", 7.0, 12.0)],
+)
+def test_a_tall_target_is_met_where_the_bed_is_out_of_range(way, altitude, surface):
+    """A patterned beam reaches as far as to the highest place: a box of 6 m, the bed being out of a path's range."""
+    arrays = arrays_of(
+        FLAT, 0.5, periodic=True, bins=140, bin_length=0.1, reflectivity=[(0.6, 0.3, 5.0)],
+        mesh=box_mesh((-0.5, 7.0, 0.0), (0.5, 8.0, 6.0)), **BEAMS["pattern"],
+    )  # fmt: skip
+    poses = poses_of(0.0, 0.0, altitude)
+    ours, right = (
+        ghost(fine, arrays, poses, surface, way) if way else fine(arrays, poses).astype(np.float64)
+        for fine in (partial(sweep.trace, planes=64), partial(rays.trace, rays=1 << 18))
+    )
+    assert right.sum() > 0.0
+    assert ours.sum() == pytest.approx(right.sum(), rel=0.02)
+    assert np.linalg.norm(ours - right) < 0.03 * np.linalg.norm(right)
 
 
 @pytest.mark.parametrize("tracer", TRACERS)

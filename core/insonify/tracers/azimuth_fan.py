@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 
 from insonify.kernels.beam.azimuth_sector import TRANSITION
 from insonify.kernels.common.types import Poses, SceneArrays
+from insonify.kernels.multipath.image_sources import highest_place
 from insonify.kernels.sweep.sweep import LOWEST, AzimuthFan
 from insonify.tow.poses import take_poses
 from insonify.tracers.target_planes import (
@@ -187,7 +188,7 @@ def pattern_planes(
         per_octave=pattern.per_octave,
         main=math.sin(arrays.half_width),
         reach=arrays.bins * arrays.bin_length,
-        relief=arrays.bed.high - arrays.bed.low,
+        relief=highest_place(arrays) - arrays.bed.low,
         targets=arrays.solids.shape.size + arrays.mesh.target.size > 0,
     )
     return _lay(outline, planes, height, tuple(pitches.tolist()), height if laid_at is None else laid_at)
@@ -202,7 +203,7 @@ class _Outline(NamedTuple):
     per_octave: float
     main: float  # sine of half the main lobe
     reach: float  # m
-    relief: float  # m, from the lowest bed to the highest
+    relief: float  # m, from the lowest bed to the highest place of bed and targets
     targets: bool  # whether there are any
 
 
