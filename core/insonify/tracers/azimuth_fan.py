@@ -188,7 +188,8 @@ def pattern_planes(
         per_octave=pattern.per_octave,
         main=math.sin(arrays.half_width),
         reach=arrays.bins * arrays.bin_length,
-        relief=highest_place(arrays) - arrays.bed.low,
+        relief=arrays.bed.high - arrays.bed.low,
+        highest=highest_place(arrays) - arrays.bed.low,
         targets=arrays.solids.shape.size + arrays.mesh.target.size > 0,
     )
     return _lay(outline, planes, height, tuple(pitches.tolist()), height if laid_at is None else laid_at)
@@ -203,7 +204,8 @@ class _Outline(NamedTuple):
     per_octave: float
     main: float  # sine of half the main lobe
     reach: float  # m
-    relief: float  # m, from the lowest bed to the highest place of bed and targets
+    relief: float  # m, from the lowest bed to the highest
+    highest: float  # m, from the lowest bed to the highest place of bed and targets
     targets: bool  # whether there are any
 
 
@@ -254,7 +256,7 @@ class _Cone:
     ) -> None:
         above_highest = max(height - outline.relief, 0.0)
         # The lowest of the heights that are rounded up to this one reaches farthest out.
-        lowest = max(height * ROUNDED_DOWN - outline.relief, 0.0)
+        lowest = max(height * ROUNDED_DOWN - outline.highest, 0.0)
         farthest = math.sqrt(max(outline.reach**2 - lowest**2, (0.1 * height) ** 2))
         self.height, self.main, self.targets = height, outline.main, outline.targets
         self.x = np.geomspace(nearest * min(height, farthest), farthest, GROUND_RANGES)
