@@ -61,7 +61,7 @@ class Coco(AnnotationKind):
 
     rank = 10
     kind: Literal["coco"] = "coco"
-    of: tuple[Extent, ...] = parameter(EXTENTS, description="what of a target is annotated, a file each", min_length=1)
+    of: tuple[Extent, ...] = parameter(EXTENTS, "what of a target is annotated, a file each", min_length=1)
 
     @contextmanager
     def collect(self, folder: Path, splits: Sequence[str], classes: Sequence[str]) -> Iterator[Collector]:
@@ -145,7 +145,7 @@ class Yolo(AnnotationKind):
 
     rank = 20
     kind: Literal["yolo"] = "yolo"
-    of: Extent = parameter("both", description="what of a target the box holds")
+    of: Extent = parameter("both", "what of a target the box holds")
 
     def of_tile(self, tile: Mapping[str, Any], classes: Sequence[str]) -> dict[str, tuple[str, bytes]]:
         """Text of boxes; empty for an image without targets."""

@@ -18,25 +18,12 @@ class Lognormal(Kind):
 
     family = FLUCTUATIONS
     kind: Literal["lognormal"] = "lognormal"
-    level: float = parameter(
-        1.5, unit="dB", description="standard deviation of the level", ge=0.0, le=20.0, slider=(0.0, 6.0)
-    )
+    level: float = parameter(1.5, "standard deviation of the level", "dB", ge=0.0, le=20.0, slider=(0.0, 6.0))
     correlation_time: float = parameter(
-        1.0,
-        unit="s",
-        description="time after which the correlation is 1/e",
-        gt=0.0,
-        le=1e6,
-        slider=(0.05, 100.0),
-        log=True,
+        1.0, "time after which the correlation is 1/e", "s", gt=0.0, le=1e6, slider=(0.05, 100.0), log=True
     )
     travel_time: float = parameter(
-        0.0,
-        unit="s",
-        description="rms time shift of a ping's echoes by the water",
-        ge=0.0,
-        le=0.01,
-        slider=(0.0, 1e-3),
+        0.0, "rms time shift of a ping's echoes by the water", "s", ge=0.0, le=0.01, slider=(0.0, 1e-3)
     )
 
 
@@ -47,17 +34,15 @@ class OtherSonar(Kind):
     kind: Literal["sonar"] = "sonar"
     level: float = parameter(
         -60.0,
-        unit="dB",
-        description="received level of its pings, dB re the source at 1 m, or re 1 µPa with a source level",
+        "received level of its pings, dB re the source at 1 m, or re 1 µPa with a source level",
+        "dB",
         ge=-300.0,
         le=250.0,
         slider=(-120.0, 180.0),
     )
-    ping_rate: float = parameter(
-        7.3, unit="Hz", description="its pings per second", ge=1e-3, le=1e4, slider=(0.5, 50.0), log=True
-    )
+    ping_rate: float = parameter(7.3, "its pings per second", "Hz", ge=1e-3, le=1e4, slider=(0.5, 50.0), log=True)
     duration: float = parameter(
-        1e-3, unit="s", description="duration of each of its pings", gt=0.0, le=10.0, slider=(1e-5, 1e-2), log=True
+        1e-3, "duration of each of its pings", "s", gt=0.0, le=10.0, slider=(1e-5, 1e-2), log=True
     )
 
 
@@ -68,20 +53,14 @@ class DecayingRinging(Kind):
     kind: Literal["decay"] = "decay"
     level: float = parameter(
         -40.0,
-        unit="dB",
-        description="level at the end of the transmission, dB re the source at 1 m",
+        "level at the end of the transmission, dB re the source at 1 m",
+        "dB",
         ge=-300.0,
         le=0.0,
         slider=(-100.0, 0.0),
     )
     time: float = parameter(
-        5e-4,
-        unit="s",
-        description="time in which its energy falls to 1/e",
-        gt=0.0,
-        le=1.0,
-        slider=(1e-5, 1e-2),
-        log=True,
+        5e-4, "time in which its energy falls to 1/e", "s", gt=0.0, le=1.0, slider=(1e-5, 1e-2), log=True
     )
 
     def decibels(self, time: NDArray[np.float64]) -> NDArray[np.float64]:

@@ -54,16 +54,16 @@ class PowerTvg(GainKind):
     kind: Literal["power"] = "power"
     spreading: float = parameter(
         30.0,
-        unit="dB",
-        description="gain per tenfold slant range: 40 for points, 30 for beds, 20 for volumes",
+        "gain per tenfold slant range: 40 for points, 30 for beds, 20 for volumes",
+        "dB",
         ge=0.0,
         le=80.0,
         slider=(0.0, 60.0),
     )
     absorption: float | None = parameter(
         None,
-        unit="dB/km",
-        description="absorption to compensate on the way there and back (the water's own when left out)",
+        "absorption to compensate on the way there and back (the water's own when left out)",
+        "dB/km",
         ge=0.0,
         le=1e4,
         slider=(0.0, 400.0),
@@ -82,18 +82,18 @@ class TableTvg(GainKind):
     kind: Literal["table"] = "table"
     stops_at_noise = False
     by: Literal["time", "bin"] = parameter(
-        "time", description="first column of the table: seconds after transmission, or bins from 0"
+        "time", "first column of the table: seconds after transmission, or bins from 0"
     )
     gains: tuple[tuple[TimeOrBin, Gain], ...] = parameter(
         ((0.0, 0.0), (0.02, 30.0), (0.06, 50.0)),
-        unit="dB",
+        "pairs [time or bin, gain], ascending; the first and last gains apply beyond",
+        "dB",
         slider=(-20.0, 80.0),
-        description="pairs [time or bin, gain], ascending; the first and last gains apply beyond",
         min_length=1,
         max_length=100_000,
     )
     interpolation: Literal["linear", "steps"] = parameter(
-        "linear", description="straight lines between those gains, or each gain kept until the next"
+        "linear", "straight lines between those gains, or each gain kept until the next"
     )
 
     @field_validator("gains")

@@ -53,8 +53,8 @@ class AmbientNoise(NoiseKind):
     kind: Literal["ambient"] = "ambient"
     level: float = parameter(
         -110.0,
-        unit="dB",
-        description="mean level in the receiver's band, dB re the source at 1 m, or re 1 µPa with a source level",
+        "mean level in the receiver's band, dB re the source at 1 m, or re 1 µPa with a source level",
+        "dB",
         ge=-300.0,
         le=200.0,
         slider=(-150.0, 120.0),
@@ -84,9 +84,7 @@ class WhiteNoise(SpectralNoise):
 
     rank = 20
     kind: Literal["density"] = "density"
-    level: float = parameter(
-        35.0, unit="dB", description="density, dB re 1 µPa²/Hz", ge=-100.0, le=200.0, slider=(0.0, 100.0)
-    )
+    level: float = parameter(35.0, "density, dB re 1 µPa²/Hz", "dB", ge=-100.0, le=200.0, slider=(0.0, 100.0))
 
     def density(self, frequency: float) -> float:
         """Spectral density: the declared one."""
@@ -100,14 +98,14 @@ class SeaNoise(SpectralNoise):
     kind: Literal["sea"] = "sea"
     wind: float = parameter(
         5.0,
-        unit="m/s",
-        description="wind speed 10 m above the sea; sea states 0 to 6 are 0, 2.5, 4.5, 6.7, 9.4, 12.3, 15.5 m/s",
+        "wind speed 10 m above the sea; sea states 0 to 6 are 0, 2.5, 4.5, 6.7, 9.4, 12.3, 15.5 m/s",
+        "m/s",
         ge=0.0,
         le=40.0,
         slider=(0.0, 20.0),
     )
     rain: Literal["none", "intermediate", "moderate", "heavy"] = parameter(
-        "none", description="rain on the sea; above 16 kHz it is assumed to fall with frequency as wind noise does"
+        "none", "rain on the sea; above 16 kHz it is assumed to fall with frequency as wind noise does"
     )
 
     def density(self, frequency: float) -> float:
@@ -123,15 +121,13 @@ class SnrNoise(NoiseKind):
     kind: Literal["snr"] = "snr"
     value: float = parameter(
         15.0,
-        unit="dB",
-        description="mean echo of a level bed of the scene's materials over the noise",
+        "mean echo of a level bed of the scene's materials over the noise",
+        "dB",
         ge=-100.0,
         le=200.0,
         slider=(-10.0, 40.0),
     )
-    at: float = parameter(
-        40.0, unit="m", description="slant range of that echo", gt=0.0, le=1e4, slider=(10.0, 200.0), log=True
-    )
+    at: float = parameter(40.0, "slant range of that echo", "m", gt=0.0, le=1e4, slider=(10.0, 200.0), log=True)
 
     def received(self, conditions: NoiseConditions) -> float:
         """Mean level in dB that gives the ratio."""

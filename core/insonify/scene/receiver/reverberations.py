@@ -30,20 +30,15 @@ class ReverberationKind(Kind):
 
 def _volume_strength() -> Any:
     return parameter(
-        -70.0,
-        unit="dB",
-        description="backscattering strength of a cubic metre of water",
-        ge=-200.0,
-        le=0.0,
-        slider=(-100.0, -40.0),
+        -70.0, "backscattering strength of a cubic metre of water", "dB", ge=-200.0, le=0.0, slider=(-100.0, -40.0)
     )
 
 
 def _surface_strength() -> Any:
     return parameter(
         -30.0,
-        unit="dB",
-        description="backscattering strength of a square metre of the sea surface",
+        "backscattering strength of a square metre of the sea surface",
+        "dB",
         ge=-200.0,
         le=10.0,
         slider=(-60.0, 0.0),

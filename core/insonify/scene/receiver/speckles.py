@@ -54,7 +54,7 @@ class NoSpeckle(SpeckleKind):
 
 
 def _looks() -> Any:
-    return parameter(1, description="independent records averaged", ge=1, le=64, slider=(1, 16), log=True)
+    return parameter(1, "independent records averaged", ge=1, le=64, slider=(1, 16), log=True)
 
 
 class Rayleigh(SpeckleKind):
@@ -77,7 +77,7 @@ class K(SpeckleKind):
     kind: Literal["k"] = "k"
     shape: float = parameter(
         2.0,
-        description="shape of the gamma distribution; fewer scatterers make it smaller and the speckle spikier",
+        "shape of the gamma distribution; fewer scatterers make it smaller and the speckle spikier",
         ge=0.01,
         le=1e4,
         slider=(0.1, 100.0),
@@ -86,9 +86,9 @@ class K(SpeckleKind):
     looks: int = _looks()
     cell: float | None = parameter(
         None,
-        unit="m²",
-        description="area that the shape refers to: the shape grows with the cell, hence with range and pulse; "
+        "area that the shape refers to: the shape grows with the cell, hence with range and pulse; "
         "the same shape everywhere when left out",
+        "m²",
         gt=0.0,
         le=1e6,
         slider=(1e-3, 10.0),
@@ -114,8 +114,8 @@ class Coherent(SpeckleKind):
     kind: Literal["coherent"] = "coherent"
     density: float | None = parameter(
         None,
-        unit="1/m²",
-        description="mean number of scatterers per area; 32 in a cell at half the range when left out",
+        "mean number of scatterers per area; 32 in a cell at half the range when left out",
+        "1/m²",
         gt=0.0,
         le=1e6,
         slider=(1.0, 1e4),

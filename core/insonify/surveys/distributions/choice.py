@@ -17,7 +17,7 @@ class OneOf(DistributionKind):
     rank = 40
     kind: Literal["choice"] = "choice"
     of: tuple[Drawn, ...] = parameter(description="the values, which may hold distributions", min_length=1)
-    weights: tuple[float, ...] = parameter((), description="how often each is drawn, in any unit; equally if left out")
+    weights: tuple[float, ...] = parameter((), "how often each is drawn, in any unit; equally if left out")
 
     @model_validator(mode="after")
     def _a_weight_each(self) -> OneOf:

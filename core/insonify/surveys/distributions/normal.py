@@ -18,8 +18,8 @@ class Normal(DistributionKind):
     kind: Literal["normal"] = "normal"
     mean: float = parameter(description="mean before the cut")
     deviation: float = parameter(description="standard deviation before the cut", gt=0.0)
-    low: float | None = parameter(None, description="least value, none when left out")
-    high: float | None = parameter(None, description="greatest value, none when left out")
+    low: float | None = parameter(None, "least value, none when left out")
+    high: float | None = parameter(None, "greatest value, none when left out")
 
     @model_validator(mode="after")
     def _within_bounds(self) -> Normal:
