@@ -12,8 +12,7 @@ import pytest
 
 from insonify.errors import FileWarning
 from insonify.io import atomic, lease
-from insonify.io.atomic import clear_ended, replacing, unfinished_folder
-from insonify.io.lease import is_leased
+from insonify.io.atomic import clear_ended, is_leased, replacing, unfinished_folder
 
 WRITE = """
 import os, sys, time

@@ -10,15 +10,17 @@ from insonify.scene.base import Declaration, KindOf, parameter
 from insonify.scene.receiver.effects import (
     FLUCTUATIONS,
     INTERFERENCES,
+    REVERBERATIONS,
     RINGINGS,
     DecayingRinging,
     Lognormal,
+    NoReverberation,
     OtherSonar,
+    ReverberationKind,
 )
 from insonify.scene.receiver.gains import GAINS, GainKind, NoTvg
 from insonify.scene.receiver.noises import NOISES, NoiseKind
 from insonify.scene.receiver.recorder import Recorder
-from insonify.scene.receiver.reverberations import REVERBERATIONS, NoReverberation, ReverberationKind
 from insonify.scene.receiver.speckles import SPECKLES, NoSpeckle, SpeckleKind
 
 
