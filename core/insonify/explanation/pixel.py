@@ -20,9 +20,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from insonify.acoustics.bed_materials import find_material, misfit
-from insonify.explanation.words import PATH_NAMES
 from insonify.explanation.pixel_parts import PixelParts, find_pixel_parts, whole_window
 from insonify.explanation.sound_paths import SonarPose
+from insonify.explanation.words import PATH_NAMES
 from insonify.kernels.common.types import LIGHT, Poses, SceneArrays
 from insonify.kernels.labels.bed_stretches import BEHIND_BED, VISIBLE
 from insonify.receiver import Reception, Traced, record_echoes
