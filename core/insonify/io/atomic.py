@@ -37,7 +37,7 @@ if sys.platform == "win32":
     import msvcrt
 else:
     import fcntl
-NAME = "lease"  # of the file in the folder
+LEASE = "lease"  # of the file in the folder
 BEAT = 20.0  # s between renewals
 SILENT = 600.0  # s without a renewal after which the owner has ended: kernels compile for a part of that
 PATIENCE, PAUSE = 1.0, 0.01  # s to lock the file, and between tries: a process that looks locks it for a moment
@@ -49,7 +49,7 @@ class Lease:
     """Lease of this process on a new folder, until it is released."""
 
     def __init__(self, folder: Path) -> None:
-        self._path = folder / NAME
+        self._path = folder / LEASE
         self._file = open(self._path, "xb")  # noqa: SIM115  # open, and locked, as long as the lease
         deadline = time.monotonic() + PATIENCE
         while (locked := _lock(self._file, exclusive=True)) is False and time.monotonic() < deadline:
@@ -74,7 +74,7 @@ class Lease:
 
 def is_leased(folder: Path) -> bool:
     """Whether the owner of a folder, or of a file that an earlier version left, may still be at work."""
-    path = folder / NAME
+    path = folder / LEASE
     try:
         with open(path, "rb") as file:
             free = _lock(file, exclusive=False)

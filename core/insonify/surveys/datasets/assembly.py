@@ -1,7 +1,5 @@
 """Assembly of a data set: annotations, metadata and pictures from what its jobs report, one job at a time."""
 
-from __future__ import annotations
-
 import json
 from collections import Counter
 from collections.abc import Iterable, Iterator, Mapping, Sequence

@@ -1,7 +1,5 @@
 """Scenes of a data set: the base scene with values and targets drawn for each number."""
 
-from __future__ import annotations
-
 import hashlib
 import math
 from collections.abc import Iterator, Mapping, Sequence
