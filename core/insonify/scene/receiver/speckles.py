@@ -32,7 +32,7 @@ class SpeckleKind(Kind):
     @property
     def independent_records(self) -> int:
         """Number of independent records that are averaged."""
-        return 1
+        return getattr(self, "looks", 1)
 
     @property
     def texture(self) -> Texture | None:
@@ -64,11 +64,6 @@ class Rayleigh(SpeckleKind):
     kind: Literal["rayleigh"] = "rayleigh"
     looks: int = _looks()
 
-    @property
-    def independent_records(self) -> int:
-        """Number of independent records that are averaged."""
-        return self.looks
-
 
 class K(SpeckleKind):
     """Speckle of few scatterers: Rayleigh speckle of a bed with gamma-distributed strength."""
@@ -94,11 +89,6 @@ class K(SpeckleKind):
         slider=(1e-3, 10.0),
         log=True,
     )
-
-    @property
-    def independent_records(self) -> int:
-        """Number of independent records that are averaged."""
-        return self.looks
 
     @property
     def texture(self) -> Texture:

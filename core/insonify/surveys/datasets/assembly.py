@@ -53,8 +53,8 @@ def assemble(specification: DatasetSpecification, folder: Path, names: Iterable[
         metadata = stack.enter_context(open(beside, "w", encoding="utf-8", newline=""))
         for tile, scene in _tiles(folder, names):
             metadata.write(_line(tile, scene))
-            for collector in (*collectors, totals, sheet):
-                collector.add(tile)
+            for collect in (*collectors, totals.add, sheet.add):
+                collect(tile)
     with replacing(folder / SHEET) as beside:
         sheet.write(beside)
     with replacing(folder / BALANCE) as beside:
