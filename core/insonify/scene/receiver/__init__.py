@@ -6,7 +6,7 @@ from typing import Annotated
 
 from pydantic import model_validator
 
-from insonify.scene.base import Declaration, KindOf, parameter
+from insonify.scene.base import Declaration, KindOf, decibels, parameter
 from insonify.scene.receiver.effects import (
     FLUCTUATIONS,
     INTERFERENCES,
@@ -45,22 +45,18 @@ class Receiver(Declaration):
     ringing: Annotated[DecayingRinging | None, KindOf(RINGINGS, optional=True)] = parameter(
         None, "ringing of the transducer after transmission", rare=True
     )
-    source_level: float = parameter(
+    source_level: float = decibels(
         0.0,
         "level of the source at 1 m, dB re 1 µPa; at 0 the record is relative to the source",
-        "dB",
-        ge=0.0,
-        le=300.0,
-        slider=(0.0, 240.0),
+        (0.0, 300.0),
+        (0.0, 240.0),
     )
     tvg: Annotated[GainKind, KindOf(GAINS, default="none")] = parameter(NoTvg, "time-varied gain")
-    crosstalk: float | None = parameter(
+    crosstalk: float | None = decibels(
         None,
         "level at which each side receives the other's echoes (not at all when left out)",
-        "dB",
-        ge=-200.0,
-        le=0.0,
-        slider=(-80.0, 0.0),
+        (-200.0, 0.0),
+        (-80.0, 0.0),
         rare=True,
     )
     recorder: Recorder = parameter(Recorder, "amplifier and converter")

@@ -6,7 +6,7 @@ from typing import Any, Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from insonify.scene.base import Family, Kind, parameter
+from insonify.scene.base import Family, Kind, decibels, parameter
 
 REVERBERATIONS = Family("reverberations", "insonify.scene.receiver")
 FLUCTUATIONS = Family("fluctuations", "insonify.scene.receiver")
@@ -36,20 +36,11 @@ class ReverberationKind(Kind):
 
 
 def _volume_strength() -> Any:
-    return parameter(
-        -70.0, "backscattering strength of a cubic metre of water", "dB", ge=-200.0, le=0.0, slider=(-100.0, -40.0)
-    )
+    return decibels(-70.0, "backscattering strength of a cubic metre of water", (-200.0, 0.0), (-100.0, -40.0))
 
 
 def _surface_strength() -> Any:
-    return parameter(
-        -30.0,
-        "backscattering strength of a square metre of the sea surface",
-        "dB",
-        ge=-200.0,
-        le=10.0,
-        slider=(-60.0, 0.0),
-    )
+    return decibels(-30.0, "backscattering strength of a square metre of the sea surface", (-200.0, 10.0), (-60.0, 0.0))
 
 
 class NoReverberation(ReverberationKind):
@@ -89,7 +80,7 @@ class Lognormal(Kind):
 
     family = FLUCTUATIONS
     kind: Literal["lognormal"] = "lognormal"
-    level: float = parameter(1.5, "standard deviation of the level", "dB", ge=0.0, le=20.0, slider=(0.0, 6.0))
+    level: float = decibels(1.5, "standard deviation of the level", (0.0, 20.0), (0.0, 6.0))
     correlation_time: float = parameter(
         1.0, "time after which the correlation is 1/e", "s", gt=0.0, le=1e6, slider=(0.05, 100.0), log=True
     )
@@ -103,13 +94,11 @@ class OtherSonar(Kind):
 
     family = INTERFERENCES
     kind: Literal["sonar"] = "sonar"
-    level: float = parameter(
+    level: float = decibels(
         -60.0,
         "received level of its pings, dB re the source at 1 m, or re 1 µPa with a source level",
-        "dB",
-        ge=-300.0,
-        le=250.0,
-        slider=(-120.0, 180.0),
+        (-300.0, 250.0),
+        (-120.0, 180.0),
     )
     ping_rate: float = parameter(7.3, "its pings per second", "Hz", ge=1e-3, le=1e4, slider=(0.5, 50.0), log=True)
     duration: float = parameter(
@@ -122,13 +111,8 @@ class DecayingRinging(Kind):
 
     family = RINGINGS
     kind: Literal["decay"] = "decay"
-    level: float = parameter(
-        -40.0,
-        "level at the end of the transmission, dB re the source at 1 m",
-        "dB",
-        ge=-300.0,
-        le=0.0,
-        slider=(-100.0, 0.0),
+    level: float = decibels(
+        -40.0, "level at the end of the transmission, dB re the source at 1 m", (-300.0, 0.0), (-100.0, 0.0)
     )
     time: float = parameter(
         5e-4, "time in which its energy falls to 1/e", "s", gt=0.0, le=1.0, slider=(1e-5, 1e-2), log=True

@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 from pydantic import Field, field_validator
 
-from insonify.scene.base import Family, Kind, parameter
+from insonify.scene.base import Family, Kind, decibels, parameter
 from insonify.scene.water.absorptions import NEPER_PER_DB
 
 GAINS = Family("gains", "insonify.scene.receiver")
@@ -52,13 +52,8 @@ class PowerTvg(GainKind):
 
     rank = 20
     kind: Literal["power"] = "power"
-    spreading: float = parameter(
-        30.0,
-        "gain per tenfold slant range: 40 for points, 30 for beds, 20 for volumes",
-        "dB",
-        ge=0.0,
-        le=80.0,
-        slider=(0.0, 60.0),
+    spreading: float = decibels(
+        30.0, "gain per tenfold slant range: 40 for points, 30 for beds, 20 for volumes", (0.0, 80.0), (0.0, 60.0)
     )
     absorption: float | None = parameter(
         None,

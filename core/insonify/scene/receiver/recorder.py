@@ -5,7 +5,7 @@ from typing import Annotated, Literal
 
 from pydantic import Field, field_validator
 
-from insonify.scene.base import Declaration, parameter
+from insonify.scene.base import Declaration, decibels, parameter
 
 MOST_GAIN = 200.0  # dB, either way
 Seconds = Annotated[float, Field(ge=0.0, le=1e9)]
@@ -22,9 +22,7 @@ class Recorder(Declaration):
         "dB",
         slider=(-20.0, 40.0),
     )
-    side_gain: float = parameter(
-        0.0, "gain of port over starboard", "dB", ge=-MOST_GAIN, le=MOST_GAIN, slider=(-12.0, 12.0)
-    )
+    side_gain: float = decibels(0.0, "gain of port over starboard", (-MOST_GAIN, MOST_GAIN), (-12.0, 12.0))
     bits: Literal["float", 8, 16] = parameter(
         "float", "bits of the converter that records the amplitude; float: no rounding"
     )
