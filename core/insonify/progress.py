@@ -133,11 +133,9 @@ def open_progress(doing: str, total: float, unit: str = "", *, done: float = 0, 
 
 
 @contextmanager
-def report_progress(
-    doing: str, total: float, unit: str = "", *, done: float = 0, delay: float = 0.0
-) -> Iterator[Progress]:
+def report_progress(doing: str, total: float, unit: str = "", *, delay: float = 0.0) -> Iterator[Progress]:
     """Report progress while the context lasts; arguments as of `open_progress`."""
-    progress = open_progress(doing, total, unit, done=done, delay=delay)
+    progress = open_progress(doing, total, unit, delay=delay)
     try:
         yield progress
     finally:

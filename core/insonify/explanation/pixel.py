@@ -285,17 +285,12 @@ def _echo_terms(parts: PixelParts, contributions: Sequence[Contribution]) -> lis
     material, frequency = find_material(parts.simulation.scene, first.row), parts.simulation.scene.sonar.frequency
     if material is not None and not light:
         off = misfit(material, frequency, np.array(math.radians(90.0 - first.incidence)))
-        terms = [_over_model(term, off) for term in terms]
+        if off is not None:
+            over = f"{float(off):+.1f} dB over the backscatter model"
+            terms = [replace(one, detail=f"{one.detail}, {over}") if one.name == "incidence" else one for one in terms]
     if len(contributions) > 1:
         terms.append(Term("other echoes", decibels(1.0 / first.share), f"{len(contributions) - 1} more contributions"))
     return terms
-
-
-def _over_model(term: Term, off: Column | None) -> Term:
-    """Add the level over the backscatter model to the detail of the term of incidence."""
-    if term.name != "incidence" or off is None:
-        return term
-    return replace(term, detail=f"{term.detail}, {float(off):+.1f} dB over the backscatter model")
 
 
 def decibels(ratio: float) -> float:
