@@ -18,7 +18,6 @@ def fields(path: str, needs: Values, place: str | None = None, /, **values: Any)
 
 
 MATERIAL = {"name": "rock", "diffuse": 0.1, "specular": 0.1, "shininess": 3.0}
-COBBLE = MATERIAL | {"name": "cobble"}
 PERIOD, PATCHY = 16.0, {"kind": "patches", "size": 3.0}
 # Every kind of made relief: what it needs, and what changes it; a mask and a period belong to all.
 FRACTAL = {"kind": "fractal", "period": PERIOD, "beta": 1.6, "peaks": [[6.0, 3.0]], "rms": 0.1}

@@ -22,11 +22,7 @@ TURNED_BOX = mesh_of(box_corners(-HALF, HALF) @ AXES.T + CENTRE, BOX_FACES)
 TARGETS = {
     "sphere": (sphere(*BALL), {"solids": [BALL]}, (-0.73, -0.59)),
     "pipe": (frustum(*PIPE, PIPE[2]), {"solids": [PIPE]}, (-0.67, -0.60)),
-    "box": (
-        box(CENTRE, AXES, HALF),
-        {"mesh": mesh_of(box_corners(-HALF, HALF) @ AXES.T + CENTRE, BOX_FACES)},
-        (-0.72, -0.48),
-    ),
+    "box": (box(CENTRE, AXES, HALF), {"mesh": TURNED_BOX}, (-0.72, -0.48)),
 }
 
 

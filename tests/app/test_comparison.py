@@ -188,26 +188,14 @@ def test_both_records_are_named_where_they_stand_side_by_side(compared, qtbot):
     assert [view._title for view in views] == ["", ""]
 
 
-def test_a_is_shown_while_the_key_is_held(compared, qtbot):
-    bright = colour(compared)
-    QTest.keyPress(compared.window, Qt.Key.Key_X)
-    dark = colour(compared)
-    QTest.keyRelease(compared.window, Qt.Key.Key_X)
-    assert dark < bright
-    assert colour(compared) == bright
-    QTest.keyPress(compared.window.waterfall, Qt.Key.Key_X)  # as where the keyboard usually is
-    assert colour(compared) == dark
-    QTest.keyRelease(compared.window.waterfall, Qt.Key.Key_X)
-    assert colour(compared) == bright
-
-
 def test_the_key_works_wherever_the_keyboard_is_but_where_text_is_typed(compared, qtbot):
     window = compared.window
     activate(window, qtbot)
     window.open_panel("lessons")
     bright = colour(compared)
-    for kind in (QComboBox, QListWidget, QTabBar, QAbstractSlider, QAbstractButton, "seabed"):
-        widget = compared.seabed.view._canvas.widget if kind == "seabed" else in_view(window, kind)
+    kinds = (QComboBox, QListWidget, QTabBar, QAbstractSlider, QAbstractButton)
+    widgets = (compared.seabed.view._canvas.widget, window.waterfall, *(in_view(window, kind) for kind in kinds))
+    for widget in widgets:
         chosen = widget.currentIndex() if isinstance(widget, (QComboBox, QListWidget)) else None
         widget.setFocus()
         assert QApplication.focusWidget() is widget

@@ -19,6 +19,7 @@ from insonify_viewer.errors import guard_override
 from insonify_viewer.panels.pixel import controller as pixel_controller
 from insonify_viewer.state.inspection import Mark
 from insonify_viewer.window.uncaught_errors import reported_errors
+from insonify_viewer.work.jobs import State
 
 
 def copied(viewer) -> str:
@@ -136,6 +137,8 @@ def test_a_job_that_failed_offers_its_details(viewer, qtbot, tmp_path):
     panel.write_record(tmp_path / "nowhere" / "record.nc")
     qtbot.waitUntil(lambda: not viewer.jobs.running)
     (row,) = panel.view.rows
+    assert viewer.jobs.jobs[0].state is State.FAILED
+    assert "there is no folder" in row.words.text() == viewer.window.status.sentence.text()
     assert row.copy.isVisible()
     assert copied(viewer).startswith(row.words.text())
     QGuiApplication.clipboard().clear()

@@ -100,12 +100,6 @@ def dark(viewer) -> QPoint:
     return place
 
 
-def test_the_first_record_is_there(viewer, hand, qtbot):
-    picture = viewer.window.waterfall.picture()
-    assert len(np.unique(picture.reshape(-1, picture.shape[-1]), axis=0)) > 100, "a record with its shades"
-    assert hand.actions == 0
-
-
 def test_another_scene_gives_its_record(viewer, hand, qtbot):
     window = viewer.window
 

@@ -51,16 +51,6 @@ def advanced(job: CommandJob) -> bool:
     return job.stage.unit == "ping" and job.stage.done > 0.0
 
 
-def test_a_record_is_that_of_the_library_to_the_bit(open_viewer, knife, qtbot, tmp_path):
-    viewer = open_viewer(knife)
-    assert viewer.session.settle({"track.altitude": 8.0})
-    path = tmp_path / "record.nc"
-    jobs_of(viewer).record_wanted.emit(path)
-    qtbot.waitUntil(lambda: not viewer.jobs.running, timeout=PATIENCE)
-    assert viewer.jobs.jobs[0].state is State.DONE
-    np.testing.assert_array_equal(read_record(path).intensity, simulate(viewer.session.scene).intensity)
-
-
 def test_everything_is_prepared_as_a_job(viewer, qtbot, monkeypatch):
     traced = []
 
@@ -104,25 +94,6 @@ def test_a_picture_is_displayed_as_in_the_window(open_viewer, knife, qtbot, tmp_
         np.testing.assert_array_equal(np.asarray(one), np.asarray(other))
 
 
-def test_progress_is_shown_and_a_stop_leaves_nothing(open_viewer, endless_work, qtbot, tmp_path):
-    viewer = open_viewer(endless_work)
-    view = jobs_of(viewer)
-    view.record_wanted.emit(tmp_path / "record.nc")
-    job = viewer.jobs.jobs[0]
-    qtbot.waitUntil(lambda: advanced(job), timeout=PATIENCE)
-    assert "of 1000000 pings" in view.rows[0].words.text()
-    qtbot.waitUntil(lambda: job.seconds_left is not None, timeout=PATIENCE)
-    assert viewer.window.jobs.isVisible()
-    qtbot.mouseClick(view.rows[0].stop, Qt.MouseButton.LeftButton)
-    qtbot.waitUntil(lambda: not job.running)
-    assert job.state is State.STOPPED
-    assert list(tmp_path.iterdir()) == []
-    assert not viewer.window.jobs.isVisible()
-    qtbot.mouseClick(view.forget, Qt.MouseButton.LeftButton)
-    assert not view.rows
-    assert not viewer.jobs.jobs
-
-
 def test_the_time_left_counts_from_where_a_stage_goes_on(monkeypatch):
     clock = [0.0]
     monkeypatch.setattr(background_job.time, "monotonic", lambda: clock[0])
@@ -137,29 +108,6 @@ def test_the_time_left_counts_from_where_a_stage_goes_on(monkeypatch):
         job._advance(stage)
         told.append(job.seconds_left)
     assert told == [None, 10.0, None, None, 9.0, 12.0]
-
-
-def test_the_window_stays_free_while_a_job_runs(open_viewer, endless_work, qtbot, tmp_path):
-    viewer = open_viewer(endless_work)
-    job = viewer.jobs.write_record(viewer.session, tmp_path / "record.nc")
-    qtbot.waitUntil(lambda: advanced(job), timeout=PATIENCE)
-    before = viewer.session.scene
-    assert viewer.session.settle({"track.altitude": 7.0})
-    qtbot.waitUntil(lambda: viewer.complete, timeout=PATIENCE)
-    assert viewer.session.scene != before
-    assert job.running
-
-
-def test_a_mistake_is_one_sentence(open_viewer, knife, qtbot, tmp_path):
-    viewer = open_viewer(knife)
-    view = jobs_of(viewer)
-    view.record_wanted.emit(tmp_path / "nowhere" / "record.nc")
-    job = viewer.jobs.jobs[0]
-    qtbot.waitUntil(lambda: not job.running, timeout=PATIENCE)
-    assert job.state is State.FAILED
-    assert "there is no folder" in job.sentence
-    assert view.rows[0].words.text() == job.sentence
-    assert viewer.window.status.sentence.text() == job.sentence
 
 
 def test_charts_data_sets_and_pages_are_commands(open_viewer, knife, tmp_path, monkeypatch):
@@ -273,6 +221,11 @@ def test_a_record_is_begun_followed_and_stopped(open_viewer, endless_work, qtbot
     heard = accessible_name(row)
     assert heard.startswith("writing record.nc: ")
     assert "of 1000000 pings" in heard
+    qtbot.waitUntil(lambda: job.seconds_left is not None, timeout=PATIENCE)
+    assert viewer.window.jobs.isVisible()
+    assert viewer.session.settle({"track.altitude": 7.0})
+    qtbot.waitUntil(lambda: viewer.complete, timeout=PATIENCE)
+    assert job.running, "the window is free meanwhile"
     press(qtbot, Qt.Key.Key_Tab)
     assert focus() is row.stop
     assert accessible_name(row.stop) == "Stop: writing record.nc"
@@ -283,7 +236,10 @@ def test_a_record_is_begun_followed_and_stopped(open_viewer, endless_work, qtbot
     assert "stopped" in accessible_name(row)
     assert list(tmp_path.iterdir()) == []
     press(qtbot, Qt.Key.Key_L, Qt.KeyboardModifier.AltModifier)
-    qtbot.waitUntil(lambda: not view.rows)  # a button that is pressed by its letter is shown pressed for a moment
+    assert not viewer.window.jobs.isVisible()
+    qtbot.waitUntil(
+        lambda: not view.rows and not viewer.jobs.jobs
+    )  # a button that is pressed by its letter is shown pressed for a moment
     qtbot.keyClick(view, Qt.Key.Key_Escape)
     assert not view.isVisible()
 

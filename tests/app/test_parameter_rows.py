@@ -10,8 +10,8 @@ from PySide6.QtCore import QPoint, Qt
 from insonify.display.scene_curves import beam_curve
 from insonify.scene import Scene, SceneError, bundled_scenes, edit, load_scene
 from insonify.scene.base import kind_name, models_of
+from insonify.scene.edit import parse_quantity
 from insonify.scene.seabed import Seabed
-from insonify.scene.units import parse_quantity
 from insonify.scene_edits import add_dependent_edits
 from insonify_viewer.panels.parameters.sections import FieldSection, sections_of
 from insonify_viewer.panels.parameters.values import follow_values

@@ -108,6 +108,13 @@ def test_the_cursor_stays_at_its_bin_when_the_record_is_zoomed(viewer):
     assert view.projection.zoom.right > edge, "the record moves under a cursor at the edge"
     QTest.keyClick(view, "-")
     assert view.projection.zoom.whole
+    point(viewer, Mark(470, 1, 40))
+    before = view.place_of(Mark(470, 1, 40))
+    press(viewer, Key.Key_Plus)
+    assert view._zoom != Zoom()
+    assert (view.place_of(Mark(470, 1, 40)) - before).manhattanLength() <= 4
+    press(viewer, Key.Key_0)
+    assert view.projection.zoom.whole
 
 
 def test_return_pins_the_pixel_at_the_cursor(viewer, qtbot):
@@ -153,15 +160,6 @@ def test_return_begins_and_ends_a_measured_line(viewer):
     press(viewer, Key.Key_M)
     press(viewer, Key.Key_Return)
     assert viewer.inspection.mark == Mark(450, 1, 70), "without measuring a pixel is explained"
-
-
-def test_zooming_by_keys_leaves_the_cursor_on_its_bin(viewer):
-    view = viewer.window.waterfall
-    point(viewer, Mark(470, 1, 40))
-    before = view.place_of(Mark(470, 1, 40))
-    press(viewer, Key.Key_Plus)
-    assert view._zoom != Zoom()
-    assert (view.place_of(Mark(470, 1, 40)) - before).manhattanLength() <= 4
 
 
 def test_tab_shows_the_cursor(viewer):

@@ -307,18 +307,6 @@ def test_display_columns_drop_no_echo(width):
     assert column_means(np.ones((2, 100), np.float32), width).tolist() == [[1.0] * width] * 2
 
 
-def test_colours_run_from_low_to_high():
-    table = colour_table(np.repeat(np.arange(256, dtype=np.uint8)[:, None], 3, axis=1))
-    painted = colour_rows(np.array([[-1.0, 1.0, 2.0, 3.0, 9.0]], np.float32), 1.0, 3.0, table)
-    assert [hex(int(word)) for word in painted[0]] == [
-        "0xff000000",
-        "0xff000000",
-        "0xff7f7f7f",
-        "0xffffffff",
-        "0xffffffff",
-    ]
-
-
 def test_highlights_are_told_apart_and_the_bed_keeps_its_tones():
     tones = np.linspace(0.0, KNEE, 50, dtype=np.float32)
     np.testing.assert_allclose(compress_highlights(tones), tones, atol=1e-6)

@@ -337,14 +337,6 @@ def test_one_question_stands_for_scene_and_contacts(viewer, panel, tmp_path, qtb
     assert len(read_contacts(tmp_path / "found.geojson")) == 2
 
 
-def test_zoom_by_keys(viewer, panel, qtbot):
-    zoom = lambda: viewer.window.waterfall.projection.zoom  # noqa: E731
-    press(viewer, "+")
-    qtbot.waitUntil(lambda: not zoom().whole)
-    press(viewer, "0")
-    qtbot.waitUntil(lambda: zoom().whole)
-
-
 def test_levels_behind_a_tab_are_not_counted(open_viewer, small, qtbot, monkeypatch):
     viewer = open_viewer(small)
     record, asked = viewer.panels["record"], []

@@ -87,12 +87,6 @@ def test_a_recording_is_opened_by_a_drop_and_by_the_menu(viewer, folder, name, q
     qtbot.waitUntil(lambda: viewer.complete, timeout=120000)
 
 
-def test_a_dropped_scene_is_opened(viewer, tmp_path, qtbot):
-    (tmp_path / "own.toml").write_text('title = "Dropped"\n', encoding="utf-8")
-    drop(viewer.window, tmp_path / "own.toml")
-    assert viewer.session.scene.title == "Dropped"
-
-
 def test_it_plays_and_pauses_with_the_tow_and_begins_anew_at_its_end(viewer, folder, qtbot):
     viewer.run(True)
     open_recording(viewer, folder / "record.xtf", qtbot)

@@ -114,15 +114,6 @@ def test_a_name_without_a_suffix_takes_that_of_the_format(open_viewer, small, qt
     assert (tmp_path / "record.npz").stat().st_mtime_ns == before
 
 
-def test_a_window_closed_while_a_record_is_written_leaves_nothing(open_viewer, small, tmp_path, name):
-    viewer = open_viewer(edit(small, {"sonar.beam": "knife", "track.pings": 100_000}))
-    name(tmp_path / "record.nc")
-    viewer.window.save.record.trigger()
-    viewer.window.close()
-    assert not viewer.jobs.running
-    assert list(tmp_path.iterdir()) == []
-
-
 def test_the_picture_is_a_file_of_its_own(viewer, tmp_path, name):
     name(tmp_path / "window.png")
     viewer.window.save.picture.trigger()

@@ -195,13 +195,6 @@ def test_drag_starts_from_what_is_settled(session, default):
     assert not session.undoable
 
 
-def test_refused_scene_leaves_no_way_forward(session, default):
-    session.settle({"seed": 5})
-    session.take_back()
-    assert session.scene == default
-    assert not session.redoable
-
-
 def test_contacts_marked_since_outlast_a_refused_scene(session, default):
     contacts = ContactList(session)
     fish = Contact("fish", "", default.title, 3, "port", 7, 2.0)

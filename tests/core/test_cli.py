@@ -55,8 +55,6 @@ SMALL = ["pipe-span", "--set", "track.pings=3", "--set", "sonar.bins=100"]
         ),
         (["plan", "default", "--model", "planes"], "write SUBJECT=CHOICE, such as planes=16"),
         (["plan", "default", "--model", "plane=4"], "'plane' is not a choice of a plan; choose one of method, planes"),
-        (["plan", "default", "--model", "planes=0"], "model planes: '0' will not do; give a whole number from 1"),
-        (["plan", "default", "--model", "bending=no"], "model bending: 'no' is not known; choose one of on, off"),
         (
             ["chart", "-o", "x.pdf"],
             "'.pdf' is not written by this command; end the name in .png or .svg or .csv or .json",

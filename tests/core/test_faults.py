@@ -120,13 +120,6 @@ def test_nothing_that_a_command_reads_is_written_over(tmp_path, whole, words, ca
     assert path.read_text() == "as it was"
 
 
-def test_a_scene_is_not_written_over(tmp_path, capsys):
-    scene = tmp_path / "scene.toml"
-    scene.write_text("seed = 1\n")
-    assert cli.main(["render", str(scene), "-o", str(scene)]) == 2
-    assert scene.read_text() == "seed = 1\n"
-
-
 @pytest.mark.parametrize("suffix", OUTPUTS)
 @pytest.mark.parametrize("target", ["scene.toml", "loop"])
 def test_a_link_is_followed_only_to_a_file_of_its_own_kind(tmp_path, capsys, suffix, target):
@@ -173,12 +166,6 @@ def test_a_recording_whose_name_is_no_text_is_written_in_other_formats(tmp_path,
     path.write_bytes((whole / "record.xtf").read_bytes())
     assert cli.main(["render", str(path), "-o", str(tmp_path / f"record{suffix}")]) == 0
     assert read_record(path).title == "\ufffd.xtf"
-
-
-def test_a_name_just_short_enough_is_written(tmp_path):
-    path = tmp_path / ("x" * 252 + ".nc")
-    assert render(path) == 0
-    assert list(tmp_path.iterdir()) == [path]
 
 
 @pytest.mark.parametrize("trouble", [errno.EROFS, errno.EDQUOT, errno.EACCES, errno.EIO])

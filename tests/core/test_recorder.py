@@ -10,7 +10,7 @@ from insonify.acoustics.flat_bed import flat_bed_curve
 from insonify.cli import main
 from insonify.io.records import read_record
 from insonify.receiver import make_reception, receive
-from insonify.scene import edit, load_scene, scene_from_toml, scene_to_toml
+from insonify.scene import edit, load_scene
 
 BINS, BIN_LENGTH, ALTITUDE = 1000, 0.05, 10.0
 BIN_TIME = 2.0 * BIN_LENGTH / 1500.0
@@ -175,11 +175,6 @@ def test_without_speckle_energies_add():
     record = of(even(), receiver__ringing=ringing, **foreign).astype(float) / 1e-6
     time = (np.arange(BINS) + 0.5) * BIN_TIME
     np.testing.assert_allclose(record, np.broadcast_to(2.0 + np.exp(-time), record.shape), rtol=1e-5)
-
-
-def test_a_recorder_is_written_and_read():
-    declared = edit(load_scene("default"), {"receiver.recorder": {"bits": 8, "gain": [[0.0, 1.0], [3.0, 2.0]]}})
-    assert scene_from_toml(scene_to_toml(declared)) == declared
 
 
 @pytest.mark.parametrize(("bits", "stored"), [("8", "8"), ("16", "32")])  # an XTF sample of 16 bits holds 15
