@@ -123,8 +123,9 @@ def test_the_curve_is_the_integral(law, half_width):
 
 @pytest.mark.parametrize("altitude", [2.0, 9.99, 10.02, 25.0, 49.97])
 @pytest.mark.parametrize("half_width", [0.0, 0.02])
-def test_first_return_comes_from_the_altitude(altitude, half_width):
-    record = sweep.trace(flat(half_width=half_width), poses_of(1.0, 1.0, altitude))[0, 0]
+@pytest.mark.parametrize("trace", [sweep.trace, partial(rays.trace, rays=4000)], ids=TRACERS)
+def test_first_return_comes_from_the_altitude(altitude, half_width, trace):
+    record = trace(flat(half_width=half_width), poses_of(1.0, 1.0, altitude))[0, 0]
     assert np.flatnonzero(record)[0] == int(altitude / 0.05)
 
 
