@@ -9,6 +9,7 @@ from PySide6.QtWidgets import QMessageBox
 from insonify.lessons import LessonState, load_lessons, parse_lesson, split_move, states_of
 from insonify.planning import plan
 from insonify.scene import edit
+from insonify_viewer.application import keep_display
 from insonify_viewer.panels.lessons.progress import Progress
 from insonify_viewer.panels.parameters.sections import sections_of
 from insonify_viewer.state.history import Modelling
@@ -322,6 +323,28 @@ def test_a_lesson_asks_nothing_and_undo_returns_to_unsaved_work(open_viewer, sma
     assert panel.progress is None, "another scene ends the lesson"
     assert viewer.saving.unsaved
     viewer.session.undo()  # so that the window closes without a question
+
+
+def test_a_lesson_shows_both_sides_unless_it_names_one_and_gives_the_display_back(
+    open_viewer, small, qtbot, monkeypatch
+):
+    one_sided = LESSON.replace('{ scale = "true" }', '{ side = "port", water_column = false }')
+    lessons = parse_lesson(one_sided, "port"), parse_lesson(LESSON, "range")
+    monkeypatch.setattr("insonify_viewer.panels.lessons.controller.load_lessons", lambda: lessons)
+    viewer, panel = opened(open_viewer, small, qtbot)
+    keep_display(viewer)
+    session, settings = viewer.session, viewer.window.settings
+    session.show(side="starboard", scale="fill")
+    mine = session.display
+    panel.start("port")
+    assert (session.display.side, session.display.scale, session.display.water_column) == ("port", "fit", False)
+    panel.start("range")
+    assert (session.display.side, session.display.scale, session.display.water_column) == ("both", "true", True)
+    panel.leave()
+    assert session.display == mine
+    panel.start("port")
+    viewer.window.close()
+    assert settings.display == {"side": "starboard", "scale": "fill"}, "kept for the next start"
 
 
 @pytest.mark.usefixtures("lessons")

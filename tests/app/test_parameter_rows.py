@@ -10,7 +10,7 @@ from PySide6.QtCore import QPoint, Qt
 from field_changes import RELIEFS, with_relief
 from insonify.display.scene_curves import beam_curve
 from insonify.scene import SceneError, bundled_scenes, edit, load_scene
-from insonify.scene.units import parse_quantity
+from insonify.scene.edit import parse_quantity
 from insonify_viewer.panels.parameters.sections import FieldSection, sections_of
 from insonify_viewer.panels.parameters.values import follow_values
 from insonify_viewer.panels.parameters.view import setting_pictures as registry

@@ -6,8 +6,13 @@ from scipy.interpolate import PchipInterpolator
 
 from insonify.acoustics.water import make_sound_speed_field, make_water, recording_speed, speed_at_sonar
 from insonify.scene import SceneError, build, edit, load_scene, scene_from_toml, scene_to_toml
-from insonify.scene.water.layered import HydrographyWater, ProfileWater, SectionWater
-from insonify.scene.water.polyline import approximate_by_segments, thin_polyline
+from insonify.scene.water.layered import (
+    HydrographyWater,
+    ProfileWater,
+    SectionWater,
+    approximate_by_segments,
+    thin_polyline,
+)
 from insonify.scene.water.sound_speed import mackenzie
 from insonify.simulation import prepare
 

@@ -26,8 +26,15 @@ from insonify.surveys.engine import (
     read_flag,
     run_jobs,
 )
-from insonify.surveys.schedulers import choose_scheduler, connected, find_schedulers, share_cores
-from insonify.surveys.workers import Workers, claim_build, read_build
+from insonify.surveys.schedulers import (
+    Workers,
+    choose_scheduler,
+    claim_build,
+    connected,
+    find_schedulers,
+    read_build,
+    share_cores,
+)
 from small_sets import contents
 from written_jobs import WrittenJobs
 
@@ -199,7 +206,7 @@ def test_of_two_drivers_at_once_the_first_sets_the_build(tmp_path, capsys):
 
 def test_nobody_left_to_work_is_said_after_ten_seconds_and_every_minute(tmp_path, capsys, monkeypatch):
     now = 100.0
-    monkeypatch.setattr("insonify.surveys.workers.time", SimpleNamespace(monotonic=lambda: now))
+    monkeypatch.setattr("insonify.surveys.schedulers.time", SimpleNamespace(monotonic=lambda: now))
     workers = Workers(Cluster(), tmp_path, "tcp://host:1")
     told = []
     for now in range(100, 200, 5):

@@ -20,6 +20,8 @@ from insonify_viewer.state.history import Modelling
 from insonify_viewer.state.inspection import Mark
 from insonify_viewer.widgets.save_dialogs import ask_where_to_save
 
+FRAME = {"side": "both", "scale": "fit"}  # of the record, where a lesson asks for nothing else
+
 
 class LessonsPanel(Panel):
     """Shows the list of lessons, or the present step of one."""
@@ -36,6 +38,7 @@ class LessonsPanel(Panel):
         self._finished: set[str] = set()
         self._point: MarkedPoint | None = None
         self._newest = 0  # ping
+        self._own: dict[str, Any] = {}  # display options of the person that the lesson has replaced
         self._open_now = False
         self._ended: dict[str, Progress] = {}  # lessons that have a summary
         self._shown: Progress | None = None  # answers of the summary on screen
@@ -104,15 +107,25 @@ class LessonsPanel(Panel):
         """Begin a lesson; undo returns to the scene of before with its changes."""
         progress = Progress(lesson)
         self.progress = None  # what changes on the way is not done by the person
+        self.closing()
+        display = self._session.display
+        self._own = {name: getattr(display, name) for name in FRAME | lesson.display}
         self._open(progress)
         self._model(Modelling(), progress.start.window)
         self._show_step(progress)
 
     def leave(self) -> None:
-        """Return to the list; the scene stays as it is."""
+        """Return to the list; the scene stays as it is, and the record is shown as before the lesson."""
         self.progress = None
+        self.closing()
         self._workbench.light_fields(())
         self._show_list()
+
+    def closing(self) -> None:
+        """Show the record as before the lesson, so that this is kept for the next start."""
+        if self._own:
+            self._session.show_first(**self._own)
+            self._own = {}
 
     def back(self) -> None:
         """Return to the step before, as it began."""
@@ -198,7 +211,7 @@ class LessonsPanel(Panel):
         scene = progress.start.scene
         if self._session.scene != scene:
             self._workbench.open_scene(scene, _file_of(progress))
-        self._session.show_first(**progress.lesson.display)
+        self._session.show_first(**FRAME | progress.lesson.display)
         self._workbench.frame(subject_of(progress.step, scene))
 
     def _model(self, modelling: Modelling, window: Mapping[str, Any]) -> None:
