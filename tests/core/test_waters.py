@@ -27,10 +27,6 @@ def profile(**changes):
     return {"kind": "profile", "depth": DEPTHS, "sound_speed": SPEEDS, **changes}
 
 
-def speed_of(water, height, station=0):
-    return np.interp(height, water.height, water.speed[station])
-
-
 def test_heights_count_from_the_mean_bed_upwards():
     water = make_water(scene_in(profile()), -30.0)
     assert water.bent
@@ -130,7 +126,9 @@ def test_a_section_is_straight_between_its_profiles_and_even_beyond():
     water = make_water(scene_in(section.model_dump()), -30.0)
     np.testing.assert_allclose([water.axis_x, water.axis_y], [0.0, 1.0], atol=1e-15)
     np.testing.assert_array_equal(water.station, section.distance)
-    np.testing.assert_allclose([speed_of(water, 10.0, k) for k in range(3)], [1500.0, 1520.0, 1515.0])
+    np.testing.assert_allclose(
+        [np.interp(10.0, water.height, speed) for speed in water.speed], [1500.0, 1520.0, 1515.0]
+    )
 
 
 def test_polylines_keep_within_their_tolerance_and_drop_what_is_straight():
