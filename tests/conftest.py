@@ -3,6 +3,8 @@
 import gc
 import itertools
 import os
+import sys
+from collections.abc import Callable
 
 import pytest
 from hypothesis import settings
@@ -47,3 +49,14 @@ def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
 def pytest_collection_finish() -> None:
     """Leave tests and libraries, which live to the end, out of garbage collections: each would take 0.2 s."""
     gc.freeze()
+
+
+@pytest.fixture
+def say(capsys: pytest.CaptureFixture[str]) -> Callable[[str], None]:
+    """Print a line at once, beside what is captured."""
+
+    def say_at_once(text: str) -> None:
+        with capsys.disabled():
+            sys.stdout.write(f"\n{text}")
+
+    return say_at_once

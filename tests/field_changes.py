@@ -4,11 +4,22 @@ import re
 from collections.abc import Callable
 from typing import Any
 
+from insonify.scene import Scene, edit
+from insonify.scene.base import kind_name, models_of
+from insonify.scene.seabed import Seabed
 from insonify.scene.water.surfaces import WAYS
+from insonify.scene_edits import add_dependent_edits
 
 Values = dict[str, Any]
 # Path of a field, the kinds on the way in brackets -> (what the scene needs to have it, what changes it).
 Changes = dict[str, tuple[Values, Values]]
+RELIEFS = [kind_name(model) for model in models_of(Seabed, "relief") if kind_name(model) != "dem"]
+
+
+def with_relief(scene: Scene, **changes: Any) -> Scene:
+    """Scene whose relief is changed as the window does it: two underscores in a name stand for a dot."""
+    named = {f"seabed.relief.{name.replace('__', '.')}": value for name, value in changes.items()}
+    return edit(scene, add_dependent_edits(scene, named)[0])
 
 
 def fields(path: str, needs: Values, place: str | None = None, /, **values: Any) -> Changes:

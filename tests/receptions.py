@@ -32,6 +32,11 @@ def reception(
     return make_reception(scene_with(**changes), arrays, altitude=altitude, depth=depth)
 
 
+def decibels(ratio: Any) -> Any:
+    """Ten times the decimal logarithm."""
+    return 10.0 * np.log10(ratio)
+
+
 def variation(energy: np.ndarray) -> float:
     """Standard deviation of amplitudes over their mean."""
     amplitude = np.sqrt(energy.astype(float))

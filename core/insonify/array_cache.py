@@ -1,4 +1,4 @@
-"""Results that are kept for the next call, in one store of bounded size for the whole process."""
+"""Results that are kept for the next call: in one store of bounded size for the whole process, or the latest few."""
 
 import weakref
 from collections import OrderedDict, deque
@@ -11,8 +11,26 @@ from typing import Any, ParamSpec, TypeVar
 import numpy as np
 
 Arguments = ParamSpec("Arguments")
+Result = TypeVar("Result")
+LATEST = 4  # results that are kept, with their arguments
 Kept = TypeVar("Kept")
 LIMIT = 96 * 2**20  # bytes; endless ground takes twice as long with 80 MiB
+
+
+def remember_latest(function: Callable[Arguments, Result]) -> Callable[Arguments, Result]:
+    """Keep the latest results of a function of positional arguments, such as arrays, that are not written to."""
+    known: deque[tuple[tuple[object, ...], Result]] = deque(maxlen=LATEST)
+
+    @wraps(function)
+    def remembered(*arguments: Arguments.args, **_: Arguments.kwargs) -> Result:
+        for others, result in tuple(known):
+            if all(one is other for one, other in zip(arguments, others)):
+                return result
+        result = function(*arguments, **_)
+        known.append((arguments, result))
+        return result
+
+    return remembered
 
 
 class ArrayCache:

@@ -34,8 +34,9 @@ class ChildProcess:
     def __init__(self, module: str, **environment: str) -> None:
         self.owner = os.getpid()
         inherited = {name: value for name, value in os.environ.items() if name not in LEFT_OUT}
+        run = [CHILD, module] if _is_frozen() else ["-P", "-c", START, module, *_search_path()]
         self.process = subprocess.Popen(
-            _command_of(module),
+            [sys.executable, *run],
             stdin=subprocess.PIPE,
             stdout=subprocess.PIPE,
             stderr=subprocess.DEVNULL,
@@ -100,13 +101,6 @@ class ChildProcess:
 def own_command(*words: str) -> list[str]:
     """Return the command that runs this program in a process of its own, with words as from a shell."""
     return [sys.executable, *words] if _is_frozen() else [sys.executable, "-P", "-m", "insonify", *words]
-
-
-def _command_of(module: str) -> list[str]:
-    """Return the command that runs the `main` of a module in a child."""
-    if _is_frozen():
-        return [sys.executable, CHILD, module]
-    return [sys.executable, "-P", "-c", START, module, *_search_path()]
 
 
 def _is_frozen() -> bool:

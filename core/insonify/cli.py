@@ -13,12 +13,12 @@ from typing import Any, NoReturn, TextIO
 
 from insonify.commands import render
 from insonify.commands.options import FALLBACK, NO_WINDOW, add_scene, check_output, chosen_scene, free_name
-from insonify.compilation_bar import CompilationBar
 from insonify.compiler.cache_folder import CacheWarning
 from insonify.compiler.progress import watch_compilation
 from insonify.display.display_options import DisplayOptions
 from insonify.errors import FileWarning, PlanWarning, plain_text
 from insonify.plugins import announced, modules_in
+from insonify.progress import CompilationBar
 from insonify.scene import SceneError, bundled_scenes
 
 COMMANDS = "insonify.commands"  # a package, and a group of entry points

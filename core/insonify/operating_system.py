@@ -1,6 +1,6 @@
 """What operating systems do differently: names of files; time, memory, priority and end of processes; interrupts.
 
-Other modules are the same on every system, apart from `cores`, `compiler.cache_folder`, `io.lease` and the check for a
+Other modules are the same on every system, apart from `cores`, `compiler.cache_folder`, `io.atomic` and the check for a
 display in the viewer. A system that lacks something goes without it, as each function says.
 """
 

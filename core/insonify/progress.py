@@ -11,10 +11,36 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from typing import TYPE_CHECKING, Any, Protocol
 
+from insonify.compiler.progress import Compilation
+
 if TYPE_CHECKING:
     from tqdm import tqdm
 
+DELAY = 2.0  # s, of compilation before the bar appears
 VARIABLE = "INSONIFY_PROGRESS"
+
+
+class CompilationBar:
+    """Watcher of compilation that reports how far it is."""
+
+    def __init__(self) -> None:
+        self._progress: Progress | None = None
+
+    def __call__(self, compilation: Compilation | None) -> None:
+        """Report a compilation, or that a kernel is finished."""
+        if compilation is not None:
+            self._report(compilation)
+        elif self._progress is not None:
+            self._progress.close()
+            self._progress = None
+
+    def _report(self, compilation: Compilation) -> None:
+        if self._progress is None:
+            self._progress = open_progress(compilation.sentence, 1.0, delay=DELAY)
+        self._progress.say(compilation.sentence)
+        self._progress.reach(compilation.done)
+
+
 """Environment variable; ``lines`` sets one JSON object a line on standard error instead of a bar.
 
 Each holds ``doing`` (words), ``done`` and ``total`` (numbers) and ``unit``.
@@ -107,11 +133,9 @@ def open_progress(doing: str, total: float, unit: str = "", *, done: float = 0, 
 
 
 @contextmanager
-def report_progress(
-    doing: str, total: float, unit: str = "", *, done: float = 0, delay: float = 0.0
-) -> Iterator[Progress]:
+def report_progress(doing: str, total: float, unit: str = "", *, delay: float = 0.0) -> Iterator[Progress]:
     """Report progress while the context lasts; arguments as of `open_progress`."""
-    progress = open_progress(doing, total, unit, done=done, delay=delay)
+    progress = open_progress(doing, total, unit, delay=delay)
     try:
         yield progress
     finally:

@@ -9,7 +9,6 @@ and so loud that beside it nothing would be an error.
 
 import itertools
 import math
-import sys
 import time
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -249,7 +248,7 @@ def test_plans_of_few_pings_keep_to_their_tolerances(seeds, tmp_path):
 
 @pytest.mark.bench
 @pytest.mark.parametrize("judge_scene", [judge_planned, judge_wide, judge_short], ids=["planned", "wide", "short"])
-def test_three_hundred_plans(judge_scene, capsys, tmp_path):
+def test_three_hundred_plans(judge_scene, say, tmp_path):
     found = []
     for seed in JUDGED:
         with limited_threads(1):
@@ -257,9 +256,7 @@ def test_three_hundred_plans(judge_scene, capsys, tmp_path):
                 found.append(judge_scene(seed, tmp_path, timed=True))
             except SceneError:  # a target that holds the sonar
                 continue
-        with capsys.disabled():
-            sys.stdout.write(f"\n{found[-1].line()}")
-    with capsys.disabled():
-        sys.stdout.write(f"\n{summary(found)}\n")
+        say(found[-1].line())
+    say(summary(found))
     assert len(found) >= 0.95 * len(JUDGED)
     assert judge_scene is not judge_planned or np.mean([one.kept for one in found]) >= 0.95

@@ -5,7 +5,7 @@ far the last doubling of the rays moved their record, and about half of that is 
 reference goes dark or lit for at least two bins. Likewise through thermoclines, by tables against arcs.
 """
 
-import sys
+from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -77,21 +77,19 @@ def judge(seed: int, folder: Path, tolerance: float, *, bent: bool = False) -> J
 
 
 def judge_many(
-    seeds: range, folder: Path, capsys: pytest.CaptureFixture[str], tolerance: float, *, bent: bool = False
+    seeds: range, folder: Path, say: Callable[[str], None], tolerance: float, *, bent: bool = False
 ) -> list[Judged]:
     """Judge many scenes and print them, a line each, and all of them together."""
     all_judged = []
     for seed in seeds:
         all_judged.append(judge(seed, folder, tolerance, bent=bent))
-        with capsys.disabled():
-            sys.stdout.write(f"\n{all_judged[-1].line()}")
+        say(all_judged[-1].line())
     errors = np.array([judged.errors.beyond for judged in all_judged])
     edges = np.concatenate([judged.edges for judged in all_judged])
-    with capsys.disabled():
-        sys.stdout.write(
-            f"\nmedian {100 * np.median(errors):.2f} %, worst {100 * errors.max():.2f} % (rays' own noise included); "
-            f"{100 * (edges <= 1).mean():.1f} % of {edges.size} edges of shadows within a bin, worst {edges.max()}"
-        )
+    say(
+        f"median {100 * np.median(errors):.2f} %, worst {100 * errors.max():.2f} % (rays' own noise included); "
+        f"{100 * (edges <= 1).mean():.1f} % of {edges.size} edges of shadows within a bin, worst {edges.max()}"
+    )
     return all_judged
 
 
@@ -145,8 +143,8 @@ def test_the_sweep_is_what_rays_say(seed, bent, tmp_path):
     [(ALL, 0.001, False, 0.006, 0.02), (BENT, 0.003, True, 0.015, np.inf)],
     ids=["straight", "bent"],
 )
-def test_many_random_scenes(seeds, tolerance, bent, median, worst, capsys, tmp_path):
-    all_judged = judge_many(seeds, tmp_path, capsys, tolerance, bent=bent)
+def test_many_random_scenes(seeds, tolerance, bent, median, worst, say, tmp_path):
+    all_judged = judge_many(seeds, tmp_path, say, tolerance, bent=bent)
     errors = np.array([judged.errors.beyond for judged in all_judged])
     edges = np.concatenate([judged.edges for judged in all_judged])
     assert np.median(errors) < median

@@ -269,6 +269,12 @@ def test_wiped_a_lies_left_of_a_line_that_is_dragged(compared, qtbot):
     assert compared.comparison.arrangement is Arrangement.WIPED
     assert colour(compared) == bright
     assert colour(compared, 0.25) < bright
+    clicked = []
+    window.waterfall.clicked.connect(clicked.append)
+    QTest.mouseClick(overlay, Qt.MouseButton.LeftButton, pos=middle(compared, 0.25))
+    assert clicked == [], "a pixel of A is not one of B"
+    QTest.mouseClick(overlay, Qt.MouseButton.LeftButton, pos=middle(compared))
+    assert clicked == [window.waterfall.mark_at(middle(compared))]
     plot = window.waterfall.plot_area
     line = QPoint(overlay.split, plot.center().y())
     QTest.mousePress(overlay, Qt.MouseButton.LeftButton, pos=line)
@@ -282,17 +288,6 @@ def test_wiped_a_lies_left_of_a_line_that_is_dragged(compared, qtbot):
     assert not overlay.covers(middle(compared))
 
 
-def test_a_click_right_of_the_line_is_one_into_b(compared, qtbot):
-    clicked = []
-    compared.window.waterfall.clicked.connect(clicked.append)
-    press(compared, "W")
-    overlay = compared.window.overlay
-    QTest.mouseClick(overlay, Qt.MouseButton.LeftButton, pos=middle(compared, 0.25))
-    assert clicked == [], "a pixel of A is not one of B"
-    QTest.mouseClick(overlay, Qt.MouseButton.LeftButton, pos=middle(compared))
-    assert clicked == [compared.window.waterfall.mark_at(middle(compared))]
-
-
 def test_the_difference_is_drawn_in_decibels_with_a_scale(compared, qtbot):
     press(compared, "D")
     before = compared.window.waterfall.grab().toImage()
@@ -304,15 +299,6 @@ def test_the_difference_is_drawn_in_decibels_with_a_scale(compared, qtbot):
     qtbot.waitUntil(lambda: compared.complete)
     assert compared.window.waterfall.grab().toImage() != before
     assert compared.window.overlay.difference.span == SPANS[0], "both are the same"
-
-
-def test_a_follows_the_pings_of_b(compared, qtbot):
-    compared.go_to(400)
-    qtbot.waitUntil(lambda: compared.complete)
-    assert compared.window.record_a.top == compared.window.waterfall.top == 400
-    kept = compared.comparison.kept.record
-    np.testing.assert_array_equal(np.sort(kept.ping), np.sort(compared.record.ping))
-    np.testing.assert_allclose(kept.amplitude * 2.0, compared.record.amplitude, rtol=1e-5)
 
 
 def test_linked_records_zoom_scroll_and_point_together(compared, qtbot):
@@ -380,7 +366,7 @@ def test_a_scene_is_traced_as_a(open_viewer, small, qtbot):
     assert viewer.comparison.a is None
 
 
-def test_without_a_the_keys_say_how_to_keep_one(viewer):
+def test_without_a_and_without_a_partner_the_keys_say_so(viewer, small):
     for key in ("W", "D", "Shift+K"):
         press(viewer, key)
         assert "press K" in viewer.window.status.sentence.text()
@@ -388,6 +374,12 @@ def test_without_a_the_keys_say_how_to_keep_one(viewer):
     QTest.keyPress(viewer.window, Qt.Key.Key_X)
     assert viewer.window.waterfall.grab().toImage() == before
     QTest.keyRelease(viewer.window, Qt.Key.Key_X)
+    press(viewer, "P")
+    assert "not one of a pair" in viewer.window.status.sentence.text()
+    viewer.session.open(edit(small, {"partner": ["no-such-scene"]}))
+    press(viewer, "P")
+    assert "no-such-scene" in viewer.window.status.sentence.text()
+    assert viewer.comparison.a is None
 
 
 def test_the_panel_keeps_arranges_and_leaves(viewer, small, qtbot):
@@ -441,15 +433,6 @@ def test_pairs_are_read_before_their_menu_opens(open_viewer, small, qtbot):
     assert len(panel._pairs_menu.actions()) == 4
 
 
-def test_a_scene_without_partner_says_so(viewer, small):
-    press(viewer, "P")
-    assert "not one of a pair" in viewer.window.status.sentence.text()
-    viewer.session.open(edit(small, {"partner": ["no-such-scene"]}))
-    press(viewer, "P")
-    assert "no-such-scene" in viewer.window.status.sentence.text()
-    assert viewer.comparison.a is None
-
-
 def test_a_pair_is_drawn_by_a_command(tmp_path):
     path = tmp_path / "pair.png"
     small = ["--set", "track.pings=64", "--set", "sonar.bins=80"]
@@ -459,7 +442,7 @@ def test_a_pair_is_drawn_by_a_command(tmp_path):
     assert main(["view", "default", "--pair", "--snapshot", str(path)]) == 2
 
 
-def test_a_follows_a_tow_that_runs(compared, qtbot):
+def test_a_follows_the_pings_of_b_and_a_tow_that_runs(compared, qtbot):
     kept = compared.comparison.kept
     compared.tow.speed = 4.0
     compared.tow.restart(1000)  # past the targets, before which the tow would pause
@@ -468,4 +451,9 @@ def test_a_follows_a_tow_that_runs(compared, qtbot):
     compared.run(False)
     qtbot.waitUntil(lambda: compared.complete)
     assert compared.window.record_a.top == compared.window.waterfall.top
+    np.testing.assert_allclose(kept.record.amplitude * 2.0, compared.record.amplitude, rtol=1e-5)
+    compared.go_to(400)
+    qtbot.waitUntil(lambda: compared.complete)
+    assert compared.window.record_a.top == compared.window.waterfall.top == 400
+    np.testing.assert_array_equal(np.sort(kept.record.ping), np.sort(compared.record.ping))
     np.testing.assert_allclose(kept.record.amplitude * 2.0, compared.record.amplitude, rtol=1e-5)

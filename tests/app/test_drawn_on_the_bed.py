@@ -5,6 +5,7 @@ import math
 import numpy as np
 import pytest
 import pyvista as pv
+from stand_in import ground_of
 
 from insonify.display.display_options import DisplayOptions
 from insonify.scene import edit, load_scene
@@ -19,8 +20,6 @@ from insonify_viewer.widgets.painting import make_polyline
 @pytest.mark.parametrize("heading", [0.0, 30.0, 180.0])
 @pytest.mark.parametrize("side", [0, 1])
 def test_an_echo_lies_at_its_ground_range(small, heading, side):
-    from stand_in import ground_of
-
     scene = edit(small, {"track.heading": heading, "track.start": [0.0, 0.0]})
     pings, bins, altitude = np.arange(100), 400, 10.0
     poses = make_poses(scene, ground_of(scene.seabed), pings)
@@ -43,8 +42,6 @@ def test_an_echo_lies_at_its_ground_range(small, heading, side):
 
 
 def test_a_record_narrower_than_a_pixel_of_the_bed_leaves_it_as_it_is(small):
-    from stand_in import ground_of
-
     pings = np.arange(3)
     poses = make_poses(small, ground_of(small.seabed), pings)
     tone_map = make_tone_map(DisplayOptions(palette="grey", levels=(0.0, 1.0)), (0.0, 1.0))

@@ -25,10 +25,6 @@ from insonify_viewer.window.help_dialogs import AboutDialog, KeysDialog
 MOTIONS = {"kind": "sum", "of": [{"kind": "heave", "period": 8.0}, {"kind": "heave", "period": 3.0}, {"kind": "roll"}]}
 
 
-def labels(scene) -> dict[str, str]:
-    return {row.path: row.label for section in sections_of(scene) for row in section.parameters}
-
-
 @pytest.mark.parametrize("name", sorted(bundled_scenes()))
 def test_no_row_is_cut_off(name, qtbot, qapp):
     apply_theme(qapp)
@@ -52,7 +48,8 @@ def test_no_row_is_cut_off(name, qtbot, qapp):
 
 
 def test_parts_of_one_kind_are_numbered(default):
-    found = labels(edit(default, {"track.motion": MOTIONS}))
+    sections = sections_of(edit(default, {"track.motion": MOTIONS}))
+    found = {row.path: row.label for section in sections for row in section.parameters}
     assert found["track.motion.of.0.amplitude"] == "heave 1 amplitude"
     assert found["track.motion.of.1.amplitude"] == "heave 2 amplitude"
     assert found["track.motion.of.2.amplitude"] == "roll amplitude"

@@ -11,6 +11,7 @@ from insonify.planning import plan
 from insonify.scene import edit
 from insonify_viewer.application import keep_display
 from insonify_viewer.panels.lessons.progress import Progress
+from insonify_viewer.panels.parameters.sections import sections_of
 from insonify_viewer.state.history import Modelling
 from insonify_viewer.state.session import Session
 from insonify_viewer.widgets.theme import Theme
@@ -113,6 +114,12 @@ def test_a_lesson_from_its_first_step_to_its_last(open_viewer, small, qtbot):
     assert (session.scene.controls, session.display.scale, viewer.tow.running) == (("sonar.range",), "true", False)
     assert viewer.seabed.view._canvas.plotter.camera.focal_point == (20.0, -30.0, 0.0)
 
+    assert page.question.isVisible()
+    assert not page.answer.isVisible()
+    page.reveal.click()
+    assert page.answer.isVisible()
+    assert "10 m" in page.answer.text()
+
     session.drag({"sonar.range": 59.0})
     assert not page.next.property("lit")
     session.drag({"sonar.range": 61.0})  # noticed while the slider moves
@@ -124,6 +131,7 @@ def test_a_lesson_from_its_first_step_to_its_last(open_viewer, small, qtbot):
 
     page.next.click()
     assert page.step.text() == "2 of 3: Accept an error"
+    assert not page.answer.isVisible()
     assert not page.next.property("lit")
     session.model(session.modelling.tolerating(0.25))
     assert page.next.property("lit")
@@ -157,7 +165,7 @@ def test_the_fields_of_a_step_are_lit_and_in_view(open_viewer, small, qtbot):
 
 
 @pytest.mark.usefixtures("lessons")
-def test_back_returns_to_the_step_as_it_began(open_viewer, small, qtbot):
+def test_back_returns_to_the_step_as_it_began_and_another_scene_ends_the_lesson(open_viewer, small, qtbot):
     viewer, panel = started(open_viewer, small, qtbot)
     page = panel.view.page
     page.next.click()  # a step that is left out is done by the way
@@ -170,19 +178,10 @@ def test_back_returns_to_the_step_as_it_began(open_viewer, small, qtbot):
     assert viewer.session.scene.sonar.range == 50.0
     assert viewer.session.modelling == Modelling()
     assert not page.next.property("lit")
-
-
-@pytest.mark.usefixtures("lessons")
-def test_question_and_answer(open_viewer, small, qtbot):
-    _, panel = started(open_viewer, small, qtbot)
-    page = panel.view.page
-    assert page.question.isVisible()
-    assert not page.answer.isVisible()
-    page.reveal.click()
-    assert page.answer.isVisible()
-    assert "10 m" in page.answer.text()
-    page.next.click()
-    assert not page.answer.isVisible()
+    viewer.open(edit(small, {"seed": 3}))
+    assert panel.progress is None
+    assert panel.view.currentWidget() is panel.view.list
+    assert lit_rows(viewer) == set()
 
 
 ASKING = LESSON.replace(
@@ -310,15 +309,6 @@ def test_lessons_stand_under_the_titles_of_their_courses(open_viewer, small, qtb
 
 
 @pytest.mark.usefixtures("lessons")
-def test_another_scene_ends_the_lesson(open_viewer, small, qtbot):
-    viewer, panel = started(open_viewer, small, qtbot)
-    viewer.open(edit(small, {"seed": 3}))
-    assert panel.progress is None
-    assert panel.view.currentWidget() is panel.view.list
-    assert lit_rows(viewer) == set()
-
-
-@pytest.mark.usefixtures("lessons")
 def test_a_lesson_asks_nothing_and_undo_returns_to_unsaved_work(open_viewer, small, qtbot, monkeypatch):
     viewer, panel = opened(open_viewer, small, qtbot)
     viewer.session.settle({"track.altitude": 7.0})
@@ -382,8 +372,6 @@ def test_a_lecture_is_full_screen_in_large_type(open_viewer, small, qtbot):
 @pytest.mark.parametrize("name", [lesson.name for lesson in load_lessons()])
 def test_every_field_of_every_lesson_is_in_the_window(name):
     """What a step asks to move has a row among the parameters, a choice in the plan, or a curve in the water panel."""
-    from insonify_viewer.panels.parameters.sections import sections_of
-
     lesson = next(lesson for lesson in load_lessons() if lesson.name == name)
     progress = Progress(lesson)
     for index, step in enumerate(lesson.steps):

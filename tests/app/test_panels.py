@@ -12,6 +12,8 @@ from insonify_viewer.panels import GROUP, find_panels
 from insonify_viewer.panels.panel import Button, Panel, Place, Workbench
 from insonify_viewer.state.inspection import Mark
 
+OWN = ["parameters", "plan", "record", "budget", "chart", "comparison", "jobs", "lessons", "pixel", "readout", "water"]
+
 
 class DummyPanel(Panel):
     """Writes down what it is told."""
@@ -85,19 +87,7 @@ def test_every_folder_holds_a_panel():
     assert folders
     found = find_panels()
     assert {folder.PANEL for folder in folders} == set(found)
-    assert [panel.name for panel in found] == [
-        "parameters",
-        "plan",
-        "record",
-        "budget",
-        "chart",
-        "comparison",
-        "jobs",
-        "lessons",
-        "pixel",
-        "readout",
-        "water",
-    ]
+    assert [panel.name for panel in found] == OWN
     for panel in found:
         assert Panel in panel.__mro__
         assert panel.title
@@ -109,21 +99,7 @@ def test_names_are_unique_and_the_order_is_stable(announce):
     found = find_panels()
     names = [panel.name for panel in found]
     assert len(set(names)) == len(names)
-    assert names == [
-        "parameters",
-        "plan",
-        "record",
-        "budget",
-        "chart",
-        "comparison",
-        "dummy",
-        "dummy-below",
-        "jobs",
-        "lessons",
-        "pixel",
-        "readout",
-        "water",
-    ]
+    assert names == [*OWN[:6], "dummy", "dummy-below", *OWN[6:]]
 
 
 def test_an_announced_panel_is_a_tab_and_is_told(open_viewer, small, qtbot, announce):
@@ -151,17 +127,12 @@ def test_an_announced_panel_is_a_tab_and_is_told(open_viewer, small, qtbot, anno
     assert dummy.told[-1] == ("closing",)
 
 
-def test_a_panel_may_edit_the_scene(open_viewer, small, announce):
+def test_a_panel_may_edit_the_scene_and_is_told_of_the_point_under_the_mouse(open_viewer, small, announce):
     announce(DummyPanel)
     viewer = open_viewer(small)
     viewer.panels["dummy"].workbench.session.settle({"track.altitude": 7.0})
     assert viewer.session.scene.altitude == 7.0
     assert viewer.panels["parameters"].view.row("track.altitude").field.text() == "7 m"
-
-
-def test_the_point_under_the_mouse_reaches_panels(open_viewer, small, announce):
-    announce(DummyPanel)
-    viewer = open_viewer(small)
     waterfall = viewer.window.waterfall
     waterfall.hovered.emit(Mark(ping=100, side=0, bin=4))
     kind, point = viewer.panels["dummy"].told[-1]

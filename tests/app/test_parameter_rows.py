@@ -7,12 +7,10 @@ import numpy as np
 import pytest
 from PySide6.QtCore import QPoint, Qt
 
+from field_changes import RELIEFS, with_relief
 from insonify.display.scene_curves import beam_curve
-from insonify.scene import Scene, SceneError, bundled_scenes, edit, load_scene
-from insonify.scene.base import kind_name, models_of
-from insonify.scene.seabed import Seabed
-from insonify.scene.units import parse_quantity
-from insonify.scene_edits import add_dependent_edits
+from insonify.scene import SceneError, bundled_scenes, edit, load_scene
+from insonify.scene.edit import parse_quantity
 from insonify_viewer.panels.parameters.sections import FieldSection, sections_of
 from insonify_viewer.panels.parameters.values import follow_values
 from insonify_viewer.panels.parameters.view import setting_pictures as registry
@@ -223,14 +221,6 @@ def test_what_has_no_curve_takes_no_room(viewer):
     assert not [one for one in pictures_in(viewer, CurvesPicture) if one.isVisible()]
 
 
-KINDS = [kind_name(model) for model in models_of(Seabed, "relief") if kind_name(model) != "dem"]
-
-
-def changed(scene, **changes) -> Scene:
-    named = {f"seabed.relief.{name.replace('__', '.')}": value for name, value in changes.items()}
-    return edit(scene, add_dependent_edits(scene, named)[0])
-
-
 def shown(scene) -> dict:
     """Parameters of the relief by their path beneath it."""
     seabed = next(section for section in sections_of(scene) if section.key == "seabed")
@@ -243,38 +233,38 @@ def scene():
     return load_scene("default")
 
 
-@pytest.mark.parametrize("kind", [kind for kind in KINDS if kind not in ("flat", "mimic")])
+@pytest.mark.parametrize("kind", [kind for kind in RELIEFS if kind not in ("flat", "mimic")])
 def test_every_slider_of_a_kind_may_be_pushed_to_either_end(scene, kind):
-    chosen = changed(scene, kind=kind)
+    chosen = with_relief(scene, kind=kind)
     sliders = {path: p for path, p in shown(chosen).items() if isinstance(p, NumberField) and p.slider is not None}
     assert sliders
     for path, number in sliders.items():
         for end in number.slider:
             if "peaks" not in path:
-                changed(chosen, **{path.replace(".", "__"): end})
+                with_relief(chosen, **{path.replace(".", "__"): end})
 
 
 def test_what_all_relief_has_comes_last(scene):
-    names = list(shown(changed(scene, kind="ripples")))
+    names = list(shown(with_relief(scene, kind="ripples")))
     assert names[:2] == ["kind", "wavelength"]
     assert names[-3:] == ["period", "extent", "mask.kind"]
 
 
 def test_period_of_endless_ripples_is_not_asked_for(scene):
-    ripples = changed(scene, kind="ripples")
-    assert "period" not in shown(changed(ripples, extent="endless"))
-    assert "period" in shown(changed(changed(scene, kind="power_law"), extent="endless"))
+    ripples = with_relief(scene, kind="ripples")
+    assert "period" not in shown(with_relief(ripples, extent="endless"))
+    assert "period" in shown(with_relief(with_relief(scene, kind="power_law"), extent="endless"))
 
 
 def test_mask_brings_its_sliders(scene):
-    masked = changed(changed(scene, kind="ripples"), mask__kind="patches")
+    masked = with_relief(with_relief(scene, kind="ripples"), mask__kind="patches")
     assert {"mask.share", "mask.size", "mask.softness"} <= set(shown(masked))
 
 
 def test_parts_of_a_sum_keep_one_period_and_their_headings(scene):
-    both = changed(scene, kind="sum")
+    both = with_relief(scene, kind="sum")
     assert [part.kind for part in both.seabed.relief.of] == ["fractal", "ripples"]
     assert both.seabed.relief.of[0] == scene.seabed.relief
-    longer = changed(both, of__1__period=204.8)
+    longer = with_relief(both, of__1__period=204.8)
     assert [part.period for part in longer.seabed.relief.of] == [204.8, 204.8]
     assert "of.1.heading" in shown(both)

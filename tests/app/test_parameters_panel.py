@@ -43,15 +43,10 @@ def test_three_to_six_controls_are_pinned(name):
     section = pinned_section(scene, sections_of(scene))
     assert section is not None
     assert 3 <= len(section.parameters) <= 6
-    assert [row.path for row in section.parameters] == [
-        path for path in scene.controls if path in sections_paths(scene)
-    ]
+    paths = {row.path for section in sections_of(scene) for row in section.parameters}
+    assert [row.path for row in section.parameters] == [path for path in scene.controls if path in paths]
     labels = [row.label for row in section.parameters]
     assert len(set(labels)) == len(labels)
-
-
-def sections_paths(scene) -> set[str]:
-    return {row.path for section in sections_of(scene) for row in section.parameters}
 
 
 def test_pinned_rows_stand_on_top_and_edit_the_scene(viewer, qtbot):

@@ -60,6 +60,7 @@ def test_a_click_pins_a_pixel_and_its_terms_add_up(viewer, qtbot):
     mark = viewer.inspection.mark
     assert abs(mark.bin - BED.bin) <= 3
     assert view.isVisible()
+    assert "the sound meets medium sand at" in view.sentence.text()
     rows = budget(viewer)
     total = decibels(rows.pop("pixel"))
     terms = [decibels(level) for level in rows.values() if level.endswith("dB")]
@@ -71,13 +72,17 @@ def test_a_click_pins_a_pixel_and_its_terms_add_up(viewer, qtbot):
 
 
 def test_a_shadow_is_explained_and_drawn(viewer, qtbot):
+    sentence = viewer.panels["pixel"].view.sentence
+    assert "Click a pixel" in sentence.text()
     click(viewer, SHADOW, qtbot)
+    assert sentence.text() == "Dark because the bed here lies in the shadow of pipe 1."
     assert "in the shadow of pipe 1" in viewer.panels["pixel"].view.summary.text()
     assert budget(viewer)["pipe 1"] == "100.0 %"
     assert budget(viewer)["pixel"] == "no echo"
     shown = {name: bool(actor.visibility) for name, actor in viewer.seabed.view._sound.actors.items()}
     assert shown == {"rays": False, "blocked": True, "heard": False, "hidden": True}
     click(viewer, PIPE, qtbot)
+    assert "right because the sound meets the steel of pipe 1 at" in sentence.text()
     assert "pipe 1" in viewer.panels["pixel"].view.summary.text()
     shown = {name: bool(actor.visibility) for name, actor in viewer.seabed.view._sound.actors.items()}
     assert shown["rays"]
@@ -87,26 +92,22 @@ def test_a_shadow_is_explained_and_drawn(viewer, qtbot):
     np.testing.assert_allclose(ends[:, 1], -29.8, atol=0.4)  # on the side of the pipe that faces the sonar
 
 
-def test_the_pinned_pixel_is_ringed_and_let_go_by_a_second_click(viewer, qtbot):
+def test_the_pinned_pixel_is_ringed_cut_across_and_let_go_by_a_second_click(viewer, qtbot):
     click(viewer, SHADOW, qtbot)
     waterfall = viewer.window.waterfall
     place = waterfall.place_of(viewer.inspection.mark)
     image = waterfall.grab().toImage()
     assert is_like(image.pixelColor(place + QPoint(7, 0)), MARK)
-    QTest.mouseClick(waterfall, Qt.MouseButton.LeftButton, pos=place)
-    assert viewer.inspection.mark is None
-    assert not any(actor.visibility for actor in viewer.seabed.view._sound.actors.values())
-    assert viewer.panels["pixel"].view.budget.rows() == []
-
-
-def test_the_cross_section_shows_bed_shadow_and_ray(viewer, qtbot):
-    click(viewer, SHADOW, qtbot)
     section = viewer.panels["pixel"].view.section
     qtbot.wait(20)
     image = section.grab().toImage()
     seen = {image.pixelColor(x, y).name() for x in range(image.width()) for y in range(image.height())}
     for colour in (WATER, GROUND, HEARD, HIDDEN, BLOCKED):
         assert any(is_like(QColor(name), colour) for name in seen), colour
+    QTest.mouseClick(waterfall, Qt.MouseButton.LeftButton, pos=place)
+    assert viewer.inspection.mark is None
+    assert not any(actor.visibility for actor in viewer.seabed.view._sound.actors.values())
+    assert viewer.panels["pixel"].view.budget.rows() == []
 
 
 @pytest.mark.parametrize("raised", [50.0, 1e12])
@@ -122,16 +123,13 @@ def test_a_cross_section_of_a_fish_below_the_bed_is_drawn(viewer, qtbot, raised)
     section.grab()  # an exception would fail the test
 
 
-def test_an_edit_explains_the_pinned_pixel_anew(viewer, qtbot):
+def test_an_edit_explains_the_pinned_pixel_anew_and_another_scene_lets_go_of_it(viewer, scene, qtbot):
     click(viewer, SHADOW, qtbot)
     viewer.session.settle({"targets": []})
     view = viewer.panels["pixel"].view
     qtbot.waitUntil(lambda: viewer.complete and "bed, medium sand" in view.summary.text())
     assert "pipe 1" not in budget(viewer)
-
-
-def test_another_scene_lets_go_of_the_pixel(viewer, scene, qtbot):
-    click(viewer, SHADOW, qtbot)
+    assert viewer.inspection.mark is not None
     viewer.open(edit(scene, {"sonar.bins": 500}))
     qtbot.waitUntil(lambda: viewer.complete)
     assert viewer.inspection.mark is None
@@ -183,7 +181,7 @@ def test_the_echo_trace_is_aligned_with_the_record(viewer):
     assert abs(area.left() + loudest - waterfall.place_of(PIPE).x()) <= 3
 
 
-def test_without_the_trace_the_record_has_its_room(viewer, qtbot):
+def test_without_the_trace_the_record_has_its_room(viewer):
     waterfall = viewer.window.waterfall
     assert waterfall.trace_area() is not None
     before = waterfall.plot_area.height()
@@ -219,7 +217,7 @@ def test_a_small_window_stays_usable(viewer, qtbot):
     assert viewer.seabed.view.height() >= 140
 
 
-def test_a_narrow_budget_elides_nothing(viewer, qtbot):
+def test_a_narrow_budget_elides_nothing_and_takes_the_theme(viewer, qtbot, qapp):
     viewer.window.resize(900, 540)
     viewer.window.open_panel("lessons")
     click(viewer, BED, qtbot)
@@ -231,28 +229,12 @@ def test_a_narrow_budget_elides_nothing(viewer, qtbot):
         for part in row:
             assert part in shown
     assert "█" in shown, "the greatest term has the longest bar"
-
-
-def test_headings_of_the_budget_take_the_theme(viewer, qtbot, qapp):
-    click(viewer, BED, qtbot)
-    budget = viewer.panels["pixel"].view.budget
     try:
         for theme in (Theme.LIGHT, Theme.DARK):
             apply_theme(qapp, theme)
             assert f"color:{ACCENT.name()}" in budget.toHtml()
     finally:
         apply_theme(qapp)
-
-
-def test_the_panel_begins_with_one_sentence_on_why_a_pixel_is_bright_or_dark(viewer, qtbot):
-    sentence = viewer.panels["pixel"].view.sentence
-    assert "Click a pixel" in sentence.text()
-    click(viewer, SHADOW, qtbot)
-    assert sentence.text() == "Dark because the bed here lies in the shadow of pipe 1."
-    click(viewer, PIPE, qtbot)
-    assert "right because the sound meets the steel of pipe 1 at" in sentence.text()
-    click(viewer, BED, qtbot)
-    assert "the sound meets medium sand at" in sentence.text()
 
 
 def test_rays_and_budget_share_their_room(viewer, qtbot):

@@ -4,6 +4,7 @@ import numpy as np
 from PySide6.QtTest import QTest
 
 from insonify.scene import edit
+from insonify.simulation import prepare
 from insonify_viewer.state.inspection import Mark
 
 
@@ -46,8 +47,6 @@ def test_the_readout_names_a_school(open_viewer, small, qtbot):
 
 
 def test_the_readout_tells_the_truth_of_the_core(open_viewer, small, qtbot):
-    from insonify.simulation import prepare
-
     viewer = open_viewer(edit(small, {"sonar.beam": "knife", "sonar.bins": 500}), prepare=prepare)
     labels = viewer._answer.simulation.truth(np.array([100]))
     readout = viewer.panels["readout"].widget

@@ -279,15 +279,12 @@ def test_newest_below_is_the_picture_upside_down(viewer):
     assert np.abs(a - b).mean() < 2.0
 
 
-def test_options_reach_a_recording_and_its_saved_picture(viewer):
+def test_options_reach_a_recording_and_its_saved_picture(viewer, tmp_path, monkeypatch):
     viewer.session.show(palette="grey", gain=6.0, ground_range=True)
     for view in (viewer.window.waterfall, viewer.window.record_a):
         assert view._look == viewer.session.display
     assert viewer.window.palettes.currentText() == "grey"
     assert viewer.window.gain.value() == 60
-
-
-def test_a_saved_picture_of_the_record_is_drawn_by_the_options(viewer, tmp_path, monkeypatch):
     begun = []
     monkeypatch.setattr(viewer.jobs, "begin", lambda title, arguments, result: begun.append(arguments))
     monkeypatch.setattr(QFileDialog, "getSaveFileName", lambda *_: (str(tmp_path / "record.png"), ""))
@@ -330,15 +327,15 @@ def test_the_target_of_a_scene_is_not_saturated():
     assert (tones[(labels.target_id == 0) & (labels.path == 0)] > 0.999).mean() < 0.05
 
 
-def test_ticks_are_round():
+def test_ticks_are_round_and_few():
     assert round_steps(0.0, 50.0, 3) == [0.0, 20.0, 40.0]
     assert round_steps(0.0, 0.7, 3) == pytest.approx([0.0, 0.5])
     assert round_steps(0.0, 1.0, 1) == [0.0, 1.0]
-
-
-@pytest.mark.parametrize("ends", [(1.0, 1.0), (2.0, 1.0), (0.0, math.nan), (-math.inf, 0.0)])
-def test_there_are_no_ticks_of_no_range(ends):
-    assert round_steps(*ends, 3) == []
+    assert round_steps(0.0, 40.0, 5) == [0.0, 10.0, 20.0, 30.0, 40.0]
+    assert round_steps(1498.4, 1521.0, 3) == [1500.0, 1510.0, 1520.0]
+    assert len(round_steps(0.0, 450.0, 8)) <= 9
+    for ends in ((1.0, 1.0), (2.0, 1.0), (0.0, math.nan), (-math.inf, 0.0)):
+        assert round_steps(*ends, 3) == [], "there are none of no range"
 
 
 def box(energy: np.ndarray, ping: int, pings: float) -> float:

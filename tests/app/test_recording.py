@@ -1,5 +1,6 @@
 """A recording is opened beside the simulated record, scrolls, tells where the sonar was, and is measured."""
 
+import threading
 from functools import partial
 from pathlib import Path
 
@@ -108,16 +109,7 @@ def test_it_plays_and_pauses_with_the_tow_and_begins_anew_at_its_end(viewer, fol
     qtbot.waitUntil(lambda: viewer.recordings.top == PINGS - 1)
 
 
-def test_behind_a_tab_the_point_is_followed_as_soon_as_it_is_seen(viewer, folder, qtbot):
-    open_recording(viewer, folder / "record.xtf", qtbot)
-    shown = viewer.panels["comparison"].view.point
-    bring_to_front(viewer.window, "parameters")
-    viewer.recordings.go_to(57)
-    bring_to_front(viewer.window, "comparison")
-    assert shown.rows["ping"] == (f"57 of {PINGS}",)
-
-
-def test_rows_below_its_first_ping_are_empty(viewer, folder, qtbot):
+def test_rows_below_its_first_ping_are_empty_and_the_point_behind_a_tab_follows(viewer, folder, qtbot):
     open_recording(viewer, folder / "record.xtf", qtbot)
     viewer.window.record_a.show_marks(cross=None)
     viewer.recordings.go_to(PINGS // 2)
@@ -126,6 +118,11 @@ def test_rows_below_its_first_ping_are_empty(viewer, folder, qtbot):
     place = view.place_of(Mark(0, 1, BINS // 2))
     below = [image.pixelColor(place.x(), place.y() + step).getRgb()[:3] for step in range(8, 80)]
     np.testing.assert_allclose(below, [(0x0B, 0x11, 0x18)] * len(below), atol=8)  # a screen may have 16 bits
+    shown = viewer.panels["comparison"].view.point
+    bring_to_front(viewer.window, "parameters")
+    viewer.recordings.go_to(57)
+    bring_to_front(viewer.window, "comparison")
+    assert shown.rows["ping"] == (f"57 of {PINGS}",)
 
 
 def test_handle_and_wheel_reach_any_ping(viewer, folder, qtbot):
@@ -191,13 +188,6 @@ def test_numbers_are_those_of_compare(open_viewer, folder, qtbot):
     assert viewer.recordings.recording is recording
 
 
-def test_a_record_with_too_little_bed_says_so(viewer, tmp_path, qtbot):
-    path = tmp_path / "short.nc"
-    assert main(["render", "default", "--set", "track.pings=20", "--set", "sonar.bins=60", "-o", str(path)]) == 0
-    open_recording(viewer, path, qtbot)
-    assert "too little bed" in viewer.panels["comparison"].view.statistics.said
-
-
 def test_a_broken_file_is_one_sentence_and_leaves_the_recording(viewer, folder, tmp_path, qtbot):
     broken = tmp_path / "broken.xtf"
     broken.write_bytes(b"no recording" * 200)
@@ -213,8 +203,6 @@ def test_a_broken_file_is_one_sentence_and_leaves_the_recording(viewer, folder, 
 
 
 def test_reading_shows_a_bar_and_the_last_file_wins(viewer, folder, qtbot, monkeypatch):
-    import threading
-
     load, go_on = recording_player.load_recording, threading.Event()
 
     def load_slowly(path, frequency):
@@ -341,10 +329,11 @@ def test_learning_is_stopped_and_leaves_nothing(viewer, folder, tmp_path, qtbot,
     assert list(tmp_path.iterdir()) == []
 
 
-def test_what_cannot_be_learned_is_one_sentence(viewer, tmp_path, qtbot, monkeypatch):
+def test_a_record_with_too_little_bed_says_so_and_why_it_cannot_be_learned(viewer, tmp_path, qtbot, monkeypatch):
     path = tmp_path / "short.nc"
     assert main(["render", "default", "--set", "track.pings=20", "--set", "sonar.bins=60", "-o", str(path)]) == 0
     open_recording(viewer, path, qtbot)
+    assert "too little bed" in viewer.panels["comparison"].view.statistics.said
     monkeypatch.setattr(QFileDialog, "getSaveFileName", lambda *_: (str(tmp_path / "learned.toml"), ""))
     scene = viewer.session.scene
     QTest.mouseClick(viewer.panels["comparison"].view.learn, Qt.MouseButton.LeftButton)

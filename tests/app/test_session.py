@@ -219,12 +219,6 @@ def test_contacts_do_not_end_a_drag(session, default):
     assert (session.scene, len(contacts)) == (default, 1)
 
 
-def test_an_edit_that_changes_nothing_keeps_the_name_of_the_last(session, default):
-    session.settle({"track.altitude": 7.0})
-    session.settle({"seed": default.seed})
-    assert session.undoable == ("altitude",)
-
-
 def test_the_history_has_an_end(session, default):
     contacts = ContactList(session)
     for number in range(UNDO_DEPTH + 20):
@@ -244,8 +238,10 @@ def test_another_look_gives_up_nothing_that_can_be_redone(session):
     assert (session.display.palette, session.display.ground_range) == ("grey", True)
 
 
-def test_a_look_and_back_is_no_step(session):
+def test_a_look_and_back_and_an_edit_that_changes_nothing_are_no_steps(session, default):
     session.settle({"track.altitude": 7.0})
+    session.settle({"seed": default.seed})
+    assert session.undoable == ("altitude",)
     for on in (True, False):
         session.show(ground_range=on)
     assert session.undoable == ("altitude",)
@@ -390,7 +386,7 @@ def test_a_mistake_is_named(tmp_path, field, value, said):
         read_contacts(path)
 
 
-@pytest.mark.parametrize("text", ["", "{}", "[1]", '{"features": 3}', "a,b\n1,2\n"])
+@pytest.mark.parametrize("text", ["", "{}", "[1]", '{"features": 3}', "a,b\n1,2\n", "[" * 100_000])
 def test_what_is_no_file_of_contacts_is_refused(tmp_path, text):
     for name in ("found.geojson", "found.csv"):
         path = tmp_path / name
@@ -401,17 +397,10 @@ def test_what_is_no_file_of_contacts_is_refused(tmp_path, text):
         read_contacts(tmp_path / "missing.csv")
 
 
-@pytest.mark.parametrize(
-    "text",
-    [
-        "[" * 100_000,
-        '{"features": [{"properties": {"ping": 1e400, "range_bin": 1, "side": "port", "slant_range": 1}}]}',
-    ],
-)
-def test_endless_and_deep_files_are_refused_in_a_sentence(tmp_path, text):
+def test_an_endless_number_is_refused_in_a_sentence(tmp_path):
     path = tmp_path / "found.geojson"
-    path.write_text(text, encoding="utf-8")
-    with pytest.raises(SceneError, match=r"is no file of contacts|no valid ping"):
+    path.write_text('{"features": [{"properties": {"ping": 1e400, "range_bin": 1, "side": "port", "slant_range": 1}}]}')
+    with pytest.raises(SceneError, match="no valid ping"):
         read_contacts(path)
 
 

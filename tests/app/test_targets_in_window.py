@@ -1,8 +1,11 @@
 """Adding, turning and removing targets in the window."""
 
+from types import SimpleNamespace
+
 import numpy as np
 import pytest
 from PySide6.QtWidgets import QFileDialog, QToolButton
+from stand_in import StandIn
 
 from insonify.scene import SceneError, edit, resources
 from insonify_viewer.panels.parameters.sections import sections_of
@@ -65,18 +68,14 @@ def test_a_cross_removes_its_target_alone(viewer, small, qtbot):
     assert viewer.session.scene.targets == (pipe, first, second)
 
 
-def test_no_file_picked_adds_no_mesh(open_viewer, small, qtbot, monkeypatch):
+def test_no_file_and_a_wrong_mesh_add_nothing(open_viewer, small, qtbot, monkeypatch, tmp_path):
     pick_file(monkeypatch, "")
     viewer = open_viewer(small)
     viewer.window.target_wanted.emit("mesh")
     qtbot.wait(50)
     assert viewer.session.scene == small
-
-
-def test_a_wrong_mesh_is_said_and_nothing_added(open_viewer, small, qtbot, monkeypatch, tmp_path):
     (tmp_path / "empty.obj").write_text("")
     pick_file(monkeypatch, str(tmp_path / "empty.obj"))
-    viewer = open_viewer(small)
     viewer.window.target_wanted.emit("mesh")
     qtbot.waitUntil(lambda: "holds no triangles" in viewer.window.status.sentence.text())
     assert viewer.session.scene == small
@@ -125,18 +124,12 @@ def test_what_is_for_bounces_and_speckle_is_shown_with_them(small):
 
 
 def test_a_mesh_in_millimetres_is_brought_to_metres(small, tmp_path):
-    from stand_in import StandIn
-
     (tmp_path / "large.obj").write_text("v 0 0 0\nv 4000 0 0\nv 0 3000 0\nf 1 2 3\n")
     target = new_target(StandIn(small, 0.03), small, "mesh", 100, str(tmp_path / "large.obj"))
     assert target["scale"] == 0.01
 
 
 def test_beside_the_bed_there_is_no_place(small):
-    from types import SimpleNamespace
-
-    from stand_in import StandIn
-
     simulation = StandIn(small, 0.03)
     simulation.ground = SimpleNamespace(height_at_once=lambda x, y: np.full(x.shape, np.nan))
     with pytest.raises(SceneError, match="there is no bed beside this part of the tow"):
@@ -144,8 +137,6 @@ def test_beside_the_bed_there_is_no_place(small):
 
 
 def test_the_drawn_targets_are_where_the_traced_ones_are(small):
-    from stand_in import StandIn
-
     box = {"kind": "box", "position": [5.0, 20.0], "size": [3.0, 2.0, 1.0], "heading": 90.0}
     cone = {"kind": "cone", "position": [15.0, 20.0], "radius": 2.0, "height": 1.0}
     scene = edit(small, {"targets": [box, {**cone, "material": "rock"}]})

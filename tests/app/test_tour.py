@@ -27,12 +27,15 @@ def test_five_steps_lead_through_the_window(viewer, qtbot):
     assert [title.split(":")[0] for title in titles] == [f"{number} of 5" for number in range(1, 6)]
 
 
-def test_back_and_skip(open_viewer, small, qtbot):
-    tour = begin(open_viewer(small))
+def test_back_and_skip_while_the_window_stays_free(viewer, qtbot):
+    tour = begin(viewer)
     assert not tour.card.back.isEnabled()
     qtbot.mouseClick(tour.card.next, Qt.MouseButton.LeftButton)
     qtbot.mouseClick(tour.card.back, Qt.MouseButton.LeftButton)
     assert tour.card.title.text().startswith("1 of 5")
+    assert viewer.session.settle({"track.altitude": 7.0})
+    viewer.window.resize(960, 600)
+    assert viewer.window.rect().contains(tour.card.geometry())
     qtbot.mouseClick(tour.card.skip, Qt.MouseButton.LeftButton)
     assert tour.card is None
 
@@ -52,13 +55,6 @@ def test_escape_leaves_the_tour(viewer, qtbot):
         qtbot.keyClick(elsewhere, Qt.Key.Key_Escape)
         assert tour.card is None
         assert QApplication.focusWidget() is elsewhere
-
-
-def test_the_window_stays_free_during_the_tour(viewer):
-    begin(viewer)
-    assert viewer.session.settle({"track.altitude": 7.0})
-    viewer.window.resize(960, 600)
-    assert viewer.window.rect().contains(viewer.window.tour.card.geometry())
 
 
 @pytest.mark.parametrize(("toured", "panel", "shown"), [(False, "", 1), (True, "", 0), (False, "record", 0)])

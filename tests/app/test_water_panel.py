@@ -10,7 +10,6 @@ from PySide6.QtWidgets import QApplication, QFileDialog
 
 from insonify.scene import edit
 from insonify_viewer.state.session import Session
-from insonify_viewer.widgets.painting import round_steps
 
 PROFILE = {"kind": "profile", "depth": [0.0, 10.0, 20.0, 30.0], "sound_speed": [1520.0, 1518.0, 1500.0, 1502.0]}
 
@@ -32,6 +31,12 @@ def colours(widget) -> int:
 
 def test_the_panel_opens_with_layered_water_and_stays_out_of_the_way_without(viewer, layered, qtbot):
     assert not viewer.panels["water"].view.isVisible()
+    viewer.window._buttons["water"].trigger()
+    wait_for_rays(viewer, qtbot)
+    assert viewer.panels["water"].complete
+    assert colours(viewer.panels["water"].view) > 30, "uniform water can be looked at too"
+    viewer.window._buttons["water"].trigger()
+    assert not viewer.panels["water"].view.isVisible()
     viewer.session.open(layered)
     wait_for_rays(viewer, qtbot)
     assert viewer.panels["water"].view.isVisible()
@@ -40,13 +45,6 @@ def test_the_panel_opens_with_layered_water_and_stays_out_of_the_way_without(vie
     assert not viewer.panels["water"].view.isVisible()
     viewer.session.settle({"water.depth.1": 9.0})
     assert not viewer.panels["water"].view.isVisible()
-
-
-def test_uniform_water_can_be_looked_at_too(viewer, qtbot):
-    viewer.window._buttons["water"].trigger()
-    wait_for_rays(viewer, qtbot)
-    assert viewer.panels["water"].complete
-    assert colours(viewer.panels["water"].view) > 30
 
 
 def test_a_point_of_the_profile_is_dragged_and_the_drag_undone(open_viewer, layered, qtbot):
@@ -67,15 +65,10 @@ def test_a_point_of_the_profile_is_dragged_and_the_drag_undone(open_viewer, laye
     assert viewer.session.scene == layered
     wait_for_rays(viewer, qtbot)
     assert (view.handle(1).toPoint() - start).manhattanLength() <= 1
-
-
-def test_a_point_never_passes_its_neighbours(open_viewer, layered, qtbot):
-    viewer = open_viewer(layered)
-    wait_for_rays(viewer, qtbot)
-    viewer.panels["water"].view.point_dragged.emit(1, 29.0, 1800.0)
-    assert viewer.session.scene.water.depth == (0.0, 19.9, 20.0, 30.0)
+    view.point_dragged.emit(1, 29.0, 1800.0)
+    assert viewer.session.scene.water.depth == (0.0, 19.9, 20.0, 30.0), "it never passes its neighbours"
     assert viewer.session.scene.water.sound_speed[1] == 1700.0
-    viewer.panels["water"].view.point_dragged.emit(1, -5.0, 1000.0)
+    view.point_dragged.emit(1, -5.0, 1000.0)
     assert viewer.session.scene.water.depth[1] == 0.1
     assert viewer.session.scene.water.sound_speed[1] == 1300.0
 
@@ -94,13 +87,13 @@ def test_a_click_into_the_water_asks_for_the_rays_to_it(open_viewer, layered, qt
     assert viewer.session.scene == layered
 
 
-def open_with_keyboard(open_viewer, scene, qtbot) -> tuple[Any, Any]:
+def open_with_keyboard(open_viewer, scene, qtbot, reason=Qt.FocusReason.TabFocusReason) -> tuple[Any, Any]:
     """Open a viewer, and return it and its view of the water, which has the keyboard."""
     viewer = open_viewer(scene)
     activate(viewer.window, qtbot)
     wait_for_rays(viewer, qtbot)
     view = viewer.panels["water"].view
-    view.setFocus(Qt.FocusReason.TabFocusReason)
+    view.setFocus(reason)
     return viewer, view
 
 
@@ -136,11 +129,8 @@ def test_a_point_is_settled_when_the_keyboard_leaves_it(open_viewer, layered, qt
 
 
 def test_a_key_asks_for_the_rays_to_a_point_of_the_water(open_viewer, layered, qtbot):
-    viewer = open_viewer(layered)
-    activate(viewer.window, qtbot)
-    wait_for_rays(viewer, qtbot)
-    panel, view = viewer.panels["water"], viewer.panels["water"].view
-    view.setFocus(Qt.FocusReason.BacktabFocusReason)
+    viewer, view = open_with_keyboard(open_viewer, layered, qtbot, Qt.FocusReason.BacktabFocusReason)
+    panel = viewer.panels["water"]
     plain = view.grab().toImage()
     QTest.keyClick(view, Qt.Key.Key_Right, Qt.KeyboardModifier.ShiftModifier)
     QTest.keyClick(view, Qt.Key.Key_Down)
@@ -178,12 +168,6 @@ def test_a_cast_is_asked_for(open_viewer, small, qtbot, tmp_path, monkeypatch):
     assert viewer.session.scene.water.path == str(path)
     wait_for_rays(viewer, qtbot)
     assert viewer.panels["water"].view.isVisible()
-
-
-def test_round_steps_are_round_and_few():
-    assert round_steps(0.0, 40.0, 5) == [0.0, 10.0, 20.0, 30.0, 40.0]
-    assert round_steps(1498.4, 1521.0, 3) == [1500.0, 1510.0, 1520.0]
-    assert len(round_steps(0.0, 450.0, 8)) <= 9
 
 
 def test_slower_water_lowers_the_ping_rate(small):

@@ -1,15 +1,20 @@
 """The real window on a virtual screen, over a simulation of known numbers."""
 
+from threading import Event
+
 import numpy as np
 import pytest
 from PySide6.QtCore import QPoint, Qt
 from PySide6.QtGui import QColor
 from PySide6.QtTest import QTest
 from PySide6.QtWidgets import QFileDialog, QToolButton
+from stand_in import StandIn
 
 from insonify.scene import bundled_scenes, edit, load_scene
 from insonify.scene.seabed.materials import MATERIALS
+from insonify.simulation import prepare
 from insonify_viewer.widgets.field_rows import ChoiceRow, NumberRow
+from insonify_viewer.widgets.save_dialogs import save_picture
 
 
 def number_row(viewer, path: str) -> NumberRow:
@@ -34,7 +39,7 @@ def drag(viewer, path: str, *positions: int):
     return slider
 
 
-def test_a_slider_held_still_gives_a_fine_record(viewer, qtbot):
+def test_a_slider_held_still_gives_a_fine_record_and_its_release_another_waterfall(viewer, qtbot):
     fine = []
     viewer.simulator.answered.connect(lambda answer: fine.append(answer.fine))
     slider = drag(viewer, "track.altitude", 300)
@@ -42,9 +47,7 @@ def test_a_slider_held_still_gives_a_fine_record(viewer, qtbot):
     assert slider.isSliderDown()
     assert not viewer.session.undoable, "the drag goes on"
     slider.setSliderDown(False)
-
-
-def test_slider_gives_another_waterfall(viewer, qtbot):
+    qtbot.waitUntil(lambda: viewer.complete)
     before = viewer.window.waterfall.picture().copy()
     drag(viewer, "seabed.material.diffuse", 600).setSliderDown(False)
     qtbot.waitUntil(lambda: viewer.complete)
@@ -54,7 +57,6 @@ def test_slider_gives_another_waterfall(viewer, qtbot):
 
 def test_drag_is_coarse_and_release_is_fine(open_viewer, small, qtbot):
     made = []
-    from stand_in import StandIn
 
     def prepare(scene, *, tolerance, forced, plan=None):
         made.append((scene, forced.get("planes", "as planned")))
@@ -82,15 +84,12 @@ def test_drag_is_coarse_and_release_is_fine(open_viewer, small, qtbot):
     assert viewer.session.scene == before, "a drag is one step of undo"
 
 
-def test_rows_stand_where_the_simulation_says(viewer):
+def test_rows_stand_where_the_simulation_says_while_paused_and_running_scrolls(viewer, qtbot):
     record = viewer.record
     for ping in (0, 5, 127):
         expected = MATERIALS["medium_sand"].diffuse * (1.0 + (ping % 7) / 10.0)
         assert record.amplitude_at(ping, 0, 50) == pytest.approx(expected, rel=1e-3)
         assert record.amplitude_at(ping, 1, 3) == 0.0
-
-
-def test_pause_holds_the_rows_and_running_scrolls(viewer, qtbot):
     held = viewer.window.waterfall.picture().copy()
     qtbot.wait(150)
     assert viewer.tow.newest == 127
@@ -166,7 +165,7 @@ def test_material_name_turns_into_its_numbers(open_viewer, small):
     assert shown == [f"{value:.4g}" for value in MATERIALS["rock"].reflectivity[:3]]
 
 
-def test_refused_edit_is_said_and_the_slider_returns(viewer, small):
+def test_refused_edit_is_said_and_the_slider_returns(viewer, small, qtbot):
     row = number_row(viewer, "seabed.depth")
     home = row.slider.value()
     drag(viewer, "seabed.depth", 0).setSliderDown(False)
@@ -174,9 +173,6 @@ def test_refused_edit_is_said_and_the_slider_returns(viewer, small):
     assert viewer.session.scene == small
     assert row.slider.value() == home
     assert row.field.text() == "30 m"
-
-
-def test_core_refusal_goes_back(viewer, small, qtbot):
     viewer.session.settle({"seed": 666})
     qtbot.waitUntil(lambda: viewer.session.scene == small)
     assert "666" in viewer.window.status.sentence.text()
@@ -252,7 +248,7 @@ def test_palette_and_gain_change_the_colours(viewer):
     assert (waterfall.picture() == pen).all()
 
 
-def test_port_is_left_and_newest_on_top(viewer):
+def test_port_is_left_newest_on_top_and_other_bins_and_pings_make_a_new_record(viewer, qtbot):
     amplitude = np.zeros((1, 2, 100), np.float32)
     amplitude[0, 0, 99] = 50.0
     viewer.window.waterfall.show_rows(viewer.record.put(np.array([127]), amplitude, 99))
@@ -260,9 +256,6 @@ def test_port_is_left_and_newest_on_top(viewer):
     brightest = np.unravel_index(np.argmax(picture & 0xFF), picture.shape)
     assert brightest[0] == 0
     assert brightest[1] < picture.shape[1] // 50
-
-
-def test_bins_and_pings_make_a_new_record(viewer, qtbot):
     viewer.session.settle({"sonar.bins": 50, "track.pings": 40})
     qtbot.waitUntil(lambda: viewer.complete)
     assert (viewer.record.pings, viewer.record.bins) == (40, 50)
@@ -299,8 +292,6 @@ def test_nothing_black_in_the_water_above(open_viewer, small, qtbot):
 
 
 def test_picture_is_saved_whole_or_not_at_all(open_viewer, small, tmp_path):
-    from insonify_viewer.widgets.save_dialogs import save_picture
-
     viewer = open_viewer(small)
     save_picture(viewer.window, tmp_path / "w.png")
     assert (tmp_path / "w.png").stat().st_size > 10_000
@@ -310,8 +301,6 @@ def test_picture_is_saved_whole_or_not_at_all(open_viewer, small, tmp_path):
 
 
 def test_dem_is_opened_and_the_tow_ends_with_it(open_viewer, small, tmp_path, qtbot):
-    from insonify.simulation import prepare
-
     y, x = np.mgrid[0:60, 0:90]
     np.save(tmp_path / "hill.npy", np.hypot(x - 45.0, y - 30.0) / -20.0)
     viewer = open_viewer(small, prepare=prepare)
@@ -338,10 +327,6 @@ def test_scene_file_that_cannot_be_read_is_said(viewer, small, tmp_path):
 
 
 def test_seabed_and_progress_show_before_the_first_ping(open_viewer, small, qtbot):
-    from threading import Event
-
-    from stand_in import StandIn
-
     compiled = Event()
 
     class Slow(StandIn):

@@ -1,7 +1,6 @@
 """What a bent ray costs, printed: run with `pytest -m bench -s tests/bench`."""
 
 import math
-import sys
 
 import numpy as np
 import pytest
@@ -26,7 +25,7 @@ def join_all(height, speed, x, z):
 
 
 @pytest.mark.parametrize("nodes", [2, 4, 11, 101])
-def test_a_ray(nodes, capsys):
+def test_a_ray(nodes, say):
     depth = np.linspace(0.0, 60.0, nodes)
     water = layers(depth, 1500.0 - 10.0 * np.tanh((depth - 25.0) / 4.0))
     rng = np.random.default_rng(0)
@@ -41,9 +40,8 @@ def test_a_ray(nodes, capsys):
         rounds=9,
     )
     direct, every, paths = (timings[name].median * 1e6 for name in ("direct", "all", "paths"))
-    with capsys.disabled():
-        sys.stdout.write(
-            f"\n{nodes} nodes: the direct ray between two points {direct / PAIRS:.2f} µs, all rays {every:.0f} µs, "
-            f"a path of up to 200 points to the bed {paths / angles.size:.1f} µs"
-        )
+    say(
+        f"{nodes} nodes: the direct ray between two points {direct / PAIRS:.2f} µs, all rays {every:.0f} µs, "
+        f"a path of up to 200 points to the bed {paths / angles.size:.1f} µs"
+    )
     assert math.isfinite(direct)

@@ -4,7 +4,6 @@ Seconds of one thread's own time, so that what else the machine does hardly coun
 rounds taken in turns.
 """
 
-import sys
 import time
 
 import numpy as np
@@ -36,25 +35,24 @@ def microseconds(**calls: tuple[Simulation, np.ndarray, int]) -> dict[str, tuple
     return {name: (min(times), float(np.median(times))) for name, times in taken.items()}
 
 
-def say(capsys, what, costs):
-    with capsys.disabled():
-        rows = "; ".join(f"{name} {least:.1f} ({median:.1f})" for name, (least, median) in costs.items())
-        sys.stdout.write(f"\n{what}, µs a ping, least (median): {rows}")
+def tell(say, what, costs):
+    rows = "; ".join(f"{name} {least:.1f} ({median:.1f})" for name, (least, median) in costs.items())
+    say(f"{what}, µs a ping, least (median): {rows}")
 
 
-def test_targets(capsys):
+def test_targets(say):
     with_targets, bare = prepare(edit(DEFAULT, KNIFE)), prepare(edit(DEFAULT, KNIFE | BARE))
     costs = microseconds(targets=(with_targets, PINGS, 1), none=(bare, PINGS, 1))
-    say(capsys, f"knife, default scene, targets + {costs['targets'][0] - costs['none'][0]:.1f}", costs)
+    tell(say, f"knife, default scene, targets + {costs['targets'][0] - costs['none'][0]:.1f}", costs)
 
 
-def test_pings_that_cross_no_target(capsys):
+def test_pings_that_cross_no_target(say):
     scene = edit(DEFAULT, KNIFE | {"track.start": (-500.0, 0.0)})
     costs = microseconds(beside=(prepare(scene), PINGS, 1), none=(prepare(edit(scene, BARE)), PINGS, 1))
-    say(capsys, "knife, targets far away", costs)
+    tell(say, "knife, targets far away", costs)
 
 
-def test_a_mesh_of_20_000_triangles(capsys, tmp_path):
+def test_a_mesh_of_20_000_triangles(say, tmp_path):
     vertices, faces = icosphere(5)
     rows = [f"v {x} {y} {z}" for x, y, z in vertices] + [f"f {a} {b} {c}" for a, b, c in faces + 1]
     (tmp_path / "ball.obj").write_text("\n".join(rows))
@@ -70,15 +68,15 @@ def test_a_mesh_of_20_000_triangles(capsys, tmp_path):
     crossing = np.flatnonzero(np.abs(along - 20.0) < 0.7)
     costs = microseconds(**{name: (simulation, np.tile(crossing, 8), 1) for name, simulation in made.items()})
     pipe, mesh = costs["pipe"][0], costs["mesh"][0]
-    say(capsys, f"knife, {crossing.size} pings that cross a target, mesh of 20,480 / pipe × {mesh / pipe:.2f}", costs)
+    tell(say, f"knife, {crossing.size} pings that cross a target, mesh of 20,480 / pipe × {mesh / pipe:.2f}", costs)
 
 
-def test_length(capsys):
+def test_length(say):
     bare = prepare(edit(DEFAULT, KNIFE | BARE))
-    say(capsys, "knife, by pings", microseconds(**{str(n): (bare, np.arange(n), 1) for n in (128, 512, 2048, 8192)}))
+    tell(say, "knife, by pings", microseconds(**{str(n): (bare, np.arange(n), 1) for n in (128, 512, 2048, 8192)}))
 
 
-def test_planes(capsys):
+def test_planes(say):
     simulation = prepare(DEFAULT)
     costs = microseconds(**{str(n): (simulation, PINGS[::4], n) for n in (4, 8, 16, 32, 64)})
-    say(capsys, "fan of 1°, default scene, by planes", costs)
+    tell(say, "fan of 1°, default scene, by planes", costs)

@@ -3,7 +3,6 @@
 Run with `pytest -m bench -s tests/bench/test_pixel_speed.py`.
 """
 
-import sys
 from statistics import median
 from time import perf_counter
 
@@ -27,7 +26,7 @@ def milliseconds(work):
 
 
 @pytest.mark.parametrize("name", SCENES)
-def test_time_of_an_explanation(name, capsys):
+def test_time_of_an_explanation(name, say):
     simulation = prepare(load_scene(name))
     bins = np.linspace(0.25, 0.95, 12) * simulation.reduced.bins
     explain_pixel(simulation, 60, 0, int(bins[0]))
@@ -37,8 +36,7 @@ def test_time_of_an_explanation(name, capsys):
     place = np.array([float(simulation.poses(np.array([60])).x[0]), 20.0, 0.0])
     find_listeners(simulation, place, np.arange(0, 120))
     heard = milliseconds(lambda: find_listeners(simulation, place, np.arange(0, 120)))
-    with capsys.disabled():
-        sys.stdout.write(
-            f"\n{name}: pixel {median(times):.1f} ms (most {max(times):.1f}), cross-section {cut:.1f} ms, "
-            f"pixels of a place {heard:.1f} ms\n"
-        )
+    say(
+        f"{name}: pixel {median(times):.1f} ms (most {max(times):.1f}), cross-section {cut:.1f} ms, "
+        f"pixels of a place {heard:.1f} ms\n"
+    )

@@ -5,7 +5,6 @@ the thread itself, so that what else the machine does hardly counts.
 """
 
 import math
-import sys
 from time import thread_time
 
 import numpy as np
@@ -60,12 +59,11 @@ def time_a_knot(times):
     return (times[1] - times[2]) / (0.5 * KNOTS)
 
 
-def say(capsys, name, constant, measured):
-    with capsys.disabled():
-        sys.stdout.write(f"\n{name:40s} {constant:8.2f} in plans, {measured:8.2f} measured")
+def tell(say, name, constant, measured):
+    say(f"{name:40s} {constant:8.2f} in plans, {measured:8.2f} measured")
 
 
-def test_knots_planes_and_targets(capsys):
+def test_knots_planes_and_targets(say):
     bare = edit(DEFAULT, BARE | KNIFE)
     calls = {every: call_of(bare, Model(every=every), MANY) for every in STRIDES}
     calls |= {share: call_of(bare, Model(misplaced=share), MANY) for share in sweep.KNOTS if share < math.inf}
@@ -74,41 +72,41 @@ def test_knots_planes_and_targets(capsys):
     times = medians(calls)
     knot = time_a_knot(times)
     plane = times[1] / knot - KNOTS
-    say(capsys, "PLANE, knots of a knife", sweep.PLANE, plane)
+    tell(say, "PLANE, knots of a knife", sweep.PLANE, plane)
     segments, parts, beyond = zip(
         *(sweep.divide_profile(REACH, every * SPACING, DEFAULT.altitude) for every in STRIDES)
     )
     left = np.array([times[every] for every in STRIDES]) / knot - plane - np.array(beyond)
     cut, part = np.linalg.lstsq(np.column_stack([segments, parts])[2:], left[2:])[0]
-    say(capsys, "CUT_SEGMENT, knots", sweep.CUT_SEGMENT, cut)
-    say(capsys, "PART, knots", sweep.PART, part)
-    say(capsys, "TARGET, knots", sweep.TARGET, (times["targets"] - times[1]) / knot / len(DEFAULT.targets))
-    say(capsys, "REFRACTED, knots of a knot", sweep.REFRACTED, (times["bent"] / knot - plane) / KNOTS)
+    tell(say, "CUT_SEGMENT, knots", sweep.CUT_SEGMENT, cut)
+    tell(say, "PART, knots", sweep.PART, part)
+    tell(say, "TARGET, knots", sweep.TARGET, (times["targets"] - times[1]) / knot / len(DEFAULT.targets))
+    tell(say, "REFRACTED, knots of a knot", sweep.REFRACTED, (times["bent"] / knot - plane) / KNOTS)
     for share, constant in sweep.KNOTS.items():
         if share < math.inf:
-            say(capsys, f"KNOTS[{share}]", constant, (times[share] / knot - plane) / KNOTS)
+            tell(say, f"KNOTS[{share}]", constant, (times[share] / knot - plane) / KNOTS)
 
 
-def test_planes_of_the_near_field(capsys):
+def test_planes_of_the_near_field(say):
     for name, changes, constant in (
         ("NEAR_PLANES", BARE, sweep.NEAR_PLANES),
         ("NEAR_PLANES_OF_PATTERN", BARE | ARRAY, sweep.NEAR_PLANES_OF_PATTERN),
     ):
         scene = edit(DEFAULT, changes)
         times = medians({planes: call_of(scene, Model(planes=planes), MANY) for planes in (1, 8)})
-        say(capsys, f"{name}, beside 8 planes", constant, times[8] / times[1] - 8.0)
+        tell(say, f"{name}, beside 8 planes", constant, times[8] / times[1] - 8.0)
 
 
-def test_surface_paths(capsys):
+def test_surface_paths(say):
     for name, (scene, changes, planes) in SURFACE_SCENES.items():
         below = edit(scene, FLAT | changes)
         calls = {ways: call_of(below, Model(planes=planes, ways=ways)) for ways in (frozenset(), PATHS)}
         times = medians(calls)
         ratio = (times[PATHS] / times[frozenset()] - 1.0) / len(PATHS)
-        say(capsys, f"a path by the surface, {name}", sweep.weigh_path(pack(below).arrays), ratio)
+        tell(say, f"a path by the surface, {name}", sweep.weigh_path(pack(below).arrays), ratio)
 
 
-def test_single_rays(capsys):
+def test_single_rays(say):
     bare, few, rays = edit(DEFAULT, BARE | KNIFE), PINGS[:2], 2000
     calls = {every: call_of(bare, Model(every=every), MANY) for every in STRIDES}
     calls["rays"] = call_of(bare, Model("rays", rays=rays), few)
@@ -116,6 +114,6 @@ def test_single_rays(capsys):
     calls["march"] = call_of(bare, Model("march", rays=rays, step=0.1), few)
     times, steps = medians(calls), REACH / 0.1
     knot = time_a_knot(times)
-    say(capsys, "RAY, knots", rays.RAY, times["rays"] / knot / rays)
-    say(capsys, "REFRACTED_RAY, knots", rays.REFRACTED_RAY, times["bent"] / knot / rays)
-    say(capsys, "STEP, knots", sweep.STEP, (times["march"] / knot / rays - rays.RAY) / steps)
+    tell(say, "RAY, knots", rays.RAY, times["rays"] / knot / rays)
+    tell(say, "REFRACTED_RAY, knots", rays.REFRACTED_RAY, times["bent"] / knot / rays)
+    tell(say, "STEP, knots", sweep.STEP, (times["march"] / knot / rays - rays.RAY) / steps)

@@ -1,7 +1,5 @@
 """What each effect of the receiver costs, printed: run with `pytest -m bench -s tests/bench`."""
 
-import sys
-
 import numpy as np
 import pytest
 
@@ -30,7 +28,7 @@ EFFECTS = {
 }
 
 
-def test_what_each_effect_costs(capsys):
+def test_what_each_effect_costs(say):
     calls = {}
     for name, changes in EFFECTS.items():
         simulation = prepare(edit(load_scene("default"), changes))
@@ -44,14 +42,13 @@ def test_what_each_effect_costs(capsys):
     base = timings["tone of 1.5 bins"].median
     for name, timing in timings.items():
         added = 1e6 * (timing.median - base) / PINGS.size
-        with capsys.disabled():
-            sys.stdout.write(
-                f"\n{name}: {1e3 * timing.median:.1f} ms for {PINGS.size} pings × 2 × 1000 bins on two threads"
-                f" ({added:+.1f} µs a ping)"
-            )
+        say(
+            f"{name}: {1e3 * timing.median:.1f} ms for {PINGS.size} pings × 2 × 1000 bins on two threads"
+            f" ({added:+.1f} µs a ping)"
+        )
 
 
-def test_what_coherent_speckle_costs(capsys):
+def test_what_coherent_speckle_costs(say):
     pings = PINGS[:64]
     for density in (None, 100.0, 10.0):
         speckle = {"kind": "coherent", "density": density}
@@ -63,8 +60,7 @@ def test_what_coherent_speckle_costs(capsys):
             waves.trace(arrays, poses, planes=planes, threads=1)
 
         timing = time_calls({"coherent": call}, rounds=5)["coherent"]
-        with capsys.disabled():
-            sys.stdout.write(
-                f"\ncoherent, {waves.scatterers.density:.0f} scatterers a m²: "
-                f"{1e3 * timing.median / pings.size:.2f} ms a ping on one thread"
-            )
+        say(
+            f"coherent, {waves.scatterers.density:.0f} scatterers a m²: "
+            f"{1e3 * timing.median / pings.size:.2f} ms a ping on one thread"
+        )

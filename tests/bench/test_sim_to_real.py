@@ -7,7 +7,6 @@ class (40), ``INSONIFY_SIM_SETS`` a folder in which the sets are kept and grow. 
 
 import json
 import os
-import sys
 from pathlib import Path
 
 import numpy as np
@@ -141,7 +140,7 @@ def measures(chance: np.ndarray, classes: np.ndarray) -> dict[str, float]:
     }
 
 
-def test_trees_trained_on_simulation_find_real_wrecks(tmp_path, capsys):
+def test_trees_trained_on_simulation_find_real_wrecks(tmp_path, say):
     ensemble = pytest.importorskip("sklearn.ensemble")
     features, classes = simulated(Path(os.environ.get("INSONIFY_SIM_SETS", tmp_path)))
     shown, truth = real()
@@ -153,10 +152,9 @@ def test_trees_trained_on_simulation_find_real_wrecks(tmp_path, capsys):
     found, rng = measures(chance, truth), np.random.default_rng(1)
     picks = [rng.integers(0, len(truth), len(truth)) for _ in range(DRAWS)]
     drawn = [measures(chance[pick], truth[pick]) for pick in picks]
-    with capsys.disabled():
-        counts = f"{SCENES} scenes a set, {len(classes)} chips; {len(truth)} real pictures; {SEEDS} forests, averaged"
-        sys.stdout.write(f"\n{counts}\n")
-        for name, value in found.items():
-            low, high = np.percentile([one[name] for one in drawn], [2.5, 97.5])
-            sys.stdout.write(f"{name:28s} {value:.3f}  ({low:.3f} to {high:.3f})\n")
+    counts = f"{SCENES} scenes a set, {len(classes)} chips; {len(truth)} real pictures; {SEEDS} forests, averaged"
+    say(counts)
+    for name, value in found.items():
+        low, high = np.percentile([one[name] for one in drawn], [2.5, 97.5])
+        say(f"{name:28s} {value:.3f}  ({low:.3f} to {high:.3f})")
     assert found["AUC object"] > 0.95

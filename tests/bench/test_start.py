@@ -6,6 +6,7 @@ Run with `pytest -m bench -s tests/bench/test_start.py`.
 import os
 import subprocess
 import sys
+from collections.abc import Callable
 from pathlib import Path
 from statistics import median
 from time import monotonic
@@ -25,19 +26,18 @@ print(time.monotonic())
 """
 
 
-def test_from_the_command_to_the_first_ping(capsys: pytest.CaptureFixture[str]) -> None:
+def test_from_the_command_to_the_first_ping(say: Callable[[str], None]) -> None:
     pinged, ended = [], []
     for _ in range(8):
         start = monotonic()
         done = subprocess.run([sys.executable, "-c", FIRST_PING], check=True, capture_output=True, text=True)
         pinged.append(float(done.stdout) - start)
         ended.append(monotonic() - start)
-    with capsys.disabled():
-        # The first may still compile.
-        sys.stdout.write(
-            f"\nfrom the command to the first ping: {median(pinged[1:]):.2f} s (best {min(pinged):.2f} s), "
-            f"to its end: {median(ended[1:]):.2f} s (best {min(ended):.2f} s)"
-        )
+    # The first may still compile.
+    say(
+        f"from the command to the first ping: {median(pinged[1:]):.2f} s (best {min(pinged):.2f} s), "
+        f"to its end: {median(ended[1:]):.2f} s (best {min(ended):.2f} s)"
+    )
 
 
 FIRST_RECORD = """
@@ -54,15 +54,14 @@ print(sum(entry.is_start for _, entry in compiled.buffer), time.process_time() -
 """
 
 
-def test_first_record_from_an_empty_cache(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_first_record_from_an_empty_cache(tmp_path: Path, say: Callable[[str], None]) -> None:
     environment = {name: value for name, value in os.environ.items() if name != "NUMBA_CACHE_DIR"}
     environment |= {"XDG_CACHE_HOME": str(tmp_path), "PICTURE": str(tmp_path / "first.png")}
     start = monotonic()
     command = [sys.executable, "-c", FIRST_RECORD]
     done = subprocess.run(command, env=environment, check=True, capture_output=True, text=True)
     functions, seconds = done.stdout.splitlines()[-1].split()
-    with capsys.disabled():
-        sys.stdout.write(
-            f"\nfirst record from an empty cache on two cores: {monotonic() - start:.1f} s, "
-            f"{float(seconds):.1f} s of processor time, {functions} functions compiled"
-        )
+    say(
+        f"first record from an empty cache on two cores: {monotonic() - start:.1f} s, "
+        f"{float(seconds):.1f} s of processor time, {functions} functions compiled"
+    )

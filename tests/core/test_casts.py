@@ -9,6 +9,7 @@ from insonify.io.sound_speed_casts import read_cast
 from insonify.scene import SceneError, edit, load_scene
 from insonify.scene.water.layered import CastWater
 from insonify.scene.water.sound_speed import EQUATIONS
+from insonify.simulation import prepare
 
 SEABIRD = """* Sea-Bird SBE19plus  Data File:
 # nquan = {count}
@@ -210,8 +211,6 @@ def test_what_is_no_cast_is_refused_in_one_sentence(tmp_path, name, content, wor
 
 
 def test_a_missing_cast_is_named_before_anything_is_traced():
-    from insonify.simulation import prepare
-
     scene = edit(load_scene("default"), {"water": {"kind": "cast", "path": "nowhere.cnv"}})
     with pytest.raises(SceneError, match=r"water.path: 'nowhere.cnv' does not exist"):
         prepare(scene)

@@ -10,7 +10,7 @@ from pathlib import Path
 import pytest
 
 from commands import run_python
-from insonify import compilation_bar
+from insonify import progress
 from insonify.compiler.compilation_events import WORDS, called_functions
 from insonify.compiler.digests import SOURCES
 from insonify.compiler.progress import Compilation
@@ -112,9 +112,9 @@ def test_progress_goes_on_between_two_reports(monkeypatch: pytest.MonkeyPatch) -
 def test_a_terminal_shows_a_bar_until_the_kernel_is_finished(
     screen: type[io.StringIO], monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(compilation_bar, "DELAY", 0.0)
+    monkeypatch.setattr(progress, "DELAY", 0.0)
     monkeypatch.setattr(sys, "stderr", screen())
-    bar = compilation_bar.CompilationBar()
+    bar = progress.CompilationBar()
     bar(Compilation("bent rays", 0.0, None))
     bar(Compilation("bent rays", 0.4, 61.0))
     bar(None)

@@ -91,10 +91,6 @@ def test_modules_of_the_current_folder_are_not_imported(file, monkeypatch):
     assert not any(Path(found).is_relative_to(folder) for found in run_isolated(import_common, file))
 
 
-def test_the_process_is_kept(file):
-    assert run_isolated(give, file)["process"] == run_isolated(give, file)["process"]
-
-
 def test_a_crash_is_one_sentence_and_the_next_file_is_read(file):
     with pytest.raises(FileFault, match="the library that reads it fails"):
         run_isolated(crash, file)

@@ -12,8 +12,7 @@ from beds import pipe_edges
 from commands import run_python
 from insonify.cli import main
 from insonify.optics.cutaway import OpticalScene, make_camera, make_cutaway, make_optical_scene
-from insonify.optics.light import LAMP, LightRenderer, find_optical_hits, light_picture
-from insonify.optics.material_colours import hues
+from insonify.optics.light import LAMP, LightRenderer, find_optical_hits, hues, light_picture
 from insonify.scene import edit, load_scene
 
 LEVEL = {"seabed.relief": "flat", "seabed.material": {"name": "rock", "diffuse": 0.5, "specular": 0.0}, "targets": []}

@@ -85,20 +85,14 @@ def test_overlaps_follow_the_named_rule(rule, expected):
     np.testing.assert_allclose(port[np.isfinite(port)], expected, atol=1e-5)
 
 
-def test_the_nearest_record_counts():
-    lines = (straight_swath(heading=0.0, start=(0.0, y), level=level) for y, level in ((0.0, 1.0), (15.0, 3.0)))
-    mosaic = make_mosaic([*lines], 0.5, "nearest")
+def test_the_nearest_record_counts_and_neighbours_fill_the_nadir_of_one():
+    lines = [straight_swath(heading=0.0, start=(0.0, y), level=level) for y, level in ((0.0, 1.0), (15.0, 3.0))]
+    mosaic = make_mosaic(lines, 0.5, "nearest")
     x, y = cell_centres(mosaic)
     middle = (x > 2.0) & (x < 27.0)
     np.testing.assert_allclose(mosaic.level[middle & (y > 0.6) & (y < 7.0)], 0.0, atol=1e-6)
     np.testing.assert_allclose(mosaic.level[middle & (y > 8.0) & (y < 14.0)], 20.0 * np.log10(6.0), rtol=1e-5)
-
-
-def test_neighbouring_records_fill_the_nadir_of_one():
-    lines = (straight_swath(heading=0.0, start=(0.0, y), level=level) for y, level in ((0.0, 1.0), (15.0, 3.0)))
-    mosaic = make_mosaic([*lines], 0.5, "no-nadir")
-    x, y = cell_centres(mosaic)
-    middle = (x > 2.0) & (x < 27.0)
+    mosaic = make_mosaic(lines, 0.5, "no-nadir")
     np.testing.assert_allclose(mosaic.level[middle & (abs(y) < 4.0)], 20.0 * np.log10(6.0), rtol=1e-5)
     np.testing.assert_allclose(mosaic.level[middle & (y < -6.0) & (y > -18.0)], 20.0 * np.log10(2.0), rtol=1e-5)
 

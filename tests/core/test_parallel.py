@@ -182,12 +182,6 @@ print(os.waitpid(child, 0)[1])
     assert run_python("-c", code, timeout=PATIENCE)[1].strip() == "0"
 
 
-def wait_until(condition):
-    limit = time.monotonic() + PATIENCE
-    while not condition() and time.monotonic() < limit:
-        time.sleep(0.001)
-
-
 def test_one_item_ahead_is_made_meanwhile():
     made = []
 
@@ -198,7 +192,9 @@ def test_one_item_ahead_is_made_meanwhile():
 
     seen = []
     for item in one_ahead(items()):
-        wait_until(lambda item=item: len(made) >= min(item + 2, 5))
+        limit = time.monotonic() + PATIENCE
+        while len(made) < min(item + 2, 5) and time.monotonic() < limit:
+            time.sleep(0.001)
         time.sleep(0.01)  # for one made too early
         seen.append((item, len(made)))
     assert [item for item, _ in seen] == list(range(5))

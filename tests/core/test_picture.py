@@ -56,13 +56,9 @@ def even(level=1.0, bins: int = BINS):
     return lambda intensity, pings: normalise(intensity, np.broadcast_to(level, (len(pings), 1, bins)))
 
 
-def luminance(table: np.ndarray) -> np.ndarray:
-    return table.astype(float) @ np.array([0.2126, 0.7152, 0.0722])
-
-
 @pytest.mark.parametrize("name", PALETTES)
 def test_palettes_run_one_way_in_lightness(name):
-    lightness = luminance(load_palette(name))
+    lightness = load_palette(name).astype(float) @ np.array([0.2126, 0.7152, 0.0722])
     assert lightness.shape == (256,)
     # A pen marks strong echoes dark.
     assert (np.diff(lightness) < 0.5).all() if name == "pen" else (np.diff(lightness) > -0.5).all()

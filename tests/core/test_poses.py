@@ -262,12 +262,9 @@ def dem(folder, heights, **changes):
     return scene, build_ground(scene)
 
 
-def slope(n=401):
-    return np.broadcast_to(-40.0 + SLOPE * 0.5 * np.arange(n), (n, n)).copy()
-
-
 def test_up_a_slope_a_following_fish_keeps_its_altitude(tmp_path):
-    scene, ground = dem(tmp_path, slope(), heading=0.0, start=[-60.0, 0.0])
+    slope = np.broadcast_to(-40.0 + SLOPE * 0.5 * np.arange(401), (401, 401)).copy()
+    scene, ground = dem(tmp_path, slope, heading=0.0, start=[-60.0, 0.0])
     found = make_poses(scene, ground, np.arange(600))
     np.testing.assert_allclose(found.z - ground.height_at(found.x, found.y), 10.0, atol=1e-4)
     assert found.z[-1] - found.z[0] == pytest.approx(SLOPE * 0.2 * 599, abs=1e-3)
@@ -327,11 +324,6 @@ def place_over(scene):
     return placed, np.flatnonzero(placed.z < ground.height_at(placed.x, placed.y))
 
 
-def start_below_the_bed():
-    placed, inside = place_over(SHALLOW)
-    return [float(placed.x[inside[0]]), float(placed.y[inside[0]])]
-
-
 def test_a_sonar_below_the_bed_is_refused_with_the_ping():
     scene, pings = SHALLOW, np.arange(40)
     _, inside = place_over(scene)
@@ -345,5 +337,7 @@ def test_a_sonar_below_the_bed_is_refused_with_the_ping():
 
 
 def test_a_track_wholly_below_the_bed_is_refused_when_it_is_planned():
+    placed, inside = place_over(SHALLOW)
+    start = [float(placed.x[inside[0]]), float(placed.y[inside[0]])]
     with pytest.raises(SceneError, match=r"^track.altitude: at ping 0 the sonar is .* m below the bed; "):
-        plan(edit(SHALLOW, {"track.pings": 1, "track.start": start_below_the_bed()}))
+        plan(edit(SHALLOW, {"track.pings": 1, "track.start": start}))

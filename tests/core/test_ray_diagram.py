@@ -5,6 +5,7 @@ import math
 
 import numpy as np
 import pytest
+from PIL import Image
 
 from insonify.acoustics.rays import follow_paths
 from insonify.acoustics.water import make_water
@@ -131,8 +132,6 @@ def test_the_table_holds_every_point(diagram, tmp_path):
 
 
 def test_the_picture_shows_shadow_bed_and_eigenrays(diagram, tmp_path):
-    from PIL import Image
-
     write_ray_diagram(tmp_path / "rays.png", diagram)
     picture = np.asarray(Image.open(tmp_path / "rays.png").convert("RGB")).astype(int)
     assert picture.shape[0] > 1000

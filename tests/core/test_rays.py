@@ -27,10 +27,6 @@ def flat(**options):
     return arrays_of(FLAT, 4.0, periodic=True, **options)
 
 
-def slope(x, y):
-    return np.polyfit(np.log10(x), np.log10(y), 1)[0]
-
-
 @pytest.mark.parametrize("law", [LIGHT, SONAR])
 @pytest.mark.parametrize("half_width", [0.0, FAN, math.radians(15.0)])
 def test_flat_bed_is_its_closed_form(law, half_width):
@@ -42,28 +38,6 @@ def test_flat_bed_is_its_closed_form(law, half_width):
     np.testing.assert_allclose(port[201:220], curve[201:220], rtol=2e-2)
     np.testing.assert_allclose(starboard, port, rtol=1e-5, atol=1e-9)
     assert not port[:200].any()
-
-
-@pytest.mark.parametrize(("half_width", "order"), [(0.0, -6.0), (FAN, -5.0)])
-def test_flat_bed_falls_as_it_must(half_width, order):
-    # Far out, where cos θ is 1: a knife as −60 log r, a fan as −50 log r.
-    arrays = arrays_of(FLAT, 50.0, periodic=True, bins=2000, half_width=half_width, bin_length=0.1, spreading=True)
-    record = rays.trace(arrays, poses_of(0.0, 0.0, 4.0), rays=19600)[0, 0]
-    r = (np.arange(2000) + 0.5) * 0.1
-    assert slope(r[1000:], record[1000:]) == pytest.approx(order, abs=0.01)
-
-
-@pytest.mark.parametrize("altitude", [2.0, 9.99, 10.02, 25.0])
-def test_first_return_comes_from_the_altitude(altitude):
-    record = rays.trace(flat(), poses_of(1.0, 1.0, altitude), rays=4000)[0, 0]
-    assert np.flatnonzero(record)[0] == int(altitude / 0.05)
-
-
-def test_light_of_a_half_lit_bin_is_half_its_radiance():
-    # The bed begins in the middle of bin 200.
-    record = rays.trace(flat(law=LIGHT), poses_of(0.0, 0.0, 10.025), rays=79950)[0, 0]
-    assert record[200] == pytest.approx(0.5 * 10.025 / 10.0375, rel=1e-3)
-    assert record[201] == pytest.approx(10.025 / 10.075, rel=1e-3)
 
 
 def test_fan_adds_up_to_the_beam():
@@ -79,32 +53,14 @@ def test_fan_adds_up_to_the_beam():
     assert record.sum() == pytest.approx(truth, rel=2e-4)
 
 
-def test_wall_is_heard_at_its_distance():
+def test_wall_is_met_at_its_distance():
     heights = np.zeros((3, 202))
     heights[:, 130:] = 8.0  # a cliff from x = 12.9 to 13.0
-    arrays = arrays_of(heights, 0.1, bins=400)
-    arrays = arrays._replace(bed=arrays.bed._replace(y0=-0.1))
-    # Heading −y: x is to port.
-    record = rays.trace(arrays, poses_of(5.0, 0.0, 4.0, -math.pi / 2), rays=20000)[0, 0]
+    arrays = arrays_of(heights, 0.1, y0=-0.1, bins=400)
     distance, what, normal = rays.cast(arrays, (5.0, 0.0, 4.0), [(1.0, 0.0, 0.0), (1.0, 0.0, 0.4)])
     np.testing.assert_allclose(distance, [7.95, 636.0 / 79.6 * math.hypot(1.0, 0.4)], atol=1e-6)
     assert what.tolist() == [BED, BED]
     np.testing.assert_allclose(normal[0], [-80.0 / math.hypot(1.0, 80.0), 0.0, 1.0 / math.hypot(1.0, 80.0)], atol=1e-6)
-    # Steep at the foot of the cliff: the echo stands far above the bed before it.
-    assert record[160:170].max() > 20.0 * record[140:155].max()
-
-
-def test_shadow_of_a_step():
-    # A plateau 2 m high ends 10 m off; its edge hides the bed from 10 m out to where the ray over it lands.
-    heights = np.zeros((3, 1001))
-    heights[:, :101] = 2.0
-    arrays = arrays_of(heights, 0.1, y0=-0.1, bins=2000)
-    record = rays.trace(arrays, poses_of(0.0, 0.0, 10.0, -math.pi / 2), rays=200_000)[0, 0]
-    edge, landing = math.hypot(10.0, 8.0), math.hypot(12.5, 10.0)
-    dark = np.flatnonzero(record[200:] == 0.0) + 200
-    assert dark[0] * 0.05 == pytest.approx(edge, abs=0.1)
-    assert (dark[-1] + 1) * 0.05 == pytest.approx(landing, abs=0.05)
-    assert dark.size == dark[-1] - dark[0] + 1
 
 
 @pytest.mark.parametrize(

@@ -18,6 +18,7 @@ from insonify.receiver.stage import ReceiverSetup, Sound, Stage, stage_kinds
 from insonify.scene import edit, load_scene
 from insonify.scene.sonar.pulses import tone_taps
 from insonify.simulation import prepare
+from receptions import scene_with
 
 FLAT = np.zeros((4, 4))
 BINS = 1000
@@ -33,10 +34,6 @@ EVERYTHING = {
     "receiver__interference": {"kind": "sonar", "level": -50.0, "ping_rate": 7.0, "duration": 1e-3},
     "receiver__recorder": {"bits": 8, "gain": [[0.0, 0.0], [1.0, 3.0]], "side_gain": 1.0, "dropped_pings": 0.2},
 }
-
-
-def scene(**changes):
-    return edit(load_scene("default"), {path.replace("__", "."): value for path, value in changes.items()})
 
 
 def reception(declared, bins=BINS, law=SONAR, **options):
@@ -66,7 +63,7 @@ def test_taps_hold_the_pulse(length):
 def test_an_echo_begins_at_its_range_and_lasts_the_pulse():
     traced = np.zeros((1, 2, BINS), np.float32)
     traced[0, 0, 400], traced[0, 1, 998] = 3.0, 1.0
-    record = received(scene(), traced)
+    record = received(scene_with(), traced)
     # 0.1 ms is 7.5 cm, 1.5 bins of 5 cm.
     np.testing.assert_allclose(record[0, 0, 398:404], [0.0, 0.0, 1.5, 2.625, 0.375, 0.0], atol=1e-6)
     np.testing.assert_allclose(record[0, 1, 996:], [0.0, 0.0, 0.5, 0.875], atol=1e-6)
@@ -75,20 +72,17 @@ def test_an_echo_begins_at_its_range_and_lasts_the_pulse():
 
 def test_an_even_echo_grows_with_the_pulse_and_light_does_not():
     traced = np.ones((1, 2, BINS), np.float32)
-    np.testing.assert_allclose(received(scene(), traced)[:, :, 10:], 1.5, rtol=1e-6)
-    np.testing.assert_allclose(received(scene(), traced, law=LIGHT)[:, :, 10:], 1.0, rtol=1e-6)
-    longer = received(scene(sonar__pulse__duration=0.1), traced)  # than the record
+    np.testing.assert_allclose(received(scene_with(), traced)[:, :, 10:], 1.5, rtol=1e-6)
+    np.testing.assert_allclose(received(scene_with(), traced, law=LIGHT)[:, :, 10:], 1.0, rtol=1e-6)
+    longer = received(scene_with(sonar__pulse__duration=0.1), traced)  # than the record
     assert longer.shape == traced.shape
     np.testing.assert_allclose(longer[0, 0], np.arange(BINS) + 0.5, rtol=1e-5)
-    assert received(scene(sonar__pulse="ideal"), traced) is traced
-
-
-def speckled(traced, pings=None, **changes):
-    return received(scene(sonar__pulse="ideal", receiver__speckle="rayleigh", **changes), traced, pings)
+    assert received(scene_with(sonar__pulse="ideal"), traced) is traced
 
 
 def test_speckle_of_an_ideal_pulse_is_independent_from_bin_to_bin_and_ping_to_ping():
-    cube = speckled(np.ones((60, 2, BINS), np.float32)).astype(float) - 1.0
+    declared = scene_with(sonar__pulse="ideal", receiver__speckle="rayleigh")
+    cube = received(declared, np.ones((60, 2, BINS), np.float32)).astype(float) - 1.0
     bound = 4.0 / np.sqrt(cube.size)
     assert abs((cube[:, :, 1:] * cube[:, :, :-1]).mean()) < bound
     assert abs((cube[1:] * cube[:-1]).mean()) < bound
@@ -105,7 +99,7 @@ def test_speckle_of_an_ideal_pulse_is_independent_from_bin_to_bin_and_ping_to_pi
 )
 def test_whatever_it_does_belongs_to_ping_side_and_bin(changes):
     # At 2 mm a ping neighbours share most of their speckle, at 0.1 mm, the slowest tow, nearly all of it.
-    declared = scene(**EVERYTHING | changes)
+    declared = scene_with(**EVERYTHING | changes)
     traced = np.random.default_rng(0).random((40, 2, 200), np.float32)
     whole = received(declared, traced)
     order = np.random.default_rng(1).permutation(40)
@@ -123,10 +117,10 @@ def test_speckle_leaves_shadows_silent_and_nothing_changes_the_traced_record():
     traced[:, :, 20:] = 1.0
     kept = traced.copy()
     for kind in ("rayleigh", "k"):
-        record = received(scene(sonar__pulse="ideal", receiver__speckle=kind), traced)
+        record = received(scene_with(sonar__pulse="ideal", receiver__speckle=kind), traced)
         assert not record[:, :, :20].any()
         assert (record[:, :, 20:] > 0.0).all()
-    received(scene(**EVERYTHING), traced)
+    received(scene_with(**EVERYTHING), traced)
     np.testing.assert_array_equal(traced, kept)
 
 
@@ -136,7 +130,7 @@ def test_speckle_leaves_shadows_silent_and_nothing_changes_the_traced_record():
     + [("receiver__reverberation", "volume"), ("receiver__reverberation", "surface")],
 )
 def test_each_effect_is_had_alone_and_undone_by_taking_it_back(path, value):
-    plain = scene(sonar__pulse="ideal")
+    plain = scene_with(sonar__pulse="ideal")
     traced = np.full((3, 2, BINS), 1e-6, np.float32)
     touched = edit(plain, {path.replace("__", "."): value})
     assert not np.array_equal(received(touched, traced), traced)
@@ -145,7 +139,7 @@ def test_each_effect_is_had_alone_and_undone_by_taking_it_back(path, value):
 
 
 def test_the_mean_of_the_whole_way_is_the_mean_record():
-    declared = scene(
+    declared = scene_with(
         receiver__speckle="rayleigh",
         receiver__fluctuation={"kind": "lognormal", "correlation_time": 0.1},
         receiver__noise={"kind": "ambient", "level": -80.0},

@@ -9,8 +9,8 @@ from beds import arrays_of
 from insonify.acoustics.flat_bed import flat_bed_curve
 from insonify.cli import main
 from insonify.io.records import read_record
-from insonify.receiver import make_reception, receive
-from insonify.scene import edit, load_scene
+from insonify.receiver import receive
+from receptions import reception
 
 BINS, BIN_LENGTH, ALTITUDE = 1000, 0.05, 10.0
 BIN_TIME = 2.0 * BIN_LENGTH / 1500.0
@@ -18,10 +18,8 @@ RATE = 10.0  # pings per second of the default scene
 
 
 def ready(bins=BINS, **changes):
-    declared = edit(
-        load_scene("default"), {"sonar.pulse": "ideal"} | {p.replace("__", "."): v for p, v in changes.items()}
-    )
-    return make_reception(declared, arrays(bins), altitude=ALTITUDE, depth=20.0)
+    level = {"altitude": ALTITUDE, "half_width": math.radians(0.5), "spreading": True}
+    return reception(bins, BIN_LENGTH, **level, **{"sonar__pulse": "ideal"} | changes)
 
 
 def arrays(bins=BINS):

@@ -5,10 +5,8 @@ from itertools import permutations
 
 import pytest
 
+from field_changes import RELIEFS, with_relief
 from insonify.scene import Scene, SceneError, edit, load_scene, plain, read_setting
-from insonify.scene.base import kind_name, models_of
-from insonify.scene.seabed import Seabed
-from insonify.scene_edits import add_dependent_edits
 
 BOX, BALL = ({"kind": kind, "position": [1.0, 2.0]} for kind in ("box", "sphere"))
 PROFILE, SPEEDS = {"kind": "profile"}, [1520.0, 1519.0, 1501.0, 1500.0]
@@ -243,13 +241,7 @@ def test_an_unknown_unit_stays_text() -> None:
     assert read_setting("nowhere.at.all=3kn") == ("nowhere.at.all", "3kn")
 
 
-KINDS = [kind_name(model) for model in models_of(Seabed, "relief") if kind_name(model) != "dem"]
 ENDLESS = ["fractal", "power_law", "von_karman", "ripples", "autocorrelation", "sum"]
-
-
-def changed(scene: Scene, **changes) -> Scene:
-    named = {f"seabed.relief.{name.replace('__', '.')}": value for name, value in changes.items()}
-    return edit(scene, add_dependent_edits(scene, named)[0])
 
 
 @pytest.fixture
@@ -257,16 +249,16 @@ def scene() -> Scene:
     return load_scene("default")
 
 
-@pytest.mark.parametrize(("first", "second"), list(permutations(KINDS, 2)))
+@pytest.mark.parametrize(("first", "second"), list(permutations(RELIEFS, 2)))
 def test_any_kind_follows_any_other(scene, first, second):
-    assert changed(changed(scene, kind=first), kind=second).seabed.relief.kind == second
+    assert with_relief(with_relief(scene, kind=first), kind=second).seabed.relief.kind == second
 
 
 @pytest.mark.parametrize("first", ENDLESS)
-@pytest.mark.parametrize("second", KINDS)
+@pytest.mark.parametrize("second", RELIEFS)
 def test_any_kind_follows_an_endless_one(scene, first, second):
-    before = changed(scene, kind=first)
+    before = with_relief(scene, kind=first)
     place = {"of__0__extent": "endless"} if first == "sum" else {"extent": "endless"}
-    endless = changed(before, **place)
+    endless = with_relief(before, **place)
     assert endless.seabed.endless
-    assert changed(endless, kind=second).seabed.relief.kind == second
+    assert with_relief(endless, kind=second).seabed.relief.kind == second

@@ -62,7 +62,9 @@ def test_no_pings_blocks_or_threads_are_refused(options, sentence):
 
 @pytest.mark.parametrize("truth", [False, True])
 def test_blocks_of_any_size_make_the_same_record(monkeypatch, truth):
-    scene = small(71, receiver__speckle="rayleigh")
+    turn = {"kind": "turn", "rate": 20.0, "begin": 1.0}
+    motion = {"kind": "sum", "of": ["heave", "sway", "yaw", "pitch", "roll", turn]}
+    scene = small(71, receiver__speckle="rayleigh", track__motion=motion)
     whole = simulate(scene, truth=truth, threads=1)
     for block in (13, 1000):
         parts = list(simulate_blocks(scene, truth=truth, block=block, threads=3))

@@ -6,6 +6,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from insonify.kernels.bed.voronoi import ACROSS, ALONG, KIND, nearest_seed_hash
+from insonify.kernels.common.hashing import hash_integers, hash_uniform
 from insonify.packing.scene_arrays import make_bed
 from insonify.scene import SceneError, build, edit, load_scene
 from insonify.scene.seabed import Seabed
@@ -142,9 +144,6 @@ def test_maps_keep_their_places_on_other_grids():
 
 
 def test_patches_agree_with_the_slow_search():
-    from insonify.kernels.bed.voronoi import ACROSS, ALONG, KIND, nearest_seed_hash
-    from insonify.kernels.common.hashing import hash_integers, hash_uniform
-
     rng = np.random.default_rng(0)
     squares = [(i % 5, j % 5, i, j) for i in range(-4, 10) for j in range(-4, 10)]
     points = np.array(

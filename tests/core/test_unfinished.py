@@ -11,9 +11,8 @@ import time
 import pytest
 
 from insonify.errors import FileWarning
-from insonify.io import atomic, lease
-from insonify.io.atomic import clear_ended, replacing, unfinished_folder
-from insonify.io.lease import is_leased
+from insonify.io import atomic
+from insonify.io.atomic import clear_ended, is_leased, replacing, unfinished_folder
 
 WRITE = """
 import os, sys, time
@@ -197,27 +196,27 @@ def test_two_writers_of_one_host_and_number_have_a_folder_each(tmp_path):
 def test_where_locks_prove_nothing_a_file_is_kept_until_its_writer_is_silent(tmp_path, monkeypatch, foreign):
     path = tmp_path / "record.nc"
     if foreign == "locks":
-        monkeypatch.setattr(lease, "_lock", lambda *words, **options: None)
+        monkeypatch.setattr(atomic, "_lock", lambda *words, **options: None)
     end(writer(path), signal.SIGKILL)
     (left,) = tmp_path.iterdir()
     if foreign == "kernel":
-        monkeypatch.setattr(lease, "kernel", lambda: "another")
+        monkeypatch.setattr(atomic, "kernel", lambda: "another")
     monkeypatch.setattr(atomic.platform, "node", lambda: "ashore")
     with pytest.warns(FileWarning, match=r"process \d+ of \w+ is writing it as well"), replacing(path) as beside:
         beside.write_text("new")
     assert left.exists()
     assert path.read_text() == "new"
-    long_ago = time.time() - lease.SILENT - 1.0
-    os.utime(left / lease.NAME, (long_ago, long_ago))
+    long_ago = time.time() - atomic.SILENT - 1.0
+    os.utime(left / atomic.LEASE, (long_ago, long_ago))
     clear_ended(tmp_path)
     assert list(tmp_path.iterdir()) == [path]
 
 
 def test_a_writer_at_work_renews_its_lease(tmp_path, monkeypatch):
-    monkeypatch.setattr(lease, "BEAT", 0.02)
-    monkeypatch.setattr(lease, "_lock", lambda *words, **options: None)
+    monkeypatch.setattr(atomic, "BEAT", 0.02)
+    monkeypatch.setattr(atomic, "_lock", lambda *words, **options: None)
     with unfinished_folder(tmp_path / "record.nc") as folder:
-        os.utime(folder / lease.NAME, (0.0, 0.0))
+        os.utime(folder / atomic.LEASE, (0.0, 0.0))
         deadline = time.monotonic() + 60.0
         while not is_leased(folder) and time.monotonic() < deadline:
             time.sleep(0.01)
@@ -228,13 +227,13 @@ def test_a_disk_without_locks_is_none_that_refuses(tmp_path, monkeypatch):
     def refuse(*words):
         raise OSError(errno.ENOLCK, os.strerror(errno.ENOLCK))
 
-    monkeypatch.setattr(lease.fcntl, "flock", refuse)
+    monkeypatch.setattr(atomic.fcntl, "flock", refuse)
     with unfinished_folder(tmp_path / "record.nc") as folder:
-        assert (folder / lease.NAME).read_text() == lease.UNLOCKED
+        assert (folder / atomic.LEASE).read_text() == atomic.UNLOCKED
         assert is_leased(folder)
 
 
-@pytest.mark.parametrize("age", [0.0, 2.0 * lease.SILENT])
+@pytest.mark.parametrize("age", [0.0, 2.0 * atomic.SILENT])
 def test_a_file_that_an_earlier_version_left_goes_when_it_is_old(tmp_path, age):
     left = tmp_path / ".record.unfinished-host-123-0.nc"
     left.write_text("half")

@@ -8,8 +8,13 @@ from insonify.acoustics.water import make_sound_speed_field, make_water, recordi
 from insonify.cli import main
 from insonify.display.ray_diagram.tracing import trace_ray_diagram
 from insonify.scene import SceneError, build, edit, load_scene, scene_from_toml, scene_to_toml
-from insonify.scene.water.layered import HydrographyWater, ProfileWater, SectionWater
-from insonify.scene.water.polyline import approximate_by_segments, thin_polyline
+from insonify.scene.water.layered import (
+    HydrographyWater,
+    ProfileWater,
+    SectionWater,
+    approximate_by_segments,
+    thin_polyline,
+)
 from insonify.scene.water.sound_speed import mackenzie
 from insonify.simulation import prepare
 
@@ -22,10 +27,6 @@ def scene_in(water, **changes):
 
 def profile(**changes):
     return {"kind": "profile", "depth": DEPTHS, "sound_speed": SPEEDS, **changes}
-
-
-def speed_of(water, height, station=0):
-    return np.interp(height, water.height, water.speed[station])
 
 
 def test_heights_count_from_the_mean_bed_upwards():
@@ -127,7 +128,9 @@ def test_a_section_is_straight_between_its_profiles_and_even_beyond():
     water = make_water(scene_in(section.model_dump()), -30.0)
     np.testing.assert_allclose([water.axis_x, water.axis_y], [0.0, 1.0], atol=1e-15)
     np.testing.assert_array_equal(water.station, section.distance)
-    np.testing.assert_allclose([speed_of(water, 10.0, k) for k in range(3)], [1500.0, 1520.0, 1515.0])
+    np.testing.assert_allclose(
+        [np.interp(10.0, water.height, speed) for speed in water.speed], [1500.0, 1520.0, 1515.0]
+    )
 
 
 def test_polylines_keep_within_their_tolerance_and_drop_what_is_straight():

@@ -122,20 +122,8 @@ def mutate_npy(content: bytes, rng: Random) -> bytes:
         header = mutate_text(header, rng)
     else:
         kinds = (
-            "<f8",
-            "|O",
-            "<c16",
-            "<U9",
-            "|b1",
-            "<M8[s]",
-            "<f2",
-            ">f4",
-            "<i8",
-            "<f16",
-            "|V8",
-            "[('a','<f4')]",
-            "|u1",
-        )
+            "<f8", "|O", "<c16", "<U9", "|b1", "<M8[s]", "<f2", ">f4", "<i8", "<f16", "|V8", "[('a','<f4')]", "|u1",
+        )  # fmt: skip
         header = re.sub(rb"'descr': '.*?'", f"'descr': '{rng.choice(kinds)}'".encode(), header)
     return content[:8] + struct.pack("<H", len(header) & 0xFFFF) + header + data
 

@@ -10,6 +10,7 @@ from scipy.special import airy
 import insonify
 from insonify.acoustics.paths import airy_pressure
 from insonify.kernels.refraction.arcs import HIGH, LOW
+from insonify.kernels.refraction.eigenrays import follow_to_range
 from insonify.scene.water import AnyWater
 from water import layers, shot
 
@@ -41,15 +42,9 @@ def layered(water, degrees_up):
     """Range, time and tube at the receiver's depth, met going down again."""
     status, up = shot(water, SOURCE, -degrees_up, surface=-RECEIVER)
     assert status == HIGH
-    status, ray = shot_on(water, up)
+    status, ray = follow_to_range(*water, up, math.inf, -RECEIVER, math.inf)
     assert status == LOW
     return ray.x, ray.time, ray.q
-
-
-def shot_on(water, ray):
-    from insonify.kernels.refraction.eigenrays import follow_to_range
-
-    return follow_to_range(*water, ray, math.inf, -RECEIVER, math.inf)
 
 
 def farthest(trace):

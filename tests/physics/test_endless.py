@@ -9,8 +9,7 @@ import pytest
 from insonify.scene.seabed.reliefs.fractal import Fractal, power_spectrum
 from insonify.scene.seabed.reliefs.roughness import VonKarman
 from insonify.terrain import endless_field
-from insonify.terrain.endless_field import TILE, Band, EndlessField, Nodes, gather_tiles
-from insonify.terrain.lattice_noise import lattice_noise
+from insonify.terrain.endless_field import TILE, Band, EndlessField, Nodes, gather_tiles, lattice_noise
 from insonify.terrain.random_heights import endless_heights
 
 SOFT = {"extent": "endless", "clamp": "soft", "coefficients": "gaussian"}

@@ -1,6 +1,7 @@
 """The sweep over a level bed, against integrals done by hand."""
 
 import math
+from functools import partial
 
 import numpy as np
 import pytest
@@ -11,12 +12,14 @@ from insonify.kernels.common.types import LIGHT, SONAR
 from insonify.scene import edit, load_scene
 from insonify.scene.seabed.materials import Reflectivity
 from insonify.simulation import prepare
-from insonify.tracers import sweep
+from insonify.tracers import rays, sweep
 from insonify.tracers.azimuth_fan import FORESHORTENED
 
 FLAT = np.zeros((4, 4))
 MATERIAL = Reflectivity(0.6, 0.3, 5.0)
 ALTITUDE = 10.02
+TRACERS = ["sweep", "rays"]
+many_rays = partial(rays.trace, rays=79950)
 NEAR_FIELD_END = ALTITUDE / math.sqrt(1.0 - (1.0 - FORESHORTENED) ** 2)
 
 
@@ -120,23 +123,26 @@ def test_the_curve_is_the_integral(law, half_width):
 
 @pytest.mark.parametrize("altitude", [2.0, 9.99, 10.02, 25.0, 49.97])
 @pytest.mark.parametrize("half_width", [0.0, 0.02])
-def test_first_return_comes_from_the_altitude(altitude, half_width):
-    record = sweep.trace(flat(half_width=half_width), poses_of(1.0, 1.0, altitude))[0, 0]
+@pytest.mark.parametrize("trace", [sweep.trace, partial(rays.trace, rays=4000)], ids=TRACERS)
+def test_first_return_comes_from_the_altitude(altitude, half_width, trace):
+    record = trace(flat(half_width=half_width), poses_of(1.0, 1.0, altitude))[0, 0]
     assert np.flatnonzero(record)[0] == int(altitude / 0.05)
 
 
-def test_light_of_a_half_lit_bin_is_half_its_radiance():
+@pytest.mark.parametrize(("trace", "bound"), [(sweep.trace, 2e-3), (many_rays, 1e-3)], ids=TRACERS)
+def test_light_of_a_half_lit_bin_is_half_its_radiance(trace, bound):
     # The bed begins in the middle of bin 200.
-    record = sweep.trace(flat(law=LIGHT), poses_of(0.0, 0.0, 10.025))[0, 0]
-    assert record[200] == pytest.approx(0.5 * 10.025 / 10.0375, rel=2e-3)
-    assert record[201] == pytest.approx(10.025 / 10.075, rel=2e-3)
+    record = trace(flat(law=LIGHT), poses_of(0.0, 0.0, 10.025))[0, 0]
+    assert record[200] == pytest.approx(0.5 * 10.025 / 10.0375, rel=bound)
+    assert record[201] == pytest.approx(10.025 / 10.075, rel=bound)
 
 
+@pytest.mark.parametrize("trace", [sweep.trace, many_rays], ids=TRACERS)
 @pytest.mark.parametrize(("half_width", "order"), [(0.0, -6.0), (math.radians(1.25), -5.0)])
-def test_a_knife_falls_as_60_log_r_and_a_fan_as_50(half_width, order):
+def test_a_knife_falls_as_60_log_r_and_a_fan_as_50(half_width, order, trace):
     # Far out, where cos θ is 1.
     arrays = arrays_of(FLAT, 0.5, periodic=True, bins=2000, half_width=half_width, bin_length=0.1, spreading=True)
-    record = sweep.trace(arrays, poses_of(0.0, 0.0, 4.0))[0, 0]
+    record = trace(arrays, poses_of(0.0, 0.0, 4.0))[0, 0]
     r = (np.arange(2000) + 0.5) * 0.1
     slope = np.polyfit(np.log10(r[1000:]), np.log10(record[1000:]), 1)[0]
     assert slope == pytest.approx(order, abs=0.01)

@@ -4,12 +4,10 @@ import math
 
 import numpy as np
 import pytest
-import xarray as xr
 
 from insonify.display.normalisation import LevelBed, normalise
-from insonify.io.record_schema import join_blocks
 from insonify.scene import edit, load_scene
-from insonify.simulation import prepare, simulate, simulate_blocks
+from insonify.simulation import prepare, simulate
 from insonify.terrain import build_ground
 from insonify.tow.poses import make_poses
 
@@ -81,18 +79,6 @@ def test_sway_moves_the_bed_sideways_and_nothing_else():
     start = scene.track.start
     shifted = edit(scene, {"track.start": [start[0] - 2.0, start[1]]})
     np.testing.assert_allclose(simulate(swayed).intensity, simulate(shifted).intensity, rtol=1e-4)
-
-
-def test_blocks_of_any_size_make_the_same_record():
-    motion = {
-        "kind": "sum",
-        "of": [HEAVE, "sway", "yaw", "pitch", "roll", {"kind": "turn", "rate": 20.0, "begin": 1.0}],
-    }
-    scene = edit(load_scene("rough-tow"), {"track.motion": motion, "track.pings": 30, "sonar.bins": 200})
-    whole = simulate(scene, truth=True)
-    for block in (1, 7):
-        parts = list(simulate_blocks(scene, block=block, truth=True))
-        xr.testing.assert_identical(join_blocks(parts), whole)
 
 
 def test_a_surge_spaces_pings_unevenly():

@@ -14,15 +14,12 @@ from insonify.scene import edit, load_scene, scene_to_toml
 from insonify.scene.receiver.noises import rain_noise, thermal_noise, wind_noise
 from insonify.scene_edits import add_dependent_edits
 from insonify.simulation import prepare
+from receptions import decibels
 
 TONE, LONG_TONE = {"kind": "tone", "duration": 1e-4}, {"kind": "tone", "duration": 1e-3}
 CHIRP = {"kind": "chirp", "duration": 1e-3, "bandwidth": 30e3}
 DENSITY = {"kind": "density", "level": 35.0}
 C = 1500.0
-
-
-def decibels(ratio):
-    return 10.0 * np.log10(ratio)
 
 
 def level_bed(**changes):

@@ -1,6 +1,7 @@
 """Echo and shadow of a pipe over a level bed, against their closed forms, wherever it lies."""
 
 import math
+from functools import partial
 
 import numpy as np
 import pytest
@@ -10,7 +11,7 @@ from hypothesis import strategies as st
 from beds import arrays_of, pipe_edges, poses_of
 from insonify.scene import edit, load_scene
 from insonify.simulation import prepare
-from insonify.tracers import sweep
+from insonify.tracers import rays, sweep
 
 STEP = 0.02
 BINS = 3000
@@ -116,22 +117,27 @@ def test_a_shadow_without_end_reaches_the_last_bin():
     assert not record[math.ceil(begins / STEP) + 1 :].any()
 
 
-def test_a_step_hides_what_lies_behind_it():
+both_tracers = pytest.mark.parametrize("trace", [sweep.trace, partial(rays.trace, rays=200_000)], ids=["sweep", "rays"])
+
+
+@both_tracers
+def test_a_step_hides_what_lies_behind_it(trace):
     heights = np.zeros((3, 1001))
     heights[:, :101] = 2.0
     arrays = arrays_of(heights, 0.1, y0=-0.1, bins=2000)
-    record = sweep.trace(arrays, poses_of(0.0, 0.0, 10.0, -math.pi / 2.0))[0, 0]
+    record = trace(arrays, poses_of(0.0, 0.0, 10.0, -math.pi / 2.0))[0, 0]
     dark = np.flatnonzero(record[200:] == 0.0) + 200
     assert dark[0] == pytest.approx(math.hypot(10.0, 8.0) / 0.05, abs=1.001)
     assert dark[-1] + 1 == pytest.approx(math.hypot(12.5, 10.0) / 0.05, abs=1.001)
     assert dark.size == dark[-1] - dark[0] + 1
 
 
-def test_a_wall_is_heard_at_its_distance():
+@both_tracers
+def test_a_wall_is_heard_at_its_distance(trace):
     heights = np.zeros((3, 202))
     heights[:, 130:] = 8.0  # a cliff from x = 12.9 to 13.0
     arrays = arrays_of(heights, 0.1, y0=-0.1, bins=400)
-    record = sweep.trace(arrays, poses_of(5.0, 0.0, 4.0, -math.pi / 2.0))[0, 0]
+    record = trace(arrays, poses_of(5.0, 0.0, 4.0, -math.pi / 2.0))[0, 0]
     # Steep at the foot of the cliff, and nothing beyond its top.
     assert record[158:175].max() > 20.0 * record[140:155].max()
     # From 7.9 m on: the last of the bed, ∫ sin²θ dx / π, and 8 m of wall 4 m above and below the sonar, ∫ cos²α dz / π.

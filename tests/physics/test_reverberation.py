@@ -11,16 +11,12 @@ from insonify.display.normalisation import LevelBed, normalise
 from insonify.kernels.common.types import TOP_HAT
 from insonify.receiver import receive
 from insonify.simulation import prepare
-from receptions import reception, scene_with
+from receptions import decibels, reception, scene_with
 
 BINS, BIN_LENGTH = 1000, 0.05
 R = (np.arange(BINS) + 0.5) * BIN_LENGTH
 FAN = math.radians(2.0)  # full width
 TONE = {"kind": "tone", "duration": 2e-4}  # 15 cm, 3 bins
-
-
-def decibels(ratio):
-    return 10.0 * np.log10(ratio)
 
 
 def arrays(width=FAN, bins=BINS, **options):

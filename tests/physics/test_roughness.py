@@ -9,10 +9,12 @@ from scipy.optimize import minimize_scalar
 
 from insonify.scene import SceneError, build
 from insonify.scene.seabed import Seabed
+from insonify.scene.seabed.reliefs.cascade import Cascade
 from insonify.scene.seabed.reliefs.ripples import Ripples
 from insonify.scene.seabed.reliefs.roughness import PowerLaw, VonKarman
 from insonify.statistics.record_statistics import amplitude_exponent
 from insonify.terrain import relief
+from insonify.terrain.periodic_waves import frequencies, wave_coefficients
 from insonify.terrain.random_heights import periodic_heights
 
 SIDE, PERIOD = 512, 51.2
@@ -180,9 +182,6 @@ def moments(field, scales, orders):
 
 
 def test_flux_of_a_cascade_has_the_moments_of_its_codimension():
-    from insonify.scene.seabed.reliefs.cascade import Cascade
-    from insonify.terrain.periodic_waves import frequencies, wave_coefficients
-
     cascade, found = Cascade(intermittency=0.15), []
     for seed in range(12):
         fx, fy = frequencies((SIDE, SIDE))

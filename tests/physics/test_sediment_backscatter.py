@@ -17,6 +17,7 @@ from insonify.scene.seabed.materials.sediments import (
     model_strength,
     scattering_strength,
 )
+from receptions import decibels
 
 SEDIMENTS = [name for name in MATERIALS if MATERIALS[name].model is not None]
 ANGLES = np.radians([10.0, 20.0, 30.0, 45.0, 60.0])
@@ -31,10 +32,6 @@ PUBLISHED = {
 }
 QUIET = {"volume": 0.0, "loss": 1e-9}
 SAND = Sediment(1.845, 1.1782, 0.01624, 0.002, 0.004446, 3.25)
-
-
-def decibels(ratio):
-    return 10.0 * np.log10(ratio)
 
 
 def slow_integral(q, alpha):

@@ -11,6 +11,7 @@ from insonify.explanation.sonar_equation import solve_sonar_equation, write_sona
 from insonify.scene import SceneError, edit, load_scene
 from insonify.scene.water.absorptions import francois_garrison
 from insonify.simulation import prepare, simulate
+from receptions import decibels
 
 BARE = {
     "targets": [],
@@ -26,10 +27,6 @@ QUIET = {"receiver.noise": "none", "receiver.reverberation": "none"}
 def raw(**changes):
     """The scene raw-record over a level bed, without anything random but its noise."""
     return edit(load_scene("raw-record"), BARE | {path.replace("__", "."): each for path, each in changes.items()})
-
-
-def decibels(ratio):
-    return 10.0 * np.log10(ratio)
 
 
 SONARS = {

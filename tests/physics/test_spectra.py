@@ -36,7 +36,7 @@ def test_gaussian_coefficients_give_the_exponent_in_the_mean(seed):
     assert amplitude_exponent(unmasked_heights(fractal, (512, 512), (512, 512), seed)) == pytest.approx(1.4, abs=0.021)
 
 
-def test_figure_6_centroid_gives_the_peak_and_the_direction_of_its_crests():
+def test_figure_6_has_its_peak_its_crests_and_44_percent_of_the_variance_in_five_clamped_waves():
     power = measured_power(unmasked_heights(FIGURE_6, (256, 256), (256, 256), 1))
     fx, fy = frequencies((256, 256))
     near = np.hypot(fx - 8, fy - 4) <= 2.0
@@ -44,11 +44,6 @@ def test_figure_6_centroid_gives_the_peak_and_the_direction_of_its_crests():
     radius, direction = np.hypot(fx, fy)[near], np.degrees(np.arctan2(fy, fx))[near]
     assert weight @ radius == pytest.approx(8.99, abs=0.26)
     assert weight @ direction == pytest.approx(26.4, abs=1.4)
-
-
-def test_five_clamped_waves_of_figure_6_hold_44_percent_of_the_variance():
-    power = measured_power(unmasked_heights(FIGURE_6, (256, 256), (256, 256), 1))
-    fx, fy = frequencies((256, 256))
     clamped = np.hypot(fx - 8, fy - 4) <= 1.0
     assert clamped.sum() == 5
     assert power[clamped].sum() / power.sum() == pytest.approx(0.44, abs=0.005)

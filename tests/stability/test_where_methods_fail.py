@@ -11,7 +11,7 @@ from beds import arrays_of, poses_of, rough
 from insonify import kernels
 from insonify.compiler.jit import FAST
 from insonify.kernels.common.types import BED, LIGHT, SONAR
-from insonify.scene import SceneError, edit, load_scene
+from insonify.scene import edit, load_scene
 from insonify.simulation import prepare, simulate
 from insonify.tracers import rays, sweep
 
@@ -152,15 +152,6 @@ def test_a_body_beyond_the_range_changes_nothing_and_one_across_its_end_is_cut()
     np.testing.assert_array_equal(beyond, bare)
     across = sweep.trace(flat(bins=400, solids=[((0.0, 19.7, 1.0), 1.0)]), poses_of(0.0, 0.0, 8.0))[0]
     assert across[0, -1] > 2.0 * bare[0, -1]
-
-
-@pytest.mark.parametrize("tracer", [sweep.trace, rays.trace])
-def test_a_sonar_inside_a_body_is_one_sentence(tracer):
-    pipe = ((-5.0, 0.0, 10.0), (5.0, 0.0, 10.0), 0.5)
-    with pytest.raises(SceneError, match=r"^targets\.0\.position: [^\n]+; move the target or raise the track$"):
-        tracer(flat(solids=[pipe]), poses_of(np.arange(-20.0, 20.0), 0.0, 10.0))
-    # Just outside it is none.
-    tracer(flat(solids=[pipe]), poses_of(0.0, 0.0, 10.51))
 
 
 @pytest.mark.parametrize("altitude", [1e-3, 0.02, 1000.0])

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from insonify.explanation.names import PATH_NAMES, name_materials, name_part
+from insonify.explanation.words import PATH_NAMES, name_materials, name_part
 from insonify_viewer.record.record import Record
 from insonify_viewer.state.inspection import Mark
 from insonify_viewer.work.executor import Executor

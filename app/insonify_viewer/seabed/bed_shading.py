@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from insonify.display.picture import load_palette
-from insonify.optics.material_colours import mixed_colour, shares_of
+from insonify.optics.light import mixed_colour, shares_of
 from insonify.scene import Scene
 from insonify.scene.seabed.materials import MATERIALS
 

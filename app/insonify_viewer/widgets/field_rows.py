@@ -8,7 +8,7 @@ from PySide6.QtCore import Qt
 from PySide6.QtGui import QContextMenuEvent, QMouseEvent, QWheelEvent
 from PySide6.QtWidgets import QComboBox, QGridLayout, QLabel, QLineEdit, QMenu, QPushButton, QSizePolicy, QSlider
 
-from insonify.scene.units import parse_quantity
+from insonify.scene.edit import parse_quantity
 from insonify_viewer.state.fields import ChoiceField, FileField, NumberField
 from insonify_viewer.state.quantities import format_quantity, slider_position, slider_value
 from insonify_viewer.widgets.buttons import set_property

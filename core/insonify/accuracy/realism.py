@@ -1,7 +1,5 @@
 """Distances between the textures of two sets of images, and a classifier that tries to tell them apart."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path

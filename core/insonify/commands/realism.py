@@ -1,7 +1,5 @@
 """``insonify realism``: what tells two folders of images apart."""
 
-from __future__ import annotations
-
 import argparse
 from pathlib import Path
 from typing import Any

@@ -5,9 +5,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from insonify.explanation.names import name_part
 from insonify.explanation.pixel_parts import arrays_at, whole_window
 from insonify.explanation.sound_paths import SonarPose, locate_sonar
+from insonify.explanation.words import name_part
 from insonify.kernels.labels.bed_stretches import BEHIND_BED, VISIBLE
 from insonify.packing.apparent_tables import make_apparent_tables
 from insonify.simulation import Simulation

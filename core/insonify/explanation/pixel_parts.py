@@ -8,8 +8,8 @@ from numpy.typing import NDArray
 
 from insonify.acoustics.pulses import Taps
 from insonify.acoustics.resolution_cell import bin_centres
-from insonify.explanation.names import name_materials, name_part
 from insonify.explanation.sound_paths import DIRECT, SURFACE, SonarPose, height_by_range, locate_sonar, trace_path
+from insonify.explanation.words import name_materials, name_part
 from insonify.kernels.common.types import SONAR, Poses, SceneArrays
 from insonify.kernels.labels.echo_parts import Window
 from insonify.packing.apparent_tables import make_apparent_tables

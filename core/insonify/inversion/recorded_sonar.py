@@ -44,7 +44,9 @@ class RecordedSonar(NamedTuple):
 
 def declare_sonar(record: xr.Dataset, changes: Mapping[str, Any]) -> RecordedSonar:
     """Take sonar and track from a record."""
-    _reject_learned(changes)
+    for path in changes:
+        if any(path == field or path.startswith(f"{field}.") for field in LEARNED):
+            raise SceneError(f"{path}: is learned from the record; leave it out, or edit the scene afterwards")
     altitude = _altitude(record)
     carried = _carried_scene(record)
     pings = record.sizes["ping_time"]
@@ -55,13 +57,6 @@ def declare_sonar(record: xr.Dataset, changes: Mapping[str, Any]) -> RecordedSon
     scene = edit(build(values), changes)
     missing = tuple(name for name in assumed if not any(path.startswith(name) for path in changes))
     return RecordedSonar(scene, altitude, _navigation(record, altitude, scene), False, missing)
-
-
-def _reject_learned(changes: Mapping[str, Any]) -> None:
-    """Reject settings of fields that are learned from the record."""
-    for path in changes:
-        if any(path == field or path.startswith(f"{field}.") for field in LEARNED):
-            raise SceneError(f"{path}: is learned from the record; leave it out, or edit the scene afterwards")
 
 
 def _altitude(record: xr.Dataset) -> Column:

@@ -1,4 +1,7 @@
-"""Write a file, or a folder that counts as one, whole or not at all; remove what an ended process left unfinished."""
+"""Write a file, or a folder that counts as one, whole or not at all; remove what an ended process left unfinished.
+
+A lease, which its process renews, tells what is being written from what was left.
+"""
 
 import errno
 import os
@@ -10,14 +13,15 @@ import signal
 import sys
 import tempfile
 import threading
+import time
 import warnings
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
+from functools import cache
 from pathlib import Path
-from typing import NamedTuple, NoReturn
+from typing import BinaryIO, NamedTuple, NoReturn
 
 from insonify.errors import FileWarning, SceneError
-from insonify.io.lease import Lease, is_leased
 from insonify.operating_system import interrupt_main_thread
 
 UNFINISHED = "unfinished"  # in the name of the folder of incomplete files
@@ -29,6 +33,95 @@ REQUESTS = [getattr(signal, name) for name in ("SIGTERM", "SIGHUP", "SIGQUIT", "
 NAMED = errno.errorcode.keys() - {errno.EIO, errno.EACCES}
 PROBE = 2**16  # bytes that a disk which is not full takes
 AGAIN = 1.0  # s after which a request to end is repeated: a bare `except` in a library may swallow the exit
+if sys.platform == "win32":
+    import msvcrt
+else:
+    import fcntl
+LEASE = "lease"  # of the file in the folder
+BEAT = 20.0  # s between renewals
+SILENT = 600.0  # s without a renewal after which the owner has ended: kernels compile for a part of that
+PATIENCE, PAUSE = 1.0, 0.01  # s to lock the file, and between tries: a process that looks locks it for a moment
+UNLOCKED = "unlocked"
+FAR = 2**30  # byte that is locked where locks concern bytes, which could otherwise not be read
+
+
+class Lease:
+    """Lease of this process on a new folder, until it is released."""
+
+    def __init__(self, folder: Path) -> None:
+        self._path = folder / LEASE
+        self._file = open(self._path, "xb")  # noqa: SIM115  # open, and locked, as long as the lease
+        deadline = time.monotonic() + PATIENCE
+        while (locked := _lock(self._file, exclusive=True)) is False and time.monotonic() < deadline:
+            time.sleep(PAUSE)
+        # Written after it is locked: an empty file proves nothing.
+        self._file.write((kernel() if locked else UNLOCKED).encode())
+        self._file.flush()
+        self._released = threading.Event()
+        with suppress(RuntimeError):  # no thread starts while the interpreter ends
+            threading.Thread(target=self._renew, daemon=True).start()
+
+    def _renew(self) -> None:
+        while not self._released.wait(BEAT):
+            with suppress(OSError):
+                os.utime(self._path)
+
+    def release(self) -> None:
+        """End the lease; the folder may be removed by anybody then."""
+        self._released.set()
+        self._file.close()
+
+
+def is_leased(folder: Path) -> bool:
+    """Whether the owner of a folder, or of a file that an earlier version left, may still be at work."""
+    path = folder / LEASE
+    try:
+        with open(path, "rb") as file:
+            free = _lock(file, exclusive=False)
+            told = file.read(len(kernel()) + 1).decode(errors="replace")
+    except OSError:
+        free, told, path = None, "", folder
+    if free is False:
+        return True
+    if free and told == kernel():
+        return False
+    try:
+        return _now(folder.parent) - path.stat().st_mtime < SILENT
+    except FileNotFoundError:
+        return False
+
+
+@cache
+def kernel() -> str:
+    """Name the running kernel, which the containers of a machine share, or the machine where it has no name."""
+    with suppress(OSError):
+        return Path("/proc/sys/kernel/random/boot_id").read_text(encoding="ascii").strip()
+    return platform.node()
+
+
+def _now(folder: Path) -> float:
+    """Time by the clock of the machine whose disk a folder is on."""
+    try:
+        with tempfile.TemporaryFile(dir=folder) as file:
+            return os.fstat(file.fileno()).st_mtime
+    except OSError:
+        return time.time()
+
+
+def _lock(file: BinaryIO, exclusive: bool) -> bool | None:
+    """Lock a file until it is closed: whether it is locked now, or None where the disk has no locks."""
+    try:
+        if sys.platform == "win32":
+            file.seek(FAR)
+            msvcrt.locking(file.fileno(), msvcrt.LK_NBLCK, 1)
+            file.seek(0)
+        else:
+            fcntl.flock(file, (fcntl.LOCK_EX if exclusive else fcntl.LOCK_SH) | fcntl.LOCK_NB)
+    except (BlockingIOError, PermissionError):
+        return False
+    except OSError:
+        return None
+    return True
 
 
 @contextmanager

@@ -41,10 +41,6 @@ def _wavelength(scene: Scene) -> float:
     return _speed(scene) / scene.sonar.frequency
 
 
-def _absorption(scene: Scene) -> float:
-    return scene.water.absorption.decibels_per_km(scene.sonar.frequency, scene.seabed.depth - scene.altitude)
-
-
 def _slant_range(scene: Scene, across: float, height: float) -> float:
     return math.hypot(across, scene.altitude - height)
 
@@ -56,10 +52,6 @@ def _ground_range(scene: Scene, slant_range: float) -> float:
 def _shadow_end(scene: Scene, across: float, height: float) -> float:
     """Slant range at which the ray over a point meets the bed: A / (A − h) times that of the point."""
     return _slant_range(scene, across, height) * scene.altitude / (scene.altitude - height)
-
-
-def _shadow_length(scene: Scene, across: float, height: float) -> float:
-    return _shadow_end(scene, across, height) - _slant_range(scene, across, height)
 
 
 def _beam_width(scene: Scene) -> float:
@@ -111,17 +103,6 @@ def _dark_stretch(scene: Scene, record: xr.Dataset) -> tuple[float, float]:
     return float(edges[starts[longest]]), float(edges[ends[longest]])
 
 
-def _measured_shadow_end(scene: Scene, record: xr.Dataset, across: float, height: float) -> float:
-    del across, height
-    return _dark_stretch(scene, record)[1]
-
-
-def _measured_shadow_length(scene: Scene, record: xr.Dataset, across: float, height: float) -> float:
-    del across, height
-    begin, end = _dark_stretch(scene, record)
-    return end - begin
-
-
 def _measured_first_return(scene: Scene, record: xr.Dataset) -> float:
     """Median over pings of the first bin that an echo reaches."""
     heard = record.intensity.to_numpy() > 0.0
@@ -164,7 +145,11 @@ QUANTITIES: dict[str, Quantity] = {
     "altitude": Quantity((), "height of the sonar above the mean bed (m)", lambda scene: scene.altitude),
     "sound_speed": Quantity((), "sound speed that turns travel time into slant range (m/s)", _speed),
     "wavelength": Quantity((), "wavelength (m)", _wavelength),
-    "absorption": Quantity((), "absorption of the water one way, at the depth of the sonar (dB/km)", _absorption),
+    "absorption": Quantity(
+        (), "absorption of the water one way, at the depth of the sonar (dB/km)",
+        lambda scene: scene.water.absorption.decibels_per_km(
+            scene.sonar.frequency, scene.seabed.depth - scene.altitude),
+    ),
     "bin_length": Quantity((), "length of a bin (m)", lambda scene: scene.sonar.range / scene.sonar.bins),
     "ping_spacing": Quantity((), "distance that the fish travels between two pings (m)", _ping_spacing),
     "fastest_ping_rate": Quantity(
@@ -179,9 +164,10 @@ QUANTITIES: dict[str, Quantity] = {
     "swath": Quantity((), "width of level bed that both sides record (m)",
                       lambda scene: 2.0 * _ground_range(scene, scene.sonar.range)),
     "shadow_end": Quantity(_OVER, "slant range at which the shadow of a point ends (m)", _shadow_end,
-                           _measured_shadow_end),
-    "shadow_length": Quantity(_OVER, "length of the shadow of a point along the slant range (m)", _shadow_length,
-                              _measured_shadow_length),
+                           lambda scene, record, *_: _dark_stretch(scene, record)[1]),
+    "shadow_length": Quantity(_OVER, "length of the shadow of a point along the slant range (m)",
+                              lambda *point: _shadow_end(*point) - _slant_range(*point),
+                              lambda scene, record, *_: float(np.diff(_dark_stretch(scene, record))[0])),
     "beam_width": Quantity((), "one-way width of the beam, of an array to −3 dB far away (°)", _beam_width),
     "near_field": Quantity((), "slant range L²/λ within which an array is in its near field (m)", _near_field),
     "along_resolution": Quantity(_AT, "width of the beam along the track (m)", _along_resolution),

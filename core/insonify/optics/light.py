@@ -9,6 +9,7 @@ of ambient light, so that no shadow is black.
 from __future__ import annotations
 
 import warnings
+from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, NamedTuple
 
@@ -18,15 +19,17 @@ from numpy.typing import NDArray
 from insonify.io.atomic import replacing
 from insonify.kernels.common.types import BED, SceneArrays, Solids
 from insonify.optics.cutaway import Camera, Cutaway, OpticalScene, Vectors, make_camera, make_cutaway
-from insonify.optics.material_colours import LUMINANCE, hues
 from insonify.packing.targets import pack_solids
 from insonify.parallel import in_parallel
+from insonify.scene.seabed.materials import MATERIALS
 from insonify.scene.targets.shape import ball, frustum
 from insonify.tracers.rays import PathHits, cast, follow
 
 if TYPE_CHECKING:
     from insonify.scene import Scene
 
+LUMINANCE = np.array([0.2126, 0.7152, 0.0722])  # of linear red, green, blue
+Shares = Sequence[tuple[str, float]]
 SHORT = 1e-5  # m before a hit, where the ray starts that finds its normal
 LONG = 400.0  # m after which a ray through mirrors ends
 WIDTH = 1200
@@ -47,6 +50,23 @@ LINE = 0.0007  # of it: radius of the plumb line
 DPI = 100
 INSET = 26  # pixels from the left
 INK, FAINT = "#f2f6f8", "#b9cbd3"
+
+
+def hues(rows: tuple[str, ...]) -> NDArray[np.float64]:
+    """Linear colours of rows of the material table, (n, 3), scaled to a luminance of 1."""
+    linear = np.array([mixed_colour(shares_of(row)) for row in rows]) ** 2.2
+    return np.asarray(linear / (linear @ LUMINANCE)[:, np.newaxis])
+
+
+def mixed_colour(shares: Shares) -> NDArray[np.float64]:
+    """Mean colour of named materials by their shares, (3,)."""
+    return np.asarray(sum(share * np.array(MATERIALS[name].colour) for name, share in shares))
+
+
+def shares_of(row: str) -> Shares:
+    """Materials and their shares in a row's name: ``25.1_silt+74.9_rock``, or one name alone."""
+    parts = [part.partition("_") for part in row.split("+")]
+    return [(name, float(percent) / 100.0) for percent, _, name in parts] if "+" in row else [(row, 1.0)]
 
 
 class OpticalHits(NamedTuple):

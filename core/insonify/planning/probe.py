@@ -19,8 +19,8 @@ from insonify.tow.poses import find_pings_in_bed, make_poses, refuse_sonar_in_be
 from insonify.tracers.base import find_tracer, prepare_tracer
 
 Record = NDArray[np.float32]
-FEW = 12  # pings on which models of much work are compared
-LITTLE = 1e6  # work of some milliseconds, up to which models are compared on all pings
+FEW = 12  # pings at least on which models are compared
+LITTLE = 1e6  # work of some milliseconds, which more pings than these may take together
 MOST = 1e8  # work of half a second, up to which finer and finer models are traced to judge coarser ones
 OF_A_THREAD = 4  # pings worth handing to a thread
 RAYS_OF_A_THREAD = 4000  # rays per side of a single ping that is worth handing to a thread
@@ -93,8 +93,7 @@ class Probe:
 
     def count(self, model: Model) -> int:
         """Return the number of pings on which a model is compared with a coarser one."""
-        every = self._is_across.size
-        return every if every * self.work(model) <= LITTLE else min(every, FEW)
+        return min(self._is_across.size, max(FEW, int(LITTLE / self.work(model))))
 
     def affords(self, model: Model) -> bool:
         """Whether a model may be traced to judge a coarser one; errors of more work are predicted from its order."""

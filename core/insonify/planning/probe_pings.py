@@ -20,7 +20,7 @@ from insonify.terrain import AnyGround
 from insonify.tow.line import tow_line_at
 from insonify.tow.poses import make_poses
 
-SPREAD = 8  # pings over the track
+SPREAD = 16  # pings over the track
 ACROSS, MOST_ACROSS = 3, 12  # pings across each target, fewer where there are many targets; across all of them
 MADE_AT_ONCE = 512  # pings over endless ground on which errors are measured
 OF_PLANES = np.array([0.0, 0.5, -0.25])  # axis, one of two planes, one of four: shares of the half width

@@ -258,6 +258,13 @@ def angle(description: str, default: float = 0.0, *, rare: bool = False) -> Any:
     return parameter(default, description, "°", ge=-360.0, le=360.0, slider=(-180.0, 180.0), rare=rare)
 
 
+def decibels(
+    default: float | None, description: str, bounds: tuple[float, float], slider: tuple[float, float], **rare: bool
+) -> Any:
+    """Declare a level or a gain in decibels, between bounds."""
+    return parameter(default, description, "dB", ge=bounds[0], le=bounds[1], slider=slider, **rare)
+
+
 def metres(
     default: float, description: str, slider: tuple[float, float], *, least: float | None = None, most: float
 ) -> Any:

@@ -79,7 +79,11 @@ def scene_from_toml(text: str, *, source: Path | None = None) -> Scene:
         if source is not None:
             values = with_paths_beside(source, values)
             if isinstance(partner := values.get("partner"), list):
-                values["partner"] = [_partner_beside(source, word) for word in partner]
+                # A setting stays as it is.
+                is_scene = (isinstance(word, str) and not {"=", "\0"} & {*word} for word in partner)
+                values["partner"] = [
+                    scene_beside(source, word) if one else word for one, word in zip(is_scene, partner)
+                ]
         return build(values)
     except tomllib.TOMLDecodeError as error:
         raise SceneError(f"{name}: is not valid TOML ({error}); correct that line") from None
@@ -122,11 +126,6 @@ def changed_paths(value: Any, change: Callable[[str], Any], is_path: bool = Fals
 def scene_beside(source: Path, name: str) -> str:
     """Return the name of a bundled scene as it is, and the path of another resolved against the folder of a file."""
     return name if name in bundled_scenes() or Path(name).is_absolute() else str((source.parent / name).resolve())
-
-
-def _partner_beside(source: Path, word: Any) -> Any:
-    """Resolve a word of a scene's ``partner``: a scene by `scene_beside`; a setting stays as it is."""
-    return scene_beside(source, word) if isinstance(word, str) and "=" not in word and "\0" not in word else word
 
 
 def _beside(source: Path, path: str) -> str:

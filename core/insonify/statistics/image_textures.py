@@ -1,7 +1,5 @@
 """Texture of an image in grey levels: distribution of greys, correlation, spectrum, and local patterns."""
 
-from __future__ import annotations
-
 from typing import Any
 
 import numpy as np

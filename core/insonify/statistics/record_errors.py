@@ -143,8 +143,8 @@ def measure_displacement(
     edges = [moved for one, other in zip(*sides) for moved in find_edge_shifts(one, other)]
     echoes = [moved for one, other in zip(*sides) for moved in find_echo_shifts(one, other)]
     found = [moved for moved in echoes if not math.isnan(moved)]
-    edge, echo = (arrays.bin_length * _mean_size(shifts) for shifts in (edges, found))
-    return Displacement(edge, echo, len(echoes) - len(found))
+    edge, echo = (arrays.bin_length * np.abs(each).mean() if each else math.nan for each in (edges, found))
+    return Displacement(float(edge), float(echo), len(echoes) - len(found))
 
 
 def find_edge_shifts(a: NDArray[np.floating], b: NDArray[np.floating]) -> list[float]:
@@ -211,7 +211,3 @@ def find_echo_shifts(a: NDArray[np.floating], b: NDArray[np.floating]) -> list[f
             continue
         shifts.append(float(lags[best] + there @ around / there.sum() - window @ around / window.sum()))
     return shifts
-
-
-def _mean_size(shifts: list[float]) -> float:
-    return float(np.abs(shifts).mean()) if shifts else math.nan

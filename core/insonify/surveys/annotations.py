@@ -3,10 +3,10 @@
 import json
 import shutil
 import tempfile
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import AbstractContextManager, ExitStack, contextmanager, nullcontext
 from pathlib import Path
-from typing import IO, Any, Literal, NamedTuple, Protocol
+from typing import IO, Any, Literal
 
 from insonify.io.atomic import replacing, write_text
 from insonify.scene.base import Family, Kind, parameter
@@ -14,20 +14,7 @@ from insonify.scene.base import Family, Kind, parameter
 ANNOTATIONS = Family("annotations")
 EXTENTS = ("echo", "shadow", "both")  # annotated parts of a target
 Extent = Literal["echo", "shadow", "both"]
-
-
-class Collector(Protocol):
-    """Takes the description of every tile in order."""
-
-    def add(self, tile: Mapping[str, Any]) -> None:
-        """Take one tile: `insonify.surveys.storages.Tile.told`."""
-
-
-class Idle:
-    """Takes tiles and does nothing with them."""
-
-    def add(self, tile: Mapping[str, Any]) -> None:
-        """Take one tile."""
+Collector = Callable[[Mapping[str, Any]], None]  # takes `insonify.surveys.storages.Tile.told` of every tile in order
 
 
 class AnnotationKind(Kind):
@@ -50,7 +37,11 @@ class AnnotationKind(Kind):
         splits, classes : sequence of str
         """
         del folder, splits, classes
-        return nullcontext(Idle())
+        return nullcontext(_ignore)
+
+
+def _ignore(tile: Mapping[str, Any]) -> None:
+    """Take a tile of which nothing is written."""
 
 
 class Coco(AnnotationKind):
@@ -61,19 +52,25 @@ class Coco(AnnotationKind):
 
     rank = 10
     kind: Literal["coco"] = "coco"
-    of: tuple[Extent, ...] = parameter(EXTENTS, description="what of a target is annotated, a file each", min_length=1)
+    of: tuple[Extent, ...] = parameter(EXTENTS, "what of a target is annotated, a file each", min_length=1)
 
     @contextmanager
     def collect(self, folder: Path, splits: Sequence[str], classes: Sequence[str]) -> Iterator[Collector]:
         """Write the files as tiles come: memory does not grow with their number."""
         with ExitStack() as stack:
-            yield _CocoFiles(
-                [
-                    (split, stack.enter_context(_open_coco(folder / split / f"coco-{extent}.json", extent, classes)))
-                    for split in splits
+            files = {
+                split: [
+                    stack.enter_context(_open_coco(folder / split / f"coco-{extent}.json", extent, classes))
                     for extent in self.of
                 ]
-            )
+                for split in splits
+            }
+
+            def add(tile: Mapping[str, Any]) -> None:
+                for file in files[tile["split"]]:
+                    file.add(tile)
+
+            yield add
 
 
 class _CocoFile:
@@ -107,17 +104,6 @@ class _CocoFile:
             _append(self._annotations, annotation, self._annotation)
 
 
-class _CocoFiles(NamedTuple):
-    """Passes tiles on to the files of their split."""
-
-    files: Sequence[tuple[str, _CocoFile]]
-
-    def add(self, tile: Mapping[str, Any]) -> None:
-        for split, file in self.files:
-            if split == tile["split"]:
-                file.add(tile)
-
-
 def _append(file: IO[str], entry: Mapping[str, Any], number: int) -> None:
     file.write(("" if number == 1 else ",\n") + json.dumps(entry))
 
@@ -145,7 +131,7 @@ class Yolo(AnnotationKind):
 
     rank = 20
     kind: Literal["yolo"] = "yolo"
-    of: Extent = parameter("both", description="what of a target the box holds")
+    of: Extent = parameter("both", "what of a target the box holds")
 
     def of_tile(self, tile: Mapping[str, Any], classes: Sequence[str]) -> dict[str, tuple[str, bytes]]:
         """Text of boxes; empty for an image without targets."""
@@ -156,7 +142,7 @@ class Yolo(AnnotationKind):
     @contextmanager
     def collect(self, folder: Path, splits: Sequence[str], classes: Sequence[str]) -> Iterator[Collector]:
         """Write ``data.yaml``."""
-        yield Idle()
+        yield _ignore
         roles = {"validation": "val"}
         lines = ["path: .", *(f"{roles.get(split, split)}: {split}/images" for split in splits), "names:"]
         lines += [f"  {number}: {json.dumps(name)}" for number, name in enumerate(classes)]

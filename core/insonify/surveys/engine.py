@@ -22,8 +22,7 @@ from typing import Any, NamedTuple, Protocol
 from insonify.errors import SceneError
 from insonify.io.atomic import clear_ended, terminated_cleanly, unfinished_folder
 from insonify.progress import open_progress
-from insonify.surveys.schedulers import connected
-from insonify.surveys.workers import Workers
+from insonify.surveys.schedulers import Workers, connected
 
 FLAGS = "jobs"  # folder of the flags below that of a survey or a data set
 SHELF = 1000  # jobs whose flags share a folder

@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 
 from insonify.kernels.beam.azimuth_sector import TRANSITION
 from insonify.kernels.common.types import Poses, SceneArrays
+from insonify.kernels.multipath.image_sources import highest_place
 from insonify.kernels.sweep.sweep import LOWEST, AzimuthFan
 from insonify.tow.poses import take_poses
 from insonify.tracers.target_planes import (
@@ -188,6 +189,7 @@ def pattern_planes(
         main=math.sin(arrays.half_width),
         reach=arrays.bins * arrays.bin_length,
         relief=arrays.bed.high - arrays.bed.low,
+        highest=highest_place(arrays) - arrays.bed.low,
         targets=arrays.solids.shape.size + arrays.mesh.target.size > 0,
     )
     return _lay(outline, planes, height, tuple(pitches.tolist()), height if laid_at is None else laid_at)
@@ -203,6 +205,7 @@ class _Outline(NamedTuple):
     main: float  # sine of half the main lobe
     reach: float  # m
     relief: float  # m, from the lowest bed to the highest
+    highest: float  # m, from the lowest bed to the highest place of bed and targets
     targets: bool  # whether there are any
 
 
@@ -253,7 +256,7 @@ class _Cone:
     ) -> None:
         above_highest = max(height - outline.relief, 0.0)
         # The lowest of the heights that are rounded up to this one reaches farthest out.
-        lowest = max(height * ROUNDED_DOWN - outline.relief, 0.0)
+        lowest = max(height * ROUNDED_DOWN - outline.highest, 0.0)
         farthest = math.sqrt(max(outline.reach**2 - lowest**2, (0.1 * height) ** 2))
         self.height, self.main, self.targets = height, outline.main, outline.targets
         self.x = np.geomspace(nearest * min(height, farthest), farthest, GROUND_RANGES)

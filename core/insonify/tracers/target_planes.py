@@ -10,9 +10,9 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from insonify.array_cache import remember_latest
 from insonify.kernels.common.types import Mesh, Poses, SceneArrays, Solids
 from insonify.kernels.sweep.sweep import AzimuthFan
-from insonify.remember import remember_latest
 from insonify.scene import Scene
 from insonify.tow.line import tow_line_at
 

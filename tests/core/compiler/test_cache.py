@@ -79,24 +79,13 @@ def test_digests_do_not_depend_on_where_the_sources_lie(tmp_path: Path) -> None:
     assert digests_of(tmp_path / "here", SOURCES) == digests_of(tmp_path / "there", SOURCES)
 
 
-def test_digests_that_cannot_be_kept_are_computed_all_the_same(tmp_path: Path) -> None:
+def test_digests_that_cannot_be_kept_or_are_damaged_are_computed_all_the_same(tmp_path: Path) -> None:
     kept = digests_of(tmp_path, SOURCES)
     (tmp_path / "a file").write_text("")
     assert source_digests(tmp_path, tmp_path / "a file" / "kept") == kept
-
-
-def test_damaged_digests_are_computed_anew(tmp_path: Path) -> None:
-    kept = digests_of(tmp_path, SOURCES)
     (state,) = (tmp_path / "kept").glob("*.json")
-    others = [
-        "{",
-        "{}",
-        "[]",
-        "null",
-        json.dumps(kept | {"kernels.common.base": 3}),
-        json.dumps(kept | {"kernels.common.base": "/x"}),
-    ]
-    for damaged in others:
+    wrong = [json.dumps(kept | {"kernels.common.base": value}) for value in (3, "/x")]
+    for damaged in ("{", "{}", "[]", "null", *wrong):
         state.write_text(damaged)
         assert source_digests(tmp_path, tmp_path / "kept") == kept
 
@@ -127,17 +116,13 @@ def cache(made: Path, tmp_path: Path) -> Path:
     return Path(shutil.copytree(made, tmp_path / "cache"))
 
 
-def damage_whole(content: bytes) -> bytes:
-    return b"damaged"
-
-
 def damage_a_bit(content: bytes) -> bytes:
     middle = len(content) // 2
     return content[:middle] + bytes([content[middle] ^ 1]) + content[middle + 1 :]
 
 
 @compiled
-@pytest.mark.parametrize(("files", "damage"), [("*.nb[ci]", damage_whole), ("*.nbc", damage_a_bit)])
+@pytest.mark.parametrize(("files", "damage"), [("*.nb[ci]", lambda _: b"damaged"), ("*.nbc", damage_a_bit)])
 def test_machine_code_is_compiled_anew_once_damaged(cache: Path, files: str, damage: Callable[[bytes], bytes]) -> None:
     for file in cache.rglob(files):
         file.write_bytes(damage(file.read_bytes()))
@@ -237,17 +222,12 @@ def test_nothing_is_read_below_the_current_folder_where_the_user_has_no_home(tmp
 
 
 @owned
-def test_an_index_is_never_unpickled(cache: Path) -> None:
-    for index in cache.rglob("*.nbi"):
-        index.write_bytes(pickle.dumps(numba.__version__) + pickle.dumps(("", Poison(cache / "trace"))))
-    assert use_kernel(cache) == (0, "")
-    assert not (cache / "trace").exists()
-
-
-@owned
-def test_code_that_is_not_what_its_name_says_is_never_unpickled(cache: Path) -> None:
-    for code in cache.rglob("*.nbc"):
-        code.write_bytes(pickle.dumps(Poison(cache / "trace")))
+@pytest.mark.parametrize("suffix", [".nbi", ".nbc"])
+def test_neither_an_index_nor_code_that_is_not_what_its_name_says_is_unpickled(cache: Path, suffix: str) -> None:
+    poison = Poison(cache / "trace")
+    index = pickle.dumps(numba.__version__) + pickle.dumps(("", poison))
+    for file in cache.rglob(f"*{suffix}"):
+        file.write_bytes(index if suffix == ".nbi" else pickle.dumps(poison))
     assert use_kernel(cache) == (0, "")
     assert not (cache / "trace").exists()
 

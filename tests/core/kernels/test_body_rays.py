@@ -7,8 +7,8 @@ import pytest
 
 from insonify.compiler.jit import kernel
 from insonify.kernels.common.types import FRUSTUM, SPHERE
+from insonify.kernels.targets.angular_zbuffer import meet_body
 from insonify.kernels.targets.apparent_targets import ApparentSource
-from insonify.kernels.targets.body_rays import meet_body
 from insonify.kernels.targets.primitives import Primitive, meet_primitive
 
 STRAIGHT = ApparentSource(False, 1.0, 0.0, 1.0, 0.0, 1.0, 0.0, 1.0, 1.0, 1.0, 0.0, 0.0)

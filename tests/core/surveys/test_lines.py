@@ -18,8 +18,7 @@ from insonify.simulation import prepare
 from insonify.surveys.engine import done_jobs, finish
 from insonify.surveys.lines.specification import Area, SurveySpecification
 from insonify.surveys.lines.summary import measure_coverage, summarise
-from insonify.surveys.lines.track import SurveyLine, join_lines, lay_lawnmower
-from insonify.surveys.lines.work import SurveyWork
+from insonify.surveys.lines.work import SurveyLine, SurveyWork, join_lines, lay_lawnmower
 from insonify.surveys.mosaic import Mosaic
 from insonify.surveys.specification import read_specification
 from small_sets import SURVEY, contents, write_set

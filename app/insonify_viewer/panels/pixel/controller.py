@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from insonify.explanation.brightness import describe_brightness
+from insonify.explanation.words import describe_brightness
 from insonify.scene import Scene, SceneError
 from insonify_viewer.panels.panel import Button, Panel, Place, Workbench
 from insonify_viewer.panels.pixel.view import PixelView

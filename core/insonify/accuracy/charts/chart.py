@@ -52,9 +52,13 @@ class Chart(ABC):
             if suffix == ".csv":
                 _write_csv(partial, table)
             elif suffix == ".json":
-                _write_json(partial, table)
+                rows = [dict(zip(table.columns, map(_finite, row))) for row in table.rows]
+                text = json.dumps({**table.facts, "rows": rows}, indent=1, ensure_ascii=False)
+                partial.write_text(text, encoding="utf-8", newline="")
             else:
-                _write_picture(partial, suffix, table, self.draw())
+                facts = {"Description": "\n".join(f"{name}: {_text(value)}" for name, value in table.facts.items())}
+                with rc_context({"svg.fonttype": "none"}):  # text stays text
+                    self.draw().savefig(partial, format=suffix[1:], dpi=DPI, metadata=facts)
 
 
 def _write_csv(path: Path, table: ChartTable) -> None:
@@ -64,18 +68,6 @@ def _write_csv(path: Path, table: ChartTable) -> None:
         lines = csv.writer(file)
         lines.writerow([*table.columns, *table.facts])
         lines.writerows([*map(_text, row), *facts] for row in table.rows)
-
-
-def _write_json(path: Path, table: ChartTable) -> None:
-    rows = [dict(zip(table.columns, map(_finite, row))) for row in table.rows]
-    text = json.dumps({**table.facts, "rows": rows}, indent=1, ensure_ascii=False)
-    path.write_text(text, encoding="utf-8", newline="")
-
-
-def _write_picture(path: Path, suffix: str, table: ChartTable, figure: Figure) -> None:
-    description = "\n".join(f"{name}: {_text(value)}" for name, value in table.facts.items())
-    with rc_context({"svg.fonttype": "none"}):  # text stays text
-        figure.savefig(path, format=suffix[1:], dpi=DPI, metadata={"Description": description})
 
 
 def _finite(value: Any) -> Any:

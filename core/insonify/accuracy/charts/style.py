@@ -144,13 +144,10 @@ def fit_power_law(x: Sequence[float], y: Sequence[float]) -> PowerLawFit:
     points = np.array([(a, b) for a, b in zip(x, y) if 0.0 < a < math.inf and 0.0 < b < math.inf]).reshape(-1, 2)
     if len(np.unique(points[:, 0])) < 2:
         return PowerLawFit(math.nan, math.nan, math.nan)
-    along, up = np.log(points).T
-    off, high = along - along.mean(), up - up.mean()
-    width = float(off @ off)
-    exponent = float(off @ high) / width
-    left = high - exponent * off
-    spread = math.sqrt(float(left @ left) / (len(points) - 2) / width) if len(points) > 2 else math.nan
-    return PowerLawFit(exponent, spread, math.exp(float(up.mean() - exponent * along.mean())))
+    from scipy.stats import linregress  # lazy: slow to import
+
+    fit = linregress(*np.log(points).T)
+    return PowerLawFit(float(fit.slope), float(fit.stderr) if len(points) > 2 else math.nan, math.exp(fit.intercept))
 
 
 def group_by(rows: Iterable[Row], key: Callable[[Row], Key]) -> dict[Key, list[Row]]:

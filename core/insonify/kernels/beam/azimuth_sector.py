@@ -11,6 +11,7 @@ from insonify.compiler.jit import inlined_uncounted, kernel_uncounted
 from insonify.kernels.beam.pattern import (
     azimuthal_response,
     integrated_response,
+    is_top_hat,
     lobe_response,
     shared_response,
     vertical_response,
@@ -152,6 +153,38 @@ def _azimuths_in_beam(c, s, r, sector, pattern):
 def is_whole_beam(sector):
     """Whether a plane of a tabulated pattern represents all azimuths."""
     return sector.tabulated and sector.angle > 0.0 and sector.s_high - sector.s_low >= 2.0
+
+
+@inlined_uncounted
+def pair_response(weights, x, one, other, sector, pattern):
+    """Weight of a sector for sound out by one image and back by another, from those there and back by each.
+
+    Of each image x is the ground range, (rise, slant range) the place.
+    """
+    # A top-hat that covers the lower of two images covers the higher one too.
+    if not sector.tabulated:
+        return weights[0]
+    if not pattern.two_way:
+        return 0.5 * (weights[0] + weights[1])
+    root = math.sqrt(weights[0] * weights[1])
+    if sector.angle == 0.0 or root == 0.0 or not is_top_hat(pattern):
+        return root
+    return root * _overlap_of_both(x, one, other, sector, pattern)
+
+
+@inlined_uncounted
+def _overlap_of_both(x, one, other, sector, pattern):
+    """Share of a sector in which a top-hat takes in both of two directions, over the root of those for each."""
+    # A sector that the beam's edge crosses is taken in to a different part by each image.
+    half, centre, per_x = pattern.extent[0], pattern.centre, 1.0 / (sector.ahead_level * x)
+    middle = (centre * one[1] - sector.ahead_up * one[0]) * per_x
+    middle_other = (centre * other[1] - sector.ahead_up * other[0]) * per_x
+    reach, reach_other = half * one[1] * per_x, half * other[1] * per_x
+    low, high = max(middle - reach, sector.s_low), min(middle + reach, sector.s_high)
+    low_other = max(middle_other - reach_other, sector.s_low)
+    high_other = min(middle_other + reach_other, sector.s_high)
+    shared = min(high, high_other) - max(low, low_other)
+    return shared / math.sqrt((high - low) * (high_other - low_other)) if shared > 0.0 else 0.0
 
 
 @inlined_uncounted

@@ -9,8 +9,6 @@ bin counts more before, and what lies farther less: to first order in the place 
 Theory: docs/theory/sweep.md.
 """
 
-from __future__ import annotations
-
 import math
 from typing import NamedTuple
 

@@ -4,8 +4,6 @@ Heights are metres above the *datum*, the mean bed, so that float32 is precise e
 scene's own local coordinates.
 """
 
-from __future__ import annotations
-
 from typing import NamedTuple
 
 import numpy as np

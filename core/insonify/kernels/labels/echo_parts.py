@@ -5,8 +5,6 @@ functions into bins of its own, so that the parts add up to the sweep's record. 
 is deposited likewise, as if nothing hid it. Where refraction folds, the parts are single rays.
 """
 
-from __future__ import annotations
-
 import math
 from typing import NamedTuple
 

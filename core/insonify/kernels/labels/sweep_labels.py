@@ -5,8 +5,6 @@ contributor by contributor: each material of the bed is one, and so is each targ
 in the record.
 """
 
-from __future__ import annotations
-
 import math
 from typing import NamedTuple
 

@@ -128,15 +128,6 @@ def plane_reach(arrays, pair, per_height, height):
 
 
 @inlined_uncounted
-def pair_response(one, other, tabulated, two_way):
-    """Two-way response of the beam out by one image and back by the other, from those there and back by each."""
-    # A top-hat that covers the lower of two images covers the higher one too.
-    if not tabulated:
-        return one
-    return math.sqrt(one * other) if two_way else 0.5 * (one + other)
-
-
-@inlined_uncounted
 def pair_strength(cos_one, cos_other, mirrored, diffuse, specular, shininess, pair):
     """Bistatic strength of a surface for a pair of images, times its orders and the share that mirrors reflect."""
     value = bistatic_strength(cos_one, cos_other, mirrored, diffuse, specular, shininess, pair.law)

@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import DTypeLike, NDArray
 
 from insonify.compiler.jit import inlined_uncounted, kernel, kernel_uncounted
-from insonify.kernels.beam.azimuth_sector import is_whole_beam, raise_sector
+from insonify.kernels.beam.azimuth_sector import is_whole_beam, pair_response, raise_sector
 from insonify.kernels.beam.knot_weights import weigh_knots, weigh_paired_knots
 from insonify.kernels.beam.pattern import two_way_response
 from insonify.kernels.beam.pattern_samples import FINE_ROOT, FINE_SINE
@@ -41,7 +41,6 @@ from insonify.kernels.multipath.image_sources import (
     SURFACE_ECHO,
     height_delay,
     image_pairs,
-    pair_response,
     plane_reach,
     surface_image,
     tilt_delay,
@@ -265,7 +264,8 @@ def _weigh_pair(arrays, count, pair, sector, one, other, workspace):
         weigh_paired_knots(x[:count], one, other, sector, pattern, arrays.law, weight)
     elif pattern.tabulated and pair.orders == 2:
         for i in range(count):
-            weight[i] = pair_response(lower[i], higher[i], True, pattern.two_way)
+            places = (one.rise[i], one.r[i]), (other.rise[i], other.r[i])
+            weight[i] = pair_response((lower[i], higher[i]), x[i], places[0], places[1], sector, pattern)
     else:
         for i in range(count):
             weight[i] = lower[i]

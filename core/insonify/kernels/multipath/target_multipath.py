@@ -7,13 +7,12 @@ import math
 from typing import NamedTuple
 
 from insonify.compiler.jit import inlined_uncounted, kernel_uncounted
-from insonify.kernels.beam.azimuth_sector import is_whole_beam, paired_weight, sector_weight
+from insonify.kernels.beam.azimuth_sector import is_whole_beam, pair_response, paired_weight, sector_weight
 from insonify.kernels.common.types import LIGHT
 from insonify.kernels.geometry.cross_sections import NEVER, HalfPlane
 from insonify.kernels.multipath.echo_list import ENOUGH, SurfaceEcho, deposit_echoes, list_echo
 from insonify.kernels.multipath.image_sources import (
     height_delay,
-    pair_response,
     pair_strength,
     spreading_ratio,
     tilt_delay,
@@ -217,8 +216,8 @@ def _pair_weight(pattern, pair, facet, sectors):
     else:
         weight = sector_weight(x, rise_one, facet.centre, sectors[0], pattern, law)
         if pair.orders == 2 and pattern.tabulated:
-            other = sector_weight(x, rise_other, r_other, sectors[1], pattern, law)
-            weight = pair_response(weight, other, True, pattern.two_way)
+            both = weight, sector_weight(x, rise_other, r_other, sectors[1], pattern, law)
+            weight = pair_response(both, x, (rise_one, facet.centre), (rise_other, r_other), sectors[0], pattern)
     return weight * spreading_ratio(facet.centre, r_other, law)
 
 

@@ -8,8 +8,6 @@ stands for the step of slant range that its landing makes as its elevation grows
 q = x / cosθ0 = r.
 """
 
-from __future__ import annotations
-
 import math
 from typing import NamedTuple
 

@@ -1,7 +1,5 @@
 """Records of pings traced ray by ray, along straight lines or arcs."""
 
-from __future__ import annotations
-
 import numpy as np
 
 from insonify.compiler.jit import inlined, kernel

@@ -11,8 +11,6 @@ of their own, one for each path back.
 Theory: docs/theory/error.md.
 """
 
-from __future__ import annotations
-
 import math
 from typing import NamedTuple
 

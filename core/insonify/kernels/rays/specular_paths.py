@@ -19,8 +19,6 @@ to the water alone.
 Theory: docs/theory/scattering.md.
 """
 
-from __future__ import annotations
-
 import math
 from typing import NamedTuple
 

@@ -3,8 +3,6 @@
 Theory: docs/theory/speckle.md.
 """
 
-from __future__ import annotations
-
 import math
 from typing import NamedTuple
 

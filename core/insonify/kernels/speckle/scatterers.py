@@ -7,8 +7,6 @@ enters the record. The mean over all realisations of the scatterers is the sweep
 Derived in docs/theory/speckle.md.
 """
 
-from __future__ import annotations
-
 import math
 from typing import NamedTuple
 

@@ -4,8 +4,6 @@ Along a facet the slant range is taken as the parabola through its beginning, mi
 from the parabola's slope: no surface is intersected again. Derived in docs/theory/sweep.md.
 """
 
-from __future__ import annotations
-
 import math
 from typing import NamedTuple
 

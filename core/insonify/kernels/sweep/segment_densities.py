@@ -4,8 +4,6 @@ Densities are even, or linear in slant range for whole segments along planes obl
 plane changes within a cell, and with it the density of the echo. Derived in docs/theory/sweep.md.
 """
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

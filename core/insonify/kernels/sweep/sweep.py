@@ -7,8 +7,6 @@ is the same in any order. Whole segments of oblique planes have linear densities
 afterwards; their change within a bin enters by the shares of each step. Derived in docs/theory/sweep.md.
 """
 
-from __future__ import annotations
-
 import math
 from typing import NamedTuple
 

@@ -3,8 +3,6 @@
 Theory: docs/theory/sweep.md.
 """
 
-from __future__ import annotations
-
 import math
 from typing import NamedTuple
 

@@ -5,8 +5,6 @@ Every pass touches few arrays, so that the compiler can use its vector units.
 Theory: docs/theory/sweep.md.
 """
 
-from __future__ import annotations
-
 import math
 from typing import NamedTuple
 

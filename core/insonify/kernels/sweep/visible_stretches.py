@@ -1,7 +1,5 @@
 """Visible stretches of the bed in the planes of a beam, and whether a place lies in one."""
 
-from __future__ import annotations
-
 from typing import NamedTuple
 
 import numpy as np

@@ -6,19 +6,21 @@ from typing import Annotated
 
 from pydantic import model_validator
 
-from insonify.scene.base import Declaration, KindOf, parameter
+from insonify.scene.base import Declaration, KindOf, decibels, parameter
 from insonify.scene.receiver.effects import (
     FLUCTUATIONS,
     INTERFERENCES,
+    REVERBERATIONS,
     RINGINGS,
     DecayingRinging,
     Lognormal,
+    NoReverberation,
     OtherSonar,
+    ReverberationKind,
 )
 from insonify.scene.receiver.gains import GAINS, GainKind, NoTvg
 from insonify.scene.receiver.noises import NOISES, NoiseKind
 from insonify.scene.receiver.recorder import Recorder
-from insonify.scene.receiver.reverberations import REVERBERATIONS, NoReverberation, ReverberationKind
 from insonify.scene.receiver.speckles import SPECKLES, NoSpeckle, SpeckleKind
 
 
@@ -26,42 +28,38 @@ class Receiver(Declaration):
     """Effects between the echo and the record: speckle, reverberation, noise and other waves, gain, recorder."""
 
     speckle: Annotated[SpeckleKind, KindOf(SPECKLES, default="none")] = parameter(
-        NoSpeckle, description="interference of scatterers within a cell"
+        NoSpeckle, "interference of scatterers within a cell"
     )
     fluctuation: Annotated[Lognormal | None, KindOf(FLUCTUATIONS, optional=True)] = parameter(
-        None, description="variation of the level from ping to ping", rare=True
+        None, "variation of the level from ping to ping", rare=True
     )
     reverberation: Annotated[ReverberationKind, KindOf(REVERBERATIONS, default="none")] = parameter(
-        NoReverberation, description="echoes of the water and its surface"
+        NoReverberation, "echoes of the water and its surface"
     )
     noise: Annotated[NoiseKind | None, KindOf(NOISES, optional=True)] = parameter(
-        None, description="noise received besides the echoes"
+        None, "noise received besides the echoes"
     )
     interference: Annotated[OtherSonar | None, KindOf(INTERFERENCES, optional=True)] = parameter(
-        None, description="pings of another sonar", rare=True
+        None, "pings of another sonar", rare=True
     )
     ringing: Annotated[DecayingRinging | None, KindOf(RINGINGS, optional=True)] = parameter(
-        None, description="ringing of the transducer after transmission", rare=True
+        None, "ringing of the transducer after transmission", rare=True
     )
-    source_level: float = parameter(
+    source_level: float = decibels(
         0.0,
-        unit="dB",
-        description="level of the source at 1 m, dB re 1 µPa; at 0 the record is relative to the source",
-        ge=0.0,
-        le=300.0,
-        slider=(0.0, 240.0),
+        "level of the source at 1 m, dB re 1 µPa; at 0 the record is relative to the source",
+        (0.0, 300.0),
+        (0.0, 240.0),
     )
-    tvg: Annotated[GainKind, KindOf(GAINS, default="none")] = parameter(NoTvg, description="time-varied gain")
-    crosstalk: float | None = parameter(
+    tvg: Annotated[GainKind, KindOf(GAINS, default="none")] = parameter(NoTvg, "time-varied gain")
+    crosstalk: float | None = decibels(
         None,
-        unit="dB",
-        description="level at which each side receives the other's echoes (not at all when left out)",
-        ge=-200.0,
-        le=0.0,
-        slider=(-80.0, 0.0),
+        "level at which each side receives the other's echoes (not at all when left out)",
+        (-200.0, 0.0),
+        (-80.0, 0.0),
         rare=True,
     )
-    recorder: Recorder = parameter(Recorder, description="amplifier and converter")
+    recorder: Recorder = parameter(Recorder, "amplifier and converter")
 
     @model_validator(mode="after")
     def _noise_in_micropascals_needs_a_source(self) -> Receiver:

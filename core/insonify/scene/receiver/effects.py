@@ -1,16 +1,78 @@
-"""Effects that a receiver has or lacks, one kind each: fluctuation, interference and ringing."""
+"""Effects between echo and record: fluctuation, interference and ringing, one kind each, and reverberation."""
 
 import math
-from typing import Literal
+from typing import Any, Literal
 
 import numpy as np
 from numpy.typing import NDArray
 
-from insonify.scene.base import Family, Kind, parameter
+from insonify.scene.base import Family, Kind, decibels, parameter
 
+REVERBERATIONS = Family("reverberations", "insonify.scene.receiver")
 FLUCTUATIONS = Family("fluctuations", "insonify.scene.receiver")
 INTERFERENCES = Family("interferences", "insonify.scene.receiver")
 RINGINGS = Family("ringings", "insonify.scene.receiver")
+
+
+class ReverberationKind(Kind):
+    """Echoes of the water and its surface."""
+
+    family = REVERBERATIONS
+
+    @property
+    def echoes(self) -> bool:
+        """Whether the water or its surface echoes."""
+        return self.of_volume is not None or self.of_surface is not None
+
+    @property
+    def of_volume(self) -> float | None:
+        """Backscattering strength of a cubic metre of water, in dB; None where it does not echo."""
+        return getattr(self, "volume_strength", None)
+
+    @property
+    def of_surface(self) -> float | None:
+        """Backscattering strength of a square metre of the sea surface, in dB; None where it does not echo."""
+        return getattr(self, "surface_strength", None)
+
+
+def _volume_strength() -> Any:
+    return decibels(-70.0, "backscattering strength of a cubic metre of water", (-200.0, 0.0), (-100.0, -40.0))
+
+
+def _surface_strength() -> Any:
+    return decibels(-30.0, "backscattering strength of a square metre of the sea surface", (-200.0, 10.0), (-60.0, 0.0))
+
+
+class NoReverberation(ReverberationKind):
+    """No reverberation: only the bed and the targets echo."""
+
+    rank = 10
+    kind: Literal["none"] = "none"
+
+
+class VolumeReverberation(ReverberationKind):
+    """Volume reverberation: the water echoes."""
+
+    rank = 20
+    kind: Literal["volume"] = "volume"
+    volume_strength: float = _volume_strength()
+
+
+class SurfaceReverberation(ReverberationKind):
+    """Surface reverberation: the sea surface echoes."""
+
+    rank = 30
+    kind: Literal["surface"] = "surface"
+    surface_strength: float = _surface_strength()
+
+
+class WholeReverberation(ReverberationKind):
+    """Volume and surface reverberation."""
+
+    rank = 40
+    kind: Literal["both"] = "both"
+    volume_strength: float = _volume_strength()
+    surface_strength: float = _surface_strength()
 
 
 class Lognormal(Kind):
@@ -18,25 +80,12 @@ class Lognormal(Kind):
 
     family = FLUCTUATIONS
     kind: Literal["lognormal"] = "lognormal"
-    level: float = parameter(
-        1.5, unit="dB", description="standard deviation of the level", ge=0.0, le=20.0, slider=(0.0, 6.0)
-    )
+    level: float = decibels(1.5, "standard deviation of the level", (0.0, 20.0), (0.0, 6.0))
     correlation_time: float = parameter(
-        1.0,
-        unit="s",
-        description="time after which the correlation is 1/e",
-        gt=0.0,
-        le=1e6,
-        slider=(0.05, 100.0),
-        log=True,
+        1.0, "time after which the correlation is 1/e", "s", gt=0.0, le=1e6, slider=(0.05, 100.0), log=True
     )
     travel_time: float = parameter(
-        0.0,
-        unit="s",
-        description="rms time shift of a ping's echoes by the water",
-        ge=0.0,
-        le=0.01,
-        slider=(0.0, 1e-3),
+        0.0, "rms time shift of a ping's echoes by the water", "s", ge=0.0, le=0.01, slider=(0.0, 1e-3)
     )
 
 
@@ -45,19 +94,15 @@ class OtherSonar(Kind):
 
     family = INTERFERENCES
     kind: Literal["sonar"] = "sonar"
-    level: float = parameter(
+    level: float = decibels(
         -60.0,
-        unit="dB",
-        description="received level of its pings, dB re the source at 1 m, or re 1 µPa with a source level",
-        ge=-300.0,
-        le=250.0,
-        slider=(-120.0, 180.0),
+        "received level of its pings, dB re the source at 1 m, or re 1 µPa with a source level",
+        (-300.0, 250.0),
+        (-120.0, 180.0),
     )
-    ping_rate: float = parameter(
-        7.3, unit="Hz", description="its pings per second", ge=1e-3, le=1e4, slider=(0.5, 50.0), log=True
-    )
+    ping_rate: float = parameter(7.3, "its pings per second", "Hz", ge=1e-3, le=1e4, slider=(0.5, 50.0), log=True)
     duration: float = parameter(
-        1e-3, unit="s", description="duration of each of its pings", gt=0.0, le=10.0, slider=(1e-5, 1e-2), log=True
+        1e-3, "duration of each of its pings", "s", gt=0.0, le=10.0, slider=(1e-5, 1e-2), log=True
     )
 
 
@@ -66,22 +111,11 @@ class DecayingRinging(Kind):
 
     family = RINGINGS
     kind: Literal["decay"] = "decay"
-    level: float = parameter(
-        -40.0,
-        unit="dB",
-        description="level at the end of the transmission, dB re the source at 1 m",
-        ge=-300.0,
-        le=0.0,
-        slider=(-100.0, 0.0),
+    level: float = decibels(
+        -40.0, "level at the end of the transmission, dB re the source at 1 m", (-300.0, 0.0), (-100.0, 0.0)
     )
     time: float = parameter(
-        5e-4,
-        unit="s",
-        description="time in which its energy falls to 1/e",
-        gt=0.0,
-        le=1.0,
-        slider=(1e-5, 1e-2),
-        log=True,
+        5e-4, "time in which its energy falls to 1/e", "s", gt=0.0, le=1.0, slider=(1e-5, 1e-2), log=True
     )
 
     def decibels(self, time: NDArray[np.float64]) -> NDArray[np.float64]:

@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 from pydantic import Field, field_validator
 
-from insonify.scene.base import Family, Kind, parameter
+from insonify.scene.base import Family, Kind, decibels, parameter
 from insonify.scene.water.absorptions import NEPER_PER_DB
 
 GAINS = Family("gains", "insonify.scene.receiver")
@@ -52,18 +52,13 @@ class PowerTvg(GainKind):
 
     rank = 20
     kind: Literal["power"] = "power"
-    spreading: float = parameter(
-        30.0,
-        unit="dB",
-        description="gain per tenfold slant range: 40 for points, 30 for beds, 20 for volumes",
-        ge=0.0,
-        le=80.0,
-        slider=(0.0, 60.0),
+    spreading: float = decibels(
+        30.0, "gain per tenfold slant range: 40 for points, 30 for beds, 20 for volumes", (0.0, 80.0), (0.0, 60.0)
     )
     absorption: float | None = parameter(
         None,
-        unit="dB/km",
-        description="absorption to compensate on the way there and back (the water's own when left out)",
+        "absorption to compensate on the way there and back (the water's own when left out)",
+        "dB/km",
         ge=0.0,
         le=1e4,
         slider=(0.0, 400.0),
@@ -82,18 +77,18 @@ class TableTvg(GainKind):
     kind: Literal["table"] = "table"
     stops_at_noise = False
     by: Literal["time", "bin"] = parameter(
-        "time", description="first column of the table: seconds after transmission, or bins from 0"
+        "time", "first column of the table: seconds after transmission, or bins from 0"
     )
     gains: tuple[tuple[TimeOrBin, Gain], ...] = parameter(
         ((0.0, 0.0), (0.02, 30.0), (0.06, 50.0)),
-        unit="dB",
+        "pairs [time or bin, gain], ascending; the first and last gains apply beyond",
+        "dB",
         slider=(-20.0, 80.0),
-        description="pairs [time or bin, gain], ascending; the first and last gains apply beyond",
         min_length=1,
         max_length=100_000,
     )
     interpolation: Literal["linear", "steps"] = parameter(
-        "linear", description="straight lines between those gains, or each gain kept until the next"
+        "linear", "straight lines between those gains, or each gain kept until the next"
     )
 
     @field_validator("gains")

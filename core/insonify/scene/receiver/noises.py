@@ -4,7 +4,7 @@ import math
 from collections.abc import Callable, Iterator
 from typing import ClassVar, Literal, NamedTuple
 
-from insonify.scene.base import Family, Kind, describe_excess, parameter
+from insonify.scene.base import Family, Kind, decibels, describe_excess, parameter
 
 NOISES = Family("noises", "insonify.scene.receiver")
 KNOT = 0.514444  # m/s
@@ -51,13 +51,11 @@ class AmbientNoise(NoiseKind):
         "'density', 'sea' or 'snr' follow the receiver's band and array"
     )
     kind: Literal["ambient"] = "ambient"
-    level: float = parameter(
+    level: float = decibels(
         -110.0,
-        unit="dB",
-        description="mean level in the receiver's band, dB re the source at 1 m, or re 1 µPa with a source level",
-        ge=-300.0,
-        le=200.0,
-        slider=(-150.0, 120.0),
+        "mean level in the receiver's band, dB re the source at 1 m, or re 1 µPa with a source level",
+        (-300.0, 200.0),
+        (-150.0, 120.0),
     )
 
     def received(self, conditions: NoiseConditions) -> float:
@@ -76,7 +74,7 @@ class SpectralNoise(NoiseKind):
 
     def received(self, conditions: NoiseConditions) -> float:
         """Mean level in dB, NL + 10 log B − DI (Urick 1983, 2.1)."""
-        return self.density(conditions.frequency) + decibels(conditions.bandwidth) - conditions.directivity
+        return self.density(conditions.frequency) + to_decibels(conditions.bandwidth) - conditions.directivity
 
 
 class WhiteNoise(SpectralNoise):
@@ -84,9 +82,7 @@ class WhiteNoise(SpectralNoise):
 
     rank = 20
     kind: Literal["density"] = "density"
-    level: float = parameter(
-        35.0, unit="dB", description="density, dB re 1 µPa²/Hz", ge=-100.0, le=200.0, slider=(0.0, 100.0)
-    )
+    level: float = decibels(35.0, "density, dB re 1 µPa²/Hz", (-100.0, 200.0), (0.0, 100.0))
 
     def density(self, frequency: float) -> float:
         """Spectral density: the declared one."""
@@ -100,20 +96,20 @@ class SeaNoise(SpectralNoise):
     kind: Literal["sea"] = "sea"
     wind: float = parameter(
         5.0,
-        unit="m/s",
-        description="wind speed 10 m above the sea; sea states 0 to 6 are 0, 2.5, 4.5, 6.7, 9.4, 12.3, 15.5 m/s",
+        "wind speed 10 m above the sea; sea states 0 to 6 are 0, 2.5, 4.5, 6.7, 9.4, 12.3, 15.5 m/s",
+        "m/s",
         ge=0.0,
         le=40.0,
         slider=(0.0, 20.0),
     )
     rain: Literal["none", "intermediate", "moderate", "heavy"] = parameter(
-        "none", description="rain on the sea; above 16 kHz it is assumed to fall with frequency as wind noise does"
+        "none", "rain on the sea; above 16 kHz it is assumed to fall with frequency as wind noise does"
     )
 
     def density(self, frequency: float) -> float:
         """Spectral density of the sum of wind, rain and thermal noise."""
         parts = (wind_noise(frequency, self.wind), rain_noise(frequency, self.rain), thermal_noise(frequency))
-        return decibels(sum(10.0 ** (part / 10.0) for part in parts))
+        return to_decibels(sum(10.0 ** (part / 10.0) for part in parts))
 
     def describe_limits(self, frequency: float) -> Iterator[str]:
         """Describe a frequency beyond the curves of Wenz, where wind is louder than the water's thermal noise."""
@@ -127,17 +123,10 @@ class SnrNoise(NoiseKind):
 
     rank = 40
     kind: Literal["snr"] = "snr"
-    value: float = parameter(
-        15.0,
-        unit="dB",
-        description="mean echo of a level bed of the scene's materials over the noise",
-        ge=-100.0,
-        le=200.0,
-        slider=(-10.0, 40.0),
+    value: float = decibels(
+        15.0, "mean echo of a level bed of the scene's materials over the noise", (-100.0, 200.0), (-10.0, 40.0)
     )
-    at: float = parameter(
-        40.0, unit="m", description="slant range of that echo", gt=0.0, le=1e4, slider=(10.0, 200.0), log=True
-    )
+    at: float = parameter(40.0, "slant range of that echo", "m", gt=0.0, le=1e4, slider=(10.0, 200.0), log=True)
 
     def received(self, conditions: NoiseConditions) -> float:
         """Mean level in dB that gives the ratio."""
@@ -162,6 +151,6 @@ def thermal_noise(frequency: float) -> float:
     return -15.0 + 20.0 * math.log10(frequency / 1e3)
 
 
-def decibels(ratio: float) -> float:
+def to_decibels(ratio: float) -> float:
     """Decibels of a positive ratio of powers."""
     return 10.0 * math.log10(ratio)

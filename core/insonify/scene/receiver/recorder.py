@@ -5,7 +5,7 @@ from typing import Annotated, Literal
 
 from pydantic import Field, field_validator
 
-from insonify.scene.base import Declaration, parameter
+from insonify.scene.base import Declaration, decibels, parameter
 
 MOST_GAIN = 200.0  # dB, either way
 Seconds = Annotated[float, Field(ge=0.0, le=1e9)]
@@ -18,32 +18,25 @@ class Recorder(Declaration):
 
     gain: GainSteps = parameter(
         0.0,
-        unit="dB",
-        description="operator's gain: a number, or [[time in s, gain], ...], each kept until the next",
+        "operator's gain: a number, or [[time in s, gain], ...], each kept until the next",
+        "dB",
         slider=(-20.0, 40.0),
     )
-    side_gain: float = parameter(
-        0.0,
-        unit="dB",
-        description="gain of port over starboard",
-        ge=-MOST_GAIN,
-        le=MOST_GAIN,
-        slider=(-12.0, 12.0),
-    )
+    side_gain: float = decibels(0.0, "gain of port over starboard", (-MOST_GAIN, MOST_GAIN), (-12.0, 12.0))
     bits: Literal["float", 8, 16] = parameter(
-        "float", description="bits of the converter that records the amplitude; float: no rounding"
+        "float", "bits of the converter that records the amplitude; float: no rounding"
     )
     full_scale: float | None = parameter(
         None,
-        unit="dB",
-        description="level at which the converter clips (when left out: the greatest level of a flat bed of albedo 1, "
+        "level at which the converter clips (when left out: the greatest level of a flat bed of albedo 1, "
         "raised until a step of amplitude is a power of two; no clipping with float)",
+        "dB",
         ge=-400.0,
         le=400.0,
         slider=(-150.0, 200.0),
     )
     dropped_pings: float = parameter(
-        0.0, description="share of pings that are lost and recorded as 0", ge=0.0, le=1.0, slider=(0.0, 0.1)
+        0.0, "share of pings that are lost and recorded as 0", ge=0.0, le=1.0, slider=(0.0, 0.1)
     )
 
     @field_validator("gain")

@@ -32,7 +32,7 @@ class SpeckleKind(Kind):
     @property
     def independent_records(self) -> int:
         """Number of independent records that are averaged."""
-        return 1
+        return getattr(self, "looks", 1)
 
     @property
     def texture(self) -> Texture | None:
@@ -54,7 +54,7 @@ class NoSpeckle(SpeckleKind):
 
 
 def _looks() -> Any:
-    return parameter(1, description="independent records averaged", ge=1, le=64, slider=(1, 16), log=True)
+    return parameter(1, "independent records averaged", ge=1, le=64, slider=(1, 16), log=True)
 
 
 class Rayleigh(SpeckleKind):
@@ -64,11 +64,6 @@ class Rayleigh(SpeckleKind):
     kind: Literal["rayleigh"] = "rayleigh"
     looks: int = _looks()
 
-    @property
-    def independent_records(self) -> int:
-        """Number of independent records that are averaged."""
-        return self.looks
-
 
 class K(SpeckleKind):
     """Speckle of few scatterers: Rayleigh speckle of a bed with gamma-distributed strength."""
@@ -77,7 +72,7 @@ class K(SpeckleKind):
     kind: Literal["k"] = "k"
     shape: float = parameter(
         2.0,
-        description="shape of the gamma distribution; fewer scatterers make it smaller and the speckle spikier",
+        "shape of the gamma distribution; fewer scatterers make it smaller and the speckle spikier",
         ge=0.01,
         le=1e4,
         slider=(0.1, 100.0),
@@ -86,19 +81,14 @@ class K(SpeckleKind):
     looks: int = _looks()
     cell: float | None = parameter(
         None,
-        unit="m²",
-        description="area that the shape refers to: the shape grows with the cell, hence with range and pulse; "
+        "area that the shape refers to: the shape grows with the cell, hence with range and pulse; "
         "the same shape everywhere when left out",
+        "m²",
         gt=0.0,
         le=1e6,
         slider=(1e-3, 10.0),
         log=True,
     )
-
-    @property
-    def independent_records(self) -> int:
-        """Number of independent records that are averaged."""
-        return self.looks
 
     @property
     def texture(self) -> Texture:
@@ -114,8 +104,8 @@ class Coherent(SpeckleKind):
     kind: Literal["coherent"] = "coherent"
     density: float | None = parameter(
         None,
-        unit="1/m²",
-        description="mean number of scatterers per area; 32 in a cell at half the range when left out",
+        "mean number of scatterers per area; 32 in a cell at half the range when left out",
+        "1/m²",
         gt=0.0,
         le=1e6,
         slider=(1.0, 1e4),

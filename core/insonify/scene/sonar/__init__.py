@@ -5,7 +5,7 @@ from typing import Annotated, Literal
 from insonify.errors import SceneError
 from insonify.scene.base import Declaration, KindOf, metres, parameter
 from insonify.scene.sonar.beams import BEAMS, BeamKind
-from insonify.scene.sonar.beams.top_hats import FanBeam
+from insonify.scene.sonar.beams.lobes import FanBeam
 from insonify.scene.sonar.pulses import PULSES, PulseKind, Tone
 from insonify.scene.sonar.vertical_beams import VERTICAL_BEAMS, VerticalBeamKind
 from insonify.scene.sonar.vertical_beams.lobes import UniformVerticalBeam

@@ -89,8 +89,8 @@ class Shape(NamedTuple):
         """Measures of the shape."""
         if not len(self.triangles):
             return Outline(self.solids)
-        half = np.abs(self.triangles).max(axis=(0, 1))
-        return Outline(self.solids, _triple(half), len(self.triangles))
+        x, y, z = np.abs(self.triangles).max(axis=(0, 1)).tolist()
+        return Outline(self.solids, (x, y, z), len(self.triangles))
 
     def turned(self, rotation: NDArray[np.float64]) -> Shape:
         """Turn the shape about the origin, by a (3, 3) matrix."""
@@ -139,8 +139,3 @@ def _farthest(solid: Solid, middle: Vector, radius: float) -> float:
         return math.hypot(*middle) + radius
     along = float(middle @ solid.axis)
     return math.hypot(along, math.hypot(*(middle - along * solid.axis)) + radius)
-
-
-def _triple(values: Vector) -> Triple:
-    x, y, z = (float(value) for value in values)
-    return x, y, z

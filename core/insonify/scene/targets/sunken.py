@@ -37,12 +37,7 @@ class Sunken(Posed):
     broken: float = share(0.0, "how far its pieces lie apart: 0 in one piece, 1 scattered")
     buried: float = share(0.0, "part of its height that is below the bed", most=0.95)
     growth: float = parameter(
-        0.0,
-        "farthest displacement of its surface by growth and rust",
-        "m",
-        ge=0.0,
-        le=2.0,
-        slider=(0.0, 0.5),
+        0.0, "farthest displacement of its surface by growth and rust", "m", ge=0.0, le=2.0, slider=(0.0, 0.5)
     )
 
     scour: float = parameter(

@@ -6,7 +6,7 @@ from typing import Annotated, Literal, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from insonify.scene.base import Coordinate, Family, Kind, KindOf, angle, metres, parameter
+from insonify.scene.base import Coordinate, Family, Kind, KindOf, angle, decibels, metres, parameter
 
 Points = NDArray[np.float64]
 VOLUMES = Family("volumes", "insonify.scene.volumes")
@@ -31,9 +31,7 @@ class Volume(Kind):
     position: tuple[Coordinate, Coordinate, Coordinate] = parameter(
         description="[x, y, z], z up from the sea surface", unit="m"
     )
-    strength: float = parameter(
-        -25.0, "backscattering strength of a cubic metre", "dB", ge=-200.0, le=20.0, slider=(-60.0, 0.0)
-    )
+    strength: float = decibels(-25.0, "backscattering strength of a cubic metre", (-200.0, 20.0), (-60.0, 0.0))
     heading: float = angle("heading, counter-clockwise from east; 45T is 45° by the compass")
 
     @property

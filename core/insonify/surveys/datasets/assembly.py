@@ -1,7 +1,5 @@
 """Assembly of a data set: annotations, metadata and pictures from what its jobs report, one job at a time."""
 
-from __future__ import annotations
-
 import json
 from collections import Counter
 from collections.abc import Iterable, Iterator, Mapping, Sequence
@@ -55,8 +53,8 @@ def assemble(specification: DatasetSpecification, folder: Path, names: Iterable[
         metadata = stack.enter_context(open(beside, "w", encoding="utf-8", newline=""))
         for tile, scene in _tiles(folder, names):
             metadata.write(_line(tile, scene))
-            for collector in (*collectors, totals, sheet):
-                collector.add(tile)
+            for collect in (*collectors, totals.add, sheet.add):
+                collect(tile)
     with replacing(folder / SHEET) as beside:
         sheet.write(beside)
     with replacing(folder / BALANCE) as beside:

@@ -1,7 +1,5 @@
 """Scenes of a data set: the base scene with values and targets drawn for each number."""
 
-from __future__ import annotations
-
 import hashlib
 import math
 from collections.abc import Iterator, Mapping, Sequence
@@ -16,8 +14,7 @@ from insonify.scene.base import Model, is_field
 from insonify.scene.faults import describe_fault
 from insonify.surveys.datasets.specification import Chips, DatasetSpecification, Picture, Sampling, TargetGroup
 from insonify.surveys.distributions import DistributionKind
-from insonify.surveys.distributions.choice import OneOf
-from insonify.surveys.distributions.uniform import Uniform
+from insonify.surveys.distributions.kinds import OneOf, Uniform
 from insonify.tow.line import tow_line_at
 
 _Placed = tuple[list[float], "View"]

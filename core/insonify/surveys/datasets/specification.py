@@ -14,7 +14,7 @@ from insonify.scene import DEFAULT_SCENE, Scene, SceneError
 from insonify.scene.base import Declaration, FilePath, KindOf, Words, parameter
 from insonify.surveys.annotations import ANNOTATIONS, AnnotationKind
 from insonify.surveys.distributions import Drawn
-from insonify.surveys.distributions.uniform import Uniform
+from insonify.surveys.distributions.kinds import Uniform
 from insonify.surveys.engine import FLAGS
 from insonify.surveys.storages import STORAGES, Files, StorageKind
 
@@ -28,20 +28,15 @@ class TargetGroup(Declaration):
 
     name: Name = parameter(description="class of the targets in annotations")
     of: tuple[Drawn, ...] = parameter(
-        description="what a target may be: names of the library, or tables such as those of a scene",
-        min_length=1,
+        description="what a target may be: names of the library, or tables such as those of a scene", min_length=1
     )
-    count: Drawn = parameter(1, description="how many there are in a scene: a whole number, or a distribution of it")
-    along: Drawn = parameter(
-        Uniform(low=0.05, high=0.95), description="where they lie along the tow, as a share of it, 0 to 1"
-    )
+    count: Drawn = parameter(1, "how many there are in a scene: a whole number, or a distribution of it")
+    along: Drawn = parameter(Uniform(low=0.05, high=0.95), "where they lie along the tow, as a share of it, 0 to 1")
     ground_range: Drawn = parameter(
-        None,
-        unit="m",
-        description="how far abeam of the tow; from one altitude to most of the range when left out",
+        None, "how far abeam of the tow; from one altitude to most of the range when left out", "m"
     )
-    weight: float = parameter(1.0, description="how often a scene has this group, where it has one of them", gt=0.0)
-    set: dict[str, Drawn] = parameter({}, description="fields of the target by their paths: values or distributions")
+    weight: float = parameter(1.0, "how often a scene has this group, where it has one of them", gt=0.0)
+    set: dict[str, Drawn] = parameter({}, "fields of the target by their paths: values or distributions")
 
     @model_validator(mode="after")
     def _names_of_the_library(self) -> TargetGroup:
@@ -58,23 +53,21 @@ class TargetGroup(Declaration):
 class Tiles(Declaration):
     """How records are cut."""
 
-    pings: int = parameter(256, description="height of a tile, in pings", ge=8, le=16384)
-    bins: int = parameter(256, description="width of a tile, in range bins", ge=8, le=16384)
-    overlap: float = parameter(0.0, description="share of a tile that the next one shows again", ge=0.0, le=0.9)
-    empty: float = parameter(
-        1.0, description="share of the tiles without a target of a class that is kept, 0 to 1", ge=0.0, le=1.0
-    )
+    pings: int = parameter(256, "height of a tile, in pings", ge=8, le=16384)
+    bins: int = parameter(256, "width of a tile, in range bins", ge=8, le=16384)
+    overlap: float = parameter(0.0, "share of a tile that the next one shows again", ge=0.0, le=0.9)
+    empty: float = parameter(1.0, "share of the tiles without a target of a class that is kept, 0 to 1", ge=0.0, le=1.0)
     least: float = parameter(
-        0.1, description="share of a target that a tile shows at least if it is annotated there", ge=0.0, le=1.0
+        0.1, "share of a target that a tile shows at least if it is annotated there", ge=0.0, le=1.0
     )
 
 
 class Images(Declaration):
     """Grey levels of images: decibels relative to the median of the record at that range."""
 
-    bits: int = parameter(8, description="bits of a grey level: 8 or 16")
-    low: float = parameter(-25.0, unit="dB", description="level that is black, as silence is", ge=-200.0, le=200.0)
-    high: float = parameter(20.0, unit="dB", description="level that is white", ge=-200.0, le=200.0)
+    bits: int = parameter(8, "bits of a grey level: 8 or 16")
+    low: float = parameter(-25.0, "level that is black, as silence is", "dB", ge=-200.0, le=200.0)
+    high: float = parameter(20.0, "level that is white", "dB", ge=-200.0, le=200.0)
 
     @model_validator(mode="after")
     def _levels(self) -> Images:
@@ -88,20 +81,20 @@ class Images(Declaration):
 class Sampling(Declaration):
     """How finely a sonar samples a target, which sets lengths of the scene in proportion."""
 
-    length: float = parameter(120.0, description="bins that the target's length spans", gt=0.0, le=1e4)
+    length: float = parameter(120.0, "bins that the target's length spans", gt=0.0, le=1e4)
     bin: float | None = parameter(
-        None, unit="m", description="length of a range bin, instead; for scenes without targets", gt=0.0, le=100.0
+        None, "length of a range bin, instead; for scenes without targets", "m", gt=0.0, le=100.0
     )
-    step: float = parameter(1.0, description="distance from ping to ping, in bins", gt=0.0, le=100.0)
-    altitude: float | None = parameter(None, description="altitude over the range", gt=0.0, lt=1.0)
-    pulse: float | None = parameter(None, description="range resolution of the pulse, in bins", gt=0.0, le=100.0)
+    step: float = parameter(1.0, "distance from ping to ping, in bins", gt=0.0, le=100.0)
+    altitude: float | None = parameter(None, "altitude over the range", gt=0.0, lt=1.0)
+    pulse: float | None = parameter(None, "range resolution of the pulse, in bins", gt=0.0, le=100.0)
     beam: float | None = parameter(
-        None, description="width of the beam at half of the range, in steps of the track", gt=0.0, le=1000.0
+        None, "width of the beam at half of the range, in steps of the track", gt=0.0, le=1000.0
     )
-    node: float | None = parameter(None, description="spacing of the nodes of the relief, in bins", gt=0.0, le=100.0)
-    relief: bool = parameter(False, description="whether the metres in seabed.relief are bins")
+    node: float | None = parameter(None, "spacing of the nodes of the relief, in bins", gt=0.0, le=100.0)
+    relief: bool = parameter(False, "whether the metres in seabed.relief are bins")
     snr: float | None = parameter(
-        None, unit="dB", description="mean echo of the bed over the noise, at 0.7 of the range", ge=-100.0, le=200.0
+        None, "mean echo of the bed over the noise, at 0.7 of the range", "dB", ge=-100.0, le=200.0
     )
 
     def changes(self, scene: Scene, length: float | None, height: float = 0.0) -> dict[str, Any]:
@@ -144,43 +137,40 @@ def lengths_of(declared: Declaration, path: str = "") -> Iterator[tuple[str, flo
 class Chips(Declaration):
     """Pictures about each target, and as many of the bed across the tow."""
 
-    pixels: int = parameter(128, description="longer side of a picture", ge=16, le=2048)
+    pixels: int = parameter(128, "longer side of a picture", ge=16, le=2048)
     about: Literal["length", "extent"] = parameter(
-        "length",
-        description="length: a square about the target; extent: its echo and shadow together, with an even border",
+        "length", "length: a square about the target; extent: its echo and shadow together, with an even border"
     )
     margin: float = parameter(
-        1.6, description="longer side of the window over the target's length, or that of the extent", gt=0.1, le=50.0
+        1.6, "longer side of the window over the target's length, or that of the extent", gt=0.1, le=50.0
     )
-    aspect: float = parameter(1.0, description="metres along the tow over those across", gt=0.05, le=20.0)
-    along: float = parameter(0.0, description="place of the window's middle off the target, in sides", ge=-1.0, le=1.0)
-    across: float = parameter(0.0, description="the same, away from the tow", ge=-1.0, le=1.0)
-    turns: int = parameter(0, description="quarter turns of the picture", ge=0, le=3)
-    mirrored: bool = parameter(False, description="whether the picture is mirrored")
-    least: float = parameter(0.2, description="share of a target that is shown at least", ge=0.0, le=1.0)
+    aspect: float = parameter(1.0, "metres along the tow over those across", gt=0.05, le=20.0)
+    along: float = parameter(0.0, "place of the window's middle off the target, in sides", ge=-1.0, le=1.0)
+    across: float = parameter(0.0, "the same, away from the tow", ge=-1.0, le=1.0)
+    turns: int = parameter(0, "quarter turns of the picture", ge=0, le=3)
+    mirrored: bool = parameter(False, "whether the picture is mirrored")
+    least: float = parameter(0.2, "share of a target that is shown at least", ge=0.0, le=1.0)
 
 
 class Picture(Declaration):
     """How a chip is displayed."""
 
-    scale: Literal["linear", "root", "log"] = parameter("log", description="grey over amplitude")
+    scale: Literal["linear", "root", "log"] = parameter("log", "grey over amplitude")
     levelled: float = parameter(
-        1.0, description="1: divided by the median at each range; 0: as received after the gain", ge=0.0, le=1.0
+        1.0, "1: divided by the median at each range; 0: as received after the gain", ge=0.0, le=1.0
     )
-    black: float = parameter(1.0, unit="%", description="percentile that is black", ge=0.0, le=60.0)
-    white: float = parameter(99.5, unit="%", description="percentile that is white", ge=60.5, le=100.0)
-    grey: float | None = parameter(
-        None, description="grey of the median, between darkest and brightest", gt=0.0, lt=1.0
-    )
-    darkest: float = parameter(0.0, description="grey of black, for pictures of little contrast", ge=0.0, lt=0.3)
-    brightest: float = parameter(1.0, description="grey of white", ge=0.3, le=1.0)
-    inverted: bool = parameter(False, description="whether strong echoes are dark")
-    ground_range: bool = parameter(False, description="whether across is ground range, without the water column")
-    water_column: bool = parameter(True, description="whether slant range begins at the sonar")
-    along: float = parameter(1.0, description="pixels over which it was averaged along the tow", ge=1.0, le=16.0)
-    across: float = parameter(1.0, description="pixels over which it was averaged across", ge=1.0, le=16.0)
-    jpeg: int | None = parameter(None, description="quality of JPEG that it went through", ge=5, le=100)
-    lines: int = parameter(0, description="number of scale lines, with a caption", ge=0, le=8)
+    black: float = parameter(1.0, "percentile that is black", "%", ge=0.0, le=60.0)
+    white: float = parameter(99.5, "percentile that is white", "%", ge=60.5, le=100.0)
+    grey: float | None = parameter(None, "grey of the median, between darkest and brightest", gt=0.0, lt=1.0)
+    darkest: float = parameter(0.0, "grey of black, for pictures of little contrast", ge=0.0, lt=0.3)
+    brightest: float = parameter(1.0, "grey of white", ge=0.3, le=1.0)
+    inverted: bool = parameter(False, "whether strong echoes are dark")
+    ground_range: bool = parameter(False, "whether across is ground range, without the water column")
+    water_column: bool = parameter(True, "whether slant range begins at the sonar")
+    along: float = parameter(1.0, "pixels over which it was averaged along the tow", ge=1.0, le=16.0)
+    across: float = parameter(1.0, "pixels over which it was averaged across", ge=1.0, le=16.0)
+    jpeg: int | None = parameter(None, "quality of JPEG that it went through", ge=5, le=100)
+    lines: int = parameter(0, "number of scale lines, with a caption", ge=0, le=8)
 
 
 def check_draws(model: type[Declaration]) -> AfterValidator:
@@ -198,37 +188,35 @@ def check_draws(model: type[Declaration]) -> AfterValidator:
 class DatasetSpecification(Declaration):
     """Everything that a data set depends on."""
 
-    title: Words = parameter("Untitled", description="what the data set shows", max_length=200)
-    description: Words = parameter("", description="a paragraph about it", max_length=5000)
-    seed: int = parameter(1, description="seed of all that is drawn", ge=0, le=2**63 - 1)
-    scenes: int = parameter(100, description="number of scenes", ge=1, le=10_000_000)
-    base: FilePath = parameter(DEFAULT_SCENE, description="bundled scene, or TOML file, that all scenes begin with")
-    set: dict[str, Drawn] = parameter({}, description="fields of the scene by their paths: values or distributions")
-    targets: tuple[TargetGroup, ...] = parameter((), description="classes of targets")
-    groups: Literal["all", "one"] = parameter("all", description="whether a scene has targets of all groups or of one")
-    tolerance: float = parameter(0.03, description="error of a record that is accepted", gt=0.0, le=1.0)
-    negatives: float = parameter(0.2, description="share of the scenes that have none of these targets", ge=0.0, le=1.0)
+    title: Words = parameter("Untitled", "what the data set shows", max_length=200)
+    description: Words = parameter("", "a paragraph about it", max_length=5000)
+    seed: int = parameter(1, "seed of all that is drawn", ge=0, le=2**63 - 1)
+    scenes: int = parameter(100, "number of scenes", ge=1, le=10_000_000)
+    base: FilePath = parameter(DEFAULT_SCENE, "bundled scene, or TOML file, that all scenes begin with")
+    set: dict[str, Drawn] = parameter({}, "fields of the scene by their paths: values or distributions")
+    targets: tuple[TargetGroup, ...] = parameter((), "classes of targets")
+    groups: Literal["all", "one"] = parameter("all", "whether a scene has targets of all groups or of one")
+    tolerance: float = parameter(0.03, "error of a record that is accepted", gt=0.0, le=1.0)
+    negatives: float = parameter(0.2, "share of the scenes that have none of these targets", ge=0.0, le=1.0)
     sampling: Annotated[dict[str, Drawn] | None, check_draws(Sampling)] = parameter(
-        None, description="draws of how finely a target is sampled; its fields are those of `Sampling`"
+        None, "draws of how finely a target is sampled; its fields are those of `Sampling`"
     )
     chips: Annotated[dict[str, Drawn] | None, check_draws(Chips)] = parameter(
-        None, description="draws of windows about targets, instead of tiles; its fields are those of `Chips`"
+        None, "draws of windows about targets, instead of tiles; its fields are those of `Chips`"
     )
-    chips_each: int = parameter(1, description="chips of each target, and of the bed, each drawn anew", ge=1, le=1000)
+    chips_each: int = parameter(1, "chips of each target, and of the bed, each drawn anew", ge=1, le=1000)
     picture: Annotated[dict[str, Drawn], check_draws(Picture)] = parameter(
-        {}, description="draws of how chips are displayed; its fields are those of `Picture`"
+        {}, "draws of how chips are displayed; its fields are those of `Picture`"
     )
-    tiles: Tiles = parameter(Tiles, description="how records are cut")
-    images: Images = parameter(Images, description="grey levels of images")
+    tiles: Tiles = parameter(Tiles, "how records are cut")
+    images: Images = parameter(Images, "grey levels of images")
     splits: dict[Name, Annotated[float, Field(gt=0.0)]] = parameter(
-        {"train": 0.8, "validation": 0.1, "test": 0.1},
-        description="shares of the scenes in each split, in any unit",
-        min_length=1,
+        {"train": 0.8, "validation": 0.1, "test": 0.1}, "shares of the scenes in each split, in any unit", min_length=1
     )
     annotations: tuple[Annotated[AnnotationKind, KindOf(ANNOTATIONS)], ...] = parameter(
-        ("coco", "yolo"), description="formats of annotations"
+        ("coco", "yolo"), "formats of annotations"
     )
-    storage: Annotated[StorageKind, KindOf(STORAGES)] = parameter(Files, description="how images are stored")
+    storage: Annotated[StorageKind, KindOf(STORAGES)] = parameter(Files, "how images are stored")
 
     @field_validator("splits")
     @classmethod

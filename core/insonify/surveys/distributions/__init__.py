@@ -1,4 +1,4 @@
-"""Distributions from which a data set draws values, one file a kind."""
+"""Distributions from which a data set draws values."""
 
 from abc import abstractmethod
 from typing import Annotated, Any

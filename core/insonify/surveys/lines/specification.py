@@ -21,10 +21,8 @@ class Area(Declaration):
 
     corners: tuple[Point, ...] = parameter(unit="m", description="corners of the area, in order", min_length=3)
     spacing: float = parameter(unit="m", description="distance between lines", gt=0.0, le=1e5)
-    heading: float = parameter(
-        0.0, unit="°", description="direction of the first line, counter-clockwise from +x", ge=-360.0, le=360.0
-    )
-    turns: Literal["out", "in"] = parameter("out", description="whether the turns between lines are recorded")
+    heading: float = parameter(0.0, "direction of the first line, counter-clockwise from +x", "°", ge=-360.0, le=360.0)
+    turns: Literal["out", "in"] = parameter("out", "whether the turns between lines are recorded")
 
 
 class GivenLine(Declaration):
@@ -44,24 +42,24 @@ class MosaicOptions(Declaration):
     """How the records are put on the map."""
 
     cell: float | None = parameter(
-        None, unit="m", description="side of a cell; about the distance between pings when left out", gt=0.0, le=1e4
+        None, "side of a cell; about the distance between pings when left out", "m", gt=0.0, le=1e4
     )
     overlap: Annotated[str, Field(pattern="|".join(OVERLAPS))] = parameter(
-        OVERLAPS[0], description=f"what counts where records overlap: {', '.join(OVERLAPS)}"
+        OVERLAPS[0], f"what counts where records overlap: {', '.join(OVERLAPS)}"
     )
 
 
 class SurveySpecification(Declaration):
     """Everything that a survey depends on."""
 
-    title: Words = parameter("Untitled", description="what is surveyed", max_length=200)
-    description: Words = parameter("", description="a paragraph about it", max_length=5000)
-    base: FilePath = parameter(DEFAULT_SCENE, description="bundled scene, or TOML file; its track is replaced")
-    set: dict[str, Any] = parameter({}, description="fields of the scene by their paths")
-    area: Area | None = parameter(None, description="area that lines cover")
-    lines: tuple[GivenLine, ...] = parameter((), description="lines, instead of an area")
-    suffix: str = parameter(".nc", description="format of the records")
-    mosaic: MosaicOptions = parameter(MosaicOptions, description="how the records are put on the map")
+    title: Words = parameter("Untitled", "what is surveyed", max_length=200)
+    description: Words = parameter("", "a paragraph about it", max_length=5000)
+    base: FilePath = parameter(DEFAULT_SCENE, "bundled scene, or TOML file; its track is replaced")
+    set: dict[str, Any] = parameter({}, "fields of the scene by their paths")
+    area: Area | None = parameter(None, "area that lines cover")
+    lines: tuple[GivenLine, ...] = parameter((), "lines, instead of an area")
+    suffix: str = parameter(".nc", "format of the records")
+    mosaic: MosaicOptions = parameter(MosaicOptions, "how the records are put on the map")
 
     @model_validator(mode="after")
     def _lines_or_an_area(self) -> SurveySpecification:

@@ -7,7 +7,7 @@ import numpy as np
 
 from insonify.scene.base import KindOf, angle, metres, parameter
 from insonify.scene.seabed.autocorrelations import AUTOCORRELATIONS, AutocorrelationKind
-from insonify.scene.seabed.autocorrelations.by_length import ExponentialAutocorrelation
+from insonify.scene.seabed.autocorrelations.kinds import ExponentialAutocorrelation
 from insonify.scene.seabed.reliefs.random_relief import ExtendableRelief, rms_height
 from insonify.scene.seabed.reliefs.spectrum import Band, Density, Field, rotate_frequencies
 

@@ -1,4 +1,4 @@
-"""A bell-shaped beam."""
+"""Beams without sidelobes: a knife without width, a fan, and a bell-shaped beam."""
 
 import math
 from typing import Literal
@@ -6,7 +6,7 @@ from typing import Literal
 import numpy as np
 
 from insonify.scene.base import parameter
-from insonify.scene.sonar.beams import AimedBeam, BeamConditions, Values
+from insonify.scene.sonar.beams import AimedBeam, BeamConditions, BeamKind, Values
 
 FAINT = 1e-6  # sensitivity at which the beam ends
 EDGE = 0.02  # sensitivity at which its main lobe ends
@@ -41,3 +41,31 @@ class GaussianBeam(AimedBeam):
     def response(self, s: Values, conditions: BeamConditions) -> Values:
         """Sensitivity b = 2^(−(2φ/w)²) each way, which falls to a half at half the width."""
         return np.exp2(-self.passes * (s / self._s_three_decibels) ** 2)
+
+
+class KnifeBeam(BeamKind):
+    """A beam without width: a vertical plane across the track at any pitch of the fish, 1 m wide by definition."""
+
+    rank = 10
+    top_hat = True
+    has_width = False
+    caption = "knife-edge beam"
+    kind: Literal["knife"] = "knife"
+
+    def half_width(self, conditions: BeamConditions) -> float:
+        """Zero: the beam is a plane."""
+        return 0.0
+
+
+class FanBeam(AimedBeam):
+    """A top-hat beam, one-way full width; the cell widens with range."""
+
+    rank = 20
+    top_hat = True
+    caption = "fan {width:g}°"
+    kind: Literal["fan"] = "fan"
+    width: float = parameter(1.0, "one-way full beamwidth", "°", ge=1e-3, le=60.0, slider=(0.1, 10.0), log=True)
+
+    def half_width(self, conditions: BeamConditions) -> float:
+        """Half of the one-way full width, in radians."""
+        return math.radians(self.width) / 2.0

@@ -1,4 +1,4 @@
-"""Autocorrelations by points, declared or from a file."""
+"""Autocorrelations of a correlation length, and by points that are declared or read from a file."""
 
 import math
 from abc import abstractmethod
@@ -12,13 +12,54 @@ from pydantic import ValidationError, field_validator
 from insonify.errors import SceneError
 from insonify.files import kept_until_changed
 from insonify.io.file_access import guarded, read_text
-from insonify.scene.base import FilePath, parameter
+from insonify.scene.base import FilePath, metres, parameter
 from insonify.scene.seabed.autocorrelations import AutocorrelationKind
 from insonify.scene.seabed.reliefs.spectrum import Density, Field
 
 TABLED = 4096  # wave numbers at which a tabulated autocorrelation is transformed
 NEGATIVE = 0.1  # greatest share of negative power, which no surface can have and which is set to 0
 Points = tuple[tuple[float, float], ...]
+
+
+class LengthAutocorrelation(AutocorrelationKind):
+    """Autocorrelation given by its correlation length."""
+
+    length: float = metres(1.0, "lag at which the autocorrelation is 1/e", (0.2, 20.0), most=1e5)
+
+    @property
+    def feature(self) -> float:
+        """Width of the narrowest feature of the spectrum, in cycles per metre."""
+        return 1.0 / (2.0 * math.pi * self.length)
+
+    def squared_phase(self, fx: Field, fy: Field) -> Field:
+        """Squared product (k length)² of wave number and length, for waves in cycles per metre."""
+        return np.asarray((2.0 * math.pi * self.length) ** 2 * (fx**2 + fy**2))
+
+
+class ExponentialAutocorrelation(LengthAutocorrelation):
+    """Exponential autocorrelation, exp(−lag / length)."""
+
+    rank = 10
+    kind: Literal["exponential"] = "exponential"
+
+    def density(self, variance: float) -> Density:
+        """Spectral density 2π h² l² (1 + k² l²)^−3/2."""
+        return lambda fx, fy: np.asarray(
+            variance * 2.0 * math.pi * self.length**2 * (1.0 + self.squared_phase(fx, fy)) ** -1.5
+        )
+
+
+class GaussianAutocorrelation(LengthAutocorrelation):
+    """Gaussian autocorrelation, exp(−lag² / length²)."""
+
+    rank = 20
+    kind: Literal["gaussian"] = "gaussian"
+
+    def density(self, variance: float) -> Density:
+        """Spectral density π h² l² exp(−k² l²/4)."""
+        return lambda fx, fy: np.asarray(
+            variance * math.pi * self.length**2 * np.exp(-0.25 * self.squared_phase(fx, fy))
+        )
 
 
 class LinearAutocorrelation(AutocorrelationKind):

@@ -1,0 +1,117 @@
+"""The distributions that come with the program."""
+
+from __future__ import annotations
+
+from itertools import accumulate
+from statistics import NormalDist
+from typing import Any, Literal
+
+from pydantic import model_validator
+
+from insonify.scene.base import parameter
+from insonify.surveys.distributions import DistributionKind, Drawn
+
+
+class BetweenBounds(DistributionKind):
+    """Numbers between two bounds."""
+
+    low: float = parameter(description="least value")
+    high: float = parameter(description="greatest value")
+
+    @model_validator(mode="after")
+    def _in_order(self) -> BetweenBounds:
+        if self.low > self.high:
+            raise ValueError(f"low {self.low:.15g} is above high {self.high:.15g}; exchange them")
+        return self
+
+
+class Uniform(BetweenBounds):
+    """Numbers spread evenly between two bounds."""
+
+    rank = 10
+    kind: Literal["uniform"] = "uniform"
+
+    def quantile(self, share: float) -> float:
+        """Return the number at a share of the way from the least to the greatest."""
+        return self.low + share * (self.high - self.low)
+
+
+class LogUniform(BetweenBounds):
+    """Positive numbers with a logarithm spread evenly between two bounds."""
+
+    rank = 20
+    kind: Literal["log_uniform"] = "log_uniform"
+    low: float = parameter(description="least value", gt=0.0)
+    high: float = parameter(description="greatest value", gt=0.0)
+
+    def quantile(self, share: float) -> float:
+        """Return the number at a share of the ratio of the greatest to the least."""
+        return float(self.low * (self.high / self.low) ** share)
+
+
+class Normal(DistributionKind):
+    """Normally distributed numbers; those beyond the bounds are not drawn."""
+
+    rank = 30
+    kind: Literal["normal"] = "normal"
+    mean: float = parameter(description="mean before the cut")
+    deviation: float = parameter(description="standard deviation before the cut", gt=0.0)
+    low: float | None = parameter(None, "least value, none when left out")
+    high: float | None = parameter(None, "greatest value, none when left out")
+
+    @model_validator(mode="after")
+    def _within_bounds(self) -> Normal:
+        low, high = self._shares
+        if high - low < 1e-9:
+            raise ValueError(
+                f"low and high leave next to nothing of a mean of {self.mean:g} and a deviation of "
+                f"{self.deviation:g}; move them apart"
+            )
+        return self
+
+    @property
+    def _shares(self) -> tuple[float, float]:
+        """Shares of the whole distribution below the bounds."""
+        whole = NormalDist(self.mean, self.deviation)
+        return 0.0 if self.low is None else whole.cdf(self.low), 1.0 if self.high is None else whole.cdf(self.high)
+
+    def quantile(self, share: float) -> float:
+        """Return the number below which a share of what lies between the bounds lies."""
+        low, high = self._shares
+        within = min(max(low + share * (high - low), 1e-300), 1.0 - 1e-16)
+        return NormalDist(self.mean, self.deviation).inv_cdf(within)
+
+
+class OneOf(DistributionKind):
+    """One of several values: numbers, names or tables."""
+
+    rank = 40
+    kind: Literal["choice"] = "choice"
+    of: tuple[Drawn, ...] = parameter(description="the values, which may hold distributions", min_length=1)
+    weights: tuple[float, ...] = parameter((), "how often each is drawn, in any unit; equally if left out")
+
+    @model_validator(mode="after")
+    def _a_weight_each(self) -> OneOf:
+        if self.weights and len(self.weights) != len(self.of):
+            raise ValueError(f"weights: there are {len(self.weights)} for {len(self.of)} values; give one for each")
+        if self.weights and (min(self.weights) < 0.0 or sum(self.weights) == 0.0):
+            raise ValueError("weights: must be 0 or more, and not all 0")
+        return self
+
+    def quantile(self, share: float) -> Any:
+        """Return the first value up to which the weights add up to a share of all."""
+        reached = list(accumulate(self.weights or [1.0] * len(self.of)))
+        return self.of[sum(weight <= share * reached[-1] for weight in reached)]
+
+
+class Integers(BetweenBounds):
+    """Whole numbers between two bounds, both included, equally often."""
+
+    rank = 50
+    kind: Literal["integers"] = "integers"
+    low: int = parameter(description="least value")
+    high: int = parameter(description="greatest value")
+
+    def quantile(self, share: float) -> int:
+        """Return the whole number at a share of the way from the least to the greatest."""
+        return self.low + int(share * (self.high - self.low + 1))
