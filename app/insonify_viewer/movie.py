@@ -1,7 +1,5 @@
 """The tow of a scene as a moving picture: the seabed in 3-D beside its record, which grows ping by ping."""
 
-from __future__ import annotations
-
 from collections.abc import Iterable, Iterator, Mapping
 from contextlib import closing
 from itertools import chain

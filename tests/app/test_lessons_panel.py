@@ -299,7 +299,7 @@ def test_lessons_stand_under_the_titles_of_their_courses(open_viewer, small, qtb
     _, panel = opened(open_viewer, small, qtbot)
     page = panel.view.list
     texts = [page.lessons.item(row).text() for row in range(page.lessons.count())]
-    assert texts[0] == "First look, 50 min"
+    assert texts[0] == "First look, 55 min"
     assert page.lessons.currentRow() == 1
     assert "(beginner)" in page.about.text()
     headings = [row for row in range(len(texts)) if not page.lessons.item(row).flags() & Qt.ItemFlag.ItemIsEnabled]

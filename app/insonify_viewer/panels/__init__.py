@@ -6,8 +6,6 @@ imports Qt. Folders are found by being here. Installed packages announce a panel
 ``insonify.panels``.
 """
 
-from __future__ import annotations
-
 from typing import Any
 
 from insonify.plugins import announced, modules_in

@@ -1,7 +1,5 @@
 """Record laid over a picture of the bed seen from above, each echo at the ground range of a level bed."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass
 

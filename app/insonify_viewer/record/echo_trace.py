@@ -1,7 +1,5 @@
 """Echo of one ping over slant range, drawn under the record and aligned with it."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

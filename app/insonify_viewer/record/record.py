@@ -1,7 +1,5 @@
 """Ring buffer of the pings on screen; a ping keeps its row while it is stored."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Drawing of a record with rulers by the display options of the session."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 from typing import Any
 

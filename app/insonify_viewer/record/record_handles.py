@@ -1,7 +1,5 @@
 """Handles of targets over a record: drawn near the mouse, which drags them."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Sequence
 
 from PySide6.QtCore import QObject, QPoint, QPointF, QRectF, Qt, Signal

@@ -1,7 +1,5 @@
 """Picture of a record in a ring of coloured rows; a row is blurred and coloured once, when it arrives."""
 
-from __future__ import annotations
-
 from itertools import pairwise
 
 import numpy as np

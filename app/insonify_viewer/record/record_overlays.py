@@ -1,7 +1,5 @@
 """Paint over and beside a record: rulers, range lines, marks, contacts, progress bar, scroll handle."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass

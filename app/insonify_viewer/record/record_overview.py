@@ -1,7 +1,5 @@
 """Narrow picture of every recorded ping, beside the scroll handle of a record."""
 
-from __future__ import annotations
-
 import numpy as np
 from numpy.typing import NDArray
 from PySide6.QtGui import QImage

@@ -1,7 +1,5 @@
 """Colours and brightness of amplitudes by the display options."""
 
-from __future__ import annotations
-
 from typing import NamedTuple
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Scrolling record, pointed at, moved, zoomed and measured by mouse or keys, and its contrast."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 
 from PySide6.QtCore import QEvent, QPoint, QRect, Qt, Signal

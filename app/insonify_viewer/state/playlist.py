@@ -1,7 +1,5 @@
 """Presets of a lecture: scenes with their display on the keys 1 to 9, and the TOML files that hold them."""
 
-from __future__ import annotations
-
 import tomllib
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass

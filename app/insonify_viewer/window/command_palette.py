@@ -1,7 +1,5 @@
 """Command palette: finds commands, scenes, lessons and parameters by some letters of their names."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Iterable, Sequence
 from functools import partial
 

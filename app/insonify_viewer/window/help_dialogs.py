@@ -1,7 +1,5 @@
 """Dialogs of the help menu: keys of the window, and what the program is."""
 
-from __future__ import annotations
-
 import tomllib
 
 from PySide6.QtCore import Qt

@@ -1,7 +1,5 @@
 """View for a lecture: record and 3-D view fill the screen, with chosen controls and presets in a strip below."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Mapping, Sequence
 from functools import partial
 

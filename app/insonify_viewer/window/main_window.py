@@ -1,7 +1,5 @@
 """Main window: seabed on the left, record on the right, panels around them, tools above."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Sequence
 from pathlib import Path
 

@@ -1,7 +1,5 @@
 """Menu bar, menus of undo, recent files, saving and appearance, and widgets of the tool bar."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Sequence
 from pathlib import Path
 

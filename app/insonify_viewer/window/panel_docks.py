@@ -1,7 +1,5 @@
 """Panels around scene and record, each in a dock without a title bar, and the room that they share."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Sequence
 from itertools import pairwise
 

@@ -1,7 +1,5 @@
 """Presets of a lecture in the window: kept and shown by keys, opened and saved as files."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from pathlib import Path
 

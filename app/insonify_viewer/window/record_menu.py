@@ -1,7 +1,5 @@
 """Menu of a record under the right mouse button, and what copies its picture and its scene."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 
 from PySide6.QtCore import QObject, QPoint, Qt

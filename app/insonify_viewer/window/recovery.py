@@ -1,7 +1,5 @@
 """Recovery after a crash: unsaved scene and contacts are kept in files every few seconds."""
 
-from __future__ import annotations
-
 import contextlib
 import os
 from collections.abc import Callable, Sequence

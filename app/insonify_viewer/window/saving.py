@@ -1,7 +1,5 @@
 """Saves scene, record, picture and contacts, and asks before unsaved changes are lost."""
 
-from __future__ import annotations
-
 import re
 from collections.abc import Callable, Mapping
 from pathlib import Path

@@ -1,7 +1,5 @@
 """Menu and gallery of the bundled scenes, and of scene files."""
 
-from __future__ import annotations
-
 import html
 
 from PySide6.QtCore import QSize, Qt, Signal

@@ -1,7 +1,5 @@
 """Menu of the three-dimensional view under the right mouse button, and its commands in the menu bar."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Sequence
 from functools import partial
 

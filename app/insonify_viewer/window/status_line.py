@@ -1,7 +1,5 @@
 """Status bar: what happened, errors with details to copy, and the progress of jobs."""
 
-from __future__ import annotations
-
 import time
 from collections import deque
 from collections.abc import Callable, Sequence

@@ -1,7 +1,5 @@
 """Tour of the window in five steps: a card beside the part that it speaks of, which is framed."""
 
-from __future__ import annotations
-
 import tomllib
 from collections.abc import Callable
 from typing import NamedTuple

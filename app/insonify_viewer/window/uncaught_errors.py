@@ -1,7 +1,5 @@
 """Errors that no slot caught, and warnings about files: the window shows them and continues."""
 
-from __future__ import annotations
-
 import sys
 import warnings
 from collections.abc import Callable, Iterator

@@ -1,7 +1,5 @@
 """Solves the sonar equation of the scene on another thread, and shows it at the range under the cursor."""
 
-from __future__ import annotations
-
 from insonify.scene import Scene, SceneError
 from insonify_viewer.panels.budget.levels import SolvedBudget
 from insonify_viewer.panels.budget.view import BudgetView

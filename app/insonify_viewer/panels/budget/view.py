@@ -1,7 +1,5 @@
 """Terms of the sonar equation in groups, beside the curves of the levels over slant range."""
 
-from __future__ import annotations
-
 import html
 from collections.abc import Iterable
 

@@ -1,7 +1,5 @@
 """Window of the chart: speed against accuracy, and the record behind each point."""
 
-from __future__ import annotations
-
 import numpy as np
 from numpy.typing import NDArray
 from PySide6.QtCore import QPointF, QRect, QRectF, Qt, Signal

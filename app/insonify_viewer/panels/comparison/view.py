@@ -1,7 +1,5 @@
 """Buttons of record A, what B changes, and of a recording its navigation and its statistics."""
 
-from __future__ import annotations
-
 import html
 from collections.abc import Mapping, Sequence
 

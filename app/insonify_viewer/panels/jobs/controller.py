@@ -1,7 +1,5 @@
 """Starts commands on the present scene, and shows what runs and what has ended."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 from insonify.files import bundled_specifications

@@ -1,7 +1,5 @@
 """Window that begins jobs and lists them."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from functools import partial
 from pathlib import Path

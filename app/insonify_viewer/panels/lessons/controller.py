@@ -1,7 +1,5 @@
 """Leads through lessons: opens their scenes, lights fields, notices that a step was done, and judges answers."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from datetime import datetime
 from functools import partial

@@ -1,7 +1,5 @@
 """A lesson under way: its steps, what was done, and the answers."""
 
-from __future__ import annotations
-
 from datetime import datetime
 from typing import NamedTuple
 

@@ -1,7 +1,5 @@
 """Shows every field of the scene, and edits it."""
 
-from __future__ import annotations
-
 from functools import partial
 from typing import Any
 

@@ -1,7 +1,5 @@
 """Sections of editable fields, described from the field metadata of the scene; without widgets."""
 
-from __future__ import annotations
-
 import inspect
 import math
 from collections.abc import Iterator

@@ -1,7 +1,5 @@
 """Values of fields: tried by links, reset, and followed while a slider moves; without widgets."""
 
-from __future__ import annotations
-
 from collections.abc import Iterable
 from dataclasses import replace
 from typing import Any

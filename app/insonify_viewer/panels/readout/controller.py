@@ -1,7 +1,5 @@
 """Describes the point of the record under the mouse."""
 
-from __future__ import annotations
-
 import math
 
 from insonify_viewer.panels.panel import Panel, Place, Workbench

@@ -1,7 +1,5 @@
 """Display options of records, contrast, measuring and contacts, in folding sections."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Sequence
 from typing import Any
 

@@ -1,7 +1,5 @@
 """Ways in which record A is shown beside the live record B, and the bundled pairs of scenes."""
 
-from __future__ import annotations
-
 from enum import Enum
 from functools import cache
 

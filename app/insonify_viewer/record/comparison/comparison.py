@@ -1,7 +1,5 @@
 """Record A beside the live record B: keeps it, traces it, arranges both, and measures what differs."""
 
-from __future__ import annotations
-
 from functools import partial
 
 import numpy as np

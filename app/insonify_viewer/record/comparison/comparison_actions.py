@@ -1,7 +1,5 @@
 """Commands that compare two records, and the key that shows record A while it is pressed."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 
 from PySide6.QtCore import QEvent, QObject, Qt, Signal

@@ -1,7 +1,5 @@
 """Record A over the live record B: in its place, left of a line that is dragged, or as the difference of both."""
 
-from __future__ import annotations
-
 from typing import NamedTuple
 
 import numpy as np

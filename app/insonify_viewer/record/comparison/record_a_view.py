@@ -1,7 +1,5 @@
 """View of record A: beside the live record, or laid over it, pixel for pixel."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 
 from PySide6.QtCore import QEvent, QObject, QRect

@@ -1,7 +1,5 @@
 """Reads a recording on a thread of its own, and plays it beside the simulated record."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from functools import partial
 from pathlib import Path

@@ -1,7 +1,5 @@
 """List of lessons, the steps of one in large type, and its summary."""
 
-from __future__ import annotations
-
 from collections.abc import Collection, Sequence
 from pathlib import Path
 

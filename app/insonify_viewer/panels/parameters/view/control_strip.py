@@ -1,7 +1,5 @@
 """A few fields side by side in large type, for the strip of a lecture."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from typing import Any
 

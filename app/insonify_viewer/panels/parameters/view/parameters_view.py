@@ -1,7 +1,5 @@
 """Search, description, effects, and a section of rows for each part of the scene."""
 
-from __future__ import annotations
-
 import html
 from collections.abc import Callable, Mapping, Sequence
 

@@ -1,7 +1,5 @@
 """The rows of one section of fields, the rare ones folded."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Mapping
 from functools import partial
 from typing import Any, Protocol

@@ -1,7 +1,5 @@
 """Pictures of settings below their rows: beam, pulse, backscatter, and the spectrum of the relief."""
 
-from __future__ import annotations
-
 import contextlib
 import threading
 from collections.abc import Callable
