@@ -83,6 +83,8 @@ SMALL = ["pipe-span", "--set", "track.pings=3", "--set", "sonar.bins=100"]
         (["explain", "default", "--ping", "9999", "--range", "20"], "ping 9999"),
         (["rays", "default", "-o", "x.csv", "--target", "30", "60"], "target"),
         (["lesson", "check", "nowhere.md"], "lesson 'nowhere.md': no such file; give a Markdown file"),
+        (["lesson", "check", "apertur"], "lesson 'apertur': no such file; did you mean 'aperture'? Otherwise give a"),
+        (["dataset", "minez", "-o", "m"], "specification 'minez': no such file; did you mean 'mines'? Otherwise"),
         (["view", "a.xtf"], "a.xtf: does not exist; give the path of a record"),
         (["plan", "a.xtf"], "a.xtf: this is a record, not a scene; draw it with 'insonify render a.xtf"),
         (["chart", "-o", "x.png", "a.xtf"], "a.xtf: this is a record, not a scene; draw it with"),

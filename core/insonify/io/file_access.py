@@ -1,5 +1,6 @@
 """Access to files of unknown origin: regular files only, bounded sizes, errors of libraries in one sentence."""
 
+import difflib
 import errno
 import glob
 import logging
@@ -7,7 +8,7 @@ import os
 import stat
 import threading
 import warnings
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Collection, Iterator
 from contextlib import contextmanager
 from pathlib import Path
 from typing import BinaryIO
@@ -50,6 +51,20 @@ def guarded(refusal: Callable[[str, str], SceneError], remedy: str) -> Iterator[
         raise refusal(f"cannot be read ({reason(error)})", remedy) from error
     for warning in caught:  # those of libraries are left out
         warnings.warn(warning.message, stacklevel=4)
+
+
+def read_named(what: str, name: str, path: Path, *, format: str, bundled: Collection[str], largest: int) -> str:
+    """Read the text of a file that is given by its path or by the name of a bundled one."""
+
+    def refuse(fault: str, remedy: str) -> SceneError:
+        if fault == MISSING:
+            close = difflib.get_close_matches(name, bundled, n=1)
+            guess = f"did you mean {close[0]!r}? Otherwise " if close else ""
+            fault, remedy = "no such file", f"{guess}give a {format} file or one of {', '.join(bundled)}"
+        return SceneError(f"{what} {name!r}: {fault}; {remedy}")
+
+    with guarded(refuse, f"give a readable {format} file"):
+        return read_text(path, largest=largest)
 
 
 def one_at_a_time() -> threading.RLock:

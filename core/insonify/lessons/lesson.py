@@ -3,7 +3,6 @@
 import json
 import re
 import tomllib
-from functools import partial
 from pathlib import Path
 from typing import Any, TypeVar
 
@@ -12,7 +11,7 @@ from pydantic import Field, ValidationError, field_validator
 from insonify.display.display_options import read_display
 from insonify.errors import SceneError, plain_text
 from insonify.files import bundled_lessons
-from insonify.io.file_access import MISSING, guarded, read_text
+from insonify.io.file_access import read_named
 from insonify.lessons.conditions import Condition, parse_condition
 from insonify.lessons.questions import Ask
 from insonify.scene.base import Declaration
@@ -86,9 +85,8 @@ class Lesson(LessonHead):
 def load_lesson(name_or_path: str | Path) -> Lesson:
     """Read a lesson."""
     path = bundled_lessons().get(str(name_or_path)) or Path(name_or_path)
-    with guarded(partial(_unreadable, name_or_path), "give a readable Markdown file"):
-        text = plain_text(read_text(path, largest=LARGEST))
-    return parse_lesson(text, path.stem)
+    text = read_named("lesson", str(name_or_path), path, format="Markdown", bundled=bundled_lessons(), largest=LARGEST)
+    return parse_lesson(plain_text(text), path.stem)
 
 
 def load_lessons() -> tuple[Lesson, ...]:
@@ -108,12 +106,6 @@ def parse_lesson(text: str, name: str) -> Lesson:
     if not steps:
         raise SceneError(f"lesson {name}: has no step; add a heading '## What to do' and what belongs below it")
     return Lesson(name=name, introduction=introduction.strip(), steps=steps, **dict(head))
-
-
-def _unreadable(name_or_path: str | Path, fault: str, remedy: str) -> SceneError:
-    if fault == MISSING:
-        fault, remedy = "no such file", f"give a Markdown file or one of {', '.join(bundled_lessons())}"
-    return SceneError(f"lesson {str(name_or_path)!r}: {fault}; {remedy}")
 
 
 def _step(title: str, body: str, where: str) -> Step:

@@ -1,6 +1,5 @@
 """Scenes read from TOML files and written to them."""
 
-import difflib
 import tomllib
 import warnings
 from collections.abc import Callable, Mapping
@@ -12,7 +11,7 @@ import tomli_w
 
 from insonify.errors import FileWarning, SceneError
 from insonify.files import bundled_meshes, bundled_scenes
-from insonify.io.file_access import MISSING, guarded, read_text
+from insonify.io.file_access import read_named
 from insonify.scene.edit import build, edit, plain, read_setting
 from insonify.scene.scene import Scene
 
@@ -39,8 +38,7 @@ def load_scene(name_or_path: str | Path) -> Scene:
     """
     named = bundled_scenes().get(str(name_or_path))
     path = named or Path(name_or_path)
-    with guarded(partial(_unreadable, name_or_path), "give a readable TOML file"):
-        text = read_text(path, largest=LARGEST)
+    text = read_named("scene", str(name_or_path), path, format="TOML", bundled=bundled_scenes(), largest=LARGEST)
     if "\0" in text:
         raise SceneError(f"scene {str(name_or_path)!r}: is a binary file, not text; give a TOML file")
     scene = scene_from_toml(text, source=path)
@@ -61,14 +59,6 @@ def load_partner(scene: Scene) -> Scene | None:
     settings = [word for word in scene.partner if "=" in word]
     other = load_scene(named[0]) if named else scene
     return edit(other, dict(read_setting(word, "partner") for word in settings))
-
-
-def _unreadable(name_or_path: str | Path, fault: str, remedy: str) -> SceneError:
-    if fault == MISSING:
-        close = difflib.get_close_matches(str(name_or_path), bundled_scenes(), n=1)
-        given = f"did you mean {close[0]!r}? Otherwise " if close else ""
-        fault, remedy = "no such file", f"{given}give a TOML file or one of {', '.join(bundled_scenes())}"
-    return SceneError(f"scene {str(name_or_path)!r}: {fault}; {remedy}")
 
 
 def scene_from_toml(text: str, *, source: Path | None = None) -> Scene:

@@ -3,7 +3,6 @@
 import hashlib
 import tomllib
 from collections.abc import Mapping
-from functools import partial
 from importlib.metadata import version
 from pathlib import Path
 from typing import Any, TypeVar
@@ -12,7 +11,7 @@ from pydantic import BaseModel, ValidationError
 
 from insonify.errors import SceneError
 from insonify.files import bundled_meshes
-from insonify.io.file_access import MISSING, FileFault, guarded, open_regular, read_text
+from insonify.io.file_access import FileFault, open_regular, read_named
 from insonify.scene import Scene, plain
 from insonify.scene.faults import describe_fault
 from insonify.scene.files import LARGEST, changed_paths, scene_beside, with_paths_beside
@@ -36,8 +35,7 @@ def _read_values(
     path = bundled.get(name) or folder / name
     if path in parents:
         raise SceneError(f"{path.name}: like: the specification is like itself; name another one")
-    with guarded(partial(_unreadable, name, bundled), "give a readable TOML file"):
-        text = read_text(path, largest=LARGEST)
+    text = read_named("specification", name, path, format="TOML", bundled=bundled, largest=LARGEST)
     try:
         values = with_paths_beside(path, tomllib.loads(text))
     except tomllib.TOMLDecodeError as error:
@@ -52,12 +50,6 @@ def _read_values(
     both = ((key, values[key], inherited.get(key)) for key in values)
     joined = {key: {**old, **new} if isinstance(old, dict) and isinstance(new, dict) else new for key, new, old in both}
     return {**inherited, **joined}
-
-
-def _unreadable(name: str, bundled: Mapping[str, Path], fault: str, remedy: str) -> SceneError:
-    if fault == MISSING:
-        fault, remedy = "no such file", f"give a TOML file or one of {', '.join(bundled)}"
-    return SceneError(f"specification {name!r}: {fault}; {remedy}")
 
 
 def contents_of(specification: BaseModel, base: Scene) -> list[Any]:
