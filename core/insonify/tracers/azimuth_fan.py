@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from insonify.kernels.beam.azimuth_sector import TRANSITION
 from insonify.kernels.common.types import Poses, SceneArrays
-from insonify.kernels.multipath.image_sources import highest_place
+from insonify.kernels.geometry.solids import highest_place
 from insonify.kernels.sweep.sweep import LOWEST, AzimuthFan
 from insonify.tow.poses import take_poses
 from insonify.tracers.target_planes import (

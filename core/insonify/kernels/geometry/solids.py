@@ -24,6 +24,28 @@ class FrustumShape(NamedTuple):
     taper: float  # by which the radius grows per metre along the axis
 
 
+@kernel
+def highest_place(arrays):
+    """Height above the datum that nothing of a scene's bed and targets exceeds, m.
+
+    Parameters
+    ----------
+    arrays : SceneArrays
+
+    Returns
+    -------
+    float
+    """
+    solids, highest = arrays.solids, arrays.bed.high
+    for k in range(solids.shape.size):
+        rise, growth = solids.length[k] * solids.axis[k, 2], solids.length[k] * solids.taper[k]
+        top = solids.start[k, 2] + max(rise, 0.0) + solids.radius[k] + max(growth, 0.0)
+        highest = max(highest, top)
+    if arrays.mesh.target.size > 0:
+        highest = max(highest, arrays.mesh.high[0, 2])
+    return highest
+
+
 @inlined_uncounted
 def intersect_solid(solids, k, x, y, z, dx, dy, dz):
     """Intersect a ray with a body from outside."""

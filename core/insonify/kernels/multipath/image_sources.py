@@ -10,6 +10,7 @@ from typing import NamedTuple
 from insonify.compiler.jit import inlined_uncounted, kernel, kernel_uncounted
 from insonify.kernels.common.scattering import bistatic_strength
 from insonify.kernels.common.types import LIGHT
+from insonify.kernels.geometry.solids import highest_place
 from insonify.kernels.rays.cell_walk import Ray, meet_bed
 
 DEEPEST = 1e6  # m, for a sonar without a bed beneath it
@@ -83,19 +84,6 @@ def _image_pair(arrays, path, one, other, drop, is_traced):
     farthest = _farthest_ground_range(drop + one.height, drop + other.height, reach) if is_traced else 0.0
     waves = multipath.rms_height, multipath.slope_variance
     return ImagePath(one, other, orders, passes, path, arrays.law, arrays.bin_length, *waves, reach, farthest)
-
-
-@kernel_uncounted
-def highest_place(arrays):
-    """Height above the datum that nothing of a scene's bed and targets exceeds."""
-    solids, highest = arrays.solids, arrays.bed.high
-    for k in range(solids.shape.size):
-        rise, growth = solids.length[k] * solids.axis[k, 2], solids.length[k] * solids.taper[k]
-        top = solids.start[k, 2] + max(rise, 0.0) + solids.radius[k] + max(growth, 0.0)
-        highest = max(highest, top)
-    if arrays.mesh.target.size > 0:
-        highest = max(highest, arrays.mesh.high[0, 2])
-    return highest
 
 
 @inlined_uncounted
