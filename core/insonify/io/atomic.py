@@ -46,7 +46,13 @@ FAR = 2**30  # byte that is locked where locks concern bytes, which could otherw
 
 
 class Lease:
-    """Lease of this process on a new folder, until it is released."""
+    """Lease of this process on a new folder, until it is released.
+
+    The owner holds a lock on a file in the folder, which the system releases when the process ends, and renews the time
+    of that file. A lock is proof among the processes of one kernel, which containers of a machine share. Elsewhere, or
+    where a disk has no locks, a folder is given up when the file's time is old. Numbers of processes prove nothing: two
+    containers with one disk have the same ones.
+    """
 
     def __init__(self, folder: Path) -> None:
         self._path = folder / LEASE
@@ -78,12 +84,12 @@ def is_leased(folder: Path) -> bool:
     try:
         with open(path, "rb") as file:
             free = _lock(file, exclusive=False)
-            told = file.read(len(kernel()) + 1).decode(errors="replace")
+            owner = file.read(len(kernel()) + 1).decode(errors="replace")
     except OSError:
-        free, told, path = None, "", folder
+        free, owner, path = None, "", folder
     if free is False:
         return True
-    if free and told == kernel():
+    if free and owner == kernel():
         return False
     try:
         return _now(folder.parent) - path.stat().st_mtime < SILENT
@@ -100,7 +106,7 @@ def kernel() -> str:
 
 
 def _now(folder: Path) -> float:
-    """Time by the clock of the machine whose disk a folder is on."""
+    """Return the time, in seconds, by the clock that dates the files of a folder: that of a server may differ."""
     try:
         with tempfile.TemporaryFile(dir=folder) as file:
             return os.fstat(file.fileno()).st_mtime

@@ -53,17 +53,17 @@ def guarded(refusal: Callable[[str, str], SceneError], remedy: str) -> Iterator[
         warnings.warn(warning.message, stacklevel=4)
 
 
-def read_named(what: str, name: str, path: Path, *, format: str, bundled: Collection[str], largest: int) -> str:
+def read_named(what: str, name: str, path: Path, *, form: str, bundled: Collection[str], largest: int) -> str:
     """Read the text of a file that is given by its path or by the name of a bundled one."""
 
     def refuse(fault: str, remedy: str) -> SceneError:
         if fault == MISSING:
             close = difflib.get_close_matches(name, bundled, n=1)
             guess = f"did you mean {close[0]!r}? Otherwise " if close else ""
-            fault, remedy = "no such file", f"{guess}give a {format} file or one of {', '.join(bundled)}"
+            fault, remedy = "no such file", f"{guess}give a {form} file or one of {', '.join(bundled)}"
         return SceneError(f"{what} {name!r}: {fault}; {remedy}")
 
-    with guarded(refuse, f"give a readable {format} file"):
+    with guarded(refuse, f"give a readable {form} file"):
         return read_text(path, largest=largest)
 
 

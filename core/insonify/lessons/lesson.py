@@ -85,7 +85,7 @@ class Lesson(LessonHead):
 def load_lesson(name_or_path: str | Path) -> Lesson:
     """Read a lesson."""
     path = bundled_lessons().get(str(name_or_path)) or Path(name_or_path)
-    text = read_named("lesson", str(name_or_path), path, format="Markdown", bundled=bundled_lessons(), largest=LARGEST)
+    text = read_named("lesson", str(name_or_path), path, form="Markdown", bundled=bundled_lessons(), largest=LARGEST)
     return parse_lesson(plain_text(text), path.stem)
 
 

@@ -38,7 +38,7 @@ def load_scene(name_or_path: str | Path) -> Scene:
     """
     named = bundled_scenes().get(str(name_or_path))
     path = named or Path(name_or_path)
-    text = read_named("scene", str(name_or_path), path, format="TOML", bundled=bundled_scenes(), largest=LARGEST)
+    text = read_named("scene", str(name_or_path), path, form="TOML", bundled=bundled_scenes(), largest=LARGEST)
     if "\0" in text:
         raise SceneError(f"scene {str(name_or_path)!r}: is a binary file, not text; give a TOML file")
     scene = scene_from_toml(text, source=path)

@@ -35,7 +35,7 @@ def _read_values(
     path = bundled.get(name) or folder / name
     if path in parents:
         raise SceneError(f"{path.name}: like: the specification is like itself; name another one")
-    text = read_named("specification", name, path, format="TOML", bundled=bundled, largest=LARGEST)
+    text = read_named("specification", name, path, form="TOML", bundled=bundled, largest=LARGEST)
     try:
         values = with_paths_beside(path, tomllib.loads(text))
     except tomllib.TOMLDecodeError as error:

@@ -36,7 +36,7 @@ class StorageKind(Kind):
     """How the tiles of a job are stored."""
 
     family = STORAGES
-    scenes: int = parameter(1, "scenes of a job, whose tiles are stored together", ge=1, le=10_000)
+    scenes: int = parameter(1, "scenes that one job simulates; it stores their tiles together", ge=1, le=10_000)
 
     @abstractmethod
     def write(self, folder: Path, job: str, shelf: str, tiles: Sequence[Tile]) -> None:
@@ -85,7 +85,7 @@ class WebDataset(StorageKind):
 
     rank = 20
     kind: Literal["webdataset"] = "webdataset"
-    scenes: int = parameter(16, "scenes of a job, whose tiles are stored together", ge=1, le=10_000)
+    scenes: int = parameter(16, "scenes that one job simulates; it stores their tiles together", ge=1, le=10_000)
 
     def write(self, folder: Path, job: str, shelf: str, tiles: Sequence[Tile]) -> None:
         """Write ``SPLIT/SHELF/JOB.tar``; without a time, so that the same tiles give the same bytes."""
@@ -113,7 +113,7 @@ class ZarrStore(StorageKind):
 
     rank = 30
     kind: Literal["zarr"] = "zarr"
-    scenes: int = parameter(16, "scenes of a job, whose tiles are stored together", ge=1, le=10_000)
+    scenes: int = parameter(16, "scenes that one job simulates; it stores their tiles together", ge=1, le=10_000)
 
     def write(self, folder: Path, job: str, shelf: str, tiles: Sequence[Tile]) -> None:
         """Write ``SPLIT/SHELF/JOB.zarr``: a chunk for each tile, all chunks of an array in one file."""
