@@ -92,8 +92,8 @@ def muted(arrays):
 
 
 def far_off(arrays):
-    """The same scene with its targets out of reach; without any, planes would be laid otherwise."""
-    solids = arrays.solids._replace(start=arrays.solids.start + 1e5)
+    """The same scene with its targets out of reach; without any, or higher ones, planes would be laid otherwise."""
+    solids = arrays.solids._replace(start=arrays.solids.start + [1e5, 1e5, 0.0])
     return arrays._replace(solids=solids, mesh=without_targets(arrays).mesh)
 
 
