@@ -93,7 +93,7 @@ def muted(arrays):
 
 def far_off(arrays):
     """The same scene with its targets out of reach; without any, or higher ones, planes would be laid otherwise."""
-    solids = arrays.solids._replace(start=arrays.solids.start + [1e5, 1e5, 0.0])
+    solids = arrays.solids._replace(start=arrays.solids.start + np.array([1e5, 1e5, 0.0]))
     return arrays._replace(solids=solids, mesh=without_targets(arrays).mesh)
 
 
