@@ -25,6 +25,7 @@ from insonify_viewer.work.simulator import Simulator
 
 if TYPE_CHECKING:
     from insonify.packing.packed_scene import PackedScene
+    from insonify.scene.volumes import Volume
     from insonify.simulation import Simulation
     from insonify.terrain import AnyGround
     from insonify_viewer.seabed.pv_meshes import BedPatch, ScanLine
@@ -32,8 +33,8 @@ if TYPE_CHECKING:
     Vector = NDArray[np.float64]
     Grip = tuple[tuple[float, float, float], str, bool]
     _Bed = tuple[AnyGround, tuple[float, float], float, bool]
-    _Bodies = tuple[Solids, Mesh, NDArray[np.uint8]]
-    _Made = tuple[BedPatch, NDArray[np.uint8], Any]  # bed, its colours, and the targets
+    _Bodies = tuple[Solids, Mesh, NDArray[np.uint8], tuple[Volume, ...]]
+    _Made = tuple[BedPatch, NDArray[np.uint8], Any, Any]  # bed, its colours, targets and volumes
     from insonify_viewer.seabed.seabed_view import SeabedView
 
 VIEW = "insonify_viewer.seabed.seabed_view"
@@ -95,9 +96,10 @@ class SeabedController:
 
         sent = np.array([ping], dtype=np.int64)
         pose, line = simulation.poses(sent), simulation.line(sent)
-        reach = simulation.arrays.bins * simulation.arrays.bin_length
+        scene, arrays = simulation.scene, simulation.arrays
+        reach = arrays.bins * arrays.bin_length
         bed = simulation.ground, window_centre(line, reach), reach, self.by_depth
-        bodies = (simulation.arrays.solids, simulation.arrays.mesh, target_colours(simulation.scene))
+        bodies = arrays.solids, arrays.mesh, target_colours(scene), scene.volumes
         known = self._bed
         same = known is not None and known[1:] == bed[1:] and is_same_ground(known[0], bed[0])
         if not same or not _same(self._bodies, bodies):
@@ -105,9 +107,8 @@ class SeabedController:
             self._bake(bed, bodies, at_once=at_once)
         if not at_once:  # pings of the scene are on screen
             self.view.fade_bed(bool(self._owed))
-        self.view.show_sonar(simulation.arrays, pose, float(line.heading[0]))
+        self.view.show_sonar(arrays, pose, float(line.heading[0]))
         self._scan(pose)
-        scene = simulation.scene
         step = scene.track.speed / scene.sonar.ping_rate
         self.view.show_path(simulation.poses(path_pings(ping, step, reach)))
 
@@ -267,7 +268,7 @@ class SeabedController:
     def _bake(self, bed: _Bed, bodies: _Bodies, *, at_once: bool) -> None:
         """Make the meshes of bed and targets, on a thread of their own or on the worker."""
         # lazy: the window opens before PyVista is loaded
-        from insonify_viewer.seabed.pv_meshes import bed_patch, targets_mesh
+        from insonify_viewer.seabed.pv_meshes import bed_patch, targets_mesh, volumes_mesh
 
         self._asked += 1
         number = self._asked
@@ -275,7 +276,7 @@ class SeabedController:
         def make() -> _Made:
             patch = bed_patch(*bed)
             # With the record from the first drawing on: without it, the bed would be bare until the record is laid.
-            return patch, _picture_of(patch, self._strip), targets_mesh(*bodies)
+            return patch, _picture_of(patch, self._strip), targets_mesh(*bodies[:3]), volumes_mesh(bodies[3], bed[0])
 
         def show(made: _Made | SceneError | Failure) -> None:
             self._lay(number, made)
@@ -304,6 +305,7 @@ class SeabedController:
         if self._strip is not None:
             self.drape(self._strip)
         self.view.show_targets(made[2])
+        self.view.show_volumes(made[3])
 
 
 def _picture_of(patch: BedPatch, strip: RecordStrip | None) -> NDArray[np.uint8]:
@@ -312,9 +314,11 @@ def _picture_of(patch: BedPatch, strip: RecordStrip | None) -> NDArray[np.uint8]
 
 
 def _same(first: _Bodies | None, second: _Bodies) -> bool:
-    """Whether two sets of targets have the same shapes and colours."""
-    if first is None or first[0] is second[0]:
-        return first is not None
+    """Whether two sets of targets and volumes have the same shapes and colours."""
+    if first is None or first[3] != second[3]:
+        return False
+    if first[0] is second[0]:
+        return True
     bodies = [*zip(first[0], second[0]), *zip(first[1], second[1])]
     return np.array_equal(first[2], second[2]) and all(np.array_equal(a, b) for a, b in bodies)
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cache
 from typing import TYPE_CHECKING, Any
@@ -12,10 +13,12 @@ import pyvista as pv
 from numpy.typing import NDArray
 
 from insonify.kernels.common.types import Mesh, Poses, SceneArrays, Solids
+from insonify.receiver.water_column import points_in_water
 from insonify.scene.targets.shape import rotation_matrix
 from insonify_viewer.seabed.bed_shading import bed_image, sample_heights
 
 if TYPE_CHECKING:
+    from insonify.scene.volumes import Volume
     from insonify.terrain import AnyGround
     from insonify.tow.line import TowLine
 
@@ -25,6 +28,7 @@ TEXTURE_SIZE = 768
 LINE_POINTS = 96  # per side, of the current scan line
 MAX_SOLIDS = 400
 ROUND = 28  # corners of a circle
+CLOUD = 1500  # points by which a volume of the water column is drawn
 # Colours of the scan line, from dark for shadow to a cold white, distinct from sand.
 SHADOW, ECHO = np.array([8.0, 30.0, 48.0]), np.array([214.0, 250.0, 255.0])
 WINDOW = 3.6  # side of the bed shown, in slant ranges
@@ -94,6 +98,12 @@ def targets_mesh(solids: Solids, mesh: Mesh, colours: NDArray[np.uint8]) -> Any:
             parts.append(pv.Sphere(center=start, radius=radius, theta_resolution=ROUND, phi_resolution=20))
         parts[-1].cell_data["colour"] = np.tile(colours[solids.target[row]], (parts[-1].n_cells, 1))
     return pv.merge(parts).extract_surface(algorithm=None) if parts else pv.PolyData()
+
+
+def volumes_mesh(volumes: Sequence[Volume], ground: AnyGround) -> Any:
+    """Return the volumes of the water column as clouds of points; the first points of each fill it evenly too."""
+    clouds = [points_in_water(volume, ground)[0][:CLOUD] for volume in volumes]
+    return pv.PolyData(np.concatenate([np.empty((0, 3)), *clouds]).astype(np.float32))
 
 
 def frustum_mesh(first: NDArray[np.float64], last: NDArray[np.float64], radius: float, last_radius: float) -> Any:

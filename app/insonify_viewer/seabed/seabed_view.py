@@ -111,6 +111,13 @@ class SeabedView(QWidget):
             self._targets_actor.mapper.SetInputData(mesh)
         self._later()
 
+    def show_volumes(self, mesh: Any) -> None:
+        """Show other volumes of the water column."""
+        self._volumes_actor.visibility = mesh.n_points > 0
+        if mesh.n_points:
+            self._volumes_actor.mapper.SetInputData(mesh)
+        self._later()
+
     def show_sonar(self, arrays: SceneArrays, pose: Poses, heading: float) -> None:
         """Move the fish; the camera follows and turns with the heading of the track."""
         reach = arrays.bins * arrays.bin_length
@@ -243,6 +250,8 @@ class SeabedView(QWidget):
         ball = pv.Sphere()
         ball.cell_data["colour"] = np.zeros((ball.n_cells, 3), np.uint8)
         self._targets_actor = plotter.add_mesh(ball, scalars="colour", rgb=True, **shiny, **add)
+        cloud: dict[str, Any] = {"style": "points", "point_size": 3.0, "opacity": 0.35}
+        self._volumes_actor = plotter.add_mesh(pv.Sphere(), color="#eaf6ff", lighting=False, **cloud, **add)
         self._fish_actor = plotter.add_mesh(pv_meshes.fish_mesh(1.0), color="#ff8a1f", **shiny, **add)
         self._cable_actor = plotter.add_mesh(pv_meshes.cable_mesh(1.0), color="#23333f", line_width=1.5, **add)
         self._path_actor = plotter.add_mesh(

@@ -92,7 +92,7 @@ def _make_volume_echoes(setup: ReceiverSetup) -> VolumeEchoes | None:
     scene, ground = setup.scene, setup.ground
     if not scene.volumes or ground is None:
         return None
-    points = tuple(_echo_points(*_in_water(volume, ground)) for volume in scene.volumes)
+    points = tuple(_echo_points(*points_in_water(volume, ground)) for volume in scene.volumes)
     return VolumeEchoes(setup.arrays, lambda pings: make_poses(scene, ground, pings), points)
 
 
@@ -117,7 +117,7 @@ def _groups(place: NDArray[np.float64]) -> list[NDArray[np.float64]]:
     return [*_groups(ordered[: len(place) // 2]), *_groups(ordered[len(place) // 2 :])]
 
 
-def _in_water(volume: Volume, ground: AnyGround) -> tuple[NDArray[np.float64], float]:
+def points_in_water(volume: Volume, ground: AnyGround) -> tuple[NDArray[np.float64], float]:
     """Points of a volume that lie in the water, above the datum, and the cross section of each, in m²."""
     points, each = volume.sample()
     place = points - np.array([0.0, 0.0, ground.datum])
