@@ -5,12 +5,12 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 from PySide6.QtWidgets import QFileDialog, QToolButton
-from stand_in import StandIn
+from stand_in import StandIn, ground_of
 
 from insonify.scene import SceneError, edit, resources
 from insonify_viewer.panels.parameters.sections import sections_of
 from insonify_viewer.seabed.bed_shading import target_colours
-from insonify_viewer.seabed.pv_meshes import frustum_mesh, targets_mesh
+from insonify_viewer.seabed.pv_meshes import CLOUD, frustum_mesh, targets_mesh, volumes_mesh
 from insonify_viewer.widgets.field_rows import FileRow
 from insonify_viewer.window.target_placement import new_target, target_menu
 
@@ -149,6 +149,26 @@ def test_the_drawn_targets_are_where_the_traced_ones_are(small):
     steel, rock = target_colours(scene)
     expected = np.where((np.asarray(drawn.cell_centers().points)[:, 0] < 10.0)[:, None], steel, rock)
     np.testing.assert_array_equal(drawn.cell_data["colour"], expected)
+
+
+def test_volumes_are_drawn_where_they_echo_and_follow_an_edit(open_viewer, small, qtbot):
+    depth, school = small.seabed.depth, {"kind": "school", "position": [10.0, 20.0, -5.0], "length": 8.0}
+    plume = {"kind": "plume", "position": [10.0, -20.0, -depth - 2.0], "height": 6.0}  # its vent lies under the bed
+    scene = edit(small, {"volumes": [{**school, "width": 4.0, "height": 2.0}, plume]})
+    points = np.asarray(volumes_mesh(scene.volumes, ground_of(scene.seabed)).points)
+    fish, bubbles = points[:CLOUD], points[CLOUD:]
+    assert (np.abs(fish - [10.0, 20.0, depth - 5.0]) <= [4.001, 2.001, 1.001]).all()
+    assert (np.ptp(fish, axis=0) > [7.0, 3.5, 1.7]).all()
+    assert len(bubbles) > 0
+    assert -0.02 < bubbles[:, 2].min() < 0.3
+    assert volumes_mesh((), ground_of(scene.seabed)).n_points == 0
+    viewer = open_viewer(scene)
+    drawn = viewer.seabed.view._volumes_actor
+    qtbot.waitUntil(lambda: bool(drawn.visibility))
+    viewer.session.settle({"volumes.0.position.2": -8.0})
+    qtbot.waitUntil(lambda: abs(np.asarray(drawn.mapper.dataset.points)[:CLOUD, 2].mean() - depth + 8.0) < 0.1)
+    viewer.session.settle({"volumes": []})
+    qtbot.waitUntil(lambda: not drawn.visibility)
 
 
 def test_a_cone_is_drawn_outside_out():
