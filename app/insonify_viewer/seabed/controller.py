@@ -304,8 +304,7 @@ class SeabedController:
             self.view.fade_bed(False)
         if self._strip is not None:
             self.drape(self._strip)
-        self.view.show_targets(made[2])
-        self.view.show_volumes(made[3])
+        self.view.show_targets(*made[2:])
 
 
 def _picture_of(patch: BedPatch, strip: RecordStrip | None) -> NDArray[np.uint8]:

@@ -28,7 +28,7 @@ TEXTURE_SIZE = 768
 LINE_POINTS = 96  # per side, of the current scan line
 MAX_SOLIDS = 400
 ROUND = 28  # corners of a circle
-CLOUD = 1500  # points by which a volume of the water column is drawn
+CLOUD = 1500  # points, at most, by which a volume of the water column is drawn
 # Colours of the scan line, from dark for shadow to a cold white, distinct from sand.
 SHADOW, ECHO = np.array([8.0, 30.0, 48.0]), np.array([214.0, 250.0, 255.0])
 WINDOW = 3.6  # side of the bed shown, in slant ranges
@@ -102,7 +102,7 @@ def targets_mesh(solids: Solids, mesh: Mesh, colours: NDArray[np.uint8]) -> Any:
 
 def volumes_mesh(volumes: Sequence[Volume], ground: AnyGround) -> Any:
     """Return the volumes of the water column as clouds of points; the first points of each fill it evenly too."""
-    clouds = [points_in_water(volume, ground)[0][:CLOUD] for volume in volumes]
+    clouds = [points_in_water(volume.sample().points[:CLOUD], ground) for volume in volumes]
     return pv.PolyData(np.concatenate([np.empty((0, 3)), *clouds]).astype(np.float32))
 
 

@@ -104,18 +104,12 @@ class SeabedView(QWidget):
             actor.texture.Modified()
         self._later()
 
-    def show_targets(self, mesh: Any) -> None:
-        """Show other targets."""
-        self._targets_actor.visibility = mesh.n_points > 0
-        if mesh.n_points:
-            self._targets_actor.mapper.SetInputData(mesh)
-        self._later()
-
-    def show_volumes(self, mesh: Any) -> None:
-        """Show other volumes of the water column."""
-        self._volumes_actor.visibility = mesh.n_points > 0
-        if mesh.n_points:
-            self._volumes_actor.mapper.SetInputData(mesh)
+    def show_targets(self, targets: Any, volumes: Any) -> None:
+        """Show other targets, and other volumes of the water column."""
+        for actor, mesh in ((self._targets_actor, targets), (self._volumes_actor, volumes)):
+            actor.visibility = mesh.n_points > 0
+            if mesh.n_points:
+                actor.mapper.SetInputData(mesh)
         self._later()
 
     def show_sonar(self, arrays: SceneArrays, pose: Poses, heading: float) -> None:

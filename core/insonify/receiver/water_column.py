@@ -92,7 +92,7 @@ def _make_volume_echoes(setup: ReceiverSetup) -> VolumeEchoes | None:
     scene, ground = setup.scene, setup.ground
     if not scene.volumes or ground is None:
         return None
-    points = tuple(_echo_points(*points_in_water(volume, ground)) for volume in scene.volumes)
+    points = tuple(_echo_points(*_in_water(volume, ground)) for volume in scene.volumes)
     return VolumeEchoes(setup.arrays, lambda pings: make_poses(scene, ground, pings), points)
 
 
@@ -117,9 +117,14 @@ def _groups(place: NDArray[np.float64]) -> list[NDArray[np.float64]]:
     return [*_groups(ordered[: len(place) // 2]), *_groups(ordered[len(place) // 2 :])]
 
 
-def points_in_water(volume: Volume, ground: AnyGround) -> tuple[NDArray[np.float64], float]:
+def _in_water(volume: Volume, ground: AnyGround) -> tuple[NDArray[np.float64], float]:
     """Points of a volume that lie in the water, above the datum, and the cross section of each, in m²."""
     points, each = volume.sample()
+    return points_in_water(points, ground), power(volume.strength) * each
+
+
+def points_in_water(points: NDArray[np.float64], ground: AnyGround) -> NDArray[np.float64]:
+    """Return those of n points, z up from the sea surface, that lie in the water, with z up from the datum."""
     place = points - np.array([0.0, 0.0, ground.datum])
     below_bed = place[:, 2] < ground.height_at(place[:, 0], place[:, 1])  # NaN, where there is no bed, compares false
-    return place[~below_bed & (points[:, 2] < 0.0)], power(volume.strength) * each
+    return np.asarray(place[~below_bed & (points[:, 2] < 0.0)])
