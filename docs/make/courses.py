@@ -28,7 +28,8 @@ After a lesson, *Save page…* writes answers and records as a page to hand in, 
 TOPICS = """## Topics
 
 Each topic with its lesson, its questions, and what the right answer is checked by: a closed form of the student's
-scene, the simulated record (`insonify lesson check`), or, for a choice, the reasons alone.
+scene; its value as measured in the simulated record (`insonify lesson check`); a condition on that record, which tests
+what is to be seen there and not always the number that is asked for; or, for a choice, the reasons alone.
 
 | topic | lesson | question | checked by |
 |---|---|---|---|
@@ -68,7 +69,8 @@ def _check(step: Step) -> str:
         words
         for words, holds in (
             ("closed form", bool(ask.value)),
-            ("simulated record", bool(ask.holds or calls)),
+            ("measured in the simulated record", bool(calls)),
+            ("a condition on the simulated record", bool(ask.holds)),
             ("reason for each wrong choice", bool(ask.choices) and not ask.holds),
         )
         if holds
@@ -89,7 +91,7 @@ def _lesson(lesson: Lesson) -> str:
 
 def _step(step: Step, start: LessonState, end: LessonState) -> str:
     asked = [] if step.ask is None else _answers(step.ask, start, end)
-    checked = " Checked against the simulated record." if step.ask is not None and step.ask.holds else ""
+    checked = " A condition on the simulated record is checked." if step.ask is not None and step.ask.holds else ""
     question = f"**{step.title}.** {' '.join(step.question.split())}{checked}\n"
     return "\n".join([question, *(f"- {line}" for line in asked), *([""] if asked else [])])
 
