@@ -13,14 +13,12 @@ ENDED = 128  # exit codes above it say that a signal ended the command
 
 
 def load() -> Callable[[], int]:
-    """Load the command, and return what runs it."""
+    """Load what finds the command, and return what loads and runs it."""
     # Modules stay until the process ends. Collecting garbage among them takes a third of the time to a first ping.
-    gc.disable()
-    # lazy: garbage is not collected meanwhile
-    from insonify.cli import main as command
+    gc.disable()  # until the command is loaded
+    os.environ.setdefault("PYDANTIC_DISABLE_PLUGINS", "1")  # to look for them takes 15 ms
+    from insonify.cli import main as command  # lazy: garbage is not collected meanwhile
 
-    gc.freeze()
-    gc.enable()
     return command
 
 
