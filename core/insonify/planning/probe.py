@@ -7,7 +7,7 @@ import time
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 from insonify.acoustics.flat_bed import ERROR_ALTITUDES, compute_flat_bed_curves, find_first_bin
 from insonify.kernels.common.types import Poses, SceneArrays
@@ -156,15 +156,25 @@ class Probe:
         nearest = min(self._traced, key=unlike)
         return self._traced[nearest].seconds * work / self.work(nearest)
 
+    def seconds_over_track(self, model: Model) -> float:
+        """Seconds of a ping by a model, both sides, one thread: those over the track alone, of which few meet targets."""
+        pings = np.flatnonzero(~self._is_across)[: max(int(LITTLE / self.work(model)), 2)]
+        # A call for one ping takes as long besides the pings themselves as one for many.
+        one, many = (self._time(self._packed, model, pings[:count]) for count in (1, pings.size))
+        return (many - one) / (pings.size - 1) if pings.size > 1 and many > one else many / pings.size
+
     def seconds_of_first(self, packed: PackedScene, model: Model) -> float:
         """Seconds of the first ping by a model of another scene with the same track."""
-        first = take_poses(self._poses, slice(0, 1))
         kernels = (f"{model.method} of waves", model.bent, bool(model.ways))
         if kernels not in _LOADED:  # the first call takes longer, for it loads them
-            trace_model(packed, model, first)
+            self._time(packed, model, [0])
             _LOADED.add(kernels)
-        began = time.thread_time()
-        trace_model(packed, model, first)
+        return self._time(packed, model, [0])
+
+    def _time(self, packed: PackedScene, model: Model, pings: ArrayLike) -> float:
+        """Processor time that some of the pings take, in seconds."""
+        poses, began = take_poses(self._poses, np.asarray(pings)), time.thread_time()
+        trace_model(packed, model, poses)
         return time.thread_time() - began
 
     def _trace(self, model: Model, count: int) -> Traced:
