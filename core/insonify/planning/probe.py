@@ -158,6 +158,8 @@ class Probe:
 
     def seconds_over_track(self, model: Model) -> float:
         """Seconds of a ping by a model, both sides, one thread: those over the track alone, of which few meet targets."""
+        if not self.affords(model):
+            return self.seconds(model)
         pings = np.flatnonzero(~self._is_across)[: max(int(LITTLE / self.work(model)), 2)]
         # A call for one ping takes as long besides the pings themselves as one for many.
         one, many = (self._time(self._packed, model, pings[:count]) for count in (1, pings.size))
