@@ -69,7 +69,7 @@ class Case:
 
     def seconds(self, model: Model) -> float:
         """Seconds of a ping by a model, both sides, on one thread."""
-        return self.probe.seconds_over_track(model) + self.seconds_of_waves(model)
+        return self.probe.seconds(model) + self.seconds_of_waves(model)
 
     def seconds_of_waves(self, model: Model) -> float:
         """Seconds that coherent speckle adds to a ping, measured on one: its work is not that of the sweep."""
