@@ -5,20 +5,22 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
-from insonify.kernels.common.types import Poses, SceneArrays, Solids
+from insonify.kernels.common.types import Poses, SceneArrays
+from insonify.kernels.geometry.solids import find_enclosing_solid
 from insonify.scene import SceneError
 
 CLOSED = 0.99  # share of the whole sphere that a closed mesh covers from inside; an open one covers less
 
 
-def refuse_sonar_in_solid(solids: Solids, statuses: list[int]) -> None:
-    """Raise if a kernel found the sonar inside a solid."""
-    for status in statuses:
-        if status < 0:
-            _refuse(int(solids.target[-1 - status]))
+def refuse_sonar_in_target(arrays: SceneArrays, poses: Poses) -> None:
+    """Raise if a ping is sent from inside a target."""
+    _refuse_sonar_in_mesh(arrays, poses)
+    solids = arrays.solids
+    if solids.shape.size > 0 and (solid := find_enclosing_solid(solids, poses.x, poses.y, poses.z)) >= 0:
+        _refuse(int(solids.target[solid]))
 
 
-def refuse_sonar_in_mesh(arrays: SceneArrays, poses: Poses) -> None:
+def _refuse_sonar_in_mesh(arrays: SceneArrays, poses: Poses) -> None:
     """Raise if a ping is sent from inside a mesh."""
     mesh = arrays.mesh
     if mesh.target.size == 0:

@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from insonify.kernels.common.types import Poses, SceneArrays
-from insonify.packing.containment import refuse_sonar_in_mesh, refuse_sonar_in_solid
+from insonify.packing.containment import refuse_sonar_in_target
 from insonify.packing.packed_scene import Model, PackedScene
 from insonify.parallel import in_parallel
 from insonify.plugins import announced, modules_in
@@ -202,15 +202,13 @@ def _made(tracer: type[Tracer]) -> Tracer:
 
 
 def trace_blocks(
-    arrays: SceneArrays, poses: Poses, trace: Callable[[Poses, int, int], int], threads: int | None, least: int = 1
+    arrays: SceneArrays, poses: Poses, trace: Callable[[Poses, int, int], None], threads: int | None, least: int = 1
 ) -> None:
-    """Share pings among threads, block by block, and raise if a block's status reports a sonar inside a target."""
-
-    def block(first: int, last: int) -> int:
-        return int(trace(take_poses(poses, slice(first, last)), first, last))
-
-    refuse_sonar_in_mesh(arrays, poses)
-    refuse_sonar_in_solid(arrays.solids, in_parallel(block, poses.x.size, threads, least))
+    """Share pings among threads, block by block; refuse a sonar inside a target."""
+    refuse_sonar_in_target(arrays, poses)
+    in_parallel(
+        lambda first, last: trace(take_poses(poses, slice(first, last)), first, last), poses.x.size, threads, least
+    )
 
 
 def empty_record(arrays: SceneArrays, poses: Poses) -> Record:

@@ -27,7 +27,7 @@ from insonify.kernels.multipath.image_sources import (
 from insonify.kernels.multipath.surface_multipath import empty_multipath_workspace, note_plane_echoes
 from insonify.kernels.sweep.sweep import AzimuthFan, empty_sweep_workspace
 from insonify.packing.apparent_tables import make_apparent_tables
-from insonify.packing.containment import refuse_sonar_in_solid
+from insonify.packing.containment import refuse_sonar_in_target
 from insonify.packing.packed_scene import without_targets
 from insonify.tracers.azimuth_fan import lay_planes_of_images
 from insonify.tracers.labels import NO_MATERIAL, contributor_materials, count_contributors
@@ -138,6 +138,7 @@ def take_central_plane(arrays: SceneArrays, fan: AzimuthFan) -> AzimuthFan:
 
 def find_direct_parts(arrays: SceneArrays, pose: Poses, side: int, window: Window, fan: AzimuthFan) -> EchoParts:
     """Find the parts by the direct path in the planes of a fan."""
+    refuse_sonar_in_target(arrays, pose)
     apparent, _ = make_apparent_tables(arrays, pose)
     workspace = empty_sweep_workspace(arrays, apparent)
     knots = empty_profile(profile_capacity(apparent.stretch * arrays.bins * arrays.bin_length, arrays.bed.spacing))
@@ -145,10 +146,7 @@ def find_direct_parts(arrays: SceneArrays, pose: Poses, side: int, window: Windo
 
     def fill(rows: Column) -> int:
         parts = PartList(rows, bins, knots)
-        count = int(list_echo_parts(arrays, pose, 0, side, fan, apparent, workspace, window, parts))
-        if count < 0:
-            refuse_sonar_in_solid(arrays.solids, [count])
-        return count
+        return int(list_echo_parts(arrays, pose, 0, side, fan, apparent, workspace, window, parts))
 
     return _columns(_list_all(fill))
 

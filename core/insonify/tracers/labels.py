@@ -100,12 +100,12 @@ def _find_by_rays(arrays: SceneArrays, poses: Poses, rays: int, threads: int | N
     """Labels of pings traced by rays along arcs."""
     found, bare = empty_labels(poses.x.size, arrays.bins, count_targets(arrays)), without_targets(arrays)
 
-    def block(part: Poses, first: int, last: int) -> int:
+    def block(part: Poses, first: int, last: int) -> None:
         tables = (
             empty_contributor_table(count_contributors(arrays), arrays.bins),
             empty_shadow_table(count_targets(arrays), arrays.bins),
         )
-        return int(label_refracted_pings(arrays, bare, part, rays, *tables, labels_of_pings(found, first, last)))
+        label_refracted_pings(arrays, bare, part, rays, *tables, labels_of_pings(found, first, last))
 
     trace_blocks(arrays, poses, block, threads)
     return found
@@ -125,8 +125,8 @@ def _find(
 
     rooms = PerThread(make_room)
 
-    def block(part: Poses, first: int, last: int) -> int:
-        return label_swept_pings(arrays, part, *beams, apparent, *rooms.own, labels_of_pings(found, first, last))
+    def block(part: Poses, first: int, last: int) -> None:
+        label_swept_pings(arrays, part, *beams, apparent, *rooms.own, labels_of_pings(found, first, last))
 
     trace_blocks(arrays, poses, block, threads, pings_a_thread(beams[0]))
     return found

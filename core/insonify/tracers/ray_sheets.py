@@ -17,8 +17,8 @@ def trace(
         raise SceneError("sheets: trace first echoes alone; take rays for multipath and bounces")
     out = empty_record(arrays, poses)
 
-    def block(part: Poses, first: int, last: int) -> int:
-        return int(trace_ray_sheets(arrays, part, sheets, int(rays), out[first:last]))
+    def block(part: Poses, first: int, last: int) -> None:
+        trace_ray_sheets(arrays, part, sheets, int(rays), out[first:last])
 
     trace_blocks(arrays, poses, block, threads)
     return out

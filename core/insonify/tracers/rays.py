@@ -59,10 +59,9 @@ def trace_surface_paths(arrays: SceneArrays, poses: Poses, *, rays: int = 4000, 
     """Trace ray by ray only the echoes by way of the sea surface, which `trace` adds to the first echoes."""
     out = empty_record(arrays, poses)
 
-    def block(part: Poses, first: int, last: int) -> int:
+    def block(part: Poses, first: int, last: int) -> None:
         if arrays.multipath.enabled:
             trace_multipath(arrays, part, int(rays), out[first:last])
-        return 0
 
     trace_blocks(arrays, poses, block, _affordable(rays, STRAIGHT, threads))
     return out
@@ -127,11 +126,10 @@ def trace_rays(arrays: SceneArrays, poses: Poses, rays: int, step: float, thread
     trace = trace_refracted_pings if arrays.water.bent else trace_straight_pings
     out = empty_record(arrays, poses)
 
-    def block(part: Poses, first: int, last: int) -> int:
-        status = int(trace(arrays, part, int(rays), float(step), out[first:last]))
-        if arrays.multipath.enabled and status == 0:
+    def block(part: Poses, first: int, last: int) -> None:
+        trace(arrays, part, int(rays), float(step), out[first:last])
+        if arrays.multipath.enabled:
             trace_multipath(arrays, part, int(rays), out[first:last])
-        return status
 
     trace_blocks(arrays, poses, block, _affordable(rays, REFRACTED if arrays.water.bent else STRAIGHT, threads))
     return out

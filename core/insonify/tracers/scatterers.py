@@ -66,10 +66,10 @@ class ScattererTracer(PreparedTracer):
             _refuse_fine_bed(beam.azimuth.size, capacity, arrays)
             traced = self._empty_waves(arrays, some)
 
-            def block(part: Poses, first: int, last: int, beam: AzimuthFan = beam, traced: Waves = traced) -> int:
+            def block(part: Poses, first: int, last: int, beam: AzimuthFan = beam, traced: Waves = traced) -> None:
                 sight = empty_visible_bed(beam.azimuth, capacity)
                 room = empty_profile(capacity), sight, empty_signal(further.bins, self.pulse)
-                return trace_scatterers(further, part, beam, self.scatterers, self.pulse, *room, traced[first:last])
+                trace_scatterers(further, part, beam, self.scatterers, self.pulse, *room, traced[first:last])
 
             trace_blocks(arrays, some, block, threads)
             out[places] = traced

@@ -147,13 +147,12 @@ def _trace_alike(
     """Trace pings that share their planes, those of the sonar and those of its image in the sea surface."""
     beam, image_beam = beams
 
-    def block(part: Poses, first: int, last: int) -> int:
+    def block(part: Poses, first: int, last: int) -> None:
         room = rooms.own
-        status = sweep_pings(arrays, part, beam, apparent, room, out[first:last])
-        if arrays.multipath.enabled and status == 0:
+        sweep_pings(arrays, part, beam, apparent, room, out[first:last])
+        if arrays.multipath.enabled:
             images = empty_multipath_workspace(arrays, room.profile.slope.dtype)
             sweep_multipath(arrays, part, beam, image_beam, images, empty_contributor_table(0, 0), out[first:last])
-        return int(status)
 
     trace_blocks(arrays, poses, block, threads, pings_a_thread(beam))
 

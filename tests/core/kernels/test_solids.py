@@ -10,8 +10,7 @@ import naive
 from beds import arrays_of, poses_of, solids_of
 from insonify.compiler.jit import kernel
 from insonify.kernels.common.types import LIGHT, SONAR
-from insonify.kernels.geometry.solids import exit_solid, intersect_solid
-from insonify.kernels.rays.launch import find_enclosing_solid
+from insonify.kernels.geometry.solids import exit_solid, find_enclosing_solid, intersect_solid
 from insonify.tracers import march, rays
 
 FLAT = np.zeros((8, 8))
@@ -57,7 +56,7 @@ def test_a_cone_where_arithmetic_is_easy():
     np.testing.assert_allclose(normal[[0, 1, 2, 4, 5]], expected, atol=1e-12)
     inside = [(0, 0, 1), (1.4, 0, 1), (0, 0.05, 3.8)]
     outside = [(1.6, 0, 1), (0, 0.2, 3.8), (0, 0, 4.1), (0, 0, -0.1)]
-    found = [find_enclosing_solid(solids_of([TIP]), *map(float, point)) for point in inside + outside]
+    found = [find_enclosing_solid(solids_of([TIP]), *np.array([point], float).T) for point in inside + outside]
     assert found == [0] * 3 + [-1] * 4
 
 

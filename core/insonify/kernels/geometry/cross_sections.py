@@ -92,11 +92,9 @@ def _ball_around(solids, k, plane):
 @kernel_uncounted
 def _sphere_section(along, height, radius_squared):
     """Interval of launch angles of a circle, from its centre and squared radius in the plane."""
-    if radius_squared <= 0.0:
-        return 0, 0.0, 0.0
     distance_squared = along * along + height * height
-    if distance_squared <= radius_squared:
-        return -1, 0.0, 0.0
+    if not 0.0 < radius_squared < distance_squared:
+        return False, 0.0, 0.0
     centre = math.atan2(height, along)
     half = math.asin(math.sqrt(radius_squared / distance_squared))
     return _forward(centre, centre - half, centre + half)
@@ -114,7 +112,7 @@ def _frustum_section(frustum, ex, ey, rim):
     across = cx * cx + cy * cy + cz * cz - ac * ac
     here = radius - taper * ac  # radius where the sonar stands abeam of the axis
     if across <= here * here and 0.0 <= -ac <= length:
-        return -1, 0.0, 0.0
+        return False, 0.0, 0.0  # the sonar is inside
     # Corners: where the end planes' lines leave the conic.
     last = radius + taper * length
     corners = _corners(ae, ak, ac, Conic(ec, kc, ee, ek, kk, across - radius * radius), rim, 0)
@@ -126,7 +124,7 @@ def _frustum_section(frustum, ex, ey, rim):
     )  # fmt: skip
     count = _tangents(ae, ak, ac, length, side, rim, corners)
     if count < 2:
-        return 0, 0.0, 0.0
+        return False, 0.0, 0.0
     # Angles count from a direction into the figure, so that none wraps.
     sx, sy = 0.0, 0.0
     for k in range(count):
@@ -192,5 +190,5 @@ def _forward(centre, low, high):
     """Part of an interval of launch angles within the half-plane ahead; angles in (−π, π] about ``centre``."""
     low, high = max(low, DOWN), min(high, UP)
     if high <= low:
-        return 0, 0.0, 0.0
-    return 1, low, high
+        return False, 0.0, 0.0
+    return True, low, high

@@ -82,6 +82,16 @@ def is_inside_solid(solids, k, x, y, z):
     return px * px + py * py + pz * pz - along * along <= (solids.radius[k] + solids.taper[k] * along) ** 2
 
 
+@kernel
+def find_enclosing_solid(solids, x, y, z):
+    """First solid that any of several points is inside, -1 if there is none."""
+    for n in range(x.size):
+        for k in range(solids.shape.size):
+            if is_inside_solid(solids, k, x[n], y[n], z[n]):
+                return k
+    return -1
+
+
 @inlined_uncounted
 def _cross_solid(solids, k, x, y, z, dx, dy, dz):
     """Distances and faces at which a line enters a body and leaves it: (distance, face, distance, face)."""

@@ -90,7 +90,7 @@ def list_echo_parts(arrays, poses, ping, side, fan, apparent, workspace, window,
     Returns
     -------
     int
-        Parts there are, of which as many are listed as there is room for; or -1 - k if the sonar is inside body k.
+        Parts there are, of which as many are listed as there is room for.
     """
     grid, stretches, n = prepare_table(apparent, poses.z[ping], workspace.table), empty_stretches(workspace.zbuffer), 0
     near = window.first * arrays.bin_length
@@ -99,8 +99,6 @@ def list_echo_parts(arrays, poses, ping, side, fan, apparent, workspace, window,
         plane, sector, reach = aim_plane(arrays, poses, ping, side, fan, k, grid)
         view = PlaneView(arrays, sector, plane, grid, fan.azimuth[k], workspace, window, parts, near, far)
         cells, count = _view_plane(arrays, plane, sector, reach, grid, workspace, parts.knots)
-        if cells < 0:
-            return cells
         if count > 1:
             n = _list_bed(view, cells, count, stretches, n)
         if cells > 0:
@@ -112,8 +110,7 @@ def list_echo_parts(arrays, poses, ping, side, fan, apparent, workspace, window,
 def _view_plane(arrays, plane, sector, reach, grid, workspace, knots):
     """Fill a workspace as the sweep does, and ``knots`` with the same slice before apparent positions."""
     cells, count = view_plane(arrays, plane, sector, reach, grid, workspace)
-    if cells >= 0:
-        slice_bed(arrays.bed, arrays.limits, plane.x, plane.y, plane.z, plane.ex, plane.ey, reach, knots)
+    slice_bed(arrays.bed, arrays.limits, plane.x, plane.y, plane.z, plane.ex, plane.ey, reach, knots)
     return cells, count
 
 

@@ -13,7 +13,7 @@ from insonify.kernels.labels.shadows import label_shadows, open_shadow, target_o
 from insonify.kernels.labels.sweep_labels import label_bins, sum_target_echoes
 from insonify.kernels.rays.cast import aim_refracted, cast_refracted, unaimed
 from insonify.kernels.rays.cell_walk import empty_hits
-from insonify.kernels.rays.launch import find_enclosing_solid, orient_beam
+from insonify.kernels.rays.launch import orient_beam
 from insonify.kernels.rays.refracted_hits import empty_arrivals, find_refracted_hits
 
 
@@ -33,17 +33,9 @@ def label_refracted_pings(arrays, bare, poses, rays, contributions, shadows, lab
         Empty, with a row for every contributor, and one for every target.
     labels : BinLabels
         Of n pings; takes the result.
-
-    Returns
-    -------
-    int
-        0, or -1 - k if the sonar is inside body k.
     """
     aim, intensity, silence = unaimed(rays), np.empty(arrays.bins), np.zeros(arrays.bins)
     for ping in range(poses.x.size):
-        body = find_enclosing_solid(arrays.solids, poses.x[ping], poses.y[ping], poses.z[ping])
-        if body >= 0:
-            return -1 - body
         for side in range(2):
             beam = orient_beam(arrays, poses, ping, side)
             waveguide, aim = aim_refracted(arrays, beam, poses.pitch[ping], aim)
@@ -57,7 +49,6 @@ def label_refracted_pings(arrays, bare, poses, rays, contributions, shadows, lab
             label_shadows(shadows, contributions, materials, labels, ping, side)
             sum_target_echoes(contributions, materials, 1.0, labels.target_echo[ping, side])
             label_bins(contributions, intensity, silence, labels, ping, side)
-    return 0
 
 
 @kernel

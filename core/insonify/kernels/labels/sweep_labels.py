@@ -114,11 +114,6 @@ def label_swept_pings(arrays, poses, fan, image_fan, apparent, workspace, multip
         Empty, with a row for every contributor by every path, and one for every target.
     labels : BinLabels
         Of n pings; takes the result.
-
-    Returns
-    -------
-    int
-        0, or -1 - k if the sonar is inside body k.
     """
     bins = RangeBins(np.zeros(arrays.bins + 2, np.int64), arrays.range_decay)
     straight, by_surface = np.zeros((2, arrays.bins), np.float32)
@@ -130,8 +125,6 @@ def label_swept_pings(arrays, poses, fan, image_fan, apparent, workspace, multip
             for k in range(fan.azimuth.size):
                 plane, sector, reach = aim_plane(arrays, poses, ping, side, fan, k, grid)
                 cells, count = sweep_plane(arrays, plane, sector, reach, grid, workspace, bins)
-                if cells < 0:
-                    return cells
                 _note_bed(profile, count, arrays, sector, zbuffer, cells, echoes, stretches, contributions, shadows)
                 _note_targets(profile, count, echoes.horizon, arrays, sector, plane, zbuffer, cells, contributions)
             accumulate_bins(bins, arrays.range_factor, straight)
@@ -143,7 +136,6 @@ def label_swept_pings(arrays, poses, fan, image_fan, apparent, workspace, multip
             label_shadows(shadows, contributions, materials, labels, ping, side)
             sum_target_echoes(contributions, materials, 1.0 / FIXED_POINT, labels.target_echo[ping, side])
             label_bins(contributions, straight, by_surface, labels, ping, side)
-    return 0
 
 
 @kernel

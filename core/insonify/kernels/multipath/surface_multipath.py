@@ -240,7 +240,7 @@ def _view_from_image(arrays, count, image, plane, sector, reach, workspace, k):
     if zbuffer.body.size == 0:
         return 0
     seen_from = HalfPlane(plane.x, plane.y, plane.z + image.height, plane.ex, plane.ey)
-    return max(fill_zbuffer(arrays, seen_from, sector, reach, straight_grid(), workspace.table, zbuffer), 0)
+    return fill_zbuffer(arrays, seen_from, sector, reach, straight_grid(), workspace.table, zbuffer)
 
 
 @inlined_uncounted

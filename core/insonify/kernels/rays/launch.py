@@ -16,7 +16,7 @@ from insonify.compiler.jit import inlined, kernel
 from insonify.kernels.beam.pattern import pick_azimuth, widest_extent
 from insonify.kernels.bed.slice import snap_to_grid
 from insonify.kernels.common.types import LIGHT, PORT
-from insonify.kernels.geometry.solids import greatest_radius, is_inside_solid
+from insonify.kernels.geometry.solids import greatest_radius
 
 AIM_STEPS = 64.0  # steps per radian to which the highest elevation is rounded up
 GOLDEN = 0.5 * (math.sqrt(5.0) - 1.0)
@@ -251,12 +251,3 @@ def highest_elevation(summit, nearest, farthest):
     if summit < 0.0:
         return math.asin(max(summit / farthest, -1.0))
     return math.asin(summit / nearest) if summit < nearest else 0.5 * math.pi
-
-
-@kernel
-def find_enclosing_solid(solids, x, y, z):
-    """Row of the solid that a point is inside."""
-    for k in range(solids.shape.size):
-        if is_inside_solid(solids, k, x, y, z):
-            return k
-    return -1

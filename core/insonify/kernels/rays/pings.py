@@ -13,7 +13,7 @@ from insonify.kernels.rays.cast import (
     unaimed,
     weigh_by_pattern,
 )
-from insonify.kernels.rays.launch import RayLaunch, find_enclosing_solid, orient_beam
+from insonify.kernels.rays.launch import RayLaunch, orient_beam
 from insonify.kernels.rays.specular_paths import add_specular_echoes
 
 TOGETHER = 4096  # rays that are cast at a time, so that they stay in the processor cache
@@ -33,18 +33,10 @@ def trace_straight_pings(arrays, poses, rays, step, out):
         Length of a step of the march, m; a cell walk if it is 0.
     out : ndarray of float32, shape (n, 2, bins)
         Filled.
-
-    Returns
-    -------
-    int
-        -1 - k if the sonar is inside solid k, else 0.
     """
     aims, sums = [unaimed(rays), unaimed(rays)], np.empty(arrays.bins)
     near = np.empty(arrays.solids.shape.size, np.int64)
     for ping in range(poses.x.size):
-        body = find_enclosing_solid(arrays.solids, poses.x[ping], poses.y[ping], poses.z[ping])
-        if body >= 0:
-            return -1 - body
         for side in range(2):
             beam = orient_beam(arrays, poses, ping, side)
             count, aims[side] = aim_straight(arrays, beam, poses.pitch[ping], near, aims[side])
@@ -59,7 +51,6 @@ def trace_straight_pings(arrays, poses, rays, step, out):
                 if arrays.bounces > 0:
                     add_specular_echoes(arrays, beam, landed.bundle, landed.hits, some.weight, sums)
             _apply_range_factor(arrays, sums, out[ping, side])
-    return 0
 
 
 @kernel
@@ -67,9 +58,6 @@ def trace_refracted_pings(arrays, poses, rays, step, out):
     """Intensity per range bin of pings traced ray by ray along arcs; parameters as of `trace_straight_pings`."""
     aims, sums = [unaimed(rays), unaimed(rays)], np.empty(arrays.bins)
     for ping in range(poses.x.size):
-        body = find_enclosing_solid(arrays.solids, poses.x[ping], poses.y[ping], poses.z[ping])
-        if body >= 0:
-            return -1 - body
         for side in range(2):
             beam = orient_beam(arrays, poses, ping, side)
             waveguide, aims[side] = aim_refracted(arrays, beam, poses.pitch[ping], aims[side])
@@ -77,7 +65,6 @@ def trace_refracted_pings(arrays, poses, rays, step, out):
             sums[:] = 0.0
             add_echoes(arrays, cast.echoes, cast.distance, sums)
             _apply_range_factor(arrays, sums, out[ping, side])
-    return 0
 
 
 @inlined

@@ -34,7 +34,6 @@ from insonify.kernels.rays.launch import (
     aim_rays,
     cone_azimuth,
     empty_launch,
-    find_enclosing_solid,
     highest_elevation,
     list_solids_in_beam,
     orient_beam,
@@ -92,24 +91,15 @@ def trace_ray_sheets(arrays, poses, sheets, rays, out):
         Per sheet to begin with.
     out : ndarray of float32, shape (n, 2, bins)
         Filled.
-
-    Returns
-    -------
-    int
-        -1 - k if the sonar is inside solid k, else 0.
     """
     sums, near = np.empty(arrays.bins), np.empty(arrays.solids.shape.size, np.int64)
     for ping in range(poses.x.size):
-        body = find_enclosing_solid(arrays.solids, poses.x[ping], poses.y[ping], poses.z[ping])
-        if body >= 0:
-            return -1 - body
         for side in range(2):
             beam = orient_beam(arrays, poses, ping, side)
             sums[:] = 0.0
             _add_sheets(arrays, beam, poses.pitch[ping], near, sheets, rays, sums)
             for k in range(arrays.bins):
                 out[ping, side, k] = sums[k] * arrays.range_factor[k] / sheets
-    return 0
 
 
 @kernel

@@ -23,7 +23,7 @@ from insonify.kernels.common.types import SONAR
 from insonify.kernels.geometry.solids import intersect_solid
 from insonify.kernels.geometry.triangles import intersect_mesh
 from insonify.kernels.rays.cell_walk import Ray, cell_normal, load_cell, meet_bed
-from insonify.kernels.rays.launch import beam_touches_ball, find_enclosing_solid, list_solids_in_beam, orient_beam
+from insonify.kernels.rays.launch import beam_touches_ball, list_solids_in_beam, orient_beam
 from insonify.kernels.speckle.surface_patches import FACE, SurfacePatches, load_patch, sample_patch
 from insonify.kernels.sweep.visible_stretches import find_visible_bed, is_bed_visible
 
@@ -114,17 +114,9 @@ def trace_scatterers(arrays, poses, fan, scatterers, pulse, profile, visible_bed
         Work space.
     out : ndarray of complex128, shape (n, 2, bins * samples)
         Takes the waves after the pulse.
-
-    Returns
-    -------
-    int
-        0, or -1 - k if the sonar is inside body k.
     """
     near = np.empty(arrays.solids.shape.size, np.int64)
     for ping in range(poses.x.size):
-        body = find_enclosing_solid(arrays.solids, poses.x[ping], poses.y[ping], poses.z[ping])
-        if body >= 0:
-            return -1 - body
         for side in range(2):
             beam = orient_beam(arrays, poses, ping, side)
             find_visible_bed(arrays, poses, ping, side, fan, profile, visible_bed)
@@ -133,7 +125,6 @@ def trace_scatterers(arrays, poses, fan, scatterers, pulse, profile, visible_bed
             _add_bed(arrays, beam, scatterers, visible_bed, near[:count], pulse, signal)
             _add_targets(arrays, beam, scatterers, near[:count], pulse, signal)
             _sample_pulse(signal.real, signal.imaginary, pulse, out[ping, side])
-    return 0
 
 
 @kernel

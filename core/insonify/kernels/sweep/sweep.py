@@ -127,8 +127,6 @@ def view_plane(arrays, plane, sector, reach, grid, workspace):
     profile, echoes, zbuffer, table = workspace
     # A scene without bodies skips the call, which alone costs some 0.3 µs a plane.
     cells = fill_zbuffer(arrays, plane, sector, reach, grid, table, zbuffer) if zbuffer.body.size > 0 else 0
-    if cells < 0:
-        return cells, 0
     hidden_from, hidden_to = occluded_slopes(zbuffer, cells)
     count = slice_bed(arrays.bed, arrays.limits, plane.x, plane.y, plane.z, plane.ex, plane.ey, reach, profile)
     if count > 1:
@@ -166,14 +164,9 @@ def sweep_pings(arrays, poses, fan, apparent, workspace, out):
     workspace : SweepWorkspace
     out : ndarray of float32, shape (n, 2, bins)
         Takes the intensity of both sides.
-
-    Returns
-    -------
-    int
-        0, or -1 - k if the sonar is inside body k: then pings from there on are left as they were.
     """
     bins = RangeBins(np.zeros(arrays.bins + 2, np.int64), arrays.range_decay)
-    return _sweep_all(arrays, poses, fan, apparent, workspace, bins, out)
+    _sweep_all(arrays, poses, fan, apparent, workspace, bins, out)
 
 
 @inlined_uncounted
@@ -187,11 +180,8 @@ def _sweep_all(arrays, poses, fan, apparent, workspace, bins, out):
                 _prefetch_next(arrays, poses, ping, side)
             for k in range(fan.azimuth.size):
                 plane, sector, reach = aim_plane(arrays, poses, ping, side, fan, k, grid)
-                status, _ = sweep_plane(arrays, plane, sector, reach, grid, workspace, bins)
-                if status < 0:
-                    return status
+                sweep_plane(arrays, plane, sector, reach, grid, workspace, bins)
             accumulate_bins(bins, arrays.range_factor, out[ping, side])
-    return 0
 
 
 @inlined_uncounted

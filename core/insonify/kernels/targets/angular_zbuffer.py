@@ -188,8 +188,6 @@ def empty_zbuffer(solids: Solids, mesh: Mesh) -> AngularZbuffer:
 def fill_zbuffer(arrays, plane, sector, reach, grid, table, zbuffer):
     """Collect the primitives that a plane cuts and find the nearest for every launch angle."""
     primitives = _cut_solids(arrays.solids, plane, reach, plane.z - arrays.bed.low, zbuffer)
-    if primitives < 0:
-        return primitives
     solid_primitives = primitives
     if arrays.mesh.target.size > 0:
         primitives = _cut_mesh(arrays.mesh, arrays.solids.shape.size, plane, reach, zbuffer, primitives)
@@ -204,14 +202,12 @@ def fill_zbuffer(arrays, plane, sector, reach, grid, table, zbuffer):
 
 @inlined_uncounted
 def _cut_solids(solids, plane, reach, height, zbuffer):
-    """Add the cross-sections of convex bodies; return the primitives, or -1 - k if the sonar is inside body k."""
+    """Add the cross-sections of convex bodies; return the number of primitives."""
     primitives = 0
     for k in range(solids.shape.size):
         if may_cut_solid(solids, k, plane, reach, height):
-            status, low, high = section_solid(solids, k, plane, zbuffer.rim[primitives])
-            if status < 0:
-                return -1 - k
-            if status > 0:
+            is_cut, low, high = section_solid(solids, k, plane, zbuffer.rim[primitives])
+            if is_cut:
                 zbuffer.body[primitives], zbuffer.low[primitives], zbuffer.high[primitives] = k, low, high
                 primitives += 1
     return primitives

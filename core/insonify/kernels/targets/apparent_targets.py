@@ -97,8 +97,8 @@ def apply_apparent_sources(arrays, plane, one_wide, table, grid, zbuffer, bodies
     for p in range(bodies):
         k, rim = zbuffer.body[p], zbuffer.rim[kept]
         source = _apparent_source_of_solid(arrays.solids, k, plane, one_wide, loud, table, grid)
-        status, low, high = section_solid(arrays.solids, k, plane_from_source(source, plane), rim)
-        if status > 0:
+        is_cut, low, high = section_solid(arrays.solids, k, plane_from_source(source, plane), rim)
+        if is_cut:
             for end in range(rim.size):
                 rim[end] = _launch_from_arrival(source, rim[end]) if abs(rim[end]) <= math.pi else rim[end]
             low, high = _launch_from_arrival(source, low), _launch_from_arrival(source, high)
