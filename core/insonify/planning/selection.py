@@ -98,7 +98,7 @@ def choose_for_case(case: Case, tolerance: float) -> Plan:
 
 
 def _divide_cost(entries: tuple[PlanEntry, ...], cost: float) -> tuple[PlanEntry, ...]:
-    """Scale the costs of what is modelled, each measured by itself, so that they add up to that of a ping."""
+    """Scale the costs of what is modelled, which multiply one another, so that they add up to that of a ping."""
     apart = sum(entry.cost for entry in entries if entry.modelled)
     share = cost / apart if apart > 0.0 else 1.0
     return tuple(replace(entry, cost=share * entry.cost) if entry.modelled else entry for entry in entries)
