@@ -12,7 +12,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from insonify.compiler.jit import inlined, kernel
+from insonify.compiler.jit import inlined, inlined_uncounted, kernel
 from insonify.kernels.common.types import BED
 from insonify.kernels.geometry.solids import intersect_solid
 from insonify.kernels.geometry.triangles import NO_TRIANGLE, facing_normal, intersect_mesh
@@ -136,7 +136,7 @@ def _vertical_plane(bundle, k):
     return VerticalPlane(bundle.x[k], bundle.y[k], 1.0, 0.0), 0.0
 
 
-@kernel
+@inlined_uncounted
 def _find_contact_zone(bed, solids, mesh, height, plane, near):
     """List the solids that the plane of a ray crosses, and find where it may meet anything."""
     low, high, nearest, farthest = bed.low, bed.high, math.inf, -math.inf
@@ -170,7 +170,7 @@ def _disc_crossing(plane, cx, cy, bound):
     return ahead - bound, ahead + bound
 
 
-@kernel
+@inlined
 def _lay_chords(water, bundle, n, plane, level, zone, reach, march, chords, begins):
     """Chords of a ray where it may meet anything, and its state at the start of each arc; return also their number."""
     height, speed, station, surface = water.height, water.speed, water.station, water.surface
@@ -255,7 +255,7 @@ def _keep_arc_start(begins, arc, ray):
     begins[arc, 4], begins[arc, 5], begins[arc, 6], begins[arc, 7] = ray.speed, ray.time, ray.p, ray.q
 
 
-@kernel
+@inlined_uncounted
 def _meet_chords(bed, solids, mesh, near, zone, chords, count, marches):
     """First surface that a ray meets, and on which chord: exactly, or by one sample at the end of each in a march."""
     best, body, material, mx, my, mz = math.inf, NOTHING, 0, 0.0, 0.0, 0.0
@@ -286,7 +286,7 @@ def _meet_chords(bed, solids, mesh, near, zone, chords, count, marches):
     return 0, Intersection(best, NOTHING, 0, 0.0, 0.0, 0.0)
 
 
-@kernel
+@inlined_uncounted
 def _arrive(water, rays, n, plane, level, reach, chord, begins, meeting):
     """Arrival of a ray at its hit, along the arc of the chord that was hit."""
     bundle, hits, arrivals = rays.bundle, rays.hits, rays.arrivals
