@@ -58,7 +58,6 @@ def register(subparsers: Any) -> None:
     """Add ``view`` to the sub-commands of ``insonify``."""
     parser = subparsers.add_parser(
         "view",
-        help="open the viewer",
         description="Open the viewer on a scene, or on a recording beside the default scene.",
         epilog=EXAMPLES,
     )
@@ -91,7 +90,6 @@ def register(subparsers: Any) -> None:
     parser.set_defaults(run=run)
     movie = subparsers.add_parser(
         "movie",
-        help="draw a tow as a moving picture: .webp, .gif, .mp4",
         description="Draw the tow of a scene, the seabed in 3-D beside the record that grows ping by ping. It needs no "
         "screen. A .mp4 needs the package imageio-ffmpeg.",
         epilog="examples: insonify movie wreck -o tow.webp; insonify movie default -o tow.mp4 --size 1280x720",

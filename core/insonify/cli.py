@@ -8,22 +8,21 @@ import sys
 import warnings
 from collections.abc import Sequence
 from contextlib import redirect_stdout, suppress
+from importlib import import_module
 from pathlib import Path
 from typing import Any, NoReturn, TextIO
 
-from insonify.commands import render
-from insonify.commands.options import FALLBACK, NO_WINDOW, add_scene, check_output, chosen_scene, free_name
+from insonify.commands import OF_VIEWER, OWN
 from insonify.compiler.cache_folder import CacheWarning
 from insonify.compiler.progress import watch_compilation
-from insonify.display.display_options import DisplayOptions
-from insonify.errors import FileWarning, PlanWarning, plain_text
+from insonify.errors import FileWarning, PlanWarning, SceneError, plain_text
 from insonify.plugins import announced, modules_in
 from insonify.progress import CompilationBar
-from insonify.scene import SceneError, bundled_scenes
 
 COMMANDS = "insonify.commands"  # a package, and a group of entry points
 VIEWER = "insonify_viewer"
 WRONG, INTERRUPTED = 2, 130
+ABOUT = ("-h", "--help", "--version")
 APT = (
     "sudo apt-get install -y libegl1 libgl1 libglib2.0-0 libxkbcommon0 libdbus-1-3 libfontconfig1 "
     "libxcb-cursor0 libxcb-icccm4 libxcb-keysyms1 libxcb-shape0 libxkbcommon-x11-0"
@@ -88,7 +87,8 @@ def _complain(sentence: str) -> int:
 
 
 def _run(words: list[str]) -> int:
-    parser, commands = build_parser(words[0] if words else "")
+    known = words and words[0] in (*OWN, *OF_VIEWER, *ABOUT)
+    parser, commands = build_parser(words[0] if known else "view")
     arguments = parser.parse_args(_with_command(words, list(commands)))
     try:
         return arguments.run(arguments) or 0
@@ -106,7 +106,8 @@ class _Parser(argparse.ArgumentParser):
 
 
 def build_parser(command: str = "") -> tuple[argparse.ArgumentParser, dict[str, Any]]:
-    """Build the parser with the sub-commands of this package, or ``command`` alone of these, and of installed ones."""
+    """Build the parser. Commands of this project other than ``command``, if it is given, have a line of help alone."""
+    asked = [command] if command else [*OWN, *OF_VIEWER]
     parser = _Parser(
         prog="insonify",
         description="Tow a side-scan sonar over a seabed of your own making and watch the record scroll.",
@@ -114,11 +115,19 @@ def build_parser(command: str = "") -> tuple[argparse.ArgumentParser, dict[str, 
     )
     parser.add_argument("--version", action="version", version=f"insonify {importlib.metadata.version('insonify')}")
     subparsers = parser.add_subparsers(title="commands", metavar="COMMAND", dest="command", required=True)
-    for module in modules_in(COMMANDS, command):
-        if hasattr(module, "register"):
-            module.register(subparsers)
+    for name, line in OWN.items():
+        if name in asked:
+            import_module(f"{COMMANDS}.{name}").register(subparsers)
+        else:
+            subparsers.add_parser(name, help=line)
+    for module in modules_in(COMMANDS, without=(*OWN, "options")):
+        module.register(subparsers)
     missing = ImportError(f"No module named {VIEWER!r}")
     for entry in announced(COMMANDS):
+        if _is_of_viewer(entry) and OF_VIEWER.keys().isdisjoint(asked):
+            for name, line in OF_VIEWER.items():
+                subparsers.add_parser(name, help=line)
+            continue
         try:
             entry.load()(subparsers)
         except ImportError as error:
@@ -128,9 +137,13 @@ def build_parser(command: str = "") -> tuple[argparse.ArgumentParser, dict[str, 
     return parser, subparsers.choices
 
 
+def _is_of_viewer(entry: importlib.metadata.EntryPoint) -> bool:
+    return entry.module.partition(".")[0] == VIEWER
+
+
 def _not_loaded(entry: importlib.metadata.EntryPoint, error: ImportError) -> ImportError | None:
     """Return why the viewer cannot be loaded; warn where it is the command of another package."""
-    if entry.module.partition(".")[0] == VIEWER:
+    if _is_of_viewer(entry):
         return error
     sys.stderr.write(f"insonify: the command {entry.name!r} of {entry.module} cannot be loaded ({error})\n")
     return None
@@ -138,6 +151,7 @@ def _not_loaded(entry: importlib.metadata.EntryPoint, error: ImportError) -> Imp
 
 def _add_missing_view(subparsers: Any, error: ImportError) -> None:
     """Add a ``view`` that explains why there is no viewer."""
+    from insonify.commands.options import add_scene  # lazy: loads the models of the scene
 
     def run(arguments: argparse.Namespace) -> int:
         return _without_viewer(error, arguments)
@@ -150,8 +164,10 @@ def _add_missing_view(subparsers: Any, error: ImportError) -> None:
 def _with_command(words: list[str], commands: list[str]) -> list[str]:
     """Put ``view`` before a scene given without a command; raise SceneError for a mistyped command."""
     first = words[0] if words else ""
-    if first in commands or first in ("-h", "--help", "--version"):
+    if first in commands or first in ABOUT:
         return words
+    from insonify.scene import bundled_scenes  # lazy: the help of the command needs no scene
+
     is_scene = not first or first.startswith("-") or first in bundled_scenes() or Path(first).exists()
     close = difflib.get_close_matches(first, commands, n=1)
     if not is_scene and close:
@@ -163,8 +179,13 @@ def _without_viewer(error: ImportError, arguments: argparse.Namespace) -> int:
     """Report what the viewer lacks; where only system libraries are missing, render the record instead."""
     if ".so" not in str(error):
         return _complain(f"the viewer is not installed ({error}); run: pip install 'insonify[viewer]'")
+    # lazy: the help of the command needs no scene
+    from insonify.commands.options import FALLBACK, NO_WINDOW, check_output, chosen_scene, free_name
+    from insonify.commands.render import write
+    from insonify.display.display_options import DisplayOptions
+
     path = check_output(getattr(arguments, "snapshot", None) or free_name(FALLBACK), (".png",))
-    render.write(chosen_scene(arguments), path, DisplayOptions())
+    write(chosen_scene(arguments), path, DisplayOptions())
     sys.stderr.write(
         f"insonify: the viewer lacks system libraries ({error}); the record was written to {path} instead; run: {APT}\n"
     )

@@ -1,7 +1,7 @@
 """Find extensions: the modules of a package, and the entry points that installed packages announce."""
 
 import pkgutil
-from collections.abc import Iterable
+from collections.abc import Container, Iterable
 from functools import cache
 from importlib import import_module
 from importlib.metadata import EntryPoint, entry_points
@@ -9,10 +9,10 @@ from types import ModuleType
 from typing import Any
 
 
-def modules_in(package: str, only: str = "") -> list[ModuleType]:
-    """Import every module of a package, in the order of their names, or ``only`` one if there is one of that name."""
-    names = [found.name for found in pkgutil.iter_modules(import_module(package).__path__, f"{package}.")]
-    return [import_module(name) for name in ([f"{package}.{only}"] if f"{package}.{only}" in names else names)]
+def modules_in(package: str, *, without: Container[str] = ()) -> list[ModuleType]:
+    """Import every module of a package but some, in the order of their names."""
+    names = [found.name for found in pkgutil.iter_modules(import_module(package).__path__)]
+    return [import_module(f"{package}.{name}") for name in names if name not in without]
 
 
 def announced(group: str) -> Iterable[EntryPoint]:

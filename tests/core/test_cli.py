@@ -283,6 +283,21 @@ def test_help_shows_choices_and_examples(capsys, command, shown):
     assert shown in " ".join(capsys.readouterr().out.split())
 
 
+@pytest.mark.parametrize(("words", "loaded"), [(("--help",), []), (("plan", "--help"), ["options", "plan"])])
+def test_help_loads_only_the_command_that_it_is_about(words, loaded):
+    code = (
+        "import sys; from insonify.__main__ import load\n"
+        "try: load()()\n"
+        "finally: print(sorted({*sys.modules} & {'numba', 'numpy', 'pydantic'}));"
+        "print([name for name in sorted(sys.modules) if name.startswith(('insonify.commands.', 'insonify_viewer'))])"
+    )
+    ended, printed, complaint = run_python("-c", code, *words)
+    assert (ended, complaint) == (0, "")
+    *_, libraries, commands = printed.splitlines()
+    assert commands == str([f"insonify.commands.{name}" for name in loaded])
+    assert (libraries == "[]") == (not loaded)
+
+
 def test_datasets_are_made_without_the_arrays_of_dask(tmp_path):
     """Where Dask is installed xarray imports them, a quarter of a second, to find out whether arrays are in memory."""
     code = (

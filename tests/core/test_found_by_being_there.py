@@ -186,9 +186,10 @@ def test_a_package_that_cannot_be_loaded_stops_no_other_command(monkeypatch, cap
 
 
 def test_every_module_of_a_command_is_named_after_it():
-    commands = cli.build_parser()[1]
     modules = {module.__name__.rpartition(".")[2] for module in cli.modules_in(cli.COMMANDS)}
-    assert modules - set(commands) == {"options"}
+    assert modules == {*insonify.commands.OWN, "options"}
+    assert {*insonify.commands.OWN, *insonify.commands.OF_VIEWER} == set(cli.build_parser()[1])
+    assert insonify.commands.OWN["render"].endswith(f".png (picture), {RECORDS.describe(RECORDS.writable())}")
 
 
 def test_a_kind_that_is_declared_late_is_a_kind_like_others_and_can_be_forgotten() -> None:

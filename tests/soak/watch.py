@@ -27,8 +27,9 @@ from insonify.errors import FileWarning, PlanWarning, SceneError
 TICK = 5  # ms
 DEPTH = 7  # functions of a stack that are told
 LIMIT = 250.0  # ms, above which gaps are counted
-FROZEN = 5.0  # s, a drawing that is a fault however slow the graphics are
+FROZEN = 5.0  # s beside waiting for a processor: a drawing that is a fault however slow the graphics are
 LONG = 0.15  # s, a gap whose cause is looked for
+SCHEDULED = Path("/proc/thread-self/schedstat")  # nanoseconds that a thread ran and waited to run
 HARMLESS = ("This plugin does not support propagateSizeHints", "QXcbConnection: XCB error")
 
 
@@ -99,7 +100,7 @@ class Gaps(QObject):
         self.gaps, self.busy = array("d"), array("d")
         self.causes: Counter[str] = Counter()
         self._last, self._ending = _now(), threading.Event()
-        self._begun, self._drawn = self._last, np.zeros(2)
+        self._begun, self._drawn = self._last, np.zeros(3)
         self._seen = ""
         timer = QTimer(self)
         timer.setTimerType(Qt.TimerType.PreciseTimer)
@@ -126,17 +127,17 @@ class Gaps(QObject):
     def _drew(self, faults: Faults) -> None:
         drawn = _now() - self._begun
         self._drawn += drawn
-        if drawn[0] > FROZEN:
-            faults.add(f"a drawing of {drawn[0]:.0f} s, {drawn[1]:.0f} of processor time")
+        if drawn[0] - drawn[2] > FROZEN:
+            faults.add("a drawing of {:.0f} s, {:.0f} of processor time, {:.0f} waiting for it".format(*drawn))
 
     def _turn(self) -> None:
-        gap, busy = np.maximum(_now() - self._last - self._drawn, 0.0)
+        gap, busy, _ = np.maximum(_now() - self._last - self._drawn, 0.0)
         self.gaps.append(gap)
         self.busy.append(busy)
         if gap > LONG:
             told = f"{1e3 * gap:5.0f} ms, {1e3 * busy:4.0f} of processor time: {self._seen or 'not in Python'}"
             self.causes[told] += 1
-        self._last, self._drawn, self._seen = _now(), np.zeros(2), ""
+        self._last, self._drawn, self._seen = _now(), np.zeros(3), ""
 
     def clear(self) -> None:
         """Forget all gaps so far."""
@@ -155,8 +156,9 @@ class Gaps(QObject):
 
 
 def _now() -> NDArray[np.float64]:
-    """Time of day and of the processor in this thread, in seconds: on a busy machine they part."""
-    return np.array([time.perf_counter(), time.thread_time()])
+    """Time of day, of the processor in this thread, and of waiting for one, in s: on a busy machine they part."""
+    waited = 1e-9 * int(SCHEDULED.read_text().split()[1]) if SCHEDULED.exists() else 0.0
+    return np.array([time.perf_counter(), time.thread_time(), waited])
 
 
 def _spread(found: NDArray[np.float64]) -> str:

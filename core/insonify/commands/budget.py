@@ -14,7 +14,6 @@ def register(subparsers: Any) -> None:
     """Add ``budget``."""
     parser = subparsers.add_parser(
         "budget",
-        help="print the sonar equation of a scene",
         description="Print the sonar equation of a level bed of the scene's materials and of a target on it, line by "
         "line in dB, and the range at which each drowns in noise and reverberation. Example: insonify budget "
         "raw-record --range 40 --target -15",

@@ -12,7 +12,6 @@ def register(subparsers: Any) -> None:
     """Add ``chart``."""
     parser = subparsers.add_parser(
         "chart",
-        help="measure speed against accuracy on this machine",
         description="Run every method on a scene on this machine. Chart the time per ping against the error, the cost "
         "against the number of pings, cells, bins, targets, planes and rays, or the error against step size or count.",
     )

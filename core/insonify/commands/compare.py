@@ -18,7 +18,6 @@ def register(subparsers: Any) -> None:
     """Add ``compare``."""
     parser = subparsers.add_parser(
         "compare",
-        help="draw two records side by side, with histograms and spectra",
         description="Draw two records to one scale, each relative to its own median. Compare the variation of "
         "amplitudes in even patches, the histograms, the spectra along and across the track, and the depth of shadows.",
     )

@@ -19,7 +19,6 @@ def register(subparsers: Any) -> None:
     """Add ``dataset``."""
     parser = subparsers.add_parser(
         "dataset",
-        help="make a labelled data set by its specification",
         description="Draw scenes, simulate them, and cut their records into images with masks and annotations. "
         "Finished jobs are not repeated: the same command continues after an interruption, or adds scenes.",
         epilog=EXAMPLES,

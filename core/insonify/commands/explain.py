@@ -28,7 +28,6 @@ def register(subparsers: Any) -> None:
     """Add ``explain``."""
     parser = subparsers.add_parser(
         "explain",
-        help="explain one pixel of a scene's record",
         description="Describe what one pixel of a record shows or why it is dark. Print the terms in dB that add up to "
         "it, the sources of its echo and what hides the bed there. Example: insonify explain default --ping 230 "
         "--range 25",

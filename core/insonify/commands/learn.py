@@ -16,7 +16,6 @@ def register(subparsers: Any) -> None:
     """Add ``learn``."""
     parser = subparsers.add_parser(
         "learn",
-        help="make a scene whose record resembles a recording",
         description="Take sonar and track from a record, learn relief, material, speckle and level of its bed, and "
         "write a scene whose own record resembles it. Print what matches, what differs, and what the record does not "
         "show.",

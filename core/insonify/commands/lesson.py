@@ -10,7 +10,6 @@ def register(subparsers: Any) -> None:
     """Add ``lesson``."""
     parser = subparsers.add_parser(
         "lesson",
-        help="list the lessons of the viewer, or check lessons",
         description="List the lessons that the viewer teaches, or check lessons of your own. "
         "Example: insonify lesson check my-lesson.md",
     )

@@ -10,7 +10,6 @@ def register(subparsers: Any) -> None:
     """Add ``light``."""
     parser = subparsers.add_parser(
         "light",
-        help="draw a scene as light shows it, with the lamp at the sonar",
         description="Draw the seabed and the targets, lit by a lamp at the sonar half way along the track. The scene's "
         "own materials return the light (Lambert and Phong); shadows are hard.",
     )

@@ -14,7 +14,6 @@ def register(subparsers: Any) -> None:
     """Add ``mosaic``."""
     parser = subparsers.add_parser(
         "mosaic",
-        help="put records on a map (.tif)",
         description="Correct records from slant range to ground range, lay them on the map by position and heading, "
         "and write one GeoTIFF: decibels relative to the median of each record at its range, with NaN where nothing "
         "was insonified.",

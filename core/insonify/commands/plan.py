@@ -11,7 +11,6 @@ def register(subparsers: Any) -> None:
     """Add ``plan``."""
     parser = subparsers.add_parser(
         "plan",
-        help="explain how a scene would be simulated",
         description="List the effects that are modelled and those that are left out, with the reason, the error of the "
         "record and the cost of each. Then list the numbers of the bed's materials, and their misfit to the models of "
         "backscatter.",

@@ -10,7 +10,6 @@ def register(subparsers: Any) -> None:
     """Add ``rays``."""
     parser = subparsers.add_parser(
         "rays",
-        help="draw rays, shadow zones and caustics",
         description="Draw the sound speed over depth and the rays it refracts, with shadow zones and caustics.",
     )
     add_scene(parser, optional=True)

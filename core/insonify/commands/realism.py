@@ -13,7 +13,6 @@ def register(subparsers: Any) -> None:
     """Add ``realism``."""
     parser = subparsers.add_parser(
         "realism",
-        help="compare the texture of two folders of images, real and simulated",
         description="Measure greys, correlation, spectrum and local patterns of the images in two folders, and print "
         "how far their distributions differ. Where scikit-learn is installed, a classifier tries to tell the two apart "
         "by all of it and by each group: an area under the curve (AUC) of 0.5 means that it cannot, 1 that it always "

@@ -11,7 +11,6 @@ def register(subparsers: Any) -> None:
     """Add ``relief``."""
     parser = subparsers.add_parser(
         "relief",
-        help="write the heights of the bed as a grey picture",
         description="Write the heights of the bed of a scene as a PNG: the lowest black, the highest white, north up.",
     )
     add_scene(parser)

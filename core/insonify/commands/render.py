@@ -20,7 +20,6 @@ def register(subparsers: Any) -> None:
     written = RECORDS.describe(RECORDS.writable())
     parser = subparsers.add_parser(
         "render",
-        help=f"simulate a record: {PICTURE} (picture), {written}",
         description="Simulate the record of a scene and write it in the format of its suffix. NetCDF, Zarr and XTF are "
         "written block by block, so memory does not grow with the number of pings. A record may stand in place "
         f"of the scene: {RECORDS.describe(RECORDS.readable())}. It is drawn, or written in another format, as it is.",

@@ -14,7 +14,6 @@ def register(subparsers: Any) -> None:
     """Add ``scenes``."""
     scenes = subparsers.add_parser(
         "scenes",
-        help="list the bundled scenes, or describe some",
         description="List the bundled scenes. With names, describe what those scenes show and which fields to change.",
     )
     scenes.add_argument("names", nargs="*", metavar="NAME", help="a bundled scene, or a TOML file")

@@ -16,7 +16,6 @@ def register(subparsers: Any) -> None:
     """Add ``stability``."""
     parser = subparsers.add_parser(
         "stability",
-        help="measure known numerical failures and their cures, as a page (.html)",
         description="Set up the cases in which methods of this kind are known to fail. Measure the plain method and "
         "the program's own against the exact answer, and write a page with a table and figures.",
     )

@@ -14,7 +14,6 @@ def register(subparsers: Any) -> None:
     """Add ``survey``."""
     parser = subparsers.add_parser(
         "survey",
-        help="simulate a survey of many lines by its specification",
         description="Tow over one scene along parallel lines that cover an area, or along given lines, and write a "
         "record for each line, their mosaic (.tif), the coverage (.tif) and a page that sums it up. Finished "
         "lines are not repeated: the same command continues after an interruption.",

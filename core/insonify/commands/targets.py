@@ -12,7 +12,6 @@ def register(subparsers: Any) -> None:
     """Add ``targets``."""
     parser = subparsers.add_parser(
         "targets",
-        help="list the library of targets",
         description="List the library of targets: name, length, width and height in metres, and what it is. A name is "
         "the path of a mesh.",
         epilog='example: insonify render default --set targets.1=\'{kind = "mesh", path = "drum", '
