@@ -2,6 +2,7 @@
 
 import argparse
 import difflib
+import gc
 import importlib.metadata
 import os
 import sys
@@ -90,6 +91,9 @@ def _run(words: list[str]) -> int:
     known = words and words[0] in (*OWN, *OF_VIEWER, *ABOUT)
     parser, commands = build_parser(words[0] if known else "view")
     arguments = parser.parse_args(_with_command(words, list(commands)))
+    if not gc.isenabled():  # see `insonify.__main__`
+        gc.freeze()
+        gc.enable()
     try:
         return arguments.run(arguments) or 0
     except ImportError as error:

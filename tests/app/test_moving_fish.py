@@ -4,7 +4,8 @@ import math
 
 import numpy as np
 import pytest
-from PySide6.QtCore import Qt
+from controls import turn_wheel
+from PySide6.QtCore import QPoint, Qt
 from PySide6.QtTest import QTest
 from stand_in import StandIn
 
@@ -13,6 +14,7 @@ from insonify.scene import edit
 from insonify_viewer.application import has_opengl
 from insonify_viewer.record.marked_point import locate_mark
 from insonify_viewer.seabed.pv_meshes import MESH_NODES, PATH_POINTS, bed_patch, path_pings, pose_matrix, scan_line
+from insonify_viewer.seabed.seabed_canvas import CLOSER
 from insonify_viewer.seabed.seabed_view import FARTHEST, NEAREST
 from insonify_viewer.state.inspection import Mark
 
@@ -136,22 +138,32 @@ def test_the_camera_stays_above_the_bed(open_viewer, small):
     assert away[2] > 0.0
 
 
-def test_the_wheel_does_not_zoom_beyond_the_limits(viewer, qtbot):
-    view = viewer.seabed.view
+def test_the_wheel_zooms_about_the_mouse_within_the_limits(viewer, qtbot):
+    """What lies under the mouse stays there, and the camera stops before it."""
+    view, seabed = viewer.seabed.view, viewer.seabed
     if not has_opengl():
         pytest.skip("no OpenGL for a widget")
-    view._canvas.plotter.interactor.setMaximumSize(320, 240)  # a small picture is drawn in less time
-    qtbot.waitUntil(lambda: view._canvas.plotter.interactor.width() == 320)
-    camera, iren = view._canvas.plotter.camera, view._canvas.plotter.iren.interactor
-    for event, limit in (("MouseWheelForwardEvent", NEAREST), ("MouseWheelBackwardEvent", FARTHEST)):
-        at_limit = pytest.approx(limit * view._reach, rel=0.01)
-        for _ in range(120):  # each turn of the wheel draws
-            iren.InvokeEvent(event)
-            if camera.distance == at_limit:
-                break
-        for _ in range(10):
-            iren.InvokeEvent(event)
-            assert camera.distance == at_limit
+    canvas, camera = view._canvas.widget, view._canvas.plotter.camera
+    canvas.setMaximumSize(320, 240)  # a small picture is drawn in less time
+    qtbot.waitUntil(lambda: canvas.width() == 320)
+    mouse = QPoint(100, 150)
+    place = np.array(seabed._meet(*view._look_from(mouse)))
+    before = np.linalg.norm(np.array(camera.position) - place)
+    turn_wheel(canvas, mouse, 2)
+    assert np.linalg.norm(np.array(camera.position) - place) == pytest.approx(before / CLOSER**2)
+    assert seabed._meet(*view._look_from(mouse)) == pytest.approx(place, abs=1e-3 * view._reach)
+    turn_wheel(canvas, mouse, -2)
+    assert np.linalg.norm(np.array(camera.position) - place) == pytest.approx(before)
+    for notches in (1, -1):
+        for _ in range(120):
+            turn_wheel(canvas, mouse, notches)
+        x, y, z = camera.position
+        clearance = z - viewer._answer.simulation.ground.height_at(np.array([x]), np.array([y]))[0]
+        assert clearance > 0.01 * view._reach
+        assert 0.99 * NEAREST * view._reach < camera.distance < 1.01 * FARTHEST * view._reach
+    assert camera.distance == pytest.approx(FARTHEST * view._reach, rel=0.01)
+    turn_wheel(canvas, QPoint(100, 2), 1)  # over open water
+    assert camera.distance == pytest.approx(FARTHEST * view._reach / CLOSER, rel=0.01)
 
 
 def test_a_view_that_is_turned_draws_a_lighter_bed_of_the_same_shape(viewer, qtbot):

@@ -5,10 +5,11 @@ from itertools import pairwise, product
 
 import numpy as np
 import pytest
+from controls import turn_wheel
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from PySide6.QtCore import QEvent, QPoint, QPointF, Qt
-from PySide6.QtGui import QMouseEvent, QWheelEvent
+from PySide6.QtGui import QMouseEvent
 from PySide6.QtTest import QTest
 from PySide6.QtWidgets import QApplication, QFileDialog
 from stand_in import StandIn
@@ -146,14 +147,6 @@ def test_colours_linear_in_decibels_and_reversed():
 
 
 # In the window
-
-
-def turn_wheel(view, place: QPoint, notches: int, keys=Qt.KeyboardModifier.NoModifier):
-    event = QWheelEvent(
-        QPointF(place), QPointF(view.mapToGlobal(place)), QPoint(), QPoint(0, 120 * notches), Qt.MouseButton.NoButton,
-        keys, Qt.ScrollPhase.NoScrollPhase, False,
-    )  # fmt: skip
-    QApplication.sendEvent(view, event)
 
 
 def drag(view, first: QPoint, last: QPoint):

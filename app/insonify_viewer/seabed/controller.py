@@ -191,6 +191,7 @@ class SeabedController:
         self.view = SeabedView(accelerated=self._accelerated)
         self.view.reset_camera(self._subject)
         self.view.sighted.connect(self._pick)
+        self.view.zoom_wanted.connect(self._zoom)
         self.view.menu_wanted.connect(lambda *sight: self.menu_wanted.emit(self._meet(*sight[:3]), sight[3]))
         self._inspection.drawn.connect(self.view.show_sound)
         self._inspection.picked.connect(self.view.show_pick)
@@ -254,6 +255,12 @@ class SeabedController:
         """Signal the nearest place of a target or of the bed along a line of sight."""
         if (place := self._meet(begin, end, target)) is not None:
             self.picked.emit(place)
+
+    def _zoom(self, begin: Vector, end: Vector, target: Vector | None, factor: float) -> None:
+        """Zoom about what lies on a line of sight, or about the focus of the camera where nothing does."""
+        if self.view is not None:
+            place = self._meet(begin, end, target)
+            self.view.magnify(factor) if place is None else self.view.zoom_about(place, factor)
 
     def _meet(self, begin: Vector, end: Vector, target: Vector | None) -> tuple[float, float, float] | None:
         """Find the nearest place of a target or of the bed along a line of sight."""

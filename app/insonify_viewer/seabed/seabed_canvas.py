@@ -7,8 +7,17 @@ from typing import Any
 import numpy as np
 import pyvista
 from numpy.typing import NDArray
-from PySide6.QtCore import QEvent, QObject, QPoint, Qt
-from PySide6.QtGui import QContextMenuEvent, QImage, QKeyEvent, QMouseEvent, QPainter, QPaintEvent, QResizeEvent
+from PySide6.QtCore import QEvent, QObject, QPoint, QPointF, Qt
+from PySide6.QtGui import (
+    QContextMenuEvent,
+    QImage,
+    QKeyEvent,
+    QMouseEvent,
+    QPainter,
+    QPaintEvent,
+    QResizeEvent,
+    QWheelEvent,
+)
 from PySide6.QtWidgets import QWidget
 
 from insonify_viewer.errors import guard_override
@@ -18,7 +27,7 @@ pv: Any = pyvista
 
 STILL = 3  # px by which the mouse may move in a click
 STEP = 5.0  # degrees that a key turns the view
-CLOSER = 1.1  # magnification by a key
+CLOSER, NOTCH = 1.1, 120.0  # magnification by a key, and by a notch of the wheel; eighths of a degree of a notch
 TURNS: dict[int, tuple[float, float]] = {  # degrees across and up: the scene follows the arrow, as it follows the mouse
     Qt.Key.Key_Left: (-STEP, 0.0),
     Qt.Key.Key_Right: (STEP, 0.0),
@@ -37,17 +46,15 @@ class InteractiveCanvas:
 
         make: Any = QtInteractor
         self.plotter: Any = make(parent, auto_update=False, multi_samples=0)
-        self.plotter.enable_terrain_style(mouse_wheel_zooms=True)
+        self.plotter.enable_terrain_style(mouse_wheel_zooms=False)
         # VTK's keys would close the view or turn on stereo; the keys belong to the window.
         for event in ("CharEvent", "KeyPressEvent", "KeyReleaseEvent"):
             self.plotter.iren.interactor.RemoveObservers(event)
         self.widget: QWidget = self.plotter
 
     def on_turn(self, turned: Callable[[], None]) -> None:
-        """Call a function whenever the person has turned or zoomed the view."""
+        """Call a function whenever the person has turned or moved the view by the mouse."""
         self.plotter.iren.interactor.GetInteractorStyle().AddObserver("InteractionEvent", lambda *_: turned())
-        for event in ("MouseWheelForwardEvent", "MouseWheelBackwardEvent"):
-            self.plotter.iren.interactor.AddObserver(event, lambda *_: turned(), -1.0)
 
     def on_hold(self, held: Callable[[bool], None]) -> None:
         """Call a function with True when the person takes hold of the view, and with False when it is released."""
@@ -174,6 +181,24 @@ class RightClicks(QObject):
         elif isinstance(event, QContextMenuEvent) and event.reason() is QContextMenuEvent.Reason.Keyboard:
             self._clicked(self._widget.rect().center())
         return False
+
+
+class Wheel(QObject):
+    """Calls a function with the place of the mouse and the magnification by which the wheel is turned."""
+
+    def __init__(self, widget: QWidget, turned: Callable[[QPointF, float], None]) -> None:
+        super().__init__(widget)
+        self._turned = turned
+        widget.installEventFilter(self)
+
+    @guard_override(False)
+    def eventFilter(self, watched: QObject, event: QEvent) -> bool:
+        """Take the wheel, which VTK would be told of without the place of the mouse."""
+        if not isinstance(event, QWheelEvent):
+            return False
+        if event.angleDelta().y() != 0:
+            self._turned(event.position(), CLOSER ** (event.angleDelta().y() / NOTCH))
+        return True
 
 
 class SeabedKeys(QObject):

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 import pyvista
 from numpy.typing import NDArray
-from PySide6.QtCore import QPoint, QTimer, Signal
+from PySide6.QtCore import QPoint, QPointF, QTimer, Signal
 from PySide6.QtGui import QImage
 from PySide6.QtWidgets import QVBoxLayout, QWidget
 
@@ -17,7 +17,7 @@ from insonify.kernels.common.types import Poses, SceneArrays
 from insonify_viewer.seabed import pv_meshes
 from insonify_viewer.seabed.cameras import CAMERAS, USUAL
 from insonify_viewer.seabed.pv_meshes import BedPatch, ScanFan, ScanLine
-from insonify_viewer.seabed.seabed_canvas import InteractiveCanvas, OffScreenCanvas, RightClicks, SeabedKeys
+from insonify_viewer.seabed.seabed_canvas import InteractiveCanvas, OffScreenCanvas, RightClicks, SeabedKeys, Wheel
 from insonify_viewer.seabed.seabed_guides import SeabedGuides
 from insonify_viewer.seabed.seabed_handles import SeabedHandles
 from insonify_viewer.state.inspection import SoundDrawing
@@ -48,6 +48,7 @@ class SeabedView(QWidget):
 
     sighted = Signal(object, object, object)  # ends of the line of sight through a click, and a target's place or None
     menu_wanted = Signal(object, object, object, QPoint)  # the same of a right click, and the place of the screen
+    zoom_wanted = Signal(object, object, object, float)  # the same of the mouse, and the magnification
 
     def __init__(self, *, accelerated: bool, parent: QWidget | None = None) -> None:
         super().__init__(parent)
@@ -76,6 +77,7 @@ class SeabedView(QWidget):
         self.handles = SeabedHandles(self._canvas.plotter, self._canvas.widget, self._sight, self._later)
         self.guides = SeabedGuides(self._canvas.plotter, self._canvas.widget)
         RightClicks(self._canvas.widget, self._want_menu)
+        Wheel(self._canvas.widget, lambda place, factor: self.zoom_wanted.emit(*self._look_from(place), factor))
         self.keys = SeabedKeys(self._canvas.widget, self.turn, self.magnify)
         self._canvas.widget.setAccessibleName("Seabed in 3-D")
 
@@ -163,9 +165,12 @@ class SeabedView(QWidget):
 
     def _want_menu(self, place: QPoint) -> None:
         """Signal that a menu is wanted at a place of the view."""
+        self.menu_wanted.emit(*self._look_from(place), self._canvas.widget.mapToGlobal(place))
+
+    def _look_from(self, place: QPoint | QPointF) -> tuple[Points, Points, Points | None]:
+        """Line of sight through a place of the widget, and the place of a target that it meets."""
         widget, ratio = self._canvas.widget, self._canvas.widget.devicePixelRatioF()
-        sight = self._look(place.x() * ratio, (widget.height() - 1.0 - place.y()) * ratio)
-        self.menu_wanted.emit(*sight, widget.mapToGlobal(place))
+        return self._look(place.x() * ratio, (widget.height() - 1.0 - place.y()) * ratio)
 
     def _look(self, x: float, y: float) -> tuple[Points, Points, Points | None]:
         """Return the ends of the line of sight through a point of the view, and the place of a target that it meets."""
@@ -225,6 +230,20 @@ class SeabedView(QWidget):
         camera = self._canvas.plotter.camera
         focus = np.array(camera.focal_point)
         camera.position = tuple(focus + (np.array(camera.position) - focus) / factor)
+        self._clip()
+        self._later()
+
+    def zoom_about(self, place: tuple[float, float, float], factor: float) -> None:
+        """Magnify the view about a place, which stays under the mouse; the camera stops before it."""
+        if self._reach == 0.0:  # the camera has yet to be placed
+            return
+        camera = self._canvas.plotter.camera
+        position, focus, fixed = (np.array(each) for each in (camera.position, camera.focal_point, place))
+        to_focus, to_place = (float(np.linalg.norm(position - each)) for each in (focus, fixed))
+        closest = max(min(to_focus, to_place) / (NEAREST * self._reach), 1.0)
+        farthest = min(to_focus / (FARTHEST * self._reach), 1.0)
+        kept = 1.0 / min(max(factor, farthest), closest)
+        camera.position, camera.focal_point = (tuple(fixed + kept * (each - fixed)) for each in (position, focus))
         self._clip()
         self._later()
 

@@ -20,7 +20,7 @@ import numba
 from numba.core.caching import CompileResultCacheImpl, FunctionCache, IndexDataCacheFile
 from numba.core.codegen import JITCodeLibrary
 from numba.core.compiler import compile_result
-from numba.core.runtime import rtsys  # type: ignore[attr-defined]
+from numba.core.runtime import _nrt_python  # type: ignore[attr-defined]
 
 from insonify.compiler import digests
 
@@ -214,9 +214,11 @@ class KernelCache(FunctionCache):
 
     def load_overload(self, sig: Any, target_context: Any) -> Any:
         """Return the code kept for a signature, or None."""
-        # Numba would first load all that it can compile, a tenth of a second; finished code needs its runtime alone.
+        # Numba would first load all that it can compile, half a second, and compile its runtime; finished code needs
+        # only the addresses of what the runtime has in C.
         try:
-            rtsys.initialize(target_context)
+            for name, address in _nrt_python.c_helpers.items():
+                llvm.add_symbol(name if name.startswith("_") else f"NRT_{name}", address)
             return self._load_overload(sig, target_context)
         except Exception:  # unpickling a damaged file may raise anything
             with contextlib.suppress(OSError):

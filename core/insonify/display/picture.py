@@ -162,4 +162,4 @@ def colour_amplitudes(
     """Colour amplitudes."""
     look = look or DisplayOptions()
     ends = choose_contrast(amplitude) if levels is None else levels
-    return shown_palette(look)[map_tones(amplitude, ends, look.gain, decibels=look.decibels)]
+    return np.take(shown_palette(look), map_tones(amplitude, ends, look.gain, decibels=look.decibels), axis=0)

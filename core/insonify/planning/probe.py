@@ -7,7 +7,7 @@ import time
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 from insonify.acoustics.flat_bed import ERROR_ALTITUDES, compute_flat_bed_curves, find_first_bin
 from insonify.kernels.common.types import Poses, SceneArrays
@@ -26,7 +26,7 @@ OF_A_THREAD = 4  # pings worth handing to a thread
 RAYS_OF_A_THREAD = 4000  # rays per side of a single ping that is worth handing to a thread
 SEARCHED, FOUND = 48, 2  # pings over the track that are searched, and the most of them that are added
 LOUD = 3.0  # times the mean energy of those searched
-_LOADED: set[tuple[str, bool, bool]] = set()  # kernels that a probe of this process has called: method, bent, paths
+_LOADED: set[tuple[str, bool, bool]] = set()  # kernels of waves that this process has called: method, bent, paths
 
 
 class Traced(NamedTuple):
@@ -34,7 +34,6 @@ class Traced(NamedTuple):
 
     record: Record  # (pings, 2, bins from the first return), over the flat-bed curve
     pings: int  # the first of them, in an order in which few are spread like all
-    seconds: float  # of a ping, both sides, one thread
 
 
 def trace_model(packed: PackedScene, model: Model, poses: Poses) -> Record:
@@ -67,6 +66,7 @@ class Probe:
         self._beyond = find_first_bin(ERROR_ALTITUDES, packed.arrays, self._poses) - self._near
         self._scale = scale_to_flat_bed(packed.arrays, self._poses, self._near)
         self._traced: dict[Model, Traced] = {}
+        self._timed: dict[tuple[str, bool], float] = {}  # seconds per work
         self._differences: dict[tuple[Model, Model, float, bool, int | None], float] = {}
 
     def leave_out_collisions(self, model: Model) -> None:
@@ -142,29 +142,33 @@ class Probe:
         return float((before * last).sum(dtype=np.float64)) / square if square > 0.0 else 0.0
 
     def seconds(self, model: Model) -> float:
-        """Seconds of a ping by a model, in proportion to its work from the most similar model traced."""
-        if all(other.method != model.method for other in self._traced):
-            self._trace(model._replace(planes=1), FEW)
-        work = self.work(model)
+        """Seconds of a ping by a model, one thread: by its work, from the first of its kind that was timed."""
+        kind = model.method, model.bent
+        if kind not in self._timed:
+            alike = [other for other in self._traced if (other.method, other.bent) == kind and self.affords(other)]
+            timed = model if self.affords(model) or not alike else max(alike, key=self.work)
+            self._timed[kind] = self._seconds_over_track(timed) / self.work(timed)
+        return self._timed[kind] * self.work(model)
 
-        def unlike(other: Model) -> tuple[int, float, float]:
-            kernels = (model.method != other.method) + (model.bent != other.bent)
-            # Refracted pings that the sweep leaves to rays take as long as their rays, which its work does not count.
-            rays = abs(math.log((1 + other.rays) / (1 + model.rays))) if model.bent else 0.0
-            return kernels, rays, abs(math.log(self.work(other) / work))
-
-        nearest = min(self._traced, key=unlike)
-        return self._traced[nearest].seconds * work / self.work(nearest)
+    def _seconds_over_track(self, model: Model) -> float:
+        """Seconds of a ping over the track, of which few meet targets."""
+        pings = np.flatnonzero(~self._is_across)[: max(int(LITTLE / self.work(model)), 2)]
+        # A call for one ping takes as long besides the ping itself as one for many.
+        one, many = (self._time(self._packed, model, pings[:count]) for count in (1, pings.size))
+        return (many - one) / (pings.size - 1) if pings.size > 1 and many > one else many / pings.size
 
     def seconds_of_first(self, packed: PackedScene, model: Model) -> float:
         """Seconds of the first ping by a model of another scene with the same track."""
-        first = take_poses(self._poses, slice(0, 1))
-        kernels = (f"{model.method} of waves", model.bent, bool(model.ways))
+        kernels = (model.method, model.bent, bool(model.ways))
         if kernels not in _LOADED:  # the first call takes longer, for it loads them
-            trace_model(packed, model, first)
+            self._time(packed, model, [0])
             _LOADED.add(kernels)
-        began = time.thread_time()
-        trace_model(packed, model, first)
+        return self._time(packed, model, [0])
+
+    def _time(self, packed: PackedScene, model: Model, pings: ArrayLike) -> float:
+        """Processor time that some of the pings take, in seconds."""
+        poses, began = take_poses(self._poses, np.asarray(pings)), time.thread_time()
+        trace_model(packed, model, poses)
         return time.thread_time() - began
 
     def _trace(self, model: Model, count: int) -> Traced:
@@ -174,18 +178,11 @@ class Probe:
         return self._traced[model]
 
     def _made(self, model: Model, count: int) -> Traced:
-        def block(first: int, last: int) -> tuple[Record, float]:
-            began = time.thread_time()
-            record = trace_model(self._packed, model, take_poses(self._poses, slice(first, last)))
-            return record, (time.thread_time() - began) / (last - first)
+        def block(first: int, last: int) -> Record:
+            return trace_model(self._packed, model, take_poses(self._poses, slice(first, last)))
 
-        kernels = (model.method, model.bent, bool(model.ways))
-        if kernels not in _LOADED:  # the first call takes longer, for it loads them
-            block(0, 1)
-            _LOADED.add(kernels)
         parts = in_parallel(block, count, least=1 if model.rays >= RAYS_OF_A_THREAD else OF_A_THREAD)
-        record = np.concatenate([part for part, _ in parts])[:, :, self._near :] * self._scale[:count]
-        return Traced(record, count, float(np.median([seconds for _, seconds in parts])))
+        return Traced(np.concatenate(parts)[:, :, self._near :] * self._scale[:count], count)
 
 
 def _without_surface_echo(*models: Model) -> tuple[Model, ...]:

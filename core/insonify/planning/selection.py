@@ -82,6 +82,7 @@ def choose_model(packed: PackedScene, tolerance: float, method: str, forced: Map
 def choose_for_case(case: Case, tolerance: float) -> Plan:
     """Choose the model of a case for a tolerance; what was measured for another tolerance is not measured again."""
     model = _cheapest(case, tolerance / SAFETY)
+    cost = case.seconds(model)  # first, so that costs of other models are estimated from this one
     entries = tuple(
         entry
         for choice in CHOICES
@@ -92,12 +93,12 @@ def choose_for_case(case: Case, tolerance: float) -> Plan:
     if together > MORE_TOGETHER * error:
         entries = (*entries, _more_together(case, model, error, together))
         error = together
-    near, cost = Planes().near_error(case, model), case.seconds(model)
+    near = Planes().near_error(case, model)
     return Plan(model, _divide_cost(entries, cost), error, near, case.work(model), cost)
 
 
 def _divide_cost(entries: tuple[PlanEntry, ...], cost: float) -> tuple[PlanEntry, ...]:
-    """Scale the costs of what is modelled, each measured by itself, so that they add up to that of a ping."""
+    """Scale the costs of what is modelled, which multiply one another, so that they add up to that of a ping."""
     apart = sum(entry.cost for entry in entries if entry.modelled)
     share = cost / apart if apart > 0.0 else 1.0
     return tuple(replace(entry, cost=share * entry.cost) if entry.modelled else entry for entry in entries)

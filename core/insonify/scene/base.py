@@ -5,7 +5,7 @@ A declaration is a frozen, validated part of a scene. A field may hold one decla
 ``insonify.<family>``, and those that are declared later.
 """
 
-from __future__ import annotations
+# Annotations are no texts here: pydantic would compile those of `Declaration` anew for each class that derives from it.
 
 from collections.abc import Iterator
 from contextlib import contextmanager
@@ -22,7 +22,7 @@ from insonify.plugins import announced, modules_in
 Model = TypeVar("Model", bound="Declaration")
 # m along x or y; beyond 1e8 m, float64 cannot resolve the relief.
 Coordinate = Annotated[float, Field(ge=-1e8, le=1e8)]
-_DECLARED: list[type[Declaration]] = []
+_DECLARED: list[type["Declaration"]] = []
 
 
 def _without_nul(path: str) -> str:
@@ -45,7 +45,7 @@ class Family:
         self._discovered = False
         self._used: set[type[Declaration]] = set()
 
-    def add(self, model: type[Declaration]) -> None:
+    def add(self, model: type["Declaration"]) -> None:
         """Add a kind. A declaration of this family is added when its class is created."""
         kind = kind_name(model)
         if kind is None:
@@ -70,7 +70,7 @@ class Family:
         found = sorted(self._models.items(), key=lambda item: getattr(item[1], "rank", 0))
         return {kind: model for kind, model in found if issubclass(model, base)}
 
-    def use(self, base: type[Declaration]) -> None:
+    def use(self, base: type["Declaration"]) -> None:
         """Record that a field accepts the kinds that derive from a class: a later one of these rebuilds the field."""
         self._used.add(base)
 
