@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from insonify.kernels.common.types import BED, SPHERE, Bed, Poses, SceneArrays, Solids
-from insonify.kernels.rays.cast import add_ray_echoes, aim_straight, arrive_straight, unaimed
+from insonify.kernels.rays.cast import add_echoes, aim_straight, arrive_straight, echo_rays, unaimed
 from insonify.kernels.rays.cell_walk import NOTHING, Hits, RayBundle, empty_bundle, empty_hits
 from insonify.kernels.rays.launch import orient_beam, rotate_to_world
 from insonify.scene import SceneError
@@ -89,9 +89,8 @@ class TriangulatedScene:
                 _, aim = aim_straight(arrays, beam, 0.0, near, aim)
                 rotate_to_world(aim.launch, beam, bundle)
                 sums[:] = 0.0
-                add_ray_echoes(
-                    arrays, arrive_straight(bundle, self.cast(bundle), arrays.water.reference), aim.launch.weight, sums
-                )
+                landed = arrive_straight(bundle, self.cast(bundle), arrays.water.reference)
+                add_echoes(arrays, echo_rays(arrays, landed, aim.launch.weight), sums)
                 out[ping, side] = sums * arrays.range_factor
         return out
 

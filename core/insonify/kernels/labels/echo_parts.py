@@ -311,7 +311,7 @@ def list_refracted_parts(arrays, bare, poses, ping, side, rays, window, rows):
     ahead = math.cos(poses.heading[ping]), math.sin(poses.heading[ping])
     waveguide, aim = aim_refracted(arrays, beam, poses.pitch[ping], unaimed(rays))
     cast = cast_refracted(arrays, beam, waveguide, aim, 0.0)
-    for m in range(cast.ray.size):
+    for m in range(cast.echoes.ray.size):
         n = _list_echo(arrays, cast, ahead, m, VISIBLE, NO_TARGET, window, rows, n)
     if arrays.solids.shape.size + arrays.mesh.target.size > 0:
         # The bed's echoes of the rays that meet a target first.
@@ -326,13 +326,14 @@ def list_refracted_parts(arrays, bare, poses, ping, side, rays, window, rows):
 @inlined
 def _list_echo(arrays, cast, ahead, m, state, hider, window, rows, n):
     """List echo m of a cast if it lies in the window; return the number of parts."""
-    k, b, value, cosine = cast.ray[m], cast.echoes.bin[m], cast.echoes.value[m], cast.echoes.cosine[m]
+    echoes = cast.echoes
+    k, b, value, cosine = echoes.ray[m], echoes.bin[m], echoes.value[m], echoes.cosine[m]
     inside = b - window.first
     if b < 0 or not 0 <= inside < window.weights.shape[1] or not value > 0.0:
         return n
     if n >= rows.shape[0]:
         return n + 1
-    nearness = range_weight(arrays.range_decay, b, cast.distance[m] / arrays.bin_length, 0.0)
+    nearness = range_weight(arrays.range_decay, b, echoes.distance[m] / arrays.bin_length, 0.0)
     row, bundle, hits, arrivals = rows[n], cast.rays.bundle, cast.rays.hits, cast.rays.arrivals
     row[:] = math.nan
     body, material = hits.body[k], hits.material[k]

@@ -55,8 +55,8 @@ def label_refracted_pings(arrays, bare, poses, rays, contributions, shadows, lab
 def _note_echoes(arrays, cast, contributions, intensity, caustic):
     """Note the echoes of one side by their contributors, and mark the bins of rays at a caustic."""
     hits, arrivals, echoes = cast.rays.hits, cast.rays.arrivals, cast.echoes
-    for n in range(cast.ray.size):
-        k, b, value, cosine = cast.ray[n], echoes.bin[n], echoes.value[n], echoes.cosine[n]
+    for n in range(echoes.ray.size):
+        k, b, value, cosine = echoes.ray[n], echoes.bin[n], echoes.value[n], echoes.cosine[n]
         if b < 0 or value <= 0.0:
             continue
         body, who = hits.body[k], hits.material[k]
@@ -76,8 +76,8 @@ def _note_hidden_bed(arrays, reach, first_body, hidden, shadows):
     count, back, echoes = hidden.rays.hits.body.size, hidden.mixed.back, hidden.echoes
     met, arrivals = empty_hits(back.x.size), empty_arrivals(back.x.size)
     find_refracted_hits(arrays, back, reach, 0.0, met, arrivals)
-    for n in range(hidden.ray.size):
-        b, value, body = echoes.bin[n], echoes.value[n], first_body[hidden.ray[n]]
+    for n in range(echoes.ray.size):
+        b, value, body = echoes.bin[n], echoes.value[n], first_body[echoes.ray[n]]
         if body < 0 and count <= n < count + met.body.size:
             body = met.body[n - count]
         if body >= 0 and b >= 0 and value > 0.0:

@@ -59,20 +59,13 @@ class RayAim(NamedTuple):
 
 
 class RayEchoes(NamedTuple):
-    """Echoes of rays at their hits, before the factor that depends on range alone, (n,) each."""
+    """Echoes of rays, (n,) each."""
 
+    ray: NDArray[np.int64]  # number of the ray out; beside a caustic, of that on its bright side
     bin: NDArray[np.int64]  # -1 without an echo
-    value: NDArray[np.float64]
-    cosine: NDArray[np.float64]  # of incidence
-
-
-class DarkEchoes(NamedTuple):
-    """Echoes from the dark sides of caustics, (n,) each."""
-
-    ray: NDArray[np.int64]  # number of the ray on the bright side
-    bin: NDArray[np.int64]
     value: NDArray[np.float64]  # before the factor that depends on range alone
     distance: NDArray[np.float64]  # slant range, m
+    cosine: NDArray[np.float64]  # of incidence of the ray out
 
 
 class SideCast(NamedTuple):
@@ -83,9 +76,7 @@ class SideCast(NamedTuple):
 
     rays: LandedRays
     mixed: MixedEchoes
-    ray: NDArray[np.int64]  # (echoes,) number of the ray out of each echo
-    distance: NDArray[np.float64]  # (echoes,) slant range, m
-    echoes: RayEchoes  # (echoes,)
+    echoes: RayEchoes
 
 
 @kernel
@@ -163,12 +154,13 @@ def cast_refracted(arrays, beam, waveguide, aim, step):
     own = echo_rays(arrays, rays, weight)
     dark = echo_dark_sides(arrays, rays, own)
     echoes = RayEchoes(
+        np.concatenate((own.ray, mixed.ray, dark.ray)),
         np.concatenate((own.bin, mixed.bin, dark.bin)),
         np.concatenate((own.value, mixed.value, dark.value)),
-        np.concatenate((own.cosine, own.cosine[mixed.ray], own.cosine[dark.ray])),
+        np.concatenate((own.distance, mixed.distance, dark.distance)),
+        np.concatenate((own.cosine, own.cosine[mixed.ray], dark.cosine)),
     )
-    distance = np.concatenate((rays.hits.distance, mixed.distance, dark.distance))
-    return SideCast(rays, mixed, np.concatenate((np.arange(n), mixed.ray, dark.ray)), distance, echoes)
+    return SideCast(rays, mixed, echoes)
 
 
 @kernel
@@ -176,12 +168,12 @@ def echo_dark_sides(arrays, rays, own):
     """Echoes from the dark sides of caustics, of a surface like that where refracted rays land on the bright side."""
     hits, arrivals = rays.hits, rays.arrivals
     ray = np.flatnonzero((own.bin >= 0) & (arrivals.dark > 0.0)) if arrays.law != LIGHT else np.empty(0, np.int64)
-    dark = DarkEchoes(ray, np.empty(ray.size, np.int64), np.zeros(ray.size), np.empty(ray.size))
+    dark = RayEchoes(ray, np.full(ray.size, -1), np.zeros(ray.size), np.empty(ray.size), own.cosine[ray])
     for m in range(ray.size):
         k = ray[m]
         moved = arrivals.shift[k] * _tilt(hits, arrivals, k) / own.cosine[k]
         distance = hits.distance[k] + arrays.water.reference / arrivals.speed[k] * moved
-        dark.distance[m], dark.bin[m] = distance, -1
+        dark.distance[m] = distance
         if 0.0 < distance < arrays.bins * arrays.bin_length:
             # Both rays' sound is there, and each brings half of its square.
             ratio = arrivals.dark[k] * (distance / hits.distance[k]) ** 2
@@ -234,36 +226,20 @@ def weigh_by_pattern(arrays, beam, rays, weight):
 
 
 @kernel
-def add_ray_echoes(arrays, rays, weight, sums):
-    """Add the echoes of rays at their hits to range bins, before the factor that depends on range alone.
-
-    Parameters
-    ----------
-    arrays : SceneArrays
-    rays : LandedRays of ndarrays, shape (n,)
-    weight : ndarray, shape (n,)
-        Angle of each ray, rad or sr.
-    sums : ndarray, shape (bins,)
-        Added to.
-    """
-    add_echoes(arrays, echo_rays(arrays, rays, weight), rays.hits.distance, sums)
-
-
-@kernel
-def add_echoes(arrays, echoes, distance, sums):
-    """Add echoes at some slant ranges to range bins, before the range factor at the centres of these."""
+def add_echoes(arrays, echoes, sums):
+    """Add echoes to range bins, before the range factor at the centres of these."""
     decay, per_bin = arrays.range_decay, 1.0 / arrays.bin_length
     for n in range(echoes.bin.size):
         if echoes.bin[n] >= 0:
             b = echoes.bin[n]
-            sums[b] += echoes.value[n] * range_weight(decay, b, distance[n] * per_bin, 0.0)
+            sums[b] += echoes.value[n] * range_weight(decay, b, echoes.distance[n] * per_bin, 0.0)
 
 
 @kernel
 def echo_rays(arrays, rays, weight):
-    """Echoes of rays at their hits."""
+    """Echoes of rays at their hits, each of which stands for an angle as its weight, rad or sr."""
     n = weight.size
-    echoes = RayEchoes(np.empty(n, np.int64), np.empty(n), np.empty(n))
+    echoes = RayEchoes(np.arange(n), np.empty(n, np.int64), np.empty(n), rays.hits.distance, np.empty(n))
     _fill_echoes(arrays, rays.hits, rays.arrivals, weight, echoes)
     return echoes
 

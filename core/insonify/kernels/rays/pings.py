@@ -5,11 +5,11 @@ import numpy as np
 from insonify.compiler.jit import inlined, kernel
 from insonify.kernels.rays.cast import (
     add_echoes,
-    add_ray_echoes,
     aim_refracted,
     aim_straight,
     cast_refracted,
     cast_straight,
+    echo_rays,
     unaimed,
     weigh_by_pattern,
 )
@@ -47,7 +47,7 @@ def trace_straight_pings(arrays, poses, rays, step, out):
                 weight = some.weight
                 if arrays.pattern.tabulated:
                     weight = weigh_by_pattern(arrays, beam, landed, weight)
-                add_ray_echoes(arrays, landed, weight, sums)
+                add_echoes(arrays, echo_rays(arrays, landed, weight), sums)
                 if arrays.bounces > 0:
                     add_specular_echoes(arrays, beam, landed.bundle, landed.hits, some.weight, sums)
             _apply_range_factor(arrays, sums, out[ping, side])
@@ -63,7 +63,7 @@ def trace_refracted_pings(arrays, poses, rays, step, out):
             waveguide, aims[side] = aim_refracted(arrays, beam, poses.pitch[ping], aims[side])
             cast = cast_refracted(arrays, beam, waveguide, aims[side], step)
             sums[:] = 0.0
-            add_echoes(arrays, cast.echoes, cast.distance, sums)
+            add_echoes(arrays, cast.echoes, sums)
             _apply_range_factor(arrays, sums, out[ping, side])
 
 

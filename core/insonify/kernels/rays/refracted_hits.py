@@ -12,7 +12,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from insonify.compiler.jit import inlined, kernel
+from insonify.compiler.jit import inlined, inlined_uncounted, kernel
 from insonify.kernels.common.types import BED
 from insonify.kernels.geometry.solids import intersect_solid
 from insonify.kernels.geometry.triangles import NO_TRIANGLE, facing_normal, intersect_mesh
@@ -20,12 +20,12 @@ from insonify.kernels.rays.caustics import LEAST, MOST_ARCS, field_at_caustic
 from insonify.kernels.rays.cell_walk import NOTHING, Hits, Ray, RayBundle, meet_bed
 from insonify.kernels.rays.launch import ball_about, box_about
 from insonify.kernels.rays.march import march_chord
+from insonify.kernels.rays.path_tracing import Intersection
 from insonify.kernels.refraction.arcs import ENDLESS, HIGH, LOW, RANGE, RayState
 from insonify.kernels.refraction.section_arcs import SectionPlane, advance_ray, launch_ray
 
 SAGITTA = 1e-4  # m by which a chord may leave its arc
 CLEAR = 1e-3  # m above the highest thing and off any node of the water, below which rays are tested for hits
-TOGETHER = 64  # rays of a batch
 STATE = 8  # numbers of the state of a ray at the start of an arc
 OVERLAP = 1e-9  # m by which chords are extended, so that rounding hides nothing where two of them meet
 # Columns of a chord: its start, unit direction and length; the number of its arc; and in the ray's vertical plane the
@@ -69,35 +69,15 @@ class VerticalPlane(NamedTuple):
 
 
 class ContactZone(NamedTuple):
-    """Heights and ground ranges between which a ray may meet anything."""
+    """Heights and ground ranges between which a ray may meet anything, and what that is beside the bed."""
 
     floor: float  # m, height below which there is nothing
     ceiling: float  # and above which
     bed: float  # m, height above which there is no bed
     near: float  # m, ground ranges between which there are bodies
     far: float
-
-
-class ChordBatch(NamedTuple):
-    """The chords of some rays, those of each one after the other, and what each ray may meet."""
-
-    chords: NDArray[np.float64]  # (m, COLUMNS)
-    start: NDArray[np.int64]  # (rays + 1,) first chord of each ray
-    near: NDArray[np.int64]  # (rays, bodies) bodies that its plane crosses
-    listed: NDArray[np.int64]  # (rays,) and their number
-    meshed: NDArray[np.bool_]  # (rays,) whether it may cross the mesh
-
-
-class ChordHits(NamedTuple):
-    """First hit of each ray of a batch, (rays,) each."""
-
-    chord: NDArray[np.int64]
-    distance: NDArray[np.float64]  # along that chord, m
-    body: NDArray[np.int64]  # as in Hits
-    material: NDArray[np.int64]
-    nx: NDArray[np.float64]
-    ny: NDArray[np.float64]
-    nz: NDArray[np.float64]
+    solids: int  # number of the solids that its plane crosses
+    meshed: bool  # whether it may cross the mesh
 
 
 @kernel
@@ -118,18 +98,14 @@ def find_refracted_hits(arrays, bundle, reach, march, hits, arrivals):
         Filled where there is a hit.
     """
     bed, solids, mesh, water = arrays.bed, arrays.solids, arrays.mesh, arrays.water
-    batch, met = _empty_batch(TOGETHER, solids.shape.size), _empty_chord_hits(TOGETHER)
-    limits, begins = np.empty((TOGETHER, 5)), np.empty((4 * TOGETHER, STATE))
-    for first in range(0, bundle.x.size, TOGETHER):
-        count = min(TOGETHER, bundle.x.size - first)
-        _find_contact_zones(bed, solids, mesh, water.height, bundle, first, count, batch, limits)
-        rows, begins = _lay_chords(water, bundle, first, count, reach, march, limits, batch, begins)
-        batch = ChordBatch(rows, batch.start, batch.near, batch.listed, batch.meshed)
-        if march > 0.0:
-            _march_chords(bed, solids, mesh, batch, count, met)
-        else:
-            _meet_chords(bed, solids, mesh, batch, count, met)
-        _arrive(water, LandedRays(bundle, hits, arrivals), first, count, reach, batch, begins, met)
+    rays, near = LandedRays(bundle, hits, arrivals), np.empty(solids.shape.size, np.int64)
+    chords, begins = np.empty((8, COLUMNS)), np.empty((4, STATE))  # of one ray, enlarged for one that has more
+    for n in range(bundle.x.size):
+        plane, level = _vertical_plane(bundle, n)
+        zone = _find_contact_zone(bed, solids, mesh, water.height, plane, near)
+        count, chords, begins = _lay_chords(water, bundle, n, plane, level, zone, reach, march, chords, begins)
+        chord, meeting = _meet_chords(bed, solids, mesh, near, zone, chords, count, march > 0.0)
+        _arrive(water, rays, n, plane, level, reach, chords[chord], begins, meeting)
 
 
 @kernel
@@ -160,33 +136,29 @@ def _vertical_plane(bundle, k):
     return VerticalPlane(bundle.x[k], bundle.y[k], 1.0, 0.0), 0.0
 
 
-@kernel
-def _find_contact_zones(bed, solids, mesh, height, bundle, first, count, batch, limits):
-    """List the solids that the plane of each ray crosses, and where it may meet anything."""
-    for k in range(count):
-        plane, _ = _vertical_plane(bundle, first + k)
-        low, high, nearest, farthest = bed.low, bed.high, math.inf, -math.inf
-        listed = 0
-        for body in range(solids.shape.size):
-            middle, radius, cx, cy, z = ball_about(solids, body)
-            cx, cy = cx - plane.x, cy - plane.y
-            near, far = _disc_crossing(plane, cx, cy, middle + radius)
-            if near < far:
-                batch.near[k, listed] = body
-                listed += 1
-                half = middle * abs(solids.axis[body, 2])
-                low, high = min(low, z - half - radius), max(high, z + half + radius)
-                nearest, farthest = min(nearest, near), max(farthest, far)
-        batch.listed[k], batch.meshed[k] = listed, False
-        if mesh.skip.size > 0:
-            wx, wy, _, cx, cy, _ = box_about(mesh, 0)
-            near, far = _disc_crossing(plane, cx - plane.x, cy - plane.y, math.sqrt(wx * wx + wy * wy))
-            if near < far:
-                batch.meshed[k] = True
-                low, high = min(low, mesh.low[0, 2]), max(high, mesh.high[0, 2])
-                nearest, farthest = min(nearest, near), max(farthest, far)
-        limits[k, 0], limits[k, 1], limits[k, 2] = low - CLEAR, clear_of_nodes(height, high), bed.high + CLEAR
-        limits[k, 3], limits[k, 4] = nearest, farthest
+@inlined_uncounted
+def _find_contact_zone(bed, solids, mesh, height, plane, near):
+    """List the solids that the plane of a ray crosses, and find where it may meet anything."""
+    low, high, nearest, farthest = bed.low, bed.high, math.inf, -math.inf
+    count, meshed = 0, False
+    for body in range(solids.shape.size):
+        middle, radius, cx, cy, z = ball_about(solids, body)
+        begin, end = _disc_crossing(plane, cx - plane.x, cy - plane.y, middle + radius)
+        if begin < end:
+            near[count] = body
+            count += 1
+            half = middle * abs(solids.axis[body, 2])
+            low, high = min(low, z - half - radius), max(high, z + half + radius)
+            nearest, farthest = min(nearest, begin), max(farthest, end)
+    if mesh.skip.size > 0:
+        wx, wy, _, cx, cy, _ = box_about(mesh, 0)
+        begin, end = _disc_crossing(plane, cx - plane.x, cy - plane.y, math.sqrt(wx * wx + wy * wy))
+        if begin < end:
+            meshed = True
+            low, high = min(low, mesh.low[0, 2]), max(high, mesh.high[0, 2])
+            nearest, farthest = min(nearest, begin), max(farthest, end)
+    ceiling = clear_of_nodes(height, high)
+    return ContactZone(low - CLEAR, ceiling, bed.high + CLEAR, nearest, farthest, count, meshed)
 
 
 @inlined
@@ -198,40 +170,33 @@ def _disc_crossing(plane, cx, cy, bound):
     return ahead - bound, ahead + bound
 
 
-@kernel
-def _lay_chords(water, bundle, first, count, reach, march, limits, batch, begins):
-    """Chords of rays where they may meet anything, and the state of each ray at the start of each arc."""
+@inlined
+def _lay_chords(water, bundle, n, plane, level, zone, reach, march, chords, begins):
+    """Chords of a ray where it may meet anything, and its state at the start of each arc; return also their number."""
     height, speed, station, surface = water.height, water.speed, water.station, water.surface
-    axis_x, axis_y, rows, start = water.axis_x, water.axis_y, batch.chords, batch.start
-    latest = reach / water.reference
+    section, latest = lay_in_section(water.axis_x, water.axis_y, plane), reach / water.reference
     x_end = latest * speed.max()
-    chord, arc = 0, 0
-    for k in range(count):
-        plane, level = _vertical_plane(bundle, first + k)
-        section = lay_in_section(axis_x, axis_y, plane)
-        limit = ContactZone(limits[k, 0], limits[k, 1], limits[k, 2], limits[k, 3], limits[k, 4])
-        ray = launch_ray(height, speed, station, section, bundle.z[first + k], level, bundle.dz[first + k])
-        start[k] = chord
-        for _ in range(MOST_ARCS):
-            above = ray.z > limit.ceiling or (ray.z == limit.ceiling and ray.sine > 0.0)
-            low, high = (limit.ceiling, surface) if above else (limit.floor, limit.ceiling)
-            status, after = advance_ray(height, speed, station, section, ray, x_end, low, high)
-            if status == ENDLESS:
-                break
-            if not above:
-                pieces, turn, whole = _count_chords(ray, after, march)
-                if chord + pieces > rows.shape[0]:
-                    rows = _enlarge(rows, chord + pieces)
-                if arc == begins.shape[0]:
-                    begins = _enlarge(begins, arc + 1)
-                _keep_arc_start(begins, arc, ray)
-                chord = _write_chords(rows, chord, arc, pieces, turn, whole, plane, limit, ray)
-                arc += 1
-            if status == RANGE or status == (HIGH if above else LOW) or after.time > latest:
-                break
-            ray = after
-    start[count] = chord
-    return rows, begins
+    count, arc = 0, 0
+    ray = launch_ray(height, speed, station, section, bundle.z[n], level, bundle.dz[n])
+    for _ in range(MOST_ARCS):
+        above = ray.z > zone.ceiling or (ray.z == zone.ceiling and ray.sine > 0.0)
+        low, high = (zone.ceiling, surface) if above else (zone.floor, zone.ceiling)
+        status, after = advance_ray(height, speed, station, section, ray, x_end, low, high)
+        if status == ENDLESS:
+            break
+        if not above:
+            pieces, turn, whole = _count_chords(ray, after, march)
+            if count + pieces > chords.shape[0]:
+                chords = _enlarge(chords, count + pieces)
+            if arc == begins.shape[0]:
+                begins = _enlarge(begins, arc + 1)
+            _keep_arc_start(begins, arc, ray)
+            count = _write_chords(chords, count, arc, pieces, turn, whole, plane, zone, ray)
+            arc += 1
+        if status == RANGE or status == (HIGH if above else LOW) or after.time > latest:
+            break
+        ray = after
+    return count, chords, begins
 
 
 @inlined
@@ -290,149 +255,65 @@ def _keep_arc_start(begins, arc, ray):
     begins[arc, 4], begins[arc, 5], begins[arc, 6], begins[arc, 7] = ray.speed, ray.time, ray.p, ray.q
 
 
-@kernel
-def _arrive(water, rays, first, count, reach, batch, begins, met):
-    """Arrivals of rays at their hits, along the arcs of the chords that were hit."""
-    bundle, hits, arrivals = rays.bundle, rays.hits, rays.arrivals
-    height, speed, station, reference = water.height, water.speed, water.station, water.reference
-    axis_x, axis_y, rows = water.axis_x, water.axis_y, batch.chords
-    for k in range(count):
-        n = first + k
-        hits.distance[n], hits.body[n], hits.material[n] = math.inf, NOTHING, 0
-        hits.nx[n], hits.ny[n], hits.nz[n] = 0.0, 0.0, 0.0
-        if met.body[k] == NOTHING:
-            continue
-        plane, level = _vertical_plane(bundle, n)
-        row, distance = met.chord[k], met.distance[k]
-        low, high, x_end, z = -math.inf, math.inf, math.inf, rows[row, Z] + distance * rows[row, DZ]
-        b = begins[int(rows[row, ARC])]
-        ray = RayState(b[0], b[1], b[2], b[3], b[4], b[5], b[6], b[7], False)
-        # To the ground range of the hit, or to its height where the ray is steep.
-        if abs(rows[row, DZ]) <= abs(rows[row, ALONG]):
-            x_end = rows[row, GROUND] + distance * rows[row, ALONG]
-        elif z < ray.z:
-            low = z
+@inlined_uncounted
+def _meet_chords(bed, solids, mesh, near, zone, chords, count, marches):
+    """First surface that a ray meets, and on which chord: exactly, or by one sample at the end of each in a march."""
+    best, body, material, mx, my, mz = math.inf, NOTHING, 0, 0.0, 0.0, 0.0
+    for c in range(count):
+        way = Ray(chords[c, X], chords[c, Y], chords[c, Z], chords[c, DX], chords[c, DY], chords[c, DZ])
+        best, inside = chords[c, LENGTH] + OVERLAP, False
+        if marches:
+            distance, body, material, mx, my, mz = march_chord(bed, solids, near, zone.solids, way, chords[c, LENGTH])
+            best = min(best, distance)
         else:
-            high = z
-        section = lay_in_section(axis_x, axis_y, plane)
-        _, ray = advance_ray(height, speed, station, section, ray, x_end, low, high)
-        if ray.time * reference > reach:
-            continue
-        hits.distance[n], hits.body[n], hits.material[n] = ray.time * reference, met.body[k], met.material[k]
-        hits.nx[n], hits.ny[n], hits.nz[n] = met.nx[k], met.ny[k], met.nz[k]
-        arrivals.dx[n], arrivals.dy[n] = ray.cosine * plane.ahead_x, ray.cosine * plane.ahead_y
-        arrivals.dz[n], arrivals.speed[n], arrivals.x[n], arrivals.z[n] = ray.sine, ray.speed, ray.x, ray.z
-        spread = ray.x / level if level > 0.0 else abs(ray.q)
-        arrivals.tube[n], arrivals.spread[n] = max(abs(ray.q), LEAST * spread), spread
-        field = field_at_caustic(water, section, bundle.z[n], level, bundle.dz[n], ray, spread)
-        arrivals.focus[n], arrivals.dark[n], arrivals.shift[n] = field.focus, field.dark, field.shift
-
-
-@kernel
-def _empty_batch(rays, bodies):
-    """Room for the chords of some rays."""
-    return ChordBatch(
-        np.empty((8 * rays, COLUMNS)), np.zeros(rays + 1, np.int64), np.empty((rays, bodies), np.int64),
-        np.zeros(rays, np.int64), np.zeros(rays, np.bool_),
-    )  # fmt: skip
-
-
-@kernel
-def _empty_chord_hits(rays):
-    """Room for the hits of some rays."""
-    return ChordHits(
-        np.empty(rays, np.int64), np.empty(rays), np.empty(rays, np.int64), np.empty(rays, np.int64),
-        np.empty(rays), np.empty(rays), np.empty(rays),
-    )  # fmt: skip
-
-
-@kernel
-def _meet_chords(bed, solids, mesh, batch, rays, met):
-    """First hits of the rays of a batch, exact along their chords."""
-    _meet_bodies(solids, batch, rays, met)
-    if mesh.skip.size > 0:
-        _meet_mesh(solids, mesh, batch, rays, met)
-    _meet_bed(bed, batch, rays, met)
-
-
-@kernel
-def _march_chords(bed, solids, mesh, batch, rays, met):
-    """First hits of the rays of a batch, by one sample at the end of each chord; triangles are met where they are."""
-    chords = batch.chords
-    for k in range(rays):
-        met.chord[k], met.distance[k], met.body[k], met.material[k] = batch.start[k + 1], math.inf, NOTHING, 0
-        for c in range(batch.start[k], batch.start[k + 1]):
-            way = Ray(chords[c, X], chords[c, Y], chords[c, Z], chords[c, DX], chords[c, DY], chords[c, DZ])
-            distance, body, material, nx, ny, nz = march_chord(
-                bed, solids, batch.near[k], batch.listed[k], way, chords[c, LENGTH]
-            )
-            if body != NOTHING:
-                met.chord[k], met.distance[k], met.body[k], met.material[k] = c, distance, body, material
-                met.nx[k], met.ny[k], met.nz[k] = nx, ny, nz
-                break
-    if mesh.skip.size > 0:
-        _meet_mesh(solids, mesh, batch, rays, met)
-
-
-@inlined
-def _limit(chords, met, k, c):
-    """Distance along chord c up to which a hit of ray k is nearer than the known one, m."""
-    limit = chords[c, LENGTH] + OVERLAP
-    return min(limit, met.distance[k]) if c == met.chord[k] else limit
-
-
-@kernel
-def _meet_bodies(solids, batch, rays, met):
-    """Initialise the hits of a batch with the first solid on each ray."""
-    chords = batch.chords
-    for k in range(rays):
-        met.chord[k], met.distance[k], met.body[k], met.material[k] = batch.start[k + 1], math.inf, NOTHING, 0
-        for m in range(batch.listed[k]):
-            body = batch.near[k, m]
-            for c in range(batch.start[k], min(met.chord[k] + 1, batch.start[k + 1])):
-                distance, nx, ny, nz = intersect_solid(
-                    solids, body, chords[c, X], chords[c, Y], chords[c, Z], chords[c, DX], chords[c, DY], chords[c, DZ]
-                )
-                limit = _limit(chords, met, k, c)
-                if distance < limit:
-                    met.chord[k], met.distance[k], met.body[k] = c, distance, body
-                    met.material[k] = solids.material[body]
-                    met.nx[k], met.ny[k], met.nz[k] = nx, ny, nz
-                    break
-
-
-@kernel
-def _meet_mesh(solids, mesh, batch, rays, met):
-    """Replace the hit of each ray by its first triangle where that is nearer."""
-    chords = batch.chords
-    for k in range(rays):
-        if not batch.meshed[k]:
-            continue
-        for c in range(batch.start[k], min(met.chord[k] + 1, batch.start[k + 1])):
-            dx, dy, dz = chords[c, DX], chords[c, DY], chords[c, DZ]
-            limit = _limit(chords, met, k, c)
-            distance, triangle = intersect_mesh(mesh, chords[c, X], chords[c, Y], chords[c, Z], dx, dy, dz, limit)
+            for m in range(zone.solids):
+                k = near[m]
+                distance, nx, ny, nz = intersect_solid(solids, k, way.x, way.y, way.z, way.dx, way.dy, way.dz)
+                if distance < best:
+                    best, body, material, mx, my, mz = distance, k, solids.material[k], nx, ny, nz
+        if zone.meshed:
+            best, triangle = intersect_mesh(mesh, way.x, way.y, way.z, way.dx, way.dy, way.dz, best)
             if triangle != NO_TRIANGLE:
-                met.chord[k], met.distance[k], met.body[k] = c, distance, solids.shape.size + triangle
-                met.material[k] = mesh.material[triangle]
-                met.nx[k], met.ny[k], met.nz[k] = facing_normal(mesh, triangle, dx, dy, dz)
-                break
+                body, material = solids.shape.size + triangle, mesh.material[triangle]
+                mx, my, mz = facing_normal(mesh, triangle, way.dx, way.dy, way.dz)
+        if not marches:
+            distance, row, nx, ny, nz = meet_bed(bed, way, best)
+            if distance < best:
+                best, body, material, mx, my, mz = distance, BED, row, nx, ny, nz
+            inside = distance != distance  # a ray inside the bed ends there
+        if body != NOTHING or inside:
+            return c, Intersection(best, body, material, mx, my, mz)
+    return 0, Intersection(best, NOTHING, 0, 0.0, 0.0, 0.0)
 
 
-@kernel
-def _meet_bed(bed, batch, rays, met):
-    """Replace the hit of each ray by the bed where that is nearer; a ray inside the bed ends there."""
-    chords = batch.chords
-    for k in range(rays):
-        for c in range(batch.start[k], min(met.chord[k] + 1, batch.start[k + 1])):
-            way = Ray(chords[c, X], chords[c, Y], chords[c, Z], chords[c, DX], chords[c, DY], chords[c, DZ])
-            limit = _limit(chords, met, k, c)
-            distance, material, nx, ny, nz = meet_bed(bed, way, limit)
-            if distance < limit:
-                met.chord[k], met.distance[k], met.body[k], met.material[k] = c, distance, BED, material
-                met.nx[k], met.ny[k], met.nz[k] = nx, ny, nz
-                break
-            if distance != distance:
-                if c < met.chord[k]:
-                    met.body[k] = NOTHING
-                break
+@inlined_uncounted
+def _arrive(water, rays, n, plane, level, reach, chord, begins, meeting):
+    """Arrival of a ray at its hit, along the arc of the chord that was hit."""
+    bundle, hits, arrivals = rays.bundle, rays.hits, rays.arrivals
+    hits.distance[n], hits.body[n], hits.material[n] = math.inf, NOTHING, 0
+    hits.nx[n], hits.ny[n], hits.nz[n] = 0.0, 0.0, 0.0
+    if meeting.body == NOTHING:
+        return
+    distance = meeting.distance
+    low, high, x_end, z = -math.inf, math.inf, math.inf, chord[Z] + distance * chord[DZ]
+    b = begins[int(chord[ARC])]
+    ray = RayState(b[0], b[1], b[2], b[3], b[4], b[5], b[6], b[7], False)
+    # To the ground range of the hit, or to its height where the ray is steep.
+    if abs(chord[DZ]) <= abs(chord[ALONG]):
+        x_end = chord[GROUND] + distance * chord[ALONG]
+    elif z < ray.z:
+        low = z
+    else:
+        high = z
+    section = lay_in_section(water.axis_x, water.axis_y, plane)
+    _, ray = advance_ray(water.height, water.speed, water.station, section, ray, x_end, low, high)
+    if ray.time * water.reference > reach:
+        return
+    hits.distance[n], hits.body[n], hits.material[n] = ray.time * water.reference, meeting.body, meeting.material
+    hits.nx[n], hits.ny[n], hits.nz[n] = meeting.nx, meeting.ny, meeting.nz
+    arrivals.dx[n], arrivals.dy[n] = ray.cosine * plane.ahead_x, ray.cosine * plane.ahead_y
+    arrivals.dz[n], arrivals.speed[n], arrivals.x[n], arrivals.z[n] = ray.sine, ray.speed, ray.x, ray.z
+    spread = ray.x / level if level > 0.0 else abs(ray.q)
+    arrivals.tube[n], arrivals.spread[n] = max(abs(ray.q), LEAST * spread), spread
+    field = field_at_caustic(water, section, bundle.z[n], level, bundle.dz[n], ray, spread)
+    arrivals.focus[n], arrivals.dark[n], arrivals.shift[n] = field.focus, field.dark, field.shift
