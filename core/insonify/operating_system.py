@@ -1,6 +1,6 @@
 """What operating systems do differently: names of files; time, memory, priority and end of processes; interrupts.
 
-Other modules are the same on every system, apart from `cores`, `compiler.cache_folder`, `io.atomic` and the check for a
+Other modules are the same on every system, apart from `cores`, `compiler.cache_folder` and the check for a
 display in the viewer. A system that lacks something goes without it, as each function says.
 """
 
@@ -13,12 +13,18 @@ import sys
 import threading
 from collections.abc import Callable, Iterator
 from pathlib import Path
-from typing import Any, cast
+from typing import Any, BinaryIO, cast
+
+if sys.platform == "win32":
+    import msvcrt
+else:
+    import fcntl
 
 # What Windows takes for a device, whatever follows its first dot, and characters and ends that it allows in no name.
 DEVICES = {"CON", "PRN", "AUX", "NUL", *(f"{port}{number}" for port in ("COM", "LPT") for number in range(1, 10))}
 FORBIDDEN = re.compile(r'[<>:"|?*/\\\x00-\x1f]|[. ]$')
 LONGEST_PATH = 259  # characters, on Windows where longer ones have not been enabled
+FAR = 2**30  # byte that is locked where locks concern bytes, which could otherwise not be read
 LOWER = 5  # steps of niceness, each some 20 % of a processor's share
 
 
@@ -35,6 +41,22 @@ def fault_of_path(path: Path) -> str:
         return f"{path.name!r} is not a name of a file on Windows"
     length = len(os.path.abspath(path))
     return f"its whole path has {length} characters, too many for Windows" if length > LONGEST_PATH else ""
+
+
+def lock_file(file: BinaryIO, exclusive: bool = True) -> bool | None:
+    """Lock a file until it is closed: whether it is locked now, or None where the disk has no locks."""
+    try:
+        if sys.platform == "win32":
+            file.seek(FAR)
+            msvcrt.locking(file.fileno(), msvcrt.LK_NBLCK, 1)
+            file.seek(0)
+        else:
+            fcntl.flock(file, (fcntl.LOCK_EX if exclusive else fcntl.LOCK_SH) | fcntl.LOCK_NB)
+    except (BlockingIOError, PermissionError):
+        return False
+    except OSError:
+        return None
+    return True
 
 
 def processor_time(process: int) -> tuple[float, bool]:

@@ -10,6 +10,7 @@ import time
 
 import pytest
 
+from insonify import operating_system
 from insonify.errors import FileWarning
 from insonify.io import atomic
 from insonify.io.atomic import clear_ended, is_leased, replacing, unfinished_folder
@@ -196,7 +197,7 @@ def test_two_writers_of_one_host_and_number_have_a_folder_each(tmp_path):
 def test_where_locks_prove_nothing_a_file_is_kept_until_its_writer_is_silent(tmp_path, monkeypatch, foreign):
     path = tmp_path / "record.nc"
     if foreign == "locks":
-        monkeypatch.setattr(atomic, "_lock", lambda *words, **options: None)
+        monkeypatch.setattr(atomic, "lock_file", lambda *words, **options: None)
     end(writer(path), signal.SIGKILL)
     (left,) = tmp_path.iterdir()
     if foreign == "kernel":
@@ -214,7 +215,7 @@ def test_where_locks_prove_nothing_a_file_is_kept_until_its_writer_is_silent(tmp
 
 def test_a_writer_at_work_renews_its_lease(tmp_path, monkeypatch):
     monkeypatch.setattr(atomic, "BEAT", 0.02)
-    monkeypatch.setattr(atomic, "_lock", lambda *words, **options: None)
+    monkeypatch.setattr(atomic, "lock_file", lambda *words, **options: None)
     with unfinished_folder(tmp_path / "record.nc") as folder:
         os.utime(folder / atomic.LEASE, (0.0, 0.0))
         deadline = time.monotonic() + 60.0
@@ -227,7 +228,7 @@ def test_a_disk_without_locks_is_none_that_refuses(tmp_path, monkeypatch):
     def refuse(*words):
         raise OSError(errno.ENOLCK, os.strerror(errno.ENOLCK))
 
-    monkeypatch.setattr(atomic.fcntl, "flock", refuse)
+    monkeypatch.setattr(operating_system.fcntl, "flock", refuse)
     with unfinished_folder(tmp_path / "record.nc") as folder:
         assert (folder / atomic.LEASE).read_text() == atomic.UNLOCKED
         assert is_leased(folder)

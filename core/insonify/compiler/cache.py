@@ -11,9 +11,10 @@ import hashlib
 import json
 import os
 import pickle
+import time
 from collections.abc import Callable
 from pathlib import Path
-from typing import Any
+from typing import Any, BinaryIO
 
 import llvmlite.binding as llvm
 import numba
@@ -23,6 +24,9 @@ from numba.core.compiler import compile_result
 from numba.core.runtime import _nrt_python  # type: ignore[attr-defined]
 
 from insonify.compiler import digests
+from insonify.operating_system import lock_file
+
+PAUSE = 0.05  # s, between two looks whether another process has compiled a kernel
 
 
 class PartLibrary(JITCodeLibrary):
@@ -199,13 +203,17 @@ def _name_of_content(content: bytes) -> str:
 
 
 class KernelCache(FunctionCache):
-    """Machine code of one kernel on disk; a damaged file is compiled anew, an unusable folder is ignored."""
+    """Machine code of one kernel on disk; a damaged file is compiled anew, an unusable folder is ignored.
+
+    Of several processes that lack the same kernel one compiles it. The others wait and load what it has kept.
+    """
 
     def __init__(self, function: Callable[..., Any], form: type[EntryCode]) -> None:
         self._impl_class = form
         super().__init__(function)
         impl = self._impl
         self._cache_file = _CacheFile(self._cache_path, impl.filename_base, impl.locator.get_source_stamp())
+        self._lock: BinaryIO | None = None
         if not digests.PRIVATE:
             self.disable()
 
@@ -213,17 +221,38 @@ class KernelCache(FunctionCache):
         return repr(super()._index_key(sig, codegen))
 
     def load_overload(self, sig: Any, target_context: Any) -> Any:
-        """Return the code kept for a signature, or None."""
+        """Return the code kept for a signature; None after the right to compile it has been taken, until `let_go`."""
         # Numba would first load all that it can compile, half a second, and compile its runtime; finished code needs
         # only the addresses of what the runtime has in C.
         try:
             for name, address in _nrt_python.c_helpers.items():
                 llvm.add_symbol(name if name.startswith("_") else f"NRT_{name}", address)
-            return self._load_overload(sig, target_context)
+            found = self._load_overload(sig, target_context)
+            return self._load_overload(sig, target_context) if found is None and self._has_waited() else found
         except Exception:  # unpickling a damaged file may raise anything
             with contextlib.suppress(OSError):
                 self.flush()
             return None
+
+    def _has_waited(self) -> bool:
+        """Take the right to compile this kernel; whether another process had it meanwhile."""
+        # Numba's lock is held, so that threads of one process do not meet here. Kernels call one another in no circle:
+        # no two processes wait for each other.
+        waited = False
+        if self._enabled and self._lock is None:
+            with contextlib.suppress(OSError):
+                self._impl.locator.ensure_cache_path()
+                self._lock = open(f"{self._cache_file._index_path}.lock", "wb")
+                while lock_file(self._lock) is False:
+                    waited = True
+                    time.sleep(PAUSE)
+        return waited
+
+    def let_go(self) -> None:
+        """End the right to compile this kernel."""
+        if self._lock is not None:
+            self._lock.close()
+            self._lock = None
 
     def lacks(self, sig: Any, target_context: Any) -> bool:
         """Whether the code of a signature is not kept, and could be."""

@@ -69,7 +69,21 @@ class Kernel:
         return self.part._numba_type_
 
 
-class _Entry(CPUDispatcher):
+class Dispatcher(CPUDispatcher):
+    """Numba's dispatcher of a function whose code may be kept."""
+
+    _cache: Any
+
+    def compile(self, sig: Any) -> Any:
+        """Compile the function for types of arguments, or load its code."""
+        try:
+            return super().compile(sig)
+        finally:
+            if isinstance(self._cache, KernelCache):
+                self._cache.let_go()
+
+
+class _Entry(Dispatcher):
     """A function as Python calls it."""
 
     def compile(self, sig: Any) -> Any:
@@ -99,7 +113,7 @@ def compile_named(name: bytes) -> Any:
     return code.overloads[arguments]
 
 
-class Part(CPUDispatcher):
+class Part(Dispatcher):
     """A function as other kernels call it; Python cannot."""
 
     def get_call_template(self, args: Any, kws: Any) -> Any:

@@ -14,11 +14,12 @@ from typing import Any
 import llvmlite.binding as llvm
 from llvmlite import ir
 from numba.core import cgutils, types
-from numba.core.registry import CPUDispatcher, cpu_target
+from numba.core.registry import cpu_target
 from numba.core.typing.templates import AbstractTemplate, signature
 
 from insonify.compiler.cache import KernelCache, SeparateCode
 from insonify.compiler.dispatch import (
+    Dispatcher,
     Kernel,
     NotCompiledError,
     WithoutWrapper,
@@ -111,7 +112,7 @@ def _load_address(context: Any, builder: Any, name: bytes) -> Any:
     return builder.load_atomic(slot, "acquire", align=8)
 
 
-class _MachineCode(CPUDispatcher):
+class _MachineCode(Dispatcher):
     """Machine code of a separate kernel, by type of the arguments; its entry points are addresses."""
 
     returned: Any

@@ -19,10 +19,10 @@ from collections.abc import Iterator
 from contextlib import contextmanager, suppress
 from functools import cache
 from pathlib import Path
-from typing import BinaryIO, NamedTuple, NoReturn
+from typing import NamedTuple, NoReturn
 
 from insonify.errors import FileWarning, SceneError
-from insonify.operating_system import interrupt_main_thread
+from insonify.operating_system import interrupt_main_thread, lock_file
 
 UNFINISHED = "unfinished"  # in the name of the folder of incomplete files
 NEW, FORMER = "new", "former"  # stems of the content there, and of a folder while it is being replaced
@@ -33,16 +33,11 @@ REQUESTS = [getattr(signal, name) for name in ("SIGTERM", "SIGHUP", "SIGQUIT", "
 NAMED = errno.errorcode.keys() - {errno.EIO, errno.EACCES}
 PROBE = 2**16  # bytes that a disk which is not full takes
 AGAIN = 1.0  # s after which a request to end is repeated: a bare `except` in a library may swallow the exit
-if sys.platform == "win32":
-    import msvcrt
-else:
-    import fcntl
 LEASE = "lease"  # of the file in the folder
 BEAT = 20.0  # s between renewals
 SILENT = 600.0  # s without a renewal after which the owner has ended: kernels compile for a part of that
 PATIENCE, PAUSE = 1.0, 0.01  # s to lock the file, and between tries: a process that looks locks it for a moment
 UNLOCKED = "unlocked"
-FAR = 2**30  # byte that is locked where locks concern bytes, which could otherwise not be read
 
 
 class Lease:
@@ -58,7 +53,7 @@ class Lease:
         self._path = folder / LEASE
         self._file = open(self._path, "xb")  # noqa: SIM115  # open, and locked, as long as the lease
         deadline = time.monotonic() + PATIENCE
-        while (locked := _lock(self._file, exclusive=True)) is False and time.monotonic() < deadline:
+        while (locked := lock_file(self._file, exclusive=True)) is False and time.monotonic() < deadline:
             time.sleep(PAUSE)
         # Written after it is locked: an empty file proves nothing.
         self._file.write((kernel() if locked else UNLOCKED).encode())
@@ -83,7 +78,7 @@ def is_leased(folder: Path) -> bool:
     path = folder / LEASE
     try:
         with open(path, "rb") as file:
-            free = _lock(file, exclusive=False)
+            free = lock_file(file, exclusive=False)
             owner = file.read(len(kernel()) + 1).decode(errors="replace")
     except OSError:
         free, owner, path = None, "", folder
@@ -112,22 +107,6 @@ def _now(folder: Path) -> float:
             return os.fstat(file.fileno()).st_mtime
     except OSError:
         return time.time()
-
-
-def _lock(file: BinaryIO, exclusive: bool) -> bool | None:
-    """Lock a file until it is closed: whether it is locked now, or None where the disk has no locks."""
-    try:
-        if sys.platform == "win32":
-            file.seek(FAR)
-            msvcrt.locking(file.fileno(), msvcrt.LK_NBLCK, 1)
-            file.seek(0)
-        else:
-            fcntl.flock(file, (fcntl.LOCK_EX if exclusive else fcntl.LOCK_SH) | fcntl.LOCK_NB)
-    except (BlockingIOError, PermissionError):
-        return False
-    except OSError:
-        return None
-    return True
 
 
 @contextmanager

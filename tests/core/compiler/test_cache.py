@@ -7,6 +7,7 @@ import shutil
 import subprocess
 import sys
 from collections.abc import Callable
+from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 from typing import Any
 
@@ -142,6 +143,13 @@ def test_a_folder_that_cannot_be_written_is_done_without(tmp_path: Path) -> None
     (tmp_path / "a file").write_text("")
     assert use_kernel(tmp_path / "a file")[0] == 0
     assert os.listdir(tmp_path) == ["a file"]
+
+
+@compiled
+def test_of_processes_that_lack_the_same_kernel_one_compiles_it(tmp_path: Path) -> None:
+    with ThreadPoolExecutor() as pool:
+        hits = [hit for hit, _ in pool.map(use_kernel, [tmp_path / "cache"] * 3)]
+    assert sorted(hits) == [0, 1, 1]
 
 
 def test_two_processes_that_compile_two_signatures_at_once_never_mix_them_up(tmp_path):
