@@ -138,6 +138,25 @@ def test_the_camera_stays_above_the_bed(open_viewer, small):
     assert away[2] > 0.0
 
 
+def test_a_camera_may_be_moved_between_its_reset_and_the_next_pose(open_viewer, small):
+    view = open_viewer(small).seabed.view
+    camera, home = view._canvas.plotter.camera, view._canvas.plotter.camera.position
+    moves = {
+        "turn": lambda: view.turn(5.0, 0.0),
+        "magnify": lambda: view.magnify(CLOSER),
+        "zoom about": lambda: view.zoom_about((5.0, 0.0, -10.0), CLOSER),
+        "frame": lambda: view.frame((5.0, 0.0, -10.0), 2.0),
+    }
+    for name, move in moves.items():
+        view.reset_camera()
+        move()
+        assert np.isfinite(camera.position).all(), name
+        assert camera.distance > 0.1, name
+    view.reset_camera()
+    view._follow(view._pose, view._heading, view._reach)
+    assert camera.position == pytest.approx(home)
+
+
 def test_the_wheel_zooms_about_the_mouse_within_the_limits(viewer, qtbot):
     """What lies under the mouse stays there, and the camera stops before it."""
     view, seabed = viewer.seabed.view, viewer.seabed

@@ -57,6 +57,7 @@ class SeabedView(QWidget):
         layout = QVBoxLayout(self)
         layout.setContentsMargins(0, 0, 0, 0)
         layout.addWidget(self._canvas.widget)
+        self._reach = 0.0  # slant range of the sonar that is shown, m
         self.reset_camera()
         self._pose: Poses | None = None  # of the fish that is shown
         self._heading = 0.0
@@ -194,11 +195,11 @@ class SeabedView(QWidget):
 
     def reset_camera(self, subject: tuple[float, float] | None = None, camera: str = USUAL) -> None:
         """Put the camera to one of its places, or to one that shows a place of the bed, at the next pose."""
-        self._reach, self._subject, self._camera, self.follows = 0.0, subject, camera, True
+        self._is_placed, self._subject, self._camera, self.follows = False, subject, camera, True
 
     def frame(self, place: tuple[float, float, float], size: float) -> None:
         """Look at a place so that a body of some metres about it fills the view; the camera stays there."""
-        camera, self.follows = self._canvas.plotter.camera, False
+        camera, self.follows, self._is_placed = self._canvas.plotter.camera, False, True
         away = np.array(camera.position) - np.array(camera.focal_point)
         away[2] = max(away[2], FRAMED[0] * float(np.hypot(away[0], away[1])))
         distance = FRAMED[1] * size / math.tan(math.radians(VIEW_ANGLE) / 2.0)
@@ -235,7 +236,7 @@ class SeabedView(QWidget):
 
     def zoom_about(self, place: tuple[float, float, float], factor: float) -> None:
         """Magnify the view about a place, which stays under the mouse; the camera stops before it."""
-        if self._reach == 0.0:  # the camera has yet to be placed
+        if self._pose is None:  # the camera has yet to be placed
             return
         camera = self._canvas.plotter.camera
         position, focus, fixed = (np.array(each) for each in (camera.position, camera.focal_point, place))
@@ -281,7 +282,7 @@ class SeabedView(QWidget):
     def _follow(self, pose: Poses, heading: float, reach: float) -> None:
         """Move the camera with the fish, however the person turned it; reset it for another range."""
         camera, place = self._canvas.plotter.camera, _place_of(pose)
-        if self._pose is None or reach != self._reach:
+        if self._pose is None or reach != self._reach or not self._is_placed:
             turn = _about_z(heading)
             camera.up = (0.0, 0.0, 1.0)
             camera.view_angle = VIEW_ANGLE
@@ -292,7 +293,7 @@ class SeabedView(QWidget):
             if self._subject is not None:  # from nearer, in the middle of the view
                 away, focus = CLOSE * away, np.array([*self._subject, 0.0])
             position = focus + away
-            self._reach = reach
+            self._reach, self._is_placed = reach, True
         elif not self.follows:
             position, focus = camera.position, camera.focal_point
         else:
@@ -305,6 +306,8 @@ class SeabedView(QWidget):
 
     def _clip(self) -> None:
         """Keep the camera above its focus and its distance within limits, and fit its clipping range to it."""
+        if self._pose is None:  # it has yet to be placed
+            return
         camera = self._canvas.plotter.camera
         away = np.array(camera.position) - np.array(camera.focal_point)
         distance = float(np.linalg.norm(away))
