@@ -1,4 +1,4 @@
-"""What operating systems do differently: names of files; time, memory, priority and end of processes; interrupts.
+"""What operating systems do differently: names and locks of files; processes, their time and end; interrupts.
 
 Other modules are the same on every system, apart from `cores`, `compiler.cache_folder` and the check for a
 display in the viewer. A system that lacks something goes without it, as each function says.
