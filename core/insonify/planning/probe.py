@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 import time
-from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -27,13 +26,6 @@ RAYS_OF_A_THREAD = 4000  # rays per side of a single ping that is worth handing 
 SEARCHED, FOUND = 48, 2  # pings over the track that are searched, and the most of them that are added
 LOUD = 3.0  # times the mean energy of those searched
 _LOADED: set[tuple[str, bool, bool]] = set()  # kernels of waves that this process has called: method, bent, paths
-
-
-class Traced(NamedTuple):
-    """Probe pings as a model traces them."""
-
-    record: Record  # (pings, 2, bins from the first return), over the flat-bed curve
-    pings: int  # the first of them, in an order in which few are spread like all
 
 
 def trace_model(packed: PackedScene, model: Model, poses: Poses) -> Record:
@@ -65,7 +57,8 @@ class Probe:
         self._near = find_first_bin(1.0, packed.arrays, self._poses)
         self._beyond = find_first_bin(ERROR_ALTITUDES, packed.arrays, self._poses) - self._near
         self._scale = scale_to_flat_bed(packed.arrays, self._poses, self._near)
-        self._traced: dict[Model, Traced] = {}
+        # Pings, in an order in which few are spread like all, from the first return, over the flat-bed curve.
+        self._traced: dict[Model, Record] = {}
         self._timed: dict[tuple[str, bool], float] = {}  # seconds per work
         self._differences: dict[tuple[Model, Model, float, bool, int | None], float] = {}
 
@@ -110,7 +103,7 @@ class Probe:
         if key not in self._differences:
             count = self.count(max(coarse, fine, key=self.work))
             count = count if most is None else min(count, most)
-            one, other = (self._trace(model, count).record[:count] for model in (coarse, fine))
+            one, other = (self._trace(model, count)[:count] for model in (coarse, fine))
             missed, whole = (np.square(part).sum(axis=1, dtype=np.float64) for part in (one - other, other))
             errors = [self._error(missed[:, self._beyond :], whole[:, self._beyond :], cautious)]
             if nearer > 0.0:
@@ -136,7 +129,7 @@ class Probe:
         """
         models = _without_surface_echo(coarser, coarse, fine)
         count = self.count(models[-1])
-        records = [self._trace(model, count).record[:count, :, self._beyond :] for model in models]
+        records = [self._trace(model, count)[:count, :, self._beyond :] for model in models]
         before, last = records[0] - records[1], records[1] - records[2]
         square = float(np.square(before).sum(dtype=np.float64))
         return float((before * last).sum(dtype=np.float64)) / square if square > 0.0 else 0.0
@@ -171,18 +164,18 @@ class Probe:
         trace_model(packed, model, poses)
         return time.thread_time() - began
 
-    def _trace(self, model: Model, count: int) -> Traced:
+    def _trace(self, model: Model, count: int) -> Record:
         """Trace a number of the pings, unless as many are traced already."""
-        if model not in self._traced or self._traced[model].pings < count:
+        if model not in self._traced or self._traced[model].shape[0] < count:
             self._traced[model] = self._made(model, min(count, self._is_across.size))
         return self._traced[model]
 
-    def _made(self, model: Model, count: int) -> Traced:
+    def _made(self, model: Model, count: int) -> Record:
         def block(first: int, last: int) -> Record:
             return trace_model(self._packed, model, take_poses(self._poses, slice(first, last)))
 
         parts = in_parallel(block, count, least=1 if model.rays >= RAYS_OF_A_THREAD else OF_A_THREAD)
-        return Traced(np.concatenate(parts)[:, :, self._near :] * self._scale[:count], count)
+        return np.asarray(np.concatenate(parts)[:, :, self._near :] * self._scale[:count])
 
 
 def _without_surface_echo(*models: Model) -> tuple[Model, ...]:
