@@ -184,7 +184,7 @@ class RightClicks(QObject):
 
 
 class Wheel(QObject):
-    """Calls a function with the place of the mouse and the magnification by which the wheel is turned."""
+    """Calls a function with the position of the mouse and a magnification when the wheel is turned."""
 
     def __init__(self, widget: QWidget, turned: Callable[[QPointF, float], None]) -> None:
         super().__init__(widget)
@@ -193,7 +193,7 @@ class Wheel(QObject):
 
     @guard_override(False)
     def eventFilter(self, watched: QObject, event: QEvent) -> bool:
-        """Take the wheel, which VTK would be told of without the place of the mouse."""
+        """Handle the wheel here: VTK's own event of it lacks the position of the mouse."""
         if not isinstance(event, QWheelEvent):
             return False
         if event.angleDelta().y() != 0:

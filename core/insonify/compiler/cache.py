@@ -236,8 +236,8 @@ class KernelCache(FunctionCache):
 
     def _has_waited(self) -> bool:
         """Take the right to compile this kernel; whether another process had it meanwhile."""
-        # Numba's lock is held, so that threads of one process do not meet here. Kernels call one another in no circle:
-        # no two processes wait for each other.
+        # Threads of one process take turns, for Numba's lock is held. No kernel calls itself, not even through others,
+        # so that no two processes can wait for each other.
         waited = False
         if self._enabled and self._lock is None:
             with contextlib.suppress(OSError):

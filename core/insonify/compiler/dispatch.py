@@ -70,7 +70,7 @@ class Kernel:
 
 
 class Dispatcher(CPUDispatcher):
-    """Numba's dispatcher of a function whose code may be kept."""
+    """Numba's dispatcher, which gives up the right to compile a kernel once it is compiled or loaded."""
 
     _cache: Any
 

@@ -14,7 +14,7 @@ from insonify.scene.base import Family, Kind, parameter
 ANNOTATIONS = Family("annotations")
 EXTENTS = ("echo", "shadow", "both")  # annotated parts of a target
 Extent = Literal["echo", "shadow", "both"]
-Collector = Callable[[Mapping[str, Any]], None]  # takes the `Tile.told` of every tile, in their order
+Collector = Callable[[Mapping[str, Any]], None]  # called with the annotations of one tile after the other
 
 
 class AnnotationKind(Kind):
