@@ -1,13 +1,16 @@
-"""A detector trained on the bundled data sets alone, tested on real pictures.
+"""Detectors trained on the bundled data sets alone, tested on real pictures.
 
 ``INSONIFY_REAL_PICTURES=FOLDER pytest -m bench -s tests/bench/test_sim_to_real.py``: the folder has sub-folders
-``ship``, ``plane`` and ``seafloor`` with pictures of any size. ``INSONIFY_SIM_SCENES`` is the number of scenes of each
-class (40), ``INSONIFY_SIM_SETS`` a folder in which the sets are kept and grow. No real picture is used before the test.
+``ship``, ``plane`` and ``seafloor`` with pictures of any size. ``INSONIFY_SIM_SCENES`` is the number of scenes of a set
+(40), ``INSONIFY_SIM_SETS`` a folder in which the sets are kept and grow. Where PyTorch is installed, networks learn
+too; ``INSONIFY_SIM_NETWORK`` gives their steps and channels (``1000,40``; minutes on a GPU, hours without). No real
+picture is used before the test.
 """
 
 import json
 import os
 from pathlib import Path
+from typing import NamedTuple
 
 import numpy as np
 import pytest
@@ -21,8 +24,9 @@ REAL = os.environ.get("INSONIFY_REAL_PICTURES")
 SCENES = int(os.environ.get("INSONIFY_SIM_SCENES", "40"))
 NAMES = ("seabed", "ship", "aircraft")
 FOLDERS = {"seafloor": 0, "ship": 1, "plane": 2}
-SETS = ("wrecks", "aircraft")
-SIDE, SEEDS, DRAWS = 128, 3, 1000
+SETS = ("wrecks", "aircraft", "seabed")
+STEPS, WIDTH = map(int, os.environ.get("INSONIFY_SIM_NETWORK", "1000,40").split(","))
+SIDE, CHIP, SEEDS, DRAWS = 128, 160, 3, 1000
 
 pytestmark = [pytest.mark.bench, pytest.mark.skipif(REAL is None, reason="INSONIFY_REAL_PICTURES names no folder")]
 
@@ -81,8 +85,18 @@ def _outline(image: np.ndarray, share: float) -> list[float]:
     return [*found, float(count), float(sizes.max() / image.size), float(sizes.max() / max(sizes.sum(), 1))]
 
 
-def simulated(folder: Path) -> tuple[np.ndarray, np.ndarray]:
-    """Features and classes of the chips of the bundled sets, whole and cropped closely, as archives do."""
+class Chip(NamedTuple):
+    """Picture of a bundled set, the box of what it shows with its shadow, and the number of its class."""
+
+    picture: Image.Image
+    box: list[int]
+    number: int
+
+
+@pytest.fixture(scope="module")
+def chips(tmp_path_factory) -> list[Chip]:
+    """Chips of the bundled sets; beds have the boxes of objects, so that the frame tells nothing."""
+    folder = Path(os.environ.get("INSONIFY_SIM_SETS") or tmp_path_factory.mktemp("sets"))
     lines = []
     for name in SETS:
         place = folder / name
@@ -92,14 +106,14 @@ def simulated(folder: Path) -> tuple[np.ndarray, np.ndarray]:
             (place / line["file_name"], line["class"], [found["both"] for found in line["targets"]]) for line in told
         ]
     rng, boxes = np.random.default_rng(1), [boxes[0] for _, _, boxes in lines if boxes]
-    features, classes = [], []
-    for path, name, own in lines:
-        # A bed is cropped as some object is, so that the frame tells nothing.
-        box = own[0] if own else boxes[rng.integers(len(boxes))]
-        with Image.open(path) as picture:
-            features += [describe(as_shown(picture)), describe(as_shown(cropped(picture, box, rng)))]
-        classes += 2 * [0 if name is None else NAMES.index(name)]
-    return np.array(features), np.array(classes)
+    return [
+        Chip(
+            Image.open(path).convert("L"),
+            own[0] if own else boxes[rng.integers(len(boxes))],
+            0 if name is None else NAMES.index(name),
+        )
+        for path, name, own in lines
+    ]
 
 
 def cropped(picture: Image.Image, box: list[int], rng: np.random.Generator) -> Image.Image:
@@ -110,13 +124,12 @@ def cropped(picture: Image.Image, box: list[int], rng: np.random.Generator) -> I
     return picture.crop((int(max(x - left * wide, 0)), int(max(y - up * high, 0)), int(ends[0]), int(ends[1])))
 
 
-def real() -> tuple[np.ndarray, np.ndarray]:
-    """Features and classes of the real pictures."""
+def real() -> tuple[list[Image.Image], np.ndarray]:
+    """Real pictures and their classes."""
     paths = [
         (path, number) for name, number in FOLDERS.items() for path in sorted(Path(REAL or "", name).glob("*.png"))
     ]
-    pictures = [as_shown(Image.open(path)) for path, _ in paths]
-    return np.array([describe(picture) for picture in pictures]), np.array([number for _, number in paths])
+    return [Image.open(path).convert("L") for path, _ in paths], np.array([number for _, number in paths])
 
 
 def auc(score: np.ndarray, positive: np.ndarray) -> float:
@@ -140,21 +153,62 @@ def measures(chance: np.ndarray, classes: np.ndarray) -> dict[str, float]:
     }
 
 
-def test_trees_trained_on_simulation_find_real_wrecks(tmp_path, say):
-    ensemble = pytest.importorskip("sklearn.ensemble")
-    features, classes = simulated(Path(os.environ.get("INSONIFY_SIM_SETS", tmp_path)))
-    shown, truth = real()
-    chances = []
-    for seed in range(SEEDS):
-        trees = ensemble.ExtraTreesClassifier(600, min_samples_leaf=2, class_weight="balanced", random_state=seed)
-        chances.append(trees.fit(features, classes).predict_proba(shown))
-    chance = np.mean(chances, axis=0)
-    found, rng = measures(chance, truth), np.random.default_rng(1)
-    picks = [rng.integers(0, len(truth), len(truth)) for _ in range(DRAWS)]
-    drawn = [measures(chance[pick], truth[pick]) for pick in picks]
-    counts = f"{SCENES} scenes a set, {len(classes)} chips; {len(truth)} real pictures; {SEEDS} forests, averaged"
-    say(counts)
-    for name, value in found.items():
-        low, high = np.percentile([one[name] for one in drawn], [2.5, 97.5])
-        say(f"{name:28s} {value:.3f}  ({low:.3f} to {high:.3f})")
-    assert found["AUC object"] > 0.95
+def by_trees(chips: list[Chip], pictures: list[Image.Image]) -> list[np.ndarray]:
+    """Chances of the classes of pictures by forests of random trees."""
+    ensemble, rng = pytest.importorskip("sklearn.ensemble"), np.random.default_rng(1)
+    # Whole, and closely cropped as archives do.
+    shown = [part for chip in chips for part in (chip.picture, cropped(chip.picture, chip.box, rng))]
+    features = np.array([describe(as_shown(picture)) for picture in shown])
+    classes = np.repeat([chip.number for chip in chips], 2)
+    seen = np.array([describe(as_shown(picture)) for picture in pictures])
+    return [
+        ensemble.ExtraTreesClassifier(600, min_samples_leaf=2, class_weight="balanced", random_state=seed)
+        .fit(features, classes)
+        .predict_proba(seen)
+        for seed in range(SEEDS)
+    ]
+
+
+def by_network(chips: list[Chip], pictures: list[Image.Image]) -> list[np.ndarray]:
+    """Chances of the classes of pictures by networks, on a GPU where there is one."""
+    torch = pytest.importorskip("torch")
+    if torch.cuda.is_available():
+        torch.set_default_device("cuda")
+    import small_network
+
+    device = torch.get_default_device()
+    greys = torch.stack([torch.from_numpy(np.array(chip.picture.resize((CHIP, CHIP))))[None] for chip in chips])
+    boxes = [np.multiply(chip.box, CHIP / np.array(2 * chip.picture.size)) for chip in chips]
+    learned = (
+        greys.to(device),
+        torch.tensor(np.array(boxes), dtype=torch.float32, device=device),
+        torch.tensor([chip.number for chip in chips], device=device),
+    )
+    seen = torch.stack([small_network.as_seen(picture) for picture in pictures]).to(device)
+    return [
+        small_network.chances(small_network.learn(*learned, seed=seed, steps=STEPS, width=WIDTH), seen)
+        for seed in range(SEEDS)
+    ]
+
+
+def report(name: str, chances: list[np.ndarray], truth: np.ndarray, say) -> dict[str, float]:
+    """Print the mean of what models reach, what their mean reaches, and its intervals by bootstrap of the pictures."""
+    chance, rng = np.mean(chances, axis=0), np.random.default_rng(1)
+    found, single = measures(chance, truth), [measures(one, truth) for one in chances]
+    drawn = [measures(chance[pick], truth[pick]) for pick in rng.integers(0, len(truth), (DRAWS, len(truth)))]
+    say(f"{name}: mean of {len(chances)}, and their mean, {len(truth)} real pictures")
+    for measure, value in found.items():
+        low, high = np.percentile([one[measure] for one in drawn], [2.5, 97.5])
+        say(f"{measure:28s} {np.mean([one[measure] for one in single]):.3f}   {value:.3f}  ({low:.3f} to {high:.3f})")
+    return found
+
+
+def test_what_is_learned_from_simulation_finds_real_wrecks(chips, say):
+    pictures, truth = real()
+    say(f"{SCENES} scenes a set, {len(chips)} chips")
+    trees = by_trees(chips, pictures)
+    assert report("trees", trees, truth, say)["AUC object"] > 0.95
+    networks = by_network(chips, pictures)
+    report(f"network of {STEPS} steps, {WIDTH} channels", networks, truth, say)
+    both = [(one + other) / 2.0 for one, other in zip(trees, networks, strict=True)]
+    assert report("both", both, truth, say)["AUC object"] > 0.95
