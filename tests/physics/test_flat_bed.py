@@ -121,6 +121,11 @@ def test_the_curve_is_the_integral(law, half_width):
     np.testing.assert_allclose(curve[220:], expected[220:], rtol=3e-4)
 
 
+def test_a_sharp_lobe_overflows_nowhere_before_the_first_return():
+    curve = flat_bed_curve(flat(), 49.0, Reflectivity(0.2, 0.5, 1000.0))
+    np.testing.assert_array_equal(curve > 0.0, np.arange(1000) >= 980)
+
+
 @pytest.mark.parametrize("altitude", [2.0, 9.99, 10.02, 25.0, 49.97])
 @pytest.mark.parametrize("half_width", [0.0, 0.02])
 @pytest.mark.parametrize("trace", [sweep.trace, partial(rays.trace, rays=4000)], ids=TRACERS)

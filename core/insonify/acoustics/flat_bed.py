@@ -37,7 +37,7 @@ def flat_bed_curve(
     # As a product, because rounding may make the difference of two squares negative.
     x_near, x_far = (np.sqrt((r - altitude) * (r + altitude)) for r in (near, far))
     reached = far > near
-    r = np.where(reached, 0.5 * (near + far), 1.0)
+    r = np.where(reached, 0.5 * (near + far), altitude)
     cos_incidence = altitude / r
     factor, first = arrays.range_factor.copy(), int(altitude / arrays.bin_length)
     if first < arrays.bins:  # that bin begins with the first return, nearer than which there is no bed
