@@ -109,7 +109,10 @@ class WebDataset(StorageKind):
 
 
 class ZarrStore(StorageKind):
-    """Zarr stores with the arrays ``images`` and ``masks``, (tiles, pings, bins), and the names of the tiles."""
+    """Zarr stores with the arrays ``images`` and ``masks``, (tiles, pings, bins), and the names and shapes of tiles.
+
+    Tiles that are smaller than the largest of their job are padded with zeros at their ends.
+    """
 
     rank = 30
     kind: Literal["zarr"] = "zarr"
@@ -122,10 +125,14 @@ class ZarrStore(StorageKind):
         import zarr
 
         path = folder / tiles[0].told["split"] / shelf / f"{job}.zarr"
+        shapes = [tile.image.shape for tile in tiles]
         group = zarr.create_group(path, attributes={"names": [tile.told["name"] for tile in tiles]})
         for name, pixels in ((IMAGES, [tile.image for tile in tiles]), (MASKS, [tile.mask for tile in tiles])):
-            array = np.stack(pixels)
-            group.create_array(name, data=array, chunks=(1, *array.shape[1:]), shards=array.shape)
+            array = np.zeros((len(tiles), *np.max(shapes, axis=0)), pixels[0].dtype)
+            for place, (pings, bins) in enumerate(shapes):
+                array[place, :pings, :bins] = pixels[place]
+            told: dict[str, Any] = {"shapes": [list(shape) for shape in shapes]}
+            group.create_array(name, data=array, chunks=(1, *array.shape[1:]), shards=array.shape, attributes=told)
         for place, tile in enumerate(tiles):
             tile.told["file"] = f"{path.relative_to(folder).as_posix()}{MARK}{place}"
 
@@ -134,7 +141,10 @@ class ZarrStore(StorageKind):
         import zarr
 
         path, _, place = file.partition(MARK)
-        return np.asarray(zarr.open_array(folder / path / IMAGES, mode="r")[int(place)])
+        images = zarr.open_array(folder / path / IMAGES, mode="r")
+        shapes: Any = images.attrs["shapes"]
+        pings, bins = shapes[int(place)]
+        return np.asarray(images[int(place), :pings, :bins])
 
 
 def _members(tile: Tile) -> dict[str, tuple[str, bytes]]:

@@ -1,11 +1,13 @@
 """Data sets: what is drawn, what tiles show, and that annotations are those of the labels."""
 
+import hashlib
 import io
 import itertools
 import json
 import math
 import tarfile
 import tomllib
+from collections import Counter
 
 import numpy as np
 import pytest
@@ -23,6 +25,7 @@ from insonify.surveys.datasets.tiles import FIRST_CLASS, SHADOW, describe_region
 from insonify.surveys.datasets.work import DatasetWork
 from insonify.surveys.engine import finish, read_flag
 from insonify.surveys.specification import read_specification
+from insonify.surveys.storages import Tile, ZarrStore
 from small_sets import SET, contents, write_set
 
 BASE = load_scene("default")
@@ -185,6 +188,19 @@ def test_pictures_of_the_whole_are_there(small):
         assert min(pixels(small / name).shape[:2]) > 200
 
 
+def test_a_datasheet_and_checksums_tell_what_the_set_holds(small):
+    sheet, lines = (small / "datasheet.md").read_text(), metadata(small)
+    assert f"{len(lines)} images of 8 scenes" in sheet
+    train = [line for line in lines if line["split"] == "train"]
+    found = Counter(target["class"] for line in train for target in line["targets"])
+    counts = len(train), sum(not line["targets"] for line in train), *(found[name] for name in specification().classes)
+    assert f"| train | {' | '.join(map(str, counts))} |" in sheet
+    sums = dict(reversed(line.split("  ")) for line in (small / "SHA256SUMS").read_text().splitlines())
+    assert sums == {
+        line["file_name"]: hashlib.sha256((small / line["file_name"]).read_bytes()).hexdigest() for line in lines
+    }
+
+
 def test_a_second_run_does_nothing_and_a_greater_number_adds_scenes(small, tmp_path, capsys):
     before = contents(small)
     path = write_set(tmp_path)
@@ -236,6 +252,18 @@ def test_a_zarr_store_is_read_by_zarr(tmp_path):
     group = zarr.open_group(path, mode="r")
     assert group["images"].shape == group["masks"].shape == (len(group.attrs["names"]), 64, 80)
     assert group["images"].dtype == np.uint16
+
+
+def test_a_zarr_store_holds_tiles_of_unlike_shapes(tmp_path):
+    shapes = ((16, 20), (24, 12))
+    tiles = [
+        Tile(np.full(shape, k + 1, np.uint8), np.zeros(shape, np.uint8), {"name": str(k), "split": "train"})
+        for k, shape in enumerate(shapes)
+    ]
+    store = ZarrStore()
+    store.write(tmp_path, "0", "0", tiles)
+    for tile in tiles:
+        np.testing.assert_array_equal(store.read_image(tmp_path, tile.told["file"]), tile.image)
 
 
 def test_grey_levels_are_decibels_about_the_median(tmp_path):

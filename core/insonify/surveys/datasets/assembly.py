@@ -12,6 +12,7 @@ from typing import Any
 import numpy as np
 
 from insonify.io.atomic import replacing
+from insonify.surveys.datasets.datasheet import CHECKSUMS, DATASHEET, write_checksums, write_datasheet
 from insonify.surveys.datasets.scenes import hash_share
 from insonify.surveys.datasets.specification import DatasetSpecification
 from insonify.surveys.engine import read_flag
@@ -35,15 +36,17 @@ class Totals:
     tiles: Counter[str] = field(default_factory=Counter)  # tiles of each split, and those without a target
     empty: Counter[str] = field(default_factory=Counter)
     targets: Counter[tuple[str, str]] = field(default_factory=Counter)  # annotated targets of each class and split
+    files: list[str] = field(default_factory=list)  # of images
 
     def add(self, tile: Mapping[str, Any]) -> None:
         """Count a tile."""
+        self.files.append(tile["file"])
         self.tiles[tile["split"]] += 1
         self.empty[tile["split"]] += not tile["targets"]
         self.targets.update((found["class"], tile["split"]) for found in tile["targets"])
 
 
-def assemble(specification: DatasetSpecification, folder: Path, names: Iterable[str]) -> Totals:
+def assemble(specification: DatasetSpecification, folder: Path, names: Sequence[str]) -> Totals:
     """Write the files that concern the whole data set."""
     totals, sheet = Totals(), _ContactSheet(specification, folder)
     splits, classes = list(specification.splits), specification.classes
@@ -59,6 +62,10 @@ def assemble(specification: DatasetSpecification, folder: Path, names: Iterable[
         sheet.write(beside)
     with replacing(folder / BALANCE) as beside:
         _draw_balance(beside, totals, classes, splits)
+    with replacing(folder / DATASHEET) as beside:
+        write_datasheet(beside, specification, folder, len(names) * specification.storage.scenes, totals)
+    with replacing(folder / CHECKSUMS) as beside:
+        write_checksums(beside, folder, totals.files)
     return totals
 
 
