@@ -151,7 +151,7 @@ QUANTITIES: dict[str, Quantity] = {
             scene.sonar.frequency, scene.seabed.depth - scene.altitude),
     ),
     "bin_length": Quantity((), "length of a bin (m)", lambda scene: scene.sonar.range / scene.sonar.bins),
-    "ping_spacing": Quantity((), "distance that the fish travels between two pings (m)", _ping_spacing),
+    "ping_spacing": Quantity((), "distance that the towfish travels between two pings (m)", _ping_spacing),
     "fastest_ping_rate": Quantity(
         (), "ping rate at which a ping waits for the last echo of the one before (1/s)",
         lambda scene: 0.5 * _speed(scene) / scene.sonar.range,

@@ -146,7 +146,7 @@ def test_a_number_is_read_with_point_comma_and_unit(text: str, number: float | N
         ({"choices": CHOICES, "unit": "m"}, "belong to a number"),
         ({"value": "1 +"}, "a value is missing"),
         ({"value": "1", "tolerance": 0.5}, "tolerance"),
-        ({"value": "1", "holds": "1"}, "compares nothing"),
+        ({"value": "1", "holds": "1"}, "contains no comparison"),
     ],
 )
 def test_a_fault_of_a_question_names_the_remedy(given: dict[str, Any], told: str) -> None:

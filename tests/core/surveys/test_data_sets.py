@@ -281,7 +281,7 @@ def test_scenes_that_cannot_be_are_told_and_the_others_made(tmp_path, capsys):
     path = write_set(tmp_path, SET.replace("low = 5.0, high = 7.0", "low = 20.0, high = 40.0"))
     assert cli.main(["dataset", str(path), "-o", str(tmp_path / "set"), "--scheduler", "local:1"]) == 2
     complaint = capsys.readouterr().err
-    assert "7 of 8 jobs could not be done, the others are done; job 1: scene 1: targets: no ground range" in complaint
+    assert "7 of 8 jobs failed, the others are finished; job 1: scene 1: targets: no ground range" in complaint
     assert {line["scene"] for line in metadata(tmp_path / "set")} == {0}
 
 
