@@ -12,7 +12,6 @@ from insonify.lessons.lesson import Lesson, Step
 from insonify.lessons.quantities import QUANTITIES
 from insonify.lessons.questions import Ask
 from insonify.lessons.states import LessonState, named, states_of
-from insonify.scene import Scene
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -87,16 +86,17 @@ class _Simulated:
         if measure is None:
             return self._state.quantity(name, arguments)
         if self._record is None:
-            self._record = _simulate(self._state.scene)
+            self._record = _simulate(self._state)
         self.measured = True
         return measure(self._state.scene, self._record, *arguments)
 
 
-def _simulate(scene: Scene) -> xr.Dataset:
+def _simulate(state: LessonState) -> xr.Dataset:
+    """Simulate the scene of a state with the choices of its plan."""
     # lazy: loads Numba
     from insonify.simulation import simulate
 
-    return simulate(scene)
+    return simulate(state.scene, tolerance=state.tolerance, forced=state.forced)
 
 
 def _check_record(ask: Ask, start: LessonState, end: LessonState) -> bool:

@@ -103,16 +103,10 @@ def _dark_stretch(scene: Scene, record: xr.Dataset) -> tuple[float, float]:
     return float(edges[starts[longest]]), float(edges[ends[longest]])
 
 
-def _measured_first_return(scene: Scene, record: xr.Dataset) -> float:
-    """Median over pings of the first bin that an echo reaches."""
-    heard = record.intensity.to_numpy() > 0.0
-    return float(np.median(_edges(scene)[heard.any(axis=0).argmax(axis=1)]))
-
-
-def _measured_last_return(scene: Scene, record: xr.Dataset) -> float:
-    """Median over pings of the last bin that an echo reaches."""
-    heard = record.intensity.to_numpy()[..., ::-1] > 0.0
-    return float(np.median(_edges(scene)[::-1][heard.any(axis=0).argmax(axis=1)]))
+def _edge_of_echoes(scene: Scene, record: xr.Dataset, order: int = 1) -> float:
+    """Median over pings of the slant range of the first bin with an echo, or of the last with the order -1."""
+    echo = record.intensity.to_numpy()[..., ::order] > 0.0
+    return float(np.median(_edges(scene)[::order][echo.any(axis=0).argmax(axis=1)]))
 
 
 def _within(scene: Scene, record: xr.Dataset, near: float, far: float) -> NDArray[np.float64]:
@@ -138,6 +132,30 @@ def _measured_dark(scene: Scene, record: xr.Dataset, near: float, far: float) ->
     return float((within < DARK * within.max()).mean())
 
 
+def _along(scene: Scene, record: xr.Dataset, near: float, far: float) -> NDArray[np.float64]:
+    """Intensity of the louder side between two slant ranges, (pings, bins)."""
+    return max(_within(scene, record, near, far), key=np.max)
+
+
+def _measured_along_contrast(scene: Scene, record: xr.Dataset, near: float, far: float) -> float:
+    along = _along(scene, record, near, far)
+    return float(along.std(axis=0).mean() / along.mean())
+
+
+def _measured_along_period(scene: Scene, record: xr.Dataset, near: float, far: float) -> float:
+    """Wavelength at the peak of the spectrum along the track, averaged over bins."""
+    along = _along(scene, record, near, far)
+    power = np.square(np.abs(np.fft.rfft(along - along.mean(axis=0), axis=0))).sum(axis=1)
+    return len(along) * _ping_spacing(scene) / float(power.argmax())
+
+
+def _measured_echoes(scene: Scene, record: xr.Dataset, near: float, far: float) -> float:
+    """Count the stretches of the track in which the strongest bin exceeds half of its greatest intensity."""
+    strongest = _along(scene, record, near, far).max(axis=1)
+    loud = strongest > 0.5 * strongest.max()
+    return float(np.count_nonzero(np.diff(loud, prepend=False) & loud))
+
+
 _AT, _STRETCH = ("slant_range (m)",), ("near (m)", "far (m)")
 _OVER = ("across (m)", "height (m)")
 # Every name that an expression or a condition may call.
@@ -157,7 +175,7 @@ QUANTITIES: dict[str, Quantity] = {
         lambda scene: 0.5 * _speed(scene) / scene.sonar.range,
     ),
     "first_return": Quantity(
-        (), "slant range of the first echo of a level bed (m)", lambda scene: scene.altitude, _measured_first_return
+        (), "slant range of the first echo of a level bed (m)", lambda scene: scene.altitude, _edge_of_echoes
     ),
     "slant_range": Quantity(_OVER, "slant range of a point at a height above the bed (m)", _slant_range),
     "ground_range": Quantity(_AT, "distance across the track of the bed at a slant range (m)", _ground_range),
@@ -180,9 +198,16 @@ QUANTITIES: dict[str, Quantity] = {
     "arccos": Quantity(("cosine",), "angle (°)", lambda _, cosine: math.degrees(math.acos(cosine))),
     "sqrt": Quantity(("number",), "square root", lambda _, number: math.sqrt(number)),
     "log10": Quantity(("number",), "logarithm to base 10", lambda _, number: math.log10(number)),
-    "last_return": Quantity((), "slant range of the last echo (m)", measure=_measured_last_return),
+    "last_return": Quantity((), "slant range of the last echo (m)",
+                            measure=lambda scene, record: _edge_of_echoes(scene, record, -1)),
     "level": Quantity(_STRETCH, "mean intensity between two slant ranges (dB)", measure=_measured_level),
     "contrast": Quantity(_STRETCH, "relative spread of the intensity between two slant ranges about its fall",
                          measure=_measured_contrast),
     "dark_share": Quantity(_STRETCH, "share of bins between two slant ranges that are dark", measure=_measured_dark),
+    "along_contrast": Quantity(_STRETCH, "relative spread of the intensity along the track between two slant ranges",
+                               measure=_measured_along_contrast),
+    "along_period": Quantity(_STRETCH, "distance along the track from band to band between two slant ranges (m)",
+                             measure=_measured_along_period),
+    "echoes": Quantity(_STRETCH, "strong echoes apart along the track between two slant ranges, on the louder side",
+                       measure=_measured_echoes),
 }  # fmt: skip

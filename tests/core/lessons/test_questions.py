@@ -29,7 +29,7 @@ from insonify.lessons import (
     read_number,
     states_of,
 )
-from insonify.scene import Scene, edit, load_scene
+from insonify.scene import edit, load_scene
 from insonify.simulation import simulate
 
 CHOICES = [
@@ -247,8 +247,9 @@ def test_a_question_that_the_scene_contradicts_is_found(
     assert told in complaint
 
 
-def simulate_every_eighth(scene: Scene) -> xr.Dataset:
+def simulate_every_eighth(state: LessonState) -> xr.Dataset:
     """Record of every eighth ping of a scene."""
+    scene = state.scene
     sparse = {"sonar.ping_rate": scene.sonar.ping_rate / 8.0, "track.pings": scene.track.pings // 8}
     return simulate(edit(scene, sparse))
 
