@@ -150,9 +150,9 @@ def _measured_along_period(scene: Scene, record: xr.Dataset, near: float, far: f
 
 
 def _measured_echoes(scene: Scene, record: xr.Dataset, near: float, far: float) -> float:
-    """Count the stretches of the track in which the strongest bin exceeds half of its greatest intensity."""
+    """Count the stretches of the track in which the strongest bin exceeds a quarter of its greatest intensity."""
     strongest = _along(scene, record, near, far).max(axis=1)
-    loud = strongest > 0.5 * strongest.max()
+    loud = strongest > 0.25 * strongest.max()
     return float(np.count_nonzero(np.diff(loud, prepend=False) & loud))
 
 
