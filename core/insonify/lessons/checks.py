@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from itertools import combinations
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from insonify.errors import SceneError
 from insonify.lessons.conditions import Reader, parse_condition, parse_expression
@@ -11,7 +11,7 @@ from insonify.lessons.courses import check_course
 from insonify.lessons.lesson import Lesson, Step
 from insonify.lessons.quantities import QUANTITIES
 from insonify.lessons.questions import Ask
-from insonify.lessons.states import LessonState, named, states_of
+from insonify.lessons.states import AUTOMATIC, USUAL_TOLERANCE, LessonState, named, states_of
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -96,7 +96,10 @@ def _simulate(state: LessonState) -> xr.Dataset:
     # lazy: loads Numba
     from insonify.simulation import simulate
 
-    return simulate(state.scene, tolerance=state.tolerance, forced=state.forced)
+    plan: dict[str, Any] = {path[5:]: value for path, value in state.window.items() if path.startswith("plan.")}
+    tolerance = plan.pop("tolerance", USUAL_TOLERANCE)
+    forced = {subject: choice for subject, choice in plan.items() if choice != AUTOMATIC}
+    return simulate(state.scene, tolerance=tolerance, forced=forced)
 
 
 def _check_record(ask: Ask, start: LessonState, end: LessonState) -> bool:

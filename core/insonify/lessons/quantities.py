@@ -109,49 +109,38 @@ def _edge_of_echoes(scene: Scene, record: xr.Dataset, order: int = 1) -> float:
     return float(np.median(_edges(scene)[::order][echo.any(axis=0).argmax(axis=1)]))
 
 
-def _within(scene: Scene, record: xr.Dataset, near: float, far: float) -> NDArray[np.float64]:
-    """Intensity of both sides between two slant ranges."""
-    centres = 0.5 * (_edges(scene)[1:] + _edges(scene)[:-1])
-    intensity: NDArray[np.float64] = record.intensity.to_numpy()[..., (centres >= near) & (centres <= far)]
-    return intensity
+def _between(measure: Callable[[NDArray[np.float64]], float]) -> Callable[..., float]:
+    """Measure the intensity between two slant ranges, (sides, pings, bins)."""
+
+    def measured(scene: Scene, record: xr.Dataset, near: float, far: float) -> float:
+        centres = 0.5 * (_edges(scene)[1:] + _edges(scene)[:-1])
+        return float(measure(record.intensity.to_numpy()[..., (centres >= near) & (centres <= far)]))
+
+    return measured
 
 
-def _measured_level(scene: Scene, record: xr.Dataset, near: float, far: float) -> float:
-    return 10.0 * math.log10(float(_within(scene, record, near, far).mean()))
-
-
-def _measured_contrast(scene: Scene, record: xr.Dataset, near: float, far: float) -> float:
+def _contrast(within: NDArray[np.float64]) -> float:
     """Spread of the mean over pings about a parabola of the logarithms, which takes off its fall with range."""
-    within = _within(scene, record, near, far).mean(axis=(0, 1))
-    logarithm, place = np.log(np.maximum(within, 1e-30)), np.linspace(-1.0, 1.0, within.size)
+    mean = within.mean(axis=(0, 1))
+    logarithm, place = np.log(np.maximum(mean, 1e-30)), np.linspace(-1.0, 1.0, mean.size)
     return float(np.std(logarithm - np.polyval(np.polyfit(place, logarithm, 2), place)))
 
 
-def _measured_dark(scene: Scene, record: xr.Dataset, near: float, far: float) -> float:
-    within = _within(scene, record, near, far)
-    return float((within < DARK * within.max()).mean())
+def _along_contrast(within: NDArray[np.float64]) -> float:
+    louder = max(within, key=np.max)
+    return float(louder.std(axis=0).mean() / louder.mean())
 
 
-def _along(scene: Scene, record: xr.Dataset, near: float, far: float) -> NDArray[np.float64]:
-    """Intensity of the louder side between two slant ranges, (pings, bins)."""
-    return max(_within(scene, record, near, far), key=np.max)
+def _along_period(within: NDArray[np.float64]) -> float:
+    """Pings per wave at the peak of the spectrum along the track."""
+    louder = max(within, key=np.max)
+    power = np.square(np.abs(np.fft.rfft(louder - louder.mean(axis=0), axis=0))).sum(axis=1)
+    return len(louder) / float(power.argmax())
 
 
-def _measured_along_contrast(scene: Scene, record: xr.Dataset, near: float, far: float) -> float:
-    along = _along(scene, record, near, far)
-    return float(along.std(axis=0).mean() / along.mean())
-
-
-def _measured_along_period(scene: Scene, record: xr.Dataset, near: float, far: float) -> float:
-    """Wavelength at the peak of the spectrum along the track, averaged over bins."""
-    along = _along(scene, record, near, far)
-    power = np.square(np.abs(np.fft.rfft(along - along.mean(axis=0), axis=0))).sum(axis=1)
-    return len(along) * _ping_spacing(scene) / float(power.argmax())
-
-
-def _measured_echoes(scene: Scene, record: xr.Dataset, near: float, far: float) -> float:
+def _echoes(within: NDArray[np.float64]) -> float:
     """Count the stretches of the track in which the strongest bin exceeds a quarter of its greatest intensity."""
-    strongest = _along(scene, record, near, far).max(axis=1)
+    strongest = max(within, key=np.max).max(axis=1)
     loud = strongest > 0.25 * strongest.max()
     return float(np.count_nonzero(np.diff(loud, prepend=False) & loud))
 
@@ -200,14 +189,16 @@ QUANTITIES: dict[str, Quantity] = {
     "log10": Quantity(("number",), "logarithm to base 10", lambda _, number: math.log10(number)),
     "last_return": Quantity((), "slant range of the last echo (m)",
                             measure=lambda scene, record: _edge_of_echoes(scene, record, -1)),
-    "level": Quantity(_STRETCH, "mean intensity between two slant ranges (dB)", measure=_measured_level),
+    "level": Quantity(_STRETCH, "mean intensity between two slant ranges (dB)",
+                      measure=_between(lambda within: 10.0 * math.log10(float(within.mean())))),
     "contrast": Quantity(_STRETCH, "relative spread of the intensity between two slant ranges about its fall",
-                         measure=_measured_contrast),
-    "dark_share": Quantity(_STRETCH, "share of bins between two slant ranges that are dark", measure=_measured_dark),
+                         measure=_between(_contrast)),
+    "dark_share": Quantity(_STRETCH, "share of bins between two slant ranges that are dark",
+                           measure=_between(lambda within: float((within < DARK * within.max()).mean()))),
     "along_contrast": Quantity(_STRETCH, "relative spread of the intensity along the track between two slant ranges",
-                               measure=_measured_along_contrast),
-    "along_period": Quantity(_STRETCH, "distance along the track from band to band between two slant ranges (m)",
-                             measure=_measured_along_period),
+                               measure=_between(_along_contrast)),
+    "along_period": Quantity(_STRETCH, "pings from band to band along the track between two slant ranges",
+                             measure=_between(_along_period)),
     "echoes": Quantity(_STRETCH, "strong echoes apart along the track between two slant ranges, on the louder side",
-                       measure=_measured_echoes),
+                       measure=_between(_echoes)),
 }  # fmt: skip

@@ -42,17 +42,6 @@ class LessonState:
         usual = USUAL_TOLERANCE if path == "plan.tolerance" else AUTOMATIC if path.startswith("plan.") else None
         return self.window.get(path, usual)
 
-    @property
-    def tolerance(self) -> float:
-        """Tolerance of the plan."""
-        return float(self.window.get("plan.tolerance", USUAL_TOLERANCE))
-
-    @property
-    def forced(self) -> dict[str, str]:
-        """Choices of the plan that are forced, by subject."""
-        plan = {path.removeprefix("plan."): str(value) for path, value in self.window.items() if path[:5] == "plan."}
-        return {subject: value for subject, value in plan.items() if value != AUTOMATIC and subject != "tolerance"}
-
     def quantity(self, name: str, arguments: tuple[float, ...]) -> float | None:
         """Value of a quantity in the scene; None where only a record has it."""
         compute = QUANTITIES[name].compute
