@@ -377,9 +377,7 @@ def _approximations(parts: PixelParts, contributions: Sequence[Contribution]) ->
     """List the differences from the record."""
     simulation, notes = parts.simulation, []
     if simulation.plan.method != "sweep":
-        notes.append(
-            "the parts come from the sweep, the record from single rays; the term 'tracing' is their difference"
-        )
+        notes.append("parts come from the sweep, the record from single rays; the term 'tracing' is the difference")
     elif parts.folded:
         notes.append("several rays reach one place: the parts are single rays, and bed hidden by bed is not listed")
     if simulation.reception.coherent:

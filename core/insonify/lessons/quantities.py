@@ -77,10 +77,6 @@ def _ping_spacing(scene: Scene) -> float:
     return scene.track.speed / scene.sonar.ping_rate
 
 
-def _pings_on(scene: Scene, length: float, slant_range: float) -> float:
-    return (length + _along_resolution(scene, slant_range)) / _ping_spacing(scene)
-
-
 def _edges(scene: Scene) -> NDArray[np.float64]:
     return np.linspace(0.0, scene.sonar.range, scene.sonar.bins + 1)
 
@@ -180,7 +176,8 @@ QUANTITIES: dict[str, Quantity] = {
     "along_resolution": Quantity(_AT, "width of the beam along the track (m)", _along_resolution),
     "across_resolution": Quantity((), "slant range between two echoes that the pulse resolves (m)",
                                   lambda scene: scene.sonar.pulse.cell(_speed(scene))),
-    "pings_on": Quantity(("length (m)", *_AT), "pings that reach a target of a length along the track", _pings_on),
+    "pings_on": Quantity(("length (m)", *_AT), "pings that reach a target of a length along the track",
+                         lambda scene, length, at: (length + _along_resolution(scene, at)) / _ping_spacing(scene)),
     "sin": Quantity(("angle (°)",), "sine", lambda _, angle: math.sin(math.radians(angle))),
     "cos": Quantity(("angle (°)",), "cosine", lambda _, angle: math.cos(math.radians(angle))),
     "tan": Quantity(("angle (°)",), "tangent", lambda _, angle: math.tan(math.radians(angle))),
