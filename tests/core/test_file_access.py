@@ -276,7 +276,7 @@ def test_another_mesh_is_not_read_for_a_damaged_one(tmp_path):
     path, _ = gltf(tmp_path)
     assert path.name == "model.gltf"
     (tmp_path / "body.gltf").write_text("{")
-    with pytest.raises(SceneError, match=r"body\.gltf' is no glTF document \(it is not JSON\); export it again"):
+    with pytest.raises(SceneError, match=r"body\.gltf' is not a glTF document \(it is not JSON\); export it again"):
         read_mesh(str(tmp_path / "body.gltf"))
 
 

@@ -258,7 +258,7 @@ def test_grey_levels_are_decibels_about_the_median(tmp_path):
         ({"negatives": "2.0"}, "set.toml: negatives: 2.0 is out of bounds; give a value of at most 1"),
         ({"base": '"no-such"'}, "no such file; give a TOML file or one of"),
         ({"storage": '"tape"'}, "storage.kind: 'tape' is not a known kind; choose one of files, webdataset, zarr"),
-        ({"storage": '"zarr"'}, "scenes: 8 is no multiple of storage.scenes 16, which are stored together; give 16"),
+        ({"storage": '"zarr"'}, "scenes: 8 is not a multiple of storage.scenes 16, which are stored together; give 16"),
         ({"annotations": '["voc"]'}, "annotations.0.kind: 'voc' is not a known kind; choose one of coco, yolo"),
         ({"splits": '{ train = -1.0 }'}, "splits.train: -1.0 is out of bounds"),
         ({"splits": "{ Jobs = 1.0 }"}, "a split may not be named 'jobs', the folder of finished jobs; rename it"),

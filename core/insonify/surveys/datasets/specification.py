@@ -242,7 +242,7 @@ class DatasetSpecification(Declaration):
         if self.scenes % together:
             whole = together * (self.scenes // together + 1)
             raise ValueError(
-                f"scenes: {self.scenes} is no multiple of storage.scenes {together}, which are stored together; "
+                f"scenes: {self.scenes} is not a multiple of storage.scenes {together}, which are stored together; "
                 f"give {whole}"
             )
         return self

@@ -71,7 +71,7 @@ class NamedMaterial(Declaration):
     @model_validator(mode="after")
     def _sediment_has_a_density(self) -> NamedMaterial:
         if self.sediment is not None and math.isinf(self.density):
-            raise ValueError("density inf is that of a perfect reflector, which is no sediment; give a number")
+            raise ValueError("density inf means a perfect reflector, which is not a sediment; give a number")
         return self
 
     @property
