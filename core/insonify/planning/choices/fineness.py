@@ -145,12 +145,13 @@ class TargetPlanes(Number):
 
     def settings(self, case: Case, model: Model) -> tuple[int, ...]:
         """Return the numbers of planes across a target; none without targets or for a beam without width."""
-        if not (self.applies(model) and case.scene.sonar.beam.has_width and case.targets):
+        if not self._counts(case, model):
             return (0,)
         wish = self.wish(case)
-        if wish is not None:
-            return (wish,)
-        return OF_A_TARGET
+        return OF_A_TARGET if wish is None else (wish,)
+
+    def _counts(self, case: Case, model: Model) -> bool:
+        return bool(self.applies(model) and case.scene.sonar.beam.has_width and case.targets)
 
     def error(self, case: Case, model: Model, cautious: bool = True) -> float:
         """Error measured from twice as many, beside no more planes of the beam than a model's."""
@@ -167,7 +168,7 @@ class TargetPlanes(Number):
 
     def entries(self, case: Case, model: Model, error: float) -> Iterator[PlanEntry]:
         """Entry of the planes across targets, with the time that they add to a ping on average."""
-        if model.across == 0:
+        if not self._counts(case, model):
             return
         cost = max(case.probe.seconds(model) - case.probe.seconds(model._replace(across=0)), 0.0)
         reason = "at least as many across each target in the beam and each glint, where planes are farther apart"
