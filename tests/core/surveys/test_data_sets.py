@@ -196,7 +196,7 @@ def test_a_second_run_does_nothing_and_a_greater_number_adds_scenes(small, tmp_p
     assert all(after[name] == digest for name, digest in before.items() if "/images/" in name)
     assert "9 scenes" in capsys.readouterr().out
     assert cli.main(["dataset", str(path), "-o", str(small), "--scenes", "2"]) == 2
-    assert "holds 7 jobs of another data set" in capsys.readouterr().err
+    assert "contains 7 jobs of another data set" in capsys.readouterr().err
 
 
 @pytest.mark.parametrize("kind", ["webdataset", "zarr"])

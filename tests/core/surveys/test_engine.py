@@ -109,7 +109,7 @@ def test_a_folder_of_something_else_is_left_alone(tmp_path):
         prepare_folder(tmp_path, [], "test")
     work = WrittenJobs(tmp_path / "work", 2)
     finish(work, work.names()[0])
-    with pytest.raises(SceneError, match="holds 1 jobs of another test"):
+    with pytest.raises(SceneError, match="contains 1 jobs of another test"):
         prepare_folder(work.folder, [name_job(0, "another")], "test")
 
 
