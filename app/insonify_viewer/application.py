@@ -174,7 +174,7 @@ def _wait_for_scene(application: QApplication, viewer: Viewer, errors: list[Base
     begin_again()
     pend(rest, lambda: viewer.panels.at_rest)
     if errors:
-        return f"the window cannot be drawn ({type(errors[0]).__name__}: {errors[0]}); this is a fault of the program"
+        return f"the window cannot be drawn ({type(errors[0]).__name__}: {errors[0]}); this is a bug in insonify"
     return viewer.failure or viewer.recordings.failure
 
 

@@ -187,7 +187,7 @@ def _known_panel(name: str | None) -> str:
 
     known = sorted(panel.name for panel in find_panels()) if name else []
     if name and name not in known:
-        raise SceneError(f"--panel {name}: is no panel; choose one of {', '.join(known)}")
+        raise SceneError(f"--panel {name}: is not a panel; choose one of {', '.join(known)}")
     return name or ""
 
 
@@ -210,7 +210,7 @@ def _take_recording(arguments: argparse.Namespace) -> str:
     name = arguments.recording or ""
     if name and not is_record(name):
         known = RECORDS.describe(RECORDS.readable())
-        raise RECORDS.refusal(name, "is no record by its suffix", f"give {known}")
+        raise RECORDS.refusal(name, "does not have the suffix of a record", f"give {known}")
     if name and not Path(name).exists():
         raise RECORDS.refusal(name, "does not exist", "give the path of a record")
     return name
@@ -219,7 +219,7 @@ def _take_recording(arguments: argparse.Namespace) -> str:
 def why_no_window() -> str:
     """Return the reason why no window can be opened, as a clause; empty if one can."""
     if os.environ.get("QT_QPA_PLATFORM", "").startswith(("offscreen", "minimal")):
-        return "QT_QPA_PLATFORM asks for no window"
+        return "QT_QPA_PLATFORM selects a platform without windows"
     if not sys.platform.startswith("linux") or os.environ.get("WAYLAND_DISPLAY"):
         return ""
     if not os.environ.get("DISPLAY"):

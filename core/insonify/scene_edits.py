@@ -68,7 +68,7 @@ def _ping_rate(scene: Scene, changes: Mapping[str, Any]) -> tuple[Changes, str]:
     # Three significant digits, rounded down.
     step = 10.0 ** (math.floor(math.log10(fastest)) - 2)
     rate = round(math.floor(fastest / step) * step, 12)
-    return {"sonar.ping_rate": rate}, f"ping rate lowered to {rate:g} Hz: echoes from {reach:.4g} m take that long"
+    return {"sonar.ping_rate": rate}, f"ping rate lowered to {rate:g} Hz, so that echoes from {reach:.4g} m can return"
 
 
 def _positive(value: Any) -> bool:
@@ -108,7 +108,7 @@ def _shares(scene: Scene, changes: Mapping[str, Any]) -> tuple[Changes, str]:
         material = part_at(scene, owner)
         room = round(1.0 - share, 12)
         if isinstance(material, Material) and getattr(material.reflectivity, other) > room:
-            return {f"{owner}.{other}": room}, f"{other} share lowered to {room:.4g}: no more can return than arrives"
+            return {f"{owner}.{other}": room}, f"{other} share lowered to {room:.4g}: the sum is at most 1"
     return {}, ""
 
 

@@ -46,7 +46,7 @@ def test_it_lists_the_terms_of_the_sonar_equation_at_half_the_range(viewer, scen
     assert over == pytest.approx(solved.bed.decibels[k] - solved.disturbance[k])
     text = viewer.panels["budget"].view.terms.toPlainText()
     assert signed(solved.bed.decibels[k]) in text
-    assert "the target drowns beyond" in viewer.panels["budget"].view.sentence.text()
+    assert "the target is above it up to" in viewer.panels["budget"].view.sentence.text()
     assert "Medium sand: " in viewer.panels["budget"].view.model.text()
 
 
@@ -79,7 +79,7 @@ def test_it_follows_the_scene_and_the_target(viewer, scene, qtbot):
     assert groups(viewer)["bed"].level == pytest.approx(before["bed"].level + 10.0)
     viewer.session.settle({"receiver.noise": "none", "receiver.reverberation": "none"})
     wait(viewer, qtbot)
-    assert "without noise nothing drowns" in viewer.panels["budget"].view.sentence.text()
+    assert "the scene has no noise" in viewer.panels["budget"].view.sentence.text()
     assert "noise" not in groups(viewer)
 
 

@@ -65,7 +65,7 @@ def test_a_fault_in_a_slot_ends_a_snapshot_at_once(tmp_path, monkeypatch, qapp, 
 
     monkeypatch.setattr(Viewer, "_take", fail)
     monkeypatch.setattr(application, "PATIENCE", 3600.0)
-    with pytest.raises(SceneError, match=r"ZeroDivisionError: no such row.*fault of the program$"):
+    with pytest.raises(SceneError, match=r"ZeroDivisionError: no such row.*bug in insonify$"):
         application.draw_window(small, tmp_path / "window.png")
     assert list(tmp_path.iterdir()) == []
 
@@ -108,7 +108,7 @@ def test_no_display_draws_the_window_and_says_so(tmp_path):
         (("default", "--snapshot", "nowhere/w.png"), "no folder"),
         (("default", "--set", "sonar.range=-1"), "sonar.range"),
         (("nowhere.xtf",), "does not exist"),
-        (("default", "--recording", "pipe.toml"), "no record by its suffix"),
+        (("default", "--recording", "pipe.toml"), "does not have the suffix of a record"),
         (("default", "--pin", "5000", "port", "20"), "ping 5000"),
         (("pipe-span", "--lesson", "target-height"), "leave out SCENE"),
         (("--lesson", "nowhere"), "lesson 'nowhere': no such file"),
@@ -174,4 +174,4 @@ def test_a_recording_is_drawn_beside_the_scene(tmp_path, capsys):
 
 def test_a_panel_that_is_not_known_is_one_sentence(capsys, tmp_path):
     assert main(["view", "default", "--panel", "sauna", "--snapshot", str(tmp_path / "window.png")]) == 2
-    assert "--panel sauna: is no panel; choose one of" in capsys.readouterr().err
+    assert "--panel sauna: is not a panel; choose one of" in capsys.readouterr().err

@@ -73,7 +73,7 @@ def test_a_bright_line_rules_the_rms_and_not_what_is_seen():
 
 
 def test_a_difference_in_words(small):
-    assert RecordDifference(0.0, 0.0, 0.0).in_words() == "changes nothing of the record"
+    assert RecordDifference(0.0, 0.0, 0.0).in_words() == "does not change the record"
     assert RecordDifference(0.123, -0.84, 0.036).in_words() == (
         "changes the record by 12 %, 3.6 % of its picture visibly, its mean level by −0.84 dB"
     )

@@ -80,7 +80,7 @@ def test_a_fault_in_a_slot_is_one_sentence_and_the_window_lives(viewer, qtbot):
         QTimer.singleShot(0, fail)
         qtbot.waitUntil(viewer.window.status.copy.isVisible)
     assert [kind for kind, *_ in printed] == [KeyError], "standard error tells of it as before"
-    assert "fault of the program (KeyError: 'no such thing')" in viewer.window.status.sentence.text()
+    assert "bug in insonify (KeyError: 'no such thing')" in viewer.window.status.sentence.text()
     assert "in fail" in copied(viewer)
     assert viewer.session.settle({"track.altitude": 8.0})
     qtbot.waitUntil(lambda: viewer.complete)
@@ -115,7 +115,7 @@ def test_a_fault_in_a_thread_beside_the_window_is_told_once(viewer, qtbot):
             run(errand)
         assert received == [None, None, None, 7, None]
         assert [kind for kind, *_ in printed] == [ValueError, ValueError], "again only after a success"
-        assert "fault of the program (ValueError: cannot convert" in viewer.window.status.sentence.text()
+        assert "bug in insonify (ValueError: cannot convert" in viewer.window.status.sentence.text()
         assert "in fail" in copied(viewer)
 
 

@@ -113,8 +113,7 @@ def test_changes_in_words():
         == "changes the record by 0.41 %, not visibly, takes 1.8 × the time"
     )
     assert (
-        difference_in_words(RecordDifference(0.0, 0.0, 0.0), 0.9)
-        == "changes nothing of the record, takes 0.9 × the time"
+        difference_in_words(RecordDifference(0.0, 0.0, 0.0), 0.9) == "does not change the record, takes 0.9 × the time"
     )
     assert difference_in_words(None, 2.0) == "takes 2 × the time"
     auto = Modelling()

@@ -38,7 +38,7 @@ def test_the_camera_goes_to_its_places_and_follows_unless_told_otherwise(viewer,
     viewer.go_to(20)
     qtbot.waitUntil(lambda: viewer.complete)
     assert not np.allclose(sight(viewer), before)
-    trigger(viewer, "Follow the fish")
+    trigger(viewer, "Follow the towfish")
     before = sight(viewer)
     viewer.go_to(40)
     qtbot.waitUntil(lambda: viewer.complete)

@@ -187,7 +187,7 @@ WRONG = [
     ("cast.csv", "depth,speed\n1,1500\n20,15\n", ["15 m/s at 20 m", "correct"]),
     ("cast.svp", "all headings\n", ["no rows of depth and sound speed"]),
     ("cast.svp", CARIS + CARIS, ["holds 2 casts; keep one of its sections"]),
-    ("cast.cnv", "depth,speed\n1,1500\n", ["names no columns"]),
+    ("cast.cnv", "depth,speed\n1,1500\n", ["lacks the column names"]),
     ("cast.cnv", "# name 0 = depSM: Depth\n# name 1 = svCM: Velocity\n*END*\n  1 x\n", ["no numbers in line 4"]),
     ("cast.cnv", "# name 0 = depSM: Depth\n# name 1 = svCM: Velocity\n*END*\n  1 2 3\n", ["3 columns in line 4"]),
     ("a.vp2", "[HEADER]\nno columns\n", ["has no line that names the columns of depth or pressure, and of sound sp"]),

@@ -32,7 +32,7 @@ def test_placemarks_lie_at_longitude_and_latitude(tmp_path):
     (mark,) = ElementTree.parse(tmp_path / "found.kml").iter(f"{{{KML}}}Placemark")
     assert mark.findtext(f"{{{KML}}}name") == "wreck <b>"
     assert mark.findtext(f".//{{{KML}}}coordinates") == "-68.5,48.25,0"
-    with pytest.raises(SceneError, match="no contact has a place on Earth"):
+    with pytest.raises(SceneError, match="no contact has a geographic position"):
         write_report(tmp_path / "none.kml", [NOWHERE])
     assert not (tmp_path / "none.kml").exists()
 

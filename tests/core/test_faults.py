@@ -116,7 +116,7 @@ def test_nothing_that_a_command_reads_is_written_over(tmp_path, whole, words, ca
     monkeypatch.chdir(tmp_path)
     read = "scene.toml" if words in ("light", "relief") else path.name
     assert cli.main([*words.split(), read, "-o", f"same{suffix}"]) == 2
-    assert capsys.readouterr().err.endswith("is read by this command; give another name\n")
+    assert capsys.readouterr().err.endswith("is also an input of this command; give another name\n")
     assert path.read_text() == "as it was"
 
 

@@ -98,7 +98,7 @@ def test_a_file_that_becomes_a_pipe_is_refused(tmp_path, monkeypatch):
 def test_a_pipe_beside_a_raster_is_refused(tmp_path, companion):
     (tmp_path / "bed.tif").write_bytes(b"II*\0")
     os.mkfifo(tmp_path / companion)
-    with pytest.raises(SceneError, match="beside it, which is no regular file; remove that"):
+    with pytest.raises(SceneError, match="beside it, which is not a regular file; remove that"):
         read_grid(str(tmp_path / "bed.tif"))
 
 
@@ -125,7 +125,7 @@ def test_no_driver_of_gdal_is_left_that_asks_a_server_or_runs_code():
 def test_pictures_are_png_or_tiff_whatever_their_name(tmp_path, kind):
     Image.new("RGB", (4, 4)).save(tmp_path / "made", format=kind)
     (tmp_path / "made").rename(tmp_path / "map.png")
-    with pytest.raises(SceneError, match=r"map\.png' is no picture in PNG or TIFF; save it as one"):
+    with pytest.raises(SceneError, match=r"map\.png' is not a picture in PNG or TIFF; save it as one"):
         read_picture(str(tmp_path / "map.png"), 2)
 
 
@@ -276,14 +276,14 @@ def test_another_mesh_is_not_read_for_a_damaged_one(tmp_path):
     path, _ = gltf(tmp_path)
     assert path.name == "model.gltf"
     (tmp_path / "body.gltf").write_text("{")
-    with pytest.raises(SceneError, match=r"body\.gltf' is no glTF document \(it is not JSON\); export it again"):
+    with pytest.raises(SceneError, match=r"body\.gltf' is not a glTF document \(it is not JSON\); export it again"):
         read_mesh(str(tmp_path / "body.gltf"))
 
 
 def test_a_store_with_a_pipe_in_it_is_refused(tmp_path):
     (tmp_path / "record.zarr").mkdir()
     os.mkfifo(tmp_path / "record.zarr" / "zarr.json")
-    with pytest.raises(SceneError, match=r"holds 'zarr\.json', which is no regular file; remove that"):
+    with pytest.raises(SceneError, match=r"contains 'zarr\.json', which is not a regular file; remove that"):
         read_record(tmp_path / "record.zarr")
 
 

@@ -39,9 +39,9 @@ def test_what_the_scene_leaves_no_choice_about_is_without_effect():
     ("forced", "sentence"),
     [
         ({"colour": "red"}, r"^model: 'colour' is not a choice of a plan; choose one of method, planes, "),
-        ({"planes": "many"}, r"^model planes: 'many' will not do; give a whole number from 1 to 512$"),
-        ({"planes": "2.5"}, r"^model planes: '2.5' will not do; give a whole number from 1 to 512$"),
-        ({"step": "nan"}, r"^model step: 'nan' will not do; give a number from 1e-06 to 10000$"),
+        ({"planes": "many"}, r"^model planes: 'many' is not valid; give a whole number from 1 to 512$"),
+        ({"planes": "2.5"}, r"^model planes: '2.5' is not valid; give a whole number from 1 to 512$"),
+        ({"step": "nan"}, r"^model step: 'nan' is not valid; give a number from 1e-06 to 10000$"),
         ({"targets": "some"}, r"^model targets: 'some' is not known; choose one of on, off$"),
         ({"method": "magic"}, r"^method: 'magic' is not known; choose one of auto, sweep, march, rays$"),
     ],

@@ -174,11 +174,11 @@ def test_what_cannot_be_mapped_is_one_sentence(tmp_path, capsys):
         return code, capsys.readouterr().err
 
     for names, options, expected in (
-        (["blank"], (), "blank.nc: tells no altitude and shows no first echo of the bed; leave it out of the mosaic"),
+        (["blank"], (), "blank.nc: has neither an altitude nor a first echo of the bed; leave it out of the mosaic"),
         (["deep"], (), "deep.nc: ends at a slant range of 20 m, before the bed 25 m beneath; leave it out"),
-        (["bare"], ("--crs", "EPSG:32631"), "bare.nc: has no place on Earth, so that --crs does not apply"),
-        (["placed", "bare"], (), "bare.nc: has no place on Earth, and other records have"),
-        (["metric", "placed"], (), "placed.nc: lies on the map EPSG:32631, and other records on none; give theirs"),
+        (["bare"], ("--crs", "EPSG:32631"), "bare.nc: has no geographic position, so that --crs does not apply"),
+        (["placed", "bare"], (), "bare.nc: has no geographic position, unlike other records"),
+        (["metric", "placed"], (), "placed.nc: has coordinates in EPSG:32631, other records have none; give theirs"),
         (["placed"], ("--crs", "EPSG:1x"), "crs 'EPSG:1x' is not a coordinate reference system known to PROJ"),
         (["bare"], ("--cell", "0.0001"), "give metres from 0.001 to 1000000"),
         (["bare"], ("--cell", "0.001"), "widen the cell to"),

@@ -210,7 +210,7 @@ def test_pictures_that_cannot_be_are_refused(picture, tmp_path):
     many = picture([[0, 1, 2]], "many.png", palette=[0, 0, 0, 1, 1, 1, 2, 2, 2])
     for path, fault in {
         str(tmp_path / "none.png"): "does not exist; give",
-        str(tmp_path / "text.png"): "is no picture in PNG or TIFF; save",
+        str(tmp_path / "text.png"): "is not a picture in PNG or TIFF; save",
         floats: "has pixels of mode F; save",
         picture([[0, 70000]], "long.tif", np.int32): "has pixels of mode I; save",
         many: "uses colour 2 of its palette; give a material for each colour, not only 2",

@@ -246,7 +246,7 @@ def test_a_bad_file_is_one_sentence(tmp_path, text, words):
 def test_two_cannot_have_a_say_in_one_thing(tmp_path):
     places = csv(tmp_path, "time,x,y,depth\n0,0,0,20\n1,1,1,20\n")
     for motion, changes, word in (
-        (sum_of(places, places), {}, "a second time"),
+        (sum_of(places, places), {}, "repeats"),
         (sum_of(places, "turn"), {}, "a turn has no effect"),
         (places, {"terrain_following": True}, r"terrain_following: has no effect"),
     ):

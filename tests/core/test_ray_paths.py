@@ -72,7 +72,7 @@ def test_a_section_of_equal_profiles_joins_points_as_layers_do():
 @pytest.mark.parametrize(
     ("change", "words"),
     [
-        ({"angles": [[1.0, 2.0]]}, "angles: an array of 2 dimensions"),
+        ({"angles": [[1.0, 2.0]]}, "angles: has 2 dimensions"),
         ({"angles": 95.0}, "angles: 95 must lie between -90 and 90 degrees"),
         ({"angles": [1.0, math.nan]}, "angles: nan"),
         ({"source_depth": -1.0}, "source_depth: -1"),
@@ -81,7 +81,7 @@ def test_a_section_of_equal_profiles_joins_points_as_layers_do():
         ({"max_range": 0.0}, "max_range: 0"),
         ({"max_range": math.inf}, "max_range: inf"),
         ({"ranges": [1.0, 101.0]}, "ranges: 101 must lie between 0 and max_range, 100 m"),
-        ({"ranges": [1.0, 1.0]}, "ranges: must ascend"),
+        ({"ranges": [1.0, 1.0]}, "ranges: must increase"),
     ],
 )
 def test_a_wrong_number_is_told_in_a_sentence(change, words):

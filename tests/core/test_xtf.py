@@ -177,7 +177,7 @@ def test_a_frequency_that_is_not_there_is_one_sentence(tmp_path):
     with pytest.raises(SceneError, match=r"has no channels of 900000 Hz; choose 100000 or 400000$"):
         read_record(two_frequencies(tmp_path), 9e5)
     write_record(tmp_path / "a.nc", [read_record(tmp_path / "a.xtf")])
-    with pytest.raises(SceneError, match="holds one frequency alone; leave the choice of a frequency out"):
+    with pytest.raises(SceneError, match="has a single frequency; leave the frequency out"):
         read_record(tmp_path / "a.nc", 4e5)
 
 
@@ -235,7 +235,7 @@ def test_what_is_no_record_is_one_sentence(tmp_path, name):
         read_record(path)
     if name == "a.npz":
         np.savez(path, intensity=np.zeros((2, 3, 4)))
-        with pytest.raises(SceneError, match=r"is no record \(it lacks slant_range"):
+        with pytest.raises(SceneError, match=r"is not a record \(it lacks slant_range"):
             read_record(path)
 
 

@@ -315,7 +315,7 @@ def test_of_a_section_each_ray_feels_what_lies_in_its_plane():
 
 def test_bounces_are_refused():
     arrays = flat(thermocline())
-    with pytest.raises(SceneError, match=r"sonar\.bounces: 2 of them are followed along straight lines"):
+    with pytest.raises(SceneError, match=r"sonar\.bounces: 2 bounces are traced along straight lines"):
         rays.trace(arrays._replace(bounces=2), poses_of(0.0, 0.0, 20.0))
     with pytest.raises(SceneError, match=r"sonar\.bounces"):
         rays.follow(arrays, (0.0, 0.0, 20.0), (0.0, 1.0, -1.0), 1)

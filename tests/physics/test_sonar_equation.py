@@ -136,7 +136,7 @@ def test_a_scene_without_noise_never_drowns(capsys):
     printed = capsys.readouterr().out
     assert "= bed " in printed
     assert "over noise" not in printed
-    assert "bed: never drowns" in printed
+    assert "bed: above noise and reverberation up to" in printed
     assert "  sandy_gravel   1.0000" in printed
 
 

@@ -24,7 +24,7 @@ PLACES = {
 # Parts of the scene that go without saying in the names of their fields.
 SILENT = ("sonar", "seabed", "track", "water", "receiver", "recorder")
 # Fields whose names need the part that holds them.
-AMBIGUOUS = {("seabed", "depth"): "bed depth", ("track", "depth"): "fish depth", ("track", "heading"): "track heading"}
+AMBIGUOUS = {("seabed", "depth"): "bed depth", ("track", "depth"): "sonar depth", ("track", "heading"): "track heading"}
 # Display options whose names are not those of the window.
 OPTIONS = {"side": "sides", "reverse": "reversed colours", "levels": "contrast", "draped": "draping in 3-D"}
 # Names of fields in plain words, where their own are short for the scene file.

@@ -57,7 +57,7 @@ def read_playlist(path: Path) -> dict[int, Preset]:
         try:
             key = _read(entry, "key", int, number)
             if key not in KEYS or key in found:
-                taken = "is that of an earlier preset" if key in found else "is none of 1 to 9"
+                taken = "belongs to an earlier preset" if key in found else "is not one of 1 to 9"
                 raise SceneError(f"key {key} {taken}; give each preset a key of its own, 1 to 9")
             found[key] = _preset(path, entry)
         except SceneError as error:

@@ -289,7 +289,7 @@ class MainWindow(QMainWindow):
         bar.addWidget(self.speed)
         bar.addSeparator()
         self.palettes = make_combo([(name, name) for name in palettes], "Palette of the record")
-        tip = "Reset view: put the camera behind and above the fish again"
+        tip = "Reset view: put the camera behind and above the towfish again"
         self.reset_view = self._tool(bar, "Reset view", tip, "Home")
         self._bar, self._after_buttons = bar, bar.addWidget(self.palettes)
         self._add_gain(bar)

@@ -35,7 +35,7 @@ class SeabedMenu(QObject):
             for camera in CAMERAS
         ]
         frame = self._action("Frame the target", "See the chosen target from near, and in the record", handles.frame)
-        self.follow = self._tick("Follow the fish", "The camera moves with the fish", self._let_follow)
+        self.follow = self._tick("Follow the towfish", "The camera moves with the towfish", self._let_follow)
         depths = self._tick("Depth colours", "Colour the bed by its depth, not its materials", seabed.colour_by_depth)
         tip = "Copy the 3-D view, at 300 dots per inch"
         picture = self._action("Copy picture of the 3-D view", tip, self._copy_picture)

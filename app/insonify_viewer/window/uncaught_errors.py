@@ -26,7 +26,7 @@ def reported_errors(complain: Callable[[Failure], None]) -> Iterator[None]:
             return
         before(kind, error, trace)
         if isinstance(error, Exception):
-            sentence = f"this is a fault of the program ({kind.__name__}: {error}); save the scene and go on"
+            sentence = f"this is a bug in insonify ({kind.__name__}: {error}); save the scene before you continue"
             complain(Failure(sentence, format_trace(error)))
 
     sys.excepthook = tell

@@ -71,7 +71,7 @@ def read_images(folder: Path) -> Images:
             with Image.open(path) as picture:
                 images.append(np.asarray(picture.convert("L")))
         except OSError as fault:
-            raise SceneError(f"{path}: is no image that can be read ({fault}); remove it") from None
+            raise SceneError(f"{path}: cannot be read as an image ({fault}); remove it from the folder") from None
     images = [image for image in images if min(image.shape) >= LEAST]
     if len(images) < FEWEST:
         raise SceneError(f"{folder}: {len(images)} images of at least {LEAST} pixels a side; give at least {FEWEST}")

@@ -222,7 +222,7 @@ def _prepare_paths(
     """Check parameters of `ray_paths` and return the packed water, the launch angles and the limits of rays."""
     launch = np.atleast_1d(np.asarray(angles, dtype=np.float64))
     if launch.ndim != 1:
-        raise SceneError(f"angles: an array of {launch.ndim} dimensions is no list of angles; flatten it")
+        raise SceneError(f"angles: has {launch.ndim} dimensions; give a one-dimensional array")
     if not (np.abs(launch) <= 90.0).all():
         raise SceneError(f"angles: {_first(launch, np.abs(launch) <= 90.0)} must lie between -90 and 90 degrees")
     _check("max_range", max_range, max_range > 0.0, "give a length above 0")
@@ -314,7 +314,7 @@ def _ranges(ranges: ArrayLike | None, max_range: float) -> Values:
     if not inside.all():
         raise SceneError(f"ranges: {_first(wanted, inside)} must lie between 0 and max_range, {max_range:g} m")
     if (np.diff(wanted) <= 0.0).any():
-        raise SceneError("ranges: must ascend, each number once; sort them")
+        raise SceneError("ranges: must increase; sort them and remove duplicates")
     return wanted
 
 

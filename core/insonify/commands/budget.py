@@ -15,7 +15,7 @@ def register(subparsers: Any) -> None:
     parser = subparsers.add_parser(
         "budget",
         description="Print the sonar equation of a level bed of the scene's materials and of a target on it, line by "
-        "line in dB, and the range at which each drowns in noise and reverberation. Example: insonify budget "
+        "line in dB, and the range beyond which noise and reverberation are louder. Example: insonify budget "
         "raw-record --range 40 --target -15",
     )
     add_scene(parser)
@@ -23,7 +23,7 @@ def register(subparsers: Any) -> None:
     parser.add_argument(
         "--target", type=decibels, default=-20.0, metavar="TS", help="target strength, dB (default: %(default)g)"
     )
-    parser.add_argument("-o", "--output", metavar="OUT", help=f"write it over range: {', '.join(SUFFIXES)}")
+    parser.add_argument("-o", "--output", metavar="OUT", help=f"file for the levels over range: {', '.join(SUFFIXES)}")
     parser.set_defaults(run=run)
 
 
@@ -57,9 +57,7 @@ def run(arguments: argparse.Namespace) -> None:
 def _where(farthest: float, end: float) -> str:
     """Range up to which something is detected, in words."""
     if farthest == 0.0:
-        return "drowns at every range"
-    return (
-        f"above noise and reverberation up to {farthest:.1f} m"
-        if farthest < math.inf
-        else f"never drowns up to {end:.0f} m"
-    )
+        return "below noise and reverberation at every range"
+    if farthest == math.inf:
+        return f"above noise and reverberation up to {end:.0f} m at least"
+    return f"above noise and reverberation up to {farthest:.1f} m"

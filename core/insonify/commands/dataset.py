@@ -24,7 +24,7 @@ def register(subparsers: Any) -> None:
         epilog=EXAMPLES,
     )
     add_specification(parser, "datasets", "data set")
-    parser.add_argument("--scenes", metavar="N", help="number of scenes, instead of that of the specification")
+    parser.add_argument("--scenes", metavar="N", help="number of scenes, in place of the number in the specification")
     parser.add_argument(
         "--preview", type=int, metavar="N", help="write only a contact sheet of the first N scenes: OUTPUT is a PNG"
     )

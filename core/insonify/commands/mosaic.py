@@ -37,7 +37,7 @@ def register(subparsers: Any) -> None:
         "--altitude",
         choices=ALTITUDES,
         default=ALTITUDES[0],
-        help="altitude that corrects slant range; a record without altitude is bottom-tracked (default: %(default)s)",
+        help="altitude for the slant-range correction; without it a record is bottom-tracked (default: %(default)s)",
     )
     parser.add_argument(
         "--crs", metavar="CRS", help="map of the mosaic, e.g. EPSG:32631 (default: UTM zone of the first record)"

@@ -56,7 +56,7 @@ def add_method(parser: argparse.ArgumentParser) -> None:
         action="append",
         default=[],
         metavar="SUBJECT=CHOICE",
-        help="override a choice of the plan, e.g. planes=16 or bending=off; repeatable",
+        help="set a choice of the plan yourself, e.g. planes=16 or bending=off; repeatable",
     )
 
 
@@ -67,11 +67,11 @@ def find_pixel(scene: Scene, ping: int, side: str, slant_range: float) -> tuple[
     """Find a pixel of a scene's record."""
     pings, sonar = scene.track.pings, scene.sonar
     if not 0 <= ping < pings:
-        raise SceneError(f"ping {ping}: the track has none such; give one from 0 to {pings - 1}")
+        raise SceneError(f"ping {ping}: the track has {pings} pings; give a number from 0 to {pings - 1}")
     if side not in SIDES:
-        raise SceneError(f"side {side!r}: neither port nor starboard; give one of both")
+        raise SceneError(f"side {side!r} is not known; choose port or starboard")
     if not 0.0 <= slant_range < sonar.range:
-        raise SceneError(f"range {slant_range:g} m: outside the record; give 0 up to {sonar.range:g} m")
+        raise SceneError(f"range {slant_range:g} m is outside the record; give one from 0 to {sonar.range:g} m")
     return ping, SIDES.index(side), min(int(slant_range / sonar.range * sonar.bins), sonar.bins - 1)
 
 
@@ -197,7 +197,7 @@ def check_output(name: str, suffixes: tuple[str, ...], option: str = "-o") -> Pa
 def _refuse_overwriting(output: str, read: Iterable[str]) -> None:
     """Refuse an output that is one of the files that are read."""
     if any(map(_is_same_file, repeat(output), read)):
-        raise SceneError(f"-o {output}: is read by this command; give another name")
+        raise SceneError(f"-o {output}: is also an input of this command; give another name")
 
 
 def _is_same_file(one: str, other: str) -> bool:

@@ -19,7 +19,7 @@ def register(subparsers: Any) -> None:
         "can.",
         epilog=EXAMPLE,
     )
-    parser.add_argument("folders", nargs=2, metavar="FOLDER", help="images, also in folders below")
+    parser.add_argument("folders", nargs=2, metavar="FOLDER", help="folder of images; its subfolders are searched too")
     add_output(parser, (".png",), required=False)
     parser.set_defaults(run=run)
 

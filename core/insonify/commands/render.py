@@ -57,7 +57,7 @@ def register(subparsers: Any) -> None:
         files.add_argument(f"--{option.name}", choices=option.choices, help=default)
     options.add_method(parser)
     options.add_threads(parser)
-    parser.set_defaults(run=run)
+    parser.set_defaults(run=run, default_of=parser.get_default)
 
 
 def run(arguments: argparse.Namespace) -> None:
@@ -113,16 +113,8 @@ def _render_record(
     arguments: argparse.Namespace, path: Path, look: DisplayOptions, choices: Mapping[str, str]
 ) -> tuple[int, int]:
     """Read a record and write it by suffix; return its pings and bins."""
-    untouched: dict[str, object] = {
-        "set": [],
-        "seed": None,
-        "method": "auto",
-        "tolerance": 0.03,
-        "model": [],
-        "threads": None,
-        "truth": False,
-    }
-    changed = next((name for name, value in untouched.items() if getattr(arguments, name) != value), None)
+    of_scenes = ("set", "seed", "method", "tolerance", "model", "threads", "truth")
+    changed = next((name for name in of_scenes if getattr(arguments, name) != arguments.default_of(name)), None)
     if changed is not None:
         raise SceneError(f"--{changed} applies to scenes, and {arguments.scene} is a record; leave it out")
     record = read_record(arguments.scene, arguments.frequency)

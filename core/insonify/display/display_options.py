@@ -62,7 +62,7 @@ def read_display(settings: Sequence[str]) -> dict[str, Any]:
         name, value = read_setting(setting, "--display")
         if name not in DisplayOptions._fields:
             raise SceneError(
-                f"--display {name}: there is no such option; choose one of {', '.join(DisplayOptions._fields)}"
+                f"--display {name}: is not a known option; choose one of {', '.join(DisplayOptions._fields)}"
             )
         usual: Any = (0.0, 0.0) if name == "levels" else DisplayOptions._field_defaults[name]
         if not _fits(value, usual) or (name in CHOICES and value not in CHOICES[name]):

@@ -250,9 +250,9 @@ def explain_pixel(simulation: Simulation, ping: int, side: int, pixel: int) -> P
         If the record has no such pixel, or the sonar is inside a target.
     """
     if ping < 0:
-        raise SceneError(f"ping: {ping} is before the first; give a number from 0")
+        raise SceneError(f"ping: {ping} is negative; give a number from 0")
     if side not in (0, 1):
-        raise SceneError(f"side: {side} is neither port (0) nor starboard (1); give one of both")
+        raise SceneError(f"side: {side} is not known; give 0 (port) or 1 (starboard)")
     if not 0 <= pixel < simulation.reduced.bins:
         raise SceneError(f"bin: {pixel} is outside the record; give one from 0 to {simulation.reduced.bins - 1}")
     parts = find_pixel_parts(simulation, ping, side, pixel)
@@ -356,7 +356,7 @@ def _with_receiver(terms: list[Term], stages: Sequence[ReceiverStage], side: int
     budget, total = list(terms), sum(term.decibels for term in terms) if terms else SILENCE
     if levels[0] > SILENCE and abs(levels[0] - total) > NEGLIGIBLE:
         change = levels[0] - total if terms else levels[0]
-        budget.append(Term("tracing", change, "between the tracer and these parts"))
+        budget.append(Term("tracing", change, "difference between the record and the sum of these parts"))
     elif terms and levels[0] == SILENCE:
         budget = []
     for before, after, stage in zip(levels, levels[1:], stages[1:]):
@@ -377,13 +377,13 @@ def _approximations(parts: PixelParts, contributions: Sequence[Contribution]) ->
     """List the differences from the record."""
     simulation, notes = parts.simulation, []
     if simulation.plan.method != "sweep":
-        notes.append("parts come from the sweep's planes, the record from single rays: the term 'tracing' is the rest")
+        notes.append("parts come from the sweep, the record from single rays; the term 'tracing' is the difference")
     elif parts.folded:
-        notes.append("refraction folds: parts are single rays, and bed that other bed hides is not listed")
+        notes.append("several rays reach one place: the parts are single rays, and bed hidden by bed is not listed")
     if simulation.reception.coherent:
         notes.append("parts are mean echoes; the term 'speckle' is the interference of single scatterers")
     if any(each.path != "direct" for each in contributions):
-        notes.append("an echo by way of the sea surface is placed where its plane returns most")
+        notes.append("an echo by way of the sea surface is listed at its strongest place")
     return tuple(notes)
 
 

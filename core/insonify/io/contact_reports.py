@@ -64,7 +64,7 @@ def _write_kml(path: Path, contacts: Sequence[Contact]) -> None:
     """Write the contacts with a place on Earth as placemarks."""
     placed = [contact for contact in contacts if contact.longitude is not None and contact.latitude is not None]
     if not placed:
-        raise SceneError(f"{path.name}: no contact has a place on Earth; give the scene one ([world]), or write HTML")
+        raise SceneError(f"{path.name}: no contact has a geographic position; set [world] in the scene, or write HTML")
     root = ElementTree.Element("kml", xmlns=KML)
     document = ElementTree.SubElement(root, "Document")
     ElementTree.SubElement(document, "name").text = path.stem

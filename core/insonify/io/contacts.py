@@ -92,7 +92,7 @@ def read_contacts(path: Path) -> tuple[Contact, ...]:
     except OSError as error:
         raise SceneError(f"{path.name}: cannot be read ({error.strerror}); choose another file") from error
     except (ValueError, LookupError, TypeError, AttributeError, RecursionError, csv.Error) as error:
-        raise SceneError(f"{path.name}: is no file of contacts; choose a GeoJSON or CSV file saved here") from error
+        raise SceneError(f"{path.name}: is not a file of contacts; choose a GeoJSON or CSV file saved here") from error
     return tuple(_contact(path, number, row) for number, row in enumerate(rows, start=1))
 
 
@@ -117,7 +117,7 @@ def _feature(contact: Contact) -> dict[str, Any]:
 def _rows_of_csv(text: str) -> list[dict[str, Any]]:
     reader = csv.DictReader(io.StringIO(text))
     if "ping" not in (reader.fieldnames or ()):
-        raise ValueError("no column of pings")
+        raise ValueError("no column named ping")
     rows = list(reader)
     for row in rows:
         row |= {name: row[name][1:] for name in TEXTS if (row.get(name) or "").startswith("'")}
@@ -131,7 +131,7 @@ def _contact(path: Path, number: int, row: dict[str, Any]) -> Contact:
         try:
             return kind(row.get(name))
         except (TypeError, ValueError, OverflowError) as error:
-            raise SceneError(f"{path.name}: contact {number} has no valid {name}; mend the file") from error
+            raise SceneError(f"{path.name}: contact {number} has no valid {name}; correct the file") from error
 
     values: dict[str, Any] = {name: plain_text(str(row.get(name) or "")) for name in TEXTS}
     values |= {name: read(name, int) for name in WHOLE}
@@ -144,7 +144,7 @@ def _contact(path: Path, number: int, row: dict[str, Any]) -> Contact:
         raise SceneError(f"{path.name}: contact {number} has side {row.get('side')!r}; write port or starboard")
     if values["confidence"] not in CONFIDENCES:
         known = ", ".join(CONFIDENCES[1:])
-        raise SceneError(f"{path.name}: contact {number} has another confidence; write {known} or nothing")
+        raise SceneError(f"{path.name}: contact {number} has an unknown confidence; write {known} or leave it empty")
     if values["slant_range"] is None:
         raise SceneError(f"{path.name}: contact {number} has no slant_range; write it in metres")
     if min(values["ping"], values["range_bin"]) < 0:

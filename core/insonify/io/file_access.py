@@ -77,7 +77,7 @@ def reason(error: Exception) -> str:
     if isinstance(error, MemoryError):
         return "it does not fit in memory"
     if isinstance(error, UnicodeDecodeError):
-        return f"it is no text in {error.encoding.upper()}"
+        return f"it is not text in {error.encoding.upper()}"
     text = error.strerror if isinstance(error, OSError) and error.strerror else str(error)
     return " ".join(text.split())[:120] or type(error).__name__
 
@@ -98,7 +98,7 @@ def check_folder(path: str | Path, remedy: str = "give the path of a folder") ->
         for name in (*folders, *files):
             mode = os.lstat(os.path.join(place, name)).st_mode
             if not (stat.S_ISDIR(mode) or stat.S_ISREG(mode)):
-                raise FileFault(f"holds {name[:80]!r}, which is no regular file", "remove that")
+                raise FileFault(f"contains {name[:80]!r}, which is not a regular file", "remove that")
 
 
 def open_regular(path: str | Path) -> BinaryIO:
@@ -143,7 +143,7 @@ def check_companions(path: str | Path) -> None:
     file = Path(path)
     for other in file.parent.glob(f"{glob.escape(file.stem)}.*"):
         if not (other.is_file() or other.is_dir() or not other.exists()):
-            raise FileFault(f"has {other.name!r} beside it, which is no regular file", "remove that")
+            raise FileFault(f"has {other.name!r} beside it, which is not a regular file", "remove that")
 
 
 def companion(path: str | Path, name: str) -> Path:

@@ -27,7 +27,7 @@ def decode_picture(path: str) -> tuple[str, NDArray[np.integer]]:
         try:
             picture = Image.open(file, formats=FORMATS)  # by its content; the suffix does not count
         except UnidentifiedImageError:
-            raise FileFault(f"is no picture in {' or '.join(FORMATS)}", "save it as one") from None
+            raise FileFault(f"is not a picture in {' or '.join(FORMATS)}", "save it as one") from None
         if max(picture.size) > LARGEST_SIDE:
             raise FileFault("is too large to be read", "thin it to 8192 pixels a side")
         check_expansion(path, picture.width * picture.height * PIXEL)

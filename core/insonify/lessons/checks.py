@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from itertools import combinations
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from insonify.errors import SceneError
 from insonify.lessons.conditions import Reader, parse_condition, parse_expression
@@ -11,8 +11,7 @@ from insonify.lessons.courses import check_course
 from insonify.lessons.lesson import Lesson, Step
 from insonify.lessons.quantities import QUANTITIES
 from insonify.lessons.questions import Ask
-from insonify.lessons.states import LessonState, named, states_of
-from insonify.scene import Scene
+from insonify.lessons.states import AUTOMATIC, USUAL_TOLERANCE, LessonState, named, states_of
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -87,16 +86,20 @@ class _Simulated:
         if measure is None:
             return self._state.quantity(name, arguments)
         if self._record is None:
-            self._record = _simulate(self._state.scene)
+            self._record = _simulate(self._state)
         self.measured = True
         return measure(self._state.scene, self._record, *arguments)
 
 
-def _simulate(scene: Scene) -> xr.Dataset:
+def _simulate(state: LessonState) -> xr.Dataset:
+    """Simulate the scene of a state with the choices of its plan."""
     # lazy: loads Numba
     from insonify.simulation import simulate
 
-    return simulate(scene)
+    plan: dict[str, Any] = {path[5:]: value for path, value in state.window.items() if path.startswith("plan.")}
+    tolerance = plan.pop("tolerance", USUAL_TOLERANCE)
+    forced = {subject: choice for subject, choice in plan.items() if choice != AUTOMATIC}
+    return simulate(state.scene, tolerance=tolerance, forced=forced)
 
 
 def _check_record(ask: Ask, start: LessonState, end: LessonState) -> bool:

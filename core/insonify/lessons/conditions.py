@@ -71,7 +71,7 @@ def parse_condition(text: str) -> Condition:
     """Parse a condition, such as ``sonar.beam.width >= 5 and sonar.beam.kind == "fan"``."""
     parser, term = _parse(text, "join comparisons by and, or")
     if not parser.compares:
-        raise _fault(text, "compares nothing; write for example sonar.beam.width >= 5")
+        raise _fault(text, "contains no comparison; write for example sonar.beam.width >= 5")
     return Condition(text, tuple(dict.fromkeys(parser.fields)), term)
 
 
@@ -79,7 +79,7 @@ def parse_expression(text: str) -> Expression:
     """Parse an expression of a number, such as ``shadow_length(targets.0.size.2, 21.4)``."""
     parser, term = _parse(text, "join values by + - * /")
     if parser.compares:
-        raise _fault(text, "compares, but should be a number; write for example 2 * altitude()")
+        raise _fault(text, "is a comparison where a number is needed; write for example 2 * altitude()")
     return Expression(text, term)
 
 
@@ -90,7 +90,7 @@ def _parse(text: str, remedy: str) -> tuple[_Parser, Term]:
     parser = _Parser(text)
     term = parser.expression()
     if parser.token:
-        raise _fault(text, f"{parser.token!r} does not belong there; {remedy}")
+        raise _fault(text, f"{parser.token!r} is not expected here; {remedy}")
     return parser, term
 
 

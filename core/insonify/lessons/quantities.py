@@ -77,10 +77,6 @@ def _ping_spacing(scene: Scene) -> float:
     return scene.track.speed / scene.sonar.ping_rate
 
 
-def _pings_on(scene: Scene, length: float, slant_range: float) -> float:
-    return (length + _along_resolution(scene, slant_range)) / _ping_spacing(scene)
-
-
 def _edges(scene: Scene) -> NDArray[np.float64]:
     return np.linspace(0.0, scene.sonar.range, scene.sonar.bins + 1)
 
@@ -103,39 +99,46 @@ def _dark_stretch(scene: Scene, record: xr.Dataset) -> tuple[float, float]:
     return float(edges[starts[longest]]), float(edges[ends[longest]])
 
 
-def _measured_first_return(scene: Scene, record: xr.Dataset) -> float:
-    """Median over pings of the first bin that an echo reaches."""
-    heard = record.intensity.to_numpy() > 0.0
-    return float(np.median(_edges(scene)[heard.any(axis=0).argmax(axis=1)]))
+def _edge_of_echoes(scene: Scene, record: xr.Dataset, order: int = 1) -> float:
+    """Median over pings of the slant range of the first bin with an echo, or of the last with the order -1."""
+    echo = record.intensity.to_numpy()[..., ::order] > 0.0
+    return float(np.median(_edges(scene)[::order][echo.any(axis=0).argmax(axis=1)]))
 
 
-def _measured_last_return(scene: Scene, record: xr.Dataset) -> float:
-    """Median over pings of the last bin that an echo reaches."""
-    heard = record.intensity.to_numpy()[..., ::-1] > 0.0
-    return float(np.median(_edges(scene)[::-1][heard.any(axis=0).argmax(axis=1)]))
+def _between(measure: Callable[[NDArray[np.float64]], float]) -> Callable[..., float]:
+    """Measure the intensity between two slant ranges, (sides, pings, bins)."""
+
+    def measured(scene: Scene, record: xr.Dataset, near: float, far: float) -> float:
+        centres = 0.5 * (_edges(scene)[1:] + _edges(scene)[:-1])
+        return float(measure(record.intensity.to_numpy()[..., (centres >= near) & (centres <= far)]))
+
+    return measured
 
 
-def _within(scene: Scene, record: xr.Dataset, near: float, far: float) -> NDArray[np.float64]:
-    """Intensity of both sides between two slant ranges."""
-    centres = 0.5 * (_edges(scene)[1:] + _edges(scene)[:-1])
-    intensity: NDArray[np.float64] = record.intensity.to_numpy()[..., (centres >= near) & (centres <= far)]
-    return intensity
-
-
-def _measured_level(scene: Scene, record: xr.Dataset, near: float, far: float) -> float:
-    return 10.0 * math.log10(float(_within(scene, record, near, far).mean()))
-
-
-def _measured_contrast(scene: Scene, record: xr.Dataset, near: float, far: float) -> float:
+def _contrast(within: NDArray[np.float64]) -> float:
     """Spread of the mean over pings about a parabola of the logarithms, which takes off its fall with range."""
-    within = _within(scene, record, near, far).mean(axis=(0, 1))
-    logarithm, place = np.log(np.maximum(within, 1e-30)), np.linspace(-1.0, 1.0, within.size)
+    mean = within.mean(axis=(0, 1))
+    logarithm, place = np.log(np.maximum(mean, 1e-30)), np.linspace(-1.0, 1.0, mean.size)
     return float(np.std(logarithm - np.polyval(np.polyfit(place, logarithm, 2), place)))
 
 
-def _measured_dark(scene: Scene, record: xr.Dataset, near: float, far: float) -> float:
-    within = _within(scene, record, near, far)
-    return float((within < DARK * within.max()).mean())
+def _along_contrast(within: NDArray[np.float64]) -> float:
+    louder = max(within, key=np.max)
+    return float(louder.std(axis=0).mean() / louder.mean())
+
+
+def _along_period(within: NDArray[np.float64]) -> float:
+    """Pings per wave at the peak of the spectrum along the track."""
+    louder = max(within, key=np.max)
+    power = np.square(np.abs(np.fft.rfft(louder - louder.mean(axis=0), axis=0))).sum(axis=1)
+    return len(louder) / float(power.argmax())
+
+
+def _echoes(within: NDArray[np.float64]) -> float:
+    """Count the stretches of the track in which the strongest bin exceeds a quarter of its greatest intensity."""
+    strongest = max(within, key=np.max).max(axis=1)
+    loud = strongest > 0.25 * strongest.max()
+    return float(np.count_nonzero(np.diff(loud, prepend=False) & loud))
 
 
 _AT, _STRETCH = ("slant_range (m)",), ("near (m)", "far (m)")
@@ -151,13 +154,13 @@ QUANTITIES: dict[str, Quantity] = {
             scene.sonar.frequency, scene.seabed.depth - scene.altitude),
     ),
     "bin_length": Quantity((), "length of a bin (m)", lambda scene: scene.sonar.range / scene.sonar.bins),
-    "ping_spacing": Quantity((), "distance that the fish travels between two pings (m)", _ping_spacing),
+    "ping_spacing": Quantity((), "distance that the towfish travels between two pings (m)", _ping_spacing),
     "fastest_ping_rate": Quantity(
         (), "ping rate at which a ping waits for the last echo of the one before (1/s)",
         lambda scene: 0.5 * _speed(scene) / scene.sonar.range,
     ),
     "first_return": Quantity(
-        (), "slant range of the first echo of a level bed (m)", lambda scene: scene.altitude, _measured_first_return
+        (), "slant range of the first echo of a level bed (m)", lambda scene: scene.altitude, _edge_of_echoes
     ),
     "slant_range": Quantity(_OVER, "slant range of a point at a height above the bed (m)", _slant_range),
     "ground_range": Quantity(_AT, "distance across the track of the bed at a slant range (m)", _ground_range),
@@ -173,16 +176,26 @@ QUANTITIES: dict[str, Quantity] = {
     "along_resolution": Quantity(_AT, "width of the beam along the track (m)", _along_resolution),
     "across_resolution": Quantity((), "slant range between two echoes that the pulse resolves (m)",
                                   lambda scene: scene.sonar.pulse.cell(_speed(scene))),
-    "pings_on": Quantity(("length (m)", *_AT), "pings that reach a target of a length along the track", _pings_on),
+    "pings_on": Quantity(("length (m)", *_AT), "pings that reach a target of a length along the track",
+                         lambda scene, length, at: (length + _along_resolution(scene, at)) / _ping_spacing(scene)),
     "sin": Quantity(("angle (°)",), "sine", lambda _, angle: math.sin(math.radians(angle))),
     "cos": Quantity(("angle (°)",), "cosine", lambda _, angle: math.cos(math.radians(angle))),
     "tan": Quantity(("angle (°)",), "tangent", lambda _, angle: math.tan(math.radians(angle))),
     "arccos": Quantity(("cosine",), "angle (°)", lambda _, cosine: math.degrees(math.acos(cosine))),
     "sqrt": Quantity(("number",), "square root", lambda _, number: math.sqrt(number)),
     "log10": Quantity(("number",), "logarithm to base 10", lambda _, number: math.log10(number)),
-    "last_return": Quantity((), "slant range of the last echo (m)", measure=_measured_last_return),
-    "level": Quantity(_STRETCH, "mean intensity between two slant ranges (dB)", measure=_measured_level),
+    "last_return": Quantity((), "slant range of the last echo (m)",
+                            measure=lambda scene, record: _edge_of_echoes(scene, record, -1)),
+    "level": Quantity(_STRETCH, "mean intensity between two slant ranges (dB)",
+                      measure=_between(lambda within: 10.0 * math.log10(float(within.mean())))),
     "contrast": Quantity(_STRETCH, "relative spread of the intensity between two slant ranges about its fall",
-                         measure=_measured_contrast),
-    "dark_share": Quantity(_STRETCH, "share of bins between two slant ranges that are dark", measure=_measured_dark),
+                         measure=_between(_contrast)),
+    "dark_share": Quantity(_STRETCH, "share of bins between two slant ranges that are dark",
+                           measure=_between(lambda within: float((within < DARK * within.max()).mean()))),
+    "along_contrast": Quantity(_STRETCH, "relative spread of the intensity along the track between two slant ranges",
+                               measure=_between(_along_contrast)),
+    "along_period": Quantity(_STRETCH, "pings from band to band along the track between two slant ranges",
+                             measure=_between(_along_period)),
+    "echoes": Quantity(_STRETCH, "strong echoes apart along the track between two slant ranges, on the louder side",
+                       measure=_between(_echoes)),
 }  # fmt: skip

@@ -60,7 +60,7 @@ class Probe:
         # Pings, in an order in which few are spread like all, from the first return, over the flat-bed curve.
         self._traced: dict[Model, Record] = {}
         self._timed: dict[tuple[str, bool], float] = {}  # seconds per work
-        self._differences: dict[tuple[Model, Model, float, bool, int | None], float] = {}
+        self._differences: dict[tuple[Model, Model, float, bool, tuple[int, ...]], float] = {}
 
     def leave_out_collisions(self, model: Model) -> None:
         """Leave out pings in which the sonar is inside a target: they are refused when they are simulated."""
@@ -93,27 +93,34 @@ class Probe:
         return self.count(model) * self.work(model) <= MOST
 
     def difference(
-        self, coarse: Model, fine: Model, *, nearer: float = 0.0, cautious: bool = False, most: int | None = None
+        self, coarse: Model, fine: Model, *, nearer: float = 0.0, cautious: bool = False, of: tuple[int, ...] = ()
     ) -> float:
-        """Error of a model against a finer one: the greater of that over the track and that across targets."""
+        """Error of a model against a finer one, of some pings or all: the greater of those over track and targets."""
         coarse, fine = _without_surface_echo(coarse, fine)
         if coarse == fine:
             return 0.0
-        key = coarse, fine, nearer, cautious, most
+        key = coarse, fine, nearer, cautious, of
         if key not in self._differences:
             count = self.count(max(coarse, fine, key=self.work))
-            count = count if most is None else min(count, most)
-            one, other = (self._trace(model, count)[:count] for model in (coarse, fine))
+            one, other = (self._trace(model, count, of) for model in (coarse, fine))
             missed, whole = (np.square(part).sum(axis=1, dtype=np.float64) for part in (one - other, other))
-            errors = [self._error(missed[:, self._beyond :], whole[:, self._beyond :], cautious)]
+            across = self._is_across[list(of) or slice(count)]
+            errors = [self._error(missed[:, self._beyond :], whole[:, self._beyond :], across, cautious)]
             if nearer > 0.0:
-                errors.append(nearer * self._error(missed, whole, cautious))
+                errors.append(nearer * self._error(missed, whole, across, cautious))
             self._differences[key] = max(errors)
         return self._differences[key]
 
-    def _error(self, missed: NDArray[np.float64], whole: NDArray[np.float64], cautious: bool) -> float:
+    def loudest(self, model: Model, most: int) -> tuple[int, ...]:
+        """Return the pings of the greatest energy over the level-bed curve by a model."""
+        record = self._trace(_without_surface_echo(model)[0], self.count(model))[:, :, self._beyond :]
+        energy = np.square(record, dtype=np.float64).sum(axis=(1, 2))
+        return tuple(np.argsort(-energy, kind="stable")[:most].tolist())
+
+    def _error(
+        self, missed: NDArray[np.float64], whole: NDArray[np.float64], across: NDArray[np.bool_], cautious: bool
+    ) -> float:
         """Greatest error of both groups of pings, from squares."""
-        across = self._is_across[: missed.shape[0]]
         squares = missed.sum(axis=1), whole.sum(axis=1)
         groups = [tuple(part[of] for part in squares) for of in (across, ~across)]
         return max(
@@ -129,7 +136,7 @@ class Probe:
         """
         models = _without_surface_echo(coarser, coarse, fine)
         count = self.count(models[-1])
-        records = [self._trace(model, count)[:count, :, self._beyond :] for model in models]
+        records = [self._trace(model, count)[:, :, self._beyond :] for model in models]
         before, last = records[0] - records[1], records[1] - records[2]
         square = float(np.square(before).sum(dtype=np.float64))
         return float((before * last).sum(dtype=np.float64)) / square if square > 0.0 else 0.0
@@ -164,18 +171,22 @@ class Probe:
         trace_model(packed, model, poses)
         return time.thread_time() - began
 
-    def _trace(self, model: Model, count: int) -> Record:
-        """Trace a number of the pings, unless as many are traced already."""
-        if model not in self._traced or self._traced[model].shape[0] < count:
-            self._traced[model] = self._made(model, min(count, self._is_across.size))
-        return self._traced[model]
+    def _trace(self, model: Model, count: int, of: tuple[int, ...] = ()) -> Record:
+        """Trace a number of the pings, or some of them, unless they are traced already."""
+        pings = np.array(of or range(min(count, self._is_across.size)))
+        if model in self._traced and self._traced[model].shape[0] > pings.max():
+            return self._traced[model][pings]
+        made = self._made(model, pings)
+        if not of:
+            self._traced[model] = made
+        return made
 
-    def _made(self, model: Model, count: int) -> Record:
+    def _made(self, model: Model, pings: NDArray[np.int64]) -> Record:
         def block(first: int, last: int) -> Record:
-            return trace_model(self._packed, model, take_poses(self._poses, slice(first, last)))
+            return trace_model(self._packed, model, take_poses(self._poses, pings[first:last]))
 
-        parts = in_parallel(block, count, least=1 if model.rays >= RAYS_OF_A_THREAD else OF_A_THREAD)
-        return np.asarray(np.concatenate(parts)[:, :, self._near :] * self._scale[:count])
+        parts = in_parallel(block, pings.size, least=1 if model.rays >= RAYS_OF_A_THREAD else OF_A_THREAD)
+        return np.asarray(np.concatenate(parts)[:, :, self._near :] * self._scale[pings])
 
 
 def _without_surface_echo(*models: Model) -> tuple[Model, ...]:

@@ -54,7 +54,7 @@ class Scene(Declaration):
         None, "scene to compare with: name or TOML file (this scene when left out), then settings path=value"
     )
     seed: int = parameter(1, "seed of all random numbers", ge=0, le=2**63 - 1)
-    world: World = parameter(World, "place on Earth")
+    world: World = parameter(World, "geographic position and map coordinates")
     seabed: Seabed = parameter(Seabed, "the bed")
     targets: tuple[AnyTarget, ...] = parameter((), "targets on the bed", max_length=MOST_TARGETS)
     volumes: tuple[AnyVolume, ...] = parameter((), "schools and plumes in the water column", max_length=MOST_TARGETS)

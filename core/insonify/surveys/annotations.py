@@ -52,7 +52,7 @@ class Coco(AnnotationKind):
 
     rank = 10
     kind: Literal["coco"] = "coco"
-    of: tuple[Extent, ...] = parameter(EXTENTS, "what of a target is annotated, a file each", min_length=1)
+    of: tuple[Extent, ...] = parameter(EXTENTS, "echo, shadow or both of a target; one file each", min_length=1)
 
     @contextmanager
     def collect(self, folder: Path, splits: Sequence[str], classes: Sequence[str]) -> Iterator[Collector]:
@@ -131,7 +131,7 @@ class Yolo(AnnotationKind):
 
     rank = 20
     kind: Literal["yolo"] = "yolo"
-    of: Extent = parameter("both", "what of a target the box holds")
+    of: Extent = parameter("both", "what the box of a target encloses: echo, shadow or both")
 
     def of_tile(self, tile: Mapping[str, Any], classes: Sequence[str]) -> dict[str, tuple[str, bytes]]:
         """Text of boxes; empty for an image without targets."""

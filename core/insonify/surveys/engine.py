@@ -34,7 +34,7 @@ RECOUNT = 5.0  # s, after which the workers are counted again
 CLOSING = 30.0  # s for the workers to end
 INTERRUPTED = 130
 MOST_TRIES = 4
-ENDED = "its worker ended four times in a row, perhaps for want of memory; give fewer workers"
+ENDED = "its worker process ended four times in a row, possibly out of memory; use fewer workers"
 
 
 class Work(Protocol):
@@ -138,13 +138,13 @@ def prepare_folder(folder: Path, names: Iterable[str], what: str) -> list[str]:
     """Make the folder of a work, or resume one that contains a part of it; return the jobs that are missing."""
     wanted = list(names)
     if folder.exists() and not (folder / FLAGS).is_dir() and (not folder.is_dir() or any(folder.iterdir())):
-        raise SceneError(f"-o {folder}: holds other files; give a new folder, or one that this command has begun")
+        raise SceneError(f"-o {folder}: contains other files; give a new folder, or that of an earlier run")
     done = done_jobs(folder)
     foreign = sorted(done.difference(wanted))
     if foreign:
         raise SceneError(
-            f"-o {folder}: holds {len(foreign)} jobs of another {what}, or of another version of insonify, such as "
-            f"{foreign[0]}; give a new folder, or the specification that it was begun with"
+            f"-o {folder}: contains {len(foreign)} jobs of another {what}, or of another version of insonify, such as "
+            f"{foreign[0]}; give a new folder, or the specification of the earlier run"
         )
     _clear_unfinished(folder)
     return [name for name in wanted if name not in done]
@@ -185,8 +185,8 @@ def _watched(client: Any, scheduler: str) -> Iterator[None]:
         if client.status == "running":
             raise
         raise SceneError(
-            f"--scheduler {scheduler}: the scheduler has ended, or cannot be reached any more; what is done stays: "
-            "start a scheduler with workers, and the same command goes on"
+            f"--scheduler {scheduler}: the scheduler has ended or cannot be reached; finished jobs are kept: "
+            "start a scheduler with workers and repeat the command to resume"
         ) from None
 
 
@@ -196,7 +196,7 @@ def _begin(client: Any, workers: Workers, work: Work, scheduler: str) -> Work:
         client.wait_for_workers(1, timeout=PATIENCE)
     except TimeoutError:
         raise SceneError(
-            f"--scheduler {scheduler}: no worker has come within {PATIENCE:g} s; start some, with 'dask worker'"
+            f"--scheduler {scheduler}: no worker connected within {PATIENCE:g} s; start workers with 'dask worker'"
         ) from None
     workers.count()
     if not workers.threads:
@@ -294,7 +294,7 @@ class Ended(NamedTuple):
         if self.failures:
             first, total = min(self.failures), len(self.done) + len(self.failures)
             raise SceneError(
-                f"{len(self.failures)} of {total} jobs could not be done, the others are done; "
+                f"{len(self.failures)} of {total} jobs failed, the others are finished; "
                 f"job {job_number(first.name)}: {first.failure}"
             )
 
@@ -317,7 +317,7 @@ def work_on(work: Work, what: str, scheduler: str, unit: str = "job") -> Ended |
         failures = run_jobs(work, missing, scheduler, advance)
     except (KeyboardInterrupt, SystemExit) as leaving:
         progress.close()
-        sentence = f"interrupted; {done} of {len(names)} {unit}s are done and stay; the same command goes on"
+        sentence = f"interrupted; {done} of {len(names)} {unit}s are finished and kept; repeat the command to resume"
         sys.stderr.write(f"insonify: {sentence}\n")
         if isinstance(leaving, SystemExit):
             raise

@@ -63,7 +63,7 @@ class Workers:
         if self._expected is None and build == here:
             self._expected = claim_build(self._flags, build)
         if difference := (self._expected or here).difference(build):
-            return f"it has {difference}; files of both would not be the same to the bit: let workers be alike"
+            return f"it has {difference}, so its files would not be identical bit for bit; use identical workers"
         return ""
 
     def _remind(self, present: int) -> None:
@@ -73,8 +73,8 @@ class Workers:
             self._since, self._told = now, 0.0
         elif now - self._since > SILENCE and now - self._told > REMINDER:
             self._told = now
-            left = f"none of the {present} workers may do the jobs that are left" if present else "no worker is left"
-            _say(f"--scheduler {self._scheduler}: {left}; start some, or interrupt: the same command goes on")
+            left = f"none of {present} workers suits the remaining jobs" if present else "no worker is connected"
+            _say(f"--scheduler {self._scheduler}: {left}; start workers, or interrupt and resume later")
 
 
 def claim_build(flags: Path, build: Build) -> Build:

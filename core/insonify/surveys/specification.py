@@ -34,7 +34,7 @@ def _read_values(
     """Read the values of a specification, over those of the one that it is `like`: tables are joined."""
     path = bundled.get(name) or folder / name
     if path in parents:
-        raise SceneError(f"{path.name}: like: the specification is like itself; name another one")
+        raise SceneError(f"{path.name}: like: the specification refers to itself; name another one")
     text = read_named("specification", name, path, form="TOML", bundled=bundled, largest=LARGEST)
     try:
         values = with_paths_beside(path, tomllib.loads(text))

@@ -55,7 +55,7 @@ def choose_map(name: str, record: xr.Dataset, crs: str | None) -> str:
     place = find_georeference(record.attrs)
     if place is None or not place.crs:
         if crs is not None and place is None:
-            raise SceneError(f"{name}: has no place on Earth, so that --crs does not apply; leave it out")
+            raise SceneError(f"{name}: has no geographic position, so that --crs does not apply; leave it out")
         return crs or ""
     if crs is not None:
         return crs
@@ -92,7 +92,7 @@ def _altitudes(name: str, record: xr.Dataset, altitude: str) -> NDArray[np.float
     else:
         found = track_bottom(record["intensity"].values, 2.0 * float(record["slant_range"].values[0]))
     if not np.isfinite(found).all():
-        raise SceneError(f"{name}: tells no altitude and shows no first echo of the bed; leave it out of the mosaic")
+        raise SceneError(f"{name}: has neither an altitude nor a first echo of the bed; leave it out of the mosaic")
     return found
 
 
@@ -112,9 +112,9 @@ def put_on_map(
     """Transform positions of a record to the map."""
     if place is None:
         if crs:
-            raise SceneError(f"{name}: has no place on Earth, and other records have; make a mosaic of its own of it")
+            raise SceneError(f"{name}: has no geographic position, unlike other records; make a separate mosaic of it")
         return np.stack([x, y], axis=1)
     x, y = x + place.origin[0], y + place.origin[1]
     if place.crs and not crs:
-        raise SceneError(f"{name}: lies on the map {place.crs}, and other records on none; give theirs with --crs")
+        raise SceneError(f"{name}: has coordinates in {place.crs}, other records have none; give theirs with --crs")
     return np.stack(project(place.crs, crs, x, y) if place.crs else (x, y), axis=1)

@@ -99,7 +99,7 @@ def recorded_at(scene: Scene, pings: NDArray[np.floating] | NDArray[np.int64]) -
         tow = unplaced if unplaced.place is None else _on_the_map(unplaced, scene.georeference)
         both = sorted(known.keys() & tow.columns.keys())
         if both:
-            raise SceneError(f"track.motion.of: {path!r} gives {both[0]} a second time; leave it out of one file")
+            raise SceneError(f"track.motion.of: {path!r} repeats {both[0]} of another file; leave it out of one")
         known |= _at(tow, time, track.speed)
     _reject_conflicting_settings(track, known)
     return known

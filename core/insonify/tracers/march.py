@@ -37,5 +37,5 @@ def trace(
 ) -> Record:
     """Trace pings by marching along each ray until it is below the bed or inside a body."""
     if not (step > 0.0 and math.isfinite(step)):
-        raise SceneError(f"step: {step:g} is no length; give metres greater than 0")
+        raise SceneError(f"step: {step:g} m is not valid; give a length above 0")
     return trace_rays(arrays, poses, rays, step, threads)

@@ -12,9 +12,9 @@ def trace(
     """Trace pings by exact rays, sheet by sheet, each sheet integrated over elevation."""
     sheets = int(sheets) if arrays.half_width > 0.0 else 1
     if not 1 <= sheets <= rays:
-        raise SceneError(f"rays: {rays} a sheet of {sheets} sheets is too few; give at least as many as sheets, from 1")
+        raise SceneError(f"rays: {rays} rays for {sheets} sheets are too few; give at least one per sheet")
     if not can_trace(arrays):
-        raise SceneError("sheets: trace first echoes alone; take rays for multipath and bounces")
+        raise SceneError("sheets: this method traces first echoes only; use rays for multipath and bounces")
     out = empty_record(arrays, poses)
 
     def block(part: Poses, first: int, last: int) -> None:

@@ -144,6 +144,6 @@ def _refuse_bends(arrays: SceneArrays, bounces: int) -> None:
     """Refuse to follow bounces along arcs."""
     if arrays.water.bent and bounces > 0:
         raise SceneError(
-            f"sonar.bounces: {bounces} of them are followed along straight lines, and this water bends sound; "
+            f"sonar.bounces: {bounces} bounces are traced along straight lines only, but this water refracts sound; "
             "set it to 0 or water.kind to uniform"
         )

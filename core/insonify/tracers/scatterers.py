@@ -109,7 +109,7 @@ def sample_pulse(pulse: DeclaredPulse, sound_speed: float, bin_length: float, bi
     if bins * samples * cells > MOST_SAMPLES:
         raise SceneError(
             f"receiver.speckle: 'coherent' samples waves every {step:.2g} m, as sonar.pulse resolves them, and the "
-            "range is too long for that; lengthen the pulse, lower its bandwidth or shorten sonar.range"
+            "range has too many such samples; lengthen the pulse, lower its bandwidth or shorten sonar.range"
         )
     if pulse.length == 0.0:
         return PulseTaps(1, cells, np.full(cells, 1.0), cells // 2)
@@ -127,8 +127,8 @@ def _refuse_fine_bed(planes: int, knots: int, arrays: SceneArrays) -> None:
     spacing = arrays.bed.spacing
     if planes * knots > MOST_KNOTS:
         raise SceneError(
-            f"receiver.speckle: 'coherent' keeps what {planes} planes see of a bed of seabed.spacing {spacing:g} m, "
-            f"and here it is too much; widen the spacing to {spacing * planes * knots / MOST_KNOTS:.2g} m, "
+            f"receiver.speckle: 'coherent' keeps {planes} profiles of a bed of seabed.spacing {spacing:g} m in memory, "
+            f"which is too much; widen the spacing to {spacing * planes * knots / MOST_KNOTS:.2g} m, "
             "shorten sonar.range or take another speckle"
         )
 
@@ -141,8 +141,8 @@ def _refuse_large_meshes(corners: NDArray[np.float64]) -> None:
     patches = float((6.0 * areas + 10.0 * np.linalg.norm(edges, axis=2).max(axis=1, initial=0.0)).sum())
     if patches > MOST_PATCHES:
         raise SceneError(
-            f"receiver.speckle: 'coherent' keeps {patches:.2g} patches of the targets' sides, and here it is too much; "
-            "give smaller boxes and meshes or take another speckle"
+            f"receiver.speckle: 'coherent' keeps {patches:.2g} patches of target surface in memory, which is too much; "
+            "use smaller boxes and meshes or take another speckle"
         )
 
 

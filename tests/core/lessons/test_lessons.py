@@ -98,7 +98,7 @@ FAULTS = {
     "sonar.beam: is not a number": ("sonar.beam.width >= 5", "sonar.beam >= 5"),
     "is true before the move": ("sonar.beam.width >= 5", "sonar.range > 1 or sonar.beam.width >= 5"),
     "is not true after the move": ("6.0", "4.0"),
-    "compares nothing": ("sonar.beam.width >= 5", "sonar.beam.width"),
+    "contains no comparison": ("sonar.beam.width >= 5", "sonar.beam.width"),
     "plan.tolerance: 2.0 is out of bounds": ('"sonar.beam.width" = 6.0', '"plan.tolerance" = 2.0'),
     "model: 'plains' is not a choice": ('"sonar.beam.width" = 6.0', '"plan.plains" = "8"'),
     "point.side: 'left' is not a side": ('"sonar.beam.width" = 6.0', '"point.side" = "left"'),

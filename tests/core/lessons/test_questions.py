@@ -29,7 +29,7 @@ from insonify.lessons import (
     read_number,
     states_of,
 )
-from insonify.scene import Scene, edit, load_scene
+from insonify.scene import edit, load_scene
 from insonify.simulation import simulate
 
 CHOICES = [
@@ -146,7 +146,7 @@ def test_a_number_is_read_with_point_comma_and_unit(text: str, number: float | N
         ({"choices": CHOICES, "unit": "m"}, "belong to a number"),
         ({"value": "1 +"}, "a value is missing"),
         ({"value": "1", "tolerance": 0.5}, "tolerance"),
-        ({"value": "1", "holds": "1"}, "compares nothing"),
+        ({"value": "1", "holds": "1"}, "contains no comparison"),
     ],
 )
 def test_a_fault_of_a_question_names_the_remedy(given: dict[str, Any], told: str) -> None:
@@ -247,8 +247,9 @@ def test_a_question_that_the_scene_contradicts_is_found(
     assert told in complaint
 
 
-def simulate_every_eighth(scene: Scene) -> xr.Dataset:
+def simulate_every_eighth(state: LessonState) -> xr.Dataset:
     """Record of every eighth ping of a scene."""
+    scene = state.scene
     sparse = {"sonar.ping_rate": scene.sonar.ping_rate / 8.0, "track.pings": scene.track.pings // 8}
     return simulate(edit(scene, sparse))
 

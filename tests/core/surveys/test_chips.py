@@ -233,7 +233,7 @@ def test_a_specification_like_another_joins_its_tables(tmp_path, capsys):
     assert all(len(classes) == 1 for classes in drawn)
     assert 24 <= drawn.count(["drum"]) <= 36
     (tmp_path / "old.toml").write_text('like = "new.toml"')
-    assert "like itself" in refused(capsys, "dataset", str(tmp_path / "old.toml"), "-o", str(tmp_path / "set"))
+    assert "refers to itself" in refused(capsys, "dataset", str(tmp_path / "old.toml"), "-o", str(tmp_path / "set"))
 
 
 def test_a_preview_is_one_picture_and_no_set(tmp_path):

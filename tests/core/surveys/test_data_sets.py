@@ -212,7 +212,7 @@ def test_a_second_run_does_nothing_and_a_greater_number_adds_scenes(small, tmp_p
     assert all(after[name] == digest for name, digest in before.items() if "/images/" in name)
     assert "9 scenes" in capsys.readouterr().out
     assert cli.main(["dataset", str(path), "-o", str(small), "--scenes", "2"]) == 2
-    assert "holds 7 jobs of another data set" in capsys.readouterr().err
+    assert "contains 7 jobs of another data set" in capsys.readouterr().err
 
 
 @pytest.mark.parametrize("kind", ["webdataset", "zarr"])
@@ -286,7 +286,7 @@ def test_grey_levels_are_decibels_about_the_median(tmp_path):
         ({"negatives": "2.0"}, "set.toml: negatives: 2.0 is out of bounds; give a value of at most 1"),
         ({"base": '"no-such"'}, "no such file; give a TOML file or one of"),
         ({"storage": '"tape"'}, "storage.kind: 'tape' is not a known kind; choose one of files, webdataset, zarr"),
-        ({"storage": '"zarr"'}, "scenes: 8 is no multiple of storage.scenes 16, which are stored together; give 16"),
+        ({"storage": '"zarr"'}, "scenes: 8 is not a multiple of storage.scenes 16, which are stored together; give 16"),
         ({"annotations": '["voc"]'}, "annotations.0.kind: 'voc' is not a known kind; choose one of coco, yolo"),
         ({"splits": '{ train = -1.0 }'}, "splits.train: -1.0 is out of bounds"),
         ({"splits": "{ Jobs = 1.0 }"}, "a split may not be named 'jobs', the folder of finished jobs; rename it"),
@@ -309,7 +309,7 @@ def test_scenes_that_cannot_be_are_told_and_the_others_made(tmp_path, capsys):
     path = write_set(tmp_path, SET.replace("low = 5.0, high = 7.0", "low = 20.0, high = 40.0"))
     assert cli.main(["dataset", str(path), "-o", str(tmp_path / "set"), "--scheduler", "local:1"]) == 2
     complaint = capsys.readouterr().err
-    assert "7 of 8 jobs could not be done, the others are done; job 1: scene 1: targets: no ground range" in complaint
+    assert "7 of 8 jobs failed, the others are finished; job 1: scene 1: targets: no ground range" in complaint
     assert {line["scene"] for line in metadata(tmp_path / "set")} == {0}
 
 

@@ -60,12 +60,12 @@ def test_a_table_without_draw_is_a_value():
     [
         (
             {"draw": "beta"},
-            "draw: 'beta' is no distribution; choose one of uniform, log_uniform,",
+            "draw: 'beta' is not a known distribution; choose one of uniform, log_uniform,",
         ),
         ({"draw": "uniform", "low": 2.0}, "high: is missing; add it"),
-        ({"draw": "uniform", "low": 2.0, "high": 1.0}, "low 2 is above high 1; exchange them"),
+        ({"draw": "uniform", "low": 2.0, "high": 1.0}, "low 2 is above high 1; swap them"),
         ({"draw": "log_uniform", "low": 0.0, "high": 1.0}, "low: 0.0 is out of bounds; give a value above 0"),
-        ({"draw": "normal", "mean": 0.0, "deviation": 1.0, "low": 50.0}, "low and high leave next to nothing"),
+        ({"draw": "normal", "mean": 0.0, "deviation": 1.0, "low": 50.0}, "almost no value of mean"),
         ({"draw": "choice", "of": [1, 2], "weights": [1.0]}, "weights: there are 1 for 2 values; give one for each"),
         ({"draw": "integers", "low": 1, "high": 0.5}, "high: 0.5 is not a whole number"),
     ],

@@ -98,18 +98,18 @@ def test_workers_that_are_killed_leave_no_trace(tmp_path, scheduler):
 def test_a_job_that_fails_stops_no_other(tmp_path, scheduler):
     done, _, failures = run(WrittenJobs(tmp_path / "work", 9, fails=frozenset({3, 5})), scheduler)
     assert done == 7
-    sentence = "2 of 9 jobs could not be done, the others are done; job 3: scene 3: is not to be done; leave it"
+    sentence = "2 of 9 jobs failed, the others are finished; job 3: scene 3: is not to be done; leave it"
     with pytest.raises(SceneError, match=sentence):
         Ended([""] * done, failures).refuse_failures()
 
 
 def test_a_folder_of_something_else_is_left_alone(tmp_path):
     (tmp_path / "thesis.txt").write_text("all of it")
-    with pytest.raises(SceneError, match="holds other files; give a new folder"):
+    with pytest.raises(SceneError, match="contains other files; give a new folder"):
         prepare_folder(tmp_path, [], "test")
     work = WrittenJobs(tmp_path / "work", 2)
     finish(work, work.names()[0])
-    with pytest.raises(SceneError, match="holds 1 jobs of another test"):
+    with pytest.raises(SceneError, match="contains 1 jobs of another test"):
         prepare_folder(work.folder, [name_job(0, "another")], "test")
 
 
@@ -148,7 +148,7 @@ def test_a_scheduler_without_workers_is_told(tmp_path, monkeypatch):
     monkeypatch.setattr("insonify.surveys.engine.PATIENCE", 0.2)
     with LocalCluster(n_workers=0, dashboard_address="localhost:0", silence_logs=50) as cluster:
         address = cluster.scheduler_address
-        with pytest.raises(SceneError, match=f"--scheduler {address}: no worker has come within 0.2 s; start some"):
+        with pytest.raises(SceneError, match=f"--scheduler {address}: no worker connected within 0.2 s; start workers"):
             run(WrittenJobs(tmp_path / "work", 1), address)
 
 

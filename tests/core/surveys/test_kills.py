@@ -122,7 +122,7 @@ def test_a_run_that_is_killed_and_interrupted_keeps_what_is_done_and_goes_on(tmp
         assert ended_workers(process)
         if number != signal.SIGKILL:
             assert process.returncode == 128 + number
-            assert f"of {SCENES} jobs are done and stay; the same command goes on" in complaint
+            assert f"of {SCENES} jobs are finished and kept; repeat the command to resume" in complaint
             assert len(complaint.splitlines()) == 1
             assert not [name for name in contents(tmp_path / "set") if ".unfinished-" in name]
         check_done(tmp_path, undisturbed)

@@ -190,7 +190,7 @@ def test_recorded_turns_are_in_the_records(tmp_path):
     ("changes", "told"),
     [
         ({"lines": "[{ start = [0.0, 0.0], end = [5.0, 0.0] }]"}, "area, lines: give one of the two"),
-        ({"suffix": '".doc"'}, "suffix: '.doc' is no format of records; give one of .nc"),
+        ({"suffix": '".doc"'}, "suffix: '.doc' is not a format of records; give one of .nc"),
         ({"mosaic": '{ overlap = "best" }'}, "mosaic.overlap"),
         ({"base": '"no-such"'}, "no such file; give a TOML file or one of"),
         ({"spacing": "-1.0"}, "area.spacing: -1.0 is out of bounds; give a value above 0"),

@@ -62,7 +62,7 @@ class SolvedBudget:
         if not math.isfinite(bed):
             return f"At {slant_range:.1f} m there is no echo of the bed."
         if not self.record.disturbances:
-            return f"At {slant_range:.1f} m the bed returns {signed(bed)}; without noise nothing drowns."
+            return f"At {slant_range:.1f} m the bed returns {signed(bed)}; the scene has no noise."
         over = f"{abs(bed - noise):.1f} dB {'over' if bed > noise else 'under'} the noise"
         ends = f"it {self._end(self.farther.bed)}, the target {self._end(self.farther.target)}"
         return f"At {slant_range:.1f} m the bed stands {over}; {ends}."
@@ -85,9 +85,9 @@ class SolvedBudget:
         """Describe up to where a level stands above the noise."""
         farthest = self.farther.farthest(level)
         if farthest == 0.0:
-            return "drowns everywhere"
+            return "is below the noise everywhere"
         end = float(self.farther.slant_range[-1])
-        return f"never drowns up to {end:.0f} m" if math.isinf(farthest) else f"drowns beyond {farthest:.1f} m"
+        return f"is above it up to {f'{end:.0f} m at least' if math.isinf(farthest) else f'{farthest:.1f} m'}"
 
 
 def signed(level: float) -> str:

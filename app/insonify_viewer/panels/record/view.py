@@ -54,15 +54,15 @@ TICKS = (  # option, label, key, what it does
 )
 CHOICES = (
     ("side", "sides", SIDES, "Sides that are shown (keys 1, 2 and 3)"),
-    ("scale", "scale", SCALES, "true: a metre along the track is as long as one across; fill: all of the room (T)"),
+    ("scale", "scale", SCALES, "true: equal scale along and across the track; fill: the whole width of the view (T)"),
     ("palette", "palette", PALETTES, "Colours of the record"),
 )
 GAINS = (  # option, place in it, label, what it does
     ("gain", None, "gain", "Gain of both sides"),
     ("side_gains", 0, "port", "Gain of port alone"),
     ("side_gains", 1, "starboard", "Gain of starboard alone"),
-    ("side_slopes", 0, "port slope", "More gain with range: dB for ten times the range, port"),
-    ("side_slopes", 1, "starb. slope", "More gain with range: dB for ten times the range, starboard"),
+    ("side_slopes", 0, "port slope", "Gain that rises with range, port: dB per tenfold range"),
+    ("side_slopes", 1, "starb. slope", "Gain that rises with range, starboard: dB per tenfold range"),
 )
 MEASURE = "Drag over the record, or press Return at both ends, to measure"
 KEYS = (("1", "both"), ("2", "port"), ("3", "starboard"))
@@ -75,9 +75,9 @@ COLUMNS = (
 )
 CLASSES = ("wreck", "aircraft", "pipe", "cable", "container", "anchor", "rock", "mine-like", "debris", "fish", "scour")
 SIZES = {
-    "length": "Take the length of the line that was measured last",
-    "width": "Take the length of the line that was measured last as width",
-    "height": "Take the height that follows from the shadow along the line that was measured last",
+    "length": "Use the length of the last measured line",
+    "width": "Use the length of the last measured line as the width",
+    "height": "Use the height that follows from the shadow along the last measured line",
 }
 LARGEST = 10_000.0  # m
 HINT = "Point at the record and press C, or click a pixel, then Mark."

@@ -47,7 +47,7 @@ class RecordDifference(NamedTuple):
     def in_words(self) -> str:
         """Write the difference: "changes the record by 12 %, 5.3 % of its picture visibly"."""
         if self.share == 0.0:
-            return "changes nothing of the record"
+            return "does not change the record"
         percent = 100.0 * self.share
         words = f"changes the record by {percent:.2g} %" if percent < 99.5 else f"changes the record by {percent:.0f} %"
         seen = self.visible >= NOTHING_SEEN

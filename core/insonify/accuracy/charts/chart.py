@@ -46,7 +46,7 @@ class Chart(ABC):
         suffix = Path(path).suffix.lower()
         if suffix not in SUFFIXES:
             known = f"{', '.join(SUFFIXES[:-1])} or {SUFFIXES[-1]}"
-            raise SceneError(f"output: {Path(path).name!r} names no format that is known; end it in {known}")
+            raise SceneError(f"output: {Path(path).name!r} has no known suffix; end the name in {known}")
         table = self.tabulate()
         with replacing(path) as partial:
             if suffix == ".csv":

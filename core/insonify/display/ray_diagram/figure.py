@@ -196,7 +196,7 @@ def write_ray_diagram(path: str | Path, diagram: RayDiagram) -> None:
     """Write a diagram as a picture (.png) or the points of its rays as a table (.csv)."""
     suffix = Path(path).suffix.lower()
     if suffix not in SUFFIXES:
-        raise SceneError(f"output: {Path(path).name!r} names no format that is known; end it in .png or .csv")
+        raise SceneError(f"output: {Path(path).name!r} has no known suffix; end the name in .png or .csv")
     with replacing(path) as partial:
         if suffix == ".csv":
             _write_table(partial, diagram)

@@ -26,7 +26,7 @@ class _Companions(Mapping[str, bytes]):
 
     def __getitem__(self, name: str) -> bytes:
         if name == OTHER_DOCUMENT:
-            raise FileFault("is no glTF document (it is not JSON)", REMEDY)
+            raise FileFault("is not a glTF document (it is not JSON)", REMEDY)
         found = companion(self.path, name)
         if not found.exists():
             found = companion(self.path, unquote(name))  # glTF escapes spaces and other characters as in an address

@@ -34,11 +34,11 @@ def read_record(path: str | Path, frequency: float | None = None) -> xr.Dataset:
     selected: dict[str, Any] = {} if frequency is None else {"frequency": frequency}
     with RECORDS.guarded(path, "give a record written by insonify"):
         if selected and "frequency" not in RECORDS.selects(str(path)):
-            raise FileFault("holds one frequency alone", "leave the choice of a frequency out")
+            raise FileFault("has a single frequency", "leave the frequency out")
         record = as_dataset(RECORDS.read(str(path), **selected))
         fault = _fault(record)
         if fault is not None:
-            raise FileFault(f"is no record ({fault})", "give one made by insonify")
+            raise FileFault(f"is not a record ({fault})", "give one made by insonify")
     return record
 
 
@@ -55,7 +55,7 @@ def _fault(record: xr.Dataset) -> str | None:
         return f"it lacks {', '.join(lacking)}"
     for name, dimensions in NEEDED.items():
         if record[name].dims != dimensions or record[name].dtype.kind not in "fiu":
-            return f"{name} is not of numbers over {', '.join(dimensions)}"
+            return f"{name} is not an array of numbers over {', '.join(dimensions)}"
         if name not in OPTIONAL_VALUES and not np.isfinite(record[name].values).all():
             return f"{name} holds values that are not finite"
     sizes = tuple(record.sizes[name] for name in ACROSS)

@@ -129,7 +129,7 @@ def _envelope(header: Any, count: int, body: NDArray[np.uint8]) -> NDArray[np.fl
     kind = int(header["format"])
     if kind not in (ENVELOPE, ANALYTIC):
         raise FileFault(
-            f"has data of format {kind} in ping {header['ping']}, which is no envelope",
+            f"has data of format {kind} in ping {header['ping']}, which is not an envelope",
             "export it as envelope or as XTF",
         )
     values = (1 + (kind == ANALYTIC)) * count

@@ -49,7 +49,7 @@ def read_seabird(path: str) -> Columns:
     text = read_text(path, ENCODING)
     names = [match.group(1) for match in re.finditer(r"^# name \d+ = ([^:\r\n]+)", text, flags=re.MULTILINE)]
     if not names:
-        raise FileFault("names no columns as Sea-Bird does", "give a converted cast")
+        raise FileFault("lacks the column names of a Sea-Bird file", "give a converted cast")
     table = _table(text, names)
     bad = re.search(r"^# bad_flag = (\S+)", text, flags=re.MULTILINE)
     # A float of an old file may have lost some of its digits.

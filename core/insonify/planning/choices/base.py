@@ -275,7 +275,7 @@ class Number(Choice):
         if not self.low <= number <= self.high or (self.whole and number != int(number)):
             whole = "a whole number" if self.whole else "a number"
             raise SceneError(
-                f"model {self.subject}: {text!r} will not do; give {whole} from {self.low:g} to {self.high:g}"
+                f"model {self.subject}: {text!r} is not valid; give {whole} from {self.low:g} to {self.high:g}"
             )
         return int(number) if self.whole else number
 

@@ -145,12 +145,13 @@ class TargetPlanes(Number):
 
     def settings(self, case: Case, model: Model) -> tuple[int, ...]:
         """Return the numbers of planes across a target; none without targets or for a beam without width."""
-        if not (self.applies(model) and case.scene.sonar.beam.has_width and case.targets):
+        if not self._counts(case, model):
             return (0,)
         wish = self.wish(case)
-        if wish is not None:
-            return (wish,)
-        return OF_A_TARGET
+        return OF_A_TARGET if wish is None else (wish,)
+
+    def _counts(self, case: Case, model: Model) -> bool:
+        return bool(self.applies(model) and case.scene.sonar.beam.has_width and case.targets)
 
     def error(self, case: Case, model: Model, cautious: bool = True) -> float:
         """Error measured from twice as many, beside no more planes of the beam than a model's."""
@@ -167,7 +168,7 @@ class TargetPlanes(Number):
 
     def entries(self, case: Case, model: Model, error: float) -> Iterator[PlanEntry]:
         """Entry of the planes across targets, with the time that they add to a ping on average."""
-        if model.across == 0:
+        if not self._counts(case, model):
             return
         cost = max(case.probe.seconds(model) - case.probe.seconds(model._replace(across=0)), 0.0)
         reason = "at least as many across each target in the beam and each glint, where planes are farther apart"
@@ -210,21 +211,21 @@ class Rays(Doublings):
     def _folded(self, case: Case, model: Model, cautious: bool) -> float:
         """Error measured from the next number of rays; of more than the fewest, by the power with which it falls.
 
-        That power is measured on a few pings: it differs less from ping to ping than the error, and rays take long.
+        That power is measured on the loudest pings, whose errors count most, since rays take long.
         """
         fine = _finest(case, model)._replace(bent=True)
 
-        def step(rays: int, cautious: bool, most: int | None = None) -> float:
+        def step(rays: int, cautious: bool, of: tuple[int, ...] = ()) -> float:
             pair = (fine._replace(rays=number) for number in (rays, RAYS_STEP * rays))
-            return case.probe.difference(*pair, cautious=cautious, most=most)
+            return case.probe.difference(*pair, cautious=cautious, of=of)
 
         fewest, more, _ = FOLDED_RAYS
         if model.rays <= fewest:
             return step(model.rays, cautious)
-        first, on_few = step(fewest, cautious), step(fewest, False, PINGS_OF_MOST_RAYS)
-        most = PINGS_OF_MOST_RAYS if on_few > 0.0 else None  # none of the few is left to rays
-        before = on_few if on_few > 0.0 else step(fewest, False)
-        fall = step(more, False, most) / before if before > 0.0 else RAYS_STEP**-0.5
+        first, loudest = step(fewest, cautious), case.probe.loudest(fine._replace(rays=more), PINGS_OF_MOST_RAYS)
+        of = loudest if step(fewest, False, loudest) > 0.0 else ()  # none of the loudest is left to rays
+        before = step(fewest, False, of)
+        fall = step(more, False, of) / before if before > 0.0 else RAYS_STEP**-0.5
         beyond = 1.0 if model.rays < FOLDED_RAYS[-1] else min(max(fall, 1.0 / RAYS_STEP), RAYS_STEP**-0.5)
         return first * fall * beyond
 

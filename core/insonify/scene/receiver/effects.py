@@ -96,13 +96,13 @@ class OtherSonar(Kind):
     kind: Literal["sonar"] = "sonar"
     level: float = decibels(
         -60.0,
-        "received level of its pings, dB re the source at 1 m, or re 1 µPa with a source level",
+        "received level of the pulses of that sonar, dB re the source at 1 m, or re 1 µPa with a source level",
         (-300.0, 250.0),
         (-120.0, 180.0),
     )
-    ping_rate: float = parameter(7.3, "its pings per second", "Hz", ge=1e-3, le=1e4, slider=(0.5, 50.0), log=True)
+    ping_rate: float = parameter(7.3, "ping rate of that sonar", "Hz", ge=1e-3, le=1e4, slider=(0.5, 50.0), log=True)
     duration: float = parameter(
-        1e-3, "duration of each of its pings", "s", gt=0.0, le=10.0, slider=(1e-5, 1e-2), log=True
+        1e-3, "duration of the pulses of that sonar", "s", gt=0.0, le=10.0, slider=(1e-5, 1e-2), log=True
     )
 
 

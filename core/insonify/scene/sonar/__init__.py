@@ -17,7 +17,7 @@ class Sonar(Declaration):
     """A side-scan sonar with a port and a starboard channel."""
 
     preset: str | None = parameter(
-        None, "preset of a sonar, of which numbers apply where none are given; a bare name stands for it"
+        None, "named sonar, whose values apply to all fields that are left out; sonar = 'NAME' is short for it"
     )
     frequency: float = parameter(400e3, "carrier frequency", "Hz", ge=1e3, le=2e6, slider=(5e4, 1.2e6), log=True)
     beam: Annotated[BeamKind, KindOf(BEAMS, default="fan")] = parameter(FanBeam, "horizontal beam")

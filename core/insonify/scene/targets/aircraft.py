@@ -57,8 +57,8 @@ class Aircraft(Sunken):
     span: float | None = parameter(None, "from tip to tip; that of its plan when left out", "m", gt=0.0, le=100.0)
     engines: int = parameter(1, "number of engines; an odd one is in the nose, the others on the wings", ge=0, le=8)
     tail: TailName = parameter("single", "one fin, two at the tips of the tailplane, or a tailplane on top of the fin")
-    porosity: float = share(0.2, "part of the skin that is gone, so that frames and spars show")
-    crumpled: float = share(0.1, "how far impact has bent and flattened it")
+    porosity: float = share(0.2, "share of the skin that is missing, so that frames and spars show")
+    crumpled: float = share(0.1, "deformation by the impact: 0 none, 1 flattened")
 
     @property
     def scattered(self) -> float:

@@ -33,11 +33,11 @@ class Sunken(Posed):
     """
 
     length: float
-    seed: int = parameter(1, "seed of what has broken, fallen and grown", ge=0, le=2**53)
-    broken: float = share(0.0, "how far its pieces lie apart: 0 in one piece, 1 scattered")
-    buried: float = share(0.0, "part of its height that is below the bed", most=0.95)
+    seed: int = parameter(1, "seed of breakage, fallen pieces and growth", ge=0, le=2**53)
+    broken: float = share(0.0, "separation of its pieces: 0 in one piece, 1 scattered")
+    buried: float = share(0.0, "share of its height below the bed", most=0.95)
     growth: float = parameter(
-        0.0, "farthest displacement of its surface by growth and rust", "m", ge=0.0, le=2.0, slider=(0.0, 0.5)
+        0.0, "greatest thickness of marine growth and rust", "m", ge=0.0, le=2.0, slider=(0.0, 0.5)
     )
 
     scour: float = parameter(

@@ -79,7 +79,7 @@ class Wreck(Sunken):
     length: float = metres(24.0, "length of the hull", (6.0, 120.0), least=1.0, most=400.0)
     beam: float | None = parameter(None, "breadth of the hull; that of its form when left out", "m", gt=0.0, le=80.0)
     timber: bool = parameter(False, "whether ribs and planks are thick, as of wood, or thin, as of steel")
-    decay: float = share(0.3, "what time has taken: 0 nothing, 0.4 the deck, 0.8 the sides, 1 most of the ribs")
+    decay: float = share(0.3, "decay: 0 intact, 0.4 without deck, 0.8 without sides, 1 without most ribs")
 
     @property
     def scattered(self) -> float:

@@ -98,7 +98,7 @@ class LayeredWater(WaterKind):
 
 def interpolation() -> Any:
     """Declare how a sound speed is interpolated between depths."""
-    return parameter("linear", "between the depths: straight, or a smooth curve that never overshoots", rare=True)
+    return parameter("linear", "interpolation between the depths: linear, or smooth without overshoot", rare=True)
 
 
 def check_order(what: str, places: tuple[float, ...], instead: str) -> None:
@@ -108,7 +108,7 @@ def check_order(what: str, places: tuple[float, ...], instead: str) -> None:
     for before, after in itertools.pairwise(places):
         if after <= before:
             fault = f"has {before:g} m twice" if after == before else f"goes from {before:g} back to {after:g} m"
-            raise ValueError(f"must increase, but {what} {fault}; sort it upwards, each number once")
+            raise ValueError(f"must increase, but {what} {fault}; sort it in increasing order without duplicates")
 
 
 def check_length(what: str, count: int, depth: tuple[float, ...]) -> None:

@@ -257,7 +257,7 @@ def _places(scene: Scene, wanted: Sequence[_Wanted], radii: Sequence[float], dra
         placed = next((placed for placed in tries if _is_clear(placed[0], radius, taken, radii)), None)
         if placed is None:
             raise SceneError(
-                f"targets.{one.group.name}: {len(wanted)} targets find no room beside one another; lower count, or "
+                f"targets.{one.group.name}: {len(wanted)} targets do not fit side by side; lower count, or "
                 "widen along and ground_range"
             )
         draws.drawn[f"{one.path}.position"] = placed[0]

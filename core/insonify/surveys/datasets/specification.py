@@ -28,14 +28,14 @@ class TargetGroup(Declaration):
 
     name: Name = parameter(description="class of the targets in annotations")
     of: tuple[Drawn, ...] = parameter(
-        description="what a target may be: names of the library, or tables such as those of a scene", min_length=1
+        description="choices for a target: names of the library, or tables such as those of a scene", min_length=1
     )
-    count: Drawn = parameter(1, "how many there are in a scene: a whole number, or a distribution of it")
-    along: Drawn = parameter(Uniform(low=0.05, high=0.95), "where they lie along the tow, as a share of it, 0 to 1")
+    count: Drawn = parameter(1, "number of targets in a scene: a whole number, or a distribution")
+    along: Drawn = parameter(Uniform(low=0.05, high=0.95), "position along the tow, as a share of its length")
     ground_range: Drawn = parameter(
-        None, "how far abeam of the tow; from one altitude to most of the range when left out", "m"
+        None, "distance abeam of the tow; from one altitude to most of the range when left out", "m"
     )
-    weight: float = parameter(1.0, "how often a scene has this group, where it has one of them", gt=0.0)
+    weight: float = parameter(1.0, "relative frequency of this group, where a scene has one group only", gt=0.0)
     set: dict[str, Drawn] = parameter({}, "fields of the target by their paths: values or distributions")
 
     @model_validator(mode="after")
@@ -55,26 +55,24 @@ class Tiles(Declaration):
 
     pings: int = parameter(256, "height of a tile, in pings", ge=8, le=16384)
     bins: int = parameter(256, "width of a tile, in range bins", ge=8, le=16384)
-    overlap: float = parameter(0.0, "share of a tile that the next one shows again", ge=0.0, le=0.9)
+    overlap: float = parameter(0.0, "share of a tile that the next one repeats", ge=0.0, le=0.9)
     empty: float = parameter(1.0, "share of the tiles without a target of a class that is kept, 0 to 1", ge=0.0, le=1.0)
-    least: float = parameter(
-        0.1, "share of a target that a tile shows at least if it is annotated there", ge=0.0, le=1.0
-    )
+    least: float = parameter(0.1, "least share of a target within a tile for which it is annotated", ge=0.0, le=1.0)
 
 
 class Images(Declaration):
     """Grey levels of images: decibels relative to the median of the record at that range."""
 
     bits: int = parameter(8, "bits of a grey level: 8 or 16")
-    low: float = parameter(-25.0, "level that is black, as silence is", "dB", ge=-200.0, le=200.0)
+    low: float = parameter(-25.0, "level that is black, as is silence", "dB", ge=-200.0, le=200.0)
     high: float = parameter(20.0, "level that is white", "dB", ge=-200.0, le=200.0)
 
     @model_validator(mode="after")
     def _levels(self) -> Images:
         if self.bits not in (8, 16):
-            raise ValueError(f"bits: {self.bits} are not written; give 8 or 16")
+            raise ValueError(f"bits: {self.bits} is not possible; give 8 or 16")
         if self.low >= self.high:
-            raise ValueError(f"low {self.low:g} dB is not below high {self.high:g} dB; exchange them")
+            raise ValueError(f"low {self.low:g} dB is not below high {self.high:g} dB; swap them")
         return self
 
 
@@ -83,7 +81,7 @@ class Sampling(Declaration):
 
     length: float = parameter(120.0, "bins that the target's length spans", gt=0.0, le=1e4)
     bin: float | None = parameter(
-        None, "length of a range bin, instead; for scenes without targets", "m", gt=0.0, le=100.0
+        None, "length of a range bin, in place of length; for scenes without targets", "m", gt=0.0, le=100.0
     )
     step: float = parameter(1.0, "distance from ping to ping, in bins", gt=0.0, le=100.0)
     altitude: float | None = parameter(None, "altitude over the range", gt=0.0, lt=1.0)
@@ -92,7 +90,7 @@ class Sampling(Declaration):
         None, "width of the beam at half of the range, in steps of the track", gt=0.0, le=1000.0
     )
     node: float | None = parameter(None, "spacing of the nodes of the relief, in bins", gt=0.0, le=100.0)
-    relief: bool = parameter(False, "whether the metres in seabed.relief are bins")
+    relief: bool = parameter(False, "whether lengths in seabed.relief are given in range bins")
     snr: float | None = parameter(
         None, "mean echo of the bed over the noise, at 0.7 of the range", "dB", ge=-100.0, le=200.0
     )
@@ -142,34 +140,34 @@ class Chips(Declaration):
         "length", "length: a square about the target; extent: its echo and shadow together, with an even border"
     )
     margin: float = parameter(
-        1.6, "longer side of the window over the target's length, or that of the extent", gt=0.1, le=50.0
+        1.6, "longer side of the window, in lengths of the target or of the extent", gt=0.1, le=50.0
     )
-    aspect: float = parameter(1.0, "metres along the tow over those across", gt=0.05, le=20.0)
-    along: float = parameter(0.0, "place of the window's middle off the target, in sides", ge=-1.0, le=1.0)
-    across: float = parameter(0.0, "the same, away from the tow", ge=-1.0, le=1.0)
-    turns: int = parameter(0, "quarter turns of the picture", ge=0, le=3)
+    aspect: float = parameter(1.0, "length of the window along the tow over that across", gt=0.05, le=20.0)
+    along: float = parameter(0.0, "along-track offset of the window from the target, in sides", ge=-1.0, le=1.0)
+    across: float = parameter(0.0, "offset of the window away from the tow, in sides", ge=-1.0, le=1.0)
+    turns: int = parameter(0, "rotation of the picture in quarter turns", ge=0, le=3)
     mirrored: bool = parameter(False, "whether the picture is mirrored")
-    least: float = parameter(0.2, "share of a target that is shown at least", ge=0.0, le=1.0)
+    least: float = parameter(0.2, "least share of a target within the window", ge=0.0, le=1.0)
 
 
 class Picture(Declaration):
     """How a chip is displayed."""
 
-    scale: Literal["linear", "root", "log"] = parameter("log", "grey over amplitude")
+    scale: Literal["linear", "root", "log"] = parameter("log", "curve from amplitude to grey level")
     levelled: float = parameter(
         1.0, "1: divided by the median at each range; 0: as received after the gain", ge=0.0, le=1.0
     )
     black: float = parameter(1.0, "percentile that is black", "%", ge=0.0, le=60.0)
     white: float = parameter(99.5, "percentile that is white", "%", ge=60.5, le=100.0)
     grey: float | None = parameter(None, "grey of the median, between darkest and brightest", gt=0.0, lt=1.0)
-    darkest: float = parameter(0.0, "grey of black, for pictures of little contrast", ge=0.0, lt=0.3)
-    brightest: float = parameter(1.0, "grey of white", ge=0.3, le=1.0)
+    darkest: float = parameter(0.0, "grey level of black, above 0 for little contrast", ge=0.0, lt=0.3)
+    brightest: float = parameter(1.0, "grey level of white", ge=0.3, le=1.0)
     inverted: bool = parameter(False, "whether strong echoes are dark")
-    ground_range: bool = parameter(False, "whether across is ground range, without the water column")
-    water_column: bool = parameter(True, "whether slant range begins at the sonar")
-    along: float = parameter(1.0, "pixels over which it was averaged along the tow", ge=1.0, le=16.0)
-    across: float = parameter(1.0, "pixels over which it was averaged across", ge=1.0, le=16.0)
-    jpeg: int | None = parameter(None, "quality of JPEG that it went through", ge=5, le=100)
+    ground_range: bool = parameter(False, "whether the picture is over ground range, without the water column")
+    water_column: bool = parameter(True, "whether the picture includes the water column")
+    along: float = parameter(1.0, "length of the average along the tow in pixels", ge=1.0, le=16.0)
+    across: float = parameter(1.0, "length of the average across the tow in pixels", ge=1.0, le=16.0)
+    jpeg: int | None = parameter(None, "JPEG quality of an earlier compression; none when left out", ge=5, le=100)
     lines: int = parameter(0, "number of scale lines, with a caption", ge=0, le=8)
 
 
@@ -190,23 +188,23 @@ class DatasetSpecification(Declaration):
 
     title: Words = parameter("Untitled", "what the data set shows", max_length=200)
     description: Words = parameter("", "a paragraph about it", max_length=5000)
-    seed: int = parameter(1, "seed of all that is drawn", ge=0, le=2**63 - 1)
+    seed: int = parameter(1, "seed of all random draws", ge=0, le=2**63 - 1)
     scenes: int = parameter(100, "number of scenes", ge=1, le=10_000_000)
-    base: FilePath = parameter(DEFAULT_SCENE, "bundled scene, or TOML file, that all scenes begin with")
+    base: FilePath = parameter(DEFAULT_SCENE, "bundled scene, or TOML file, from which all scenes are derived")
     set: dict[str, Drawn] = parameter({}, "fields of the scene by their paths: values or distributions")
     targets: tuple[TargetGroup, ...] = parameter((), "classes of targets")
     groups: Literal["all", "one"] = parameter("all", "whether a scene has targets of all groups or of one")
-    tolerance: float = parameter(0.03, "error of a record that is accepted", gt=0.0, le=1.0)
-    negatives: float = parameter(0.2, "share of the scenes that have none of these targets", ge=0.0, le=1.0)
+    tolerance: float = parameter(0.03, "accepted relative error of a record", gt=0.0, le=1.0)
+    negatives: float = parameter(0.2, "share of the scenes without targets of these groups", ge=0.0, le=1.0)
     sampling: Annotated[dict[str, Drawn] | None, check_draws(Sampling)] = parameter(
-        None, "draws of how finely a target is sampled; its fields are those of `Sampling`"
+        None, "distributions of the fields of `Sampling`, which set how finely a target is sampled"
     )
     chips: Annotated[dict[str, Drawn] | None, check_draws(Chips)] = parameter(
-        None, "draws of windows about targets, instead of tiles; its fields are those of `Chips`"
+        None, "distributions of the fields of `Chips`, which cut windows about targets in place of tiles"
     )
-    chips_each: int = parameter(1, "chips of each target, and of the bed, each drawn anew", ge=1, le=1000)
+    chips_each: int = parameter(1, "number of chips of each target and of the bed, each with new draws", ge=1, le=1000)
     picture: Annotated[dict[str, Drawn], check_draws(Picture)] = parameter(
-        {}, "draws of how chips are displayed; its fields are those of `Picture`"
+        {}, "distributions of the fields of `Picture`, which set how chips are displayed"
     )
     tiles: Tiles = parameter(Tiles, "how records are cut")
     images: Images = parameter(Images, "grey levels of images")
@@ -235,7 +233,7 @@ class DatasetSpecification(Declaration):
         names = self.classes
         twice = next((name for name in names if names.count(name) > 1), None)
         if twice is not None:
-            raise ValueError(f"targets: the class {twice!r} is there twice; join the two, or rename one")
+            raise ValueError(f"targets: the class {twice!r} is declared twice; merge the two, or rename one")
         return self
 
     @model_validator(mode="after")
@@ -244,7 +242,7 @@ class DatasetSpecification(Declaration):
         if self.scenes % together:
             whole = together * (self.scenes // together + 1)
             raise ValueError(
-                f"scenes: {self.scenes} is no multiple of storage.scenes {together}, which are stored together; "
+                f"scenes: {self.scenes} is not a multiple of storage.scenes {together}, which are stored together; "
                 f"give {whole}"
             )
         return self

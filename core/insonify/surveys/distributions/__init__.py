@@ -31,7 +31,7 @@ def _as_distribution(value: Any) -> Any:
     fields = {"kind": value[MARK]} | {name: field for name, field in value.items() if name != MARK}
     kinds = DISTRIBUTIONS.models(DistributionKind)  # type: ignore[type-abstract]  # only the kinds are made
     if fields["kind"] not in kinds:
-        raise ValueError(f"draw: {fields['kind']!r} is no distribution; choose one of {', '.join(kinds)}")
+        raise ValueError(f"draw: {fields['kind']!r} is not a known distribution; choose one of {', '.join(kinds)}")
     try:
         made = TypeAdapter(Annotated[DistributionKind, KindOf(DISTRIBUTIONS)]).validate_python(fields)
     except ValidationError as error:

@@ -21,7 +21,7 @@ class BetweenBounds(DistributionKind):
     @model_validator(mode="after")
     def _in_order(self) -> BetweenBounds:
         if self.low > self.high:
-            raise ValueError(f"low {self.low:.15g} is above high {self.high:.15g}; exchange them")
+            raise ValueError(f"low {self.low:.15g} is above high {self.high:.15g}; swap them")
         return self
 
 
@@ -64,8 +64,8 @@ class Normal(DistributionKind):
         low, high = self._shares
         if high - low < 1e-9:
             raise ValueError(
-                f"low and high leave next to nothing of a mean of {self.mean:g} and a deviation of "
-                f"{self.deviation:g}; move them apart"
+                f"almost no value of mean {self.mean:g} and deviation {self.deviation:g} lies between low and "
+                "high; move them apart"
             )
         return self
 
@@ -87,7 +87,7 @@ class OneOf(DistributionKind):
 
     rank = 40
     kind: Literal["choice"] = "choice"
-    of: tuple[Drawn, ...] = parameter(description="the values, which may hold distributions", min_length=1)
+    of: tuple[Drawn, ...] = parameter(description="the values, which may themselves be distributions", min_length=1)
     weights: tuple[float, ...] = parameter((), "how often each is drawn, in any unit; equally if left out")
 
     @model_validator(mode="after")

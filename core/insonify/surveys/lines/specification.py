@@ -71,5 +71,5 @@ class SurveySpecification(Declaration):
     def _known_format(self) -> SurveySpecification:
         known = [suffix for suffix in RECORDS.writable() if suffix in RECORDS.readable()]
         if self.suffix not in known:
-            raise ValueError(f"suffix: {self.suffix!r} is no format of records; give one of {', '.join(known)}")
+            raise ValueError(f"suffix: {self.suffix!r} is not a format of records; give one of {', '.join(known)}")
         return self

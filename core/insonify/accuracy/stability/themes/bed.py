@@ -92,12 +92,12 @@ def _lost_by_division(x: Values) -> float:
 
 
 @THE_BED.case(
-    "A fish over a knot",
+    "A towfish over a knot",
     "The line of sight straight down has the slope 0/0, and every later value of a running sum is lost.",
     "bins or knots without a number",
     "%",
-    failing=Approach("Divides by ground range, starting at the fish.", 50.0),
-    right=Approach("Starts beneath the fish without dividing by ground range.", 0.0),
+    failing=Approach("Divides by ground range, starting at the towfish.", 50.0),
+    right=Approach("Starts beneath the towfish without dividing by ground range.", 0.0),
 )
 def _knot() -> Measured:
     heights = np.zeros((64, 64))
@@ -114,8 +114,8 @@ def _knot() -> Measured:
     passing = [percent(~np.isfinite(sweep.trace(level, make_pose(0.0, y, HEIGHT)))) for y in off]
     return Measured(_lost_by_division(np.arange(0.0, 20.0, 0.1)), own, panel(
         common(off, plain, "division by ground range", "o", markersize=4),
-        ours(off, passing, "walk that starts beneath the fish", ".", markersize=4),
-        x="fish across, knots every 0.1 m (m)", y="bins without a number (%)", ylim=(-6.0, 130.0),
+        ours(off, passing, "walk that starts beneath the towfish", ".", markersize=4),
+        x="towfish across, knots every 0.1 m (m)", y="bins without a number (%)", ylim=(-6.0, 130.0),
         legend="upper right",
     ))  # fmt: skip
 

@@ -107,7 +107,7 @@ def _is_right(name: str, record: NDArray[np.float32], bare: NDArray[np.float32])
 
 
 @THEME.case(
-    "Targets in odd places",
+    "Targets in unusual places",
     "A sphere around the sonar covers no interval of angles; one behind it, below the bed or out of range covers "
     "none either.",
     "places with a wrong record",

@@ -122,7 +122,7 @@ class Material(MaterialMap):
 
     rank = 1
     kind: Literal["uniform"] = "uniform"
-    name: str = parameter("medium_sand", "named material, of which the numbers apply where none are given")
+    name: str = parameter("medium_sand", "named material, whose values apply to all fields that are left out")
     diffuse: float | None = parameter(
         None, "share of energy scattered evenly (Lambert)", ge=0.0, le=1.0, slider=(0.0, 1.0)
     )

@@ -71,7 +71,7 @@ class NamedMaterial(Declaration):
     @model_validator(mode="after")
     def _sediment_has_a_density(self) -> NamedMaterial:
         if self.sediment is not None and math.isinf(self.density):
-            raise ValueError("density inf is that of a perfect reflector, which is no sediment; give a number")
+            raise ValueError("density inf means a perfect reflector, which is not a sediment; give a number")
         return self
 
     @property
@@ -136,7 +136,7 @@ def check_albedo(diffuse: float, specular: float) -> None:
     """Raise ValueError for shares of energy that sum to more than 1."""
     if diffuse + specular > 1.0 + 1e-9:
         raise ValueError(
-            f"diffuse {diffuse:g} + specular {specular:g} reflect more than arrives; lower one until they sum to 1"
+            f"diffuse {diffuse:g} + specular {specular:g} exceed 1, the energy that arrives; lower one of them"
         )
 
 
@@ -152,7 +152,7 @@ def read_materials(folder: Path) -> dict[str, NamedMaterial]:
         except ValidationError as error:
             fault = error.errors()[0]
             field = ".".join(map(str, fault["loc"]))
-            raise SceneError(f"{file}: {field}: {fault['input']!r} is not right ({fault['msg']}); mend it") from None
+            raise SceneError(f"{file}: {field}: {fault['input']!r} is not valid ({fault['msg']}); correct it") from None
     return found
 
 

@@ -27,7 +27,7 @@ class LineArray(AimedBeam):
     caption = "{taper} array of {length:g} m {ways}"
     by_frequency = True
     kind: Literal["array"] = "array"
-    length: float = metres(0.5, "length of the array along the fish", (0.1, 2.0), most=20.0)
+    length: float = metres(0.5, "length of the array along the towfish", (0.1, 2.0), most=20.0)
     taper: Literal["uniform", "cosine", "hamming", "taylor"] = parameter(
         "uniform", "weight of the elements; a tapered array has lower sidelobes and a wider beam"
     )

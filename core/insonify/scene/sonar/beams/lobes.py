@@ -44,7 +44,7 @@ class GaussianBeam(AimedBeam):
 
 
 class KnifeBeam(BeamKind):
-    """A beam without width: a vertical plane across the track at any pitch of the fish, 1 m wide by definition."""
+    """A beam without width: a vertical plane across the track at any pitch of the towfish, 1 m wide by definition."""
 
     rank = 10
     top_hat = True

@@ -64,7 +64,7 @@ class TiltedBeam(VerticalBeamKind):
     """A vertical beam with an axis."""
 
     tilt: float = parameter(
-        30.0, "depression of the axis below the level fish", "°", ge=-90.0, le=90.0, slider=(0.0, 60.0)
+        30.0, "depression of the axis below the level towfish", "°", ge=-90.0, le=90.0, slider=(0.0, 60.0)
     )
 
     @property

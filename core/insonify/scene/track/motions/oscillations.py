@@ -36,7 +36,7 @@ class Oscillation(SingleMotion):
 
 
 class Surge(Oscillation):
-    """Surge: the fish speeds up and slows down along its line, so that pings lie closer together or farther apart."""
+    """Surge: the towfish speeds up and slows down along its line, so that pings lie closer or farther apart."""
 
     rank = 15
     kind: Literal["surge"] = "surge"
@@ -46,7 +46,7 @@ class Surge(Oscillation):
 
 
 class Sway(Oscillation):
-    """Sway to port and starboard of the line; the fish keeps its heading and crabs."""
+    """Sway to port and starboard of the line; the towfish keeps its heading and crabs."""
 
     rank = 20
     kind: Literal["sway"] = "sway"
@@ -54,7 +54,7 @@ class Sway(Oscillation):
 
 
 class Heave(Oscillation):
-    """Heave: the fish rises and sinks."""
+    """Heave: the towfish rises and sinks."""
 
     rank = 30
     kind: Literal["heave"] = "heave"
@@ -64,7 +64,7 @@ class Heave(Oscillation):
 
 
 class Yaw(Oscillation):
-    """Yaw: the axis of the fish turns to port and starboard of the line; the course stays."""
+    """Yaw: the axis of the towfish turns to port and starboard of the line; the course stays."""
 
     rank = 40
     kind: Literal["yaw"] = "yaw"
