@@ -93,7 +93,7 @@ def test_no_record_depends_on_the_threads():
 def test_what_cannot_be_traced_is_refused():
     with pytest.raises(SceneError, match="bounces"):
         ray_sheets.trace(CASES["fan"]._replace(bounces=1), POSES)
-    with pytest.raises(SceneError, match="as many as sheets"):
+    with pytest.raises(SceneError, match="at least one per sheet"):
         ray_sheets.trace(CASES["fan"], POSES, sheets=8, rays=4)
 
 

@@ -102,10 +102,10 @@ def test_the_playlist_of_the_documentation_is_one(tmp_path):
         ("", "has no .*preset"),
         ("[[preset]", "not valid TOML"),
         ('[[preset]]\nscene = "nowhere"', "preset 1: scene 'nowhere'"),
-        ('[[preset]]\nkey = 12\nscene = "default"', "key 12 is none"),
+        ('[[preset]]\nkey = 12\nscene = "default"', "key 12 is not one of 1 to 9"),
         (
             '[[preset]]\nkey = 2\nscene = "default"\n[[preset]]\nscene = "wreck"',
-            "preset 2: key 2 is that of",
+            "preset 2: key 2 belongs to",
         ),
         ('[[preset]]\nscene = "default"\ncolour = 1', "colour is not a field"),
         ('[[preset]]\nscene = "default"\nset = { "track.altitude" = -1.0 }', "altitude"),

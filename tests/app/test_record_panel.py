@@ -248,7 +248,7 @@ def test_contacts_are_saved_and_opened(viewer, panel, tmp_path, suffix, qtbot, m
     assert [each.name for each in panel.contacts.all] == ["contact 1", "contact 2"]
     path.write_text("nonsense", encoding="utf-8")
     listed.open.click()
-    assert "is no file of contacts" in viewer.window.status.sentence.text()
+    assert "is not a file of contacts" in viewer.window.status.sentence.text()
     assert len(panel.contacts) == 2
 
 

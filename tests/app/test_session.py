@@ -369,7 +369,7 @@ def test_a_table_holds_everything_but_the_snapshots(tmp_path):
         ("x", "1e300", "x 1e300; give at most"),
         ("ping", "9" * 5000, "no valid ping"),
         ("ping", "1" + "0" * 400, "ping 10000000000000000000; give at most"),
-        ("note", "x" * 131_073, "is no file of contacts"),
+        ("note", "x" * 131_073, "is not a file of contacts"),
     ],
 )
 def test_a_mistake_is_named(tmp_path, field, value, said):
@@ -391,7 +391,7 @@ def test_what_is_no_file_of_contacts_is_refused(tmp_path, text):
     for name in ("found.geojson", "found.csv"):
         path = tmp_path / name
         path.write_text(text, encoding="utf-8")
-        with pytest.raises(SceneError, match="is no file of contacts"):
+        with pytest.raises(SceneError, match="is not a file of contacts"):
             read_contacts(path)
     with pytest.raises(SceneError, match="cannot be read"):
         read_contacts(tmp_path / "missing.csv")

@@ -119,7 +119,7 @@ def test_a_material_has_the_numbers_of_its_table_and_packages_announce_folders_o
         ("[chalk]\ncolor = 1", ["chalk.toml: chalk.diffuse"]),
         ("[chalk", ["chalk.toml", "not valid TOML"]),
         (CORAL.replace("0.2", "0.4"), ["chalk.toml: coral: ", "exceed 1, the energy that arrives"]),
-        (f"{CORAL}\n{SEDIMENT}".replace("2.1", "inf"), ["chalk.toml: coral: ", "is no sediment"]),
+        (f"{CORAL}\n{SEDIMENT}".replace("2.1", "inf"), ["chalk.toml: coral: ", "is not a sediment"]),
         (f"{CORAL}\n{SEDIMENT}".replace("0.02", "-1"), ["chalk.toml: coral.sediment.loss: -1"]),
     ],
 )

@@ -127,7 +127,7 @@ def test_the_table_holds_every_point(diagram, tmp_path):
     assert last["kind"] == "eigenray"
     assert (float(last["range"]), float(last["depth"])) == (400.0, 25.0)
     assert float(last["time"]) == pytest.approx(diagram.eigenrays[-1].travel_time, rel=1e-8)
-    with pytest.raises(SceneError, match=r"end it in \.png or \.csv"):
+    with pytest.raises(SceneError, match=r"end the name in \.png or \.csv"):
         write_ray_diagram(tmp_path / "rays.pdf", diagram)
 
 

@@ -37,8 +37,8 @@ def flat_bed_curve(
     # As a product, because rounding may make the difference of two squares negative.
     x_near, x_far = (np.sqrt((r - altitude) * (r + altitude)) for r in (near, far))
     reached = far > near
-    r = np.where(reached, 0.5 * (near + far), altitude)
-    cos_incidence = altitude / r
+    r = np.where(reached, 0.5 * (near + far), 1.0)
+    cos_incidence = np.where(reached, altitude / r, 0.0)
     factor, first = arrays.range_factor.copy(), int(altitude / arrays.bin_length)
     if first < arrays.bins:  # that bin begins with the first return, nearer than which there is no bed
         spanned = (far[first] - near[first]) / arrays.bin_length
