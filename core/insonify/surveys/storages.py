@@ -125,14 +125,14 @@ class ZarrStore(StorageKind):
         import zarr
 
         path = folder / tiles[0].told["split"] / shelf / f"{job}.zarr"
-        shapes = [tile.image.shape for tile in tiles]
+        shapes: Any = [list(tile.image.shape) for tile in tiles]
         group = zarr.create_group(path, attributes={"names": [tile.told["name"] for tile in tiles]})
         for name, pixels in ((IMAGES, [tile.image for tile in tiles]), (MASKS, [tile.mask for tile in tiles])):
             array = np.zeros((len(tiles), *np.max(shapes, axis=0)), pixels[0].dtype)
             for place, (pings, bins) in enumerate(shapes):
                 array[place, :pings, :bins] = pixels[place]
-            told: dict[str, Any] = {"shapes": [list(shape) for shape in shapes]}
-            group.create_array(name, data=array, chunks=(1, *array.shape[1:]), shards=array.shape, attributes=told)
+            chunks, told = (1, *array.shape[1:]), {"shapes": shapes}
+            group.create_array(name, data=array, chunks=chunks, shards=array.shape, attributes=told)
         for place, tile in enumerate(tiles):
             tile.told["file"] = f"{path.relative_to(folder).as_posix()}{MARK}{place}"
 

@@ -211,7 +211,7 @@ class Rays(Doublings):
     def _folded(self, case: Case, model: Model, cautious: bool) -> float:
         """Error measured from the next number of rays; of more than the fewest, by the power with which it falls.
 
-        That power is measured on the loudest pings, whose errors count most, since rays take long.
+        Many rays take long, so that power is measured on the loudest pings alone: their errors count most.
         """
         fine = _finest(case, model)._replace(bent=True)
 
