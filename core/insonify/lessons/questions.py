@@ -1,11 +1,9 @@
 """Questions that a step asks first: choices or a number, and the verdict on an answer."""
 
-from __future__ import annotations
-
 import re
 from dataclasses import dataclass
 from enum import Enum
-from typing import Annotated
+from typing import Annotated, Self
 
 from pydantic import AfterValidator, Field, field_validator, model_validator
 
@@ -60,7 +58,7 @@ class Ask(Declaration):
         return parse_condition(holds).text if holds else holds
 
     @model_validator(mode="after")
-    def _asks_for_one_thing(self) -> Ask:
+    def _asks_for_one_thing(self) -> Self:
         if bool(self.choices) == bool(self.value):
             raise ValueError("asks for choices and for a number, or for neither; give choices, or value and unit")
         if self.choices and sum(choice.right for choice in self.choices) != 1:

@@ -1,7 +1,5 @@
 """Selection of the cheapest model of a scene with a measured error within the tolerance."""
 
-from __future__ import annotations
-
 import itertools
 import math
 from collections.abc import Iterable, Iterator, Mapping

@@ -1,8 +1,6 @@
 """Seabed of a scene: mean depth, relief and material."""
 
-from __future__ import annotations
-
-from typing import Annotated
+from typing import Annotated, Self
 
 from pydantic import model_validator
 
@@ -24,7 +22,7 @@ class Seabed(Declaration):
     material: AnyMaterialMap = parameter(Material, "material of the bed")
 
     @model_validator(mode="after")
-    def _relief_fits_the_grid(self) -> Seabed:
+    def _relief_fits_the_grid(self) -> Self:
         self.relief.check(self.spacing, self.material)
         return self
 

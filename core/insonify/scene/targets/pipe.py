@@ -1,9 +1,7 @@
 """Pipes: along the bed, over spans, or pitched."""
 
-from __future__ import annotations
-
 from itertools import pairwise
-from typing import Any, Literal
+from typing import Any, Literal, Self
 
 import numpy as np
 from pydantic import field_validator, model_validator
@@ -56,7 +54,7 @@ class Pipe(Target):
         return gap
 
     @model_validator(mode="after")
-    def _straight_if_pitched(self) -> Pipe:
+    def _straight_if_pitched(self) -> Self:
         if self.pitch is not None and not isinstance(self.gap, float):
             raise ValueError("a pipe with a pitch is straight; give its gap as one number or leave pitch out")
         return self
