@@ -9,7 +9,8 @@ import numpy as np
 
 from insonify.scene import Scene, edit, load_scene
 from insonify.scene.base import parameter
-from insonify.scene.seabed.materials import MATERIAL_MAPS, MATERIALS, Cells, CompositeMap
+from insonify.scene.seabed.materials import MATERIAL_MAPS, Cells, CompositeMap
+from insonify.scene.seabed.materials.catalogue import MATERIALS
 from insonify.scene.targets import TARGETS, Body, Posed
 from insonify.scene.targets.shape import Shape, ball, frustum
 

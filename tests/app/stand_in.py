@@ -13,7 +13,7 @@ from insonify.planning import plan as make_plan
 from insonify.receiver import make_reception
 from insonify.scene import Scene, SceneError
 from insonify.scene.seabed import Seabed
-from insonify.scene.seabed.materials import MATERIALS
+from insonify.scene.seabed.materials.catalogue import MATERIALS
 from insonify.terrain.ground import Ground
 from insonify.tow.line import tow_line_at
 from insonify.tow.poses import make_poses
