@@ -6,8 +6,7 @@ from pydantic import model_validator
 
 from insonify.scene.base import Declaration, KindOf, metres, parameter
 from insonify.scene.seabed.materials import AnyMaterialMap, Material
-from insonify.scene.seabed.reliefs import RELIEFS, ReliefKind
-from insonify.scene.seabed.reliefs.flat import Flat
+from insonify.scene.seabed.reliefs import RELIEFS, Flat, ReliefKind
 from insonify.scene.seabed.reliefs.random_relief import RandomRelief
 
 
