@@ -1,8 +1,8 @@
 """File formats by suffix: a format is one module of its package, or comes with an installed package."""
 
 import os
-from collections.abc import Callable, Iterable, Iterator
-from contextlib import AbstractContextManager, contextmanager
+from collections.abc import Callable, Iterable
+from contextlib import AbstractContextManager
 from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
@@ -67,16 +67,6 @@ class FormatRegistry(Generic[Content]):
             found = [each for holder in holders for each in (holder, *vars(holder).values())]
             self._formats = list(dict.fromkeys(each for each in found if type(each) is FileFormat))
         return self._formats
-
-    @contextmanager
-    def adding(self, extra: FileFormat[Content]) -> Iterator[None]:
-        """Add a format for the length of a block."""
-        formats = self.formats()
-        formats.append(extra)
-        try:
-            yield
-        finally:
-            formats.remove(extra)
 
     def readable(self) -> tuple[str, ...]:
         """Suffixes of the formats that can be read."""

@@ -18,12 +18,7 @@ from insonify.kernels.labels.bed_stretches import VISIBLE
 from insonify.kernels.labels.echo_parts import PartList, Window, list_echo_parts, list_refracted_parts
 from insonify.kernels.labels.shadows import NO_TARGET
 from insonify.kernels.multipath.echo_list import EchoSink
-from insonify.kernels.multipath.image_sources import (
-    PATH_COUNT,
-    SURFACE_BOTTOM,
-    SURFACE_BOTTOM_SURFACE,
-    SURFACE_ECHO,
-)
+from insonify.kernels.multipath.image_sources import PATH_COUNT, SURFACE_BOTTOM, SURFACE_BOTTOM_SURFACE, SURFACE_ECHO
 from insonify.kernels.multipath.surface_multipath import empty_multipath_workspace, note_plane_echoes
 from insonify.kernels.sweep.sweep import AzimuthFan, empty_sweep_workspace
 from insonify.packing.apparent_tables import make_apparent_tables

@@ -7,7 +7,6 @@ They are tables of the TOML files in ``resources/materials`` and in the folders 
 import math
 import tomllib
 from collections.abc import Iterator, Mapping
-from contextlib import contextmanager
 from pathlib import Path
 from typing import Annotated, NamedTuple, Self
 
@@ -110,16 +109,6 @@ class Catalogue(Mapping[str, NamedMaterial]):
 
     def __len__(self) -> int:
         return len(self._materials())
-
-    @contextmanager
-    def including(self, folder: Path) -> Iterator[None]:
-        """Add the materials of another folder within the block, for tests."""
-        kept = dict(self._materials())
-        try:
-            self._kept.update(read_materials(folder))
-            yield
-        finally:
-            self._kept = kept
 
     def _materials(self) -> dict[str, NamedMaterial]:
         if not self._kept:
