@@ -10,7 +10,7 @@ from insonify.scene.receiver.speckles import Coherent
 from insonify.scene.seabed.materials import Material
 from insonify.scene.seabed.reliefs.random_relief import RandomRelief
 from insonify.scene.sonar.pulses import Ideal, Tone
-from insonify.scene.water.uniform import UniformWater
+from insonify.scene.water import UniformWater
 
 ALWAYS = 64e6  # bytes: tables of beams and of water, and what Python needs
 OF_ENDLESS_GROUND = 600e6  # the tiles that are kept

@@ -17,7 +17,7 @@ from insonify.scene.seabed.reliefs.fractal import Fractal
 from insonify.scene.seabed.reliefs.mimic import Mimic, mean_diffuse
 from insonify.scene.seabed.reliefs.random_relief import RandomRelief
 from insonify.scene.seabed.reliefs.sum import SumOfReliefs
-from insonify.scene.track.motions.lines import Straight, SumOfMotions
+from insonify.scene.track.motions import Straight, SumOfMotions
 
 Changes = dict[str, Any]
 SOURCE_LEVEL = 210.0  # dB re 1 µPa at 1 m, usual for a side-scan sonar

@@ -25,7 +25,7 @@ from insonify.io.navigation import read_navigation
 from insonify.io.records import read_record
 from insonify.io.sound_speed_casts import read_cast
 from insonify.scene import SceneError, load_scene
-from insonify.scene.seabed.autocorrelations.kinds import read_autocorrelation
+from insonify.scene.seabed.autocorrelations import read_autocorrelation
 from insonify.scene.seabed.materials.pictures import read_picture
 from insonify.simulation import simulate
 

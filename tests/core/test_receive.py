@@ -17,7 +17,7 @@ from insonify.receiver import receive
 from insonify.receiver.reception import assemble
 from insonify.receiver.stage import ReceiverSetup, Sound, Stage, stage_kinds
 from insonify.scene import edit, load_scene
-from insonify.scene.sonar.pulses import tone_taps
+from insonify.scene.sonar.pulses import Tone
 from insonify.simulation import prepare
 from receptions import scene_with
 
@@ -50,14 +50,14 @@ def received(declared, traced, pings=None, law=SONAR):
 @settings(max_examples=60, deadline=None, derandomize=True)
 @given(length=st.floats(1e-3, 200.0))
 def test_taps_hold_the_pulse(length):
-    taps = tone_taps(length)
+    taps = Tone().taps(length)
     assert taps.sum() == pytest.approx(length, rel=1e-9)
     assert (taps > -1e-12).all()
     assert taps.size <= length + 3
     # The echo of a bin is on average half a pulse late.
     assert (np.arange(taps.size) @ taps) / taps.sum() == pytest.approx(0.5 * length, abs=1e-9 * max(length, 1.0))
     for length, by_hand in ((1.0, [0.5, 0.5]), (2.0, [0.5, 1.0, 0.5]), (1.5, [0.5, 0.875, 0.125])):
-        taps = tone_taps(length)
+        taps = Tone().taps(length)
         np.testing.assert_allclose(taps, [*by_hand, *[0.0] * (taps.size - len(by_hand))], atol=1e-12)
 
 

@@ -14,7 +14,7 @@ from insonify.scene.seabed.reliefs.ripples import Ripples
 from insonify.scene.seabed.reliefs.roughness import PowerLaw, VonKarman
 from insonify.statistics.record_statistics import amplitude_exponent
 from insonify.terrain import relief
-from insonify.terrain.periodic_waves import frequencies, wave_coefficients
+from insonify.terrain.periodic_waves import WaveGrid
 from insonify.terrain.random_heights import periodic_heights
 
 SIDE, PERIOD = 512, 51.2
@@ -184,11 +184,11 @@ def moments(field, scales, orders):
 def test_flux_of_a_cascade_has_the_moments_of_its_codimension():
     cascade, found = Cascade(intermittency=0.15), []
     for seed in range(12):
-        fx, fy = frequencies((SIDE, SIDE))
+        waves = WaveGrid((SIDE, SIDE), seed, 1)
+        fx, fy = waves.frequencies()
         squared = fx**2 + fy**2
         squared[0, 0] = np.inf
-        noise = wave_coefficients(seed, 1, (SIDE, SIDE), gaussian=True)
-        log_flux = np.fft.irfft2(noise * np.sqrt(cascade.intermittency / (np.pi * squared)), norm="forward")
+        log_flux = np.fft.irfft2(waves.noise() * np.sqrt(cascade.intermittency / (np.pi * squared)), norm="forward")
         flux = np.exp(log_flux)
         found.append(moments(flux / flux.mean(), [4, 8, 16, 32, 64], [1.5, 2.0]))
     k15, k2 = np.mean(found, axis=0)

@@ -24,13 +24,14 @@ With ``INSONIFY_COMPILER=numba`` all of them are plain `numba.njit`, which compi
 takes longer, but relies on nothing private of Numba.
 """
 
+import contextlib
 import os
 from collections.abc import Callable
 from typing import Any
 
 from numba import njit, types
 
-from insonify.compiler.digests import settings
+from insonify.compiler.digests import FOLDER, PRIVATE, digest_of, settings
 
 Function = Callable[..., Any]
 # Every licence that keeps NaN and infinity meaningful: guards against them must survive.
@@ -40,9 +41,7 @@ COMMON: dict[str, Any] = {"nogil": True, "error_model": "numpy"}
 NOTHING, INTEGER, TWO_INTEGERS = types.none, types.intp, types.UniTuple(types.intp, 2)  # what separate kernels return
 PLAIN = os.environ.get("INSONIFY_COMPILER") == "numba"
 
-if PLAIN:
-    from insonify.compiler.plain import compile_plainly
-else:
+if not PLAIN:
     from insonify.compiler.compilation_events import report_compilations
     from insonify.compiler.dispatch import Kernel
     from insonify.compiler.separate import SeparateKernel
@@ -96,7 +95,19 @@ def _compile(function: Function, counting: bool, kept: bool = True, **options: A
     options = COMMON | {"fastmath": FAST} | options
     if settings.DISABLE_JIT:
         return function
-    return compile_plainly(function, kept, options) if PLAIN else Kernel(function, options | {"_nrt": counting}, kept)
+    return _compile_plainly(function, kept, options) if PLAIN else Kernel(function, options | {"_nrt": counting}, kept)
+
+
+def _compile_plainly(function: Function, kept: bool, options: dict[str, Any]) -> Function:
+    """Compile a function by Numba's decorator; machine code is kept in Numba's own cache, where it has a place."""
+    compiled = njit(**options)(function)
+    if kept and PRIVATE:
+        # Numba notices changes of a function's own file alone: here each digest of the sources has a folder.
+        before, settings.CACHE_DIR = settings.CACHE_DIR, str(FOLDER / f"plain-{digest_of(function.__module__, '')}")
+        with contextlib.suppress(RuntimeError, OSError):  # without a file, or a folder that can be written
+            compiled.enable_caching()
+        settings.CACHE_DIR = before
+    return compiled
 
 
 def _compile_separately(function: Function, returned: Any, ahead: bool, counting: bool) -> Function:

@@ -7,7 +7,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from insonify.array_cache import keep_arrays
-from insonify.kernels.common.types import Poses, SceneArrays, Solids
+from insonify.kernels.common.types import Poses, SceneArrays
+from insonify.kernels.geometry.solids import highest_place
 from insonify.kernels.refraction.apparent_positions import ApparentTables, no_apparent_tables
 from insonify.kernels.refraction.apparent_tables import fill_apparent_table, is_single_valued
 from insonify.kernels.targets.apparent_targets import SECANT
@@ -75,19 +76,11 @@ def _extend_below_bed(arrays: SceneArrays) -> tuple[NDArray[np.float64], NDArray
 
 def _extent_of(arrays: SceneArrays, stretch: float) -> _Extent:
     """Extent of a table: from the lowest bed to the highest body, and out to the record's range."""
-    top = max(arrays.bed.high, _top(arrays.solids), float(arrays.mesh.corners[:, :, 2].max(initial=-math.inf)))
     first = math.floor((arrays.bed.low - SECANT) / ROW_STEP)
-    last = math.ceil(min(top + SECANT, arrays.water.surface) / ROW_STEP)
+    last = math.ceil(min(highest_place(arrays) + SECANT, arrays.water.surface) / ROW_STEP)
     reach = arrays.bins * arrays.bin_length * stretch
     columns = math.ceil(reach / COLUMN_STEP) + 2
     return _Extent(first, max(last - first, 1) + 1, columns, arrays.water.surface, arrays.water.reference)
-
-
-def _top(solids: Solids) -> float:
-    """Height of the highest point of all bodies, from balls about their ends."""
-    ends = solids.start[:, 2] + np.outer([0.0, 1.0], solids.length) * solids.axis[:, 2]
-    radius = solids.radius + np.maximum(solids.taper * solids.length, 0.0)
-    return float((ends + radius).max(initial=-math.inf))
 
 
 @keep_arrays

@@ -39,28 +39,15 @@ def power(level: float) -> float:
 
 @dataclass(frozen=True, eq=False)
 class ReceiverSetup:
-    """What the stages of a receiver are prepared from.
+    """What the stages of a receiver are prepared from."""
 
-    Attributes
-    ----------
-    scene : Scene
-        The declaration.
-    arrays : SceneArrays
-        The whole scene as tracers take it: beam, bins, water, reflectivities.
-    altitude, depth : float
-        Of the sonar at its first ping, in metres: above the bed, and below the sea surface.
-    k_shapes : sequence of float or None
-        Shape of the K speckle of every material, by rows of ``arrays.reflectivity``; None for that of the receiver.
-    ground : AnyGround, optional
-        The bed. Without it there are no schools or plumes.
-    """
-
-    scene: Scene
-    arrays: SceneArrays
-    altitude: float
-    depth: float
+    scene: Scene  # the declaration
+    arrays: SceneArrays  # the whole scene as tracers take it: beam, bins, water, reflectivities
+    altitude: float  # of the sonar above the bed at its first ping, m
+    depth: float  # and below the sea surface
+    # Shape of the K speckle of every material, by rows of ``arrays.reflectivity``; None for that of the receiver.
     k_shapes: Sequence[float | None] = ()
-    ground: AnyGround | None = None
+    ground: AnyGround | None = None  # the bed; without it there are no schools or plumes
 
     @cached_property
     def taps(self) -> Taps:
@@ -152,40 +139,24 @@ class Sound:
     """Sound of a block of pings in the receiver.
 
     Stages replace arrays of energies, and never change their elements, which may be those of the tracer.
-
-    Attributes
-    ----------
-    pings : (n,) int64
-        Ping numbers.
-    energy : (n, 2, bins) float32
-        Mean energy of the echoes, port first; after detection the intensity of the record. ``factors`` still apply.
-    weighted : (n, 2, bins) float32 or None
-        The same with the echo of every material divided by the shape of its K speckle; None if one shape holds for all.
-    phased : bool
-        Whether echoes are speckled.
-    sums_waves : bool
-        Whether speckled echoes meet other waves, so that amplitudes add.
-    traced : (n, 2, bins * samples) complex128 or None
-        Echoes of single scatterers, if these are traced with their phases.
-    background : (n or 1, 1 or 2, bins) float32 or None
-        Mean energy of Gaussian waves that are new in every ping and not added to ``waves`` yet.
-    waves : Waves
-        Amplitudes of all that is received, between speckle and detection.
-    look : int
-        Number of the independent record that is summed.
-    factors : list
-        Factors, (n or 1, 1, 1) or numbers, that are still to be applied to ``energy`` and ``background``.
     """
 
-    pings: NDArray[np.int64]
+    pings: NDArray[np.int64]  # (n,) numbers of the pings
+    # (n, 2, bins) mean energy of the echoes, port first; after detection the intensity of the record. ``factors`` still
+    # apply.
     energy: Record
+    # The same with the echo of every material divided by the shape of its K speckle; None if one shape holds for all.
     weighted: Record | None = None
-    phased: bool = False
-    sums_waves: bool = False
+    phased: bool = False  # whether echoes are speckled
+    sums_waves: bool = False  # whether speckled echoes meet other waves, so that amplitudes add
+    # (n, 2, bins * samples) echoes of single scatterers, if these are traced with their phases.
     traced: NDArray[np.complex128] | None = None
+    # (n or 1, 1 or 2, bins) mean energy of Gaussian waves that are new in every ping and not added to ``waves`` yet.
     background: Record | None = None
+    # Amplitudes of all that is received, between speckle and detection.
     waves: Waves = field(default_factory=lambda: no_waves(0, 0))
-    look: int = 0
+    look: int = 0  # number of the independent record that is summed
+    # Factors, (n or 1, 1, 1) or numbers, that are still to be applied to ``energy`` and ``background``.
     factors: list[Record | np.float32] = field(default_factory=list)
 
     def scale(self, factor: Record | np.float32) -> None:

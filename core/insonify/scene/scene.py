@@ -16,8 +16,7 @@ from insonify.scene.sonar.presets import with_preset
 from insonify.scene.targets import AnyTarget, Pit
 from insonify.scene.track import Track
 from insonify.scene.volumes import AnyVolume
-from insonify.scene.water import AnyWater
-from insonify.scene.water.uniform import UniformWater
+from insonify.scene.water import AnyWater, UniformWater
 
 DEFAULT_ALTITUDE = 10.0
 SCHEMA = 1

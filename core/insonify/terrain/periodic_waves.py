@@ -29,7 +29,8 @@ class WaveGrid:
 
     def noise(self, *, gaussian: bool = True) -> Waves:
         """Coefficients of unit variance, (ny, nx // 2 + 1), cached so that a new spectrum costs only the filter."""
-        return wave_coefficients(self._seed, self._stream, self.shape, gaussian=gaussian)
+        make = _kept_noise if self.shape[0] * self.shape[1] <= KEPT_CELLS else wave_noise
+        return make(self._seed, self._stream, *self.shape, gaussian)
 
     def filtered(self, amplitude: Density, *, gaussian: bool = True) -> Waves:
         """Multiply the noise by an amplitude of the frequencies, some rows at a time."""
@@ -80,12 +81,6 @@ def frequencies(shape: GridShape) -> tuple[Field, Field]:
     ny, nx = shape
     fy = (np.arange(ny) + ny // 2) % ny - ny // 2
     return np.arange(nx // 2 + 1, dtype=np.float64)[np.newaxis, :], fy.astype(np.float64)[:, np.newaxis]
-
-
-def wave_coefficients(seed: int, stream: int, shape: GridShape, *, gaussian: bool) -> Waves:
-    """Coefficients before the filter, cached so that a new spectrum costs only the filter."""
-    make = _kept_noise if shape[0] * shape[1] <= KEPT_CELLS else wave_noise
-    return make(seed, stream, *shape, gaussian)
 
 
 _kept_noise = keep_arrays(wave_noise)

@@ -13,7 +13,6 @@ pytestmark = pytest.mark.skipif(bool(numba.config.DISABLE_JIT), reason="nothing 
 
 KERNELS = """
 from insonify.compiler.jit import INTEGER, NOTHING, inlined, inlined_ieee, kernel, kernel_on_demand, kernel_separate
-from insonify.compiler.prefetch import prefetch_row
 
 @inlined
 def half(x):
@@ -34,7 +33,6 @@ def add_one(values):
 
 @kernel
 def combine(values, x):
-    prefetch_row(values)
     add_one(values)
     return half(values.sum()) + third(square(x))
 """

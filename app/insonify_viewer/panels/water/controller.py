@@ -5,8 +5,8 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from insonify.scene import Scene, SceneError
+from insonify.scene.water import UniformWater
 from insonify.scene.water.layered import ProfileWater
-from insonify.scene.water.uniform import UniformWater
 from insonify_viewer.panels.panel import Button, Panel, Place, Workbench
 from insonify_viewer.panels.water.view import WaterView
 from insonify_viewer.record.record import RecordGrowth

@@ -47,7 +47,7 @@ def _integral_up_to(centre, extent, integral, row, s):
 
 @inlined_uncounted
 def row_of_range(extent, first_range, per_octave, r):
-    """Row for a slant range and the fraction of the way to the next row."""
+    """Row of a table for a slant range, and the fraction of the way to the next row."""
     if extent.size == 1:
         return 0, 0.0
     place = place_in_rows(extent.size - 1.0, first_range, per_octave, r)
@@ -85,15 +85,9 @@ def _octaves(ratio):
 @inlined_uncounted
 def _table_response(pattern, s, r):
     """Two-way response in the directions of s at a slant range, bilinear in s and log r."""
-    row, share = _row(pattern, r)
+    row, share = row_of_range(pattern.extent, pattern.first_range, pattern.per_octave, r)
     response = _energy(pattern, row, s)
     return response + share * (_energy(pattern, row + 1, s) - response) if share > 0.0 else response
-
-
-@inlined_uncounted
-def _row(pattern, r):
-    """Row of the table for a slant range, and the fraction of the way to the next row."""
-    return row_of_range(pattern.extent, pattern.first_range, pattern.per_octave, r)
 
 
 @inlined_uncounted
@@ -157,7 +151,7 @@ def pick_azimuth(pattern, level, tip, r, place):
     if low >= high:
         return 0.0, 0.0
     first, last = math.asin(low), math.asin(high)
-    row, _ = _row(pattern, r)
+    row, _ = row_of_range(pattern.extent, pattern.first_range, pattern.per_octave, r)
     before = _integral(pattern, row, level * low + tip)
     whole = _integral(pattern, row, level * high + tip) - before
     if whole <= 0.0:

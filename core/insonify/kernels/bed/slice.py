@@ -13,7 +13,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from insonify.compiler.jit import inlined_uncounted
-from insonify.compiler.prefetch import LINE, prefetch_read
 from insonify.kernels.bed.grid import MERGED, clip_to_grid, first_line, is_oblique, wrap_index
 from insonify.kernels.bed.oblique_walk import walk_oblique
 from insonify.kernels.bed.profile import padded_count
@@ -121,28 +120,6 @@ def _add_strip(bed, walk, column, start, end, count, profile):
     if bed.mapped:
         _fill_materials(bed.materials, v_is_y, column, behind, step, profile.material[head : head + segments])
     return head + segments + 1
-
-
-@inlined_uncounted
-def prefetch_strip(bed, x, y, ex, ey, reach):
-    """Prefetch the nodes of the strip in which a plane begins; a plane along the grid needs no others."""
-    u, v = (x - bed.x0) / bed.spacing, (y - bed.y0) / bed.spacing
-    nodes = bed.heights
-    if abs(ey) >= abs(ex):
-        nodes = bed.transposed
-    else:
-        u, v, ex, ey = v, u, ey, ex
-    length = min(reach, bed.spacing / max(abs(ex), MERGED)) / bed.spacing
-    rows, columns = nodes.shape
-    low = nodes[wrap_index(math.floor(u), rows)]
-    high = nodes[wrap_index(math.floor(u) + 1, rows)]
-    node = math.floor(v)
-    if ey < 0.0:
-        node -= int(length)
-    per_line = LINE // nodes.itemsize
-    for k in range(node, node + int(length), per_line):
-        prefetch_read(low, wrap_index(k, columns))
-        prefetch_read(high, wrap_index(k, columns))
 
 
 @inlined_uncounted

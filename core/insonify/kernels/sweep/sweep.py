@@ -14,13 +14,12 @@ import numpy as np
 from numpy.typing import DTypeLike, NDArray
 
 from insonify.compiler.jit import inlined_uncounted, kernel
-from insonify.compiler.prefetch import prefetch_row
 from insonify.kernels.beam.azimuth_sector import AzimuthSector
 from insonify.kernels.bed.grid import is_oblique
 from insonify.kernels.bed.profile import Profile, empty_profile, list_marked, profile_capacity
-from insonify.kernels.bed.slice import prefetch_strip, slice_bed, snap_to_grid
+from insonify.kernels.bed.slice import slice_bed, snap_to_grid
 from insonify.kernels.common.range_bins import RangeBins, accumulate_bins
-from insonify.kernels.common.types import PORT, STARBOARD, SceneArrays
+from insonify.kernels.common.types import PORT, SceneArrays
 from insonify.kernels.geometry.cross_sections import HalfPlane
 from insonify.kernels.refraction.apparent_positions import ApparentTables, apply_apparent_positions, prepare_table
 from insonify.kernels.sweep.partial_segments import (
@@ -159,24 +158,10 @@ def _sweep_all(arrays, poses, fan, apparent, workspace, bins, out):
     for ping in range(poses.x.size):
         grid = prepare_table(apparent, poses.z[ping], workspace.table)
         for side in range(2):
-            prefetch_row(out[ping, side])
-            if fan.azimuth.size == 1:
-                _prefetch_next(arrays, poses, ping, side)
             for k in range(fan.azimuth.size):
                 plane, sector, reach = aim_plane(arrays, poses, ping, side, fan, k, grid)
                 sweep_plane(arrays, plane, sector, reach, grid, workspace, bins)
             accumulate_bins(bins, arrays.range_factor, out[ping, side])
-
-
-@inlined_uncounted
-def _prefetch_next(arrays, poses, ping, side):
-    """Prefetch the bed athwart on the side that comes next: the other one, or the first of the next ping."""
-    if side == STARBOARD:
-        ping += 1
-    if ping < poses.x.size:
-        abeam = -1.0 if side == PORT else 1.0
-        ex, ey = -abeam * math.sin(poses.heading[ping]), abeam * math.cos(poses.heading[ping])
-        prefetch_strip(arrays.bed, poses.x[ping], poses.y[ping], ex, ey, arrays.bins * arrays.bin_length)
 
 
 @inlined_uncounted

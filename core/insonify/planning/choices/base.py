@@ -151,36 +151,16 @@ class Case:
 
 
 class Choice(ABC):
-    """A choice of a plan.
+    """A choice of a plan."""
 
-    Attributes
-    ----------
-    subject : str
-        Name by which it is forced.
-    field : str
-        Field of the `Model` that it sets.
-    stage : int
-        Effects are chosen first, then the tracer, the grid and the fineness.
-    rank : int
-        Place of its entries in a plan.
-    offered : tuple of str
-        Settings offered to a user.
-    """
-
-    subject: ClassVar[str]
-    field: ClassVar[str]
-    stage: ClassVar[int] = EFFECT
-    rank: ClassVar[int]
-    offered: ClassVar[tuple[str, ...]] = SWITCH
+    subject: ClassVar[str]  # name by which it is forced
+    field: ClassVar[str]  # field of the `Model` that it sets
+    stage: ClassVar[int] = EFFECT  # effects are chosen first, then the tracer, the grid and the fineness
+    rank: ClassVar[int]  # place of its entries in a plan
+    offered: ClassVar[tuple[str, ...]] = SWITCH  # settings offered to a user
 
     def parse(self, text: str) -> Any:
-        """Read a forced setting.
-
-        Raises
-        ------
-        SceneError
-            If it is not known.
-        """
+        """Read a forced setting; raises a `SceneError` if it is not known."""
         if text not in self.offered:
             known = ", ".join(self.offered)
             raise SceneError(f"model {self.subject}: {text!r} is not known; choose one of {known}")
@@ -193,13 +173,8 @@ class Choice(ABC):
     def error(self, case: Case, model: Model, cautious: bool = True) -> float:
         """Error of a model's setting; of effects, tracer and grid whatever its fineness.
 
-        Parameters
-        ----------
-        case : Case
-        model : Model
-        cautious : bool
-            Whether it is the one by which the choice is made: a bound, which may weigh bins nearer than 1.4 altitudes
-            too. If not, the error beyond them as measured, which a plan reports.
+        A cautious one, by which the choice is made, is a bound, which may weigh bins nearer than 1.4 altitudes too. The
+        other is the error beyond them as measured, which a plan reports.
         """
         del case, model, cautious
         return 0.0
@@ -213,12 +188,7 @@ class Choice(ABC):
         """Entries of the plan about it; none if it does not concern the scene."""
 
     def require(self, case: Case, model: Model) -> None:
-        """Raise an error if a model with its setting cannot be simulated.
-
-        Raises
-        ------
-        SceneError
-        """
+        """Raise a `SceneError` if a model with its setting cannot be simulated."""
         del case, model
 
     def kept(self, case: Case, model: Model, last: Model) -> Any:

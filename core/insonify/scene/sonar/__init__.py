@@ -4,11 +4,9 @@ from typing import Annotated, Literal
 
 from insonify.errors import SceneError
 from insonify.scene.base import Declaration, KindOf, metres, parameter
-from insonify.scene.sonar.beams import BEAMS, BeamKind
-from insonify.scene.sonar.beams.lobes import FanBeam
+from insonify.scene.sonar.beams import BEAMS, BeamKind, FanBeam
 from insonify.scene.sonar.pulses import PULSES, PulseKind, Tone
-from insonify.scene.sonar.vertical_beams import VERTICAL_BEAMS, VerticalBeamKind
-from insonify.scene.sonar.vertical_beams.lobes import UniformVerticalBeam
+from insonify.scene.sonar.vertical_beams import VERTICAL_BEAMS, UniformVerticalBeam, VerticalBeamKind
 
 MOST_BINS = 100_000  # greatest number of bins per side of a record, and of bins that a pulse may last
 

@@ -122,7 +122,10 @@ class Tone(PulseKind):
 
     def taps(self, length: float) -> NDArray[np.float64]:
         """Shares of a bin's energy that the tone puts into that bin and the following ones."""
-        return tone_taps(length)
+        edges = np.arange(math.ceil(length) + 2, dtype=np.float64)
+        corners = (edges, edges - 1.0, edges - length, edges - 1.0 - length)
+        ramps = [0.5 * np.maximum(corner, 0.0) ** 2 for corner in corners]
+        return np.diff(ramps[0] - ramps[1] - ramps[2] + ramps[3])
 
     def coherence(self, length: float) -> NDArray[np.float64]:
         """Correlation of two bins: the share of the tone within both, 1 − Δ/(cτ/2)."""
@@ -176,11 +179,3 @@ class Chirp(PulseKind):
         x = self.bandwidth * time
         value = np.sinc(x) + (0.5 * b / a) * (np.sinc(x - 1.0) + np.sinc(x + 1.0))
         return np.where(np.abs(time) <= self.duration, value, 0.0)
-
-
-def tone_taps(length: float) -> NDArray[np.float64]:
-    """Shares of a bin's energy that a gated tone puts into that bin and the following ones."""
-    edges = np.arange(math.ceil(length) + 2, dtype=np.float64)
-    corners = (edges, edges - 1.0, edges - length, edges - 1.0 - length)
-    ramps = [0.5 * np.maximum(corner, 0.0) ** 2 for corner in corners]
-    return np.diff(ramps[0] - ramps[1] - ramps[2] + ramps[3])

@@ -5,8 +5,7 @@ from typing import Annotated, Self
 from pydantic import model_validator
 
 from insonify.scene.base import Coordinate, Declaration, KindOf, angle, parameter
-from insonify.scene.track.motions import MOTIONS, MotionKind, SingleMotion
-from insonify.scene.track.motions.lines import Straight
+from insonify.scene.track.motions import MOTIONS, MotionKind, SingleMotion, Straight
 
 
 class Track(Declaration):

@@ -1,6 +1,6 @@
-"""Waters: their base class, with sound speed, absorption and sea surface."""
+"""Waters: their base class, with sound speed, absorption and sea surface, and water of one sound speed."""
 
-from typing import Annotated, ClassVar, NamedTuple
+from typing import Annotated, ClassVar, Literal, NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -70,6 +70,23 @@ class WaterKind(Kind):
 def speeds_by_depth(depth: ArrayLike, speed: ArrayLike) -> SoundSpeeds:
     """Speeds (m/s) at depths (m) of horizontally uniform water."""
     return SoundSpeeds(np.asarray(depth, dtype=np.float64), np.asarray(speed, dtype=np.float64)[None, :])
+
+
+class UniformWater(WaterKind):
+    """Still water of one sound speed."""
+
+    rank = 10
+    kind: Literal["uniform"] = "uniform"
+    sound_speed: float = parameter(1500.0, "speed of sound", "m/s", ge=1300.0, le=1700.0, slider=(1400.0, 1600.0))
+
+    @property
+    def only_speed(self) -> float:
+        """Speed of sound, in m/s."""
+        return self.sound_speed
+
+    def sound_speeds(self) -> SoundSpeeds:
+        """Return one speed for every depth."""
+        return speeds_by_depth([0.0], [self.sound_speed])
 
 
 AnyWater = Annotated[WaterKind, KindOf(WATERS, default="uniform")]

@@ -27,7 +27,7 @@ from insonify.kernels.common.types import LIGHT, NO_DECAY, SceneArrays, still_wa
 from insonify.planning import plan
 from insonify.scene import Scene, edit, load_scene
 from insonify.scene.seabed.reliefs.fractal import Fractal
-from insonify.scene.sonar.beams.lobes import FanBeam
+from insonify.scene.sonar.beams import FanBeam
 from insonify.scene.targets.bodies import Sphere
 from insonify.scene.water.surfaces import WAYS, FlatSurface, RoughSurface
 from insonify.simulation import prepare, simulate

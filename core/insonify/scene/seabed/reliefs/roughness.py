@@ -6,8 +6,7 @@ from typing import Annotated, Literal
 import numpy as np
 
 from insonify.scene.base import KindOf, angle, metres, parameter
-from insonify.scene.seabed.autocorrelations import AUTOCORRELATIONS, AutocorrelationKind
-from insonify.scene.seabed.autocorrelations.kinds import ExponentialAutocorrelation
+from insonify.scene.seabed.autocorrelations import AUTOCORRELATIONS, AutocorrelationKind, ExponentialAutocorrelation
 from insonify.scene.seabed.reliefs.random_relief import ExtendableRelief, rms_height
 from insonify.scene.seabed.reliefs.spectrum import Band, Density, Field, rotate_frequencies
 

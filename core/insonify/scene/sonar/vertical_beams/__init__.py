@@ -1,4 +1,4 @@
-"""Vertical beams: their base classes."""
+"""Vertical beams: their base classes, and those without a lobe or with a single one."""
 
 from typing import ClassVar, Literal, NamedTuple
 
@@ -71,3 +71,42 @@ class TiltedBeam(VerticalBeamKind):
     def response(self) -> VerticalResponse:
         """Sensitivity by grazing angle: the table of `sensitivity`, unless a kind has a closed form."""
         return VerticalResponse("table", self.tilt)
+
+
+class UniformVerticalBeam(VerticalBeamKind):
+    """Equal sensitivity at every grazing angle."""
+
+    rank = 10
+    kind: Literal["uniform"] = "uniform"
+    caption = ""  # it changes nothing
+
+
+class LobeBeam(TiltedBeam):
+    """A vertical beam of a single lobe of given width."""
+
+    lobe: ClassVar[Literal["top_hat", "gaussian"]]
+    caption = "vertical {kind} {width:g}° tilted {tilt:g}°"
+    width: float = parameter(
+        50.0, "one-way full width; to -3 dB of a gaussian", "°", ge=1e-3, le=170.0, slider=(5.0, 90.0)
+    )
+
+    @property
+    def response(self) -> VerticalResponse:
+        """Sensitivity by grazing angle."""
+        return VerticalResponse(self.lobe, self.tilt, self.width)
+
+
+class VerticalFan(LobeBeam):
+    """A vertical top-hat: full sensitivity within its width, none beyond."""
+
+    rank = 20
+    lobe = "top_hat"
+    kind: Literal["fan"] = "fan"
+
+
+class VerticalGaussian(LobeBeam):
+    """A bell-shaped vertical beam."""
+
+    rank = 30
+    lobe = "gaussian"
+    kind: Literal["gaussian"] = "gaussian"

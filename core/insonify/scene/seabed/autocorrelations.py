@@ -1,4 +1,4 @@
-"""Autocorrelations of a correlation length, and by points that are declared or read from a file."""
+"""Autocorrelations of heights: of a correlation length, and by points that are declared or read from a file."""
 
 import math
 from abc import abstractmethod
@@ -12,13 +12,28 @@ from pydantic import ValidationError, field_validator
 from insonify.errors import SceneError
 from insonify.files import kept_until_changed
 from insonify.io.file_access import guarded, read_text
-from insonify.scene.base import FilePath, metres, parameter
-from insonify.scene.seabed.autocorrelations import AutocorrelationKind
+from insonify.scene.base import Family, FilePath, Kind, metres, parameter
 from insonify.scene.seabed.reliefs.spectrum import Density, Field
 
+AUTOCORRELATIONS = Family("autocorrelations", "insonify.scene.seabed")
 TABLED = 4096  # wave numbers at which a tabulated autocorrelation is transformed
 NEGATIVE = 0.1  # greatest share of negative power, which no surface can have and which is set to 0
 Points = tuple[tuple[float, float], ...]
+
+
+class AutocorrelationKind(Kind):
+    """Autocorrelation of heights over the lag."""
+
+    family = AUTOCORRELATIONS
+
+    @property
+    @abstractmethod
+    def feature(self) -> float:
+        """Width of the narrowest feature of the spectrum, in cycles per metre."""
+
+    @abstractmethod
+    def density(self, variance: float) -> Density:
+        """Spectral density of heights of that variance (m²): P(k) = h² 2π ∫ ρ(r) J₀(kr) r dr (Wiener–Khinchin)."""
 
 
 class LengthAutocorrelation(AutocorrelationKind):
