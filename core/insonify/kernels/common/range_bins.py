@@ -54,10 +54,6 @@ def range_weight(decay, k, position, span):
         Bin in which the span lies.
     position, span : float
         Middle and length of the span, in bins; a single place has the length 0.
-
-    Returns
-    -------
-    float
     """
     found = relative_decay(decay, k + 0.5)
     nearness = 1.0 / (1.0 + 0.25 * found * (position - k - 0.5))

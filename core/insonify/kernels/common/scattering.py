@@ -78,10 +78,6 @@ def bistatic_strength(cos_in, cos_out, mirrored, diffuse, specular, shininess, l
     law : int
         LIGHT: I = k_d cos α_in + k_s max(0, R·V)ⁿ. SONAR: σ = cos α_in cos α_out (k_d/π + k_s (n+2)/(2π) max(0, R·V)ⁿ),
         which is reciprocal.
-
-    Returns
-    -------
-    float
     """
     if cos_in <= 0.0 or cos_out <= 0.0:
         return 0.0

@@ -26,16 +26,7 @@ class FrustumShape(NamedTuple):
 
 @kernel
 def highest_place(arrays):
-    """Height above the datum that nothing of a scene's bed and targets exceeds, m.
-
-    Parameters
-    ----------
-    arrays : SceneArrays
-
-    Returns
-    -------
-    float
-    """
+    """Height above the datum that nothing of a scene's bed and targets exceeds, m."""
     solids, highest = arrays.solids, arrays.bed.high
     for k in range(solids.shape.size):
         rise, growth = solids.length[k] * solids.axis[k, 2], solids.length[k] * solids.taper[k]

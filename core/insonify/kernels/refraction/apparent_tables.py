@@ -81,10 +81,6 @@ def is_single_valued(height, speed, z, low, high, reach, surface):
         The ground range, m.
     surface : float
         Height above which no ray may go, m.
-
-    Returns
-    -------
-    bool
     """
     c0 = speed_at(height, speed, z)
     flattest = math.acos(min(c0 / speed.max(), 1.0))
