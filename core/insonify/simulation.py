@@ -177,16 +177,16 @@ class Simulation(PackedScene):
             labels = self.labels(poses)._asdict() if truth else {}
             return {"intensity": self.record(pings, poses, out)} | labels
         with limited_threads(self.threads):
-            traced = self.trace(poses) if self._shows_bed else None
+            traced = np.asarray(self.trace(poses), np.float32) if self._shows_bed else None
         whole = self.labels(poses, traced)._asdict()
         return {"intensity": self.record(pings, poses, out, traced)} | {name: whole[name] for name in OF_TARGETS}
 
     @property
     def _shows_bed(self) -> bool:
         """Whether traced echoes of pings that meet no target are those of the bed, by the direct path alone."""
-        reduced, others = self.reduced, (WaterColumn, Crosstalk)
-        alone = not (reduced.multipath.enabled or reduced.water.bent or self.scene.seabed.endless)
-        return alone and isinstance(self.tracer, Sweep) and not any(map(self.reception.find, others))
+        others = self.reception.find(WaterColumn) or self.reception.find(Crosstalk) or self.scene.seabed.endless
+        more = self.reduced.multipath.enabled or self.reduced.water.bent
+        return isinstance(self.tracer, Sweep) and not (others or more)
 
     def _block_size(self, truth: Truth, *, streamed: bool) -> int:
         """Return the number of pings to trace at a time, by time and by the memory that a block takes."""

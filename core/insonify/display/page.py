@@ -65,7 +65,7 @@ def encode_png(page: Image.Image) -> bytes:
     chunks = {
         b"IHDR": struct.pack(">2I5B", *page.size, 8, 2, 0, 0, 0),
         b"pHYs": struct.pack(">2IB", dots, dots, 1),
-        b"IDAT": zlib.compress(rows, 1),
+        b"IDAT": zlib.compress(rows.data, 1),
         b"IEND": b"",
     }
     sums = {kind: struct.pack(">I", zlib.crc32(kind + content)) for kind, content in chunks.items()}
