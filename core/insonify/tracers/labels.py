@@ -112,6 +112,7 @@ def _find_bed(echoes: NDArray[np.float32], targets: int) -> BinLabels:
     found = empty_labels(len(echoes), echoes.shape[2], targets)
     found.contributor[...] = np.where(echoes > 0.0, 0, NO_PRIMITIVE)
     found.shadow[...], found.shadow_id[...] = 0.0, NO_TARGET
+    found.ground_range[...] = found.incidence[...] = np.nan
     return found
 
 
