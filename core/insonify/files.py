@@ -37,11 +37,6 @@ def bundled_lessons() -> dict[str, Path]:
     return {path.stem: path for path in sorted((resources() / "lessons").glob("*.md"))}
 
 
-def bundled_courses() -> Path:
-    """Return the file of the courses to which the bundled lessons belong."""
-    return resources() / "lessons" / "courses.toml"
-
-
 def bundled_sonars() -> dict[str, Path]:
     """Return the presets of sonars that come with the package, by name."""
     return {path.stem: path for path in sorted((resources() / "sonars").glob("*.toml"))}
