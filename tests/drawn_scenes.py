@@ -12,7 +12,7 @@ from pydantic.fields import FieldInfo
 from insonify.files import bundled_meshes
 from insonify.scene import Scene
 from insonify.scene.base import KindOf, kind_name
-from insonify.scene.seabed.materials import MATERIALS
+from insonify.scene.seabed.materials.catalogue import MATERIALS
 
 Draw = Callable[[st.SearchStrategy[Any]], Any]
 CELLS = (3, 200)  # of a period, and likewise of a range

@@ -9,9 +9,10 @@ import numpy as np
 
 from insonify.scene import Scene, edit, load_scene
 from insonify.scene.base import parameter
-from insonify.scene.seabed.materials import MATERIAL_MAPS, MATERIALS, Cells, CompositeMap
+from insonify.scene.seabed.materials import MATERIAL_MAPS, Cells, CompositeMap
 from insonify.scene.targets import TARGETS, Body, Posed
 from insonify.scene.targets.shape import Shape, ball, frustum
+from own_things import added_materials, forgetting
 
 OWN_MATERIALS = Path(__file__).parent / "own_materials"
 AROUND, ACROSS = 96, 32
@@ -20,8 +21,8 @@ AROUND, ACROSS = 96, 32
 @contextmanager
 def own_kinds() -> Iterator[None]:
     """Know the kinds within the block."""
-    shapes, maps = TARGETS.without("dumbbell", "hoop"), MATERIAL_MAPS.without("halves")
-    with shapes, maps, MATERIALS.including(OWN_MATERIALS):
+    shapes, maps = forgetting(TARGETS, "dumbbell", "hoop"), forgetting(MATERIAL_MAPS, "halves")
+    with shapes, maps, added_materials(OWN_MATERIALS):
         declare_dumbbell()
         declare_hoop()
         declare_halves()

@@ -17,6 +17,7 @@ from insonify.scene.sonar.pulses import PULSES, PulseKind
 from insonify.scene.track.motions import MOTIONS, SingleMotion
 from insonify.scene.water import WATERS, SoundSpeeds, WaterKind, speeds_by_depth
 from insonify.scene.water.absorptions import ABSORPTIONS, AbsorptionKind
+from own_things import forgetting
 
 FAMILIES = {
     RELIEFS: ("band", "terrace"),
@@ -34,7 +35,7 @@ def own_physics() -> Iterator[None]:
     """Know the kinds within the block."""
     with ExitStack() as stack:
         for family, kinds in FAMILIES.items():
-            stack.enter_context(family.without(*kinds))
+            stack.enter_context(forgetting(family, *kinds))
         declare_reliefs()
         declare_sonar()
         declare_surroundings()

@@ -6,7 +6,9 @@ from typing import Any
 import numpy as np
 
 from beds import arrays_of
-from insonify.receiver import Reception, make_reception
+from insonify.receiver import Reception
+from insonify.receiver.reception import assemble
+from insonify.receiver.stage import ReceiverSetup
 from insonify.scene import Scene, edit, load_scene
 
 RAYLEIGH = math.sqrt(4.0 / math.pi - 1.0)  # variation of Rayleigh amplitudes
@@ -29,7 +31,7 @@ def reception(
 ) -> Reception:
     """Receiver of the default scene with changes."""
     arrays = arrays_of(np.zeros((4, 4)), bins=bins, bin_length=bin_length, half_width=half_width, spreading=spreading)
-    return make_reception(scene_with(**changes), arrays, altitude=altitude, depth=depth)
+    return assemble(ReceiverSetup(scene_with(**changes), arrays, altitude, depth))
 
 
 def decibels(ratio: Any) -> Any:

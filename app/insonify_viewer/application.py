@@ -18,7 +18,7 @@ from PySide6.QtGui import QGuiApplication, QOpenGLContext
 from PySide6.QtWidgets import QApplication
 
 from insonify.compiler.progress import watch_compilation
-from insonify.lessons import Lesson
+from insonify.lessons.lesson import Lesson
 from insonify.scene import Scene, SceneError
 from insonify_viewer.errors import cause_of
 from insonify_viewer.panels.comparison.controller import ComparisonPanel

@@ -31,7 +31,7 @@ from insonify.scene import DEFAULT_SCENE, Scene, SceneError, load_partner
 from insonify_viewer.record.comparison.arrangement import Arrangement
 
 if TYPE_CHECKING:
-    from insonify.lessons import Lesson
+    from insonify.lessons.lesson import Lesson
     from insonify_viewer.state.inspection import Mark
 
 EXAMPLES = (
@@ -162,7 +162,9 @@ def _size(text: str) -> tuple[int, int]:
 
 def _chosen_lesson(arguments: argparse.Namespace) -> tuple[Lesson, Scene]:
     """Lesson to begin, checked, and its own scene."""
-    from insonify.lessons import check_lesson, load_lesson, states_of  # lazy: not every command needs lessons
+    from insonify.lessons.checks import check_lesson  # lazy: not every command needs lessons
+    from insonify.lessons.lesson import load_lesson  # lazy: not every command needs lessons
+    from insonify.lessons.states import states_of  # lazy: not every command needs lessons
 
     if arguments.scene != DEFAULT_SCENE or arguments.set or arguments.seed is not None:
         raise SceneError(f"--lesson {arguments.lesson}: opens a scene of its own; leave out SCENE, --set and --seed")

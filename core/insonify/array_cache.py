@@ -122,12 +122,9 @@ class ArrayCache:
 
     def _drop_dead(self) -> None:
         while self._dead:
-            self._forget(self._dead.popleft())
-
-    def _forget(self, token: object) -> None:
-        """Drop the results of a function."""
-        for key in [key for key in self._results if key[0] is token]:  # type: ignore[index]
-            self._bytes -= self._results.pop(key)[1]
+            token = self._dead.popleft()
+            for key in [key for key in self._results if key[0] is token]:  # type: ignore[index]
+                self._bytes -= self._results.pop(key)[1]
 
 
 def _bytes_of(value: Any) -> int:

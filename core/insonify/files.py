@@ -27,19 +27,14 @@ def bundled_scenes() -> dict[str, Path]:
     return {path.stem: path for path in sorted((resources() / "scenes").glob("*.toml"))}
 
 
-def scene_picture(name: str) -> Path:
-    """Return the small picture of a bundled scene's record, 150 × 100 px."""
-    return resources() / "scenes" / "pictures" / f"{name}.jpg"
+def bundled_picture(path: str | Path) -> Path:
+    """Return the small picture, 150 × 100 px, of a bundled scene's record or of a bundled mesh."""
+    return Path(path).parent / "pictures" / f"{Path(path).stem}.jpg"
 
 
 def bundled_lessons() -> dict[str, Path]:
     """Return the lessons that come with the package, by name."""
     return {path.stem: path for path in sorted((resources() / "lessons").glob("*.md"))}
-
-
-def bundled_courses() -> Path:
-    """Return the file of the courses to which the bundled lessons belong."""
-    return resources() / "lessons" / "courses.toml"
 
 
 def bundled_sonars() -> dict[str, Path]:
@@ -49,8 +44,8 @@ def bundled_sonars() -> dict[str, Path]:
 
 def bundled_meshes() -> dict[str, Path]:
     """Return the shapes that come with the package, by name."""
-    # In a checkout, the scripts that make meshes stand beside them.
-    beside = (".py", ".toml")
+    # Beside them are their pictures, and in a checkout the scripts that make them.
+    beside = ("", ".py", ".toml")
     return {path.stem: path for path in sorted((resources() / "meshes").iterdir()) if path.suffix not in beside}
 
 

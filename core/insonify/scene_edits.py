@@ -10,7 +10,8 @@ from insonify.acoustics.water import make_sound_speed_field, speed_at_sonar
 from insonify.scene import Scene, SceneError, edit
 from insonify.scene.edit import part_at
 from insonify.scene.receiver.noises import NOISES, NoiseKind
-from insonify.scene.seabed.materials import MATERIAL_MAPS, MATERIALS, Material, MaterialMap, Reflectivity
+from insonify.scene.seabed.materials import MATERIAL_MAPS, Material, MaterialMap
+from insonify.scene.seabed.materials.catalogue import MATERIALS, Reflectivity
 from insonify.scene.seabed.materials.pattern import PatternMap
 from insonify.scene.seabed.reliefs.fractal import Fractal
 from insonify.scene.seabed.reliefs.mimic import Mimic, mean_diffuse

@@ -1,8 +1,8 @@
 """Regenerate what the documentation prints and shows: reference pages, outputs of commands, pictures, figures.
 
 ``python docs/make`` makes all anew; ``python docs/make PAGE …`` makes the named ones alone (``reference``,
-``figures``, ``movie``, ``example``, ``gallery``, ``scene-pictures``, or a path below ``docs`` such as
-``tutorial/python``).
+``figures``, ``movie``, ``example``, ``gallery``, ``scene-pictures``, ``mesh-pictures``, or a path below ``docs`` such
+as ``tutorial/python``).
 ``--check`` changes nothing: it compares what is quick to make with the files as they are, names what is out of date,
 and exits with 1.
 """
@@ -26,7 +26,7 @@ import movie
 import packages
 import pages
 import reference
-import scene_pictures
+import small_pictures
 
 DOCS = Path(__file__).resolve().parents[1]
 GENERATED = {
@@ -45,7 +45,8 @@ DRAWN: dict[str, Callable[[], None]] = {
     "movie": lambda: movie.draw(DOCS / "pictures" / "tow.webp"),
     "example": lambda: example.write(DOCS.parent / "resources" / "records" / "default.npz"),
     "gallery": lambda: gallery.draw(DOCS),
-    "scene-pictures": lambda: scene_pictures.draw(DOCS.parent / "resources" / "scenes" / "pictures"),
+    "scene-pictures": lambda: small_pictures.draw_scenes(DOCS.parent / "resources" / "scenes" / "pictures"),
+    "mesh-pictures": lambda: small_pictures.draw_meshes(DOCS.parent / "resources" / "meshes" / "pictures"),
 }
 
 

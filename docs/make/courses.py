@@ -2,18 +2,12 @@
 
 from __future__ import annotations
 
-from insonify.lessons import (
-    QUANTITIES,
-    Ask,
-    Course,
-    Lesson,
-    LessonState,
-    Step,
-    group_lessons,
-    load_lessons,
-    parse_expression,
-    states_of,
-)
+from insonify.lessons.conditions import parse_expression
+from insonify.lessons.courses import Course, group_lessons
+from insonify.lessons.lesson import Lesson, Step, load_lessons
+from insonify.lessons.quantities import QUANTITIES
+from insonify.lessons.questions import Ask
+from insonify.lessons.states import LessonState, states_of
 
 HEAD = """# Teach a course
 

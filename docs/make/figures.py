@@ -92,7 +92,7 @@ def beam(figure: Any) -> None:
 
 def scattering(figure: Any) -> None:
     """Backscattering strength of the named sediments at two frequencies: model, and the laws fitted to it."""
-    from insonify.scene.seabed.materials import MATERIALS
+    from insonify.scene.seabed.materials.catalogue import MATERIALS
     from insonify.scene.seabed.materials.sediments import model_strength, scattering_strength
 
     grazing = np.radians(np.linspace(5.0, 89.9, 300))

@@ -10,10 +10,11 @@ from insonify.acoustics.flat_bed import flat_bed_curve
 from insonify.packing.scene_arrays import pack_scene
 from insonify.planning import Plan
 from insonify.planning import plan as make_plan
-from insonify.receiver import make_reception
+from insonify.receiver.reception import assemble
+from insonify.receiver.stage import ReceiverSetup
 from insonify.scene import Scene, SceneError
 from insonify.scene.seabed import Seabed
-from insonify.scene.seabed.materials import MATERIALS
+from insonify.scene.seabed.materials.catalogue import MATERIALS
 from insonify.terrain.ground import Ground
 from insonify.tow.line import tow_line_at
 from insonify.tow.poses import make_poses
@@ -38,7 +39,7 @@ class StandIn:
         self.ground = ground_of(scene.seabed)
         self.arrays = pack_scene(scene, self.ground)
         self.plan = plan or plan_of(scene, tolerance, frozenset((forced or {}).items()))
-        self.reception = make_reception(scene, self.arrays, altitude=scene.altitude, depth=0.0)
+        self.reception = assemble(ReceiverSetup(scene, self.arrays, altitude=scene.altitude, depth=0.0))
         self.curve = self.reception.expected(flat_bed_curve(self.arrays, scene.altitude))
 
     def poses(self, pings: NDArray[np.int64]) -> Any:

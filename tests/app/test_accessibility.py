@@ -14,7 +14,7 @@ from insonify_viewer.panels.parameters.view.section_box import SectionBox
 from insonify_viewer.state.fields import NumberField
 from insonify_viewer.widgets.field_rows import Combo
 from insonify_viewer.window.help_dialogs import AboutDialog, KeysDialog
-from insonify_viewer.window.scene_menu import SceneGallery
+from insonify_viewer.window.scene_menu import scene_gallery
 
 PANELS = ("parameters", "plan", "record", "comparison", "lessons", "pixel", "water", "budget", "chart", "jobs")
 SIDE = ("parameters", "plan", "record")
@@ -186,7 +186,7 @@ def check_room(viewer, qtbot, panel, width, height):
 DIALOGS: dict[str, Callable[[QWidget], QWidget]] = {
     "about": AboutDialog,
     "keys": lambda window: KeysDialog(window, window.menus.all),
-    "gallery": SceneGallery,
+    "gallery": scene_gallery,
     "data set": lambda window: DatasetQuestion(["mines"], window),
 }
 

@@ -7,7 +7,7 @@ from typing import Any
 from PySide6.QtCore import QPoint, Qt
 from PySide6.QtGui import QGuiApplication
 
-from insonify.lessons import bundled_lessons
+from insonify.files import bundled_lessons
 from insonify.scene import bundled_scenes, scene_from_toml
 from insonify_viewer.panels.panel import Entry
 from insonify_viewer.state.inspection import Mark, mark_of

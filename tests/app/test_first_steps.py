@@ -13,7 +13,7 @@ from PySide6.QtWidgets import QApplication, QFileDialog, QLineEdit, QMenu
 
 from insonify.scene import load_scene
 from insonify_viewer.state.inspection import Mark
-from insonify_viewer.window.scene_menu import SceneGallery
+from insonify_viewer.widgets.gallery import Gallery
 
 MOST = 3  # actions
 ROLE = Qt.ItemDataRole.UserRole
@@ -108,8 +108,8 @@ def test_another_scene_gives_its_record(viewer, hand, qtbot):
 
     when_it_opens(QMenu, show_pictures, QApplication.activePopupWidget)
     hand.click(window.scenes, window.scenes.rect().center())
-    qtbot.waitUntil(lambda: window.findChild(SceneGallery) is not None)
-    pictures = window.findChild(SceneGallery).list
+    qtbot.waitUntil(lambda: window.findChild(Gallery) is not None)
+    pictures = window.findChild(Gallery).list
     names = [Path(pictures.item(k).data(ROLE)).stem for k in range(pictures.count())]
     breaking = [name.startswith("breaks-") for name in names]
     assert breaking == sorted(breaking), "scenes on which a method fails come last"

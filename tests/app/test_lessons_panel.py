@@ -6,7 +6,8 @@ import pytest
 from PySide6.QtCore import Qt
 from PySide6.QtWidgets import QMessageBox
 
-from insonify.lessons import LessonState, load_lessons, parse_lesson, split_move, states_of
+from insonify.lessons.lesson import load_lessons, parse_lesson
+from insonify.lessons.states import LessonState, split_move, states_of
 from insonify.planning import plan
 from insonify.scene import edit
 from insonify_viewer.application import keep_display

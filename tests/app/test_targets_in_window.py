@@ -12,10 +12,12 @@ from insonify_viewer.panels.parameters.sections import sections_of
 from insonify_viewer.seabed.bed_shading import target_colours
 from insonify_viewer.seabed.pv_meshes import CLOUD, frustum_mesh, targets_mesh, volumes_mesh
 from insonify_viewer.widgets.field_rows import FileRow
+from insonify_viewer.widgets.gallery import Gallery
 from insonify_viewer.window.target_placement import new_target, target_menu
 
 
 def pick_file(monkeypatch, path: str):
+    monkeypatch.setattr(Gallery, "exec", lambda gallery: gallery.wanted.emit(""))
     monkeypatch.setattr(QFileDialog, "getOpenFileName", lambda *_: (path, ""))
 
 
@@ -49,6 +51,18 @@ def test_a_target_of_any_kind_is_added_and_taken_back(open_viewer, small, qtbot,
         viewer.session.redo()
         assert viewer.session.scene.targets == (target,)
         viewer.session.undo()
+
+
+def test_a_mesh_is_chosen_by_its_picture(open_viewer, small, qtbot, monkeypatch):
+    def click_the_anchor(gallery):
+        gallery.show()
+        items = [gallery.list.item(k) for k in range(gallery.list.count())]
+        assert all(item.icon().availableSizes() for item in items[:-1])
+        assert items[-1].text() == "Other file…"
+        gallery.list.itemClicked.emit(next(item for item in items if item.text().startswith("admiralty anchor")))
+
+    monkeypatch.setattr(Gallery, "exec", click_the_anchor)
+    assert add(open_viewer(small), "mesh", qtbot).path == "anchor"
 
 
 def test_targets_keep_apart_from_one_another(open_viewer, small, qtbot):

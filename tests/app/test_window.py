@@ -11,7 +11,7 @@ from PySide6.QtWidgets import QFileDialog, QToolButton
 from stand_in import StandIn
 
 from insonify.scene import bundled_scenes, edit, load_scene
-from insonify.scene.seabed.materials import MATERIALS
+from insonify.scene.seabed.materials.catalogue import MATERIALS
 from insonify.simulation import prepare
 from insonify_viewer.widgets.field_rows import ChoiceRow, NumberRow
 from insonify_viewer.widgets.save_dialogs import save_picture

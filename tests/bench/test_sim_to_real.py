@@ -10,7 +10,7 @@ picture is used before the test.
 import json
 import os
 from pathlib import Path
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 import pytest
@@ -19,6 +19,9 @@ from scipy import ndimage
 from skimage.feature import local_binary_pattern
 
 from insonify import cli
+from insonify.display.display_options import DisplayOptions
+from insonify.display.sheet import gather_record_sheet
+from insonify.io.records import read_record
 
 REAL = os.environ.get("INSONIFY_REAL_PICTURES")
 SCENES = int(os.environ.get("INSONIFY_SIM_SCENES", "40"))
@@ -27,6 +30,10 @@ FOLDERS = {"seafloor": 0, "ship": 1, "plane": 2}
 SETS = ("wrecks", "aircraft", "seabed")
 STEPS, WIDTH = map(int, os.environ.get("INSONIFY_SIM_NETWORK", "1000,40").split(","))
 SIDE, CHIP, SEEDS, DRAWS = 128, 160, 3, 1000
+RECORD = Path(os.environ.get("INSONIFY_REAL_DATA", ""), "xtf", "scotsman-iver2.xtf")
+# Of its wreck: side, first and last metre along the track, greatest ground range; the mast's shadow reaches farther.
+WRECK = (1, 20.0, 46.0, 18.0)
+WINDOWS, LEVELS = (6.0, 9.0, 13.5, 20.0), (0.9, 0.8, 0.7, 0.6, 0.5)  # m on a side; chances of an object
 
 pytestmark = [pytest.mark.bench, pytest.mark.skipif(REAL is None, reason="INSONIFY_REAL_PICTURES names no folder")]
 
@@ -153,20 +160,24 @@ def measures(chance: np.ndarray, classes: np.ndarray) -> dict[str, float]:
     }
 
 
-def by_trees(chips: list[Chip], pictures: list[Image.Image]) -> list[np.ndarray]:
-    """Chances of the classes of pictures by forests of random trees."""
+@pytest.fixture(scope="module")
+def forests(chips) -> list[Any]:
+    """Forests of random trees, trained on chips as they are, and closely cropped as archives do."""
     ensemble, rng = pytest.importorskip("sklearn.ensemble"), np.random.default_rng(1)
-    # Whole, and closely cropped as archives do.
     shown = [part for chip in chips for part in (chip.picture, cropped(chip.picture, chip.box, rng))]
     features = np.array([describe(as_shown(picture)) for picture in shown])
     classes = np.repeat([chip.number for chip in chips], 2)
-    seen = np.array([describe(as_shown(picture)) for picture in pictures])
-    return [
+    trees = [
         ensemble.ExtraTreesClassifier(600, min_samples_leaf=2, class_weight="balanced", random_state=seed)
-        .fit(features, classes)
-        .predict_proba(seen)
         for seed in range(SEEDS)
     ]
+    return [forest.fit(features, classes) for forest in trees]
+
+
+def by_trees(forests: list[Any], pictures: list[Image.Image]) -> list[np.ndarray]:
+    """Chances of the classes of pictures by forests of random trees."""
+    seen = np.array([describe(as_shown(picture)) for picture in pictures])
+    return [forest.predict_proba(seen) for forest in forests]
 
 
 def by_network(chips: list[Chip], pictures: list[Image.Image]) -> list[np.ndarray]:
@@ -203,12 +214,62 @@ def report(name: str, chances: list[np.ndarray], truth: np.ndarray, say) -> dict
     return found
 
 
-def test_what_is_learned_from_simulation_finds_real_wrecks(chips, say):
+def test_what_is_learned_from_simulation_tells_real_pictures_apart(chips, forests, say):
     pictures, truth = real()
     say(f"{SCENES} scenes a set, {len(chips)} chips")
-    trees = by_trees(chips, pictures)
+    trees = by_trees(forests, pictures)
     assert report("trees", trees, truth, say)["AUC object"] > 0.95
     networks = by_network(chips, pictures)
     report(f"network of {STEPS} steps, {WIDTH} channels", networks, truth, say)
     both = [(one + other) / 2.0 for one, other in zip(trees, networks, strict=True)]
     assert report("both", both, truth, say)["AUC object"] > 0.95
+
+
+class Window(NamedTuple):
+    """Square of one side of a record, in pixels."""
+
+    side: int
+    row: int
+    column: int
+    size: int
+
+    def overlap(self, other: "Window") -> float:
+        """Share of the smaller of two windows that both cover."""
+        rows, columns = (
+            max(min(self[k] + self.size, other[k] + other.size) - max(self[k], other[k]), 0) for k in (1, 2)
+        )
+        return (self.side == other.side) * rows * columns / min(self.size, other.size) ** 2
+
+
+@pytest.mark.skipif(not RECORD.exists(), reason="INSONIFY_REAL_DATA has no real recording")
+def test_what_is_learned_from_simulation_finds_the_wreck_of_a_real_record(forests, say):
+    sheet = gather_record_sheet(read_record(RECORD), DisplayOptions(ground_range=True, newest_on_top=False))
+    greys = np.uint8(255.0 * np.clip(sheet.amplitude / np.percentile(sheet.amplitude, 99.5), 0.0, 1.0))
+    cell = sheet.along / len(greys)
+    middle = greys.shape[1] // 2
+    sides = greys[:, middle - 1 :: -1], greys[:, middle:]
+    windows = [
+        Window(side, row, column, size)
+        for side in (0, 1)
+        for size in (round(metres / cell) for metres in WINDOWS)
+        for row in range(0, len(greys) - size + 1, size // 4)
+        for column in range(0, middle - size + 1, size // 4)
+    ]
+    shown = [Image.fromarray(sides[side][row : row + n, column : column + n]) for side, row, column, n in windows]
+    chance = 1.0 - np.mean(by_trees(forests, shown), axis=0)[:, 0]
+    found: list[int] = []  # the best first, without those that lie over a better one
+    for number in np.argsort(-chance):
+        if all(windows[number].overlap(windows[better]) < 0.3 for better in found):
+            found.append(number)
+    centre = cell * (np.array(windows)[found, 1:3] + np.array(windows)[found, 3:] / 2.0)
+    side, first, last, reach = WRECK
+    is_wreck = (np.array(windows)[found, 0] == side) & (first < centre[:, 0]) & (centre[:, 0] < last)
+    is_wreck &= centre[:, 1] < reach
+    area = 2.0 * sheet.reach * sheet.along / 1e6
+    say(f"{len(windows)} windows of {area:.4f} km² hold {len(found)} that lie apart")
+    for level in LEVELS:
+        over = chance[found] >= level
+        false = int((over & ~is_wreck).sum())
+        say(f"chance {level}: {int((over & is_wreck).sum())} on the wreck, {false} elsewhere, {false / area:.0f} a km²")
+    say(f"before the first false alarm: {int(np.argmin(is_wreck))} on the wreck")
+    assert is_wreck[0]

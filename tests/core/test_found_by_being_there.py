@@ -26,6 +26,7 @@ from insonify.scene.base import Declaration, Family, models_of, parameter
 from insonify.scene.seabed.materials import MATERIAL_MAPS, MaterialMap
 from insonify.scene.targets import TARGETS, Posed, Target
 from insonify.terrain import build_ground
+from own_things import added_format, forgetting
 
 SMALL = ("pipe-span", "--set", "track.pings=3", "--set", "sonar.bins=100")
 
@@ -53,7 +54,7 @@ def test_a_new_record_format_is_written_read_drawn_and_named_in_help(tmp_path, c
     path = tmp_path / "record.json"
     assert cli.main(["render", *SMALL, "-o", str(path)]) == 2
     assert "end the name in" in capsys.readouterr().err
-    with RECORDS.adding(DUMMY):
+    with added_format(RECORDS, DUMMY):
         for out in (path, tmp_path / "record.npz"):
             assert cli.main(["render", *SMALL, "-o", str(out)]) == 0
         expected = read_record(tmp_path / "record.npz")
@@ -99,17 +100,21 @@ def test_new_formats_of_beds_casts_meshes_and_navigation_are_read(tmp_path):
     file = tmp_path / "made.up"
     file.touch()
     heights = -20.0 - np.arange(12.0).reshape(3, 4)
-    with BATHYMETRY.adding(FileFormat("made up", (".up",), lambda path: Grid(heights))):
+    with added_format(BATHYMETRY, FileFormat("made up", (".up",), lambda path: Grid(heights))):
         scene = load_scene("real-bed")
         relief = scene.seabed.relief.model_copy(update={"path": str(file), "scale": 1.0, "datum": 0.0})
         seabed = scene.seabed.model_copy(update={"relief": relief})
         assert build_ground(scene.model_copy(update={"seabed": seabed})).heights.shape == (3, 4)
     depth = np.arange(0.0, 20.0)
-    with CASTS.adding(FileFormat("made up", (".up",), lambda path: {"depth": depth, "sound_speed": 1500.0 + depth})):
+    with added_format(
+        CASTS, FileFormat("made up", (".up",), lambda path: {"depth": depth, "sound_speed": 1500.0 + depth})
+    ):
         np.testing.assert_allclose(read_cast(str(file)).sound_speed, 1500.0 + depth)
-    with MESHES.adding(FileFormat("made up", (".up",), lambda path: np.eye(3)[None])):
+    with added_format(MESHES, FileFormat("made up", (".up",), lambda path: np.eye(3)[None])):
         assert read_mesh(str(file)).shape == (1, 3, 3)
-    with NAVIGATION.adding(FileFormat("made up", (".up",), lambda path: {"time": depth, "x": depth, "y": depth})):
+    with added_format(
+        NAVIGATION, FileFormat("made up", (".up",), lambda path: {"time": depth, "x": depth, "y": depth})
+    ):
         np.testing.assert_array_equal(read_navigation(str(file)).columns["x"], depth)
 
 
@@ -127,7 +132,7 @@ def test_a_new_format_that_fails_leaves_the_old_file(tmp_path, capsys):
 
     path = tmp_path / "record.json"
     path.write_text("old")
-    with RECORDS.adding(FileFormat("JSON text", (".json",), read_text, write_half)):
+    with added_format(RECORDS, FileFormat("JSON text", (".json",), read_text, write_half)):
         assert f"{path}: No space left on device" in refused(capsys, "render", *SMALL, "-o", str(path))
     assert [file.name for file in tmp_path.iterdir()] == ["record.json"]
     assert path.read_text() == "old"
@@ -195,7 +200,7 @@ def test_every_module_of_a_command_is_named_after_it():
 def test_a_kind_that_is_declared_late_is_a_kind_like_others_and_can_be_forgotten() -> None:
     scene = load_scene("targets")
     before = models_of(Scene, "targets")
-    with TARGETS.without("egg"):
+    with forgetting(TARGETS, "egg"):
 
         class Egg(Posed):
             """An egg."""

@@ -9,7 +9,8 @@ import pytest
 from insonify.compiler.jit import kernel
 from insonify.kernels.common.scattering import backscatter
 from insonify.scene import build, edit, load_scene
-from insonify.scene.seabed.materials import MATERIALS, Material, Reflectivity
+from insonify.scene.seabed.materials import Material
+from insonify.scene.seabed.materials.catalogue import MATERIALS, Reflectivity
 from insonify.simulation import prepare
 
 GRAZING = (10.0, 20.0, 30.0, 45.0, 60.0)

@@ -9,7 +9,7 @@ import trimesh
 
 from insonify.io.file_access import FileFault
 from insonify.io.meshes import read_mesh
-from insonify.io.meshes.trimesh_files import read_with_trimesh
+from insonify.io.meshes.trimesh_files import read_z_up
 from insonify.kernels.geometry.bvh import build_mesh
 from insonify.scene import SceneError, bundled_meshes, load_scene
 from insonify.simulation import prepare
@@ -113,7 +113,7 @@ def test_too_many_triangles_are_refused_by_the_header(tmp_path, suffix):
     path.write_bytes(stl if suffix == "stl" else b"ply\nformat ascii 1.0\nelement vertex 3\nelement face 10000000\n")
     os.truncate(path, 84 + 50 * 10**7)
     with pytest.raises(FileFault, match=r"has 10000000 triangles.*thin it to at most 2000000"):
-        read_with_trimesh(str(path))
+        read_z_up(str(path))
 
 
 @pytest.mark.parametrize("suffix", FORMATS)

@@ -12,8 +12,8 @@ import insonify
 from insonify.cli import main
 from insonify.planning.relevance import outline_of
 from insonify.scene import SceneError, edit, scene_from_toml, scene_to_toml
-from insonify.scene.seabed.materials import MATERIALS, catalogue
-from insonify.scene.seabed.materials.catalogue import Catalogue, read_materials
+from insonify.scene.seabed.materials import catalogue
+from insonify.scene.seabed.materials.catalogue import MATERIALS, Catalogue, read_materials
 from insonify.simulation import prepare
 from insonify.statistics.record_errors import compare_records
 from insonify.terrain import build_ground

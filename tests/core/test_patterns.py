@@ -5,7 +5,8 @@ import pytest
 from PIL import Image
 
 from insonify.scene import SceneError, build, load_scene, plain
-from insonify.scene.seabed.materials import MATERIALS, Material
+from insonify.scene.seabed.materials import Material
+from insonify.scene.seabed.materials.catalogue import MATERIALS
 from insonify.scene.seabed.materials.pattern import GRADES, PatternMap
 from insonify.scene.seabed.materials.pictures import ImageMap
 from insonify.simulation import simulate

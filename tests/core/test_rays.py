@@ -14,7 +14,7 @@ from commands import run_python
 from insonify import parallel
 from insonify.acoustics.flat_bed import flat_bed_curve
 from insonify.kernels.common.types import BED, LIGHT, SONAR
-from insonify.scene.seabed.materials import Reflectivity
+from insonify.scene.seabed.materials.catalogue import Reflectivity
 from insonify.tracers import rays
 
 NOTHING = -2

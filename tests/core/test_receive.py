@@ -13,7 +13,8 @@ from hypothesis import strategies as st
 from beds import arrays_of
 from insonify.explanation.pixel import explain_pixel
 from insonify.kernels.common.types import LIGHT, SONAR
-from insonify.receiver import make_reception, receive
+from insonify.receiver import receive
+from insonify.receiver.reception import assemble
 from insonify.receiver.stage import ReceiverSetup, Sound, Stage, stage_kinds
 from insonify.scene import edit, load_scene
 from insonify.scene.sonar.pulses import tone_taps
@@ -38,7 +39,7 @@ EVERYTHING = {
 
 def reception(declared, bins=BINS, law=SONAR, **options):
     arrays = arrays_of(FLAT, bins=bins, law=law, half_width=np.radians(0.5), spreading=law == SONAR, **options)
-    return make_reception(declared, arrays, altitude=10.0, depth=20.0)
+    return assemble(ReceiverSetup(declared, arrays, altitude=10.0, depth=20.0))
 
 
 def received(declared, traced, pings=None, law=SONAR):

@@ -5,6 +5,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from PIL import Image
 
+from insonify.files import bundled_meshes, bundled_picture
 from insonify.scene import (
     SceneError,
     bundled_scenes,
@@ -14,7 +15,6 @@ from insonify.scene import (
     read_setting,
     resources,
     scene_from_toml,
-    scene_picture,
     scene_to_toml,
 )
 
@@ -126,7 +126,7 @@ LARGEST, TOTAL = 6_000, 250_000  # bytes
 
 @pytest.mark.parametrize("name", bundled_scenes())
 def test_a_scene_has_a_small_picture(name: str) -> None:
-    path = scene_picture(name)
+    path = bundled_picture(bundled_scenes()[name])
     assert path.stat().st_size <= LARGEST
     with Image.open(path) as picture:
         assert picture.size == (150, 100)
@@ -136,7 +136,8 @@ def test_a_scene_has_a_small_picture(name: str) -> None:
         assert min(edges) < 200, "the record fills it, without a page around"
 
 
-def test_pictures_are_those_of_the_scenes_and_light() -> None:
-    files = list((resources() / "scenes" / "pictures").iterdir())
-    assert {path.name for path in files} == {f"{name}.jpg" for name in bundled_scenes()}
+def test_pictures_are_those_of_scenes_and_meshes_and_light() -> None:
+    bundled = [*bundled_scenes().values(), *bundled_meshes().values()]
+    files = [path for folder in ("scenes", "meshes") for path in (resources() / folder / "pictures").iterdir()]
+    assert sorted(files) == sorted(map(bundled_picture, bundled))
     assert sum(path.stat().st_size for path in files) <= TOTAL

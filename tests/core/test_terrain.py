@@ -11,7 +11,8 @@ from insonify.kernels.common.hashing import hash_integers, hash_uniform
 from insonify.packing.scene_arrays import make_bed
 from insonify.scene import SceneError, build, edit, load_scene
 from insonify.scene.seabed import Seabed
-from insonify.scene.seabed.materials import MATERIALS, Material
+from insonify.scene.seabed.materials import Material
+from insonify.scene.seabed.materials.catalogue import MATERIALS
 from insonify.scene.seabed.materials.random_maps import FractalMap, Patches
 from insonify.terrain import build_ground, relief, relief_picture
 from insonify.terrain.materials import Lattice, material_indices

@@ -16,9 +16,10 @@ from insonify.packing.packed_scene import Model
 from insonify.scene import SceneError, edit, load_scene
 from insonify.simulation import prepare
 from insonify.tracers import march, rays, sweep
-from insonify.tracers.base import find_tracer, list_methods, without_tracers
+from insonify.tracers.base import find_tracer, list_methods
 from insonify.tracers.labels import trace_labels
 from insonify.tracers.scatterers import ScattererTracer
+from own_things import forgetting_tracers
 
 SCENE = edit(load_scene("default"), {"sonar.bins": 100, "sonar.beam": "knife", "track.pings": 4})
 COHERENT = edit(
@@ -67,7 +68,7 @@ def strips():
     """The tracer that the documentation shows."""
     section = re.search(r"## A tracer\n.*?(?=\n## )", EXTEND, flags=re.DOTALL).group(0)
     declaration = re.search(r"```python\n(.*?)```", section, flags=re.DOTALL).group(1)
-    with without_tracers("strips"):
+    with forgetting_tracers("strips"):
         exec(declaration, {})
         yield find_tracer("strips")
 

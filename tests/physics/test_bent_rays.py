@@ -12,7 +12,7 @@ from insonify.kernels.common.types import BED, LIGHT, SONAR, still_water
 from insonify.kernels.rays.cell_walk import RayBundle, empty_hits
 from insonify.kernels.rays.refracted_hits import empty_arrivals, find_refracted_hits
 from insonify.scene import SceneError
-from insonify.scene.seabed.materials import Reflectivity
+from insonify.scene.seabed.materials.catalogue import Reflectivity
 from insonify.tracers import march, rays
 from water import water_about, water_of
 

@@ -10,7 +10,7 @@ from beds import arrays_of, gaussian_pattern, poses_of
 from insonify.acoustics.flat_bed import flat_bed_curve
 from insonify.kernels.common.types import LIGHT, SONAR
 from insonify.scene import edit, load_scene
-from insonify.scene.seabed.materials import Reflectivity
+from insonify.scene.seabed.materials.catalogue import Reflectivity
 from insonify.simulation import prepare
 from insonify.tracers import rays, sweep
 from insonify.tracers.azimuth_fan import FORESHORTENED

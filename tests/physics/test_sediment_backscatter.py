@@ -9,7 +9,8 @@ from scipy.special import j0
 from insonify.acoustics.bed_materials import describe_limits, describe_materials, misfit
 from insonify.cli import main
 from insonify.scene import edit, load_scene
-from insonify.scene.seabed.materials import MATERIALS, Material
+from insonify.scene.seabed.materials import Material
+from insonify.scene.seabed.materials.catalogue import MATERIALS
 from insonify.scene.seabed.materials.sediments import (
     Sediment,
     diffraction_integral,

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from insonify.display.picture import load_palette
 from insonify.optics.light import mixed_colour, shares_of
 from insonify.scene import Scene
-from insonify.scene.seabed.materials import MATERIALS
+from insonify.scene.seabed.materials.catalogue import MATERIALS
 
 if TYPE_CHECKING:
     from insonify.terrain.ground import Ground

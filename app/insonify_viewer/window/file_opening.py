@@ -13,6 +13,7 @@ import numpy as np
 from psygnal import Signal
 from PySide6.QtWidgets import QFileDialog
 
+from insonify.files import bundled_targets
 from insonify.io.bathymetry import BATHYMETRY
 from insonify.io.contacts import is_contacts, read_contacts
 from insonify.io.formats import FormatRegistry
@@ -25,6 +26,7 @@ from insonify_viewer.errors import Failure
 from insonify_viewer.record.comparison.recording import is_recording
 from insonify_viewer.record.comparison.recording_player import RecordingPlayer
 from insonify_viewer.state.session import ContactList, Session
+from insonify_viewer.widgets.gallery import Gallery
 from insonify_viewer.window.main_window import MainWindow
 from insonify_viewer.window.saving import Saving
 from insonify_viewer.work.simulator import Simulator
@@ -58,7 +60,6 @@ class FileOpening:
         self._session, self._simulator, self._window, self._opened = session, simulator, window, opened
         self._recordings, self._contacts, self._saving = recordings, contacts, saving
         self._folder = str(next(iter(bundled_scenes().values())).parent)
-        self._meshes = str(next(iter(bundled_meshes().values())).parent)
         window.files_wanted.connect(self.open_dropped)
         window.contacts_wanted.connect(self.ask_for_contacts)
         window.scenes.wanted.connect(self.open_scene)
@@ -168,10 +169,10 @@ class FileOpening:
         """Let the person pick a recording, or a record written here; return its path, empty if none was picked."""
         return self._ask("Open a recording", "Recordings and records", RECORDS)
 
-    def _ask(self, title: str, kind: str, formats: FormatRegistry[Any], folder: str = "") -> str:
+    def _ask(self, title: str, kind: str, formats: FormatRegistry[Any]) -> str:
         """Let the person pick a file of one of the readable formats; return its path, empty if none was picked."""
         patterns = " ".join(f"*{suffix}" for suffix in formats.readable())
-        return QFileDialog.getOpenFileName(self._window, title, folder, f"{kind} ({patterns});;All files (*)")[0]
+        return QFileDialog.getOpenFileName(self._window, title, "", f"{kind} ({patterns});;All files (*)")[0]
 
     def ask_for_dem(self, scene: Scene) -> bool:
         """Let the person pick a measured bed for a scene; return whether one was picked."""
@@ -182,9 +183,13 @@ class FileOpening:
 
     def ask_for_mesh(self) -> str:
         """Let the person pick a mesh; return its path, the name of a bundled one, or an empty string."""
-        path = self._ask("Open a mesh", "Meshes", MESHES, self._meshes)
-        if path:
-            self._meshes = str(Path(path).parent)
+        gallery, picked = Gallery("Library of targets", self._window), list[str]()
+        for name, file in bundled_meshes().items():
+            gallery.add(str(file), bundled_targets().get(name, name), f"<p>{name}</p>")
+        gallery.add("", "Other file…", "<p>Open a mesh of your own</p>")
+        gallery.wanted.connect(picked.append)
+        gallery.exec()
+        path = self._ask("Open a mesh", "Meshes", MESHES) if picked == [""] else "".join(picked)
         return next((name for name, file in bundled_meshes().items() if file == Path(path)), path)
 
     def ask_for(self, path: str) -> str:

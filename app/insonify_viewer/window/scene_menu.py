@@ -1,16 +1,15 @@
-"""Menu and gallery of the bundled scenes, and of scene files."""
+"""Menu and pictures of the bundled scenes, and of scene files."""
 
 import html
 
-from PySide6.QtCore import QSize, Qt, Signal
-from PySide6.QtGui import QAction, QIcon
-from PySide6.QtWidgets import QDialog, QListView, QListWidget, QListWidgetItem, QMenu, QToolButton, QVBoxLayout, QWidget
+from PySide6.QtCore import Qt, Signal
+from PySide6.QtGui import QAction
+from PySide6.QtWidgets import QMenu, QToolButton, QWidget
 
-from insonify.scene import bundled_scenes, load_scene, scene_picture
+from insonify.scene import bundled_scenes, load_scene
+from insonify_viewer.widgets.gallery import Gallery
 
-PICTURE = QSize(150, 100)  # px, as the files are
 FAILURE = "breaks-"  # prefix of scenes on which a method fails
-CELL = QSize(184, 164)  # px, with three lines of text
 
 
 class SceneMenu(QToolButton):
@@ -58,52 +57,15 @@ class SceneMenu(QToolButton):
             self.wanted.emit(path)
 
     def _show_pictures(self) -> None:
-        gallery = SceneGallery(self.window())
+        gallery = scene_gallery(self.window())
         gallery.wanted.connect(self.wanted)
         gallery.show()
 
 
-class SceneGallery(QDialog):
-    """Shows a picture and the title of every bundled scene, and signals the file of the one that is clicked."""
-
-    # Scenes on which a method fails come last.
-
-    wanted = Signal(str)
-
-    def __init__(self, parent: QWidget) -> None:
-        super().__init__(parent)
-        self.setAttribute(Qt.WidgetAttribute.WA_DeleteOnClose)
-        self.setWindowTitle("Scenes")
-        self.list = _make_list()
-        for name, path in sorted(bundled_scenes().items(), key=lambda entry: entry[0].startswith(FAILURE)):
-            scene = load_scene(path)
-            item = QListWidgetItem(QIcon(str(scene_picture(name))), scene.title)
-            item.setData(Qt.ItemDataRole.UserRole, str(path))
-            item.setToolTip(f"<p><b>{name}</b></p><p>{html.escape(scene.about)}</p>")  # Qt wraps a paragraph
-            item.setTextAlignment(Qt.AlignmentFlag.AlignHCenter | Qt.AlignmentFlag.AlignTop)
-            self.list.addItem(item)
-        self.list.itemClicked.connect(self._pick)
-        self.list.itemActivated.connect(self._pick)  # by Enter
-        layout = QVBoxLayout(self)
-        layout.setContentsMargins(6, 6, 6, 6)
-        layout.addWidget(self.list)
-        self.resize(QSize(4 * CELL.width() + 40, 4 * CELL.height()).boundedTo(parent.window().size()))
-
-    def _pick(self, item: QListWidgetItem) -> None:
-        """Close, and signal the scene of an item; a double click or a click taken for activation signals once."""
-        if self.isVisible():
-            self.close()
-            self.wanted.emit(item.data(Qt.ItemDataRole.UserRole))
-
-
-def _make_list() -> QListWidget:
-    pictures = QListWidget()
-    pictures.setObjectName("scenes")
-    pictures.setAccessibleName("Scenes")
-    pictures.setViewMode(QListView.ViewMode.IconMode)
-    pictures.setResizeMode(QListView.ResizeMode.Adjust)
-    pictures.setMovement(QListView.Movement.Static)
-    pictures.setIconSize(PICTURE)
-    pictures.setGridSize(CELL)
-    pictures.setWordWrap(True)
-    return pictures
+def scene_gallery(window: QWidget) -> Gallery:
+    """Pictures of the bundled scenes; those on which a method fails come last."""
+    gallery = Gallery("Scenes", window)
+    for name, path in sorted(bundled_scenes().items(), key=lambda entry: entry[0].startswith(FAILURE)):
+        scene = load_scene(path)
+        gallery.add(str(path), scene.title, f"<p><b>{name}</b></p><p>{html.escape(scene.about)}</p>")
+    return gallery

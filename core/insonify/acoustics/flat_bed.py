@@ -14,7 +14,7 @@ from insonify.compiler.jit import kernel
 from insonify.kernels.beam.pattern import ring_responses
 from insonify.kernels.common.range_bins import range_weight
 from insonify.kernels.common.types import LIGHT, Poses, RangeDecay, SceneArrays
-from insonify.scene.seabed.materials import Reflectivity
+from insonify.scene.seabed.materials.catalogue import Reflectivity
 from insonify.scene.seabed.materials.sediments import scattering_strength
 
 ERROR_ALTITUDES = 1.4  # altitudes of the sonar above the mean bed

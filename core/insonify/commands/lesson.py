@@ -31,7 +31,8 @@ def register(subparsers: Any) -> None:
 
 def run_list(arguments: argparse.Namespace) -> None:
     """Print the bundled lessons in their order, with course, minutes and title."""
-    from insonify.lessons import group_lessons, load_lessons  # lazy: no other command needs lessons
+    from insonify.lessons.courses import group_lessons  # lazy: no other command needs lessons
+    from insonify.lessons.lesson import load_lessons  # lazy: no other command needs lessons
 
     del arguments
     groups = group_lessons(load_lessons())
@@ -44,7 +45,9 @@ def run_list(arguments: argparse.Namespace) -> None:
 
 def run_check(arguments: argparse.Namespace) -> None:
     """Check lessons; the first fault ends the check with an error."""
-    from insonify.lessons import bundled_lessons, check_lesson, check_records, load_lesson  # lazy: as above
+    from insonify.files import bundled_lessons  # lazy: as above
+    from insonify.lessons.checks import check_lesson, check_records  # lazy: as above
+    from insonify.lessons.lesson import load_lesson  # lazy: as above
 
     for name in arguments.lessons or bundled_lessons():
         lesson = load_lesson(name)

@@ -26,20 +26,7 @@ WIDEST = 58  # letters of a line beside a picture
 
 
 def write_report(path: Path, contacts: Sequence[Contact]) -> None:
-    """Write a report of contacts by the suffix of a file.
-
-    Parameters
-    ----------
-    path : Path
-        File to write: ``.pdf``, ``.html`` or ``.kml``.
-    contacts : sequence of Contact
-        In the order of the report.
-
-    Raises
-    ------
-    SceneError
-        If no contact has a longitude and a latitude, for KML.
-    """
+    """Write a report of contacts, in their order, by the suffix of a file: ``.pdf``, ``.html`` or ``.kml``."""
     writers: dict[str, Callable[[Path, Sequence[Contact]], None]] = {".kml": _write_kml, ".html": _write_page}
     writers.get(path.suffix.lower(), _write_pdf)(path, contacts)
 

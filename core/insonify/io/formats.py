@@ -1,8 +1,8 @@
 """File formats by suffix: a format is one module of its package, or comes with an installed package."""
 
 import os
-from collections.abc import Callable, Iterable, Iterator
-from contextlib import AbstractContextManager, contextmanager
+from collections.abc import Callable, Iterable
+from contextlib import AbstractContextManager
 from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
@@ -11,6 +11,7 @@ from typing import Any, Generic, NamedTuple, TypeVar, cast
 from insonify.errors import SceneError
 from insonify.io.atomic import replacing
 from insonify.io.file_access import check_expansion, check_folder, check_regular, guarded
+from insonify.io.isolation import run_isolated
 from insonify.plugins import announced, modules_in
 
 Content = TypeVar("Content")
@@ -39,6 +40,7 @@ class FileFormat(Generic[Content]):
     options: tuple[WriteOption, ...] = ()  # choices of writing
     selects: tuple[str, ...] = ()  # keywords of ``read`` that select a part of the content, such as ``frequency``
     folder: bool = False  # whether a file of the format is a folder
+    isolated: bool = False  # whether it is read in a process of its own, because its library may crash
     converter: str = ""  # of a format that is neither read nor written: the program that converts it to one that is
     remedy: str = "export it again"  # what to do with a file that its library cannot read
     # Of a record: whether the labels of its bins and the variables of targets are written too.
@@ -65,16 +67,6 @@ class FormatRegistry(Generic[Content]):
             found = [each for holder in holders for each in (holder, *vars(holder).values())]
             self._formats = list(dict.fromkeys(each for each in found if type(each) is FileFormat))
         return self._formats
-
-    @contextmanager
-    def adding(self, extra: FileFormat[Content]) -> Iterator[None]:
-        """Add a format for the length of a block."""
-        formats = self.formats()
-        formats.append(extra)
-        try:
-            yield
-        finally:
-            formats.remove(extra)
 
     def readable(self) -> tuple[str, ...]:
         """Suffixes of the formats that can be read."""
@@ -108,7 +100,8 @@ class FormatRegistry(Generic[Content]):
             check = check_folder if found.folder else check_regular
             check(path, f"give the path of {self.contents}{alternative}")
             check_expansion(path, 0 if found.folder else os.path.getsize(path))  # sparse files
-            return cast("Callable[..., Content]", found.read)(path, **selected)
+            read = cast("Callable[..., Content]", found.read)
+            return run_isolated(read, path) if found.isolated else read(path, **selected)
 
     def format_of(self, path: str, alternative: str = "") -> FileFormat[Content]:
         """Return the format in which a file is read, by its suffix."""

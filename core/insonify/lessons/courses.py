@@ -7,7 +7,7 @@ from functools import cache
 from pydantic import Field
 
 from insonify.errors import SceneError
-from insonify.files import bundled_courses
+from insonify.files import resources
 from insonify.lessons.lesson import Lesson
 from insonify.scene.base import Declaration
 
@@ -35,7 +35,8 @@ class Courses(Declaration):
 @cache
 def load_courses() -> tuple[Course, ...]:
     """Read the courses that come with the package, in their order."""
-    return Courses.model_validate(tomllib.loads(bundled_courses().read_text(encoding="utf-8"))).courses
+    text = (resources() / "lessons" / "courses.toml").read_text(encoding="utf-8")
+    return Courses.model_validate(tomllib.loads(text)).courses
 
 
 def group_lessons(lessons: Sequence[Lesson]) -> list[tuple[Course, list[Lesson]]]:

@@ -1,13 +1,11 @@
 """Questions that a step asks first: choices or a number, and the verdict on an answer."""
 
-from __future__ import annotations
-
 import re
 from dataclasses import dataclass
 from enum import Enum
-from typing import Annotated
+from typing import Annotated, Self
 
-from pydantic import AfterValidator, Field, field_validator, model_validator
+from pydantic import AfterValidator, Field, model_validator
 
 from insonify.lessons.conditions import Reader, parse_condition, parse_expression
 from insonify.scene.base import Declaration
@@ -17,6 +15,8 @@ UNKNOWN = "I don't know"
 _NUMBER = re.compile(r"\s*([-+−]?(?:\d+[.,]?\d*|[.,]\d+)(?:[eE][-+]?\d+)?)")
 
 Words = Annotated[str, AfterValidator(lambda text: " ".join(text.split()))]  # may be written on several lines
+ExpressionText = Annotated[Words, AfterValidator(lambda text: text and parse_expression(text).text)]
+ConditionText = Annotated[Words, AfterValidator(lambda text: text and parse_condition(text).text)]
 
 
 class Choice(Declaration):
@@ -30,37 +30,22 @@ class Choice(Declaration):
 class Mistake(Declaration):
     """A number that follows from a misconception."""
 
-    value: Words = Field(min_length=1)
+    value: ExpressionText = Field(min_length=1)
     because: Words = Field(min_length=1, max_length=500)
-
-    @field_validator("value")
-    @classmethod
-    def _is_expression(cls, value: str) -> str:
-        return parse_expression(value).text
 
 
 class Ask(Declaration):
     """What a step asks before it shows what to look for: choices, or a number with its unit and tolerance."""
 
     choices: tuple[Choice, ...] = Field(default=(), max_length=4)
-    value: Words = ""
+    value: ExpressionText = ""
     unit: str = ""
     tolerance: float = Field(default=0.05, gt=0.0, le=0.3)
     mistakes: tuple[Mistake, ...] = ()
-    holds: Words = ""
-
-    @field_validator("value")
-    @classmethod
-    def _is_expression(cls, value: str) -> str:
-        return parse_expression(value).text if value else value
-
-    @field_validator("holds")
-    @classmethod
-    def _is_condition(cls, holds: str) -> str:
-        return parse_condition(holds).text if holds else holds
+    holds: ConditionText = ""
 
     @model_validator(mode="after")
-    def _asks_for_one_thing(self) -> Ask:
+    def _asks_for_one_thing(self) -> Self:
         if bool(self.choices) == bool(self.value):
             raise ValueError("asks for choices and for a number, or for neither; give choices, or value and unit")
         if self.choices and sum(choice.right for choice in self.choices) != 1:

@@ -21,7 +21,7 @@ from insonify.kernels.common.types import BED, SceneArrays, Solids
 from insonify.optics.cutaway import Camera, Cutaway, OpticalScene, Vectors, make_camera, make_cutaway
 from insonify.packing.targets import pack_solids
 from insonify.parallel import in_parallel
-from insonify.scene.seabed.materials import MATERIALS
+from insonify.scene.seabed.materials.catalogue import MATERIALS
 from insonify.scene.targets.shape import ball, frustum
 from insonify.tracers.rays import PathHits, cast, follow
 

@@ -10,7 +10,7 @@ from insonify.io.meshes import has_area
 from insonify.kernels.common.types import FRUSTUM, SPHERE, Mesh, Solids
 from insonify.kernels.geometry.bvh import build_mesh
 from insonify.scene import Scene
-from insonify.scene.seabed.materials import Reflectivity
+from insonify.scene.seabed.materials.catalogue import Reflectivity
 from insonify.scene.targets.shape import Shape, Solid
 from insonify.terrain import AnyGround
 

@@ -1,7 +1,5 @@
 """Checks of a scene against the abilities of the methods, before anything is traced."""
 
-from __future__ import annotations
-
 from insonify.scene import Scene, SceneError
 from insonify.tracers.base import AUTO, find_tracer
 

@@ -1,7 +1,5 @@
 """Plan of a simulation: one entry per choice, with its reason, error and cost."""
 
-from __future__ import annotations
-
 import shutil
 import textwrap
 from dataclasses import dataclass, field

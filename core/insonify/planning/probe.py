@@ -1,7 +1,5 @@
 """Probe of a scene: a few pings traced by several models; their differences are the errors of the coarser ones."""
 
-from __future__ import annotations
-
 import math
 import time
 

@@ -6,8 +6,6 @@ greatest excursions of the fish are added, and pings in which the beam crosses t
 in a thousand.
 """
 
-from __future__ import annotations
-
 import math
 from typing import NamedTuple
 

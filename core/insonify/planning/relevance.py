@@ -1,7 +1,5 @@
 """Targets and multipaths out of reach of every ping, which are left out without an error."""
 
-from __future__ import annotations
-
 import math
 
 from insonify.errors import located

@@ -1,7 +1,5 @@
 """Selection of the cheapest model of a scene with a measured error within the tolerance."""
 
-from __future__ import annotations
-
 import itertools
 import math
 from collections.abc import Iterable, Iterator, Mapping
@@ -91,23 +89,16 @@ def choose_for_case(case: Case, tolerance: float) -> Plan:
     error = math.sqrt(sum(entry.error**2 for entry in entries))
     together = measure_together(case, model, error, cautious=False)
     if together > MORE_TOGETHER * error:
-        entries = (*entries, _more_together(case, model, error, together))
+        # Interaction error: joint error of all choices without the sum of their separate errors.
+        reason = f"on {case.pings(model)} {percent(together)}, which is more than each by itself"
+        interaction = math.sqrt(together**2 - error**2)
+        entries = (*entries, PlanEntry("together", "all choices together", reason, error=interaction))
         error = together
-    near = Planes().near_error(case, model)
-    return Plan(model, _divide_cost(entries, cost), error, near, case.work(model), cost)
-
-
-def _divide_cost(entries: tuple[PlanEntry, ...], cost: float) -> tuple[PlanEntry, ...]:
-    """Scale the costs of what is modelled, which multiply one another, so that they add up to that of a ping."""
+    # The costs of what is modelled multiply one another; scaled, they add up to that of a ping.
     apart = sum(entry.cost for entry in entries if entry.modelled)
     share = cost / apart if apart > 0.0 else 1.0
-    return tuple(replace(entry, cost=share * entry.cost) if entry.modelled else entry for entry in entries)
-
-
-def _more_together(case: Case, model: Model, apart: float, together: float) -> PlanEntry:
-    """Interaction error: joint error of all choices without the sum of their separate errors."""
-    reason = f"on {case.pings(model)} {percent(together)}, which is more than each by itself"
-    return PlanEntry("together", "all choices together", reason, error=math.sqrt(together**2 - apart**2))
+    entries = tuple(replace(entry, cost=share * entry.cost) if entry.modelled else entry for entry in entries)
+    return Plan(model, entries, error, Planes().near_error(case, model), case.work(model), cost)
 
 
 def keep_plan(packed: PackedScene, last: Plan, method: str, forced: Mapping[str, str]) -> Plan:

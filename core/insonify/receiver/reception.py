@@ -94,7 +94,7 @@ class Reception:
 
 def prepare_reception(scene: Scene, ground: AnyGround, arrays: SceneArrays) -> Reception:
     """Prepare the receiver of a scene for the height of its first ping."""
-    return _assemble(prepare_setup(scene, ground, arrays))
+    return assemble(prepare_setup(scene, ground, arrays))
 
 
 def prepare_setup(scene: Scene, ground: AnyGround, arrays: SceneArrays) -> ReceiverSetup:
@@ -108,18 +108,7 @@ def prepare_setup(scene: Scene, ground: AnyGround, arrays: SceneArrays) -> Recei
     return ReceiverSetup(scene, arrays, altitude, depth, k_shapes, ground)
 
 
-def make_reception(
-    scene: Scene,
-    arrays: SceneArrays,
-    *,
-    altitude: float,
-    depth: float,
-) -> Reception:
-    """Prepare the receiver of a scene without a bed."""
-    return _assemble(ReceiverSetup(scene, arrays, altitude, depth))
-
-
-def _assemble(setup: ReceiverSetup) -> Reception:
+def assemble(setup: ReceiverSetup) -> Reception:
     """Receiver with the stages that change the record."""
     prepared = (kind.prepare(setup) for kind in stage_kinds())
     stages = tuple(stage for stage in prepared if stage is not None)

@@ -22,7 +22,7 @@ from insonify.plugins import announced, modules_in
 from insonify.receiver.waves import WaveField, Waves, make_field, no_waves, split_waves
 from insonify.scene import Scene, SceneError
 from insonify.scene.receiver.noises import NoiseConditions
-from insonify.scene.seabed.materials import Reflectivity
+from insonify.scene.seabed.materials.catalogue import Reflectivity
 from insonify.terrain import AnyGround
 
 Record = NDArray[np.float32]

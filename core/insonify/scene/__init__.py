@@ -1,7 +1,7 @@
 """Declarations of a scene: frozen, validated, read from TOML and written to it."""
 
 from insonify.errors import SceneError
-from insonify.files import bundled_meshes, bundled_scenes, resources, scene_picture
+from insonify.files import bundled_meshes, bundled_scenes, resources
 from insonify.scene.edit import build, edit, plain, read_setting
 from insonify.scene.files import DEFAULT_SCENE, load_partner, load_scene, scene_from_toml, scene_to_toml
 from insonify.scene.scene import Scene
@@ -20,6 +20,5 @@ __all__ = [
     "read_setting",
     "resources",
     "scene_from_toml",
-    "scene_picture",
     "scene_to_toml",
 ]

@@ -8,8 +8,8 @@ A declaration is a frozen, validated part of a scene. A field may hold one decla
 # Annotations are no texts here: pydantic would compile those of `Declaration` anew for each class that derives from it.
 
 from collections.abc import Iterator
-from contextlib import contextmanager
 from functools import cache
+from itertools import pairwise
 from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Literal, TypeVar
 
 from pydantic import AfterValidator, BaseModel, ConfigDict, Field, GetCoreSchemaHandler, model_validator
@@ -52,16 +52,6 @@ class Family:
             return
         self._models[kind] = model
         if self._discovered and issubclass(model, tuple(self._used)):
-            rebuild_declarations()
-
-    @contextmanager
-    def without(self, *kinds: str) -> Iterator[None]:
-        """Forget kinds after the block, for tests that declare them."""
-        try:
-            yield
-        finally:
-            for kind in kinds:
-                self._models.pop(kind, None)
             rebuild_declarations()
 
     def models(self, base: type[Model]) -> dict[str, type[Model]]:
@@ -271,6 +261,13 @@ def metres(
     """Declare a length, above 0 or from the least on, with a logarithmic slider."""
     low: dict[str, Any] = {"gt": 0.0} if least is None else {"ge": least}
     return parameter(default, description, "m", **low, le=most, slider=slider, log=True)
+
+
+def check_increasing(by: str, pairs: Any) -> Any:
+    """Return pairs, or raise ValueError if their first numbers do not increase."""
+    if any(after[0] <= before[0] for before, after in pairwise(pairs)):
+        raise ValueError(f"must run in order of increasing {by}; sort the pairs and drop doubles")
+    return pairs
 
 
 def kind_name(model: type[BaseModel]) -> str | None:

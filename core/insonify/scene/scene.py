@@ -1,9 +1,7 @@
 """Scene: the complete declaration of a simulation."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator
-from typing import Any, Literal
+from typing import Any, Literal, Self
 
 from pydantic import field_validator, model_validator
 
@@ -87,7 +85,7 @@ class Scene(Declaration):
         return description
 
     @model_validator(mode="after")
-    def _ping_rate_fits_the_range(self) -> Scene:
+    def _ping_rate_fits_the_range(self) -> Self:
         # The speed of other waters is known only after they are built.
         if self.water.only_speed is not None:
             self.sonar.check_ping_rate(self.water.only_speed)
@@ -95,14 +93,14 @@ class Scene(Declaration):
         return self
 
     @model_validator(mode="after")
-    def _slices_fit_in_memory(self) -> Scene:
+    def _slices_fit_in_memory(self) -> Self:
         # The spacing of a DEM is known only after it is read.
         if not self.seabed.relief.measured:
             self.check_slice_length(self.seabed.spacing)
         return self
 
     @model_validator(mode="after")
-    def _sonar_is_in_the_water(self) -> Scene:
+    def _sonar_is_in_the_water(self) -> Self:
         altitude, depth, heave = self.altitude, self.seabed.depth, self.track.heave
         if self.seabed.relief.measured:
             return self
@@ -125,7 +123,7 @@ class Scene(Declaration):
         return self
 
     @model_validator(mode="after")
-    def _law_models_the_effects(self) -> Scene:
+    def _law_models_the_effects(self) -> Self:
         if self.sonar.law != "light":
             return self
         if self.receiver.reverberation.echoes:
@@ -146,7 +144,7 @@ class Scene(Declaration):
         return self
 
     @model_validator(mode="after")
-    def _interfering_scatterers_need_a_beam(self) -> Scene:
+    def _interfering_scatterers_need_a_beam(self) -> Self:
         if self.receiver.speckle.interferes and not self.sonar.beam.has_width:
             raise ValueError(
                 "receiver.speckle 'coherent' sums the scatterers within the beam, and sonar.beam 'knife' has no width; "

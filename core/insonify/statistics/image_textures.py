@@ -15,18 +15,8 @@ LOWEST = 0.03  # cycles per pixel, at which the fit of a spectral slope begins
 
 
 def measure_texture(image: NDArray[Any]) -> dict[str, dict[str, float]]:
-    """Quantities of the texture of an image by group; none depends on its size but by chance.
-
-    Parameters
-    ----------
-    image : ndarray, shape (rows, columns)
-        Grey levels, 0 to 255; each side has at least 16 pixels.
-
-    Returns
-    -------
-    dict
-        ``greys``, ``correlation``, ``spectrum`` and ``patterns``: each a dict of quantities. "Along" is down the rows.
-    """
+    """Quantities of the texture of an image, 0 to 255, by group; none depends on its size but by chance."""
+    # "Along" is down the rows; each side has at least `LEAST` pixels.
     grey = np.asarray(image, float) / 255.0
     centred = grey - grey.mean()
     deviation = max(float(grey.std()), 1e-6)

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from insonify.array_cache import ARRAYS, keep_arrays
 from insonify.parallel import in_parallel
-from insonify.scene.seabed.materials import Reflectivity
+from insonify.scene.seabed.materials.catalogue import Reflectivity
 from insonify.terrain.endless_field import FAST, TILE, Nodes, Piece, split_nodes
 from insonify.terrain.ground import Ground, bilinear, resolves_cells
 

@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from insonify.scene.seabed.materials import Reflectivity
+from insonify.scene.seabed.materials.catalogue import Reflectivity
 
 FARTHEST = 2.0**52  # cells; beyond, float64 cannot resolve integers
 

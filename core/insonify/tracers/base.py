@@ -3,8 +3,7 @@
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+from collections.abc import Callable
 from functools import cache
 from typing import Any, ClassVar, NamedTuple
 
@@ -176,16 +175,6 @@ def find_tracer(name: str) -> Tracer:
 def prepare_tracer(packed: PackedScene, model: Model) -> PreparedTracer:
     """Return the tracer of a model, ready for a packed scene."""
     return find_tracer(model.method).prepare(packed.scene, packed.straighten(model))
-
-
-@contextmanager
-def without_tracers(*names: str) -> Iterator[None]:
-    """Forget tracers after the block, for tests that declare them."""
-    try:
-        yield
-    finally:
-        for name in names:
-            _DECLARED.pop(name, None)
 
 
 @cache

@@ -18,12 +18,7 @@ from insonify.kernels.labels.bed_stretches import VISIBLE
 from insonify.kernels.labels.echo_parts import PartList, Window, list_echo_parts, list_refracted_parts
 from insonify.kernels.labels.shadows import NO_TARGET
 from insonify.kernels.multipath.echo_list import EchoSink
-from insonify.kernels.multipath.image_sources import (
-    PATH_COUNT,
-    SURFACE_BOTTOM,
-    SURFACE_BOTTOM_SURFACE,
-    SURFACE_ECHO,
-)
+from insonify.kernels.multipath.image_sources import PATH_COUNT, SURFACE_BOTTOM, SURFACE_BOTTOM_SURFACE, SURFACE_ECHO
 from insonify.kernels.multipath.surface_multipath import empty_multipath_workspace, note_plane_echoes
 from insonify.kernels.sweep.sweep import AzimuthFan, empty_sweep_workspace
 from insonify.packing.apparent_tables import make_apparent_tables
@@ -84,11 +79,6 @@ class EchoParts:
         return 0.5 * (self.begin + self.end)
 
 
-def join_parts(*lists: EchoParts) -> EchoParts:
-    """Join several lists of parts."""
-    return EchoParts(*(np.concatenate([getattr(one, field.name) for one in lists]) for field in fields(EchoParts)))
-
-
 def find_echo_parts(
     arrays: SceneArrays,
     pose: Poses,
@@ -102,7 +92,8 @@ def find_echo_parts(
     """Find the parts of which the echo in some range bins is made."""
     _, folded = make_apparent_tables(arrays, pose)
     if folded.any():
-        return _find_refracted_parts(arrays, pose, side, window, rays)
+        bare = without_targets(arrays)
+        return _columns(_list_all(lambda rows: list_refracted_parts(arrays, bare, pose, 0, side, rays, window, rows)))
     fans = lay_planes_of_images(arrays, pose, planes, across)
     if not fans:
         return _columns(np.empty((0, kernels.COLUMNS)))
@@ -110,13 +101,8 @@ def find_echo_parts(
     direct = find_direct_parts(arrays, pose, side, window, fan)
     if not arrays.multipath.enabled:
         return direct
-    return join_parts(direct, find_surface_parts(arrays, pose, side, window, (fan, image_fan)))
-
-
-def _find_refracted_parts(arrays: SceneArrays, pose: Poses, side: int, window: Window, rays: int) -> EchoParts:
-    """Find the rays that echo in the window, where refraction folds."""
-    bare = without_targets(arrays)
-    return _columns(_list_all(lambda rows: list_refracted_parts(arrays, bare, pose, 0, side, rays, window, rows)))
+    both = direct, find_surface_parts(arrays, pose, side, window, (fan, image_fan))
+    return EchoParts(*(np.concatenate([getattr(one, field.name) for one in both]) for field in fields(EchoParts)))
 
 
 def _list_all(fill: Callable[[Column], int]) -> Column:

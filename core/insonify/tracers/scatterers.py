@@ -58,11 +58,15 @@ class ScattererTracer(PreparedTracer):
         self, arrays: SceneArrays, poses: Poses, *, planes: int = 16, across: int = 0, threads: int | None = None
     ) -> Waves:
         """Sum of all scatterers' waves after the pulse, sample by sample."""
-        further = _narrowed(_extend_range(arrays, self.bins_beyond), self.scatterers.patches, poses)
+        # Bins beyond the last have its range factor.
+        bins = arrays.bins + self.bins_beyond
+        factor = np.pad(arrays.range_factor, (0, self.bins_beyond), mode="edge")
+        further = _narrowed(arrays._replace(bins=bins, range_factor=factor), self.scatterers.patches, poses)
         capacity = profile_capacity(further.bins * further.bin_length, arrays.bed.spacing)
         out = self._empty_waves(arrays, poses)
         for places, laid in lay_planes(further, poses, max(planes, 2), across=across):
-            some, beam = take_poses(poses, places), _sort_planes(laid)
+            order = np.argsort(laid.azimuth)
+            some, beam = take_poses(poses, places), AzimuthFan(*(np.ascontiguousarray(each[order]) for each in laid))
             _refuse_fine_bed(beam.azimuth.size, capacity, arrays)
             traced = self._empty_waves(arrays, some)
 
@@ -146,12 +150,6 @@ def _refuse_large_meshes(corners: NDArray[np.float64]) -> None:
         )
 
 
-def _extend_range(arrays: SceneArrays, bins: int) -> SceneArrays:
-    """Scene with a range extended by some bins, with the range factor of its last bin."""
-    factor = np.concatenate([arrays.range_factor, np.repeat(arrays.range_factor[-1:], bins)])
-    return arrays._replace(bins=arrays.bins + bins, range_factor=factor)
-
-
 def _narrowed(arrays: SceneArrays, patches: SurfacePatches, poses: Poses) -> SceneArrays:
     """Scene with a beam pattern without directions of many scatterers and negligible sensitivity."""
     # Of every row of its table the outermost columns go, and rows nearer than anything lies become no wider than
@@ -183,9 +181,3 @@ def _without_faint_sidelobes(
     half = max(float(place[np.argmax(within >= (1.0 - FAINT) * integral[-1])]), 2.0 / energy.size)
     inner = np.interp(half * place, place, integral)
     return half * extent, np.interp(half * place, place, energy), inner - inner[0]
-
-
-def _sort_planes(planes: AzimuthFan) -> AzimuthFan:
-    """Planes in the order of their azimuths."""
-    order = np.argsort(planes.azimuth)
-    return AzimuthFan(*(np.ascontiguousarray(column[order]) for column in planes))

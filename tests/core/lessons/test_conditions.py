@@ -5,7 +5,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from insonify.errors import SceneError
-from insonify.lessons import Reader, parse_condition, parse_expression
+from insonify.lessons.conditions import Reader, parse_condition, parse_expression
 
 VALUES = {
     "sonar.beam.width": 5.0,

@@ -8,16 +8,11 @@ import pytest
 from commands import refused
 from insonify.cli import main
 from insonify.errors import SceneError
-from insonify.lessons import (
-    bundled_lessons,
-    check_lesson,
-    group_lessons,
-    load_courses,
-    load_lesson,
-    load_lessons,
-    parse_lesson,
-    states_of,
-)
+from insonify.files import bundled_lessons
+from insonify.lessons.checks import check_lesson
+from insonify.lessons.courses import group_lessons, load_courses
+from insonify.lessons.lesson import load_lesson, load_lessons, parse_lesson
+from insonify.lessons.states import states_of
 from insonify.scene import Scene
 from insonify.simulation import simulate
 

@@ -11,24 +11,14 @@ import xarray as xr
 
 from commands import refused
 from insonify.errors import SceneError
-from insonify.lessons import (
-    QUANTITIES,
-    Answer,
-    Ask,
-    Grade,
-    LessonState,
-    Worksheet,
-    bundled_lessons,
-    check_lesson,
-    check_records,
-    checks,
-    judge,
-    load_lesson,
-    load_lessons,
-    parse_lesson,
-    read_number,
-    states_of,
-)
+from insonify.files import bundled_lessons
+from insonify.lessons import checks
+from insonify.lessons.checks import check_lesson, check_records
+from insonify.lessons.lesson import load_lesson, load_lessons, parse_lesson
+from insonify.lessons.quantities import QUANTITIES
+from insonify.lessons.questions import Ask, Grade, judge, read_number
+from insonify.lessons.states import LessonState, states_of
+from insonify.lessons.worksheet import Answer, Worksheet
 from insonify.scene import edit, load_scene
 from insonify.simulation import simulate
 

@@ -10,6 +10,7 @@ from scipy import stats
 
 from insonify.surveys.datasets.scenes import Draws, hash_share
 from insonify.surveys.distributions import DISTRIBUTIONS, DistributionKind, Drawn
+from own_things import forgetting
 
 SHARES = (np.arange(10_000) + 0.5) / 10_000
 
@@ -82,7 +83,7 @@ def test_one_new_class_adds_a_distribution():
         def quantile(self, share: float) -> float:
             return math.sqrt(share)
 
-    with DISTRIBUTIONS.without("triangular"):
+    with forgetting(DISTRIBUTIONS, "triangular"):
         assert distribution(draw="triangular").quantile(0.25) == 0.5
 
 

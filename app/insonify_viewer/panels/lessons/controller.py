@@ -7,7 +7,9 @@ from typing import Any
 
 from insonify.files import bundled_scenes
 from insonify.io.atomic import write_text
-from insonify.lessons import AUTOMATIC, SIDES, Lesson, LessonState, load_lessons, split_move, subject_of
+from insonify.lessons.lesson import Lesson, load_lessons
+from insonify.lessons.quantities import SIDES
+from insonify.lessons.states import AUTOMATIC, LessonState, split_move, subject_of
 from insonify.scene import Scene
 from insonify_viewer.panels.lessons.progress import Progress
 from insonify_viewer.panels.lessons.view.lessons_view import LessonsView

@@ -4,7 +4,10 @@ from datetime import datetime
 from typing import NamedTuple
 
 from insonify.errors import SceneError
-from insonify.lessons import Answer, Lesson, LessonState, Step, Verdict, Worksheet, judge, states_of
+from insonify.lessons.lesson import Lesson, Step
+from insonify.lessons.questions import Verdict, judge
+from insonify.lessons.states import LessonState, states_of
+from insonify.lessons.worksheet import Answer, Worksheet
 
 
 class Given(NamedTuple):

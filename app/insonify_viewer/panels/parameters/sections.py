@@ -16,7 +16,8 @@ from insonify.scene import Scene, SceneError
 from insonify.scene.base import Declaration, kind_name, models_of
 from insonify.scene.edit import part_at
 from insonify.scene.receiver.gains import PowerTvg
-from insonify.scene.seabed.materials import MATERIALS, Material
+from insonify.scene.seabed.materials import Material
+from insonify.scene.seabed.materials.catalogue import MATERIALS
 from insonify.scene.seabed.materials.pattern import PatternMap
 from insonify.scene.seabed.reliefs.random_relief import RandomRelief
 from insonify.scene.sonar.presets import NO_PRESET

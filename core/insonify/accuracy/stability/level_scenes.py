@@ -9,7 +9,7 @@ from numpy.typing import ArrayLike, NDArray
 from insonify.kernels.common.types import Poses, SceneArrays
 from insonify.packing.scene_arrays import make_bed
 from insonify.scene import Scene, SceneError, edit
-from insonify.scene.seabed.materials import Reflectivity
+from insonify.scene.seabed.materials.catalogue import Reflectivity
 from insonify.simulation import prepare
 from insonify.terrain import Ground
 from insonify.tracers import sweep

@@ -10,7 +10,6 @@ from numpy.typing import NDArray
 
 from insonify.io.file_access import FileFault, companion, open_regular
 from insonify.io.formats import FileFormat
-from insonify.io.isolation import run_isolated
 from insonify.io.meshes import MOST_TRIANGLES
 
 REMEDY = "export it again as OBJ, STL, PLY or glTF"
@@ -45,11 +44,6 @@ class _Companions(Mapping[str, bytes]):
 
 def read_z_up(path: str) -> NDArray[np.float64]:
     """Corners of all triangles of a file with z up, (n, 3, 3)."""
-    return run_isolated(read_with_trimesh, path)
-
-
-def read_with_trimesh(path: str) -> NDArray[np.float64]:
-    """Read the corners in this process, which a damaged file may block for ever."""
     import trimesh  # slow to import, and only meshes need it
 
     with open_regular(path) as file:
@@ -76,7 +70,7 @@ def read_y_up(path: str) -> NDArray[np.float64]:
     return read_z_up(path)[..., [0, 2, 1]] * [1.0, -1.0, 1.0]
 
 
-OBJ = FileFormat("OBJ", (".obj",), read_z_up, remedy=REMEDY)
-STL = FileFormat("STL", (".stl",), read_z_up, remedy=REMEDY)
-PLY = FileFormat("PLY", (".ply",), read_z_up, remedy=REMEDY)
-GLTF = FileFormat("glTF", (".gltf", ".glb"), read_y_up, remedy=REMEDY)
+OBJ = FileFormat("OBJ", (".obj",), read_z_up, isolated=True, remedy=REMEDY)
+STL = FileFormat("STL", (".stl",), read_z_up, isolated=True, remedy=REMEDY)
+PLY = FileFormat("PLY", (".ply",), read_z_up, isolated=True, remedy=REMEDY)
+GLTF = FileFormat("glTF", (".gltf", ".glb"), read_y_up, isolated=True, remedy=REMEDY)

@@ -7,7 +7,6 @@ import numpy as np
 
 from insonify.io.file_access import FileFault, read_text
 from insonify.io.formats import FileFormat
-from insonify.io.isolation import run_isolated
 from insonify.io.navigation import LIMITS, Columns
 from insonify.io.records import read_record
 from insonify.io.records.netcdf import check_variables
@@ -82,11 +81,6 @@ def _time(point: ElementTree.Element) -> float:
 
 def read_platform(path: str) -> Columns:
     """Read the columns of navigation in a netCDF record, as ``insonify render`` writes it."""
-    return run_isolated(read_columns, path)
-
-
-def read_columns(path: str) -> Columns:
-    """Read the columns in this process, which the library may crash."""
     import netCDF4  # slow to import, and only recorded tracks need it
 
     with netCDF4.Dataset(path) as file:
@@ -115,5 +109,6 @@ def read_recording(path: str) -> Columns:
 
 CSV = FileFormat("comma-separated values", (".csv",), read_csv, remedy=CSV_REMEDY)
 GPX = FileFormat("GPX track", (".gpx",), read_gpx, remedy=GPX_REMEDY)
-RECORD = FileFormat("record in netCDF", (".nc",), read_platform, remedy="give a record as insonify render writes it")
+NC_REMEDY = "give a record as insonify render writes it"
+RECORD = FileFormat("record in netCDF", (".nc",), read_platform, isolated=True, remedy=NC_REMEDY)
 RECORDING = FileFormat("side-scan recording", (".xtf", ".jsf"), read_recording)

@@ -11,7 +11,6 @@ import numpy as np
 
 from insonify.io.file_access import check_expansion
 from insonify.io.formats import FileFormat
-from insonify.io.isolation import run_isolated
 from insonify.io.record_schema import CONVENTIONS, join_blocks
 from insonify.io.records.netcdf import NUMBER
 
@@ -39,13 +38,8 @@ def write_zarr(path: str | Path, blocks: Iterable[xr.Dataset]) -> None:
         zarr.consolidate_metadata(path, zarr_format=3)
 
 
-def read_zarr(path: str | Path) -> xr.Dataset:
+def read_zarr(path: str) -> xr.Dataset:
     """Read a record from a Zarr store, such as `write_zarr` makes."""
-    return run_isolated(read_with_zarr, str(path))
-
-
-def read_with_zarr(path: str) -> xr.Dataset:
-    """Read a store in this process, which its codecs may crash."""
     import xarray as xr  # slow to import too
     import zarr
 
@@ -83,5 +77,12 @@ def _regrouped(blocks: Iterable[xr.Dataset], size: int) -> Iterator[xr.Dataset]:
 
 
 ZARR = FileFormat(
-    "Zarr", (".zarr",), read_zarr, write_zarr, folder=True, remedy="give a record written by insonify", labelled=True
+    "Zarr",
+    (".zarr",),
+    read_zarr,
+    write_zarr,
+    folder=True,
+    isolated=True,
+    remedy="give a record written by insonify",
+    labelled=True,
 )

@@ -276,14 +276,9 @@ def _table_response_above(pattern, side, up):
     c, s = math.cos(pattern.tilt), math.sin(pattern.tilt)
     if side * c - up * s <= 0.0:
         return 0.0
-    return _table_at(pattern.vertical_energy, up * c + side * s)
-
-
-@inlined_uncounted
-def _table_at(energy, sine):
-    """Interpolate a table over sines from -1 to 1."""
+    energy = pattern.vertical_energy  # at equal steps of the sine, from -1 to 1
     last = energy.size - 1
-    place = min(max(0.5 * (sine + 1.0), 0.0), 1.0) * last
+    place = min(max(0.5 * (up * c + side * s + 1.0), 0.0), 1.0) * last
     k = min(int(place), last - 1)
     return energy[k] + (place - k) * (energy[k + 1] - energy[k])
 

@@ -43,15 +43,6 @@ def _specular_strength(cos_squared, specular, shininess, law):
 
 
 @inlined_uncounted
-def _radiance(cos_incidence, diffuse, specular, shininess):
-    """Radiance of law `light`: I = k_d cos α + k_s max(0, R·V)ⁿ."""
-    if cos_incidence <= 0.0:
-        return 0.0
-    # Lambert (1760) and Phong (1975), as in docs/theory/scattering.md.
-    return diffuse * cos_incidence + _specular_strength(cos_incidence * cos_incidence, specular, shininess, LIGHT)
-
-
-@inlined_uncounted
 def backscatter(cos_incidence, diffuse, specular, shininess):
     """Backscattering cross-section of unit area, law `sonar`: σ = cos²α (k_d/π + k_s (n+2)/(2π) cosⁿ 2α)."""
     if cos_incidence <= 0.0:
@@ -64,9 +55,12 @@ def backscatter(cos_incidence, diffuse, specular, shininess):
 @inlined_uncounted
 def backscatter_strength(cos_incidence, diffuse, specular, shininess, law):
     """Monostatic strength of a surface under either law."""
-    if law == LIGHT:
-        return _radiance(cos_incidence, diffuse, specular, shininess)
-    return backscatter(cos_incidence, diffuse, specular, shininess)
+    if law != LIGHT:
+        return backscatter(cos_incidence, diffuse, specular, shininess)
+    if cos_incidence <= 0.0:
+        return 0.0
+    # I = k_d cos α + k_s max(0, R·V)ⁿ: Lambert (1760) and Phong (1975), as in docs/theory/scattering.md.
+    return diffuse * cos_incidence + _specular_strength(cos_incidence * cos_incidence, specular, shininess, LIGHT)
 
 
 @inlined_uncounted

@@ -12,34 +12,18 @@ ONE_PLACE = 1e-9  # m, twice the distance of centres that are not split
 
 
 def build_mesh(corners: NDArray[np.float64], material: NDArray[np.int64], target: NDArray[np.int64]) -> Mesh:
-    """Build the bounding volume hierarchy over triangles and put them into its order.
-
-    Parameters
-    ----------
-    corners : (n, 3, 3) float64
-        Counter-clockwise from outside, metres; none degenerate.
-    material, target : (n,) int64
-        Of each triangle.
-
-    Returns
-    -------
-    Mesh
-    """
+    """Build the hierarchy over triangles, none degenerate, and put them, their materials and targets into its order."""
     edges = corners[:, 1:] - corners[:, :1]
     normal = np.cross(edges[:, 0], edges[:, 1])
     normal /= np.linalg.norm(normal, axis=1, keepdims=True)
     # Without triangles, as in many scenes, the kernel is not loaded: its code takes 70 ms.
-    order, low, high, skip, first, leaf_size = _build_tree(corners) if len(corners) else _empty_tree()
+    boxes, none = np.empty((0, 3)), np.empty(0, np.int64)
+    tree = _build_tree(corners) if len(corners) else (none, boxes, boxes, none, none, none)
+    order, low, high, skip, first, leaf_size = tree
     return Mesh(
         np.ascontiguousarray(corners[order]), normal[order], material[order], target[order],
         low, high, skip, first, leaf_size,
     )  # fmt: skip
-
-
-def _empty_tree():
-    """Return the order of no triangles and a hierarchy without nodes."""
-    boxes, numbers = np.empty((0, 3)), np.empty(0, np.int64)
-    return numbers, boxes, boxes, numbers, numbers, numbers
 
 
 @kernel

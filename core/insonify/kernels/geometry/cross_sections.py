@@ -75,18 +75,12 @@ def may_cut_solid(solids, k, plane, reach, height):
 @inlined_uncounted
 def solid_distance_bound(solids, k, plane):
     """Lower bound on the distance of a body from the sonar, by a ball around the body."""
-    mx, my, mz, bound = _ball_around(solids, k, plane)
-    return math.sqrt(mx * mx + my * my + mz * mz) * (1.0 - ROUNDING) - bound
-
-
-@inlined_uncounted
-def _ball_around(solids, k, plane):
-    """Centre of a ball around a body, from the sonar, and its radius."""
     half = 0.5 * solids.length[k]
     mx = solids.start[k, 0] + half * solids.axis[k, 0] - plane.x
     my = solids.start[k, 1] + half * solids.axis[k, 1] - plane.y
     mz = solids.start[k, 2] + half * solids.axis[k, 2] - plane.z
-    return mx, my, mz, half + solids.radius[k] + max(solids.taper[k] * solids.length[k], 0.0)
+    bound = half + solids.radius[k] + max(solids.taper[k] * solids.length[k], 0.0)
+    return math.sqrt(mx * mx + my * my + mz * mz) * (1.0 - ROUNDING) - bound
 
 
 @kernel_uncounted

@@ -55,16 +55,10 @@ def label_shadows(shadows, contributions, materials, labels, ping, side):
                 if energy > most:
                     most, best = energy, row
         if hidden > 0.0:
-            share[k] = hidden / (hidden + _bed_echo(contributions, materials, k))
+            seen = 0.0  # echo of the visible bed by the direct path
+            for row in range(materials):
+                if contributions.present[row]:
+                    seen += contributions.energy[row, k]
+            share[k] = hidden / (hidden + seen)
             target[k] = best
     shadows.present[:] = False
-
-
-@inlined
-def _bed_echo(contributions, materials, k):
-    """Echo of the visible bed in a bin by the direct path."""
-    energy = 0.0
-    for row in range(materials):
-        if contributions.present[row]:
-            energy += contributions.energy[row, k]
-    return energy

@@ -3,8 +3,6 @@
 Waves spread every echo in range: each facet of the sea surface takes its share of the energy at its own delay.
 """
 
-from __future__ import annotations
-
 from typing import NamedTuple
 
 import numpy as np

@@ -5,8 +5,6 @@ sonar itself receives one if the straight ray back to it is unobstructed. A ray 
 surface is lost.
 """
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

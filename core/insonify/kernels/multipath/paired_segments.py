@@ -6,8 +6,6 @@ summed here; what is seen in part, is too long for one density or may be land is
 Theory: docs/theory/multipath.md.
 """
 
-from __future__ import annotations
-
 import math
 from typing import NamedTuple
 

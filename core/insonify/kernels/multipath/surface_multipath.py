@@ -7,8 +7,6 @@ What lies higher than the sonar hides bed and targets from an image, but not the
 docs/theory/multipath.md.
 """
 
-from __future__ import annotations
-
 from typing import NamedTuple
 
 import numpy as np

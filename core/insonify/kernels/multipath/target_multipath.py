@@ -11,19 +11,8 @@ from insonify.kernels.beam.azimuth_sector import is_whole_beam, pair_response, p
 from insonify.kernels.common.types import LIGHT
 from insonify.kernels.geometry.cross_sections import NEVER, HalfPlane
 from insonify.kernels.multipath.echo_list import ENOUGH, SurfaceEcho, deposit_echoes, list_echo
-from insonify.kernels.multipath.image_sources import (
-    height_delay,
-    pair_strength,
-    spreading_ratio,
-    tilt_delay,
-)
-from insonify.kernels.sweep.facets import (
-    along_curve,
-    divide_facet,
-    facet_curve,
-    is_facet_met,
-    tilt_in_plane,
-)
+from insonify.kernels.multipath.image_sources import height_delay, pair_strength, spreading_ratio, tilt_delay
+from insonify.kernels.sweep.facets import along_curve, divide_facet, facet_curve, is_facet_met, tilt_in_plane
 from insonify.kernels.sweep.target_echoes import (
     BedHorizon,
     cell_facet,

@@ -78,7 +78,9 @@ def advance_to(arrays, path, meeting):
     """Path advanced to the surface that it meets."""
     t, dx, dy, dz = meeting.distance, path.dx, path.dy, path.dz
     up, across = transfer(path.up, path, meeting), transfer(path.across, path, meeting)
-    length = path.length + t * _slowness(arrays, path)
+    # The travel time per metre, in metres of water.
+    slowness = 1.0 if path.inside == WATER else 1.0 / arrays.interface[_material(arrays, path.inside), 1]
+    length = path.length + t * slowness
     return SpecularPath(
         path.x + t * dx, path.y + t * dy, path.z + t * dz, dx, dy, dz, up, across, length, path.share, path.bounce,
         path.inside,
@@ -89,12 +91,6 @@ def advance_to(arrays, path, meeting):
 def offset_from_surface(x, y, z, length):
     """Distance off a surface at which a path starts, so that rounding does not put it on the other side."""
     return OFFSET * (1.0 + abs(x) + abs(y) + abs(z) + length)
-
-
-@inlined
-def _slowness(arrays, path):
-    """Travel time per metre where a path is, in metres of water."""
-    return 1.0 if path.inside == WATER else 1.0 / arrays.interface[_material(arrays, path.inside), 1]
 
 
 @inlined

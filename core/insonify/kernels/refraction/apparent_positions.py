@@ -57,11 +57,6 @@ def no_apparent_tables() -> ApparentTables:
     return ApparentTables(False, np.zeros((0, 2, 2, COLUMNS), np.float32), 0.0, 1.0, 0.0, 1.0, 1.0, 1.0)
 
 
-def empty_table(bending: ApparentTables) -> NDArray[np.float32]:
-    """Make room for the table of one ping."""
-    return np.zeros(bending.tables.shape[1:], np.float32)
-
-
 @kernel_on_demand(NOTHING, counting=True)
 def _interpolate_table(bending, z, table):
     """Table of a sonar between the heights of two tables."""

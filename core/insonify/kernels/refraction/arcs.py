@@ -90,18 +90,13 @@ def advance_in_layers(height, speed, ray, x_end, low, high):
         if level == high:
             return HIGH, there
         return NODE, enter_layer(height, speed, there, layer + 1 if level == ceiling else layer)
-    there = _at_range(follow_arc(ray, 0.0, g, by_range), x_end)
+    at = follow_arc(ray, 0.0, g, by_range)
+    there = RayState(x_end, at.z, at.cosine, at.sine, at.speed, at.time, at.p, at.q, at.grazed)  # there exactly
     comes = there.sine > 0.0 if level == ceiling else there.sine < 0.0
     if comes and level != low and level != high and abs(there.z - level) <= SNAP:
         # The next step finds the ray on the node: it enters the layer beyond now.
         return RANGE, enter_layer(height, speed, there, layer + 1 if level == ceiling else layer)
     return RANGE, there
-
-
-@inlined
-def _at_range(ray, x):
-    """Ray with its ground range set exactly to where it was to end."""
-    return RayState(x, ray.z, ray.cosine, ray.sine, ray.speed, ray.time, ray.p, ray.q, ray.grazed)
 
 
 @inlined

@@ -56,7 +56,8 @@ def launch_ray(height, speed, station, plane, z, cosine, sine):
     """Ray at its start through any water, at ground range 0."""
     if station.size == 1:
         return launch_in_layers(height, speed[0], z, cosine, sine)
-    return _launch_in_section(height, speed, station, plane, z, cosine, sine)
+    c = speed_in_section(height, speed, station, plane.place, z)
+    return RayState(0.0, z, cosine, sine, c, 0.0, 1.0 / c, 0.0, False)
 
 
 @inlined
@@ -72,7 +73,10 @@ def reflect_ray(height, speed, station, plane, ray):
     """Ray through any water, reflected by the bed or the surface that it has come to."""
     if station.size == 1:
         return reflect_at_level(ray, gradient_behind(height, speed[0], ray))
-    return reflect_at_level(ray, _gradient_in_section(height, speed, station, plane, ray))
+    # The gradient on the side that the ray comes from.
+    back = RayState(ray.x, ray.z, -ray.cosine, -ray.sine, ray.speed, ray.time, ray.p, ray.q, ray.grazed)
+    _, _, piece = find_triangle(height, speed, station, plane, back)
+    return reflect_at_level(ray, piece.up)
 
 
 @inlined
@@ -212,21 +216,6 @@ def _station_ranges(station, plane, i):
     if i < station.size - 1:
         after = (station[i + 1] - plane.place) / plane.along
     return max(before, after), min(before, after)
-
-
-@inlined
-def _launch_in_section(height, speed, station, plane, z, cosine, sine):
-    """Ray at its start in a section, at ground range 0."""
-    c = speed_in_section(height, speed, station, plane.place, z)
-    return RayState(0.0, z, cosine, sine, c, 0.0, 1.0 / c, 0.0, False)
-
-
-@inlined
-def _gradient_in_section(height, speed, station, plane, ray):
-    """Gradient dc/dz on the side that a ray comes from, up or down."""
-    back = RayState(ray.x, ray.z, -ray.cosine, -ray.sine, ray.speed, ray.time, ray.p, ray.q, ray.grazed)
-    _, _, piece = find_triangle(height, speed, station, plane, back)
-    return piece.up
 
 
 @inlined

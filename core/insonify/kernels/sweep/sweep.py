@@ -22,12 +22,7 @@ from insonify.kernels.bed.slice import prefetch_strip, slice_bed, snap_to_grid
 from insonify.kernels.common.range_bins import RangeBins, accumulate_bins
 from insonify.kernels.common.types import PORT, STARBOARD, SceneArrays
 from insonify.kernels.geometry.cross_sections import HalfPlane
-from insonify.kernels.refraction.apparent_positions import (
-    ApparentTables,
-    apply_apparent_positions,
-    empty_table,
-    prepare_table,
-)
+from insonify.kernels.refraction.apparent_positions import ApparentTables, apply_apparent_positions, prepare_table
 from insonify.kernels.sweep.partial_segments import (
     deposit_partial_segment,
     deposit_visible_stretches,
@@ -67,22 +62,11 @@ class SweepWorkspace(NamedTuple):
 def empty_sweep_workspace(
     arrays: SceneArrays, apparent: ApparentTables, dtype: DTypeLike = np.float32
 ) -> SweepWorkspace:
-    """Make room for the planes of a scene.
-
-    Parameters
-    ----------
-    arrays : SceneArrays
-    apparent : ApparentTables
-    dtype : dtype
-        Single precision or, to measure its error, double.
-
-    Returns
-    -------
-    SweepWorkspace
-    """
+    """Make room for the planes of a scene, in single precision or, to measure its error, in double."""
     capacity = profile_capacity(apparent.stretch * arrays.bins * arrays.bin_length, arrays.bed.spacing)
     profile, echoes = empty_profile(capacity, dtype), empty_segment_echoes(capacity, arrays.bins, dtype)
-    return SweepWorkspace(profile, echoes, empty_zbuffer(arrays.solids, arrays.mesh), empty_table(apparent))
+    table = np.zeros(apparent.tables.shape[1:], np.float32)
+    return SweepWorkspace(profile, echoes, empty_zbuffer(arrays.solids, arrays.mesh), table)
 
 
 @inlined_uncounted

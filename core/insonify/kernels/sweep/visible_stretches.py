@@ -22,19 +22,7 @@ class VisibleBed(NamedTuple):
 
 
 def empty_visible_bed(azimuth: NDArray[np.float64], capacity: int) -> VisibleBed:
-    """Make room for the visible stretches of a fan's planes.
-
-    Parameters
-    ----------
-    azimuth : ndarray of float64, shape (planes,)
-        Of the planes, ascending, rad.
-    capacity : int
-        Knots of a profile at most.
-
-    Returns
-    -------
-    VisibleBed
-    """
+    """Make room for the visible stretches of planes at ascending azimuths, rad, of at most ``capacity`` knots each."""
     planes = azimuth.size
     borders = np.sin(0.5 * (azimuth[1:] + azimuth[:-1]))
     return VisibleBed(borders, np.zeros(planes), np.zeros((planes, capacity + 2)), np.zeros(planes, np.int64))

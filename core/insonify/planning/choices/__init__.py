@@ -1,7 +1,5 @@
 """Choices of a plan, one file a group, each listed in its file's ``CHOICES``."""
 
-from __future__ import annotations
-
 from importlib import import_module
 from pkgutil import iter_modules
 

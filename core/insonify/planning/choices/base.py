@@ -1,7 +1,5 @@
 """Base of all choices of a plan, and the scene that they decide about."""
 
-from __future__ import annotations
-
 import math
 from abc import ABC, abstractmethod
 from collections.abc import Iterator, Mapping

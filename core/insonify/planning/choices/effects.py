@@ -1,7 +1,5 @@
 """Choices of the effects that are modelled: refraction, bounces, targets and paths by the sea surface."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Iterator
 

@@ -1,7 +1,5 @@
 """Choices of the tracer and its fineness: planes, rays, steps, segments and nodes of the relief."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Iterator
 from itertools import takewhile

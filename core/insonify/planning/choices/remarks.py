@@ -1,7 +1,5 @@
 """Entries of a plan that inform about the scene and leave no choice."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Iterator
 

@@ -1,8 +1,6 @@
 """Receiver of the sonar: speckle, reverberation, noise and other waves, gain, recorder."""
 
-from __future__ import annotations
-
-from typing import Annotated
+from typing import Annotated, Self
 
 from pydantic import model_validator
 
@@ -62,7 +60,7 @@ class Receiver(Declaration):
     recorder: Recorder = parameter(Recorder, "amplifier and converter")
 
     @model_validator(mode="after")
-    def _noise_in_micropascals_needs_a_source(self) -> Receiver:
+    def _noise_in_micropascals_needs_a_source(self) -> Self:
         if self.noise is not None and self.noise.absolute and self.source_level == 0.0:
             raise ValueError(
                 f"receiver.noise {self.noise.kind!r} is in dB re 1 µPa and receiver.source_level 0 is relative; "

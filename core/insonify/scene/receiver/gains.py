@@ -1,18 +1,19 @@
 """Time-varied gains."""
 
-from itertools import pairwise
+from functools import partial
 from typing import Annotated, ClassVar, Literal, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
-from pydantic import Field, field_validator
+from pydantic import AfterValidator, Field
 
-from insonify.scene.base import Family, Kind, decibels, parameter
+from insonify.scene.base import Family, Kind, check_increasing, decibels, parameter
 from insonify.scene.water.absorptions import NEPER_PER_DB
 
 GAINS = Family("gains", "insonify.scene.receiver")
 TimeOrBin = Annotated[float, Field(ge=0.0, le=1e6)]
 Gain = Annotated[float, Field(ge=-300.0, le=300.0)]
+IN_ORDER = AfterValidator(partial(check_increasing, "time or bin"))
 
 
 class RangeBins(NamedTuple):
@@ -79,7 +80,7 @@ class TableTvg(GainKind):
     by: Literal["time", "bin"] = parameter(
         "time", "first column of the table: seconds after transmission, or bins from 0"
     )
-    gains: tuple[tuple[TimeOrBin, Gain], ...] = parameter(
+    gains: Annotated[tuple[tuple[TimeOrBin, Gain], ...], IN_ORDER] = parameter(
         ((0.0, 0.0), (0.02, 30.0), (0.06, 50.0)),
         "pairs [time or bin, gain], ascending; the first and last gains apply beyond",
         "dB",
@@ -90,13 +91,6 @@ class TableTvg(GainKind):
     interpolation: Literal["linear", "steps"] = parameter(
         "linear", "straight lines between those gains, or each gain kept until the next"
     )
-
-    @field_validator("gains")
-    @classmethod
-    def _ascending(cls, gains: tuple[tuple[float, float], ...]) -> tuple[tuple[float, float], ...]:
-        if any(after[0] <= before[0] for before, after in pairwise(gains)):
-            raise ValueError("must run in order of increasing time or bin; sort the pairs and drop doubles")
-        return gains
 
     def decibels(self, bins: RangeBins, absorption: float) -> NDArray[np.float64]:
         """Gain in dB of the table."""

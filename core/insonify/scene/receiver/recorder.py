@@ -1,11 +1,10 @@
 """Recorder: gain of the last amplifier, converter and losses on the way to the file."""
 
-from itertools import pairwise
 from typing import Annotated, Literal
 
 from pydantic import Field, field_validator
 
-from insonify.scene.base import Declaration, decibels, parameter
+from insonify.scene.base import Declaration, check_increasing, decibels, parameter
 
 MOST_GAIN = 200.0  # dB, either way
 Seconds = Annotated[float, Field(ge=0.0, le=1e9)]
@@ -45,8 +44,7 @@ class Recorder(Declaration):
         if isinstance(gain, tuple):
             if not gain:
                 raise ValueError("is empty; give a number or [[time, gain], ...]")
-            if any(after[0] <= before[0] for before, after in pairwise(gain)):
-                raise ValueError("must run in order of increasing time; sort the pairs and drop doubles")
+            check_increasing("time", gain)
         return gain
 
     @property

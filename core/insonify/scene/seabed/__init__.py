@@ -1,15 +1,12 @@
 """Seabed of a scene: mean depth, relief and material."""
 
-from __future__ import annotations
-
-from typing import Annotated
+from typing import Annotated, Self
 
 from pydantic import model_validator
 
 from insonify.scene.base import Declaration, KindOf, metres, parameter
 from insonify.scene.seabed.materials import AnyMaterialMap, Material
-from insonify.scene.seabed.reliefs import RELIEFS, ReliefKind
-from insonify.scene.seabed.reliefs.flat import Flat
+from insonify.scene.seabed.reliefs import RELIEFS, Flat, ReliefKind
 from insonify.scene.seabed.reliefs.random_relief import RandomRelief
 
 
@@ -24,7 +21,7 @@ class Seabed(Declaration):
     material: AnyMaterialMap = parameter(Material, "material of the bed")
 
     @model_validator(mode="after")
-    def _relief_fits_the_grid(self) -> Seabed:
+    def _relief_fits_the_grid(self) -> Self:
         self.relief.check(self.spacing, self.material)
         return self
 

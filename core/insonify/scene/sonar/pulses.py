@@ -1,9 +1,7 @@
 """Transmitted pulses."""
 
-from __future__ import annotations
-
 import math
-from typing import ClassVar, Literal
+from typing import ClassVar, Literal, Self
 
 import numpy as np
 from numpy.typing import NDArray
@@ -144,7 +142,7 @@ class Chirp(PulseKind):
     )
 
     @model_validator(mode="after")
-    def _long_enough(self) -> Chirp:
+    def _long_enough(self) -> Self:
         if self.duration * self.bandwidth < 1.0:
             raise ValueError(
                 f"bandwidth {self.bandwidth:g} Hz is less than that of an unswept pulse of {self.duration:g} s; "

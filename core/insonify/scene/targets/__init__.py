@@ -1,10 +1,8 @@
 """Targets on, in or over the bed: their base classes."""
 
-from __future__ import annotations
-
 import math
 from functools import lru_cache
-from typing import Annotated, Any, NamedTuple, Protocol
+from typing import Annotated, Any, NamedTuple, Protocol, Self
 
 import numpy as np
 from numpy.typing import NDArray
@@ -75,7 +73,7 @@ class Target(Declaration):
     locked: bool = parameter(False, "whether the viewer protects it against changes", rare=True)
 
     @model_validator(mode="after")
-    def _one_height(self) -> Target:
+    def _one_height(self) -> Self:
         if len(self.position) == 3 and getattr(self, "gap", 0.0) != 0.0:
             raise ValueError(
                 "position with z sets the height of the centre, and gap that of the underside; give one of the two"

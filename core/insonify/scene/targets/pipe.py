@@ -1,14 +1,12 @@
 """Pipes: along the bed, over spans, or pitched."""
 
-from __future__ import annotations
-
 from itertools import pairwise
-from typing import Any, Literal
+from typing import Any, Literal, Self
 
 import numpy as np
 from pydantic import field_validator, model_validator
 
-from insonify.scene.base import angle, metres, parameter
+from insonify.scene.base import angle, check_increasing, metres, parameter
 from insonify.scene.targets import HIGHEST_GAP, LEAST, LOWEST_GAP, BedSurface, Target
 from insonify.scene.targets.shape import Shape, Vector, ball, exact_cos, frustum
 
@@ -51,12 +49,11 @@ class Pipe(Target):
             raise ValueError("is empty; give a number or at least two [along, gap] pairs")
         if any(height < LOWEST_GAP or height > HIGHEST_GAP for _, height in stations):
             raise ValueError(f"must lie between {LOWEST_GAP:g} and {HIGHEST_GAP:g} m; check its unit")
-        if any(b[0] <= a[0] for a, b in pairwise(stations)):
-            raise ValueError("must run in order of increasing along; sort the pairs and drop doubles")
+        check_increasing("along", stations)
         return gap
 
     @model_validator(mode="after")
-    def _straight_if_pitched(self) -> Pipe:
+    def _straight_if_pitched(self) -> Self:
         if self.pitch is not None and not isinstance(self.gap, float):
             raise ValueError("a pipe with a pitch is straight; give its gap as one number or leave pitch out")
         return self

@@ -1,8 +1,6 @@
 """Track of the towed sonar: line, altitude or depth, speed and motion."""
 
-from __future__ import annotations
-
-from typing import Annotated
+from typing import Annotated, Self
 
 from pydantic import model_validator
 
@@ -37,7 +35,7 @@ class Track(Declaration):
     )
 
     @model_validator(mode="after")
-    def _one_height(self) -> Track:
+    def _one_height(self) -> Self:
         if self.altitude is not None and self.depth is not None:
             raise ValueError("altitude and depth both fix the sonar's height; give one of the two")
         if self.terrain_following and self.depth is not None:

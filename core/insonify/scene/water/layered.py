@@ -1,11 +1,9 @@
 """Waters given by their properties at depths, declared or measured."""
 
-from __future__ import annotations
-
 import itertools
 import math
 from collections.abc import Callable, Iterator
-from typing import Annotated, Any, ClassVar, Literal
+from typing import Annotated, Any, ClassVar, Literal, Self
 
 import numpy as np
 from numpy.typing import NDArray
@@ -128,7 +126,7 @@ class ProfileWater(LayeredWater):
     interpolation: Interpolation = interpolation()
 
     @model_validator(mode="after")
-    def _one_speed_a_depth(self) -> ProfileWater:
+    def _one_speed_a_depth(self) -> Self:
         check_length("sound_speed", len(self.sound_speed), self.depth)
         return self
 
@@ -154,7 +152,7 @@ class HydrographyWater(LayeredWater):
     equation: Equation = parameter("teos10", "equation of sound speed", rare=True)
 
     @model_validator(mode="after")
-    def _one_value_a_depth(self) -> HydrographyWater:
+    def _one_value_a_depth(self) -> Self:
         check_length("temperature", len(self.temperature), self.depth)
         if isinstance(self.salinity, tuple):
             check_length("salinity", len(self.salinity), self.depth)
@@ -201,7 +199,7 @@ class SectionWater(LayeredWater):
         return distance
 
     @model_validator(mode="after")
-    def _one_profile_a_distance(self) -> SectionWater:
+    def _one_profile_a_distance(self) -> Self:
         if len(self.sound_speed) != len(self.distance):
             raise ValueError(
                 f"sound_speed has {len(self.sound_speed)} profiles for {len(self.distance)} distances; give one each"

@@ -1,10 +1,8 @@
 """The distributions that come with the program."""
 
-from __future__ import annotations
-
 from itertools import accumulate
 from statistics import NormalDist
-from typing import Any, Literal
+from typing import Any, Literal, Self
 
 from pydantic import model_validator
 
@@ -19,7 +17,7 @@ class BetweenBounds(DistributionKind):
     high: float = parameter(description="greatest value")
 
     @model_validator(mode="after")
-    def _in_order(self) -> BetweenBounds:
+    def _in_order(self) -> Self:
         if self.low > self.high:
             raise ValueError(f"low {self.low:.15g} is above high {self.high:.15g}; swap them")
         return self
@@ -60,7 +58,7 @@ class Normal(DistributionKind):
     high: float | None = parameter(None, "greatest value, none when left out")
 
     @model_validator(mode="after")
-    def _within_bounds(self) -> Normal:
+    def _within_bounds(self) -> Self:
         low, high = self._shares
         if high - low < 1e-9:
             raise ValueError(
@@ -91,7 +89,7 @@ class OneOf(DistributionKind):
     weights: tuple[float, ...] = parameter((), "how often each is drawn, in any unit; equally if left out")
 
     @model_validator(mode="after")
-    def _a_weight_each(self) -> OneOf:
+    def _a_weight_each(self) -> Self:
         if self.weights and len(self.weights) != len(self.of):
             raise ValueError(f"weights: there are {len(self.weights)} for {len(self.of)} values; give one for each")
         if self.weights and (min(self.weights) < 0.0 or sum(self.weights) == 0.0):

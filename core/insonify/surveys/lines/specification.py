@@ -1,9 +1,7 @@
 """Specification of a survey: a scene, and the lines along which it is towed over."""
 
-from __future__ import annotations
-
 import math
-from typing import Annotated, Any, Literal
+from typing import Annotated, Any, Literal, Self
 
 from pydantic import Field, model_validator
 
@@ -32,7 +30,7 @@ class GivenLine(Declaration):
     end: Point = parameter(unit="m", description="where the line ends")
 
     @model_validator(mode="after")
-    def _has_a_length(self) -> GivenLine:
+    def _has_a_length(self) -> Self:
         if math.dist(self.start, self.end) < SHORTEST:
             raise ValueError(f"start and end {list(self.start)} are the same place; move one of them")
         return self
@@ -62,13 +60,13 @@ class SurveySpecification(Declaration):
     mosaic: MosaicOptions = parameter(MosaicOptions, "how the records are put on the map")
 
     @model_validator(mode="after")
-    def _lines_or_an_area(self) -> SurveySpecification:
+    def _lines_or_an_area(self) -> Self:
         if (self.area is None) == (not self.lines):
             raise ValueError("area, lines: give one of the two, an area to cover or a list of lines")
         return self
 
     @model_validator(mode="after")
-    def _known_format(self) -> SurveySpecification:
+    def _known_format(self) -> Self:
         known = [suffix for suffix in RECORDS.writable() if suffix in RECORDS.readable()]
         if self.suffix not in known:
             raise ValueError(f"suffix: {self.suffix!r} is not a format of records; give one of {', '.join(known)}")

@@ -18,7 +18,10 @@ from PySide6.QtWidgets import (
     QWidget,
 )
 
-from insonify.lessons import Course, Grade, Lesson, Verdict, Worksheet, group_lessons
+from insonify.lessons.courses import Course, group_lessons
+from insonify.lessons.lesson import Lesson
+from insonify.lessons.questions import Grade, Verdict
+from insonify.lessons.worksheet import Worksheet
 from insonify_viewer.errors import guard_override
 from insonify_viewer.panels.lessons.view.question_box import QuestionBox
 from insonify_viewer.widgets.buttons import light, make_label, push_button

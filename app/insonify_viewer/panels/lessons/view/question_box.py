@@ -4,7 +4,7 @@ from PySide6.QtCore import Qt, Signal
 from PySide6.QtGui import QMouseEvent
 from PySide6.QtWidgets import QButtonGroup, QHBoxLayout, QLabel, QLineEdit, QRadioButton, QVBoxLayout, QWidget
 
-from insonify.lessons import UNKNOWN, Ask, read_number
+from insonify.lessons.questions import UNKNOWN, Ask, read_number
 from insonify_viewer.errors import guard_override
 from insonify_viewer.widgets.buttons import light, make_label, push_button
 

@@ -201,16 +201,6 @@ class AccuracyChart(Chart):
         reference = scene.reference_of(row.method).record
         return split_error(scene.arrays, scene.poses, self.records[row.key], reference, bare)
 
-    def choose_shown(self) -> tuple[str, ...]:
-        """Choose what to draw in full: the sweep as a plan divides it, rays, a march, the plan, straight rays."""
-        return (
-            self.fastest_sweep(COMPARED_ERROR, max(self.scenes))[0],
-            "rays",
-            "march",
-            method_settings.PLAN,
-            STRAIGHT,
-        )
-
     def summarise(self) -> tuple[str, ...]:
         """State how much faster the sweep is, and which methods were left out."""
         which = {False: "without targets: ", True: "with targets: "} if len(self.scenes) > 1 else {}
@@ -272,7 +262,9 @@ def draw_accuracy(chart: AccuracyChart) -> AccuracyFigure:
     figure.subplots_adjust(LEFT / width, bottom, 1.0 - NAMES / width, 1.0 - 1.65 / height, wspace=0.09)
     figure.text(0.85 / width, 0.36 / height, "\n".join(notes), va="bottom", fontsize=8.5, color=FAINT)
     marks: dict[Line2D, list[AccuracyRow]] = {}
-    shown = chart.choose_shown()
+    # Drawn in full: the sweep as a plan divides it, rays, a march, the plan, straight rays.
+    sweep, _ = chart.fastest_sweep(COMPARED_ERROR, max(chart.scenes))
+    shown = (sweep, "rays", "march", method_settings.PLAN, STRAIGHT)
     for axes, targets in zip(grid, sorted(chart.scenes)):
         marks |= _draw_panel(axes, chart, targets, shown)
     _limit(grid, chart)

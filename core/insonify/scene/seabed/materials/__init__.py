@@ -10,21 +10,8 @@ from pydantic import field_validator, model_validator
 
 from insonify.io.georeference import Georeference
 from insonify.scene.base import Declaration, Family, KindOf, parameter
-from insonify.scene.seabed.materials.catalogue import MATERIALS, NamedMaterial, Reflectivity, check_albedo
+from insonify.scene.seabed.materials.catalogue import MATERIALS, Reflectivity, check_albedo
 from insonify.scene.seabed.materials.sediments import Sediment
-
-__all__ = [
-    "MATERIALS",
-    "MATERIAL_MAPS",
-    "AnyMaterialMap",
-    "Cells",
-    "CompositeMap",
-    "Map",
-    "Material",
-    "MaterialMap",
-    "NamedMaterial",
-    "Reflectivity",
-]
 
 MATERIAL_MAPS = Family("material_maps", "insonify.scene.seabed.materials")
 PERIOD = 102.4  # m, after which a level bed without a period of its own repeats

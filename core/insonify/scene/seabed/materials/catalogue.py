@@ -4,14 +4,11 @@ They are tables of the TOML files in ``resources/materials`` and in the folders 
 ``insonify.materials``.
 """
 
-from __future__ import annotations
-
 import math
 import tomllib
 from collections.abc import Iterator, Mapping
-from contextlib import contextmanager
 from pathlib import Path
-from typing import Annotated, NamedTuple
+from typing import Annotated, NamedTuple, Self
 
 from pydantic import Field, TypeAdapter, ValidationError, model_validator
 
@@ -64,12 +61,12 @@ class NamedMaterial(Declaration):
     )
 
     @model_validator(mode="after")
-    def _albedo_within_1(self) -> NamedMaterial:
+    def _albedo_within_1(self) -> Self:
         check_albedo(self.diffuse, self.specular)
         return self
 
     @model_validator(mode="after")
-    def _sediment_has_a_density(self) -> NamedMaterial:
+    def _sediment_has_a_density(self) -> Self:
         if self.sediment is not None and math.isinf(self.density):
             raise ValueError("density inf means a perfect reflector, which is not a sediment; give a number")
         return self
@@ -112,16 +109,6 @@ class Catalogue(Mapping[str, NamedMaterial]):
 
     def __len__(self) -> int:
         return len(self._materials())
-
-    @contextmanager
-    def including(self, folder: Path) -> Iterator[None]:
-        """Add the materials of another folder within the block, for tests."""
-        kept = dict(self._materials())
-        try:
-            self._kept.update(read_materials(folder))
-            yield
-        finally:
-            self._kept = kept
 
     def _materials(self) -> dict[str, NamedMaterial]:
         if not self._kept:

@@ -9,7 +9,8 @@ from numpy.typing import NDArray
 
 from insonify.errors import SceneError
 from insonify.scene.base import angle, metres, parameter
-from insonify.scene.seabed.materials import Cells, CompositeMap, Map, Material, Reflectivity
+from insonify.scene.seabed.materials import Cells, CompositeMap, Map, Material
+from insonify.scene.seabed.materials.catalogue import Reflectivity
 
 GRADES = 256  # rows of waves from the first material to the last: the values of one byte
 LIKE = 1e-12  # cycles a metre, difference below which wave numbers are equal

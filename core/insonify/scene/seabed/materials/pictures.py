@@ -1,9 +1,7 @@
 """Maps of materials from files: pictures and measured backscatter."""
 
-from __future__ import annotations
-
 from functools import partial
-from typing import Literal
+from typing import Literal, Self
 
 import numpy as np
 from numpy.typing import NDArray
@@ -118,7 +116,7 @@ class BackscatterMap(CompositeMap):
     )
 
     @model_validator(mode="after")
-    def _levels_part_the_materials(self) -> BackscatterMap:
+    def _levels_part_the_materials(self) -> Self:
         if self.levels and len(self.levels) != len(self.of) - 1:
             raise ValueError(
                 f"levels has {len(self.levels)} values for {len(self.of)} materials; give one value less than materials"

@@ -1,8 +1,8 @@
-"""Reliefs of the bed: their base classes."""
+"""Reliefs of the bed: their base classes, and the level bed."""
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, ClassVar, NamedTuple
+from typing import TYPE_CHECKING, ClassVar, Literal, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -93,6 +93,14 @@ class ReliefKind(Kind):
         ValueError
             If they do not fit: one sentence with the field, the value and the remedy.
         """
+
+
+class Flat(ReliefKind):
+    """A level bed without relief."""
+
+    rank = 10
+    level = True
+    kind: Literal["flat"] = "flat"
 
 
 class AddableRelief(ReliefKind):

@@ -3,11 +3,9 @@
 Theory: docs/theory/fractal-beds.md.
 """
 
-from __future__ import annotations
-
 import math
 from collections import Counter
-from typing import Any, Literal
+from typing import Any, Literal, Self
 
 import numpy as np
 from pydantic import field_validator, model_validator
@@ -59,7 +57,7 @@ class Fractal(ExtendableRelief):
         return [peaks] if is_pair else peaks
 
     @model_validator(mode="after")
-    def _exponents_agree(self) -> Fractal:
+    def _exponents_agree(self) -> Self:
         if (self.beta_x is None) != (self.beta_y is None):
             raise ValueError("beta_x and beta_y come together; give both or neither")
         if self.beta is not None and self.beta_x is not None:
@@ -71,7 +69,7 @@ class Fractal(ExtendableRelief):
         return self
 
     @model_validator(mode="after")
-    def _endless_spectrum_is_smooth(self) -> Fractal:
+    def _endless_spectrum_is_smooth(self) -> Self:
         if not self.endless:
             return self
         if self.clamp != "soft" or self.coefficients != "gaussian":

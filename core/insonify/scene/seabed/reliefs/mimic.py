@@ -16,9 +16,7 @@ The constant rotates the dunes around the sonar, which does not change the recor
 level bed. Near nadir the level bed faces the sonar and no slope is brighter; there the dunes rise from height 0.
 """
 
-from __future__ import annotations
-
-from typing import Literal
+from typing import Literal, Self
 
 import numpy as np
 from numpy.typing import NDArray
@@ -67,7 +65,7 @@ class Mimic(ReliefKind):
     law: Literal["light", "sonar"] = parameter("light", "law under which the records are equal; that of sonar.law")
 
     @model_validator(mode="after")
-    def _one_dimension(self) -> Mimic:
+    def _one_dimension(self) -> Self:
         if self.of.shape == "checks" or self.of.heading != 0.0:
             raise ValueError('of must lie along the track; give it shape = "stripes" or "waves" and heading = 0')
         if any(material.reflectivity.specular > 0.0 for material in self.of.of):

@@ -1,8 +1,6 @@
 """Several reliefs on one bed."""
 
-from __future__ import annotations
-
-from typing import Annotated, Literal
+from typing import Annotated, Literal, Self
 
 from pydantic import model_validator
 
@@ -23,7 +21,7 @@ class SumOfReliefs(ReliefKind):
     )
 
     @model_validator(mode="after")
-    def _parts_repeat_together(self) -> SumOfReliefs:
+    def _parts_repeat_together(self) -> Self:
         random = self._random
         for part in random[1:]:
             if part.period != random[0].period:
@@ -36,7 +34,7 @@ class SumOfReliefs(ReliefKind):
         return self
 
     @model_validator(mode="after")
-    def _one_part_is_measured(self) -> SumOfReliefs:
+    def _one_part_is_measured(self) -> Self:
         count = len(self.of) - len(self._random)
         if count > 1:
             raise ValueError(f"of has {count} measured beds; keep one")

@@ -1,20 +1,21 @@
 """Vertical beams by a table of sensitivities: of a transducer of given height, and measured ones."""
 
 import math
-from itertools import pairwise
+from functools import partial
 from typing import Annotated, Literal
 
 import numpy as np
 from numpy.typing import NDArray
-from pydantic import Field, field_validator
+from pydantic import AfterValidator, Field
 
-from insonify.scene.base import metres, parameter
+from insonify.scene.base import check_increasing, metres, parameter
 from insonify.scene.sonar.beams.line_array import ELEMENTS, taper_weights
 from insonify.scene.sonar.vertical_beams import TiltedBeam
 
 COLUMNS = 4097  # of the table of measured sensitivities
 Angle = Annotated[float, Field(ge=-90.0, le=90.0)]
 Level = Annotated[float, Field(ge=-200.0, le=100.0)]
+IN_ORDER = AfterValidator(partial(check_increasing, "angle"))
 FEWEST_COLUMNS, PER_LOBE = 1025, 32  # of the table of a transducer
 
 
@@ -50,7 +51,7 @@ class MeasuredVerticalBeam(TiltedBeam):
     rank = 50
     caption = "measured vertical beam tilted {tilt:g}°"
     kind: Literal["table"] = "table"
-    levels: tuple[tuple[Angle, Level], ...] = parameter(
+    levels: Annotated[tuple[tuple[Angle, Level], ...], IN_ORDER] = parameter(
         ((-60.0, -30.0), (-25.0, -3.0), (0.0, 0.0), (25.0, -3.0), (60.0, -30.0)),
         "pairs [angle below the axis in degrees, one-way level], ascending; the outermost apply beyond",
         "dB",
@@ -58,13 +59,6 @@ class MeasuredVerticalBeam(TiltedBeam):
         min_length=1,
         max_length=4096,
     )
-
-    @field_validator("levels")
-    @classmethod
-    def _ascending(cls, levels: tuple[tuple[Angle, Level], ...]) -> tuple[tuple[Angle, Level], ...]:
-        if any(after[0] <= before[0] for before, after in pairwise(levels)):
-            raise ValueError("must run in order of increasing angle; sort the pairs and drop doubles")
-        return levels
 
     def sensitivity(self, wavelength: float) -> NDArray[np.float64]:
         """Tabulate the measured levels as energies."""

@@ -1,4 +1,4 @@
-"""Draw the small pictures of the bundled scenes, which the viewer shows beside their titles."""
+"""Draw the small pictures of bundled scenes and meshes, which the viewer shows beside their titles."""
 
 from __future__ import annotations
 
@@ -12,13 +12,32 @@ SIZE = (150, 100)  # px; the viewer shows half of it where pixels are not double
 LARGEST = 6_000  # bytes of a picture
 
 
-def draw(folder: Path) -> None:
+def draw_scenes(folder: Path) -> None:
     """Draw the whole record of every bundled scene into ``NAME.jpg``, without axes and words, too small to be read."""
     from insonify.scene import bundled_scenes
 
     folder.mkdir(exist_ok=True)
     for name in bundled_scenes():
         squeeze(draw_record(name), folder / f"{name}.jpg")
+
+
+def draw_meshes(folder: Path) -> None:
+    """Draw every bundled mesh from its side and above into ``NAME.jpg``."""
+    import pyvista as pv
+
+    from insonify.io.meshes import read_mesh
+    from insonify.scene import bundled_meshes
+
+    folder.mkdir(exist_ok=True)
+    for name, path in bundled_meshes().items():
+        corners = read_mesh(str(path)).reshape(-1, 3)
+        plotter = pv.Plotter(off_screen=True, window_size=(4 * SIZE[0], 4 * SIZE[1]), lighting="three lights")
+        plotter.set_background("#20303a")
+        plotter.add_mesh(pv.make_tri_mesh(corners, np.arange(len(corners)).reshape(-1, 3)), color="#d9b98c")
+        plotter.view_vector((0.5, -1.0, 0.6))
+        plotter.camera.zoom(1.2)
+        squeeze(plotter.screenshot(return_img=True), folder / f"{name}.jpg")
+        plotter.close()
 
 
 def draw_record(name: str) -> NDArray[np.uint8]:
