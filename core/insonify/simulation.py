@@ -5,7 +5,7 @@ from __future__ import annotations
 import warnings
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, Any, Literal, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -27,6 +27,7 @@ from insonify.scene import Scene, SceneError
 from insonify.tow.poses import refuse_sonar_in_bed, refuse_track_off_bed, take_poses
 from insonify.tracers.base import PreparedTracer, prepare_tracer
 from insonify.tracers.labels import RecordLabels, trace_labels
+from insonify.tracers.sweep import Sweep
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -35,8 +36,10 @@ UNKNOWN_COST = 1e-4  # s, of a ping, where a kept plan has none
 BLOCK_TIME = 0.25  # s, predicted for a block
 BLOCK_BYTES = 16e6  # of a block; a stream that is written holds three
 ECHO_BYTES, LABEL_BYTES = 4, 64  # of one bin with all copies
+OF_TARGETS = ("target_id", "shadow", "shadow_id", "path", "target_echo")  # labels of what a record shows of targets
 
 Echoes = NDArray[np.float32]
+Truth = bool | Literal["targets"]
 
 
 class PingBlock(NamedTuple):
@@ -77,12 +80,14 @@ class Simulation(PackedScene):
         pings = np.ascontiguousarray(pings, dtype=np.int64)
         return self.record(pings, self.poses(pings))
 
-    def record(self, pings: NDArray[np.int64], poses: Poses, out: Echoes | None = None) -> Echoes:
-        """Trace and receive pings at given poses, as `intensity` does, into ``out`` if it is given."""
+    def record(
+        self, pings: NDArray[np.int64], poses: Poses, out: Echoes | None = None, traced: Traced | None = None
+    ) -> Echoes:
+        """Trace, unless that is done, and receive pings at given poses, into ``out`` if it is given."""
         refuse_sonar_in_bed(self.scene, self.ground, pings, poses)
         with limited_threads(self.threads):
             shapes, divided = self.reception.divided_by_shape, None
-            traced = self.trace(poses)
+            traced = self.trace(poses) if traced is None else traced
             if shapes is not None:
                 divided = self.trace(poses, self.reduced._replace(reflectivity=shapes))
             return record_echoes(self.reception, traced, pings, divided, out)
@@ -118,9 +123,9 @@ class Simulation(PackedScene):
         pings = np.asarray(pings, dtype=np.int64)
         return self.labels(self.poses(pings))
 
-    def labels(self, poses: Poses) -> RecordLabels:
-        """Label every range bin of pings at given poses, as `truth` does."""
-        settings = self.plan.label_settings
+    def labels(self, poses: Poses, echoes: Echoes | None = None) -> RecordLabels:
+        """Label every range bin of pings at given poses, as `truth` does; ``echoes`` as `trace_labels` takes them."""
+        settings = self.plan.label_settings | {"echoes": echoes}
         water, crosstalk = self.reception.find(WaterColumn), self.reception.find(Crosstalk)
         share = 0.0 if crosstalk is None else crosstalk.share
 
@@ -137,7 +142,7 @@ class Simulation(PackedScene):
             return max(1, int(seconds * count_threads() / (self.plan.cost or UNKNOWN_COST)))
 
     def record_blocks(
-        self, truth: bool = False, block: int | None = None, pings: range | None = None
+        self, truth: Truth = False, block: int | None = None, pings: range | None = None
     ) -> Iterator[PingBlock]:
         """Trace and receive successive pings, or all, as many at a time as take some time and memory."""
         size = self._block_size(truth, streamed=True) if block is None else block
@@ -147,7 +152,7 @@ class Simulation(PackedScene):
             poses = self.poses(some)
             yield PingBlock(some, poses, self._columns(some, poses, truth))
 
-    def record_whole(self, truth: bool, progress: Callable[[int, int], None] | None) -> PingBlock:
+    def record_whole(self, truth: Truth, progress: Callable[[int, int], None] | None) -> PingBlock:
         """Trace and receive all pings, block by block into arrays of the record's length."""
         pings = np.arange(self.scene.track.pings, dtype=np.int64)
         size, poses, whole = self._block_size(truth, streamed=False), self.poses(pings), Columns()
@@ -166,14 +171,26 @@ class Simulation(PackedScene):
                 progress(part.stop, pings.size)
         return PingBlock(pings, poses, whole)
 
-    def _columns(self, pings: NDArray[np.int64], poses: Poses, truth: bool, out: Echoes | None = None) -> Columns:
+    def _columns(self, pings: NDArray[np.int64], poses: Poses, truth: Truth, out: Echoes | None = None) -> Columns:
         """Intensity of some pings, and their labels if requested."""
-        labels = self.labels(poses)._asdict() if truth else {}
-        return {"intensity": self.record(pings, poses, out)} | labels
+        if truth != "targets":
+            labels = self.labels(poses)._asdict() if truth else {}
+            return {"intensity": self.record(pings, poses, out)} | labels
+        with limited_threads(self.threads):
+            traced = np.asarray(self.trace(poses), np.float32) if self._shows_bed else None
+        whole = self.labels(poses, traced)._asdict()
+        return {"intensity": self.record(pings, poses, out, traced)} | {name: whole[name] for name in OF_TARGETS}
 
-    def _block_size(self, truth: bool, *, streamed: bool) -> int:
+    @property
+    def _shows_bed(self) -> bool:
+        """Whether traced echoes of pings that meet no target are those of the bed, by the direct path alone."""
+        others = self.reception.find(WaterColumn) or self.reception.find(Crosstalk) or self.scene.seabed.endless
+        more = self.reduced.multipath.enabled or self.reduced.water.bent
+        return isinstance(self.tracer, Sweep) and not (others or more)
+
+    def _block_size(self, truth: Truth, *, streamed: bool) -> int:
         """Return the number of pings to trace at a time, by time and by the memory that a block takes."""
-        bytes_a_ping = 2 * self.scene.sonar.bins * (ECHO_BYTES + LABEL_BYTES * truth)
+        bytes_a_ping = 2 * self.scene.sonar.bins * (ECHO_BYTES + LABEL_BYTES * bool(truth))
         fitting = int(BLOCK_BYTES / bytes_a_ping) if streamed or truth else self.scene.track.pings
         return max(1, min(fitting, self.pings_within(BLOCK_TIME)))
 
@@ -244,7 +261,7 @@ def simulate(
     method: str = "auto",
     tolerance: float = 0.03,
     forced: Mapping[str, str] | None = None,
-    truth: bool = False,
+    truth: Truth = False,
     progress: Callable[[int, int], None] | None = None,
     threads: int | None = None,
 ) -> xr.Dataset:
@@ -261,9 +278,10 @@ def simulate(
         error beyond it.
     forced : mapping of str to str, optional
         Choices that are not left to the plan, as in `insonify.plan`.
-    truth : bool
+    truth : bool or "targets"
         Whether to add labels of every bin: the target, the material, shadow, ground range, incidence and path, as
-        `Simulation.truth` has them.
+        `Simulation.truth` has them. "targets" leaves out the material, ground range and incidence, and takes a fraction
+        of the time: pings that meet no target are labelled by their echoes.
     progress : callable, optional
         Called with the pings done and the pings in all.
     threads : int, optional
@@ -294,7 +312,7 @@ def simulate_blocks(
     method: str = "auto",
     tolerance: float = 0.03,
     forced: Mapping[str, str] | None = None,
-    truth: bool = False,
+    truth: Truth = False,
     block: int | None = None,
     pings: range | None = None,
     threads: int | None = None,
@@ -332,7 +350,7 @@ def simulate_record_blocks(
     method: str = "auto",
     tolerance: float = 0.03,
     forced: Mapping[str, str] | None = None,
-    truth: bool = False,
+    truth: Truth = False,
     block: int | None = None,
     pings: range | None = None,
     threads: int | None = None,

@@ -197,10 +197,13 @@ def test_an_interrupt_ends_the_process_and_the_next_file_is_read(file, monkeypat
     assert run_isolated(chatter, file) == 3
 
 
-def test_a_process_that_has_ended_is_started_anew(file):
+@pytest.mark.parametrize("while_asked", [False, True])
+def test_a_process_that_has_ended_is_started_anew(file, while_asked, monkeypatch):
     run_isolated(chatter, file)
     isolation._child.process.kill()
     isolation._child.process.wait()
+    if while_asked:
+        monkeypatch.setattr(child_process.ChildProcess, "is_usable", lambda _: True)
     assert run_isolated(chatter, file) == 3
 
 

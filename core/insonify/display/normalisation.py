@@ -23,6 +23,7 @@ if TYPE_CHECKING:
 
 MOST_EIGHTHS = 2**53  # of a bin, the greatest altitude of a level bed
 _PINGS = 2000  # pings that suffice for the median curve of a recording
+_TOGETHER = 64  # bins that are sorted at a time
 _FIRST = 1.25  # altitudes from which the bed of a recording counts
 _FLATTEST = 1e-6  # least sine of a grazing angle: at smaller ones, the square underflows
 _SMOOTH = 64  # the median curve is smoothed over the bins divided by this
@@ -96,8 +97,9 @@ def estimate_median_curve(
     sine = np.clip(np.where(altitude > 0.0, altitude, np.inf)[:, None] / r, _FLATTEST, 1.0)
     # At shorter range an error of the altimeter would count water as bed.
     below = r >= _FIRST * altitude[some, None]
-    upright = intensity[:, some] / sine[some] ** 2
-    curve = np.array([_middle(upright[:, below[:, bin_], bin_]) for bin_ in range(len(r))])
+    upright = np.where(below, intensity[:, some] / sine[some] ** 2, 0.0).reshape(-1, len(r))
+    parts = (slice(first, first + _TOGETHER) for first in range(0, len(r), _TOGETHER))
+    curve = np.concatenate([_middles(upright[:, part]) for part in parts])
     known = np.flatnonzero(curve > 0.0)
     if known.size == 0:
         return np.ones((len(altitude), 1, len(r)))
@@ -109,10 +111,12 @@ def estimate_median_curve(
     return (smooth * sine**2)[:, None, :]
 
 
-def _middle(echoes: NDArray[np.floating]) -> float:
-    """Median of the positive echoes, 0 if there are none."""
-    positive = echoes[echoes > 0.0]
-    return float(np.median(positive)) if positive.size else 0.0
+def _middles(echoes: NDArray[np.floating]) -> NDArray[np.float64]:
+    """Median of the positive echoes in each bin, (echoes, bins), 0 where there are none."""
+    positive = echoes > 0.0
+    number, ordered = positive.sum(axis=0), np.sort(np.where(positive, echoes, np.inf), axis=0)
+    lower, upper = (ordered[at, np.arange(number.size)] for at in (np.maximum(number - 1, 0) // 2, number // 2))
+    return np.where(number > 0, 0.5 * (lower + upper), 0.0)
 
 
 def normalise(intensity: NDArray[np.float32], curve: NDArray[np.float64]) -> NDArray[np.float32]:

@@ -52,6 +52,7 @@ def _exchange(request: tuple[Any, ...], seconds: float) -> Any:
     global _child
     if _child is not None and not _child.is_usable():
         stop()
+    is_new = _child is None
     _child = _child or ChildProcess(__name__, **SETTINGS)
     try:
         _child.send(request)
@@ -61,6 +62,8 @@ def _exchange(request: tuple[Any, ...], seconds: float) -> Any:
         raise FileFault(f"takes longer than {seconds:.0f} s to read", "export it again") from None
     except (OSError, EOFError):
         stop()
+        if not is_new:  # it may have ended for want of work as the request was sent
+            return _exchange(request, seconds)
         raise FileFault("cannot be read (the library that reads it fails)", "export it again") from None
     except BaseException:  # an answer that was not read to its end would be taken for the next one
         stop()

@@ -113,6 +113,7 @@ def label_variables(
     if volumes:
         text = "volume of the water column with a greater mean echo than that contributor"
         attributes["volume_id"] = _flags(text, {-2: "nothing"} | _count_from(0, *volumes))
+    attributes = {name: each for name, each in attributes.items() if name in columns}
     for name, each in attributes.items():
         if "flag_values" in each:
             each["flag_values"] = each["flag_values"].astype(columns[name].dtype)

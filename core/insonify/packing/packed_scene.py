@@ -46,6 +46,7 @@ class PackedScene:
     arrays: SceneArrays  # the whole scene for kernels; of endless ground, the piece at the start of the track
     _thinned: dict[int, tuple[AnyGround, Bed]] = field(default_factory=dict, repr=False)  # by stride of the nodes
     _tiles: dict[tuple[int, int], TerrainTiles] = field(default_factory=dict, repr=False)
+    works: dict[Model, float] = field(default_factory=dict, repr=False)  # of a ping, as a plan counts them
 
     def poses(self, pings: NDArray[np.int64]) -> Poses:
         """Return position and attitude of the sonar at the given pings; the tow continues beyond the track's last."""

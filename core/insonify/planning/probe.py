@@ -37,7 +37,9 @@ def trace_model(packed: PackedScene, model: Model, poses: Poses) -> Record:
 
 def work_of(packed: PackedScene, model: Model) -> float:
     """Work of a ping by a model, both sides: a count, the same on every machine."""
-    return find_tracer(model.method).work(packed.scene, packed.arrays, model)
+    if model not in packed.works:
+        packed.works[model] = find_tracer(model.method).work(packed.scene, packed.arrays, model)
+    return packed.works[model]
 
 
 class Probe:

@@ -14,7 +14,7 @@ from insonify.kernels.labels.sweep_labels import BinLabels, empty_labels, label_
 from insonify.kernels.multipath.image_sources import PATH_COUNT, SURFACE_ECHO
 from insonify.kernels.multipath.surface_multipath import empty_multipath_workspace
 from insonify.kernels.refraction.apparent_positions import ApparentTables
-from insonify.kernels.sweep.sweep import AzimuthFan, empty_sweep_workspace
+from insonify.kernels.sweep.sweep import AzimuthFan
 from insonify.kernels.targets.angular_zbuffer import NO_PRIMITIVE
 from insonify.packing.apparent_tables import make_apparent_tables
 from insonify.packing.packed_scene import without_targets
@@ -22,7 +22,8 @@ from insonify.parallel import PerThread
 from insonify.tow.poses import take_poses
 from insonify.tracers.azimuth_fan import lay_planes_of_images
 from insonify.tracers.base import trace_blocks
-from insonify.tracers.sweep import pings_a_thread
+from insonify.tracers.sweep import pings_a_thread, work_space
+from insonify.tracers.target_planes import find_pings_met
 
 NOTHING = NO_TARGET  # target of a bin without an echo, or without a shadow
 NO_MATERIAL = -1
@@ -70,9 +71,14 @@ def trace_labels(
     rays: int = 4000,
     crosstalk: float = 0.0,
     volumes: NDArray[np.float32] | None = None,
+    echoes: NDArray[np.float32] | None = None,
     threads: int | None = None,
 ) -> RecordLabels:
-    """Label every range bin of every ping, for an ideal pulse: where an echo begins."""
+    """Label every range bin of every ping, for an ideal pulse: where an echo begins.
+
+    With ``echoes``, traced by the same planes, pings that meet no target have the bed wherever there is one, of no
+    place, incidence and material.
+    """
     found = empty_labels(poses.x.size, arrays.bins, count_targets(arrays))
     apparent, folded = make_apparent_tables(arrays, poses)
     if folded.any():
@@ -81,7 +87,12 @@ def trace_labels(
     clear = np.flatnonzero(~folded)
     for among, *beams in lay_planes_of_images(arrays, take_poses(poses, clear), planes, across):
         places = clear[among]
-        _enter(found, places, _find(arrays, take_poses(poses, places), beams, apparent, threads))
+        if echoes is not None:
+            met = find_pings_met(arrays, take_poses(poses, places), beams[0])
+            _enter(found, places[~met], _find_bed(echoes[places[~met]], found.target_echo.shape[2]))
+            places = places[met]
+        if places.size > 0:
+            _enter(found, places, _find(arrays, take_poses(poses, places), beams, apparent, threads))
     found.energy[folded] *= FIXED_POINT  # rays count in plain units
     labels = _describe_contributors(arrays, found)
     if crosstalk > 0.0:
@@ -94,6 +105,15 @@ def _enter(found: BinLabels, places: NDArray[np.int64], some: BinLabels) -> None
     columns: tuple[NDArray[Any], ...] = found
     for whole, part in zip(columns, some):
         whole[places] = part
+
+
+def _find_bed(echoes: NDArray[np.float32], targets: int) -> BinLabels:
+    """Labels of pings that meet the bed alone, without places."""
+    found = empty_labels(len(echoes), echoes.shape[2], targets)
+    found.contributor[...] = np.where(echoes > 0.0, 0, NO_PRIMITIVE)
+    found.shadow[...], found.shadow_id[...] = 0.0, NO_TARGET
+    found.ground_range[...] = found.incidence[...] = np.nan
+    return found
 
 
 def _find_by_rays(arrays: SceneArrays, poses: Poses, rays: int, threads: int | None) -> BinLabels:
@@ -119,7 +139,7 @@ def _find(
     found = empty_labels(poses.x.size, arrays.bins, count_targets(arrays))
 
     def make_room() -> tuple[Any, ...]:
-        room = empty_sweep_workspace(arrays, apparent)
+        room = work_space(arrays, apparent)
         images, shadows = empty_multipath_workspace(arrays), empty_shadow_table(count_targets(arrays), arrays.bins)
         return room, images, empty_contributor_table(contributors, arrays.bins), shadows
 

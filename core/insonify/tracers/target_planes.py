@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from insonify.array_cache import remember_latest
 from insonify.kernels.common.types import Mesh, Poses, SceneArrays, Solids
-from insonify.kernels.sweep.sweep import AzimuthFan
+from insonify.kernels.sweep.sweep import LOWEST, AzimuthFan
 from insonify.scene import Scene
 from insonify.tow.line import tow_line_at
 
@@ -21,9 +21,11 @@ from insonify.tow.line import tow_line_at
 OF_GLINT = 4.0
 MOST_OF_EACH = 64  # planes that a ping gets for its targets, per plane across each
 DIRECTIONS = 32  # in which the outline of a mesh is found
+BEYOND = 0.5 * math.tan(math.pi / DIRECTIONS)  # by which a mesh may lie beyond it at most, per metre of its breadth
 COUNTED = 64  # pings over the track on which planes are counted
 MOST_AT_ONCE = 1 << 20  # pairs of planes and bodies that are compared at once
 LEAST = 1e-9  # rad, by which edges of sectors differ
+TURNED = 1e-6  # rad, more than a plane is turned to follow the grid
 
 Angles = NDArray[np.float64]
 
@@ -55,7 +57,11 @@ def has_bodies(arrays: SceneArrays) -> bool:
 
 def find_target_sectors(arrays: SceneArrays, poses: Poses, across: int) -> TargetSectors:
     """Find the azimuths in which the bodies of a scene lie, and how far apart planes across them may be."""
-    outlines = _outlines_of(arrays.solids, arrays.mesh, arrays.reflectivity)
+    return _find_sectors(_outlines_of(arrays.solids, arrays.mesh, arrays.reflectivity), arrays, poses, across)
+
+
+def _find_sectors(outlines: _Outlines, arrays: SceneArrays, poses: Poses, across: int) -> TargetSectors:
+    """Sectors of outlines, as `find_target_sectors` has those of bodies."""
     dx, dy = outlines.x - poses.x[:, None], outlines.y - poses.y[:, None]
     cosine, sine = np.cos(poses.heading)[:, None], np.sin(poses.heading)[:, None]
     ahead, port = dx * cosine + dy * sine, dy * cosine - dx * sine
@@ -80,6 +86,19 @@ def _find_one_side(outlines: _Outlines, ahead: Angles, abeam: Angles, across: in
     is_other_side = np.maximum.reduceat(abeam + radius, first, axis=1) <= 0.0
     nearest = np.maximum(np.minimum.reduceat(abeam - radius, first, axis=1), 0.0)
     return TargetSectors(low, high, np.where(is_other_side, math.inf, step), nearest)
+
+
+def find_pings_met(arrays: SceneArrays, poses: Poses, fan: AzimuthFan) -> NDArray[np.bool_]:
+    """Whether a plane of each ping may cut a target."""
+    met = np.zeros(poses.x.size, np.bool_)
+    if not has_bodies(arrays):
+        return met
+    low, high, step, nearest = _find_sectors(_covers_of(arrays.solids, arrays.mesh), arrays, poses, 1)
+    height = np.maximum(poses.z - arrays.bed.low, LOWEST)[:, None]
+    for azimuth, reach in zip(fan.azimuth, fan.reach):
+        within = (low - TURNED <= azimuth) & (azimuth <= high + TURNED) & (step < math.inf)
+        met |= (within & (nearest <= reach * height)).any(axis=1)
+    return met
 
 
 def count_added_planes(scene: Scene, arrays: SceneArrays, across: int, fan: AzimuthFan) -> tuple[float, float]:
@@ -195,6 +214,21 @@ def _edges(fan: AzimuthFan) -> tuple[Angles, Angles]:
     is_central = (fan.azimuth == 0.0) & (fan.s_low == 0.0)
     turned = (fan.azimuth < 0.0) & (fan.s_low >= 0.0)
     return np.where(turned | is_central, -high, low), np.where(turned, -low, high)
+
+
+@remember_latest
+def _covers_of(solids: Solids, mesh: Mesh) -> _Outlines:
+    """Outlines that hold all of the solids and of the meshes of each target."""
+    ends = np.stack([solids.start, solids.start + solids.length[:, None] * solids.axis], axis=1).reshape(-1, 3)
+    rows = np.unique(mesh.target, return_index=True)[1]
+    hulls = [_hull_from_above(mesh.corners[mesh.target == mesh.target[row]]) for row in rows]
+    points = np.concatenate([ends[:, :2], *hulls])
+    beyond = [np.full(len(hull), BEYOND * math.hypot(*np.ptp(hull, axis=0))) for hull in hulls]
+    radius = np.maximum(solids.radius, solids.radius + solids.taper * solids.length)
+    sizes = [2] * radius.size + [len(hull) for hull in hulls]
+    first = np.append(0, np.cumsum(sizes)[:-1]).astype(np.int64)
+    bare = np.full(len(sizes), math.inf), np.zeros(len(sizes))
+    return _Outlines(points[:, 0], points[:, 1], np.concatenate([np.repeat(radius, 2), *beyond]), first, *bare)
 
 
 @remember_latest

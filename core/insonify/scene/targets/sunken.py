@@ -79,7 +79,7 @@ class Sunken(Posed):
 
     def shape(self) -> Shape:
         """Return the triangles of pieces and debris; the bed is at z = 0."""
-        return _kept_shape(self)
+        return _kept_shape(self.model_copy(update={"position": (0.0, 0.0), "heading": 0.0}))
 
     @property
     def underside(self) -> float:

@@ -25,6 +25,7 @@ FLOOR = 1e-3  # of the amplitude of the bed, below which a logarithmic picture i
 INK = 255
 LEAST = 0.25  # of a target's length, which windows about its extent span at least
 NARROWEST = 16  # pixels of a picture
+PAST = 2  # pings and bins past a window, of which its outermost pixels take parts
 
 
 def cut_chips(drawn: DrawnScene, record: xr.Dataset, specification: DatasetSpecification) -> Iterator[Tile]:
@@ -66,7 +67,9 @@ def _cut(
 ) -> Tile:
     """Cut one chip and describe it."""
     (amplitude, curve), (rows, columns) = echoes, edges
-    shown = _displayed(amplitude / curve**picture.levelled, edges, picture)
+    # Sums up to the ends of the window are those of the whole record, bit by bit.
+    reached = tuple(slice(math.ceil(edge[-1]) + PAST) for edge in edges)
+    shown = _displayed(amplitude[reached] / curve[reached] ** picture.levelled, edges, picture)
     image = _finish(_grey(shown, picture), picture)
     middles = (0.5 * (edge[1:] + edge[:-1]) for edge in edges)
     place = np.ix_(*(np.clip(middle, 0, size - 1).astype(int) for middle, size in zip(middles, amplitude.shape)))

@@ -66,7 +66,7 @@ class DatasetWork:
     def cut(self, drawn: DrawnScene) -> Iterator[Tile]:
         """Simulate a scene and cut its record."""
         wanted = self.specification
-        record = simulate(drawn.scene, truth=True, tolerance=wanted.tolerance)
+        record = simulate(drawn.scene, truth="targets", tolerance=wanted.tolerance)
         if wanted.chips is not None:
             return cut_chips(drawn, record, wanted)
         return cut_tiles(drawn, record, wanted.classes, wanted.tiles, wanted.images)
