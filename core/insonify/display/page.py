@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-import struct
 import zlib
 from collections.abc import Iterable
 from functools import cache
@@ -26,6 +25,7 @@ if TYPE_CHECKING:
 
 INK, FAINT, AMBER = "#22262b", "#6b737c", "#e08e1b"  # as of the figures (`display.style`)
 DPI = 100
+COMPRESSION = zlib.Z_RLE  # of PNG: a third of the time of the usual one, and 5 % more bytes
 LEFT, RIGHT, TOP, BOTTOM = 86, 196, 92, 62  # margins in pixels
 TICK, GAP = 5, 5  # px, length of a tick, and from it to its number
 ROUND = (1.0, 2.0, 2.5, 5.0, 10.0)  # steps of scales, times a power of ten
@@ -55,22 +55,7 @@ def write_page(path: str | Path, sheet: RecordSheet, look: DisplayOptions, capti
     """Write a sheet with scales, colour bar and caption as PNG."""
     page = draw_page(sheet, look, caption)
     with replacing(path) as beside:
-        beside.write_bytes(encode_png(page))
-
-
-def encode_png(page: Image.Image) -> bytes:
-    """Encode an RGB picture without filters: colours and rows repeat, and Pillow's take twice the time and bytes."""
-    rows = np.insert(np.asarray(page).reshape(page.height, -1), 0, 0, axis=1)
-    dots = round(DPI / 0.0254)  # per metre
-    chunks = {
-        b"IHDR": struct.pack(">2I5B", *page.size, 8, 2, 0, 0, 0),
-        b"pHYs": struct.pack(">2IB", dots, dots, 1),
-        b"IDAT": zlib.compress(rows.data, 1),
-        b"IEND": b"",
-    }
-    sums = {kind: struct.pack(">I", zlib.crc32(kind + content)) for kind, content in chunks.items()}
-    parts = (struct.pack(">I", len(content)) + kind + content + sums[kind] for kind, content in chunks.items())
-    return b"\x89PNG\r\n\x1a\n" + b"".join(parts)
+        page.save(beside, format="PNG", dpi=(DPI, DPI), compress_type=COMPRESSION)
 
 
 def draw_page(sheet: RecordSheet, look: DisplayOptions, caption: PageCaption) -> Image.Image:
