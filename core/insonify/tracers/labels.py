@@ -14,7 +14,7 @@ from insonify.kernels.labels.sweep_labels import BinLabels, empty_labels, label_
 from insonify.kernels.multipath.image_sources import PATH_COUNT, SURFACE_ECHO
 from insonify.kernels.multipath.surface_multipath import empty_multipath_workspace
 from insonify.kernels.refraction.apparent_positions import ApparentTables
-from insonify.kernels.sweep.sweep import AzimuthFan
+from insonify.kernels.sweep.sweep import AzimuthFan, empty_sweep_workspace
 from insonify.kernels.targets.angular_zbuffer import NO_PRIMITIVE
 from insonify.packing.apparent_tables import make_apparent_tables
 from insonify.packing.packed_scene import without_targets
@@ -22,7 +22,7 @@ from insonify.parallel import PerThread
 from insonify.tow.poses import take_poses
 from insonify.tracers.azimuth_fan import lay_planes_of_images
 from insonify.tracers.base import trace_blocks
-from insonify.tracers.sweep import pings_a_thread, work_space
+from insonify.tracers.sweep import pings_a_thread
 from insonify.tracers.target_planes import find_pings_met
 
 NOTHING = NO_TARGET  # target of a bin without an echo, or without a shadow
@@ -139,7 +139,7 @@ def _find(
     found = empty_labels(poses.x.size, arrays.bins, count_targets(arrays))
 
     def make_room() -> tuple[Any, ...]:
-        room = work_space(arrays, apparent)
+        room = empty_sweep_workspace(arrays, apparent)
         images, shadows = empty_multipath_workspace(arrays), empty_shadow_table(count_targets(arrays), arrays.bins)
         return room, images, empty_contributor_table(contributors, arrays.bins), shadows
 

@@ -8,7 +8,6 @@ import math
 from typing import Any
 
 import numpy as np
-from numpy.typing import DTypeLike
 
 from insonify.kernels.common.contributors import empty_contributor_table
 from insonify.kernels.common.types import Poses, SceneArrays
@@ -29,10 +28,6 @@ from insonify.tracers.scatterers import make_tracer
 from insonify.tracers.target_planes import count_added_planes
 
 RAYS_A_SHEET = 8.0  # of a fan where refraction folds, per root of all its rays: both parts of the error are about equal
-MOST_ROOMS = 4  # work spaces that a thread keeps: a plan tries some spacings of nodes
-LARGEST_ROOM = 1e5  # cells of a range and triangles, beyond which it keeps one, of some 50 MB and more
-NOT_FILLED = -1  # material by which a profile of another bed is recognised
-_ROOMS: PerThread[dict[tuple[Any, ...], SweepWorkspace]] = PerThread(dict)
 PLANES_A_THREAD = 64  # planes of both sides worth handing to a thread, some 0.4 ms
 
 SINGLE = 1e-6  # greatest relative error of 32-bit numbers with 64-bit sums, ten roundings of 2⁻²⁴ each
@@ -115,14 +110,15 @@ def trace(
         out[folded] = _trace_folded(arrays, take_poses(poses, np.flatnonzero(folded)), rays, threads)
     clear = np.flatnonzero(~folded)
     fans = lay_planes_of_images(arrays, take_poses(poses, clear), planes, across)
-    dtype = np.float64 if double else np.float32
+
+    rooms = PerThread(lambda: empty_sweep_workspace(arrays, apparent, np.float64 if double else np.float32))
 
     def block(first: int, last: int) -> None:
         for among, *beams in fans[first:last]:
             places = clear[among]
             some = take_poses(poses, places)
             traced = out if places.size == poses.x.size else new_record(arrays, some)
-            _trace_alike(arrays, some, (beams[0], beams[1]), apparent, dtype, threads, traced)
+            _trace_alike(arrays, some, (beams[0], beams[1]), apparent, rooms, threads, traced)
             if traced is not out:
                 out[places] = traced
 
@@ -144,7 +140,7 @@ def _trace_alike(
     poses: Poses,
     beams: tuple[AzimuthFan, AzimuthFan],
     apparent: ApparentTables,
-    dtype: DTypeLike,
+    rooms: PerThread[SweepWorkspace],
     threads: int | None,
     out: Record,
 ) -> None:
@@ -152,27 +148,13 @@ def _trace_alike(
     beam, image_beam = beams
 
     def block(part: Poses, first: int, last: int) -> None:
-        room = work_space(arrays, apparent, dtype)
+        room = rooms.own
         sweep_pings(arrays, part, beam, apparent, room, out[first:last])
         if arrays.multipath.enabled:
             images = empty_multipath_workspace(arrays, room.profile.slope.dtype)
             sweep_multipath(arrays, part, beam, image_beam, images, empty_contributor_table(0, 0), out[first:last])
 
     trace_blocks(arrays, poses, block, threads, pings_a_thread(beam))
-
-
-def work_space(arrays: SceneArrays, apparent: ApparentTables, dtype: DTypeLike = np.float32) -> SweepWorkspace:
-    """Work space of this thread, that of an earlier call if there was one of the same sizes."""
-    # To touch fresh memory takes as long as to trace the few pings of a probe.
-    reach = apparent.stretch * arrays.bins * arrays.bin_length / arrays.bed.spacing
-    sizes = reach, arrays.bins, arrays.solids.shape.size, arrays.mesh.target.size, apparent.tables.shape, dtype
-    kept = _ROOMS.own
-    if sizes not in kept:
-        if len(kept) == MOST_ROOMS or reach + arrays.mesh.target.size > LARGEST_ROOM:
-            kept.clear()
-        kept[sizes] = empty_sweep_workspace(arrays, apparent, dtype)
-    kept[sizes].profile.material[0] = NOT_FILLED
-    return kept[sizes]
 
 
 def pings_a_thread(beam: AzimuthFan) -> int:
