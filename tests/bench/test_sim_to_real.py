@@ -33,7 +33,7 @@ SIDE, CHIP, SEEDS, DRAWS = 128, 160, 3, 1000
 RECORD = Path(os.environ.get("INSONIFY_REAL_DATA", ""), "xtf", "scotsman-iver2.xtf")
 # Of its wreck: side, first and last metre along the track, greatest ground range; the mast's shadow reaches farther.
 WRECK = (1, 20.0, 46.0, 18.0)
-WINDOWS, LEVELS = (6.0, 9.0, 13.5, 20.0), (0.9, 0.8, 0.7, 0.6, 0.5)  # m on a side; chances of an object
+WINDOWS, LEVELS = (6.0, 9.0, 13.5, 20.0), (0.85, 0.8, 0.7, 0.6, 0.5)  # m on a side; chances of an object
 
 pytestmark = [pytest.mark.bench, pytest.mark.skipif(REAL is None, reason="INSONIFY_REAL_PICTURES names no folder")]
 
@@ -93,11 +93,12 @@ def _outline(image: np.ndarray, share: float) -> list[float]:
 
 
 class Chip(NamedTuple):
-    """Picture of a bundled set, the box of what it shows with its shadow, and the number of its class."""
+    """Picture of a bundled set, the box of what it shows with its shadow, the number of its class, and its set."""
 
     picture: Image.Image
     box: list[int]
     number: int
+    of: str
 
 
 @pytest.fixture(scope="module")
@@ -110,16 +111,18 @@ def chips(tmp_path_factory) -> list[Chip]:
         assert cli.main(["dataset", name, "-o", str(place), "--scenes", str(SCENES), "--scheduler", "local:2"]) == 0
         told = map(json.loads, (place / "metadata.jsonl").read_text().splitlines())
         lines += [
-            (place / line["file_name"], line["class"], [found["both"] for found in line["targets"]]) for line in told
+            (name, place / line["file_name"], line["class"], [found["both"] for found in line["targets"]])
+            for line in told
         ]
-    rng, boxes = np.random.default_rng(1), [boxes[0] for _, _, boxes in lines if boxes]
+    rng, boxes = np.random.default_rng(1), [boxes[0] for *_, boxes in lines if boxes]
     return [
         Chip(
             Image.open(path).convert("L"),
             own[0] if own else boxes[rng.integers(len(boxes))],
-            0 if name is None else NAMES.index(name),
+            0 if kind is None else NAMES.index(kind),
+            name,
         )
-        for path, name, own in lines
+        for name, path, kind, own in lines
     ]
 
 
@@ -164,9 +167,11 @@ def measures(chance: np.ndarray, classes: np.ndarray) -> dict[str, float]:
 def forests(chips) -> list[Any]:
     """Forests of random trees, trained on chips as they are, and closely cropped as archives do."""
     ensemble, rng = pytest.importorskip("sklearn.ensemble"), np.random.default_rng(1)
-    shown = [part for chip in chips for part in (chip.picture, cropped(chip.picture, chip.box, rng))]
+    # With beds that are mistaken for objects, from which a network gains, forests take a third of the objects for beds.
+    learned = [chip for chip in chips if chip.of != "seabed"]
+    shown = [part for chip in learned for part in (chip.picture, cropped(chip.picture, chip.box, rng))]
     features = np.array([describe(as_shown(picture)) for picture in shown])
-    classes = np.repeat([chip.number for chip in chips], 2)
+    classes = np.repeat([chip.number for chip in learned], 2)
     trees = [
         ensemble.ExtraTreesClassifier(600, min_samples_leaf=2, class_weight="balanced", random_state=seed)
         for seed in range(SEEDS)
