@@ -20,7 +20,7 @@ class Gallery(QDialog):
         self.setAttribute(Qt.WidgetAttribute.WA_DeleteOnClose)
         self.setWindowTitle(title)
         self.list = QListWidget()
-        self.list.setObjectName("gallery")
+        self.list.setObjectName("choices")
         self.list.setAccessibleName(title)
         self.list.setViewMode(QListView.ViewMode.IconMode)
         self.list.setResizeMode(QListView.ResizeMode.Adjust)

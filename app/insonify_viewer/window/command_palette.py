@@ -31,7 +31,7 @@ class CommandPalette(QDialog):
         self.search.setObjectName("search")
         self.search.setPlaceholderText("Find a command, scene, lesson or parameter")
         self.search.setAccessibleName("Find")
-        self.list.setObjectName("scenes")
+        self.list.setObjectName("choices")
         self.list.setAccessibleName("Found")
         self.search.textChanged.connect(self._show)
         self.search.returnPressed.connect(self._do)
