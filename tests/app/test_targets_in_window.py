@@ -4,7 +4,8 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
-from PySide6.QtWidgets import QFileDialog, QToolButton
+from PySide6.QtCore import QTimer
+from PySide6.QtWidgets import QApplication, QFileDialog, QToolButton
 from stand_in import StandIn, ground_of
 
 from insonify.scene import SceneError, edit, resources
@@ -53,16 +54,22 @@ def test_a_target_of_any_kind_is_added_and_taken_back(open_viewer, small, qtbot,
         viewer.session.undo()
 
 
-def test_a_mesh_is_chosen_by_its_picture(open_viewer, small, qtbot, monkeypatch):
-    def click_the_anchor(gallery):
-        gallery.show()
+def test_a_mesh_is_chosen_by_its_picture(viewer, qtbot):
+    seen = []
+
+    def click_the_anchor():
+        gallery = QApplication.activeModalWidget()
+        if not isinstance(gallery, Gallery):
+            QTimer.singleShot(20, click_the_anchor)
+            return
         items = [gallery.list.item(k) for k in range(gallery.list.count())]
-        assert all(item.icon().availableSizes() for item in items[:-1])
-        assert items[-1].text() == "Other file…"
+        seen.extend((item.text(), item.icon().availableSizes()) for item in items)
         gallery.list.itemClicked.emit(next(item for item in items if item.text().startswith("admiralty anchor")))
 
-    monkeypatch.setattr(Gallery, "exec", click_the_anchor)
-    assert add(open_viewer(small), "mesh", qtbot).path == "anchor"
+    QTimer.singleShot(0, click_the_anchor)
+    assert add(viewer, "mesh", qtbot).path == "anchor"
+    assert all(picture for _, picture in seen[:-1])
+    assert seen[-1] == ("Other file…", [])
 
 
 def test_targets_keep_apart_from_one_another(open_viewer, small, qtbot):
