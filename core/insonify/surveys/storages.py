@@ -131,8 +131,8 @@ class ZarrStore(StorageKind):
             array = np.zeros((len(tiles), *np.max(shapes, axis=0)), pixels[0].dtype)
             for place, (pings, bins) in enumerate(shapes):
                 array[place, :pings, :bins] = pixels[place]
-            chunks, told = (1, *array.shape[1:]), {"shapes": shapes}
-            group.create_array(name, data=array, chunks=chunks, shards=array.shape, attributes=told)
+            chunks, attributes = (1, *array.shape[1:]), {"shapes": shapes}
+            group.create_array(name, data=array, chunks=chunks, shards=array.shape, attributes=attributes)
         for place, tile in enumerate(tiles):
             tile.told["file"] = f"{path.relative_to(folder).as_posix()}{MARK}{place}"
 
