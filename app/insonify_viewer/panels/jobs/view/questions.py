@@ -238,7 +238,7 @@ class DatasetQuestion(FolderQuestion):
         """Distributions of the fields that are drawn, by their paths."""
         found = {}
         for row, field in enumerate(self._fields):
-            texts = [self.drawn.item(row, column).text() for column in (1, 2)]
+            texts = [item.text() for column in (1, 2) if (item := self.drawn.item(row, column))]
             if texts[0] != texts[1]:
                 shown = format_quantity(field.value, field.unit)
                 low, high = (_number(text, field, shown) for text in texts)
