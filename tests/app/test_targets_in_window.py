@@ -186,6 +186,11 @@ def test_volumes_are_drawn_where_they_echo_and_follow_an_edit(open_viewer, small
     viewer = open_viewer(scene)
     drawn = viewer.seabed.view._volumes_actor
     qtbot.waitUntil(lambda: bool(drawn.visibility))
+    usual = drawn.prop.opacity
+    viewer.seabed.view.fade_bed(True)
+    assert drawn.prop.opacity < 0.5 * usual
+    viewer.seabed.view.fade_bed(False)
+    assert drawn.prop.opacity == usual
     viewer.session.settle({"volumes.0.position.2": -8.0})
     qtbot.waitUntil(lambda: abs(np.asarray(drawn.mapper.dataset.points)[:CLOUD, 2].mean() - depth + 8.0) < 0.1)
     viewer.session.settle({"volumes": []})
