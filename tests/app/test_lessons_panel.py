@@ -12,8 +12,8 @@ from insonify.planning import plan
 from insonify.scene import edit
 from insonify_viewer.application import enlarge_text, keep_display
 from insonify_viewer.panels.lessons.progress import Progress
-from insonify_viewer.panels.parameters.sections import sections_of
 from insonify_viewer.state.history import Modelling
+from insonify_viewer.state.sections import sections_of
 from insonify_viewer.state.session import Session
 from insonify_viewer.widgets.theme import Theme
 from insonify_viewer.window.settings import SIZES

@@ -9,9 +9,9 @@ from PySide6.QtWidgets import QApplication, QFileDialog, QToolButton
 from stand_in import StandIn, ground_of
 
 from insonify.scene import SceneError, edit, resources
-from insonify_viewer.panels.parameters.sections import sections_of
 from insonify_viewer.seabed.bed_shading import target_colours
 from insonify_viewer.seabed.pv_meshes import CLOUD, frustum_mesh, targets_mesh, volumes_mesh
+from insonify_viewer.state.sections import sections_of
 from insonify_viewer.widgets.field_rows import FileRow
 from insonify_viewer.widgets.gallery import Gallery
 from insonify_viewer.window.target_placement import new_target, target_menu

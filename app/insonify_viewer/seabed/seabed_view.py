@@ -36,6 +36,7 @@ STEEPEST = math.radians(88.0)  # depression of the line of sight, at which the v
 NEAREST, FARTHEST = 0.05, 6.0  # distance of the camera from its focus, in slant ranges
 FADED, CLOUDED = 0.25, 0.35  # opacities of a bed of an earlier scene, and of a volume of the water column
 FRAMED = 0.5, 1.3  # least slope at which a framed body is seen, and the half height of the view over its size
+SLICES = 400  # of acoustic shadows, one a ping
 REST = 4.0  # pause between two drawings, in drawing times, which leaves time for the window
 
 Points = NDArray[np.float64]
@@ -64,6 +65,7 @@ class SeabedView(QWidget):
         self._bed_shown = self._held = False
         self._depths: tuple[float, float] | None = None  # ends of the colours of depths
         self._fan = ScanFan()
+        self.shadows: list[Points] = []  # slices of the acoustic shadows that are shown
         self._path = pv.MultipleLines(np.zeros((pv_meshes.PATH_POINTS, 3)))
         self._bed, self._thinned_bed = pv_meshes.bed_mesh(), pv_meshes.bed_mesh(thinned=True)
         self._furnish()
@@ -135,6 +137,14 @@ class SeabedView(QWidget):
         if len(triangles):
             self._sheet_actor.mapper.SetInputData(pv_meshes.triangles_mesh(triangles))
             self._later()
+
+    def show_shadows(self, slices: Sequence[Points]) -> None:
+        """Show the last slices of acoustic shadows, each of triangles (n, 3, 3)."""
+        self.shadows = [each for each in slices if len(each)][-SLICES:]
+        self._shadow_actor.visibility = bool(self.shadows)
+        if self.shadows:
+            self._shadow_actor.mapper.SetInputData(pv_meshes.triangles_mesh(np.concatenate(self.shadows)))
+        self._later()
 
     def show_path(self, path: Poses) -> None:
         """Draw the track through `PATH_POINTS` poses."""
@@ -273,6 +283,7 @@ class SeabedView(QWidget):
             self._path, color="#ffc83d", opacity=0.8, line_width=2.0, lighting=False, **add
         )
         self._sheet_actor = plotter.add_mesh(self._fan.sheet, color="#bfeaff", opacity=0.17, lighting=False, **add)
+        self._shadow_actor = plotter.add_mesh(self._fan.sheet, color=HIDDEN, opacity=0.3, lighting=False, **add)
         self._footprint_actor = plotter.add_mesh(self._fan.footprint, scalars="colour", rgb=True, lighting=False, **add)
         self._mark_actor = plotter.add_mesh(_pin(), color=MARK_IN_WATER, lighting=False, **add)
         self._pick_actor = plotter.add_mesh(_pin(), color=LIT, lighting=False, **add)
