@@ -37,9 +37,11 @@ class SeabedMenu(QObject):
         frame = self._action("Frame the target", "See the chosen target from near, and in the record", handles.frame)
         self.follow = self._tick("Follow the towfish", "The camera moves with the towfish", self._let_follow)
         depths = self._tick("Depth colours", "Colour the bed by its depth, not its materials", seabed.colour_by_depth)
+        tip = "Show what targets hide from the sonar, ping by ping as it passes"
+        shadows = self._tick("Acoustic shadows", tip, seabed.show_shadows)
         tip = "Copy the 3-D view, at 300 dots per inch"
         picture = self._action("Copy picture of the 3-D view", tip, self._copy_picture)
-        self._groups = [*self.cameras, frame], [self.follow, depths], [picture, *copies[1:]]
+        self._groups = [*self.cameras, frame], [self.follow, depths, shadows], [picture, *copies[1:]]
         camera = window.menus.view.addMenu("Camera")
         camera.setToolTipsVisible(True)
         camera.addActions(self._groups[0])
