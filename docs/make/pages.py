@@ -32,12 +32,23 @@ WIDTHS = {
     "chart-rough": 1500,
     "convergence": 1000,
     "ghosts": 1200,
+    "handles": 1140,
     "lesson": 1400,
     "one-effect": 1400,
     "pixel": 1400,
     "rays": 1200,
     "recording": 1400,
     "window": 1400,
+}
+# Parts of a window, (left, top, right, bottom) in pixels of its picture, that a page shows instead of the whole.
+CLOSE_UPS = {
+    "controls": (1270, 58, 1600, 720),
+    "handles": (0, 58, 1140, 660),
+    "lesson": (0, 58, 1600, 640),
+    "one-effect": (520, 58, 1600, 760),
+    "pixel": (0, 58, 1260, 980),
+    "record": (690, 58, 1600, 980),
+    "recording": (330, 58, 1600, 850),
 }
 QUICK = (
     "lesson",
@@ -141,6 +152,9 @@ def _keep_pictures(text: str, place: Path, folder: Path) -> None:
     for path, name in PICTURE.findall(text):
         drawn = folder / f"{name}.png"
         if drawn.exists():
+            if name in CLOSE_UPS:
+                with Image.open(drawn) as image:
+                    image.crop(CLOSE_UPS[name]).save(drawn)
             shrink(drawn, place / path, WIDTHS.get(name, WIDTH))
 
 
