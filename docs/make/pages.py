@@ -37,18 +37,19 @@ WIDTHS = {
     "one-effect": 1400,
     "pixel": 1400,
     "rays": 1200,
+    "record": 1100,
     "recording": 1400,
     "window": 1400,
 }
 # Parts of a window, (left, top, right, bottom) in pixels of its picture, that a page shows instead of the whole.
 CLOSE_UPS = {
-    "controls": (1270, 58, 1600, 720),
-    "handles": (0, 58, 1140, 660),
-    "lesson": (0, 58, 1600, 640),
-    "one-effect": (520, 58, 1600, 760),
-    "pixel": (0, 58, 1260, 980),
-    "record": (690, 58, 1600, 980),
-    "recording": (330, 58, 1600, 850),
+    "controls": (1270, 62, 1600, 696),
+    "handles": (0, 62, 1130, 650),
+    "lesson": (0, 62, 1600, 640),
+    "one-effect": (514, 62, 1600, 712),
+    "pixel": (0, 62, 1260, 976),
+    "record": (510, 62, 1600, 976),
+    "recording": (330, 62, 1600, 870),
 }
 QUICK = (
     "lesson",
