@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 from PySide6.QtCore import QPoint, QRect, Qt, Signal
-from PySide6.QtGui import QColor, QPainter, QPaintEvent, QResizeEvent
+from PySide6.QtGui import QColor, QPainter, QResizeEvent
 from PySide6.QtWidgets import QWidget
 
 from insonify.display.display_options import DisplayOptions, Levels
@@ -23,16 +23,10 @@ from insonify_viewer.record.projection import (
 )
 from insonify_viewer.record.record import Record, Rows
 from insonify_viewer.record.record_image import RecordImage
-from insonify_viewer.record.record_overlays import (
-    RecordMarks,
-    ScrubHandle,
-    draw_ping_ruler,
-    draw_range_ruler,
-    draw_waiting,
-)
 from insonify_viewer.record.record_overview import RecordOverview
 from insonify_viewer.record.tone_map import make_tone_map
 from insonify_viewer.state.inspection import Mark
+from insonify_viewer.widgets.painting import Painted
 from insonify_viewer.widgets.theme import GROUND, text_scale
 from insonify_viewer.work.waiting import Waiting
 
@@ -40,7 +34,7 @@ LEFT, BOTTOM, TOP, RIGHT = 64, 40, 24, 34
 GEOMETRY = ("side", "ground_range", "water_column", "side_gains", "side_slopes", "newest_on_top", "scale")
 
 
-class RecordCanvas(QWidget):
+class RecordCanvas(Painted):
     """Draws a `Record`; a row is coloured once, when it arrives."""
 
     moved = Signal(int)  # newest ping on screen
@@ -61,13 +55,13 @@ class RecordCanvas(QWidget):
         # Amplitudes at the ends of the palette, where the display options leave them to the record.
         self.levels: Levels = (0.0, 1.0)
         self._look, self._zoom = DisplayOptions(), Zoom()
-        self._marks = RecordMarks()
+        self._marks = overlays.RecordMarks()
         self._traced: bool | None = None  # whether the echo of one ping is drawn below; None: where the view is high
         self.waiting: Waiting | None = None  # what the bar over the record says
         self._preview = False  # whether rows are interpolated between traced pings
         self._points = self.font().pointSizeF()  # usual size of the text
         self._text = text_scale(self)  # factor on the margins that hold the text
-        self._handle = ScrubHandle()
+        self._handle = overlays.ScrubHandle()
         self.overview = RecordOverview()
         self._fit()
 
@@ -288,24 +282,22 @@ class RecordCanvas(QWidget):
         self._fit()
         super().resizeEvent(event)
 
-    @guard_override(None)
-    def paintEvent(self, event: QPaintEvent) -> None:
+    def paint(self, painter: QPainter) -> None:
         """Draw the record, what lies over it, and the rulers."""
         plot, projection = self.plot_area, self.projection
-        with QPainter(self) as painter:
-            painter.fillRect(self.rect(), QColor(GROUND))
-            self._image.draw(painter, plot, projection)
-            draw_range_ruler(painter, plot, projection, name_scale(plot, *self._shown_extent()), self._text)
-            beside = QRect(0, plot.top(), self._scaled(LEFT), plot.height())
-            draw_ping_ruler(painter, beside, projection, self._step, self._text)
-            first, last = (projection.newest - age for age in projection.ages)
-            strip = self.overview.draw(self._handle.room, self._handle.last, self.tone_map)
-            self._handle.draw(painter, self.top, strip, (first, last))
-            painter.save()
-            painter.setClipRect(plot)
-            self._draw_over(painter, plot)
-            painter.restore()
-            self._draw_trace(painter)
+        painter.fillRect(self.rect(), QColor(GROUND))
+        self._image.draw(painter, plot, projection)
+        overlays.draw_range_ruler(painter, plot, projection, name_scale(plot, *self._shown_extent()), self._text)
+        beside = QRect(0, plot.top(), self._scaled(LEFT), plot.height())
+        overlays.draw_ping_ruler(painter, beside, projection, self._step, self._text)
+        first, last = (projection.newest - age for age in projection.ages)
+        strip = self.overview.draw(self._handle.room, self._handle.last, self.tone_map)
+        self._handle.draw(painter, self.top, strip, (first, last))
+        painter.save()
+        painter.setClipRect(plot)
+        self._draw_over(painter, plot)
+        painter.restore()
+        self._draw_trace(painter)
 
     def _draw_over(self, painter: QPainter, plot: QRect) -> None:
         """Draw lines, marks and the bar of what is waited for over the record."""
@@ -315,7 +307,7 @@ class RecordCanvas(QWidget):
             overlays.draw_bottom_line(painter, plot, self.projection)
         overlays.draw_range_bar(painter, plot, self.projection)
         if self.waiting is not None:
-            draw_waiting(painter, plot, self.waiting)
+            overlays.draw_waiting(painter, plot, self.waiting)
         elif self._preview:
             overlays.draw_word(painter, plot, "preview")
         self._marks.draw(painter, plot, self.place_of)

@@ -14,13 +14,13 @@ from PySide6.QtGui import (
     QKeyEvent,
     QMouseEvent,
     QPainter,
-    QPaintEvent,
     QResizeEvent,
     QWheelEvent,
 )
 from PySide6.QtWidgets import QWidget
 
 from insonify_viewer.errors import guard_override
+from insonify_viewer.widgets.painting import Painted
 
 # PyVista is untyped.
 pv: Any = pyvista
@@ -131,7 +131,7 @@ class OffScreenCanvas:
         self.plotter.close()
 
 
-class _PixelsWidget(QWidget):
+class _PixelsWidget(Painted):
     """A widget that shows an array of pixels."""
 
     def __init__(self, resized: Any, parent: QWidget) -> None:
@@ -155,10 +155,8 @@ class _PixelsWidget(QWidget):
             return
         self.clicked(place.x(), self.height() - 1.0 - place.y())
 
-    @guard_override(None)
-    def paintEvent(self, event: QPaintEvent) -> None:
-        with QPainter(self) as painter:
-            painter.drawImage(self.rect(), self._image)
+    def paint(self, painter: QPainter) -> None:
+        painter.drawImage(self.rect(), self._image)
 
 
 class RightClicks(QObject):

@@ -21,6 +21,7 @@ from insonify_viewer.seabed.seabed_canvas import InteractiveCanvas, OffScreenCan
 from insonify_viewer.seabed.seabed_guides import SeabedGuides
 from insonify_viewer.seabed.seabed_handles import SeabedHandles
 from insonify_viewer.state.inspection import SoundDrawing
+from insonify_viewer.widgets.layouts import fill
 from insonify_viewer.widgets.painting import LIT
 from insonify_viewer.widgets.theme import MARK_IN_WATER, text_scale
 
@@ -54,9 +55,7 @@ class SeabedView(QWidget):
         super().__init__(parent)
         self.setMinimumSize(200, 140)
         self._canvas = InteractiveCanvas(self) if accelerated else OffScreenCanvas(self)
-        layout = QVBoxLayout(self)
-        layout.setContentsMargins(0, 0, 0, 0)
-        layout.addWidget(self._canvas.widget)
+        fill(QVBoxLayout(self), self._canvas.widget, margins=(0, 0, 0, 0))
         self._reach = 0.0  # slant range of the sonar that is shown, m
         self.reset_camera()
         self._pose: Poses | None = None  # of the fish that is shown

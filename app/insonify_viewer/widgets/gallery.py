@@ -5,6 +5,7 @@ from PySide6.QtGui import QIcon
 from PySide6.QtWidgets import QDialog, QListView, QListWidget, QListWidgetItem, QVBoxLayout, QWidget
 
 from insonify.files import bundled_picture
+from insonify_viewer.widgets.layouts import fill
 
 PICTURE = QSize(150, 100)  # px, as the files are
 CELL = QSize(184, 164)  # px, with three lines of text
@@ -30,9 +31,7 @@ class Gallery(QDialog):
         self.list.setWordWrap(True)
         self.list.itemClicked.connect(self._pick)
         self.list.itemActivated.connect(self._pick)  # by Enter
-        layout = QVBoxLayout(self)
-        layout.setContentsMargins(6, 6, 6, 6)
-        layout.addWidget(self.list)
+        fill(QVBoxLayout(self), self.list, margins=(6, 6, 6, 6))
         self.resize(QSize(4 * CELL.width() + 40, 4 * CELL.height()).boundedTo(window.window().size()))
 
     def add(self, path: str, title: str, tip: str) -> None:

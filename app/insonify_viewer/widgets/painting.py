@@ -22,7 +22,21 @@ RING, DOT = 7.0, 3.0  # px
 LIT = "#ff5fd2"  # distinct from the mark and from every palette
 
 
-class PaintedOnce(QWidget):
+class Painted(QWidget):
+    """A widget with one method that paints it."""
+
+    def paint(self, painter: QPainter) -> None:
+        """Paint the widget as it is now."""
+        raise NotImplementedError
+
+    @guard_override(None)
+    def paintEvent(self, _event: QPaintEvent) -> None:
+        """Paint with a painter of the widget."""
+        with QPainter(self) as painter:
+            self.paint(painter)
+
+
+class PaintedOnce(Painted):
     """A widget that keeps its picture until its size, its theme or what it shows changes."""
 
     def __init__(self, parent: QWidget | None = None) -> None:
@@ -38,7 +52,7 @@ class PaintedOnce(QWidget):
         """Paint the picture that is kept."""
         raise NotImplementedError
 
-    def draw_picture(self, painter: QPainter) -> None:
+    def paint(self, painter: QPainter) -> None:
         """Draw the picture, which is painted first if it is not there."""
         if self._picture is None:
             ratio = self.devicePixelRatioF()
@@ -49,13 +63,6 @@ class PaintedOnce(QWidget):
                 inner.setFont(self.font())
                 self.paint_picture(inner)
         painter.drawPixmap(0, 0, self._picture)
-
-    @guard_override(None)
-    def paintEvent(self, event: QPaintEvent) -> None:
-        """Draw the picture."""
-        del event
-        with QPainter(self) as painter:
-            self.draw_picture(painter)
 
     @guard_override(None)
     def resizeEvent(self, event: QResizeEvent) -> None:

@@ -9,6 +9,7 @@ from PySide6.QtWidgets import QDialog, QLineEdit, QListWidget, QListWidgetItem, 
 
 from insonify.scene import bundled_scenes, load_scene
 from insonify_viewer.panels.panel import Entry
+from insonify_viewer.widgets.layouts import fill
 from insonify_viewer.widgets.text import literal
 from insonify_viewer.widgets.theme import scaled
 from insonify_viewer.window.help_dialogs import commands_of
@@ -37,9 +38,7 @@ class CommandPalette(QDialog):
         self.search.returnPressed.connect(self._do)
         self.list.itemClicked.connect(lambda _: self._do())
         self.list.itemActivated.connect(lambda _: self._do())
-        layout = QVBoxLayout(self)
-        layout.addWidget(self.search)
-        layout.addWidget(self.list, 1)
+        fill(QVBoxLayout(self), self.search, self.list, growing=self.list)
         self.resize(*(scaled(self, pixels) for pixels in SIZE))
         self._show("")
 

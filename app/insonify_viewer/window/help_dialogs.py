@@ -17,6 +17,7 @@ from PySide6.QtWidgets import (
 
 from insonify.files import resources
 from insonify_viewer.errors import list_versions, version_of
+from insonify_viewer.widgets.layouts import fill
 
 _NATIVE = QKeySequence.SequenceFormat.NativeText
 ROOM, HIGH = 60, 640  # px: beside the columns of the list of keys, and its height
@@ -41,9 +42,7 @@ class KeysDialog(QDialog):
         self.list.expandAll()
         for column in range(2):
             self.list.resizeColumnToContents(column)
-        layout = QVBoxLayout(self)
-        layout.addWidget(self.list)
-        layout.addWidget(_closing(self))
+        fill(QVBoxLayout(self), self.list, _closing(self))
         self.resize(self.list.columnWidth(0) + self.list.columnWidth(1) + ROOM, HIGH)
 
     def _add(self, title: str, keys: list[tuple[str, QKeySequence | str]]) -> None:
@@ -69,9 +68,7 @@ class AboutDialog(QDialog):
         buttons = _closing(self)
         self.copy = buttons.addButton("Copy", QDialogButtonBox.ButtonRole.ActionRole)
         self.copy.clicked.connect(lambda: QGuiApplication.clipboard().setText(about()))
-        layout = QVBoxLayout(self)
-        layout.addWidget(words)
-        layout.addWidget(buttons)
+        fill(QVBoxLayout(self), words, buttons)
 
 
 def about() -> str:

@@ -9,6 +9,7 @@ from PySide6.QtWidgets import QHBoxLayout, QMainWindow, QMenu, QSplitter, QToolB
 
 from insonify_viewer.state.playlist import KEYS
 from insonify_viewer.widgets.buttons import make_action, push_button
+from insonify_viewer.widgets.layouts import fill
 from insonify_viewer.widgets.text import entry_name
 from insonify_viewer.widgets.theme import ACCENT_IN_WATER, HALO, lecture_scale
 from insonify_viewer.window.panel_docks import PanelDocks
@@ -98,12 +99,9 @@ class Lecture(QObject):
     def _lay_strip(self) -> None:
         self._strip.setObjectName("lecture")
         self._strip.setMovable(False)
-        inner = QWidget()
-        column, presets = QVBoxLayout(inner), QWidget()
-        column.addLayout(self._controls)
-        self._presets = QHBoxLayout(presets)
-        self._presets.setContentsMargins(8, 0, 8, 0)
-        column.addWidget(presets)
+        inner, presets = QWidget(), QWidget()
+        self._presets = fill(QHBoxLayout(presets), margins=(8, 0, 8, 0))
+        fill(QVBoxLayout(inner), self._controls, presets)
         self._strip.addWidget(inner)
         self._window.addToolBar(Qt.ToolBarArea.BottomToolBarArea, self._strip)
         self._strip.hide()

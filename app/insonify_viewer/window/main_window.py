@@ -11,7 +11,6 @@ from PySide6.QtWidgets import (
     QLabel,
     QMainWindow,
     QMenu,
-    QSplitter,
     QStyle,
     QToolBar,
     QToolButton,
@@ -27,6 +26,7 @@ from insonify_viewer.record.comparison.record_a_view import RecordAView, Records
 from insonify_viewer.record.waterfall_view import WaterfallView
 from insonify_viewer.state.tow_clock import SPEEDS
 from insonify_viewer.widgets.buttons import make_action, set_icon, with_key
+from insonify_viewer.widgets.layouts import make_splitter
 from insonify_viewer.widgets.text import window_title
 from insonify_viewer.widgets.theme import lecture_scale, scaled
 from insonify_viewer.window.command_palette import CommandPalette, entries_of_menus, entries_of_scenes
@@ -81,11 +81,7 @@ class MainWindow(QMainWindow):
         self.trace.triggered.connect(self.waterfall.toggle_trace)
         self._placeholder = QLabel("loading the 3-D view …")
         self._placeholder.setAlignment(Qt.AlignmentFlag.AlignCenter)
-        self._splitter = QSplitter(Qt.Orientation.Horizontal)
-        self._splitter.addWidget(self._placeholder)
-        self._splitter.addWidget(self.waterfall)
-        self._splitter.setSizes([*VIEWS])
-        self._splitter.setChildrenCollapsible(False)
+        self._splitter = make_splitter(Qt.Orientation.Horizontal, self._placeholder, self.waterfall, sizes=VIEWS)
         self.record_a = RecordAView(native=native)
         self.records = RecordsSideBySide(self._splitter, self.waterfall, self.record_a)
         self._room = PanelRoom(self, self._splitter)

@@ -13,6 +13,7 @@ from insonify_viewer.errors import Failure, describe_error, write_details
 from insonify_viewer.state.quantities import format_time_left
 from insonify_viewer.widgets.buttons import push_button
 from insonify_viewer.widgets.later import Later
+from insonify_viewer.widgets.layouts import fill
 from insonify_viewer.widgets.text import literal, one_line
 from insonify_viewer.work.jobs import BackgroundJob, State
 
@@ -38,10 +39,7 @@ class StatusLine(QWidget):
         self._failure = Failure("")
         self._said: deque[str] = deque(maxlen=KEPT)
         self._fading = Later(self, READING_TIME)
-        row = QHBoxLayout(self)
-        row.setContentsMargins(0, 0, 0, 0)
-        row.addWidget(self.sentence, 1)
-        row.addWidget(self.copy)
+        fill(QHBoxLayout(self), self.sentence, self.copy, growing=self.sentence, margins=(0, 0, 0, 0))
 
     def say(self, sentence: str, *, lasting: bool = False) -> None:
         """Show a sentence until the next one, and for some seconds unless it is to last."""
@@ -118,7 +116,6 @@ class JobBar(QProgressBar):
 
     def mousePressEvent(self, event: QMouseEvent) -> None:
         """Signal a click."""
-        del event
         self.clicked.emit()
 
     def keyPressEvent(self, event: QKeyEvent) -> None:

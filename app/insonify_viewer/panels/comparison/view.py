@@ -14,6 +14,7 @@ from insonify_viewer.record.comparison.kept_record import Change
 from insonify_viewer.record.comparison.recording import Recording
 from insonify_viewer.widgets.buttons import make_label, push_button
 from insonify_viewer.widgets.field_rows import Combo
+from insonify_viewer.widgets.layouts import fill
 from insonify_viewer.widgets.save_dialogs import ask_where_to_save
 from insonify_viewer.widgets.side_panel import FoldingBox, SidePanel
 
@@ -139,14 +140,8 @@ class ComparisonView(SidePanel):
             (self.arrangement, self.frequency),
             (self.learn,),
         )
-        for row in rows:
-            line = QHBoxLayout()
-            for part in row:
-                line.addWidget(part)
-            self.column.addLayout(line)
-        for box in (self.title, self.changes, self._point_box, self._statistics_box):
-            self.column.addWidget(box)
-        self.column.addStretch(1)
+        lines = (fill(QHBoxLayout(), *row) for row in rows)
+        fill(self.column, *lines, self.title, self.changes, self._point_box, self._statistics_box, None)
 
 
 class _Table(QLabel):

@@ -63,12 +63,10 @@ class Effect:
 
     def take_out(self, scene: Scene) -> Changes:
         """Edit that takes the effect out of a scene."""
-        del scene
         return {self.path: self.off}
 
     def bring_back(self, scene: Scene, settings: Changes | None) -> Changes:
         """Edit that brings the effect back into a scene, with earlier settings if there are any."""
-        del scene
         return {self.path: settings or self.on}
 
 

@@ -11,11 +11,12 @@ import numpy as np
 from numpy.typing import NDArray
 from PySide6.QtCore import QPointF, QRectF, QSizeF, Qt
 from PySide6.QtGui import QColor, QPainter, QPen, QPolygonF
-from PySide6.QtWidgets import QSplitter, QVBoxLayout, QWidget
+from PySide6.QtWidgets import QVBoxLayout, QWidget
 
 from insonify.io.contacts import SIDES
 from insonify_viewer.state.inspection import Mark
 from insonify_viewer.widgets.buttons import make_label
+from insonify_viewer.widgets.layouts import fill, make_splitter
 from insonify_viewer.widgets.painting import PaintedOnce, round_steps
 from insonify_viewer.widgets.theme import (
     ACCENT,
@@ -62,17 +63,9 @@ class PixelView(QWidget):
         self.setObjectName("panel")
         self.sentence, self.summary = make_label("choice", HINT), make_label("name")
         self.budget, self.section = BudgetList(), SectionView()
-        splitter = QSplitter(Qt.Orientation.Horizontal)
-        splitter.addWidget(self.budget)
-        splitter.addWidget(self.section)
-        splitter.setSizes([430, 570])
-        splitter.setChildrenCollapsible(False)
-        layout = QVBoxLayout(self)
-        layout.setContentsMargins(6, 4, 6, 4)
-        layout.setSpacing(3)
-        layout.addWidget(self.sentence)
-        layout.addWidget(self.summary)
-        layout.addWidget(splitter, 1)
+        splitter = make_splitter(Qt.Orientation.Horizontal, self.budget, self.section, sizes=(430, 570))
+        parts = self.sentence, self.summary, splitter
+        fill(QVBoxLayout(self), *parts, growing=splitter, margins=(6, 4, 6, 4), spacing=3)
 
     def show_nothing(self) -> None:
         """Show that no pixel is pinned."""

@@ -16,6 +16,7 @@ from insonify_viewer.state.history import Modelling
 from insonify_viewer.state.quantities import format_duration
 from insonify_viewer.widgets.buttons import light, make_label, push_button
 from insonify_viewer.widgets.field_rows import Combo, NumberRow
+from insonify_viewer.widgets.layouts import fill
 from insonify_viewer.widgets.side_panel import FoldingBox, SidePanel
 from insonify_viewer.widgets.text import literal
 from insonify_viewer.widgets.theme import scaled
@@ -49,16 +50,9 @@ class PlanView(SidePanel):
         self.chart = push_button(
             "Chart…", "Measure speed and error of every method on this scene", style="file", wide=True
         )
-        buttons = QHBoxLayout()
-        buttons.addWidget(self.automatic)
-        buttons.addWidget(self.chart)
+        buttons = fill(QHBoxLayout(), self.automatic, self.chart)
         self._groups = {True: PlanGroup("Modelled"), False: PlanGroup("Left out")}
-        self.column.addWidget(self._totals)
-        self.column.addWidget(self._change)
-        self.column.addLayout(buttons)
-        for group in self._groups.values():
-            self.column.addWidget(group)
-        self.column.addStretch(1)
+        fill(self.column, self._totals, self._change, buttons, *self._groups.values(), None)
         self._predicted = ""
         self._lit: set[str] = set()
         self.show_change("", "")
@@ -129,9 +123,7 @@ class PlanGroup(FoldingBox):
     def __init__(self, title: str) -> None:
         self.lines: dict[str, PlanLine] = {}
         self._rows = QWidget()
-        self._column = QVBoxLayout(self._rows)
-        self._column.setContentsMargins(6, 4, 2, 4)
-        self._column.setSpacing(8)
+        self._column = fill(QVBoxLayout(self._rows), margins=(6, 4, 2, 4), spacing=8)
         super().__init__(title, self._rows, unfolded=True)
         self.hide()
 

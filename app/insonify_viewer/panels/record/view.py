@@ -14,7 +14,6 @@ from PySide6.QtGui import (
     QKeyEvent,
     QMouseEvent,
     QPainter,
-    QPaintEvent,
     QPen,
     QPixmap,
     QPolygonF,
@@ -37,6 +36,8 @@ from insonify_viewer.record.tone_map import ToneMap
 from insonify_viewer.state.fields import ChoiceField, NumberField
 from insonify_viewer.widgets.buttons import make_action, make_label, push_button
 from insonify_viewer.widgets.field_rows import ChoiceRow, Combo, NumberRow
+from insonify_viewer.widgets.layouts import fill
+from insonify_viewer.widgets.painting import Painted
 from insonify_viewer.widgets.side_panel import FoldingBox, SidePanel
 from insonify_viewer.widgets.text import literal
 from insonify_viewer.widgets.theme import ACCENT, GROUND, QUIET, RAISED, TEXT
@@ -158,19 +159,10 @@ class RecordView(SidePanel):
     def _lay_out(self) -> None:
         shown, measuring = QWidget(), QWidget()
         self._lay_shown(QGridLayout(shown))
-        lines = QVBoxLayout(measuring)
-        lines.setContentsMargins(6, 6, 2, 6)
-        lines.addWidget(self.measure)
-        lines.addWidget(self.measured)
-        for title, part in (
-            ("Shown", shown),
-            ("Contrast", self.histogram),
-            ("Gain", self._gain_rows()),
-            ("Measure", measuring),
-            ("Contacts", self.contacts),
-        ):
-            self.column.addWidget(FoldingBox(title, part, unfolded=True))
-        self.column.addStretch(1)
+        fill(QVBoxLayout(measuring), self.measure, self.measured, margins=(6, 6, 2, 6))
+        parts = {"Shown": shown, "Contrast": self.histogram, "Gain": self._gain_rows(), "Measure": measuring}
+        parts["Contacts"] = self.contacts
+        fill(self.column, *(FoldingBox(title, part, unfolded=True) for title, part in parts.items()), None)
 
     def _lay_shown(self, grid: QGridLayout) -> None:
         grid.setContentsMargins(6, 6, 2, 6)
@@ -339,10 +331,9 @@ class ContactListView(QWidget):
 
     def _lay(self) -> None:
         self.form = QWidget()
-        form, column, tools = QGridLayout(self.form), QVBoxLayout(self), QGridLayout()
+        form, tools = QGridLayout(self.form), QGridLayout()
         form.setContentsMargins(0, 0, 0, 0)
-        column.setContentsMargins(6, 6, 2, 6)
-        for layout in (form, column, tools):
+        for layout in (form, tools):
             layout.setSpacing(5)
         rows: dict[str, QWidget] = {"name": self.name, "class": self.classification, "confidence": self.confidence}
         for row, (text, field) in enumerate((rows | self.sizes | {"remark": self.note}).items()):
@@ -355,9 +346,7 @@ class ContactListView(QWidget):
         buttons = self.mark, self.jump, self.remove, self.open, self.save, self.report
         for place, button in enumerate(buttons):
             tools.addWidget(button, place // 3, place % 3)
-        for widget in (self.hint, self.list, self.form):
-            column.addWidget(widget)
-        column.addLayout(tools)
+        fill(QVBoxLayout(self), self.hint, self.list, self.form, tools, margins=(6, 6, 2, 6), spacing=5)
 
 
 def _make_table() -> QTableWidget:
@@ -415,7 +404,7 @@ def _line(name: str) -> QLineEdit:
     return line
 
 
-class HistogramView(QWidget):
+class HistogramView(Painted):
     """Shows how often each level occurs, and the colours of the levels."""
 
     dragged = Signal(float, float)  # ends in dB re level bed; minus infinity for silence
@@ -474,26 +463,22 @@ class HistogramView(QWidget):
         share = (x - MARGIN) / max(self.width() - 2 * MARGIN, 1)
         return -np.inf if share <= 0.0 else LOWEST + min(share, 1.0) * (HIGHEST - LOWEST)
 
-    @guard_override(None)
-    def paintEvent(self, event: QPaintEvent) -> None:
+    def paint(self, painter: QPainter) -> None:
         """Draw histogram, colour bar, its ends and a scale."""
         self._count()
-        with QPainter(self) as painter:
-            base = self.height() - BAR - SCALE
-            area = QRectF(MARGIN, 2.0, self.width() - 2 * MARGIN, base - 2.0)
-            painter.fillRect(area, QColor(RAISED))
-            self._draw_counts(painter, area)
-            painter.drawImage(QRectF(MARGIN, base, area.width(), BAR), self._bar, QRectF(self._bar.rect()))
-            for level in np.arange(LOWEST, HIGHEST + 1.0, STEP):
-                place = QRectF(self.place_of(level) - 30.0, base + BAR, 60.0, SCALE)
-                painter.setPen(QColor(QUIET))
-                text = (
-                    "bed" if level == 0.0 else f"{level:+.0f}".replace("-", "−") + (" dB" if level == HIGHEST else "")
-                )
-                align = {LOWEST: Qt.AlignmentFlag.AlignLeft, HIGHEST: Qt.AlignmentFlag.AlignRight}
-                inside = place.translated({LOWEST: 30.0, HIGHEST: -30.0}.get(float(level), 0.0), 0.0)
-                painter.drawText(inside, align.get(float(level), Qt.AlignmentFlag.AlignHCenter), text)
-            self._draw_ends(painter, base)
+        base = self.height() - BAR - SCALE
+        area = QRectF(MARGIN, 2.0, self.width() - 2 * MARGIN, base - 2.0)
+        painter.fillRect(area, QColor(RAISED))
+        self._draw_counts(painter, area)
+        painter.drawImage(QRectF(MARGIN, base, area.width(), BAR), self._bar, QRectF(self._bar.rect()))
+        align = {LOWEST: Qt.AlignmentFlag.AlignLeft, HIGHEST: Qt.AlignmentFlag.AlignRight}
+        for level in np.arange(LOWEST, HIGHEST + 1.0, STEP).tolist():
+            place = QRectF(self.place_of(level) - 30.0, base + BAR, 60.0, SCALE)
+            painter.setPen(QColor(QUIET))
+            text = "bed" if level == 0.0 else f"{level:+.0f}".replace("-", "−") + (" dB" if level == HIGHEST else "")
+            inside = place.translated({LOWEST: 30.0, HIGHEST: -30.0}.get(level, 0.0), 0.0)
+            painter.drawText(inside, align.get(level, Qt.AlignmentFlag.AlignHCenter), text)
+        self._draw_ends(painter, base)
 
     def _draw_counts(self, painter: QPainter, area: QRectF) -> None:
         painter.setPen(Qt.PenStyle.NoPen)

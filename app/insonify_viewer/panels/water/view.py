@@ -14,7 +14,6 @@ from PySide6.QtGui import (
     QKeyEvent,
     QMouseEvent,
     QPainter,
-    QPaintEvent,
     QPen,
     QPolygonF,
     QResizeEvent,
@@ -105,22 +104,19 @@ class WaterView(PaintedOnce):
         depth, speed = self._points[number]
         return self._frame().of_speed(speed, depth)
 
-    @guard_override(None)
-    def paintEvent(self, event: QPaintEvent) -> None:
+    def paint(self, painter: QPainter) -> None:
         """Paint the rays once, and the profile every time."""
-        del event
-        with QPainter(self) as painter:
-            if self._diagram is None:
-                painter.setPen(QUIET)
-                painter.drawText(self.rect(), Qt.AlignmentFlag.AlignCenter, "tracing rays …")
-                return
-            frame = self._frame()
-            self.draw_picture(painter)
-            points = [frame.of_speed(speed, depth) for depth, speed in self._points if depth <= frame.bottom]
-            chosen = min(self._chosen, len(points)) if self.hasFocus() else None
-            paint_profile(painter, self._diagram, frame, points, chosen if self._held is None else self._held)
-            if chosen == len(points):
-                draw_cross(painter, self._frame().at(*self._aim()).toPoint())
+        if self._diagram is None:
+            painter.setPen(QUIET)
+            painter.drawText(self.rect(), Qt.AlignmentFlag.AlignCenter, "tracing rays …")
+            return
+        frame = self._frame()
+        super().paint(painter)
+        points = [frame.of_speed(speed, depth) for depth, speed in self._points if depth <= frame.bottom]
+        chosen = min(self._chosen, len(points)) if self.hasFocus() else None
+        paint_profile(painter, self._diagram, frame, points, chosen if self._held is None else self._held)
+        if chosen == len(points):
+            draw_cross(painter, self._frame().at(*self._aim()).toPoint())
 
     @guard_override(None)
     def resizeEvent(self, event: QResizeEvent) -> None:
@@ -153,7 +149,6 @@ class WaterView(PaintedOnce):
 
     def mouseReleaseEvent(self, event: QMouseEvent) -> None:
         """Release the grasped point."""
-        del event
         if self._held is not None:
             self._held = self._scale = None
             self.point_settled.emit()
