@@ -89,8 +89,7 @@ class Viewer(QObject):
         self._prepared = self._started = self._stopped = False
         self._marks = MarkController(self._show_point, self.simulator.executor)
         self._contrast = Contrast(self.window.waterfall, self.session)
-        self._clock = QTimer(self)
-        self._clock.setInterval(TICK)
+        self._clock = QTimer(self, interval=TICK)
         self._ticked = 0.0
         self._rest = QTimer(self, singleShot=True, interval=REST)
         self._rest.timeout.connect(self._ask_finely)

@@ -71,8 +71,7 @@ class SeabedView(QWidget):
         self._canvas.on_click(self.look_at)
         self._drawn, self._took = 0.0, 0.05
         self._awaited: Callable[[], None] | None = None
-        self._due = QTimer(self)
-        self._due.setSingleShot(True)
+        self._due = QTimer(self, singleShot=True)
         self._due.timeout.connect(self.draw_now)
         self.handles = SeabedHandles(self._canvas.plotter, self._canvas.widget, self._sight, self._later)
         self.guides = SeabedGuides(self._canvas.plotter, self._canvas.widget)

@@ -5,6 +5,7 @@ from PySide6.QtGui import QIcon
 from PySide6.QtWidgets import QDialog, QListView, QListWidget, QListWidgetItem, QVBoxLayout, QWidget
 
 from insonify.files import bundled_picture
+from insonify_viewer.widgets.buttons import make
 from insonify_viewer.widgets.layouts import fill
 
 PICTURE = QSize(150, 100)  # px, as the files are
@@ -20,15 +21,9 @@ class Gallery(QDialog):
         super().__init__(window)
         self.setAttribute(Qt.WidgetAttribute.WA_DeleteOnClose)
         self.setWindowTitle(title)
-        self.list = QListWidget()
-        self.list.setObjectName("choices")
-        self.list.setAccessibleName(title)
-        self.list.setViewMode(QListView.ViewMode.IconMode)
-        self.list.setResizeMode(QListView.ResizeMode.Adjust)
-        self.list.setMovement(QListView.Movement.Static)
-        self.list.setIconSize(PICTURE)
-        self.list.setGridSize(CELL)
-        self.list.setWordWrap(True)
+        laid = {"viewMode": QListView.ViewMode.IconMode, "resizeMode": QListView.ResizeMode.Adjust}
+        laid |= {"movement": QListView.Movement.Static, "iconSize": PICTURE, "gridSize": CELL, "wordWrap": True}
+        self.list = make(QListWidget, objectName="choices", accessibleName=title, **laid)
         self.list.itemClicked.connect(self._pick)
         self.list.itemActivated.connect(self._pick)  # by Enter
         fill(QVBoxLayout(self), self.list, margins=(6, 6, 6, 6))

@@ -23,7 +23,10 @@ LIT = "#ff5fd2"  # distinct from the mark and from every palette
 
 
 class Painted(QWidget):
-    """A widget with one method that paints it."""
+    """A widget with one method that paints it, and properties of a widget by name."""
+
+    def __init__(self, parent: QWidget | None = None, **properties: Any) -> None:
+        super().__init__(parent, **properties)
 
     def paint(self, painter: QPainter) -> None:
         """Paint the widget as it is now."""
@@ -39,8 +42,8 @@ class Painted(QWidget):
 class PaintedOnce(Painted):
     """A widget that keeps its picture until its size, its theme or what it shows changes."""
 
-    def __init__(self, parent: QWidget | None = None) -> None:
-        super().__init__(parent)
+    def __init__(self, **properties: Any) -> None:
+        super().__init__(**properties)
         self._picture: QPixmap | None = None
 
     def paint_anew(self) -> None:

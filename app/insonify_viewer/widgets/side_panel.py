@@ -5,6 +5,7 @@ from typing import ClassVar
 from PySide6.QtCore import Qt
 from PySide6.QtWidgets import QFrame, QHBoxLayout, QScrollArea, QSizePolicy, QToolButton, QVBoxLayout, QWidget
 
+from insonify_viewer.widgets.buttons import make
 from insonify_viewer.widgets.layouts import fill
 from insonify_viewer.widgets.theme import scaled
 
@@ -17,8 +18,7 @@ class ScrollColumn(QScrollArea):
         self.setWidgetResizable(True)
         self.setFrameShape(QFrame.Shape.NoFrame)
         self.setHorizontalScrollBarPolicy(Qt.ScrollBarPolicy.ScrollBarAlwaysOff)
-        self.body = QWidget()
-        self.body.setObjectName("panel")
+        self.body = make(QWidget, objectName="panel")
         self.column = QVBoxLayout(self.body)
         self.setWidget(self.body)
 
@@ -42,12 +42,9 @@ class FoldingBox(QWidget):
 
     def __init__(self, title: str, body: QWidget, *, unfolded: bool, beside: QWidget | None = None) -> None:
         super().__init__()
-        self._heading = QToolButton()
-        self._heading.setObjectName("heading")
+        both = Qt.ToolButtonStyle.ToolButtonTextBesideIcon
+        self._heading = make(QToolButton, objectName="heading", toolButtonStyle=both, checkable=True, checked=unfolded)
         self.entitle(title)
-        self._heading.setCheckable(True)
-        self._heading.setChecked(unfolded)
-        self._heading.setToolButtonStyle(Qt.ToolButtonStyle.ToolButtonTextBesideIcon)
         self._heading.setSizePolicy(QSizePolicy.Policy.Expanding, QSizePolicy.Policy.Fixed)
         self._heading.toggled.connect(self._fold)
         self._body = body

@@ -9,6 +9,7 @@ from PySide6.QtWidgets import QDialog, QLineEdit, QListWidget, QListWidgetItem, 
 
 from insonify.scene import bundled_scenes, load_scene
 from insonify_viewer.panels.panel import Entry
+from insonify_viewer.widgets.buttons import make
 from insonify_viewer.widgets.layouts import fill
 from insonify_viewer.widgets.text import literal
 from insonify_viewer.widgets.theme import scaled
@@ -28,12 +29,8 @@ class CommandPalette(QDialog):
         self.setAttribute(Qt.WidgetAttribute.WA_DeleteOnClose)
         self.setWindowTitle("Find a command, scene, lesson or parameter")
         self._entries, self._found = entries, list(entries)
-        self.search, self.list = QLineEdit(), QListWidget()
-        self.search.setObjectName("search")
-        self.search.setPlaceholderText("Find a command, scene, lesson or parameter")
-        self.search.setAccessibleName("Find")
-        self.list.setObjectName("choices")
-        self.list.setAccessibleName("Found")
+        self.search = make(QLineEdit, objectName="search", accessibleName="Find", placeholderText=self.windowTitle())
+        self.list = make(QListWidget, objectName="choices", accessibleName="Found")
         self.search.textChanged.connect(self._show)
         self.search.returnPressed.connect(self._do)
         self.list.itemClicked.connect(lambda _: self._do())

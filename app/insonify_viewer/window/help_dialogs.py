@@ -17,6 +17,7 @@ from PySide6.QtWidgets import (
 
 from insonify.files import resources
 from insonify_viewer.errors import list_versions, version_of
+from insonify_viewer.widgets.buttons import make
 from insonify_viewer.widgets.layouts import fill
 
 _NATIVE = QKeySequence.SequenceFormat.NativeText
@@ -31,8 +32,7 @@ class KeysDialog(QDialog):
         super().__init__(window)
         self.setAttribute(Qt.WidgetAttribute.WA_DeleteOnClose)
         self.setWindowTitle("Keyboard shortcuts")
-        self.list = QTreeWidget()
-        self.list.setAccessibleName("Keyboard shortcuts")
+        self.list = make(QTreeWidget, accessibleName="Keyboard shortcuts")
         self.list.setHeaderLabels(["command", "key"])
         for menu in menus:
             self._add(menu.title().replace("&", ""), [(a.text(), a.shortcut()) for a in commands_of(menu)])
@@ -60,11 +60,8 @@ class AboutDialog(QDialog):
         super().__init__(window)
         self.setAttribute(Qt.WidgetAttribute.WA_DeleteOnClose)
         self.setWindowTitle("About insonify")
-        words = QLabel(about())
-        words.setAccessibleName("About insonify")
-        words.setTextInteractionFlags(
-            Qt.TextInteractionFlag.TextSelectableByMouse | Qt.TextInteractionFlag.TextSelectableByKeyboard
-        )
+        copied = Qt.TextInteractionFlag.TextSelectableByMouse | Qt.TextInteractionFlag.TextSelectableByKeyboard
+        words = make(QLabel, about(), accessibleName="About insonify", textInteractionFlags=copied)
         buttons = _closing(self)
         self.copy = buttons.addButton("Copy", QDialogButtonBox.ButtonRole.ActionRole)
         self.copy.clicked.connect(lambda: QGuiApplication.clipboard().setText(about()))

@@ -25,7 +25,7 @@ from insonify_viewer.record.comparison.comparison_overlay import ComparisonOverl
 from insonify_viewer.record.comparison.record_a_view import RecordAView, RecordsSideBySide
 from insonify_viewer.record.waterfall_view import WaterfallView
 from insonify_viewer.state.tow_clock import SPEEDS
-from insonify_viewer.widgets.buttons import make_action, set_icon, with_key
+from insonify_viewer.widgets.buttons import make, make_action, set_icon, with_key
 from insonify_viewer.widgets.layouts import make_splitter
 from insonify_viewer.widgets.text import window_title
 from insonify_viewer.widgets.theme import lecture_scale, scaled
@@ -65,7 +65,6 @@ class MainWindow(QMainWindow):
     target_wanted = Signal(str)
     closing = Signal()
     files_wanted = Signal(list)  # paths of files that are dropped together
-    contacts_wanted = Signal()
 
     def __init__(self, *, native: bool, palettes: tuple[str, ...]) -> None:
         super().__init__()
@@ -77,10 +76,9 @@ class MainWindow(QMainWindow):
         self.resize(usual.expandedTo(screen * ROOMY).boundedTo(screen))
         self.setMinimumSize(*SMALLEST)
         self.waterfall = WaterfallView(native=native)
-        self.trace = make_action(self, "Echo", "Show the echo of one ping as a curve below the record", "E")
-        self.trace.triggered.connect(self.waterfall.toggle_trace)
-        self._placeholder = QLabel("loading the 3-D view …")
-        self._placeholder.setAlignment(Qt.AlignmentFlag.AlignCenter)
+        tip = "Show the echo of one ping as a curve below the record"
+        self.trace = make_action(self, "Echo", tip, "E", self.waterfall.toggle_trace)
+        self._placeholder = QLabel("loading the 3-D view …", alignment=Qt.AlignmentFlag.AlignCenter)
         self._splitter = make_splitter(Qt.Orientation.Horizontal, self._placeholder, self.waterfall, sizes=VIEWS)
         self.record_a = RecordAView(native=native)
         self.records = RecordsSideBySide(self._splitter, self.waterfall, self.record_a)
@@ -252,9 +250,7 @@ class MainWindow(QMainWindow):
         panel.opened(True)
 
     def _add_tools(self, palettes: tuple[str, ...]) -> None:
-        bar = QToolBar("Tools", self)
-        bar.setObjectName("tools")
-        bar.setMovable(False)
+        bar = make(QToolBar, "Tools", self, objectName="tools", movable=False)
         bar.setIconSize(QSize(1, 1) * scaled(self, bar.iconSize().width()))
         bar.setContextMenuPolicy(Qt.ContextMenuPolicy.PreventContextMenu)
         self.addToolBar(bar)
@@ -292,11 +288,9 @@ class MainWindow(QMainWindow):
 
     def _add_targets(self, bar: QToolBar) -> None:
         """Add the menu with every kind of target."""
-        self.targets = QToolButton()
-        self.targets.setText("Target")
-        self.targets.setToolButtonStyle(Qt.ToolButtonStyle.ToolButtonTextBesideIcon)
+        shown, opens = Qt.ToolButtonStyle.ToolButtonTextBesideIcon, QToolButton.ToolButtonPopupMode.InstantPopup
+        self.targets = make(QToolButton, text="Target", toolButtonStyle=shown, popupMode=opens)
         self.targets.setToolTip("Add a target on the bed, abeam of the track")
-        self.targets.setPopupMode(QToolButton.ToolButtonPopupMode.InstantPopup)
         menu = QMenu(self.targets)
         for kind, name in target_menu().items():
             action = QAction(name, menu)
@@ -342,12 +336,12 @@ class MainWindow(QMainWindow):
         menus = self.menus
         menus.file.addMenu(self.scenes.menu()).setText("Scenes")
         menus.group("File", [self.open_scene, self.open_recording, self.open_dem])
-        contacts = menus.add("File", "Open contacts…", "Open a file of contacts, which replaces the list")
-        contacts.triggered.connect(lambda: self.contacts_wanted.emit())
+        tip = "Open a file of contacts, which replaces the list"
+        self.open_contacts = menus.add("File", "Open contacts…", tip)
         menus.file.addMenu(self.recent)
         menus.group("File", [self.save.scene, self.save.scene_as, self.save.record, self.save.picture])
         menus.file.addSeparator()
-        menus.add("File", "Quit", "Close the window", "Ctrl+Q").triggered.connect(self.close)
+        menus.add("File", "Quit", "Close the window", "Ctrl+Q", self.close)
         menus.group("Edit", [self.undo, self.redo])
         menus.edit.addSeparator()
         menus.edit.addMenu(self.targets.menu()).setText("Add a target")
@@ -362,12 +356,11 @@ class MainWindow(QMainWindow):
         self.looks = LooksMenu(self, menus.view, self.settings, self.say)
         menus.view.addSeparator()
         tip = "Find a command, scene, lesson or parameter by some letters of its name"
-        menus.add("Help", "Find…", tip, "Ctrl+Shift+P").triggered.connect(self.open_palette)
-        keys = menus.add("Help", "Keyboard shortcuts", "Every command that has a key", "?")
-        keys.triggered.connect(lambda: KeysDialog(self, menus.all).show())
-        menus.add("Help", "Tour", "See the window in five steps").triggered.connect(self.tour.begin)
-        about = menus.add("Help", "About insonify", "Versions, licence, citation")
-        about.triggered.connect(lambda: AboutDialog(self).show())
+        menus.add("Help", "Find…", tip, "Ctrl+Shift+P", self.open_palette)
+        tip = "Every command that has a key"
+        menus.add("Help", "Keyboard shortcuts", tip, "?", lambda: KeysDialog(self, menus.all).show())
+        menus.add("Help", "Tour", "See the window in five steps", do=self.tour.begin)
+        menus.add("Help", "About insonify", "Versions, licence, citation", do=lambda: AboutDialog(self).show())
         self._show_icons()
 
     def _show_icons(self) -> None:

@@ -8,6 +8,7 @@ from PySide6.QtWidgets import QDockWidget, QMainWindow, QSplitter, QTabBar, QTab
 
 from insonify_viewer.errors import guard_override
 from insonify_viewer.panels.panel import Panel, Place
+from insonify_viewer.widgets.buttons import make
 from insonify_viewer.widgets.theme import scaled
 
 HANDLES = 24  # px, of the lines between the parts
@@ -214,9 +215,8 @@ class PanelDocks:
 
     def _dock(self, panel: Panel, area: Qt.DockWidgetArea) -> QDockWidget:
         """Put a panel at a side, without a title bar."""
-        dock = QDockWidget(panel.title, self._window)
-        dock.setObjectName(panel.name)
-        dock.setFeatures(QDockWidget.DockWidgetFeature.NoDockWidgetFeatures)
+        fixed = QDockWidget.DockWidgetFeature.NoDockWidgetFeatures
+        dock = make(QDockWidget, panel.title, self._window, objectName=panel.name, features=fixed)
         dock.setTitleBarWidget(QWidget())
         dock.setWidget(panel.widget)
         self._window.addDockWidget(area, dock)

@@ -11,7 +11,7 @@ from PySide6.QtWidgets import QHBoxLayout, QLabel, QProgressBar, QWidget
 from insonify.errors import plain_text
 from insonify_viewer.errors import Failure, describe_error, write_details
 from insonify_viewer.state.quantities import format_time_left
-from insonify_viewer.widgets.buttons import push_button
+from insonify_viewer.widgets.buttons import make, push_button
 from insonify_viewer.widgets.later import Later
 from insonify_viewer.widgets.layouts import fill
 from insonify_viewer.widgets.text import literal, one_line
@@ -27,13 +27,10 @@ class StatusLine(QWidget):
 
     def __init__(self) -> None:
         super().__init__()
-        self.sentence = QLabel()
-        self.sentence.setTextFormat(Qt.TextFormat.PlainText)
-        self.sentence.setMinimumWidth(1)  # so that a long sentence does not widen the window
-        self.copy = push_button(
-            "Copy details", "Copy program versions, scene and error message, to send with a report", style="small"
-        )
-        self.copy.clicked.connect(self._copy)
+        # So narrow that a long sentence does not widen the window.
+        self.sentence = make(QLabel, textFormat=Qt.TextFormat.PlainText, minimumWidth=1)
+        tip = "Copy program versions, scene and error message, to send with a report"
+        self.copy = push_button("Copy details", tip, self._copy, style="small")
         self.copy.hide()
         self.describe_scene: Callable[[], str] = str
         self._failure = Failure("")

@@ -11,7 +11,7 @@ from shiboken6 import isValid
 
 from insonify.files import resources
 from insonify_viewer.errors import guard_override
-from insonify_viewer.widgets.buttons import push_button
+from insonify_viewer.widgets.buttons import make, push_button
 from insonify_viewer.widgets.layouts import fill
 from insonify_viewer.widgets.theme import ACCENT
 
@@ -107,9 +107,7 @@ class TourCard(QFrame):
         self.setObjectName("tour")
         self.setFixedWidth(WIDTH)
         lay_over_native_views(self)
-        self.title, self.words = QLabel(), QLabel()
-        self.title.setObjectName("choice")
-        self.words.setWordWrap(True)
+        self.title, self.words = make(QLabel, objectName="choice"), QLabel(wordWrap=True)
         self.skip = push_button("Skip", "Leave the tour (Escape); Help, Tour shows it again")
         self.back = push_button("Back", "To the step before")
         self.next = push_button("Next", "To the next step")

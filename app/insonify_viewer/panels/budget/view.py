@@ -5,13 +5,13 @@ from collections.abc import Iterable
 
 import numpy as np
 from numpy.typing import NDArray
-from PySide6.QtCore import QPointF, QRectF, Qt, Signal
+from PySide6.QtCore import QPointF, QRectF, QSize, Qt, Signal
 from PySide6.QtGui import QColor, QKeyEvent, QMouseEvent, QPainter, QPen
 from PySide6.QtWidgets import QDoubleSpinBox, QHBoxLayout, QVBoxLayout, QWidget
 
 from insonify_viewer.panels.budget.levels import Group, SolvedBudget, signed
 from insonify_viewer.widgets.arrow_keys import steps_of
-from insonify_viewer.widgets.buttons import make_label
+from insonify_viewer.widgets.buttons import make, make_label
 from insonify_viewer.widgets.layouts import fill, make_splitter
 from insonify_viewer.widgets.painting import PaintedOnce, make_polyline, round_steps
 from insonify_viewer.widgets.theme import ACCENT, EDGE, MARK, QUIET, RAISED, TEXT, TRAIL, text_scale
@@ -34,17 +34,12 @@ class BudgetView(QWidget):
     targeted = Signal(float)  # target strength that the person set, dB re 1 m²
     ranged = Signal(float)  # slant range to which the person moved the cursor of the curves, m
 
-    def __init__(self, parent: QWidget | None = None) -> None:
-        super().__init__(parent)
+    def __init__(self) -> None:
+        super().__init__()
         self.setObjectName("panel")
         self.sentence, self.model = make_label("choice", HINT), make_label("name")
-        self._target = QDoubleSpinBox()
-        self._target.setRange(-STRONGEST, STRONGEST)
-        self._target.setDecimals(1)
-        self._target.setValue(-20.0)
-        self._target.setSuffix(" dB")
-        self._target.setKeyboardTracking(False)
-        self._target.setAccessibleName("Target strength")
+        decibels = {"minimum": -STRONGEST, "maximum": STRONGEST, "decimals": 1, "value": -20.0, "suffix": " dB"}
+        self._target = make(QDoubleSpinBox, **decibels, keyboardTracking=False, accessibleName="Target strength")
         self._target.setToolTip("Target strength of the target, re 1 m² (dB; −60 to 60 dB)")
         self._target.valueChanged.connect(self.targeted)
         self.terms, self.curves = TermList(), LevelCurves()
@@ -136,11 +131,8 @@ class LevelCurves(PaintedOnce):
 
     ranged = Signal(float)
 
-    def __init__(self, parent: QWidget | None = None) -> None:
-        super().__init__(parent)
-        self.setMinimumSize(240, 130)
-        self.setMouseTracking(True)
-        self.setFocusPolicy(Qt.FocusPolicy.TabFocus)
+    def __init__(self) -> None:
+        super().__init__(minimumSize=QSize(240, 130), mouseTracking=True, focusPolicy=Qt.FocusPolicy.TabFocus)
         self.setAccessibleName("Levels over slant range")
         self.setToolTip(
             "Levels of bed, target and noise before the gain. Move the mouse or press ← → to choose a range"

@@ -2,7 +2,7 @@
 
 import numpy as np
 from numpy.typing import NDArray
-from PySide6.QtCore import QPointF, QRect, QRectF, Qt, Signal
+from PySide6.QtCore import QPointF, QRect, QRectF, QSize, Qt, Signal
 from PySide6.QtGui import QColor, QImage, QKeyEvent, QMouseEvent, QPainter, QPen
 from PySide6.QtWidgets import QFileDialog, QHBoxLayout, QProgressBar, QVBoxLayout, QWidget
 
@@ -48,9 +48,7 @@ class ChartWindow(QWidget):
         self.measure = push_button("Measure here", "Measure speed and error of every method on this scene")
         self.stop = push_button("Stop", "Stop the measurement")
         self.save = push_button("Save…", "Save the chart as a picture or a table: .png, .svg, .csv or .json")
-        self._progress = QProgressBar()
-        self._progress.setRange(0, 1000)
-        self._progress.setTextVisible(False)
+        self._progress = QProgressBar(maximum=1000, textVisible=False)
         self._sentence, self._numbers = make_label("name", INVITATION), make_label("numbers")
         self.picture, self._strips = _ChartPictureView(), StripsView()
         self._lay_out()
@@ -117,14 +115,11 @@ class _ChartPictureView(Painted):
     picked = Signal(object)
 
     def __init__(self) -> None:
-        super().__init__()
-        self.setMinimumSize(320, 180)
+        reached = Qt.FocusPolicy.TabFocus
+        super().__init__(minimumSize=QSize(320, 180), mouseTracking=True, focusPolicy=reached, accessibleName="Chart")
         self._chart_picture: ChartPicture | None = None
         self._image = QImage()
         self._chosen: object = None
-        self.setMouseTracking(True)
-        self.setFocusPolicy(Qt.FocusPolicy.TabFocus)
-        self.setAccessibleName("Chart")
         self.setToolTip("Click a point, or step through the points with ← →, to see its record")
 
     def show_chart(self, chart_picture: ChartPicture) -> None:
@@ -196,8 +191,7 @@ class StripsView(Painted):
     """Shows the record behind a point of a chart."""
 
     def __init__(self) -> None:
-        super().__init__()
-        self.setMinimumHeight(3 * (TITLE + 16) + RULER)
+        super().__init__(minimumHeight=3 * (TITLE + 16) + RULER)
         self._details: RowDetails | None = None
 
     def show_details(self, details: RowDetails) -> None:

@@ -47,10 +47,8 @@ class ComparisonView(SidePanel):
         self._pairs_menu.aboutToShow.connect(lambda: self.show_pairs(find_pairs()))
         self._pairs_menu.triggered.connect(lambda action: self.pair_wanted.emit(action.data()))
         self.pairs.setMenu(self._pairs_menu)
-        self.learn = push_button(
-            "Make a scene like this…", "Fit a scene whose record resembles this recording, and open it"
-        )
-        self.learn.clicked.connect(self._ask_for_scene)
+        tip = "Fit a scene whose record resembles this recording, and open it"
+        self.learn = push_button("Make a scene like this…", tip, self._ask_for_scene)
         self.arrangement, self.frequency = Combo("Arrangement of the two records"), Combo("Frequency of the sonar")
         for arrangement in Arrangement:
             self.arrangement.addItem(arrangement.value)
@@ -148,12 +146,9 @@ class _Table(QLabel):
     """Rows of a name and its values, with a sentence below."""
 
     def __init__(self) -> None:
-        super().__init__()
+        copied = Qt.TextInteractionFlag.TextSelectableByMouse
+        super().__init__(wordWrap=True, margin=6, textFormat=Qt.TextFormat.RichText, textInteractionFlags=copied)
         self.setObjectName("numbers")
-        self.setWordWrap(True)
-        self.setMargin(6)
-        self.setTextFormat(Qt.TextFormat.RichText)
-        self.setTextInteractionFlags(Qt.TextInteractionFlag.TextSelectableByMouse)
         self.rows: dict[str, tuple[str, ...]] = {}
         self.said = ""
 

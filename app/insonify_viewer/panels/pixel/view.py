@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
-from PySide6.QtCore import QPointF, QRectF, QSizeF, Qt
+from PySide6.QtCore import QPointF, QRectF, QSize, QSizeF, Qt
 from PySide6.QtGui import QColor, QPainter, QPen, QPolygonF
 from PySide6.QtWidgets import QVBoxLayout, QWidget
 
@@ -58,8 +58,8 @@ Group = tuple[Row, list[Row]]  # a heading and its rows
 class PixelView(QWidget):
     """Shows the explanation of a pixel."""
 
-    def __init__(self, parent: QWidget | None = None) -> None:
-        super().__init__(parent)
+    def __init__(self) -> None:
+        super().__init__()
         self.setObjectName("panel")
         self.sentence, self.summary = make_label("choice", HINT), make_label("name")
         self.budget, self.section = BudgetList(), SectionView()
@@ -129,10 +129,8 @@ class SectionScales:
 class SectionView(PaintedOnce):
     """Paints a cross-section with the rays of a pixel."""
 
-    def __init__(self, parent: QWidget | None = None) -> None:
-        super().__init__(parent)
-        self.setMinimumSize(100, 110)
-        self.setAccessibleName("Cross-section of the beam")
+    def __init__(self) -> None:
+        super().__init__(minimumSize=QSize(100, 110), accessibleName="Cross-section of the beam")
         self._shown: tuple[PixelExplanation, CrossSection] | None = None
 
     def show_section(self, explanation: PixelExplanation | None, section: CrossSection | None) -> None:

@@ -44,12 +44,10 @@ class PlanView(SidePanel):
         self._tolerance.place(tolerance, 0)
         self.column.addLayout(tolerance)
         self._totals, self._change = make_label("about"), make_label("change")
-        self.automatic = push_button(
-            "Back to automatic", "Let the program choose everything again", style="file", wide=True
-        )
-        self.chart = push_button(
-            "Chart…", "Measure speed and error of every method on this scene", style="file", wide=True
-        )
+        tip = "Let the program choose everything again"
+        self.automatic = push_button("Back to automatic", tip, style="file", wide=True)
+        tip = "Measure speed and error of every method on this scene"
+        self.chart = push_button("Chart…", tip, style="file", wide=True)
         buttons = fill(QHBoxLayout(), self.automatic, self.chart)
         self._groups = {True: PlanGroup("Modelled"), False: PlanGroup("Left out")}
         fill(self.column, self._totals, self._change, buttons, *self._groups.values(), None)

@@ -34,7 +34,7 @@ from insonify.io.contacts import CONFIDENCES, Contact
 from insonify_viewer.errors import guard_override
 from insonify_viewer.record.tone_map import ToneMap
 from insonify_viewer.state.fields import ChoiceField, NumberField
-from insonify_viewer.widgets.buttons import make_action, make_label, push_button
+from insonify_viewer.widgets.buttons import make, make_action, make_label, push_button, tick_box
 from insonify_viewer.widgets.field_rows import ChoiceRow, Combo, NumberRow
 from insonify_viewer.widgets.layouts import fill
 from insonify_viewer.widgets.painting import Painted
@@ -104,10 +104,11 @@ class RecordView(SidePanel):
         self.ticks: dict[str, QCheckBox] = {}
         self.choices = {name: ChoiceRow(_choice(name, self._look), self._settle) for name, *_ in CHOICES}
         self.gains = [NumberRow(_gain(row, self._look), self._settle, self._settle) for row in range(len(GAINS))]
-        self.usual = push_button("Usual display", "Reset all display options, gains and contrast too", wide=True)
-        self.usual.clicked.connect(self._show_usual)
+        tip = "Reset all display options, gains and contrast too"
+        self.usual = push_button("Usual display", tip, self._show_usual, wide=True)
         self.histogram = HistogramView()
-        self.measure = _tick("Measure a line", "M", MEASURE, self.measuring)
+        self.measure = tick_box("Measure a line", f"{MEASURE} (M)")
+        self.measure.toggled.connect(self.measuring)
         self._key("Measure a line", "M", self.measure.toggle)
         self.measured = make_label("about")
         self.measured.setMinimumHeight(5 * self.fontMetrics().lineSpacing())  # of the longest words, wrapped
@@ -122,9 +123,8 @@ class RecordView(SidePanel):
         """Show display options; those without effect are disabled."""
         self._look = look
         for name, tick in self.ticks.items():
-            tick.blockSignals(True)
-            tick.setChecked(bool(getattr(look, name)))
-            tick.blockSignals(False)
+            with QSignalBlocker(tick):
+                tick.setChecked(bool(getattr(look, name)))
         self.ticks["water_column"].setEnabled(not look.ground_range)
         for name, row in self.choices.items():
             row.show_value(_choice(name, look))
@@ -168,7 +168,8 @@ class RecordView(SidePanel):
         grid.setContentsMargins(6, 6, 2, 6)
         grid.setHorizontalSpacing(10)
         for number, (name, label, key, about) in enumerate(TICKS):
-            self.ticks[name] = _tick(label, key, about, lambda on, name=name: self.changed.emit({name: on}))
+            self.ticks[name] = tick_box(label, f"{about} ({key})")
+            self.ticks[name].toggled.connect(lambda on, name=name: self.changed.emit({name: on}))
             grid.addWidget(self.ticks[name], number // 2, number % 2)
         rows = QWidget()
         inner = QGridLayout(rows)
@@ -201,17 +202,7 @@ class RecordView(SidePanel):
         self._key("Usual display", "", self._show_usual)
 
     def _key(self, text: str, key: str, act: Any) -> None:
-        action = make_action(self, text, text, key)
-        action.triggered.connect(lambda: act())
-        self.keys.append(action)
-
-
-def _tick(text: str, key: str, about: str, toggled: Any) -> QCheckBox:
-    tick = QCheckBox(text)
-    tick.setToolTip(f"{about} ({key})")
-    tick.setFocusPolicy(Qt.FocusPolicy.TabFocus)
-    tick.toggled.connect(toggled)
-    return tick
+        self.keys.append(make_action(self, text, text, key, act))
 
 
 def _choice(name: str, look: DisplayOptions) -> ChoiceField:
@@ -258,14 +249,13 @@ class ContactListView(QWidget):
             self.takes[field].clicked.connect(lambda _=False, field=field: self.size_wanted.emit(self.row, field))
             self.takes[field].setAccessibleName(SIZES[field])
         self.mark = push_button("Mark", "Mark a contact at the clicked pixel; C marks one under the mouse")
-        self.jump = push_button("Show", "Show the contact in its record")
-        self.remove = push_button("Remove", "Remove the contact from the list")
+        self.jump = push_button("Show", "Show the contact in its record", lambda: self.jump_wanted.emit(self.row))
+        tip = "Remove the contact from the list"
+        self.remove = push_button("Remove", tip, lambda: self.remove_wanted.emit(self.row))
         self.open = push_button("Open…", "Open a file of contacts, which replaces this list")
         self.save = push_button("Save…", "Save the contacts as GeoJSON with their pictures, or as a CSV table")
         self.report = push_button("Report…", "Write a report with pictures as PDF or HTML, or placemarks as KML")
         self.hint = make_label("about", HINT)
-        self.jump.clicked.connect(lambda: self.jump_wanted.emit(self.row))
-        self.remove.clicked.connect(lambda: self.remove_wanted.emit(self.row))
         self._contacts: Sequence[Contact] = ()
         self._lay()
         self.show_contacts(())
@@ -350,18 +340,13 @@ class ContactListView(QWidget):
 
 
 def _make_table() -> QTableWidget:
-    table = QTableWidget(0, len(COLUMNS))
-    table.setObjectName("contacts")
-    table.setAccessibleName("Contacts")
+    whole, single = QTableWidget.SelectionBehavior.SelectRows, QTableWidget.SelectionMode.SingleSelection
+    picked = {"selectionBehavior": whole, "selectionMode": single, "tabKeyNavigation": False}
+    fixed = {"editTriggers": QTableWidget.EditTrigger.NoEditTriggers, "showGrid": False, "iconSize": QSize(ICON, ICON)}
+    table = make(QTableWidget, 0, len(COLUMNS), objectName="contacts", accessibleName="Contacts", **picked, **fixed)
     table.setHorizontalHeaderLabels([title for title, _ in COLUMNS])
-    table.setIconSize(QSize(ICON, ICON))
     table.setMinimumHeight(4 * ICON)
     table.setToolTip("A double click, or Enter, shows the contact in its record; a click on a heading sorts")
-    table.setEditTriggers(QTableWidget.EditTrigger.NoEditTriggers)
-    table.setSelectionBehavior(QTableWidget.SelectionBehavior.SelectRows)
-    table.setSelectionMode(QTableWidget.SelectionMode.SingleSelection)
-    table.setTabKeyNavigation(False)
-    table.setShowGrid(False)
     table.verticalHeader().hide()
     table.verticalHeader().setDefaultSectionSize(ICON)
     table.sortItems(0)
@@ -385,21 +370,14 @@ def _items(number: int, contact: Contact) -> list[QTableWidgetItem]:
 
 
 def _size(field: str) -> QDoubleSpinBox:
-    size = QDoubleSpinBox()
-    size.setRange(0.0, LARGEST)
-    size.setSuffix(" m")
-    size.setSpecialValueText("–")
-    size.setKeyboardTracking(False)
+    size = make(QDoubleSpinBox, maximum=LARGEST, suffix=" m", specialValueText="–", keyboardTracking=False)
     size.setToolTip(f"{field.capitalize()} in metres; – where it was not measured")
     size.setAccessibleName(f"{field} of the contact")
     return size
 
 
 def _line(name: str) -> QLineEdit:
-    line = QLineEdit()
-    line.setObjectName("line")
-    line.setAccessibleName(name)
-    line.setToolTip(name)
+    line = make(QLineEdit, objectName="line", accessibleName=name, toolTip=name)
     line.returnPressed.connect(line.clearFocus)
     return line
 
@@ -409,11 +387,8 @@ class HistogramView(Painted):
 
     dragged = Signal(float, float)  # ends in dB re level bed; minus infinity for silence
 
-    def __init__(self, parent: QWidget | None = None) -> None:
-        super().__init__(parent)
-        self.setMinimumHeight(104)
-        self.setMouseTracking(True)
-        self.setFocusPolicy(Qt.FocusPolicy.TabFocus)
+    def __init__(self) -> None:
+        super().__init__(minimumHeight=104, mouseTracking=True, focusPolicy=Qt.FocusPolicy.TabFocus)
         self.setAccessibleName("Contrast: levels of the record over the colour bar")
         self.setToolTip(
             "How often each level occurs in the record. Drag the ends of the colour bar to set the contrast. Keys: "

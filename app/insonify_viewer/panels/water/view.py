@@ -18,7 +18,6 @@ from PySide6.QtGui import (
     QPolygonF,
     QResizeEvent,
 )
-from PySide6.QtWidgets import QWidget
 
 from insonify.display.ray_diagram.diagram import RayDiagram, compute_speed_limits, describe_eigenray, place_along_axis
 from insonify_viewer.errors import guard_override
@@ -69,13 +68,9 @@ class WaterView(PaintedOnce):
     point_settled = Signal()
     targeted = Signal(float, float)
 
-    def __init__(self, parent: QWidget | None = None) -> None:
-        super().__init__(parent)
-        self.setMinimumHeight(150)
-        self.setMouseTracking(True)
-        self.setFocusPolicy(Qt.FocusPolicy.StrongFocus)
+    def __init__(self) -> None:
+        super().__init__(minimumHeight=150, mouseTracking=True, focusPolicy=Qt.FocusPolicy.StrongFocus, toolTip=HINT)
         self.setAccessibleName("Sound speed over depth, beside the rays")
-        self.setToolTip(HINT)
         self._diagram: RayDiagram | None = None
         self._points: tuple[tuple[float, float], ...] = ()
         self.newest: tuple[tuple[float, float], ...] = ()  # of the present profile, whose rays may still be traced

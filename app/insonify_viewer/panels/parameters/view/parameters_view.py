@@ -13,7 +13,7 @@ from insonify_viewer.errors import guard_override
 from insonify_viewer.panels.parameters.effects import EffectRow
 from insonify_viewer.panels.parameters.sections import PINNED, FieldSection
 from insonify_viewer.panels.parameters.view.section_box import Row, SectionBox, make_tool
-from insonify_viewer.widgets.buttons import set_icon
+from insonify_viewer.widgets.buttons import make, make_label, set_icon, tick_box
 from insonify_viewer.widgets.later import Later
 from insonify_viewer.widgets.side_panel import FoldingBox, SidePanel
 from insonify_viewer.widgets.text import literal
@@ -240,11 +240,8 @@ class ParametersView(SidePanel):
 
 def _search_line(view: ParametersView) -> QLineEdit:
     """Make the line into which a name is typed; Ctrl+F goes there, Escape empties it."""
-    line = QLineEdit()
-    line.setObjectName("search")
-    line.setPlaceholderText("Search a parameter (Ctrl+F)")
+    line = make(QLineEdit, objectName="search", placeholderText="Search a parameter (Ctrl+F)", clearButtonEnabled=True)
     line.setAccessibleName("Search a parameter")
-    line.setClearButtonEnabled(True)
     line.setToolTip("Find a parameter by words of its name or description (Ctrl+F)")
 
     def begin() -> None:
@@ -266,11 +263,7 @@ class AboutBox(FoldingBox):
     """The description of the scene, under a heading that folds."""
 
     def __init__(self) -> None:
-        self.label = QLabel()
-        self.label.setObjectName("about")
-        self.label.setWordWrap(True)
-        self.label.setTextFormat(Qt.TextFormat.RichText)
-        flag = Qt.TextInteractionFlag
+        self.label, flag = make_label("about", form=Qt.TextFormat.RichText), Qt.TextInteractionFlag
         self.label.setTextInteractionFlags(
             flag.TextSelectableByMouse | flag.LinksAccessibleByMouse | flag.LinksAccessibleByKeyboard
         )
@@ -352,12 +345,9 @@ class EffectsBox(FoldingBox):
             figure.setToolTip(row.explanation)
 
     def _add(self, row: EffectRow) -> None:
-        tick, figure = QCheckBox(row.name), QLabel()
-        tick.setToolTip(row.meaning)
-        tick.setFocusPolicy(Qt.FocusPolicy.TabFocus)  # a click leaves the keyboard to the record, where Space pauses
+        tick, right = tick_box(row.name, row.meaning), Qt.AlignmentFlag.AlignRight | Qt.AlignmentFlag.AlignVCenter
         tick.clicked.connect(lambda on, name=row.name: self._ticked(name, on))
-        figure.setObjectName("figure")
-        figure.setAlignment(Qt.AlignmentFlag.AlignRight | Qt.AlignmentFlag.AlignVCenter)
+        figure = make(QLabel, objectName="figure", alignment=right)
         figure.setSizePolicy(QSizePolicy.Policy.Ignored, QSizePolicy.Policy.Preferred)
         line = len(self.ticks)
         self._grid.addWidget(tick, line, 0)

@@ -11,7 +11,7 @@ from insonify.scene import Scene
 from insonify_viewer.panels.parameters.sections import PINNED, FieldSection
 from insonify_viewer.panels.parameters.view.setting_pictures import SettingPicture, pictures_of_settings
 from insonify_viewer.state.fields import ChoiceField, NumberField, Parameter
-from insonify_viewer.widgets.buttons import light
+from insonify_viewer.widgets.buttons import light, make
 from insonify_viewer.widgets.field_rows import ChoiceRow, FileRow, NumberRow
 from insonify_viewer.widgets.layouts import fill
 from insonify_viewer.widgets.side_panel import FoldingBox
@@ -142,10 +142,8 @@ class SectionBox(FoldingBox):
 
     def _add_more(self, column: QVBoxLayout, rare: list[Parameter], signals: RowSignals, shown: bool) -> None:
         """Add the rare fields below a button that shows and hides them."""
-        self._more = more = QToolButton()
-        more.setObjectName("more")
-        more.setCheckable(True)
-        more.setToolTip("Fields that are rarely changed")
+        tip = "Fields that are rarely changed"
+        self._more = more = make(QToolButton, objectName="more", checkable=True, toolTip=tip)
         below = QWidget()
         grid = self._grid(rare, signals)
         below.setLayout(grid)
@@ -189,11 +187,7 @@ def _pictures(parameters: list[Parameter], grid: QGridLayout, signals: RowSignal
 
 def make_tool(name: str, text: str, tip: str, act: Callable[[], None]) -> QToolButton:
     """Make a button for beside the heading of a section."""
-    button = QToolButton()
-    button.setObjectName(name)
-    button.setText(text)
-    button.setToolTip(tip)
-    button.setAccessibleName(tip)
+    button = make(QToolButton, objectName=name, text=text, toolTip=tip, accessibleName=tip)
     button.setFixedWidth(TOOL)
     button.setSizePolicy(QSizePolicy.Policy.Fixed, QSizePolicy.Policy.Expanding)
     button.clicked.connect(act)
