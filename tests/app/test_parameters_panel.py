@@ -89,20 +89,20 @@ def test_a_link_moves_its_control_in_sight_and_back(open_viewer, small, qtbot, m
     session.changed.connect(lambda scene, settled: seen.append(scene.altitude))
     with monkeypatch.context() as patched:
         patched.setattr(parameters_view, "GLIDE", 10_000)  # ms: however seldom a busy machine moves it, it is seen
-        view._about.label.linkActivated.emit("0")
+        view.about.label.linkActivated.emit("0")
         assert view.row("track.altitude").label.property("lit")
         qtbot.waitUntil(lambda: len({round(altitude, 2) for altitude in seen}) > 3)
         view.end_glide()
     qtbot.waitUntil(lambda: session.undoable[:1] == ("altitude",))
     assert seen[-1] == 4.0
-    assert "↩" in view._about.label.text()
-    view._about.label.linkActivated.emit("0")
+    assert "↩" in view.about.label.text()
+    view.about.label.linkActivated.emit("0")
     qtbot.waitUntil(lambda: session.scene.track.altitude == 10.0 and len(session.undoable) == 2)
-    assert "↩" not in view._about.label.text()
-    view._about.label.linkActivated.emit("1")
+    assert "↩" not in view.about.label.text()
+    view.about.label.linkActivated.emit("1")
     assert session.scene.sonar.beam.kind == "knife"
     assert view.row("sonar.beam.kind").label.property("lit")
-    view._about.label.linkActivated.emit("1")
+    view.about.label.linkActivated.emit("1")
     assert session.scene.sonar.beam == small.sonar.beam
 
 
@@ -121,7 +121,7 @@ def test_every_link_leads_there_and_back(name):
 
 def test_a_glide_ends_with_its_scene(open_viewer, small, qtbot):
     viewer = open_viewer(edit(small, {"description": "[Lower it](track.altitude=4.0)."}))
-    panel(viewer).view._about.label.linkActivated.emit("0")
+    panel(viewer).view.about.label.linkActivated.emit("0")
     qtbot.wait(100)
     viewer.open(edit(small, {"title": "Another", "track.altitude": 9.0}))
     qtbot.wait(1200)

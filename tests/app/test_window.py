@@ -131,7 +131,7 @@ def test_the_menu_opens_bundled_scenes(viewer, qtbot):
     assert wanted.description.split()[0] in action.toolTip()
     menu.menu().triggered.emit(action)
     assert viewer.session.scene == wanted
-    assert viewer.panels["parameters"].view.about == wanted.about
+    assert viewer.panels["parameters"].view.about.words == wanted.about
     qtbot.waitUntil(lambda: viewer.complete)
 
 

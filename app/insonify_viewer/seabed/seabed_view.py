@@ -17,7 +17,7 @@ from insonify.kernels.common.types import Poses, SceneArrays
 from insonify_viewer.seabed import pv_meshes
 from insonify_viewer.seabed.cameras import CAMERAS, USUAL
 from insonify_viewer.seabed.pv_meshes import BedPatch, ScanFan, ScanLine
-from insonify_viewer.seabed.seabed_canvas import InteractiveCanvas, OffScreenCanvas, RightClicks, SeabedKeys, Wheel
+from insonify_viewer.seabed.seabed_canvas import InteractiveCanvas, OffScreenCanvas, SeabedInput
 from insonify_viewer.seabed.seabed_guides import SeabedGuides
 from insonify_viewer.seabed.seabed_handles import SeabedHandles
 from insonify_viewer.state.inspection import SoundDrawing
@@ -69,15 +69,19 @@ class SeabedView(QWidget):
         self._canvas.on_turn(self._clip)
         self._canvas.on_hold(self._thin)
         self._canvas.on_click(self.look_at)
-        self._drawn, self._took = 0.0, 0.05
+        self._drawn, self.draw_time = 0.0, 0.05  # when the last drawing ended, and how long it took, in seconds
         self._awaited: Callable[[], None] | None = None
         self._due = QTimer(self, singleShot=True)
         self._due.timeout.connect(self.draw_now)
         self.handles = SeabedHandles(self._canvas.plotter, self._canvas.widget, self._sight, self._later)
         self.guides = SeabedGuides(self._canvas.plotter, self._canvas.widget)
-        RightClicks(self._canvas.widget, self._want_menu)
-        Wheel(self._canvas.widget, lambda place, factor: self.zoom_wanted.emit(*self._look_from(place), factor))
-        self.keys = SeabedKeys(self._canvas.widget, self.turn, self.magnify)
+        SeabedInput(
+            self._canvas.widget,
+            clicked=self._want_menu,
+            wheeled=lambda place, factor: self.zoom_wanted.emit(*self._look_from(place), factor),
+            turned=self.turn,
+            zoomed=self.magnify,
+        )
         self._canvas.widget.setAccessibleName("Seabed in 3-D")
 
     def show_bed(self, patch: BedPatch, picture: NDArray[np.uint8] | None = None) -> None:
@@ -346,7 +350,7 @@ class SeabedView(QWidget):
     def _later(self) -> None:
         """Schedule a drawing, with a pause after the last one."""
         if not self._due.isActive():
-            rest = self._drawn + REST * self._took - time.perf_counter()
+            rest = self._drawn + REST * self.draw_time - time.perf_counter()
             self._due.start(max(int(1000 * rest), 15))
 
     def draw_after(self, update: Callable[[], None]) -> None:
@@ -362,13 +366,8 @@ class SeabedView(QWidget):
         self._due.stop()
         self._show_guides()
         self._canvas.draw()
-        self._took = max(self._canvas.draw_time(), 0.01)
+        self.draw_time = max(self._canvas.draw_time(), 0.01)
         self._drawn = time.perf_counter()
-
-    @property
-    def draw_time(self) -> float:
-        """Seconds that the last drawing took."""
-        return float(self._took)
 
 
 def _place_of(pose: Poses) -> NDArray[np.float64]:

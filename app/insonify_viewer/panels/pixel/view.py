@@ -256,13 +256,13 @@ class BudgetList(ThemedText):
     """Lists the budget of a pixel with bars: terms in decibels, and shares of what returns and hides its sound."""
 
     def __init__(self) -> None:
-        self._groups: list[Group] = []
+        self.groups: list[Group] = []
         self._notes: tuple[str, ...] = ()
         super().__init__("Budget of the pixel", "Terms in decibels that add up to the level of the pixel", NARROW)
 
     def show_explanation(self, explanation: PixelExplanation | None) -> None:
         """List the budget of a pixel; None clears it."""
-        self._groups, self._notes = [], ()
+        self.groups, self._notes = [], ()
         if explanation is not None:
             terms = [(term.name, _level(term.decibels), term.detail, term.decibels) for term in explanation.terms]
             whole = ("pixel", _level(explanation.level), "the sum of" if terms else "", 0.0)
@@ -271,18 +271,14 @@ class BudgetList(ThemedText):
                 (("returned by", "", "", 0.0), _contributions(explanation)),
                 (("hidden by", "", "", 0.0), _obstructions(explanation)),
             )
-            self._groups = [(head, rows) for head, rows in groups if rows or head[1]]
+            self.groups = [(head, rows) for head, rows in groups if rows or head[1]]
             self._notes = explanation.approximations
         self.write()
-
-    def rows(self) -> list[tuple[str, str, str]]:
-        """Name, level and detail of all rows, each group before its own."""
-        return [row[:3] for head, rows in self._groups for row in (head, *rows)]
 
     def text(self) -> str:
         """HTML of the groups and notes."""
         lines = []
-        for head, rows in self._groups:
+        for head, rows in self.groups:
             lines.append(_line(head, "", ACCENT))
             most = max((abs(row[3]) for row in rows if math.isfinite(row[3])), default=0.0)
             lines += [_line(row, _bar(row[3], most), TEXT) for row in rows]

@@ -49,8 +49,8 @@ class PlanView(SidePanel):
         tip = "Measure speed and error of every method on this scene"
         self.chart = push_button("Chart…", tip, style="file", wide=True)
         buttons = fill(QHBoxLayout(), self.automatic, self.chart)
-        self._groups = {True: PlanGroup("Modelled"), False: PlanGroup("Left out")}
-        fill(self.column, self._totals, self._change, buttons, *self._groups.values(), None)
+        self.groups = {True: PlanGroup("Modelled"), False: PlanGroup("Left out")}
+        fill(self.column, self._totals, self._change, buttons, *self.groups.values(), None)
         self._predicted = ""
         self._lit: set[str] = set()
         self.show_change("", "")
@@ -62,7 +62,7 @@ class PlanView(SidePanel):
         self._predicted = f"predicted: error {_share(plan.error)}, {format_duration(plan.cost)} a ping on one thread"
         self._totals.setText(self._predicted)
         forced = dict(modelling.forced)
-        for modelled, group in self._groups.items():
+        for modelled, group in self.groups.items():
             group.show_entries(
                 [entry for entry in plan.entries if entry.modelled is modelled], forced, self.forced.emit
             )
@@ -76,7 +76,7 @@ class PlanView(SidePanel):
 
     def _light_lines(self) -> None:
         light(self._tolerance.label, "tolerance" in self._lit)
-        for group in self._groups.values():
+        for group in self.groups.values():
             for name, line in group.lines.items():
                 line.light(name in self._lit)
 
@@ -99,20 +99,11 @@ class PlanView(SidePanel):
 
     def show_change(self, subject: str, words: str) -> None:
         """Show the effect of the last change; beside its line if one subject changed."""
-        for group in self._groups.values():
-            for name, line in group.lines.items():
-                line.say(words if name == subject else "")
-        beside_none = subject not in {name for group in self._groups.values() for name in group.lines}
+        lines = {name: line for group in self.groups.values() for name, line in group.lines.items()}
+        for name, line in lines.items():
+            line.say(words if name == subject else "")
         self._change.setText(words)
-        self._change.setVisible(bool(words) and beside_none)
-
-    def line(self, subject: str) -> PlanLine:
-        """Find the line of a subject."""
-        return next(group.lines[subject] for group in self._groups.values() if subject in group.lines)
-
-    def subjects(self, *, modelled: bool) -> list[str]:
-        """List the subjects of one group as they are shown."""
-        return list(self._groups[modelled].lines)
+        self._change.setVisible(bool(words) and subject not in lines)
 
 
 class PlanGroup(FoldingBox):

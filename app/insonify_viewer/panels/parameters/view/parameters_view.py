@@ -48,9 +48,9 @@ class ParametersView(SidePanel):
         self.search.textChanged.connect(self.searched)
         self.column.addWidget(self.search)
         self._found: SectionBox | None = None
-        self._about = AboutBox()
-        self._about.label.linkActivated.connect(lambda number: self.followed.emit(int(number)))
-        self.column.addWidget(self._about)
+        self.about = AboutBox()
+        self.about.label.linkActivated.connect(lambda number: self.followed.emit(int(number)))
+        self.column.addWidget(self.about)
         self.effects = EffectsBox(self.ticked.emit)
         self.column.addWidget(self.effects)
         self._glide: QVariantAnimation | None = None
@@ -60,11 +60,6 @@ class ParametersView(SidePanel):
         self._lit: tuple[str, ...] = ()
         self._building = QTimer(self)
         self._building.timeout.connect(self._build)
-
-    @property
-    def about(self) -> str:
-        """The description that is shown."""
-        return self._about.words
 
     def show_at_once(self, show: Callable[[], None]) -> None:
         """Run an update now, instead of one that waits."""
@@ -79,7 +74,7 @@ class ParametersView(SidePanel):
 
     def show_about(self, parts: Sequence[str | Link], tried: Sequence[bool]) -> None:
         """Show the description of the scene; links that are tried at present lead back."""
-        self._about.say(parts, tried)
+        self.about.say(parts, tried)
 
     def glide(self, move: Callable[[float], object], arrive: Callable[[], object]) -> None:
         """Call ``move`` with shares from 0 to 1 during a moment, then ``arrive``; a glide under way arrives first."""
@@ -163,7 +158,7 @@ class ParametersView(SidePanel):
             self._found = SectionBox(section, self, unfolded=True, tools=[])
             self._found.build()
             self.column.insertWidget(1, self._found)
-        self._about.setVisible(section is None and bool(self._about.words))
+        self.about.setVisible(section is None and bool(self.about.words))
         for box in (self.effects, *self._sections.values()):
             box.setVisible(section is None)
 
