@@ -116,7 +116,7 @@ def test_keys_choose_a_point_and_move_it(open_viewer, layered, qtbot):
     QTest.keyPress(view, Qt.Key.Key_Down, Qt.KeyboardModifier.ShiftModifier)
     water = viewer.session.scene.water
     assert (water.depth[1], water.sound_speed[1]) == pytest.approx((11.0, 1518.0 + 7 * 0.2))
-    assert not viewer.session.undoable, "the key is still down"
+    assert not viewer.session.history.undoable, "the key is still down"
     QTest.keyRelease(view, Qt.Key.Key_Right)
     wait_for_rays(viewer, qtbot)
     viewer.session.undo()
@@ -129,9 +129,9 @@ def test_keys_choose_a_point_and_move_it(open_viewer, layered, qtbot):
 def test_a_point_is_settled_when_the_keyboard_leaves_it(open_viewer, layered, qtbot):
     viewer, view = open_with_keyboard(open_viewer, layered, qtbot)
     QTest.keyPress(view, Qt.Key.Key_Left)
-    assert not viewer.session.undoable
+    assert not viewer.session.history.undoable
     viewer.window.waterfall.setFocus()
-    assert viewer.session.undoable
+    assert viewer.session.history.undoable
 
 
 def test_a_key_asks_for_the_rays_to_a_point_of_the_water(open_viewer, layered, qtbot):

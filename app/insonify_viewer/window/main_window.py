@@ -59,8 +59,6 @@ GAIN_REACH = 30  # dB either way
 class MainWindow(QMainWindow):
     """Holds views and panels, and signals the person's requests."""
 
-    gain_changed = Signal(float)
-    speed_changed = Signal(float)
     running_changed = Signal(bool)
     target_wanted = Signal(str)
     closing = Signal()
@@ -277,7 +275,6 @@ class MainWindow(QMainWindow):
         speeds = [(f"{speed:g}×" if speed >= 1 else f"1/{1 / speed:g}×", speed) for speed in SPEEDS]
         self.speed = make_combo(speeds, "Speed of the tow")
         self.speed.setCurrentIndex(SPEEDS.index(1.0))
-        self.speed.activated.connect(lambda: self.speed_changed.emit(self.speed.currentData()))
         bar.addWidget(self.speed)
         bar.addSeparator()
         self.palettes = make_combo([(name, name) for name in palettes], "Palette of the record")
@@ -312,15 +309,11 @@ class MainWindow(QMainWindow):
         self.gain.setAccessibleName("Display gain")
         self._gain_text = QLabel("0 dB")
         self._gain_text.setMinimumWidth(self.fontMetrics().horizontalAdvance("-30.0 dB") + 4)
-        self.gain.valueChanged.connect(self._gain_moved)
+        self.gain.valueChanged.connect(lambda tenths: self._gain_text.setText(f"{tenths / 10:g} dB"))
         bar.addWidget(QLabel("gain"))
         bar.addWidget(self.gain)
         bar.addWidget(self._gain_text)
         self.levels = self._tool(bar, "Auto", "Set gain and contrast from the record on screen", "A")
-
-    def _gain_moved(self, tenths: int) -> None:
-        self._gain_text.setText(f"{tenths / 10:g} dB")
-        self.gain_changed.emit(tenths / 10.0)
 
     def _add_status(self) -> None:
         status = self.statusBar()

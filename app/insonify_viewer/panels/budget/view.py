@@ -14,8 +14,8 @@ from insonify_viewer.widgets.arrow_keys import steps_of
 from insonify_viewer.widgets.buttons import make, make_label
 from insonify_viewer.widgets.layouts import fill, make_splitter
 from insonify_viewer.widgets.painting import PaintedOnce, make_polyline, round_steps
+from insonify_viewer.widgets.text import ThemedText
 from insonify_viewer.widgets.theme import ACCENT, EDGE, MARK, QUIET, RAISED, TEXT, TRAIL, text_scale
-from insonify_viewer.widgets.themed_text import ThemedText
 
 HINT = "Move over the record, or over the curves, to see the terms at another range."
 LEFT, RIGHT, TOP, BOTTOM = 44.0, 10.0, 22.0, 32.0  # px around the plot

@@ -18,6 +18,7 @@ from insonify_viewer.state.inspection import Mark
 from insonify_viewer.widgets.buttons import make_label
 from insonify_viewer.widgets.layouts import fill, make_splitter
 from insonify_viewer.widgets.painting import PaintedOnce, round_steps
+from insonify_viewer.widgets.text import ThemedText
 from insonify_viewer.widgets.theme import (
     ACCENT,
     ACCENT_IN_WATER,
@@ -28,7 +29,6 @@ from insonify_viewer.widgets.theme import (
     TEXT,
     text_scale,
 )
-from insonify_viewer.widgets.themed_text import ThemedText
 
 if TYPE_CHECKING:
     from insonify.explanation.cross_section import CrossSection

@@ -58,9 +58,9 @@ class Comparison:
     @property
     def titles(self) -> tuple[str, str]:
         """Labels of the two records: their titles, or, where these are alike, the first difference."""
-        kept, title = self.kept, self._session.scene.title
+        kept, recording, title = self.kept, self._recordings.recording, self._session.scene.title
         if kept is None:
-            return self._recordings.name, title
+            return "" if recording is None else recording.path.name, title
         if kept.scene.title == title and (changes := self.changes):
             return f"{changes[0].name} {changes[0].before}", f"{changes[0].name} {changes[0].after}"
         return kept.scene.title, title

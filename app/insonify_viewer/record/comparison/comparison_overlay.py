@@ -95,7 +95,7 @@ class ComparisonOverlay(Painted):
 
     def follow(self) -> None:
         """Draw anew if record A has changed; the picture of B draws the overlay with itself."""
-        if self.isVisible() and self._followed != self._a.version:
+        if self.isVisible() and self._followed != self._a.image.version:
             self.update()
 
     def place_of_a(self) -> QRectF:
@@ -151,7 +151,7 @@ class ComparisonOverlay(Painted):
         """Draw record A, or the difference, over the record, and say what is drawn."""
         plot = self._b.plot_area
         self._a.follow()
-        self._followed = self._a.version
+        self._followed = self._a.image.version
         if self._held:
             self._draw_a(painter, plot)
             self._caption(painter, plot, f"A  {self._titles[0]}")
@@ -197,7 +197,7 @@ class ComparisonOverlay(Painted):
         self._caption(painter, right, f"B  {self._titles[1]}")
 
     def _draw_difference(self, painter: QPainter, plot: QRect) -> None:
-        wanted = (self._a.version, self._b.version, self._b.top, QRect(plot))
+        wanted = (self._a.image.version, self._b.image.version, self._b.top, QRect(plot))
         if self.difference is None or wanted != self._difference_of:
             self._difference_of = wanted
             self.difference = draw_difference(self._decibels(), two_sided_table(), EMPTY)
