@@ -20,7 +20,7 @@ from PySide6.QtGui import (
 from PySide6.QtWidgets import QWidget
 
 from insonify_viewer.errors import guard_override
-from insonify_viewer.widgets.painting import Painted
+from insonify_viewer.widgets.painting import Painted, image_of
 
 # PyVista is untyped.
 pv: Any = pyvista
@@ -119,7 +119,7 @@ class OffScreenCanvas:
         """Draw immediately."""
         start = time.perf_counter()
         self.plotter.render()
-        self.widget.show_pixels(np.ascontiguousarray(self.plotter.screenshot(return_img=True)))
+        self.widget.show_pixels(self.plotter.screenshot(return_img=True))
         self._took = time.perf_counter() - start
 
     def draw_time(self) -> float:
@@ -141,8 +141,7 @@ class _PixelsWidget(Painted):
         self.clicked: Callable[[float, float], None] = lambda x, y: None
 
     def show_pixels(self, pixels: NDArray[np.uint8]) -> None:
-        height, width, _ = pixels.shape
-        self._image = QImage(pixels.data, width, height, 3 * width, QImage.Format.Format_RGB888).copy()
+        self._image = image_of(pixels)
         self.update()
 
     @guard_override(None)

@@ -22,7 +22,7 @@ from insonify_viewer.seabed.seabed_guides import SeabedGuides
 from insonify_viewer.seabed.seabed_handles import SeabedHandles
 from insonify_viewer.state.inspection import SoundDrawing
 from insonify_viewer.widgets.layouts import fill
-from insonify_viewer.widgets.painting import LIT
+from insonify_viewer.widgets.painting import LIT, image_of
 from insonify_viewer.widgets.theme import MARK_IN_WATER, text_scale
 
 # PyVista is untyped.
@@ -212,9 +212,7 @@ class SeabedView(QWidget):
 
     def picture(self) -> QImage:
         """Draw the view with three times as many pixels along each side."""
-        pixels = np.ascontiguousarray(self._canvas.plotter.screenshot(return_img=True, scale=3))
-        height, width, _ = pixels.shape
-        return QImage(pixels.data, width, height, 3 * width, QImage.Format.Format_RGB888).copy()
+        return image_of(self._canvas.plotter.screenshot(return_img=True, scale=3))
 
     def turn(self, across: float, up: float) -> None:
         """Turn the scene about the focus of the camera by degrees to the right and upwards, as a drag does."""

@@ -1,6 +1,6 @@
 """Session: the scene, its modelling, contacts, their history, and the marked point; without widgets."""
 
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -129,11 +129,11 @@ class Session:
 
     def undo(self, steps: int = 1) -> None:
         """Go back some steps."""
-        self._step(self.history.undo, steps)
+        self._step(-steps)
 
     def redo(self, steps: int = 1) -> None:
         """Go forward some steps."""
-        self._step(self.history.redo, steps)
+        self._step(steps)
 
     def take_back(self) -> None:
         """Return from a scene that cannot be simulated, without a step to redo."""
@@ -147,10 +147,10 @@ class Session:
             self.mark = mark
             self.marked.emit(mark)
 
-    def _step(self, move: Callable[[int], bool], steps: int) -> None:
+    def _step(self, steps: int) -> None:
         """Move through the history, and announce what differs there."""
         before = self.history.present
-        if not move(steps):
+        if not self.history.step(steps):
             return
         self.said.emit("")
         self._announce_contacts(before)

@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 from PySide6.QtCore import QEvent, QPoint, QPointF, QRect, QRectF, Qt
-from PySide6.QtGui import QColor, QPainter, QPaintEvent, QPen, QPixmap, QPolygonF, QResizeEvent
+from PySide6.QtGui import QColor, QImage, QPainter, QPaintEvent, QPen, QPixmap, QPolygonF, QResizeEvent
 from PySide6.QtWidgets import QWidget
 from shiboken6 import VoidPtr
 
@@ -19,6 +19,7 @@ HEADROOM = 24  # times the upper level that takes the last colour: 28 dB
 POINT = 16  # bytes of a QPointF, two doubles
 wrap_memory: Any = VoidPtr  # its types leave out that it makes a writable buffer of an object
 RING, DOT = 7.0, 3.0  # px
+FORMATS = {1: QImage.Format.Format_Grayscale8, 3: QImage.Format.Format_RGB888, 4: QImage.Format.Format_RGBA8888}
 LIT = "#ff5fd2"  # distinct from the mark and from every palette
 
 
@@ -152,6 +153,14 @@ def two_sided_table() -> NDArray[np.uint32]:
     share = np.linspace(-1.0, 1.0, 256)[:, None]
     mixed = none + np.maximum(-share, 0.0) * (low - none) + np.maximum(share, 0.0) * (high - none)
     return colour_table(np.rint(mixed).astype(np.uint8))
+
+
+def image_of(pixels: NDArray[np.uint8]) -> QImage:
+    """Copy pixels into an image: (rows, columns) grey, or (rows, columns, 3 or 4) red, green, blue, opacity."""
+    pixels = np.ascontiguousarray(pixels)
+    rows, columns = pixels.shape[:2]
+    depth = pixels[0, 0].size
+    return QImage(pixels.data, columns, rows, columns * depth, FORMATS[depth]).copy()
 
 
 def draw_veil(painter: QPainter, area: QRect) -> None:

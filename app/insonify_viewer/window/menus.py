@@ -74,15 +74,9 @@ class HistoryMenus(QObject):
             action.setIconText(word)  # which the tool bar shows
             action.setToolTip(literal(f"{name} ({key})"))
             action.setEnabled(bool(edits))
-            _fill(menu, word, edits)
-
-
-def _fill(menu: QMenu, word: str, edits: Sequence[str]) -> None:
-    """List edits in a menu; an entry undoes or redoes all down to it."""
-    menu.clear()
-    for steps, edit in enumerate(edits[:MOST], 1):
-        entry = menu.addAction(entry_name(f"{word}: {edit}"))
-        entry.setData(steps)
+            menu.clear()
+            for steps, edit in enumerate(edits[:MOST], 1):  # an entry undoes or redoes all down to it
+                menu.addAction(entry_name(f"{word}: {edit}")).setData(steps)
 
 
 class RecentMenu(QMenu):

@@ -12,7 +12,7 @@ from insonify_viewer.panels.chart.chart_details import ChartPicture, RowDetails,
 from insonify_viewer.state.quantities import format_time_left
 from insonify_viewer.widgets.buttons import make_label, push_button
 from insonify_viewer.widgets.layouts import fill, make_splitter
-from insonify_viewer.widgets.painting import Painted, colour_table, column_means, round_steps, two_sided_table
+from insonify_viewer.widgets.painting import Painted, colour_table, column_means, image_of, round_steps, two_sided_table
 from insonify_viewer.widgets.text import window_title
 from insonify_viewer.widgets.theme import ACCENT, EDGE, GROUND, MARK, QUIET, TEXT
 
@@ -123,10 +123,8 @@ class _ChartPictureView(Painted):
         self.setToolTip("Click a point, or step through the points with ← →, to see its record")
 
     def show_chart(self, chart_picture: ChartPicture) -> None:
-        height, width = chart_picture.pixels.shape[:2]
         self._chart_picture, self._chosen = chart_picture, None
-        # The image shares the memory of the array, which lives as long as the chart is shown.
-        self._image = QImage(chart_picture.pixels.data, width, height, 4 * width, QImage.Format.Format_RGBA8888)
+        self._image = image_of(chart_picture.pixels)
         self.update()
 
     def show_chosen(self, row: object) -> None:

@@ -24,7 +24,7 @@ from insonify_viewer.errors import guard_override
 from insonify_viewer.record.record_overlays import draw_cross
 from insonify_viewer.state.quantities import nearest_within
 from insonify_viewer.widgets.arrow_keys import ENTER, modifiers_of, steps_of
-from insonify_viewer.widgets.painting import PaintedOnce, round_steps, rounded_pen
+from insonify_viewer.widgets.painting import PaintedOnce, image_of, round_steps, rounded_pen
 from insonify_viewer.widgets.theme import (
     ACCENT,
     ACCENT_IN_WATER,
@@ -300,20 +300,14 @@ def water_picture(diagram: RayDiagram, slowest: float, fastest: float) -> QImage
     speed = diagram.layers.speed_at(*place_along_axis(diagram.layers, x[None, :]), depth[:, None])
     share = (np.broadcast_to(speed, (ROWS, COLUMNS)) - slowest) / (fastest - slowest)
     places = np.linspace(0.0, 1.0, len(NIGHT))
-    return _image(np.stack([np.interp(share, places, tone) for tone in NIGHT.T], axis=-1).astype(np.uint8), "RGB888")
+    return image_of(np.stack([np.interp(share, places, tone) for tone in NIGHT.T], axis=-1).astype(np.uint8))
 
 
 def shadow_picture(diagram: RayDiagram) -> QImage:
     """Picture of the shadow zones, which no direct ray reaches."""
     shade = np.zeros((*diagram.shadow.shape, 4), dtype=np.uint8)
     shade[diagram.shadow] = SHADE
-    return _image(shade, "RGBA8888")
-
-
-def _image(pixels: NDArray[np.uint8], name: str) -> QImage:
-    pixels = np.ascontiguousarray(pixels)
-    rows, columns, depth = pixels.shape
-    return QImage(pixels.data, columns, rows, columns * depth, getattr(QImage.Format, f"Format_{name}")).copy()
+    return image_of(shade)
 
 
 def paint_water(painter: QPainter, diagram: RayDiagram, frame: PlotScales, water: QImage, shadow: QImage) -> None:

@@ -61,20 +61,11 @@ class ParametersView(SidePanel):
         self._building = QTimer(self)
         self._building.timeout.connect(self._build)
 
-    def show_at_once(self, show: Callable[[], None]) -> None:
-        """Run an update now, instead of one that waits."""
-        self.soon.stop()
-        show()
-
     def stop_waiting(self) -> None:
         """Drop what waits."""
         for timer in (self.soon, self.still, self._building):
             timer.stop()
         self.drop_glide()
-
-    def show_about(self, parts: Sequence[str | Link], tried: Sequence[bool]) -> None:
-        """Show the description of the scene; links that are tried at present lead back."""
-        self.about.say(parts, tried)
 
     def glide(self, move: Callable[[float], object], arrive: Callable[[], object]) -> None:
         """Call ``move`` with shares from 0 to 1 during a moment, then ``arrive``; a glide under way arrives first."""

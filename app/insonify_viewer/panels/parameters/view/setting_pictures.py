@@ -24,7 +24,7 @@ from insonify.display.scene_curves import (
 from insonify.scene import Scene, SceneError
 from insonify.scene.seabed.reliefs.fractal import Fractal
 from insonify_viewer.state.quantities import nearest_within
-from insonify_viewer.widgets.painting import Painted, make_polyline, round_steps
+from insonify_viewer.widgets.painting import Painted, image_of, make_polyline, round_steps
 from insonify_viewer.widgets.theme import ACCENT, EDGE, GROUND, MARK, QUIET, RAISED, TEXT, scaled
 
 LEFT = 8.0  # px, before curves and spectrum
@@ -282,9 +282,7 @@ class SpectrumPicture(SettingPicture):
 
 def _image(spectrum: ReliefSpectrum) -> QImage:
     """Make the grey picture of a spectrum, fy upwards."""
-    grey = np.ascontiguousarray((255.0 * (1.0 - spectrum.decibels[::-1] / FLOOR)).astype(np.uint8))
-    rows, columns = grey.shape
-    return QImage(grey.data, columns, rows, columns, QImage.Format.Format_Grayscale8).copy()
+    return image_of((255.0 * (1.0 - spectrum.decibels[::-1] / FLOOR)).astype(np.uint8))
 
 
 def pictures_of_settings() -> dict[str, SettingPicture]:
