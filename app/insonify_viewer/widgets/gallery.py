@@ -21,9 +21,12 @@ class Gallery(QDialog):
         super().__init__(window)
         self.setAttribute(Qt.WidgetAttribute.WA_DeleteOnClose)
         self.setWindowTitle(title)
-        laid = {"viewMode": QListView.ViewMode.IconMode, "resizeMode": QListView.ResizeMode.Adjust}
-        laid |= {"movement": QListView.Movement.Static, "iconSize": PICTURE, "gridSize": CELL, "wordWrap": True}
-        self.list = make(QListWidget, objectName="choices", accessibleName=title, **laid)
+        self.list = make(QListWidget, objectName="choices", accessibleName=title, wordWrap=True)
+        self.list.setViewMode(QListView.ViewMode.IconMode)
+        self.list.setResizeMode(QListView.ResizeMode.Adjust)
+        self.list.setMovement(QListView.Movement.Static)
+        self.list.setIconSize(PICTURE)
+        self.list.setGridSize(CELL)
         self.list.itemClicked.connect(self._pick)
         self.list.itemActivated.connect(self._pick)  # by Enter
         fill(QVBoxLayout(self), self.list, margins=(6, 6, 6, 6))

@@ -340,11 +340,13 @@ class ContactListView(QWidget):
 
 
 def _make_table() -> QTableWidget:
-    whole, single = QTableWidget.SelectionBehavior.SelectRows, QTableWidget.SelectionMode.SingleSelection
-    picked = {"selectionBehavior": whole, "selectionMode": single, "tabKeyNavigation": False}
-    fixed = {"editTriggers": QTableWidget.EditTrigger.NoEditTriggers, "showGrid": False, "iconSize": QSize(ICON, ICON)}
-    table = make(QTableWidget, 0, len(COLUMNS), objectName="contacts", accessibleName="Contacts", **picked, **fixed)
+    table = make(QTableWidget, 0, len(COLUMNS), objectName="contacts", accessibleName="Contacts", showGrid=False)
+    table.setEditTriggers(QTableWidget.EditTrigger.NoEditTriggers)
+    table.setSelectionBehavior(QTableWidget.SelectionBehavior.SelectRows)
+    table.setSelectionMode(QTableWidget.SelectionMode.SingleSelection)
+    table.setTabKeyNavigation(False)
     table.setHorizontalHeaderLabels([title for title, _ in COLUMNS])
+    table.setIconSize(QSize(ICON, ICON))
     table.setMinimumHeight(4 * ICON)
     table.setToolTip("A double click, or Enter, shows the contact in its record; a click on a heading sorts")
     table.verticalHeader().hide()
