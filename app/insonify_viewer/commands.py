@@ -43,7 +43,7 @@ LIBRARIES = (
     "libxcb-cursor0 libxcb-icccm4 libxcb-keysyms1 libxcb-shape0 libxkbcommon-x11-0"
 )
 APT = f"apt-get install {LIBRARIES}"
-MOVIES, MOVIE_SIZE = (".webp", ".gif", ".mp4"), (880, 480)
+MOVIES, MOVIE_SIZE = (".webp", ".gif", ".mp4"), "880x480"
 WINDOW_LIBRARIES = (
     "libxcb.so.1",
     "libxcb-cursor.so.0",
@@ -96,10 +96,10 @@ def register(subparsers: Any) -> None:
     )
     add_scene(movie)
     add_output(movie, MOVIES)
-    seconds, size = bounded(1.0, 600.0, "1 to 600 seconds"), f"{MOVIE_SIZE[0]}x{MOVIE_SIZE[1]}"
+    seconds = bounded(1.0, 600.0, "1 to 600 seconds")
     movie.add_argument("--seconds", type=seconds, default=10.0, metavar="S", help="duration (default: %(default)g)")
     movie.add_argument(
-        "--size", type=_size, default=MOVIE_SIZE, metavar="WxH", help=f"width and height in pixels (default: {size})"
+        "--size", type=_size, default=MOVIE_SIZE, metavar="WxH", help="pixels across and down (default: %(default)s)"
     )
     movie.set_defaults(run=run_movie)
 

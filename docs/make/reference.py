@@ -52,11 +52,22 @@ def _help(parser: argparse.ArgumentParser) -> str:
 
 def _command(name: str, parser: argparse.ArgumentParser) -> str:
     """Describe one command and its arguments."""
-    actions = [action for action in parser._actions if not isinstance(action, argparse._HelpAction)]
+    actions: list[argparse.Action] = []
+    for action in parser._actions:
+        if isinstance(action, argparse._SubParsersAction):
+            actions += [_branch(each, action.choices[each.dest]) for each in action._choices_actions]
+        elif not isinstance(action, argparse._HelpAction):
+            actions.append(action)
     rows = [f"| {_spelling(action)} | {_default(action)} | {_meaning(action)} |" for action in actions]
     epilog = [parser.epilog.replace("%(prog)s", parser.prog), ""] if parser.epilog else []
     table = ["| argument | default | meaning |", "|---|---|---|", *rows, ""]
     return "\n".join([f"## insonify {name}", "", _help(parser), "", *table, *epilog])
+
+
+def _branch(named: argparse.Action, parser: argparse.ArgumentParser) -> argparse.Action:
+    """Describe a sub-command as one argument, with the arguments that follow it."""
+    follow = [str(action.metavar) for action in parser._actions if not action.option_strings]
+    return argparse.Action([], named.dest, nargs="*", metavar=" ".join([named.dest, *follow]), help=named.help)
 
 
 def _spelling(action: argparse.Action) -> str:

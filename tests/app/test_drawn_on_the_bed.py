@@ -81,7 +81,7 @@ def far_ends(triangles: np.ndarray) -> np.ndarray:
 
 def test_the_fan_ends_at_the_pipe_and_leaves_its_shadow_out():
     simulation = prepare(edit(load_scene("pipe-on-bed"), {"track.pings": 64}))
-    triangles = fan_sheet(simulation, 40)
+    triangles = fan_sheet(simulation, 40).lit
     sonar = simulation.poses(np.array([40]))
     np.testing.assert_allclose(triangles[:, 0], [[sonar.x[0], sonar.y[0], sonar.z[0]]] * len(triangles))
     ends = far_ends(triangles)
@@ -97,9 +97,44 @@ def test_the_fan_ends_at_the_pipe_and_leaves_its_shadow_out():
     assert not ((np.minimum(one, other) < -33.3) & (np.maximum(one, other) > -30.6)).any()
 
 
+@pytest.mark.parametrize(("name", "clear"), [("pipe-on-bed", 0.0), ("pipe-span", 1.0)])
+def test_a_shadow_is_the_triangle_between_tangents_and_bed(name, clear):
+    simulation = prepare(edit(load_scene(name), {"track.pings": 64, "targets.0.gap": clear}))
+    shaded = fan_sheet(simulation, 40).shaded
+    sonar = simulation.poses(np.array([40]))
+    height, (y, z, radius) = float(sonar.z[0]), (-30.0, 0.5 + clear, 0.5)
+    # Two tangents from the sonar to the pipe, and where they meet the level bed, at most where the pipe touches it.
+    towards, half = np.arctan2(z - height, -y), np.arcsin(radius / np.hypot(y, z - height))
+    near, far = (height / np.tan(-(towards + turn)) for turn in (-half, half))
+    on_bed = shaded[np.abs(shaded[..., 2]) < 1e-6][:, 1]
+    assert on_bed.min() == pytest.approx(-far, rel=1e-3)
+    if clear:
+        assert on_bed.max() == pytest.approx(-near, rel=1e-3)
+    one, other = shaded[:, 1] - shaded[:, 0], shaded[:, 2] - shaded[:, 0]
+    area = 0.5 * np.linalg.norm(np.cross(one, other), axis=1).sum()
+    tangent = np.sqrt(y**2 + (z - height) ** 2 - radius**2)
+    whole = 0.5 * (far - near) * height  # of the sonar and the bed between the tangents
+    before = radius * tangent - (np.pi / 2.0 - half) * radius**2  # between the sonar and the face of the pipe
+    if clear:
+        assert area == pytest.approx(whole - before, rel=0.01)
+
+
+def test_shadows_gather_as_the_fish_passes_and_go_with_the_scene(open_viewer, qtbot):
+    viewer = open_viewer(edit(load_scene("pipe-on-bed"), {"track.pings": 64, "sonar.bins": 500}), prepare=None)
+    view = viewer.seabed.view
+    viewer.seabed.show_shadows(True)
+    for count, ping in enumerate((40, 41, 42), start=1):
+        viewer.go_to(ping)
+        qtbot.waitUntil(lambda count=count: len(view.shadows) >= count)
+    assert view._shadow_actor.visibility
+    viewer.seabed.show_shadows(False)
+    qtbot.waitUntil(lambda: not view.shadows)
+    assert not view._shadow_actor.visibility
+
+
 def test_triangles_are_few_and_narrow():
     simulation = prepare(edit(load_scene("default"), {"track.pings": 64}))
-    triangles = fan_sheet(simulation, 40)
+    triangles = fan_sheet(simulation, 40).lit
     ends = far_ends(triangles).reshape(-1, 2, 3) - triangles[:, :1]
     unit = ends / np.linalg.norm(ends, axis=2, keepdims=True)
     angle = np.arccos(np.clip((unit[:, 0] * unit[:, 1]).sum(axis=1), -1.0, 1.0))
@@ -113,7 +148,7 @@ def test_the_window_shows_the_fan_that_is_cut(open_viewer, qtbot):
     viewer = open_viewer(edit(load_scene("pipe-on-bed"), {"track.pings": 64, "sonar.bins": 500}), prepare=None)
     viewer.go_to(40)
     view = viewer.seabed.view
-    expected = fan_sheet(viewer._answer.simulation, 40)
+    expected = fan_sheet(viewer._answer.simulation, 40).lit
 
     def shown():
         points = np.asarray(pv.wrap(view._sheet_actor.mapper.GetInput()).points)
@@ -125,7 +160,8 @@ def test_the_window_shows_the_fan_that_is_cut(open_viewer, qtbot):
 @pytest.mark.parametrize("name", ["double-image", "endless"])
 def test_a_fan_without_a_section_is_drawn_whole(name):
     simulation = prepare(edit(load_scene(name), {"track.pings": 32}), forced={"planes": "1"})
-    triangles = fan_sheet(simulation, 10)
+    triangles, shaded = fan_sheet(simulation, 10)
+    assert not len(shaded)
     assert triangles.shape[1:] == (3, 3)
     assert np.isfinite(triangles).all()
 

@@ -1,5 +1,6 @@
 """Jobs beside the window: begun, followed and stopped, also by the keyboard alone, with nothing half-written."""
 
+import math
 import threading
 import time
 from collections.abc import Callable
@@ -19,8 +20,14 @@ from insonify.commands.render import write
 from insonify.display.display_options import DisplayOptions
 from insonify.io.records import read_record
 from insonify.scene import bundled_scenes, edit, load_scene
-from insonify_viewer.panels.jobs import view as jobs_window
-from insonify_viewer.panels.jobs.view import JobsView
+from insonify.surveys.datasets.scenes import draw_scene
+from insonify.surveys.datasets.specification import DatasetSpecification
+from insonify.surveys.lines.specification import SurveySpecification
+from insonify.surveys.lines.work import lay_lines
+from insonify.surveys.specification import read_specification
+from insonify_viewer.panels.jobs.view import jobs_view as jobs_window
+from insonify_viewer.panels.jobs.view.jobs_view import JobsView
+from insonify_viewer.panels.jobs.view.questions import PRESENT, DatasetQuestion, SurveyQuestion
 from insonify_viewer.state.quantities import format_time_left
 from insonify_viewer.work import jobs as background_job
 from insonify_viewer.work.jobs import CommandJob, Stage, State, ThreadJob
@@ -116,13 +123,75 @@ def test_charts_data_sets_and_pages_are_commands(open_viewer, knife, tmp_path, m
     monkeypatch.setattr(viewer.jobs, "begin", lambda title, arguments, result: begun.append(tuple(arguments)))
     view = jobs_of(viewer)
     view.chart_wanted.emit("convergence", tmp_path / "chart.png")
-    view.dataset_wanted.emit("mines", 3, tmp_path / "mines")
+    records = [tmp_path / "a.xtf", tmp_path / "b.xtf"]
+    view.mosaic_wanted.emit(records, tmp_path / "mosaic.tif")
+    monkeypatch.setattr(DatasetQuestion, "exec", lambda question: fill(question, tmp_path / "mines", "mines"))
+    view.dataset_wanted.emit()
     view.stability_wanted.emit(tmp_path / "page.html")
-    (chart, scene_file, *of), dataset, page = begun
+    (chart, scene_file, *of), mosaic, dataset, page = begun
     assert (chart, *of) == ("chart", "--of", "convergence", "-o", str(tmp_path / "chart.png"))
     assert Path(scene_file).suffix == ".toml"
+    assert mosaic == (
+        "mosaic",
+        *(str(tmp_path / name) for name in ("a.xtf", "b.xtf")),
+        "-o",
+        str(tmp_path / "mosaic.tif"),
+    )
     assert dataset == ("dataset", "mines", "-o", str(tmp_path / "mines"), "--scenes", "3")
     assert page == ("stability", "-o", str(tmp_path / "page.html"))
+
+
+def fill(question: DatasetQuestion, folder: Path, name: str, **ranges: tuple[str, str]) -> bool:
+    """Answer the question about a data set: folder, specification, and the texts of fields that are drawn."""
+    question._folder.setText(str(folder))
+    question.specification.setCurrentText(name)
+    question.scenes.setValue(3)
+    for row, field in enumerate(question._fields):
+        for column, text in enumerate(ranges.get(field.path.replace(".", "_"), ())):
+            question.drawn.item(row, column + 1).setText(text)
+    return True
+
+
+def test_a_data_set_of_the_scene_draws_fields_and_places(open_viewer, tmp_path, monkeypatch):
+    scene = edit(load_scene("default"), {"track.pings": 64})
+    viewer = open_viewer(scene)
+    begun = []
+    monkeypatch.setattr(viewer.jobs, "begin", lambda title, arguments, result: begun.append(arguments[1]))
+    ranges = {"track_altitude": ("6", "900 cm"), "seabed_seed": ("1", "50")}
+    monkeypatch.setattr(DatasetQuestion, "exec", lambda question: fill(question, tmp_path / "set", PRESENT, **ranges))
+    jobs_of(viewer).dataset_wanted.emit()
+    specification = read_specification(begun[0], DatasetSpecification, {}, {})
+    drawn = [draw_scene(specification, load_scene(specification.base), number) for number in range(20)]
+    altitudes = [one.scene.track.altitude for one in drawn]
+    assert all(6.0 <= altitude <= 9.0 for altitude in altitudes)
+    assert max(altitudes) - min(altitudes) > 1.0
+    assert {len(one.scene.targets) for one in drawn} == {0, len(scene.targets)}  # a fifth of the scenes shows none
+    assert {"pipe", "sphere"} == {target.kind for one in drawn for target in one.scene.targets}
+    places = {one.scene.targets[0].position for one in drawn if one.scene.targets}
+    assert len(places) > 10
+
+
+def test_a_survey_of_the_scene_covers_the_area_of_the_question(open_viewer, knife, tmp_path, monkeypatch):
+    viewer = open_viewer(edit(knife, {"track.heading": 30.0, "track.start": [5.0, -3.0]}))
+    begun = []
+    monkeypatch.setattr(viewer.jobs, "begin", lambda title, arguments, result: begun.append(arguments[1]))
+
+    def answer(question: SurveyQuestion) -> bool:
+        for spin, value in ((question.length, 40.0), (question.width_, 60.0), (question.spacing, 20.0)):
+            spin.setValue(value)
+        question.overlap.setCurrentText("nearest")
+        return True
+
+    monkeypatch.setattr(SurveyQuestion, "exec", answer)
+    jobs_of(viewer).survey_wanted.emit()
+    specification = read_specification(begun[0], SurveySpecification, {}, {})
+    assert specification.mosaic.overlap == "nearest"
+    lines = lay_lines(specification)
+    ahead, aside = np.array([math.sqrt(0.75), 0.5]), np.array([-0.5, math.sqrt(0.75)])
+    for line, offset in zip(lines, (-20.0, 0.0, 20.0), strict=True):
+        ends = np.array([line.start, line.end]) - (5.0, -3.0)
+        np.testing.assert_allclose(sorted(ends @ ahead), [0.0, 40.0], atol=0.01)
+        np.testing.assert_allclose(ends @ aside, offset, atol=0.01)
 
 
 def test_a_data_set_is_stopped_with_its_workers(open_viewer, knife, qtbot, tmp_path):

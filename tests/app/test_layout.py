@@ -13,11 +13,11 @@ from PySide6.QtWidgets import QMenu, QToolBar, QToolButton, QWidget
 
 import insonify_viewer
 from insonify.scene import bundled_scenes, edit, load_scene
-from insonify_viewer.panels.parameters.sections import sections_of
 from insonify_viewer.panels.parameters.view.parameters_view import ParametersView
 from insonify_viewer.record.projection import name_scale, plot_at_true_scale
 from insonify_viewer.record.record_overlays import draw_measured, write_towed
 from insonify_viewer.state.inspection import Mark
+from insonify_viewer.state.sections import sections_of
 from insonify_viewer.widgets.field_rows import Combo, NameLabel
 from insonify_viewer.widgets.theme import Theme, apply_theme
 from insonify_viewer.window.help_dialogs import AboutDialog, KeysDialog

@@ -10,12 +10,13 @@ from insonify.lessons.lesson import load_lessons, parse_lesson
 from insonify.lessons.states import LessonState, split_move, states_of
 from insonify.planning import plan
 from insonify.scene import edit
-from insonify_viewer.application import keep_display
+from insonify_viewer.application import enlarge_text, keep_display
 from insonify_viewer.panels.lessons.progress import Progress
-from insonify_viewer.panels.parameters.sections import sections_of
 from insonify_viewer.state.history import Modelling
+from insonify_viewer.state.sections import sections_of
 from insonify_viewer.state.session import Session
 from insonify_viewer.widgets.theme import Theme
+from insonify_viewer.window.settings import SIZES
 
 LESSON = """+++
 title = "Range"
@@ -368,6 +369,23 @@ def test_a_lecture_is_full_screen_in_large_type(open_viewer, small, qtbot):
     page.lecture.click()
     assert not window.isFullScreen()
     assert (page.text.font().pointSizeF(), window.waterfall.font().pointSizeF()) == pytest.approx(before)
+
+
+@pytest.mark.usefixtures("lessons")
+@pytest.mark.parametrize("size", SIZES)
+def test_above_a_lesson_the_record_keeps_more_than_half_of_the_screen_of_a_lecture(
+    size, open_viewer, small, qtbot, qapp
+):
+    usual = qapp.font()
+    enlarge_text(qapp, size)
+    try:
+        viewer, _ = started(open_viewer, small, qtbot)
+        window, record = viewer.window, viewer.window.waterfall
+        window.lecture.action.trigger()
+        qtbot.waitUntil(lambda: record.width() * record.height() > 0.5 * window.width() * window.height())
+        window.lecture.action.trigger()
+    finally:
+        qapp.setFont(usual)
 
 
 @pytest.mark.parametrize("name", [lesson.name for lesson in load_lessons()])

@@ -6,10 +6,10 @@ import pytest
 from insonify.scene import edit
 from insonify.scene_edits import add_dependent_edits
 from insonify.simulation import prepare
-from insonify_viewer.panels.parameters.sections import sections_of
 from insonify_viewer.seabed.bed_shading import target_colours
 from insonify_viewer.seabed.pv_meshes import targets_mesh
 from insonify_viewer.state.fields import ChoiceField, NumberField
+from insonify_viewer.state.sections import sections_of
 from insonify_viewer.window.target_placement import target_menu
 from own_kinds import own_kinds, own_scene
 

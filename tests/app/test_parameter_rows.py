@@ -11,7 +11,6 @@ from field_changes import RELIEFS, with_relief
 from insonify.display.scene_curves import beam_curve
 from insonify.scene import SceneError, bundled_scenes, edit, load_scene
 from insonify.scene.edit import parse_quantity
-from insonify_viewer.panels.parameters.sections import FieldSection, sections_of
 from insonify_viewer.panels.parameters.values import follow_values
 from insonify_viewer.panels.parameters.view import setting_pictures as registry
 from insonify_viewer.panels.parameters.view.setting_pictures import CurvesPicture, SpectrumPicture
@@ -22,6 +21,7 @@ from insonify_viewer.state.quantities import (
     slider_position,
     slider_value,
 )
+from insonify_viewer.state.sections import FieldSection, sections_of
 from insonify_viewer.state.session import Session
 
 

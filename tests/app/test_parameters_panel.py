@@ -12,13 +12,13 @@ from insonify.scene import bundled_scenes, edit, load_scene
 from insonify.simulation import prepare
 from insonify.statistics.record_errors import compute_errors, find_first_bin
 from insonify_viewer.panels.parameters.effects import EFFECTS
-from insonify_viewer.panels.parameters.sections import pinned_section, sections_of
 from insonify_viewer.panels.parameters.values import Trials, row_of
 from insonify_viewer.panels.parameters.view import parameters_view
 from insonify_viewer.panels.parameters.view.parameters_view import ParametersView
 from insonify_viewer.panels.parameters.view.section_box import SectionBox
 from insonify_viewer.record.comparison.record_difference import visible_share
 from insonify_viewer.state.fields import name_edit, name_field
+from insonify_viewer.state.sections import pinned_section, sections_of
 from insonify_viewer.state.session import Session
 
 

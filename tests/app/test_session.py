@@ -10,11 +10,11 @@ import pytest
 
 from insonify.io.contacts import Contact, read_contacts, write_contacts
 from insonify.scene import SceneError, bundled_scenes, edit, load_scene
-from insonify_viewer.panels.parameters.sections import sections_of
 from insonify_viewer.record.record import Record
 from insonify_viewer.state.fields import ChoiceField, NumberField
 from insonify_viewer.state.history import UNDO_DEPTH
 from insonify_viewer.state.inspection import Mark
+from insonify_viewer.state.sections import sections_of
 from insonify_viewer.state.session import ContactList, Session
 from insonify_viewer.state.tow_clock import TowClock
 

@@ -9,9 +9,9 @@ from PySide6.QtWidgets import QApplication, QFileDialog, QToolButton
 from stand_in import StandIn, ground_of
 
 from insonify.scene import SceneError, edit, resources
-from insonify_viewer.panels.parameters.sections import sections_of
 from insonify_viewer.seabed.bed_shading import target_colours
 from insonify_viewer.seabed.pv_meshes import CLOUD, frustum_mesh, targets_mesh, volumes_mesh
+from insonify_viewer.state.sections import sections_of
 from insonify_viewer.widgets.field_rows import FileRow
 from insonify_viewer.widgets.gallery import Gallery
 from insonify_viewer.window.target_placement import new_target, target_menu
@@ -186,6 +186,11 @@ def test_volumes_are_drawn_where_they_echo_and_follow_an_edit(open_viewer, small
     viewer = open_viewer(scene)
     drawn = viewer.seabed.view._volumes_actor
     qtbot.waitUntil(lambda: bool(drawn.visibility))
+    usual = drawn.prop.opacity
+    viewer.seabed.view.fade_bed(True)
+    assert drawn.prop.opacity < 0.5 * usual
+    viewer.seabed.view.fade_bed(False)
+    assert drawn.prop.opacity == usual
     viewer.session.settle({"volumes.0.position.2": -8.0})
     qtbot.waitUntil(lambda: abs(np.asarray(drawn.mapper.dataset.points)[:CLOUD, 2].mean() - depth + 8.0) < 0.1)
     viewer.session.settle({"volumes": []})

@@ -3,12 +3,13 @@
 ``INSONIFY_REAL_PICTURES=FOLDER pytest -m bench -s tests/bench/test_sim_to_real.py``: the folder has sub-folders
 ``ship``, ``plane`` and ``seafloor`` with pictures of any size. ``INSONIFY_SIM_SCENES`` is the number of scenes of a set
 (40), ``INSONIFY_SIM_SETS`` a folder in which the sets are kept and grow. Where PyTorch is installed, networks learn
-too; ``INSONIFY_SIM_NETWORK`` gives their steps and channels (``1000,40``; minutes on a GPU, hours without). No real
+too; ``INSONIFY_SIM_NETWORK`` gives their steps and channels (``3000,40``; minutes on a GPU, hours without). No real
 picture is used before the test.
 """
 
 import json
 import os
+from importlib.util import find_spec
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -28,7 +29,7 @@ SCENES = int(os.environ.get("INSONIFY_SIM_SCENES", "40"))
 NAMES = ("seabed", "ship", "aircraft")
 FOLDERS = {"seafloor": 0, "ship": 1, "plane": 2}
 SETS = ("wrecks", "aircraft", "seabed")
-STEPS, WIDTH = map(int, os.environ.get("INSONIFY_SIM_NETWORK", "1000,40").split(","))
+STEPS, WIDTH = map(int, os.environ.get("INSONIFY_SIM_NETWORK", "3000,40").split(","))
 SIDE, CHIP, SEEDS, DRAWS = 128, 160, 3, 1000
 RECORD = Path(os.environ.get("INSONIFY_REAL_DATA", ""), "xtf", "scotsman-iver2.xtf")
 # Of its wreck: side, first and last metre along the track, greatest ground range; the mast's shadow reaches farther.
@@ -179,18 +180,17 @@ def forests(chips) -> list[Any]:
     return [forest.fit(features, classes) for forest in trees]
 
 
-def by_trees(forests: list[Any], pictures: list[Image.Image]) -> list[np.ndarray]:
-    """Chances of the classes of pictures by forests of random trees."""
-    seen = np.array([describe(as_shown(picture)) for picture in pictures])
-    return [forest.predict_proba(seen) for forest in forests]
+@pytest.fixture(scope="module")
+def networks(chips) -> list[Any]:
+    """Networks trained on all chips, on a GPU where there is one; none without PyTorch."""
+    if not find_spec("torch"):
+        return []
+    import torch
 
-
-def by_network(chips: list[Chip], pictures: list[Image.Image]) -> list[np.ndarray]:
-    """Chances of the classes of pictures by networks, on a GPU where there is one."""
-    torch = pytest.importorskip("torch")
     if torch.cuda.is_available():
         torch.set_default_device("cuda")
-    import small_network
+        torch.backends.cudnn.benchmark = True
+    import small_network  # makes tensors on the device set
 
     device = torch.get_default_device()
     greys = torch.stack([torch.from_numpy(np.array(chip.picture.resize((CHIP, CHIP))))[None] for chip in chips])
@@ -200,11 +200,21 @@ def by_network(chips: list[Chip], pictures: list[Image.Image]) -> list[np.ndarra
         torch.tensor(np.array(boxes), dtype=torch.float32, device=device),
         torch.tensor([chip.number for chip in chips], device=device),
     )
-    seen = torch.stack([small_network.as_seen(picture) for picture in pictures]).to(device)
-    return [
-        small_network.chances(small_network.learn(*learned, seed=seed, steps=STEPS, width=WIDTH), seen)
-        for seed in range(SEEDS)
-    ]
+    return [small_network.learn(*learned, seed=seed, steps=STEPS, width=WIDTH) for seed in range(SEEDS)]
+
+
+def by_each(forests: list[Any], networks: list[Any], pictures: list[Image.Image]) -> dict[str, list[np.ndarray]]:
+    """Chances of the classes of pictures by each forest, by each network, and by both."""
+    features = np.array([describe(as_shown(picture)) for picture in pictures])
+    found = {"trees": [forest.predict_proba(features) for forest in forests]}
+    if networks:
+        import small_network
+        import torch
+
+        seen = torch.stack([small_network.as_seen(picture) for picture in pictures]).to(torch.get_default_device())
+        found["network"] = [small_network.chances(network, seen) for network in networks]
+        found["both"] = [(one + other) / 2.0 for one, other in zip(*found.values(), strict=True)]
+    return found
 
 
 def report(name: str, chances: list[np.ndarray], truth: np.ndarray, say) -> dict[str, float]:
@@ -219,15 +229,11 @@ def report(name: str, chances: list[np.ndarray], truth: np.ndarray, say) -> dict
     return found
 
 
-def test_what_is_learned_from_simulation_tells_real_pictures_apart(chips, forests, say):
+def test_what_is_learned_from_simulation_tells_real_pictures_apart(chips, forests, networks, say):
     pictures, truth = real()
-    say(f"{SCENES} scenes a set, {len(chips)} chips")
-    trees = by_trees(forests, pictures)
-    assert report("trees", trees, truth, say)["AUC object"] > 0.95
-    networks = by_network(chips, pictures)
-    report(f"network of {STEPS} steps, {WIDTH} channels", networks, truth, say)
-    both = [(one + other) / 2.0 for one, other in zip(trees, networks, strict=True)]
-    assert report("both", both, truth, say)["AUC object"] > 0.95
+    say(f"{SCENES} scenes a set, {len(chips)} chips; networks of {STEPS} steps, {WIDTH} channels")
+    for name, chances in by_each(forests, networks, pictures).items():
+        assert report(name, chances, truth, say)["AUC object"] > 0.95
 
 
 class Window(NamedTuple):
@@ -247,7 +253,7 @@ class Window(NamedTuple):
 
 
 @pytest.mark.skipif(not RECORD.exists(), reason="INSONIFY_REAL_DATA has no real recording")
-def test_what_is_learned_from_simulation_finds_the_wreck_of_a_real_record(forests, say):
+def test_what_is_learned_from_simulation_finds_the_wreck_of_a_real_record(forests, networks, say):
     sheet = gather_record_sheet(read_record(RECORD), DisplayOptions(ground_range=True, newest_on_top=False))
     greys = np.uint8(255.0 * np.clip(sheet.amplitude / np.percentile(sheet.amplitude, 99.5), 0.0, 1.0))
     cell = sheet.along / len(greys)
@@ -261,20 +267,20 @@ def test_what_is_learned_from_simulation_finds_the_wreck_of_a_real_record(forest
         for column in range(0, middle - size + 1, size // 4)
     ]
     shown = [Image.fromarray(sides[side][row : row + n, column : column + n]) for side, row, column, n in windows]
-    chance = 1.0 - np.mean(by_trees(forests, shown), axis=0)[:, 0]
-    found: list[int] = []  # the best first, without those that lie over a better one
-    for number in np.argsort(-chance):
-        if all(windows[number].overlap(windows[better]) < 0.3 for better in found):
-            found.append(number)
-    centre = cell * (np.array(windows)[found, 1:3] + np.array(windows)[found, 3:] / 2.0)
-    side, first, last, reach = WRECK
-    is_wreck = (np.array(windows)[found, 0] == side) & (first < centre[:, 0]) & (centre[:, 0] < last)
-    is_wreck &= centre[:, 1] < reach
     area = 2.0 * sheet.reach * sheet.along / 1e6
-    say(f"{len(windows)} windows of {area:.4f} km² hold {len(found)} that lie apart")
-    for level in LEVELS:
-        over = chance[found] >= level
-        false = int((over & ~is_wreck).sum())
-        say(f"chance {level}: {int((over & is_wreck).sum())} on the wreck, {false} elsewhere, {false / area:.0f} a km²")
-    say(f"before the first false alarm: {int(np.argmin(is_wreck))} on the wreck")
-    assert is_wreck[0]
+    side, first, last, reach = WRECK
+    for name, chances in by_each(forests, networks, shown).items():
+        chance = 1.0 - np.mean(chances, axis=0)[:, 0]
+        found: list[int] = []  # the best first, without those that lie over a better one
+        for number in np.argsort(-chance):
+            if all(windows[number].overlap(windows[better]) < 0.3 for better in found):
+                found.append(number)
+        apart = np.array(windows)[found]
+        along, across = cell * (apart[:, 1:3] + apart[:, 3:] / 2.0).T
+        is_wreck = (apart[:, 0] == side) & (first < along) & (along < last) & (across < reach)
+        say(f"{name}: {len(windows)} windows of {area:.4f} km² hold {len(found)} that lie apart")
+        for level in LEVELS:
+            hits, false = (int((part & (chance[found] >= level)).sum()) for part in (is_wreck, ~is_wreck))
+            say(f"chance {level}: {hits} on the wreck, {false} elsewhere, {false / area:.0f} a km²")
+        say(f"before the first false alarm: {int(np.argmin(is_wreck))} on the wreck")
+        assert is_wreck[0]

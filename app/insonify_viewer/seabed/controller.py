@@ -16,7 +16,7 @@ from insonify.scene import SceneError
 from insonify_viewer.errors import Failure
 from insonify_viewer.record.drape import RecordStrip, drape_record
 from insonify_viewer.seabed.cameras import USUAL
-from insonify_viewer.seabed.fan_sheet import fan_sheet
+from insonify_viewer.seabed.fan_sheet import FanSheet, fan_sheet
 from insonify_viewer.seabed.handle_geometry import meet_bed
 from insonify_viewer.state.inspection import Inspection
 from insonify_viewer.work.gc_policy import leave_out_libraries
@@ -57,6 +57,8 @@ class SeabedController:
         self._simulator, self._inspection, self._accelerated = simulator, inspection, accelerated
         self.view: SeabedView | None = None  # None until it is loaded
         self.by_depth = False  # whether the bed is coloured by its depth
+        self.shadows = False  # whether acoustic shadows of targets are shown
+        self._shaded: PackedScene | None = None  # the scene whose shadows are shown
         self._latest: tuple[PackedScene, int, NDArray[np.float32], bool] | None = None
         self._bed: _Bed | None = None
         self._bodies: _Bodies | None = None
@@ -161,6 +163,11 @@ class SeabedController:
         self.by_depth = by_depth
         self._show_latest()
 
+    def show_shadows(self, shown: bool) -> None:
+        """Show acoustic shadows of targets, of each ping that the fish passes from now on, or none."""
+        self.shadows, self._shaded = shown, None
+        self._show_latest()
+
     def frame(self, place: tuple[float, float, float], size: float) -> None:
         """Look at a place from as near as a body of some metres about it fills the view."""
         if self.view is not None:
@@ -236,10 +243,16 @@ class SeabedController:
             return
         latest = self._latest
 
-        def show(sheet: NDArray[np.float64] | None) -> None:
-            # The fish may be farther on by now; the next sheet follows.
-            if self.view is not None and sheet is not None and self._latest is latest:
-                self.view.show_sheet(sheet)
+        def show(sheet: FanSheet | None) -> None:
+            if self.view is None or sheet is None:
+                return
+            if self._shaded is not simulation:
+                self.view.show_shadows([])
+                self._shaded = simulation
+            if self.shadows:
+                self.view.show_shadows([*self.view.shadows, sheet.shaded])
+            if self._latest is latest:  # else the fish is farther on by now; the next sheet follows
+                self.view.show_sheet(sheet.lit)
 
         self._executor.submit("fan", lambda: fan_sheet(cast("Simulation", simulation), ping), show)
 

@@ -1,8 +1,8 @@
-"""Sheet of the fan of one ping: it ends at what the sound meets, and what shades it leaves a gap."""
+"""Sheet of the fan of one ping: it ends at what the sound meets; behind targets lies their acoustic shadow."""
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -17,12 +17,39 @@ APART = 0.02  # m by which neighbouring stretches may lie apart and be drawn as 
 Points = NDArray[np.float64]
 
 
-def fan_sheet(simulation: Simulation, ping: int) -> Points:
-    """Triangles of the fan of one ping, both sides."""
+class FanSheet(NamedTuple):
+    """Triangles of the fan of one ping, both sides, (n, 3, 3)."""
+
+    lit: Points  # from the sonar to the bed and the targets that it meets
+    shaded: Points  # from the targets to the bed behind them
+
+
+def fan_sheet(simulation: Simulation, ping: int) -> FanSheet:
+    """Triangles of the fan of one ping."""
     # lazy: loads Numba on a thread; the window opens before
     from insonify.explanation.cross_section import cut_cross_section
 
-    return np.concatenate([_triangles(cut_cross_section(simulation, ping, side)) for side in range(2)])
+    sections = [cut_cross_section(simulation, ping, side) for side in range(2)]
+    return FanSheet(*(np.concatenate([make(section) for section in sections]) for make in (_triangles, _shadows)))
+
+
+def _shadows(section: CrossSection) -> Points:
+    """Triangles between what is visible of targets and the bed that they hide on one side, (n, 3, 3)."""
+    faces = merge_stretches(np.concatenate([np.empty((0, 2, 2)), *(face for _, face in section.targets)]), section)
+    if not len(faces):
+        return np.empty((0, 3, 3))
+    height = section.sonar.place[2]
+    slope = (faces[..., 1] - height) / faces[..., 0]
+    x, bed = section.bed.T
+    over = height + slope[..., np.newaxis] * x - bed  # of the rays, beyond the faces
+    is_met = (x > faces[..., :1]) & (over <= 0.0)
+    last = np.maximum(is_met.argmax(axis=-1), 1)
+    rest, past = (np.take_along_axis(over, k[..., np.newaxis], -1)[..., 0] for k in (last - 1, last))
+    met = x[last] + (x[last] - x[last - 1]) * past / np.maximum(rest - past, 1e-9)  # the bed is even from node to node
+    ends = np.where(is_met.any(axis=-1), np.maximum(met, faces[..., 0]), section.reach)
+    behind = np.stack([ends, height + slope * ends], axis=-1)
+    corners = np.stack([faces[:, 0], faces[:, 1], behind[:, 1], faces[:, 0], behind[:, 1], behind[:, 0]], axis=1)
+    return section.sonar.to_world(section.azimuth, corners.reshape(-1, 2)).reshape(-1, 3, 3)
 
 
 def _triangles(section: CrossSection) -> Points:

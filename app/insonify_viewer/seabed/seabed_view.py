@@ -35,8 +35,9 @@ FISH = 0.11  # length over the height of the view at its distance: it shows at a
 LOWEST = 0.03  # least slope of the line of sight, by which the camera stays above the bed
 STEEPEST = math.radians(88.0)  # depression of the line of sight, at which the view still has an upper edge
 NEAREST, FARTHEST = 0.05, 6.0  # distance of the camera from its focus, in slant ranges
-FADED = 0.25  # opacity of a bed of an earlier scene
+FADED, CLOUDED = 0.25, 0.35  # opacities of a bed of an earlier scene, and of a volume of the water column
 FRAMED = 0.5, 1.3  # least slope at which a framed body is seen, and the half height of the view over its size
+SLICES = 400  # of acoustic shadows, one a ping
 REST = 4.0  # pause between two drawings, in drawing times, which leaves time for the window
 
 Points = NDArray[np.float64]
@@ -63,6 +64,7 @@ class SeabedView(QWidget):
         self._bed_shown = self._held = False
         self._depths: tuple[float, float] | None = None  # ends of the colours of depths
         self._fan = ScanFan()
+        self.shadows: list[Points] = []  # slices of the acoustic shadows that are shown
         self._path = pv.MultipleLines(np.zeros((pv_meshes.PATH_POINTS, 3)))
         self._bed, self._thinned_bed = pv_meshes.bed_mesh(), pv_meshes.bed_mesh(thinned=True)
         self._furnish()
@@ -94,11 +96,12 @@ class SeabedView(QWidget):
         self._thin(self._held)
 
     def fade_bed(self, faded: bool) -> None:
-        """Fade bed and targets while they belong to an earlier scene than the record."""
+        """Fade bed, targets and volumes while they belong to an earlier scene than the record."""
         opacity = FADED if faded else 1.0
         if self._bed_actor.prop.opacity != opacity:
             for actor in (self._bed_actor, self._thinned_actor, self._targets_actor):
                 actor.prop.opacity = opacity
+            self._volumes_actor.prop.opacity = CLOUDED * opacity
             self._later()
 
     def show_texture(self, picture: NDArray[np.uint8]) -> None:
@@ -136,6 +139,14 @@ class SeabedView(QWidget):
         if len(triangles):
             self._sheet_actor.mapper.SetInputData(pv_meshes.triangles_mesh(triangles))
             self._later()
+
+    def show_shadows(self, slices: Sequence[Points]) -> None:
+        """Show the last slices of acoustic shadows, each of triangles (n, 3, 3)."""
+        self.shadows = [each for each in slices if len(each)][-SLICES:]
+        self._shadow_actor.visibility = bool(self.shadows)
+        if self.shadows:
+            self._shadow_actor.mapper.SetInputData(pv_meshes.triangles_mesh(np.concatenate(self.shadows)))
+        self._later()
 
     def show_path(self, path: Poses) -> None:
         """Draw the track through `PATH_POINTS` poses."""
@@ -264,7 +275,7 @@ class SeabedView(QWidget):
         ball = pv.Sphere()
         ball.cell_data["colour"] = np.zeros((ball.n_cells, 3), np.uint8)
         self._targets_actor = plotter.add_mesh(ball, scalars="colour", rgb=True, **shiny, **add)
-        cloud: dict[str, Any] = {"style": "points", "point_size": 3.0, "opacity": 0.35}
+        cloud: dict[str, Any] = {"style": "points", "point_size": 3.0, "opacity": CLOUDED}
         self._volumes_actor = plotter.add_mesh(pv.Sphere(), color="#eaf6ff", lighting=False, **cloud, **add)
         self._fish_actor = plotter.add_mesh(pv_meshes.fish_mesh(1.0), color="#ff8a1f", **shiny, **add)
         self._cable_actor = plotter.add_mesh(pv_meshes.cable_mesh(1.0), color="#23333f", line_width=1.5, **add)
@@ -272,6 +283,7 @@ class SeabedView(QWidget):
             self._path, color="#ffc83d", opacity=0.8, line_width=2.0, lighting=False, **add
         )
         self._sheet_actor = plotter.add_mesh(self._fan.sheet, color="#bfeaff", opacity=0.17, lighting=False, **add)
+        self._shadow_actor = plotter.add_mesh(self._fan.sheet, color=HIDDEN, opacity=0.3, lighting=False, **add)
         self._footprint_actor = plotter.add_mesh(self._fan.footprint, scalars="colour", rgb=True, lighting=False, **add)
         self._mark_actor = plotter.add_mesh(_pin(), color=MARK_IN_WATER, lighting=False, **add)
         self._pick_actor = plotter.add_mesh(_pin(), color=LIT, lighting=False, **add)

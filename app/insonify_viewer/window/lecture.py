@@ -16,6 +16,7 @@ from insonify_viewer.window.panel_docks import PanelDocks
 from insonify_viewer.window.tour import lay_over_native_views
 
 VIEWS = 450, 550, 550  # shares of the 3-D view and the records
+ABOVE_LESSON = 180, 820, 820  # likewise, so that the record keeps more than half of the screen above a lesson
 POINTER, RING = 44, 17  # px: of the picture of the pointer, and the radius of its ring
 LESSON = 0.28  # of the height, of a lesson below the views
 BLANK, LEAVE = ".", "Esc"  # keys
@@ -113,7 +114,7 @@ class Lecture(QObject):
 
     def _begin(self) -> None:
         window, bar = self._window, self._window.menuBar()
-        sizes, maximized = self._views.sizes(), window.isMaximized()
+        sizes, state = self._views.sizes(), window.windowState()
         high = bar.minimumHeight(), bar.maximumHeight()
         points = window.font().pointSizeF() * lecture_scale(window)
         self._strip.setStyleSheet(f"QLabel, QLineEdit, QComboBox, QPushButton {{ font-size: {points:g}pt; }}")
@@ -121,7 +122,8 @@ class Lecture(QObject):
         for part in (*window.findChildren(QToolBar), window.statusBar()):
             part.setVisible(part is self._strip)
         bar.setFixedHeight(0)  # a hidden menu bar would take the keys of its commands along
-        self._views.setSizes([*VIEWS])
+        lesson = any(not dock.isHidden() for dock in self._docks.by_panel.values())
+        self._views.setSizes([*(ABOVE_LESSON if lesson else VIEWS)])
         self._lend_keys(True)
         QGuiApplication.setOverrideCursor(_pointer())
         window.showFullScreen()
@@ -134,10 +136,7 @@ class Lecture(QObject):
             bar.setMaximumHeight(high[1])
             for part in (*window.findChildren(QToolBar), window.statusBar()):
                 part.setVisible(part is not self._strip)
-            if maximized:
-                window.showMaximized()
-            else:
-                window.showNormal()
+            window.setWindowState(state)
             restore_panels()
             self._views.setSizes(sizes)
 

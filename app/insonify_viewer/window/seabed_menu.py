@@ -38,12 +38,15 @@ class SeabedMenu(QObject):
         frame = make_action(window, "Frame the target", tip, do=handles.frame)
         self.follow = make_action(window, "Follow the towfish", "The camera moves with the towfish")
         depths = make_action(window, "Depth colours", "Colour the bed by its depth, not its materials")
-        for action, ticked in ((self.follow, self._let_follow), (depths, seabed.colour_by_depth)):
+        tip = "Show what targets hide from the sonar, ping by ping as it passes"
+        shadows = make_action(window, "Acoustic shadows", tip)
+        ticked = self._let_follow, seabed.colour_by_depth, seabed.show_shadows
+        for action, do in zip((self.follow, depths, shadows), ticked, strict=True):
             action.setCheckable(True)
-            action.triggered.connect(ticked)
+            action.triggered.connect(do)
         tip = "Copy the 3-D view, at 300 dots per inch"
         picture = make_action(window, "Copy picture of the 3-D view", tip, do=self._copy_picture)
-        self._groups = [*self.cameras, frame], [self.follow, depths], [picture, *copies[1:]]
+        self._groups = [*self.cameras, frame], [self.follow, depths, shadows], [picture, *copies[1:]]
         camera = window.menus.view.addMenu("Camera")
         camera.setToolTipsVisible(True)
         camera.addActions(self._groups[0])

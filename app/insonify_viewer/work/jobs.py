@@ -8,11 +8,12 @@ import threading
 import time
 from abc import ABC, abstractmethod
 from collections import deque
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from enum import Enum
 from pathlib import Path
 from typing import Any, NamedTuple, TypeVar
 
+import tomli_w
 from psygnal import Signal
 
 from insonify.child_process import own_command
@@ -266,7 +267,7 @@ class JobList:
     def __init__(self, call_later: CallLater) -> None:
         self._call_later = call_later
         self._folder: tempfile.TemporaryDirectory[str] | None = None
-        self._scenes = 0
+        self._files = 0
         self.jobs: list[BackgroundJob] = []
 
     @property
@@ -284,12 +285,11 @@ class JobList:
 
     def write_scene(self, scene: Scene) -> str:
         """Write a scene as it is now for a command to read, and return the file; it lasts as long as the window."""
-        if self._folder is None:
-            self._folder = tempfile.TemporaryDirectory(prefix="insonify-jobs-")
-        self._scenes += 1
-        path = Path(self._folder.name, f"scene-{self._scenes}.toml")
-        path.write_text(scene_to_toml(scene), encoding="utf-8", newline="")
-        return str(path)
+        return self._write("scene", scene_to_toml(scene))
+
+    def write_specification(self, scene: Scene, specification: Mapping[str, Any]) -> str:
+        """Write a specification on the base of a scene, as `write_scene` does."""
+        return self._write("specification", tomli_w.dumps({"base": self.write_scene(scene), **specification}))
 
     def write_record(self, session: Session, path: Path) -> CommandJob:
         """Write every ping of the scene of a session, modelled and displayed as there, as data or as a picture."""
@@ -313,6 +313,15 @@ class JobList:
         if self._folder is not None:
             self._folder.cleanup()
             self._folder = None
+
+    def _write(self, name: str, text: str) -> str:
+        """Write a file that lasts as long as the window, and return its path."""
+        if self._folder is None:
+            self._folder = tempfile.TemporaryDirectory(prefix="insonify-jobs-")
+        self._files += 1
+        path = Path(self._folder.name, f"{name}-{self._files}.toml")
+        path.write_text(text, encoding="utf-8", newline="")
+        return str(path)
 
     def _begin(self, job: Job) -> Job:
         self.jobs.append(job)

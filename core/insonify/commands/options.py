@@ -81,7 +81,7 @@ def add_threads(parser: argparse.ArgumentParser) -> None:
         "--threads",
         type=_count,
         metavar="N",
-        help="greatest number of threads, e.g. 2 (default: INSONIFY_THREADS, or the cores that the process may use)",
+        help="maximum number of threads, e.g. 2 (default: INSONIFY_THREADS, or the cores that the process may use)",
     )
 
 
@@ -94,8 +94,8 @@ def add_specification(parser: argparse.ArgumentParser, folder: str, what: str) -
         "--scheduler",
         default="local",
         metavar="WHERE",
-        help="local:N for N workers on this machine, or tcp://HOST:PORT of an existing dask scheduler with workers "
-        "that share the folder (default: local, with one worker for each core that the process may use)",
+        help="where jobs run: local:N for N workers on this machine, or tcp://HOST:PORT of a dask scheduler whose "
+        "workers share the folder (default: local, with one worker for each core that the process may use)",
     )
 
 

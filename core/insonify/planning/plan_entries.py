@@ -10,7 +10,7 @@ from insonify.tracers.base import find_tracer
 
 WIDEST, NARROWEST = 120, 60  # characters of a table
 ERROR, COST = 8, 10  # characters of the last two columns
-NEAR = "of the planes over all bins; the total is that beyond 1.4 altitudes, which has a third of this tolerance"
+NEAR = "of the planes over all bins, which may be three times the tolerance; the total counts bins beyond 1.4 altitudes"
 
 
 @dataclass(frozen=True)

@@ -6,7 +6,7 @@ from typing import Any
 
 from pydantic import BaseModel, ValidationError
 
-from insonify.scene.base import Kind, kind_name, models_of
+from insonify.scene.base import Declaration, kind_name, models_of
 
 
 def describe_fault(error: ValidationError, root: type[BaseModel]) -> str:
@@ -126,6 +126,6 @@ def _nearest(location: tuple[int | str, ...], root: type[BaseModel]) -> str:
 
 def _kinds_with(name: str, models: list[type[BaseModel]]) -> list[str]:
     """Return the other kinds of the same choice that have a field, by name."""
-    families = {model.family for model in models if issubclass(model, Kind) and model.family is not None}
-    found = {kind: each for family in families for kind, each in family.models(Kind).items()}
+    families = {model.family for model in models if issubclass(model, Declaration) and model.family is not None}
+    found = {kind: each for family in families for kind, each in family.models(Declaration).items()}
     return [kind for kind, model in found.items() if name in model.model_fields]

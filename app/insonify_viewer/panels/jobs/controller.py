@@ -1,11 +1,16 @@
 """Starts commands on the present scene, and shows what runs and what has ended."""
 
 from pathlib import Path
+from typing import Any
 
 from insonify.files import bundled_specifications
+from insonify.scene import Scene, plain
+from insonify.surveys.lines.summary import PAGE
 from insonify_viewer.errors import Failure
-from insonify_viewer.panels.jobs.view import JobsView
+from insonify_viewer.panels.jobs.view.jobs_view import JobsView
+from insonify_viewer.panels.jobs.view.questions import DatasetQuestion, SurveyQuestion
 from insonify_viewer.panels.panel import Panel, Place, Workbench
+from insonify_viewer.state.sections import sections_of
 from insonify_viewer.work.jobs import BackgroundJob
 
 
@@ -27,10 +32,12 @@ class JobsPanel(Panel):
         """The window, made on first use."""
         if self.view is None:
             workbench = self._workbench
-            self.view = view = JobsView(sorted(bundled_specifications("datasets")))
+            self.view = view = JobsView()
             view.record_wanted.connect(self.write_record)
             view.chart_wanted.connect(self.measure_chart)
-            view.dataset_wanted.connect(self.make_dataset)
+            view.survey_wanted.connect(self.ask_for_survey)
+            view.mosaic_wanted.connect(self.make_mosaic)
+            view.dataset_wanted.connect(self.ask_for_dataset)
             view.stability_wanted.connect(self.write_stability_page)
             view.forget_wanted.connect(self._forget)
             view.details_wanted.connect(lambda job: workbench.copy_details(Failure(job.sentence, job.trace)))
@@ -46,10 +53,27 @@ class JobsPanel(Panel):
         scene_file = self._jobs.write_scene(self._workbench.session.scene)
         self._jobs.begin(f"chart of {kind}", ["chart", scene_file, "--of", kind, "-o", str(path)], path)
 
-    def make_dataset(self, specification: str, scenes: int, folder: Path) -> None:
-        """Make a data set by a specification."""
-        arguments = ["dataset", specification, "-o", str(folder), "--scenes", str(scenes)]
-        self._jobs.begin(f"data set {folder.name}", arguments, folder)
+    def make_mosaic(self, records: list[Path], path: Path) -> None:
+        """Put records on a map."""
+        self._jobs.begin(f"mosaic {path.name}", ["mosaic", *map(str, records), "-o", str(path)], path)
+
+    def ask_for_survey(self) -> None:
+        """Ask for the lines of a survey of the present scene, and tow along them."""
+        scene = self._workbench.session.scene
+        question = SurveyQuestion(scene, self.widget)
+        if question.exec():
+            specification = self._jobs.write_specification(scene, question.answer)
+            arguments = ["survey", specification, "-o", str(question.folder)]
+            self._jobs.begin(f"survey {question.folder.name}", arguments, question.folder / PAGE)
+
+    def ask_for_dataset(self) -> None:
+        """Ask for a data set, by a specification or of the present scene, and make it."""
+        scene = self._workbench.session.scene
+        question = DatasetQuestion(sorted(bundled_specifications("datasets")), sections_of(scene), self.widget)
+        if question.exec():
+            name = question.specification_name or self._jobs.write_specification(scene, _draw(scene, question.ranges))
+            arguments = ["dataset", name, "-o", str(question.folder), "--scenes", str(question.scenes.value())]
+            self._jobs.begin(f"data set {question.folder.name}", arguments, question.folder)
 
     def write_stability_page(self, path: Path) -> None:
         """Measure the known numerical failures."""
@@ -67,3 +91,13 @@ class JobsPanel(Panel):
     def _forget(self) -> None:
         self._jobs.forget_ended()
         self.widget.show_jobs(self._jobs.jobs)
+
+
+def _draw(scene: Scene, ranges: dict[str, Any]) -> dict[str, Any]:
+    """Specify a data set of a scene: its targets are put elsewhere in each, in classes by their kinds or meshes."""
+    groups: dict[str, list[dict[str, Any]]] = {}
+    for target in plain(scene).get("targets", []):
+        shape = {name: value for name, value in target.items() if name not in ("position", "locked")}
+        groups.setdefault(Path(shape.get("path", shape["kind"])).stem, []).append(shape)
+    targets = [{"name": name, "of": shapes, "count": len(shapes)} for name, shapes in groups.items()]
+    return {"title": scene.title, "set": {"targets": [], **ranges}, "targets": targets}

@@ -8,7 +8,13 @@ from insonify.scene.edit import part_at
 from insonify.scene.links import split_description
 from insonify_viewer.panels.panel import Entry, Panel, Place, Workbench
 from insonify_viewer.panels.parameters.effects import EffectMeter, EffectTicks, describe_tick
-from insonify_viewer.panels.parameters.sections import (
+from insonify_viewer.panels.parameters.values import Resets, Trials, follow_values, glide_value, row_of
+from insonify_viewer.panels.parameters.view.control_strip import ControlStrip
+from insonify_viewer.panels.parameters.view.parameters_view import ParametersView
+from insonify_viewer.record.record import RecordGrowth
+from insonify_viewer.state.fields import NumberField, name_edit, name_field
+from insonify_viewer.state.history import Modelling
+from insonify_viewer.state.sections import (
     FieldSection,
     alone,
     found_section,
@@ -16,12 +22,6 @@ from insonify_viewer.panels.parameters.sections import (
     pinned_section,
     sections_of,
 )
-from insonify_viewer.panels.parameters.values import Resets, Trials, follow_values, glide_value, row_of
-from insonify_viewer.panels.parameters.view.control_strip import ControlStrip
-from insonify_viewer.panels.parameters.view.parameters_view import ParametersView
-from insonify_viewer.record.record import RecordGrowth
-from insonify_viewer.state.fields import NumberField, name_edit, name_field
-from insonify_viewer.state.history import Modelling
 
 DROPPED = ("water", "track.motion", "targets")  # parts that take a file over when it is dropped on the window
 ASIDE = 0.08  # slant ranges by which a copy of a target lies beside it

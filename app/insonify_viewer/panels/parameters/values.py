@@ -9,9 +9,9 @@ from pydantic import BaseModel
 from insonify.scene import Scene, SceneError, edit, plain
 from insonify.scene.edit import part_at
 from insonify.scene.links import Link, split_description
-from insonify_viewer.panels.parameters.sections import FieldSection, sections_of, value_that_applies
 from insonify_viewer.state.fields import NumberField, Parameter
 from insonify_viewer.state.quantities import format_quantity, slider_position, slider_value
+from insonify_viewer.state.sections import FieldSection, sections_of, value_that_applies
 
 
 class Trials:

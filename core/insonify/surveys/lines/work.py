@@ -34,6 +34,7 @@ TRACK = "track.csv"
 RECORDS = "records"
 WARMING = 4  # pings that compile the kernels
 TOLERANCE = 0.03
+ROUNDING = 1e-9  # of a strip, by which an oblique area may be wider than a whole number of strips
 
 
 class SurveyLine(NamedTuple):
@@ -78,7 +79,7 @@ def lay_lawnmower(area: Area) -> list[SurveyLine]:
     aside = np.array([-ahead[1], ahead[0]])
     corners = np.array(area.corners) @ np.stack([ahead, aside], axis=1)
     low, high = float(corners[:, 1].min()), float(corners[:, 1].max())
-    count = max(math.ceil((high - low) / area.spacing), 1)
+    count = max(math.ceil((high - low) / area.spacing - ROUNDING), 1)
     if count > MOST_LINES:
         raise SceneError(f"area.spacing: {area.spacing:g} m makes {count} lines; widen it, {MOST_LINES} are the most")
     offsets = 0.5 * (low + high) + area.spacing * (np.arange(count) - 0.5 * (count - 1))

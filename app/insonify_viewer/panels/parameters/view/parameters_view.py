@@ -11,8 +11,8 @@ from insonify.scene import Scene
 from insonify.scene.links import Link
 from insonify_viewer.errors import guard_override
 from insonify_viewer.panels.parameters.effects import EffectRow
-from insonify_viewer.panels.parameters.sections import PINNED, FieldSection
 from insonify_viewer.panels.parameters.view.section_box import Row, SectionBox, make_tool
+from insonify_viewer.state.sections import PINNED, FieldSection
 from insonify_viewer.widgets.buttons import make, make_label, set_icon, tick_box
 from insonify_viewer.widgets.later import Later
 from insonify_viewer.widgets.side_panel import FoldingBox, SidePanel

@@ -8,9 +8,9 @@ from PySide6.QtCore import SignalInstance
 from PySide6.QtWidgets import QGridLayout, QHBoxLayout, QSizePolicy, QToolButton, QVBoxLayout, QWidget
 
 from insonify.scene import Scene
-from insonify_viewer.panels.parameters.sections import PINNED, FieldSection
 from insonify_viewer.panels.parameters.view.setting_pictures import SettingPicture, pictures_of_settings
 from insonify_viewer.state.fields import ChoiceField, NumberField, Parameter
+from insonify_viewer.state.sections import PINNED, FieldSection
 from insonify_viewer.widgets.buttons import light, make
 from insonify_viewer.widgets.field_rows import ChoiceRow, FileRow, NumberRow
 from insonify_viewer.widgets.layouts import fill

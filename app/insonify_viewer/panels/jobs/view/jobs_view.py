@@ -7,24 +7,19 @@ from pathlib import Path
 from PySide6.QtCore import Qt, QUrl, Signal
 from PySide6.QtGui import QDesktopServices, QFocusEvent, QKeyEvent, QShowEvent
 from PySide6.QtWidgets import (
-    QComboBox,
-    QDialog,
-    QDialogButtonBox,
     QFileDialog,
-    QFormLayout,
     QFrame,
     QGridLayout,
     QHBoxLayout,
-    QLineEdit,
     QMenu,
     QProgressBar,
     QPushButton,
-    QSpinBox,
     QVBoxLayout,
     QWidget,
 )
 
 from insonify.accuracy.charts.kinds import list_chart_kinds
+from insonify.io.records import RECORDS
 from insonify_viewer.errors import guard_override
 from insonify_viewer.state.quantities import format_time_left
 from insonify_viewer.widgets.buttons import make_label, push_button
@@ -34,10 +29,10 @@ from insonify_viewer.widgets.text import one_line
 from insonify_viewer.work.jobs import BackgroundJob, State
 
 STEPS = 1000
-MOST_SCENES, USUAL_SCENES = 1_000_000, 20
 SIZE, SMALLEST = (620, 420), (420, 240)
 CHARTS: Formats = (("Pictures", ".png"), ("Drawings", ".svg"), ("Tables", ".csv"), ("Tables", ".json"))
 PAGES: Formats = (("Pages", ".html"),)
+MOSAICS: Formats = (("Maps", ".tif"),)
 HINT = (
     "Jobs run in the background while you go on working. Their results equal, bit for bit, those of the command "
     "insonify in a terminal of this machine."
@@ -126,63 +121,6 @@ def _words(job: BackgroundJob) -> str:
     return ", ".join(part for part in (stage.doing, counted, share, time_left) if part)
 
 
-class DatasetQuestion(QDialog):
-    """Asks for a data set."""
-
-    def __init__(self, bundled: list[str], parent: QWidget) -> None:
-        super().__init__(parent)
-        self.setWindowTitle("Make a data set")
-        self.specification = QComboBox()
-        self.specification.setEditable(True)
-        self.specification.addItems(bundled)
-        self.specification.setToolTip("A bundled specification, or the path of a TOML file")
-        self.scenes = QSpinBox()
-        self.scenes.setRange(1, MOST_SCENES)
-        self.scenes.setValue(USUAL_SCENES)
-        self.scenes.setToolTip(f"Number of random scenes, 1 to {MOST_SCENES}")
-        self.folder = QLineEdit(str(Path.home() / (bundled[0] if bundled else "dataset")))
-        self.folder.setObjectName("line")
-        self.folder.setToolTip("A new folder, or that of a stopped data set, which is then continued")
-        for name, field in (("Specification", self.specification), ("Scenes", self.scenes), ("Folder", self.folder)):
-            field.setAccessibleName(name)
-        self.buttons = QDialogButtonBox(QDialogButtonBox.StandardButton.Ok | QDialogButtonBox.StandardButton.Cancel)
-        self.buttons.accepted.connect(self.accept)
-        self.buttons.rejected.connect(self.reject)
-        form = QFormLayout(self)
-        form.addRow("Specification", _beside(self.specification, "File…", "Pick a TOML file", self._choose_file))
-        form.addRow("Scenes", self.scenes)
-        form.addRow("Folder", _beside(self.folder, "Choose…", "Pick the folder of the data set", self._choose_folder))
-        form.addRow(self.buttons)
-
-    @property
-    def answer(self) -> tuple[str, int, Path]:
-        """Specification (the name of a bundled one, or a file), number of scenes, and folder."""
-        return (self.specification.currentText(), self.scenes.value(), Path(self.folder.text()))
-
-    def _choose_file(self) -> None:
-        file, _ = QFileDialog.getOpenFileName(self, "Open a specification", "", "Specifications (*.toml)")
-        if file:
-            self.specification.setCurrentText(file)
-
-    def _choose_folder(self) -> None:
-        folder = QFileDialog.getExistingDirectory(self, "Folder of the data set", self.folder.text())
-        if folder:
-            self.folder.setText(folder)
-
-
-def _beside(field: QWidget, text: str, tip: str, choose: Callable[[], None]) -> QWidget:
-    """Put a field and its button side by side."""
-    line = QWidget()
-    row = QHBoxLayout(line)
-    row.setContentsMargins(0, 0, 0, 0)
-    button = QPushButton(text)
-    button.setToolTip(tip)
-    button.clicked.connect(choose)
-    row.addWidget(field, 1)
-    row.addWidget(button)
-    return line
-
-
 class JobsView(QWidget):
     """Lists the jobs, the newest first."""
 
@@ -191,18 +129,19 @@ class JobsView(QWidget):
 
     record_wanted = Signal(object)  # Path
     chart_wanted = Signal(str, object)  # its kind, and the Path to write
-    dataset_wanted = Signal(str, int, object)  # as of `DatasetQuestion.answer`
+    mosaic_wanted = Signal(object, object)  # list of Path of records, and the Path to write
+    survey_wanted = Signal()
+    dataset_wanted = Signal()
     stability_wanted = Signal(object)  # Path
     forget_wanted = Signal()
     details_wanted = Signal(object)  # BackgroundJob that failed
 
-    def __init__(self, specifications: list[str]) -> None:
+    def __init__(self) -> None:
         super().__init__()
         self.setObjectName("panel")
         self.setWindowTitle("Jobs · insonify")
         self.resize(*SIZE)
         self.setMinimumSize(*SMALLEST)
-        self._specifications = specifications
         self.record = _button(
             "&Record…",
             "Save every ping of the scene as data or as a picture",
@@ -210,7 +149,9 @@ class JobsView(QWidget):
         )
         self.chart = _button("&Chart…", "Measure error, time or convergence of the methods on this computer")
         self.chart.setMenu(self._charts())
-        self.dataset = _button("&Data set…", "Make labelled pictures to train a detector", self._ask_for_dataset)
+        self.survey = _button("S&urvey…", "Tow over the scene along parallel lines", self.survey_wanted.emit)
+        self.mosaic = _button("&Mosaic…", "Put records on a map, as GeoTIFF", self._ask_for_mosaic)
+        self.dataset = _button("&Data set…", "Make labelled pictures to train a detector", self.dataset_wanted.emit)
         self.stability = _button(
             "S&tability…",
             "Write a page on where methods fail",
@@ -282,14 +223,17 @@ class JobsView(QWidget):
             menu.addAction(f"{kind.capitalize()}…", question)
         return menu
 
-    def _ask_for_dataset(self) -> None:
-        question = DatasetQuestion(self._specifications, self)
-        if question.exec():
-            self.dataset_wanted.emit(*question.answer)
+    def _ask_for_mosaic(self) -> None:
+        """Ask for records, and for the file of their mosaic."""
+        formats = " ".join(f"*{suffix}" for suffix in RECORDS.readable())
+        names, _ = QFileDialog.getOpenFileNames(self, "Records of the mosaic", "", f"Records ({formats})")
+        if names:
+            wanted = partial(self.mosaic_wanted.emit, [Path(name) for name in names])
+            self._ask("Save the mosaic", "mosaic.tif", MOSAICS, wanted)
 
     def _lay_out(self) -> None:
         tools = QHBoxLayout()
-        for button in (self.record, self.chart, self.dataset, self.stability):
+        for button in (self.record, self.survey, self.mosaic, self.dataset, self.chart, self.stability):
             tools.addWidget(button)
         tools.addStretch(1)
         tools.addWidget(self.forget)
