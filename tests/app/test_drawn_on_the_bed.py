@@ -161,7 +161,7 @@ def test_the_window_shows_the_fan_that_is_cut(open_viewer, qtbot):
 
 @pytest.mark.parametrize("name", ["double-image", "endless"])
 def test_a_fan_without_a_section_is_drawn_whole(name):
-    simulation = prepare(edit(load_scene(name), {"track.pings": 32}), forced={"planes": "1"})
+    simulation = prepare(edit(load_scene(name), {"track.pings": 32}), forced={"planes": "1", "rays": "1000"})
     triangles, shaded = fan_sheet(simulation, 10)
     assert not len(shaded)
     assert triangles.shape[1:] == (3, 3)
