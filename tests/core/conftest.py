@@ -5,6 +5,25 @@ from pathlib import Path
 
 import pytest
 
+import insonify.simulation
+from insonify.packing.packed_scene import Model
+from insonify.planning import Plan
+from insonify.planning.selection import keep_plan
+from insonify.scene.water.surfaces import WAYS
+
+# Everything that a scene declares, by a few planes.
+WHOLE = Plan(Model(planes=4, across=4, bent=True, bounces=1, ways=frozenset(WAYS)))
+
+
+@pytest.fixture
+def fixed_model(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Simulate by one model with all effects: to plan takes most of the time, and is not what is tested."""
+    monkeypatch.setattr(
+        insonify.simulation,
+        "choose_model",
+        lambda packed, _, method, forced: keep_plan(packed, WHOLE, method, {"rays": "4000"} | forced),
+    )
+
 
 @pytest.fixture(scope="session")
 def real_data() -> Path:

@@ -223,6 +223,7 @@ def test_a_record_tows_another(tmp_path):
         ("time,heave\n0,0\n1,1\n", "has no column of position or attitude"),
         ("x,y\n0,0\n1,1\n", "has no column time"),
         ("time,x\n0,0\n1,1\n", "only one of x and y"),
+        ("time,heading,compass\n0,0,90\n1,0,90\n", "has both heading and compass"),
         ("time,roll\n0,0\n1,nan\n", "no number for roll in row 2"),
         ("time,roll\n0,0\n", "holds 1 row"),
         ("time,roll\n", "holds 0 rows"),
@@ -241,6 +242,11 @@ def test_a_bad_file_is_one_sentence(tmp_path, text, words):
     motion = csv(tmp_path, text) if words else {"kind": "recorded", "path": str(tmp_path / text)}
     with pytest.raises(SceneError, match=rf"^track\.motion\.path: [^\n]*{words}[^\n]*; [^\n]+$"):
         poses(motion, [0])
+
+
+def test_a_compass_counts_clockwise_from_north(tmp_path):
+    found = poses(csv(tmp_path, "time,compass\n0,350\n2,10\n"), [0, 10, 20])  # through north, half of the turn at 1 s
+    assert np.degrees(found.heading) % 360.0 == pytest.approx([100.0, 90.0, 80.0])
 
 
 def test_two_cannot_have_a_say_in_one_thing(tmp_path):

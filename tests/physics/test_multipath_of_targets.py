@@ -93,7 +93,7 @@ def test_a_narrow_lobe_of_a_round_body_has_its_energy(name, way, law, bias):
 
 @EVERY
 def test_a_fan_averages_the_light_of_a_round_body(name, way):
-    fan = {"half_width": math.radians(1.0), "across": 401, "up": 2000}
+    fan = {"half_width": math.radians(1.0), "across": 401, "up": 1000}
     error, off = compare(partial(sweep.trace, planes=256), name, way, LIGHT, DULL, **fan)
     assert error < 0.005
     assert off < 0.003

@@ -45,8 +45,8 @@ def beam_options(beam):
 
 RESPONSES = {
     "knife": (brute_force.knife, [0.0]),
-    "fan": (brute_force.fan(DEGREE), np.linspace(-0.0106, 0.0106, 801)),
-    "gaussian": (brute_force.gaussian(DEGREE), np.linspace(-0.034, 0.034, 801)),
+    "fan": (brute_force.fan(DEGREE), np.linspace(-0.0106, 0.0106, 201)),
+    "gaussian": (brute_force.gaussian(DEGREE), np.linspace(-0.034, 0.034, 301)),
     "array": (brute_force.line_array(LENGTH, SPEED / FREQUENCY), np.linspace(-0.13, 0.13, 801)),
 }
 BODIES = {

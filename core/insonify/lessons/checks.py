@@ -30,10 +30,11 @@ def check_lesson(lesson: Lesson) -> None:
 def check_records(lesson: Lesson) -> int:
     """Check questions of a lesson against simulated records; return how many were compared."""
     checked = 0
+    records: dict[Any, xr.Dataset] = {}
     for step, start, end in states_of(lesson):
         with named(lesson, step):
             if step.ask is not None:
-                checked += _check_record(step.ask, start, end)
+                checked += _check_record(step.ask, _Simulated(start, records), _Simulated(end, records))
     return checked
 
 
@@ -72,23 +73,23 @@ def _number(text: str, reader: Reader) -> float:
 class _Simulated:
     """A state whose quantities are measured in its simulated record where they can be."""
 
-    def __init__(self, state: LessonState) -> None:
-        self._state = state
-        self._record: xr.Dataset | None = None
+    def __init__(self, state: LessonState, records: dict[Any, xr.Dataset]) -> None:
+        self.state, self._records = state, records
         self.measured = False  # whether any was
 
     def reader(self, before: _Simulated | None = None) -> Reader:
         """Return what questions read."""
-        return Reader(self._state.value, self._quantity, None if before is None else before.reader())
+        return Reader(self.state.value, self._quantity, None if before is None else before.reader())
 
     def _quantity(self, name: str, arguments: tuple[float, ...]) -> float | None:
         measure = QUANTITIES[name].measure
         if measure is None:
-            return self._state.quantity(name, arguments)
-        if self._record is None:
-            self._record = _simulate(self._state)
+            return self.state.quantity(name, arguments)
         self.measured = True
-        return measure(self._state.scene, self._record, *arguments)
+        key = self.state.scene, *sorted(self.state.window.items())  # a step often begins where the last one ended
+        if key not in self._records:
+            self._records[key] = _simulate(self.state)
+        return measure(self.state.scene, self._records[key], *arguments)
 
 
 def _simulate(state: LessonState) -> xr.Dataset:
@@ -102,13 +103,12 @@ def _simulate(state: LessonState) -> xr.Dataset:
     return simulate(state.scene, tolerance=tolerance, forced=forced)
 
 
-def _check_record(ask: Ask, start: LessonState, end: LessonState) -> bool:
-    """Check one question against the records before and after its move; return whether a record was simulated."""
-    before, after = _Simulated(start), _Simulated(end)
+def _check_record(ask: Ask, before: _Simulated, after: _Simulated) -> bool:
+    """Check one question against the records before and after its move; return whether a record was measured."""
     reader = after.reader(before)
     if ask.value:
         expression = parse_expression(ask.value)
-        expected, found = expression.number(end.reader(start)), expression.number(reader)
+        expected, found = expression.number(after.state.reader(before.state)), expression.number(reader)
         if expected is None or found is None or abs(found - expected) > ask.tolerance * abs(expected):
             raise SceneError(
                 f"ask: {ask.value} is {_shown(expected)}, but {_shown(found)} in the simulated record; correct the "

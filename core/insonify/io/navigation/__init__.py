@@ -13,7 +13,7 @@ from insonify.io.file_access import FileFault
 from insonify.io.formats import FormatRegistry
 from insonify.io.georeference import Georeference, from_degrees, local_georeference
 
-__all__ = ["COLUMNS", "NAVIGATION", "RecordedNavigation", "read_navigation"]
+__all__ = ["NAVIGATION", "RecordedNavigation", "read_navigation"]
 
 # Unit and greatest size of a number; a larger one is in another unit. Headings may exceed 360°.
 LIMITS = {
@@ -23,12 +23,12 @@ LIMITS = {
     "depth": ("m", 2e4),
     "altitude": ("m", 2e4),
     "heading": ("°", 1e6),
+    "compass": ("°", 1e6),
     "pitch": ("°", 90.0),
     "roll": ("°", 180.0),
     "longitude": ("°", 360.0),
     "latitude": ("°", 90.0),
 }
-COLUMNS = tuple(name for name in LIMITS if name != "time")
 Column = NDArray[np.float64]
 Columns = dict[str, Column]
 NAVIGATION: FormatRegistry[Columns] = FormatRegistry(
@@ -54,20 +54,20 @@ def read_navigation(path: str) -> RecordedNavigation:
     with NAVIGATION.guarded(path):
         found = NAVIGATION.read(path)
         # A recording without a pitch sensor has a column without numbers.
-        found = {
-            name: column
-            for name, column in found.items()
-            if name == "time" or not np.isnan(column).all() or column.size == 0
-        }
+        blank = [name for name, each in found.items() if each.size and np.isnan(each).all()]
+        found = {name: each for name, each in found.items() if name == "time" or name not in blank}
         if "time" not in found:
             raise FileFault("has no column time", "name the column of seconds time")
         if len(found) < 2:
-            raise FileFault("has no column of position or attitude", f"name a column one of {', '.join(COLUMNS)}")
-        if ("x" in found) != ("y" in found):
-            raise FileFault("has only one of x and y", "give both or neither")
-        if ("longitude" in found) != ("latitude" in found):
-            raise FileFault("has only one of longitude and latitude", "give both or neither")
+            raise FileFault("has no column of position or attitude", f"give any of {', '.join([*LIMITS][1:])}")
+        for one, other in (("x", "y"), ("longitude", "latitude")):
+            if (one in found) != (other in found):
+                raise FileFault(f"has only one of {one} and {other}", "give both or neither")
+        if "heading" in found and "compass" in found:
+            raise FileFault("has both heading and compass", "give one of them")
         _check_columns(found)
+        if "compass" in found:  # degrees clockwise from north
+            found["heading"] = 90.0 - np.degrees(np.unwrap(np.radians(found.pop("compass"))))
         time = found.pop("time")
         longitude, latitude = found.pop("longitude", None), found.pop("latitude", None)
         if "x" in found or longitude is None or latitude is None:

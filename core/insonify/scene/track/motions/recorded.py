@@ -18,8 +18,8 @@ class Recorded(SingleMotion):
     tilts = True
     kind: Literal["recorded"] = "recorded"
     path: FilePath = parameter(
-        description="CSV with a column time (s) and any of x, y, depth, altitude (m), heading, pitch, roll, longitude, "
-        "latitude (°); a record (.nc), a recording (.xtf, .jsf) or a track (.gpx)",
+        description="CSV with a column time (s) and any of x, y, depth, altitude (m), compass (or heading from east), "
+        "pitch, roll, longitude, latitude (°); a record (.nc), a recording (.xtf, .jsf) or a track (.gpx)",
         min_length=1,
     )
 
