@@ -32,12 +32,24 @@ WIDTHS = {
     "chart-rough": 1500,
     "convergence": 1000,
     "ghosts": 1200,
+    "handles": 1140,
     "lesson": 1400,
     "one-effect": 1400,
     "pixel": 1400,
     "rays": 1200,
+    "record": 1100,
     "recording": 1400,
     "window": 1400,
+}
+# Parts of a window, (left, top, right, bottom) in pixels of its picture, that a page shows instead of the whole.
+CLOSE_UPS = {
+    "controls": (1270, 62, 1600, 696),
+    "handles": (0, 62, 1130, 650),
+    "lesson": (0, 62, 1600, 640),
+    "one-effect": (514, 62, 1600, 712),
+    "pixel": (0, 62, 1260, 976),
+    "record": (510, 62, 1600, 976),
+    "recording": (330, 62, 1600, 870),
 }
 QUICK = (
     "lesson",
@@ -141,6 +153,9 @@ def _keep_pictures(text: str, place: Path, folder: Path) -> None:
     for path, name in PICTURE.findall(text):
         drawn = folder / f"{name}.png"
         if drawn.exists():
+            if name in CLOSE_UPS:
+                with Image.open(drawn) as image:
+                    image.crop(CLOSE_UPS[name]).save(drawn)
             shrink(drawn, place / path, WIDTHS.get(name, WIDTH))
 
 

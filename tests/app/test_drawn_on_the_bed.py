@@ -13,7 +13,9 @@ from insonify.simulation import prepare
 from insonify.tow.poses import make_poses
 from insonify_viewer.record.drape import RecordStrip, drape_record
 from insonify_viewer.record.tone_map import make_tone_map
+from insonify_viewer.seabed.bed_shading import LAMP, cast_shadows
 from insonify_viewer.seabed.fan_sheet import STEP, fan_sheet
+from insonify_viewer.seabed.pv_meshes import BedPatch
 from insonify_viewer.widgets.painting import make_polyline
 
 
@@ -171,3 +173,18 @@ def test_coordinates_are_those_given(size):
     x, y = np.linspace(-3.5, 1e4, size), np.random.default_rng(1).normal(size=size)
     line = make_polyline(x, y)
     assert [(point.x(), point.y()) for point in line] == list(zip(x.tolist(), y.tolist(), strict=True))
+
+
+@pytest.mark.parametrize("below", [0.0, -3.0])
+def test_a_target_keeps_the_lamp_off_the_bed_where_its_light_would_fall(below):
+    """A plate of 4 m by 4 m, 5 m over a level bed: its shadow has its size and lies where lines from the lamp end."""
+    x = np.linspace(-20.0, 20.0, 41)
+    points = np.stack([*np.meshgrid(x, x), np.full((41, 41), below)], axis=-1).reshape(-1, 3)
+    patch = BedPatch((0.0, 0.0), points.astype(np.float32), np.full((400, 400, 3), 200, np.uint8), 20.0)
+    a, b, c, d = ([2.0 * u, 2.0 * v, below + 5.0] for u, v in ((-1, -1), (1, -1), (1, 1), (-1, 1)))
+    shaded = cast_shadows(patch, np.array([[a, b, c], [a, c, d]])).image
+    row, column = np.nonzero(shaded[..., 0] < 0.7 * 200)
+    x, y = (column + 0.5) * 0.1 - 20.0, 20.0 - (row + 0.5) * 0.1
+    np.testing.assert_allclose([x.mean(), y.mean()], -5.0 * LAMP[:2] / LAMP[2], atol=0.1)
+    assert len(row) * 0.01 == pytest.approx(16.0, rel=0.06)
+    assert (shaded[:10] == 200).all()

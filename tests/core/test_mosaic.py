@@ -1,5 +1,8 @@
 """Mosaics: places on the map, filled swaths, gaps and overlaps, and a file that other programs open."""
 
+import io
+import re
+import zipfile
 from dataclasses import replace
 
 import numpy as np
@@ -7,14 +10,17 @@ import pyproj
 import pytest
 import rasterio
 import xarray as xr
+from PIL import Image
 
 from insonify.cli import main
 from insonify.io.record_schema import coordinates, echo_variable, platform
 from insonify.io.records import read_record, write_record
 from insonify.scene import edit, load_scene
 from insonify.simulation import simulate
-from insonify.surveys.mosaic import choose_cell, make_mosaic
+from insonify.surveys.mosaic import Mosaic, choose_cell, make_mosaic, write_mosaic
 from insonify.surveys.swath import Swath, lay_swath
+
+BOX = re.compile(r"<(north|south|east|west)>([-\d.]+)</")
 
 
 def straight_swath(pings=60, spacing=0.5, heading=30.0, start=(100.0, 200.0), altitude=5.0, level=1.0, range_=20.0):
@@ -208,6 +214,35 @@ def test_the_file_tells_what_it_holds(tmp_path):
         level = file.read(1)
         assert np.isnan(level).any()
         assert np.nanmin(level) >= -40.0
+
+
+def test_a_picture_for_google_earth_lies_where_the_map_does(tmp_path, capsys):
+    """A checkerboard in metres is found again, by its corners in degrees, in the tiles of the KMZ."""
+    level = np.kron(np.indices((4, 6)).sum(axis=0) % 2, np.ones((40, 40))).astype(np.float32)
+    level[:40, :40] = np.nan
+    corner, cell = (400_000.0, 5_700_000.0), 0.5
+    write_mosaic(tmp_path / "a.kmz", Mosaic(level, corner, cell, np.ones(level.shape, np.uint16)), "EPSG:32631")
+    to_degrees = pyproj.Transformer.from_crs("EPSG:32631", "EPSG:4326", always_xy=True)
+    with zipfile.ZipFile(tmp_path / "a.kmz") as archive:
+        names = [name for name in archive.namelist() if name.endswith(".kml") and name.count("/") == 2]
+        (tile,) = (name for name in names if name.startswith("0/"))
+        box = {side: float(value) for side, value in BOX.findall(archive.read(tile).decode())}
+        with Image.open(io.BytesIO(archive.read(tile.replace(".kml", ".png")))) as picture:
+            colours = np.asarray(picture.convert("RGBA"))
+    for x, y in ((60.5, 10.5), (90.5, 10.5), (10.5, 30.5), (50.5, 30.5), (110.5, 70.5), (10.5, 10.5)):
+        longitude, latitude = to_degrees.transform(corner[0] + x, corner[1] - y)
+        column = int((longitude - box["west"]) / (box["east"] - box["west"]) * colours.shape[1])
+        row = int((box["north"] - latitude) / (box["north"] - box["south"]) * colours.shape[0])
+        expected = level[int(y / cell), int(x / cell)]
+        if np.isnan(expected):
+            assert colours[row, column, 3] == 0
+        else:
+            assert colours[row, column, 3] == 255
+            assert (colours[row, column, 0] > 128) == (expected > 0.5)
+    write_record(tmp_path / "a.nc", [made_record(heading=20.0)])
+    assert main(["mosaic", str(tmp_path / "a.nc"), "-o", str(tmp_path / "b.kmz")]) == 2
+    assert "b.kmz: the records have no place on Earth" in capsys.readouterr().err
+    assert not (tmp_path / "b.kmz").exists()
 
 
 def test_a_real_recording(real_recording, tmp_path, capsys):

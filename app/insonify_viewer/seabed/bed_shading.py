@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
+import math
+from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
+from PIL import Image, ImageDraw, ImageFilter
 
 from insonify.display.picture import load_palette
 from insonify.optics.light import mixed_colour, shares_of
@@ -14,6 +17,7 @@ from insonify.scene.seabed.materials.catalogue import MATERIALS
 
 if TYPE_CHECKING:
     from insonify.terrain.ground import Ground
+    from insonify_viewer.seabed.pv_meshes import BedPatch
 
 FOG = (0.345, 0.570, 0.655)
 LAMP = np.array([-0.50, 0.55, 0.67]) / np.linalg.norm([-0.50, 0.55, 0.67])
@@ -22,6 +26,7 @@ SLOPE_SHOWN = 0.42
 EXAGGERATION = (0.5, 15.0)
 FADE = (0.55, 0.98)
 DARK = 1e-6  # diffuse share below which a material counts as black
+SHADE = 0.55  # of the light, kept off by targets
 TONES = (0.3, 2.5)  # limits of shown brightness: diffuse share over that of the named material
 
 
@@ -58,6 +63,24 @@ def bed_image(
         tone = table[:, channel][rows] * light + np.float32(FOG[channel]) * (1.0 - clear)
         image[..., channel] = (np.clip(tone[::-1], 0.0, 1.0) * 255.0).astype(np.uint8)
     return image
+
+
+def cast_shadows(patch: BedPatch, triangles: NDArray[np.floating]) -> BedPatch:
+    """Darken the picture of the bed where triangles, (n, 3, 3), keep the lamp off it."""
+    size, nodes = len(patch.image), math.isqrt(len(patch.points))
+
+    def places(corners: NDArray[np.floating]) -> NDArray[np.float64]:
+        return (np.asarray(corners[..., :2]) - patch.centre) / (2.0 * patch.half) + 0.5
+
+    at = np.clip((places(triangles) * (nodes - 1)).round().astype(np.int64), 0, nodes - 1)
+    over = np.maximum(triangles[..., 2] - patch.points[:, 2].reshape(nodes, nodes)[at[..., 1], at[..., 0]], 0.0)
+    flat = triangles[..., :2] - over[..., np.newaxis] * LAMP[:2] / LAMP[2]
+    shade = Image.new("L", (size, size))
+    draw = ImageDraw.Draw(shade)
+    for corners in places(flat) * size:
+        draw.polygon([(x, size - y) for x, y in corners.tolist()], fill=255)
+    light = 1.0 - SHADE * np.asarray(shade.filter(ImageFilter.GaussianBlur(1.0)), np.float32)[..., np.newaxis] / 255.0
+    return replace(patch, image=np.asarray(patch.image * light, np.uint8))
 
 
 def _colours(ground: Ground) -> NDArray[np.float32]:

@@ -288,15 +288,17 @@ class SeabedController:
     def _bake(self, bed: _Bed, bodies: _Bodies, *, at_once: bool) -> None:
         """Make the meshes of bed and targets, on a thread of their own or on the worker."""
         # lazy: the window opens before PyVista is loaded
+        from insonify_viewer.seabed.bed_shading import cast_shadows
         from insonify_viewer.seabed.pv_meshes import bed_patch, targets_mesh, volumes_mesh
 
         self._asked += 1
         number = self._asked
 
         def make() -> _Made:
-            patch = bed_patch(*bed)
+            targets = targets_mesh(*bodies[:3])
+            patch = cast_shadows(bed_patch(*bed), targets.points[targets.triangulate().regular_faces])
             # With the record from the first drawing on: without it, the bed would be bare until the record is laid.
-            return patch, _picture_of(patch, self._strip), targets_mesh(*bodies[:3]), volumes_mesh(bodies[3], bed[0])
+            return patch, _picture_of(patch, self._strip), targets, volumes_mesh(bodies[3], bed[0])
 
         def show(made: _Made | SceneError | Failure) -> None:
             self._lay(number, made)

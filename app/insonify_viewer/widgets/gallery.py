@@ -5,6 +5,8 @@ from PySide6.QtGui import QIcon
 from PySide6.QtWidgets import QDialog, QListView, QListWidget, QListWidgetItem, QVBoxLayout, QWidget
 
 from insonify.files import bundled_picture
+from insonify_viewer.widgets.buttons import make
+from insonify_viewer.widgets.layouts import fill
 
 PICTURE = QSize(150, 100)  # px, as the files are
 CELL = QSize(184, 164)  # px, with three lines of text
@@ -19,20 +21,15 @@ class Gallery(QDialog):
         super().__init__(window)
         self.setAttribute(Qt.WidgetAttribute.WA_DeleteOnClose)
         self.setWindowTitle(title)
-        self.list = QListWidget()
-        self.list.setObjectName("choices")
-        self.list.setAccessibleName(title)
+        self.list = make(QListWidget, objectName="choices", accessibleName=title, wordWrap=True)
         self.list.setViewMode(QListView.ViewMode.IconMode)
         self.list.setResizeMode(QListView.ResizeMode.Adjust)
         self.list.setMovement(QListView.Movement.Static)
         self.list.setIconSize(PICTURE)
         self.list.setGridSize(CELL)
-        self.list.setWordWrap(True)
         self.list.itemClicked.connect(self._pick)
         self.list.itemActivated.connect(self._pick)  # by Enter
-        layout = QVBoxLayout(self)
-        layout.setContentsMargins(6, 6, 6, 6)
-        layout.addWidget(self.list)
+        fill(QVBoxLayout(self), self.list, margins=(6, 6, 6, 6))
         self.resize(QSize(4 * CELL.width() + 40, 4 * CELL.height()).boundedTo(window.window().size()))
 
     def add(self, path: str, title: str, tip: str) -> None:

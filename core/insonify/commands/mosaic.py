@@ -1,4 +1,4 @@
-"""``insonify mosaic``: records on a map, as a GeoTIFF."""
+"""``insonify mosaic``: records on a map, as GeoTIFF or KMZ."""
 
 import argparse
 from typing import Any
@@ -16,13 +16,13 @@ def register(subparsers: Any) -> None:
         "mosaic",
         description="Correct records from slant range to ground range, lay them on the map by position and heading, "
         "and write one GeoTIFF: decibels relative to the median of each record at its range, with NaN where nothing "
-        "was insonified.",
+        "was insonified; or its picture as KMZ, for Google Earth.",
         epilog=EXAMPLE,
     )
     parser.add_argument(
         "records", nargs="+", metavar="RECORD", help=f"a record: {RECORDS.describe(RECORDS.readable())}"
     )
-    add_output(parser, (".tif", ".tiff"))
+    add_output(parser, (".tif", ".tiff", ".kmz"))
     parser.add_argument(
         "--cell", type=metres, metavar="M", help="side of a cell in metres (default: about the distance between pings)"
     )
@@ -51,13 +51,12 @@ def run(arguments: argparse.Namespace) -> None:
     path = chosen_output(arguments)
     records = {name: read_record(name, arguments.frequency) for name in arguments.records}
     # lazy: the other commands need neither the display nor PROJ
-    from insonify.io.geotiff import write_geotiff
-    from insonify.surveys.mosaic import BAND, make_mosaic
+    from insonify.surveys.mosaic import make_mosaic, write_mosaic
     from insonify.surveys.swath import choose_map, lay_swath
 
     crs = choose_map(*next(iter(records.items())), arguments.crs)
     swaths = [lay_swath(name, record, crs, arguments.altitude) for name, record in records.items()]
     mosaic = make_mosaic(swaths, arguments.cell, arguments.overlap)
-    write_geotiff(path, mosaic.level, mosaic.corner, mosaic.cell, crs, band=BAND, unit="dB")
+    write_mosaic(path, mosaic, crs)
     rows, columns = mosaic.level.shape
     say(f"{path}: {columns} x {rows} cells of {mosaic.cell:g} m on {crs or 'no map'}")

@@ -1,5 +1,6 @@
-"""GeoTIFF: one band of numbers on a north-up grid of a map."""
+"""Grids on a map: numbers as GeoTIFF, pictures as KMZ."""
 
+import tempfile
 from pathlib import Path
 
 import numpy as np
@@ -28,3 +29,23 @@ def write_geotiff(
         file.write(values, 1)
         file.set_band_description(1, band)
         file.units = (unit,)
+
+
+def write_kmz(path: Path, colours: NDArray[np.uint8], corner: tuple[float, float], cell: float, crs: str) -> None:
+    """Write a picture, (rows, columns, 4) of red, green, blue and opacity, as tiles that Google Earth opens."""
+    # lazy: GDAL takes a fifth of a second to load
+    import rasterio
+    import rasterio.shutil
+    import rasterio.vrt
+
+    rows, columns, bands = colours.shape
+    transform = rasterio.Affine(cell, 0.0, corner[0], 0.0, -cell, corner[1])
+    shape = {"height": rows, "width": columns, "count": bands, "dtype": "uint8"}
+    # GDAL takes the first part of a path that ends in .kmz as the archive: that of the folder of unfinished files.
+    with rasterio.MemoryFile() as memory, tempfile.TemporaryDirectory() as folder, replacing(path) as beside:
+        with memory.open(driver="GTiff", crs=crs, transform=transform, photometric="RGB", alpha="YES", **shape) as file:
+            file.write(np.moveaxis(colours, 2, 0))
+        made = Path(folder, "picture.kmz")
+        with memory.open() as file, rasterio.vrt.WarpedVRT(file, crs="EPSG:4326") as degrees:
+            rasterio.shutil.copy(degrees, made, driver="KMLSUPEROVERLAY", FORMAT="PNG", NAME=path.stem)
+        beside.write_bytes(made.read_bytes())

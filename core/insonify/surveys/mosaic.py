@@ -3,10 +3,13 @@
 import math
 from collections.abc import Collection, Iterable
 from dataclasses import dataclass
+from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
 
+from insonify.display.picture import load_palette
+from insonify.io.geotiff import write_geotiff, write_kmz
 from insonify.scene import SceneError
 from insonify.surveys import OVERLAPS
 from insonify.surveys.swath import Swath
@@ -18,6 +21,8 @@ BEHIND = 1e9  # m, farther than any ground range
 FAINTEST = -40.0  # dB, of cells without an echo
 ROUND = (1.0, 2.0, 5.0)  # leading digits of a cell's size
 BAND = "echo relative to the median of the record at its range"  # name of the levels in a GeoTIFF
+KMZ = ".kmz"
+PICTURED, PALETTE = (1.0, 99.0), "copper"  # percentiles of levels, and colours, in pictures of a mosaic
 ALIKE = 0.01  # share by which pings may lie nearer than a cell: positions in files are rounded
 
 
@@ -62,6 +67,21 @@ def make_mosaic(swaths: Collection[Swath], cell: float | None = None, overlap: s
     with np.errstate(divide="ignore"):
         level = np.maximum(10.0 * np.log10(energy), FAINTEST)  # NaN stays NaN
     return Mosaic(level.astype(np.float32)[::-1], (low[0], low[1] + shape[0] * cell), cell, count[::-1])
+
+
+def write_mosaic(path: Path, mosaic: Mosaic, crs: str) -> None:
+    """Write a mosaic as GeoTIFF, or as a picture in KMZ, which needs a map."""
+    place = (mosaic.corner, mosaic.cell, crs)
+    if path.suffix.lower() != KMZ:
+        write_geotiff(path, mosaic.level, *place, band=BAND, unit="dB")
+        return
+    if not crs:
+        raise SceneError(f"{path.name}: the records have no place on Earth, which {KMZ} needs; write a .tif")
+    low, high = np.nanpercentile(mosaic.level, PICTURED)
+    tone = np.nan_to_num(np.clip((mosaic.level - low) / max(high - low, 1e-9), 0.0, 1.0))
+    colours = load_palette(PALETTE)[(255.0 * tone).astype(np.uint8)]
+    opacity = np.where(np.isnan(mosaic.level), 0, 255)
+    write_kmz(path, np.dstack([colours, opacity]).astype(np.uint8), *place)
 
 
 def _extent(swaths: Collection[Swath], cell: float) -> tuple[tuple[float, float], tuple[int, int]]:

@@ -19,11 +19,10 @@ from insonify.io.geotiff import write_geotiff
 from insonify.io.records import read_record
 from insonify.surveys.engine import read_flag
 from insonify.surveys.lines.work import SurveyWork
-from insonify.surveys.mosaic import BAND, Mosaic, make_mosaic
+from insonify.surveys.mosaic import KMZ, PALETTE, PICTURED, Mosaic, make_mosaic, write_mosaic
 from insonify.surveys.swath import Swath, choose_map, lay_swath, put_on_map
 
 PAGE = "index.html"
-DARKEST, BRIGHTEST = 1.0, 99.0  # percentiles of levels in the mosaic's picture
 WIDTH, HIGHEST = 11.0, 9.0  # inches
 DPI = 110
 COUNTS = ("#ffffff", "#8fc1c9", "#1f7a8c", "#0d3b46")  # none, one, two, more lines
@@ -107,11 +106,12 @@ def summarise(work: SurveyWork, names: Iterable[str]) -> Coverage:
 
 
 def _write_maps(folder: Path, mosaic: Mosaic, crs: str) -> None:
-    """Write the mosaic and the number of lines of each cell as GeoTIFF."""
-    place = (mosaic.corner, mosaic.cell, crs)
-    write_geotiff(folder / "mosaic.tif", mosaic.level, *place, band=BAND, unit="dB")
-    count = mosaic.count.astype(np.float32)
-    write_geotiff(folder / "coverage.tif", count, *place, band="lines that show the cell", unit="1")
+    """Write the mosaic and the number of lines of each cell on the map."""
+    write_mosaic(folder / "mosaic.tif", mosaic, crs)
+    if crs:
+        write_mosaic(folder / f"mosaic{KMZ}", mosaic, crs)
+    count, band = mosaic.count.astype(np.float32), "lines that show the cell"
+    write_geotiff(folder / "coverage.tif", count, mosaic.corner, mosaic.cell, crs, band=band, unit="1")
 
 
 def _draw(
@@ -143,8 +143,8 @@ def _paint_mosaic(axes: Any, mosaic: Mosaic, extent: tuple[float, ...]) -> None:
     """Paint the levels."""
     from matplotlib.colors import ListedColormap
 
-    palette = ListedColormap(load_palette("copper") / 255.0).with_extremes(bad="white")
-    low, high = np.nanpercentile(mosaic.level, [DARKEST, BRIGHTEST])
+    palette = ListedColormap(load_palette(PALETTE) / 255.0).with_extremes(bad="white")
+    low, high = np.nanpercentile(mosaic.level, PICTURED)
     shown = axes.imshow(mosaic.level, cmap=palette, vmin=low, vmax=high, extent=extent, interpolation="antialiased")
     axes.figure.colorbar(shown, label="dB about the median at that range", shrink=0.8)
 

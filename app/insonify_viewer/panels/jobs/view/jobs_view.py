@@ -32,7 +32,7 @@ STEPS = 1000
 SIZE, SMALLEST = (620, 420), (420, 240)
 CHARTS: Formats = (("Pictures", ".png"), ("Drawings", ".svg"), ("Tables", ".csv"), ("Tables", ".json"))
 PAGES: Formats = (("Pages", ".html"),)
-MOSAICS: Formats = (("Maps", ".tif"),)
+MOSAICS: Formats = (("Maps", ".tif"), ("Pictures for Google Earth", ".kmz"))
 HINT = (
     "Jobs run in the background while you go on working. Their results equal, bit for bit, those of the command "
     "insonify in a terminal of this machine."
@@ -150,7 +150,7 @@ class JobsView(QWidget):
         self.chart = _button("&Chart…", "Measure error, time or convergence of the methods on this computer")
         self.chart.setMenu(self._charts())
         self.survey = _button("S&urvey…", "Tow over the scene along parallel lines", self.survey_wanted.emit)
-        self.mosaic = _button("&Mosaic…", "Put records on a map, as GeoTIFF", self._ask_for_mosaic)
+        self.mosaic = _button("&Mosaic…", "Put records on a map, as GeoTIFF or KMZ", self._ask_for_mosaic)
         self.dataset = _button("&Data set…", "Make labelled pictures to train a detector", self.dataset_wanted.emit)
         self.stability = _button(
             "S&tability…",
