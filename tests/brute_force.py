@@ -1,6 +1,7 @@
 """Echoes of bare targets by brute force: a grid of rays in plain NumPy, apart from the program."""
 
 from collections.abc import Callable
+from functools import cache
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -188,15 +189,15 @@ def line_array(length: float, wavelength: float, elements: int = 64) -> Response
     """
     u = ((np.arange(elements) + 0.5) / elements - 0.5) * length
 
-    def respond(sine: Array, slant_range: Array) -> Array:
-        far = np.abs(sine).max()
+    @cache  # for every body in the same beam
+    def energy(r: float, far: float) -> tuple[Array, Array]:
         grid = np.linspace(-far, far, 1201)
-        steps = np.round(4.0 * slant_range[:, 0]) / 4.0
-        table = {}
-        for r in np.unique(steps):
-            waves = np.exp(2j * np.pi / wavelength * (u**2 / (2.0 * r) - u * grid[:, None]))
-            table[r] = np.abs(waves.mean(axis=-1)) ** 4
-        return np.array([np.interp(s, grid, table[r]) for s, r in zip(sine, steps)])
+        waves = np.exp(2j * np.pi / wavelength * (u**2 / (2.0 * r) - u * grid[:, None]))
+        return grid, np.abs(waves.mean(axis=-1)) ** 4
+
+    def respond(sine: Array, slant_range: Array) -> Array:
+        far, steps = float(np.abs(sine).max()), np.round(4.0 * slant_range[:, 0]) / 4.0
+        return np.array([np.interp(s, *energy(float(r), far)) for s, r in zip(sine, steps)])
 
     return respond
 
