@@ -19,15 +19,7 @@ class Gallery(QDialog):
         super().__init__(window)
         self.setAttribute(Qt.WidgetAttribute.WA_DeleteOnClose)
         self.setWindowTitle(title)
-        self.list = QListWidget()
-        self.list.setObjectName("choices")
-        self.list.setAccessibleName(title)
-        self.list.setViewMode(QListView.ViewMode.IconMode)
-        self.list.setResizeMode(QListView.ResizeMode.Adjust)
-        self.list.setMovement(QListView.Movement.Static)
-        self.list.setIconSize(PICTURE)
-        self.list.setGridSize(CELL)
-        self.list.setWordWrap(True)
+        self.list = choices_list(title)
         self.list.itemClicked.connect(self._pick)
         self.list.itemActivated.connect(self._pick)  # by Enter
         layout = QVBoxLayout(self)
@@ -37,13 +29,32 @@ class Gallery(QDialog):
 
     def add(self, path: str, title: str, tip: str) -> None:
         """Add a file; its tip is a paragraph of HTML, which Qt wraps."""
-        item = QListWidgetItem(QIcon(str(bundled_picture(path))), title, self.list)
-        item.setData(Qt.ItemDataRole.UserRole, path)
-        item.setToolTip(tip)
-        item.setTextAlignment(Qt.AlignmentFlag.AlignHCenter | Qt.AlignmentFlag.AlignTop)
+        add_choice(self.list, path, title, tip, path)
 
     def _pick(self, item: QListWidgetItem) -> None:
         """Close, and signal the path of an item; a double click or a click taken for activation signals once."""
         if self.isVisible():
             self.close()
             self.wanted.emit(item.data(Qt.ItemDataRole.UserRole))
+
+
+def choices_list(name: str) -> QListWidget:
+    """Make a list of pictures with names."""
+    choices = QListWidget()
+    choices.setObjectName("choices")
+    choices.setAccessibleName(name)
+    choices.setViewMode(QListView.ViewMode.IconMode)
+    choices.setResizeMode(QListView.ResizeMode.Adjust)
+    choices.setMovement(QListView.Movement.Static)
+    choices.setIconSize(PICTURE)
+    choices.setGridSize(CELL)
+    choices.setWordWrap(True)
+    return choices
+
+
+def add_choice(choices: QListWidget, path: str, title: str, tip: str, value: str) -> None:
+    """Add a bundled file that has a picture, and what it stands for."""
+    item = QListWidgetItem(QIcon(str(bundled_picture(path))), title, choices)
+    item.setData(Qt.ItemDataRole.UserRole, value)
+    item.setToolTip(tip)
+    item.setTextAlignment(Qt.AlignmentFlag.AlignHCenter | Qt.AlignmentFlag.AlignTop)
